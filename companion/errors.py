@@ -1,0 +1,113 @@
+"""What can go wrong, as one tree of exceptions with one exit code each.
+
+    CompanionError            exit 1, anything of ours
+    +- MissionError           exit 2, a file from outside is wrong: file:line:column
+    |  +- FormulaError        with a caret under the offending token
+    +- NoPlanError            exit 3, the task cannot be done, and why
+    +- LinkError              exit 4, no vehicle to talk to
+    |  +- LinkTimeout
+    +- Aborted                exit 5, the pilot or a failsafe ended the flight
+
+A message has three parts: what happened, where, what to do. Expected outcomes (a failed skill,
+a blocked route) are values and never exceptions. `cli.py` is the only place that catches.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+class CompanionError(Exception):
+    """Anything this program reports about itself or its input."""
+
+    exit_code = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Location:
+    """A place in a file; line and column count from 1."""
+
+    path: str
+    line: int
+    column: int
+
+    def __str__(self) -> str:
+        return f"{self.path}:{self.line}:{self.column}"
+
+
+class MissionError(CompanionError):
+    """A mission, map or scenario file that cannot be used.
+
+    Args:
+        what: what is wrong, in one line.
+        where: the place in the file, if known.
+        hint: what to do about it; may have several lines.
+    """
+
+    exit_code = 2
+
+    def __init__(self, what: str, where: Location | None = None, hint: str = "") -> None:
+        self.what = what
+        self.where = where
+        self.hint = hint
+        head = f"{where}: {what}" if where else what
+        super().__init__("\n".join([head, *(f"    {line}" for line in hint.splitlines())]))
+
+
+class FormulaError(MissionError):
+    """A formula that cannot be read; shows the text with a caret under the offending token.
+
+    Args:
+        what: what is wrong, in one line.
+        text: the formula as it was given.
+        offset: index into `text` of the offending token.
+        length: characters to underline.
+        hint: what was expected, or which name was perhaps meant.
+        where: the place of the token in a file, once the caller knows it.
+    """
+
+    def __init__(
+        self,
+        what: str,
+        text: str,
+        offset: int,
+        length: int = 1,
+        hint: str = "",
+        where: Location | None = None,
+    ) -> None:
+        self.text = text
+        self.offset = offset
+        self.length = length
+        self.advice = hint
+        line_start = text.rfind("\n", 0, offset) + 1
+        line = text[line_start:].split("\n", 1)[0]
+        caret = " " * (offset - line_start) + "^" * max(1, length)
+        super().__init__(what, where, "\n".join(filter(None, [line, f"{caret}  {hint}".rstrip()])))
+
+    def located(self, where: Location) -> FormulaError:
+        """The same error, placed in a file."""
+        return FormulaError(
+            self.what, self.text, self.offset, self.length, self.advice, where
+        )
+
+
+class NoPlanError(CompanionError):
+    """The task has no plan from the present state; the message says why."""
+
+    exit_code = 3
+
+
+class LinkError(CompanionError):
+    """The link to the vehicle cannot be opened or has gone."""
+
+    exit_code = 4
+
+
+class LinkTimeout(LinkError):
+    """Nothing usable was heard in time."""
+
+
+class Aborted(CompanionError):
+    """The pilot took over, or a failsafe of the autopilot ended the mission."""
+
+    exit_code = 5

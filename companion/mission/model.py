@@ -1,0 +1,197 @@
+"""A mission as the rest of the program sees it: frozen, checked, in SI units and local NED.
+
+`loader.py` makes it from YAML. Nothing here knows about files or YAML. Names (places, skills,
+events, components) are the mission's own and are the same in logs, messages and tests.
+
+Facts are written as the formula language writes them: `at(A)`, `targetFound`, `canUpload(r1)`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+
+from companion.geometry import Ned, NorthEast
+from companion.ltl.formula import Formula
+from companion.motion.grid import OccupancyGrid
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A named point with a region around it; `at(name)` holds inside the region."""
+
+    name: str
+    position: Ned
+    radius_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What no setpoint may leave.
+
+    Attributes:
+        speed_mps: greatest speed.
+        up_m: lowest and highest flight altitude above home.
+        fence: polygon of north-east corners.
+    """
+
+    speed_mps: float
+    up_m: tuple[float, float]
+    fence: tuple[NorthEast, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Signal:
+    """One number on the MAVLink wire: a field of a message, or the arrival of a command.
+
+    Attributes:
+        message: MAVLink message name, or `COMMAND` for a command sent to the companion.
+        instance: the `name` field that tells instances apart (NAMED_VALUE_*), else "".
+        field: the message's field; for `COMMAND` the MAV_CMD name (its value is 1).
+    """
+
+    message: str
+    instance: str
+    field: str
+
+
+@dataclass(frozen=True, slots=True)
+class Condition:
+    """A comparison of a signal with a constant, e.g. NAMED_VALUE_INT[target].value > 0."""
+
+    signal: Signal
+    comparison: str  # one of < <= > >= == !=
+    threshold: float
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """A fact that the vehicle cannot choose, read off the wire (DESIGN: semantics, point 2).
+
+    It becomes true when `when` has held for `for_s`; false when `until` (default: not `when`)
+    has held for `for_s`, or never again if `latch`.
+    """
+
+    name: str
+    when: Condition
+    until: Condition | None
+    latch: bool
+    for_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class Atom:
+    """A predicate over skill parameters or constants, e.g. trans_ok(from, to)."""
+
+    name: str
+    arguments: tuple[str, ...]
+
+    def ground(self, binding: Mapping[str, str]) -> str:
+        """The fact under a binding of parameters; names without a binding stand for themselves.
+
+        >>> Atom("at", ("from",)).ground({"from": "A"})
+        'at(A)'
+        """
+        if not self.arguments:
+            return self.name
+        return f"{self.name}({', '.join(binding.get(a, a) for a in self.arguments)})"
+
+
+@dataclass(frozen=True, slots=True)
+class Literal:
+    """An atom or its negation."""
+
+    atom: Atom
+    is_positive: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Fly:
+    """Primitive: fly to the place bound to the parameter `place`."""
+
+    place: str
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """Primitive: send a MAVLink command to a component and wait for its final answer.
+
+    Attributes:
+        component: MAVLink component id.
+        command: MAV_CMD number.
+        name: how the mission file wrote the command, e.g. MAV_CMD_USER_1.
+        parameters: param1..param7.
+    """
+
+    component: int
+    command: int
+    name: str
+    parameters: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Wait:
+    """Primitive: hold position for a time."""
+
+    duration_s: float
+
+
+Execution = Fly | Command | Wait
+
+
+@dataclass(frozen=True, slots=True)
+class Skill:
+    """The paper's action template (Section II-E) with beliefs and its refinement.
+
+    Attributes:
+        parameters: (parameter name, set name) in order.
+        precondition: conjunction of literals over the parameters.
+        assumes: beliefs that are taken for true until the skill fails.
+        effect: literals that hold afterwards.
+        cost_s: constant cost in seconds; None means flight time on the map.
+        tries: instantiations of a symbol before the skill fails (MAX_TRY, Fig. 6).
+        timeout_s: longest time the refinement may take; None for no limit.
+    """
+
+    name: str
+    parameters: tuple[tuple[str, str], ...]
+    precondition: tuple[Literal, ...]
+    assumes: tuple[Atom, ...]
+    effect: tuple[Literal, ...]
+    cost_s: float | None
+    execute: Execution
+    tries: int
+    timeout_s: float | None
+
+
+class Otherwise(Enum):
+    """What to do when no plan exists."""
+
+    RETURN_HOME = "return_home"
+    LAND = "land"
+    HOLD = "hold"
+
+
+@dataclass(frozen=True, slots=True)
+class Mission:
+    """Everything the mission file says.
+
+    Attributes:
+        task: named conjuncts, in the order of the file.
+        initially: facts that hold at the start; all others are false.
+        grid: what the vehicle is told of the map beforehand.
+    """
+
+    name: str
+    path: str
+    text: str
+    grid: OccupancyGrid
+    limits: Limits
+    places: Mapping[str, Place]
+    sets: Mapping[str, tuple[str, ...]]
+    events: Mapping[str, Event]
+    skills: Mapping[str, Skill]
+    initially: frozenset[str]
+    task: Mapping[str, Formula]
+    otherwise: Otherwise

@@ -1,0 +1,61 @@
+"""Occupancy grid and its distance field: what is free, and how far the next obstacle is.
+
+Row 0 is the southmost row and column 0 the westmost column, so that row grows with north and
+column with east. Cells outside the grid count as occupied. The distance field is the exact
+Euclidean transform between cell centres (scipy.ndimage), computed once per map.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+from scipy import ndimage
+
+from companion.geometry import NorthEast
+
+
+@dataclass(frozen=True)
+class OccupancyGrid:
+    """Cells that are occupied.
+
+    Attributes:
+        occupied: (rows, cols) bool; unknown cells of a map file count as occupied.
+        cell_m: edge of a cell.
+        origin: north-east position of the outer corner of cell (0, 0).
+    """
+
+    occupied: npt.NDArray[np.bool_]
+    cell_m: float
+    origin: NorthEast
+    distance_m: npt.NDArray[np.float64] = field(init=False, repr=False, compare=False)
+    """(rows, cols) metres from each cell's centre to the nearest occupied cell's centre."""
+
+    def __post_init__(self) -> None:
+        padded = np.pad(self.occupied, 1, constant_values=True)  # outside is occupied
+        distance = ndimage.distance_transform_edt(~padded, sampling=self.cell_m)
+        object.__setattr__(self, "distance_m", np.asarray(distance)[1:-1, 1:-1])
+
+    def cell(self, position: NorthEast) -> tuple[int, int]:
+        """Row and column of the cell that holds a position; may lie outside the grid."""
+        return (
+            int(np.floor((position[0] - self.origin[0]) / self.cell_m)),
+            int(np.floor((position[1] - self.origin[1]) / self.cell_m)),
+        )
+
+    def centre(self, row: int, col: int) -> NorthEast:
+        """North-east position of a cell's centre."""
+        return (
+            self.origin[0] + (row + 0.5) * self.cell_m,
+            self.origin[1] + (col + 0.5) * self.cell_m,
+        )
+
+    def contains(self, row: int, col: int) -> bool:
+        """Whether a cell lies on the grid."""
+        return 0 <= row < self.occupied.shape[0] and 0 <= col < self.occupied.shape[1]
+
+    def clearance_m(self, position: NorthEast) -> float:
+        """Distance from the cell of a position to the nearest obstacle; 0 outside the grid."""
+        row, col = self.cell(position)
+        return float(self.distance_m[row, col]) if self.contains(row, col) else 0.0

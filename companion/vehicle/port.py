@@ -1,0 +1,114 @@
+"""What the acting side knows of a vehicle: a state it can read, goals it can set.
+
+Positions are in the mission's frame: local NED with its origin at the home position. Time is
+the vehicle's own scaled monotonic time, in seconds. `offboard.py` fulfils the port over
+MAVLink; tests fulfil it with a kinematic fake.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import Protocol
+
+from companion.geometry import Ned
+
+
+class Mode(Enum):
+    """Flight modes of PX4 that matter here; the value is how people know them."""
+
+    MANUAL = "MANUAL"
+    ALTCTL = "ALTCTL"
+    POSCTL = "POSCTL"
+    TAKEOFF = "AUTO.TAKEOFF"
+    LOITER = "AUTO.LOITER"
+    MISSION = "AUTO.MISSION"
+    RTL = "AUTO.RTL"
+    LAND = "AUTO.LAND"
+    OFFBOARD = "OFFBOARD"
+    OTHER = "OTHER"
+
+
+@dataclass(frozen=True, slots=True)
+class VehicleState:
+    """The vehicle as last heard.
+
+    Attributes:
+        stamp_s: when the position was received.
+        position: in the mission's frame.
+        velocity: NED, metres per second.
+        yaw_rad: heading, 0 is north, positive to the east.
+        is_failsafe: the autopilot reports a critical system status.
+        battery_percent: remaining charge, None while unknown.
+    """
+
+    stamp_s: float
+    position: Ned
+    velocity: Ned
+    yaw_rad: float
+    mode: Mode
+    is_armed: bool
+    is_landed: bool
+    is_failsafe: bool
+    battery_percent: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class Setpoint:
+    """Where to be and how fast to move there; `yaw_rad` is the heading to hold."""
+
+    position: Ned
+    velocity: Ned
+    yaw_rad: float
+
+
+class Goal(Enum):
+    """A state of the vehicle to bring about; it is reached when it is observed."""
+
+    ARMED = "armed"
+    AIRBORNE = "airborne"
+    OFFBOARD = "in OFFBOARD"
+    HOLDING = "holding"
+    LANDED = "landed and disarmed"
+
+
+class Progress(Enum):
+    """How far a goal or a command has come."""
+
+    RUNNING = "running"
+    DONE = "done"
+    FAILED = "failed"
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """Progress and, for a failure, the reason in words."""
+
+    progress: Progress
+    reason: str = ""
+
+
+class Vehicle(Protocol):
+    """A vehicle that the acting side flies."""
+
+    @property
+    def state(self) -> VehicleState | None:
+        """The newest state, None until one has been heard."""
+
+    @property
+    def has_authority(self) -> bool:
+        """False once somebody else has changed the flight mode (the pilot wins)."""
+
+    def pursue(self, goal: Goal) -> Outcome:
+        """Work towards a goal; call it every tick until it is no longer RUNNING."""
+
+    def fly(self, setpoint: Setpoint | None) -> None:
+        """The setpoint to stream from now on; None ends the stream."""
+
+    def send_command(
+        self, component: int, command: int, parameters: tuple[float, ...], timeout_s: float
+    ) -> int:
+        """Start a MAVLink command to another component; returns a ticket for `command_outcome`."""
+
+    def command_outcome(self, ticket: int) -> Outcome:
+        """How far the command of a ticket has come."""
