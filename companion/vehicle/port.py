@@ -96,8 +96,8 @@ class Vehicle(Protocol):
         """The newest state, None until one has been heard."""
 
     @property
-    def has_authority(self) -> bool:
-        """False once somebody else has changed the flight mode (the pilot wins)."""
+    def lost_authority(self) -> str:
+        """Why we may no longer control the vehicle (the pilot wins); "" while we may."""
 
     def pursue(self, goal: Goal) -> Outcome:
         """Work towards a goal; call it every tick until it is no longer RUNNING."""
@@ -105,10 +105,11 @@ class Vehicle(Protocol):
     def fly(self, setpoint: Setpoint | None) -> None:
         """The setpoint to stream from now on; None ends the stream."""
 
-    def send_command(
-        self, component: int, command: int, parameters: tuple[float, ...], timeout_s: float
-    ) -> int:
-        """Start a MAVLink command to another component; returns a ticket for `command_outcome`."""
+    def send_command(self, component: int, command: int, parameters: tuple[float, ...]) -> int:
+        """Start a MAVLink command to a component; returns a ticket for `command_outcome`."""
 
     def command_outcome(self, ticket: int) -> Outcome:
         """How far the command of a ticket has come."""
+
+    def forget_command(self, ticket: int) -> None:
+        """Do not ask for a command any longer."""

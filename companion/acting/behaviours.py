@@ -1,0 +1,243 @@
+"""The leaves of the tree (Figs. 5 and 6): conditions, effects, and the primitives that fly.
+
+`initialise` runs when a leaf is entered, `update` once per tick, `terminate` when it is left;
+with status INVALID if something above has interrupted it. Time comes from the flight, never
+from a clock.
+"""
+
+from __future__ import annotations
+
+from py_trees.behaviour import Behaviour
+from py_trees.common import Status
+
+from companion.acting.flight import TICK_S, Flight
+from companion.geometry import distance
+from companion.mission.model import Command, Fly
+from companion.motion.trajectory import Trajectory
+from companion.planning.domain import Action, Fact
+from companion.vehicle.port import Progress, Setpoint
+
+ACCELERATION_MPS2 = 2.0
+ARRIVAL_M = 0.3
+"""How near to a place the vehicle has to come to be there."""
+ARRIVAL_TIMEOUT_S = 15.0
+"""How long it may take to come that near after the trajectory has ended."""
+LAG_M = 0.9
+"""Distance behind the trajectory at which the trajectory waits; below the gate's carrot."""
+
+
+class AsPredicted(Behaviour):
+    """Leftmost branch: do the events that matter to the plan still have their values?"""
+
+    def __init__(self, flight: Flight, predicted: dict[Fact, bool]) -> None:
+        super().__init__("as predicted?")
+        self._flight = flight
+        self._predicted = predicted
+
+    def update(self) -> Status:
+        """FAILURE on the first difference, which replans."""
+        facts = self._flight.task.facts
+        wrong = [f for f, holds in self._predicted.items() if (f in facts) != holds]
+        self.feedback_message = ", ".join(wrong)
+        return Status.FAILURE if wrong else Status.SUCCESS
+
+
+class Precondition(Behaviour):
+    """Green block: does the precondition hold? If so the present position is left."""
+
+    def __init__(self, flight: Flight, action: Action) -> None:
+        super().__init__(f"pre {action.name}")
+        self._flight = flight
+        self._action = action
+
+    def update(self) -> Status:
+        """FAILURE if a fact is missing."""
+        task = self._flight.task
+        if not self._action.is_applicable(task.all_facts):
+            missing = sorted(self._action.requires - task.all_facts)
+            self._flight.failure = f"{', '.join(missing) or 'a forbidden fact'} does not allow it"
+            return Status.FAILURE
+        task.begin(self._action)
+        return Status.SUCCESS
+
+
+class Effects(Behaviour):
+    """Blue block: takes the effects over into the task's state.
+
+    Args:
+        ends_lap: whether the action is the last one of the loop.
+    """
+
+    def __init__(self, flight: Flight, action: Action, ends_lap: bool) -> None:
+        super().__init__(f"eff {action.name}")
+        self._flight = flight
+        self._action = action
+        self._ends_lap = ends_lap
+
+    def update(self) -> Status:
+        """Always SUCCESS."""
+        flight, action = self._flight, self._action
+        flight.task.complete(action)
+        if isinstance(action.execute, Fly):
+            flight.report("at", f"at {action.execute.place}", action=action.name)
+        elif action.assumes or action.adds:
+            flight.report("done", f"{action.name} done", action=action.name)
+        if self._ends_lap:
+            flight.laps += 1
+        return Status.SUCCESS
+
+
+class Withdraw(Behaviour):
+    """Right branch of Fig. 6: the skill has failed, so what it assumed is not believed."""
+
+    def __init__(self, flight: Flight, action: Action) -> None:
+        super().__init__(f"withdraw {', '.join(sorted(action.assumes)) or 'nothing'}")
+        self._flight = flight
+        self._action = action
+
+    def update(self) -> Status:
+        """Always SUCCESS; the inverter above turns it into the FAILURE that replans."""
+        flight, action = self._flight, self._action
+        beliefs = sorted(action.assumes)
+        flight.task.withdraw(action.assumes)
+        flight.report(
+            "failed", f"{action.name} failed: {flight.failure}", action=action.name
+        )
+        for belief in beliefs:
+            flight.report("withdrawn", f"belief {belief} withdrawn", belief=belief)
+        return Status.SUCCESS
+
+
+class UpdateParam(Behaviour):
+    """update_param(c, w): grounds the symbol `w` to a waypoint that can be flown to now.
+
+    `c` is always the vehicle's present state, so there is nothing to ground for it.
+    """
+
+    def __init__(self, flight: Flight, place: str) -> None:
+        super().__init__(f"update_param {place}")
+        self._flight = flight
+        self._place = place
+
+    def update(self) -> Status:
+        """FAILURE if the place is not free on the map as it is known now."""
+        flight = self._flight
+        if flight.routes.is_free(flight.symbols[self._place][:2]):
+            return Status.SUCCESS
+        flight.failure = f"{self._place} is not free"
+        return Status.FAILURE
+
+
+class MoveCommand(Behaviour):
+    """move_cmd(c, w): flies a clear route to a place.
+
+    The trajectory waits for a vehicle that has fallen behind, so that its setpoint never runs
+    away; the gate would hold it otherwise.
+    """
+
+    def __init__(self, flight: Flight, place: str, timeout_s: float | None) -> None:
+        super().__init__(f"move_cmd {place}")
+        self._flight = flight
+        self._place = place
+        self._timeout_s = timeout_s
+
+    def initialise(self) -> None:
+        """Finds the route from where the vehicle is now."""
+        flight = self._flight
+        self._trajectory: Trajectory | None = None
+        self._time_s = 0.0
+        self._start_s = flight.now_s
+        state = flight.vehicle.state
+        route = flight.routes.route(state.position, self._place) if state else None
+        if route is not None and state is not None:
+            self._trajectory = Trajectory(
+                route, flight.limits.speed_mps, ACCELERATION_MPS2, state.yaw_rad
+            )
+
+    def update(self) -> Status:
+        """One setpoint along the trajectory; SUCCESS at the place."""
+        flight, state = self._flight, self._flight.vehicle.state
+        if self._trajectory is None or state is None:
+            return self._fail(f"no clear route to {self._place}")
+        elapsed_s = flight.now_s - self._start_s
+        if self._timeout_s is not None and elapsed_s > self._timeout_s:
+            return self._fail(f"not there after {self._timeout_s:.0f} s")
+        sample = self._trajectory.sample(self._time_s)
+        gap_m = distance(sample.position, state.position)
+        flight.fly(Setpoint(sample.position, sample.velocity, sample.yaw_rad))
+        if sample.is_finished and gap_m < ARRIVAL_M:
+            return Status.SUCCESS
+        if self._time_s > self._trajectory.duration_s + ARRIVAL_TIMEOUT_S:
+            return self._fail(f"still {gap_m:.1f} m from {self._place}")
+        if gap_m < LAG_M:
+            self._time_s += TICK_S
+        return Status.RUNNING
+
+    def terminate(self, new_status: Status) -> None:
+        """Stays where it is when something above interrupts."""
+        if new_status is Status.INVALID and self.status is Status.RUNNING:
+            self._flight.hold()
+
+    def _fail(self, why: str) -> Status:
+        self._flight.failure = why
+        self._flight.hold()
+        return Status.FAILURE
+
+
+class SendCommand(Behaviour):
+    """Sends a MAVLink command to a component and waits, holding, for its final answer."""
+
+    def __init__(self, flight: Flight, command: Command, timeout_s: float | None) -> None:
+        super().__init__(f"command {command.name}")
+        self._flight = flight
+        self._command = command
+        self._timeout_s = timeout_s
+        self._ticket: int | None = None
+
+    def initialise(self) -> None:
+        """Sends it for the first time."""
+        flight, command = self._flight, self._command
+        self._start_s = flight.now_s
+        self._ticket = flight.vehicle.send_command(
+            command.component, command.command, command.parameters
+        )
+
+    def update(self) -> Status:
+        """SUCCESS if it was accepted."""
+        flight = self._flight
+        flight.hold()
+        assert self._ticket is not None
+        outcome = flight.vehicle.command_outcome(self._ticket)
+        if outcome.progress is Progress.DONE:
+            return Status.SUCCESS
+        if outcome.progress is Progress.FAILED:
+            flight.failure = outcome.reason
+            return Status.FAILURE
+        if self._timeout_s is not None and flight.now_s - self._start_s > self._timeout_s:
+            flight.failure = f"no final answer in {self._timeout_s:.0f} s"
+            return Status.FAILURE
+        return Status.RUNNING
+
+    def terminate(self, new_status: Status) -> None:
+        """Stops asking."""
+        if self._ticket is not None and new_status is not Status.RUNNING:
+            self._flight.vehicle.forget_command(self._ticket)
+            self._ticket = None
+
+
+class Rest(Behaviour):
+    """Holds position for a time."""
+
+    def __init__(self, flight: Flight, duration_s: float) -> None:
+        super().__init__("rest")
+        self._flight = flight
+        self._duration_s = duration_s
+
+    def initialise(self) -> None:
+        """Starts the time."""
+        self._end_s = self._flight.now_s + self._duration_s
+
+    def update(self) -> Status:
+        """SUCCESS when the time is over."""
+        self._flight.hold()
+        return Status.SUCCESS if self._flight.now_s >= self._end_s else Status.RUNNING

@@ -1,0 +1,58 @@
+"""What behaviours act on: the vehicle, the task, the map, the clock, and the last failure."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from companion.acting.report import Report
+from companion.acting.task_state import TaskState
+from companion.geometry import Ned
+from companion.mission.model import Limits
+from companion.motion.routes import RouteMap
+from companion.vehicle.port import Setpoint, Vehicle
+
+TICK_S = 0.05
+"""Period of ticks, setpoints and everything else that the companion does: 20 Hz."""
+
+
+@dataclass
+class Flight:
+    """One flight of one mission, shared by all behaviours of its tree.
+
+    Attributes:
+        symbols: where each place is taken to be; read late, so that it may change in flight.
+        now_s: time of the tick, set before each tick.
+        laps: laps of the present plan's loop.
+        failure: why the last skill failed.
+        reports: what happened and has not been collected yet.
+    """
+
+    vehicle: Vehicle
+    task: TaskState
+    routes: RouteMap
+    limits: Limits
+    symbols: Mapping[str, Ned]
+    start_s: float = 0.0
+    now_s: float = 0.0
+    laps: int = 0
+    failure: str = ""
+    reports: list[Report] = field(default_factory=list)
+    setpoint: Setpoint | None = None
+
+    def report(self, kind: str, text: str, **data: object) -> None:
+        """Notes something that happened now."""
+        self.reports.append(Report(round(self.now_s - self.start_s, 3), kind, text, data))
+
+    def fly(self, setpoint: Setpoint) -> None:
+        """Streams a setpoint from now on."""
+        self.setpoint = setpoint
+        self.vehicle.fly(setpoint)
+
+    def hold(self) -> None:
+        """Stays where the last setpoint was, or where the vehicle is."""
+        state = self.vehicle.state
+        if self.setpoint is not None:
+            self.fly(Setpoint(self.setpoint.position, (0.0, 0.0, 0.0), self.setpoint.yaw_rad))
+        elif state is not None:
+            self.fly(Setpoint(state.position, (0.0, 0.0, 0.0), state.yaw_rad))

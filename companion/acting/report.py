@@ -1,0 +1,28 @@
+"""What happened, as a value: the lines that people read and `events.jsonl` keeps.
+
+Kinds: `plan` and `replan` (a lasso was made), `at` and `done` (a skill was completed), `failed`
+(a skill was not), `withdrawn` (a belief was given up), `event` (a fact that the vehicle cannot
+choose has changed), `lap`, `phase` (a step of the sortie) and `end`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """One thing that happened.
+
+    Attributes:
+        time_s: seconds since the run began.
+        kind: see the module's docstring.
+        text: one line for people.
+        data: the same for programs; values that JSON can hold.
+    """
+
+    time_s: float
+    kind: str
+    text: str
+    data: Mapping[str, object] = field(default_factory=dict)

@@ -1,0 +1,90 @@
+"""A lasso as a behaviour tree (Figs. 5 and 6 of the paper).
+
+    Sequence (no memory)                        root
+    +- as predicted?                            leftmost checking branch (Section IV-C, end)
+    +- Sequence (memory)                        the plan
+       +- <action> ...                          prefix
+       +- Repeat for ever - Sequence <action>   suffix: the loop decorator L of Fig. 5
+
+    <action> = Selector
+               +- Sequence: precondition | refinement | effects       green, yellow, blue
+               +- Inverter - withdraw what the action assumed         Fig. 6, right branch
+
+    refinement of a flight = Retry(tries) - Sequence: update_param | move_cmd    MAX_TRY(m)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence as Many
+
+from py_trees.behaviour import Behaviour
+from py_trees.composites import Selector, Sequence
+from py_trees.decorators import Inverter, Repeat, Retry
+
+from companion.acting.behaviours import (
+    AsPredicted,
+    Effects,
+    MoveCommand,
+    Precondition,
+    Rest,
+    SendCommand,
+    UpdateParam,
+    Withdraw,
+)
+from companion.acting.flight import Flight
+from companion.mission.model import Command, Fly, Wait
+from companion.planning.domain import Action, Fact
+from companion.planning.lasso import Lasso
+
+FOR_EVER = -1
+
+
+def build(flight: Flight, lasso: Lasso, predicted: dict[Fact, bool]) -> Behaviour:
+    """The tree of a lasso.
+
+    Args:
+        flight: what the leaves act on.
+        lasso: the plan.
+        predicted: the values of events on which the plan relies.
+    """
+    prefix = [_action(flight, a) for a in lasso.prefix]
+    last = len(lasso.suffix) - 1
+    lap = [_action(flight, a, ends_lap=i == last) for i, a in enumerate(lasso.suffix)]
+    loop = Repeat("L", _sequence("lap", lap), num_success=FOR_EVER)
+    root = Sequence("root", memory=False)
+    root.add_children([AsPredicted(flight, predicted), _sequence("plan", [*prefix, loop])])
+    return root
+
+
+def _action(flight: Flight, action: Action, ends_lap: bool = False) -> Behaviour:
+    triple = _sequence(
+        "triple",
+        [
+            Precondition(flight, action),
+            _refinement(flight, action),
+            Effects(flight, action, ends_lap),
+        ],
+    )
+    selector = Selector(action.name, memory=True)
+    selector.add_children([triple, Inverter("not", Withdraw(flight, action))])
+    return selector
+
+
+def _refinement(flight: Flight, action: Action) -> Behaviour:
+    match action.execute:
+        case Fly(place):
+            steps = [
+                UpdateParam(flight, place),
+                MoveCommand(flight, place, action.timeout_s),
+            ]
+            return Retry(f"MAX_TRY({action.tries})", _sequence("move", steps), action.tries)
+        case Command():
+            return SendCommand(flight, action.execute, action.timeout_s)
+        case Wait(duration_s):
+            return Rest(flight, duration_s)
+
+
+def _sequence(name: str, children: Many[Behaviour]) -> Behaviour:
+    sequence = Sequence(name, memory=True)
+    sequence.add_children(list(children))
+    return sequence

@@ -1,0 +1,141 @@
+"""Is this YAML text what the model says, and if not, what is wrong at which line and column?
+
+In go a text and a pydantic model, out come the validated model and a `Document` which finds the
+place of each of its keys and values again, for checks that come later. Neither opens a file.
+Missions and the simulator's scenarios are read through here.
+
+The YAML itself is read by yaml_tree.py, with limits on size and depth. Validation is strict, as
+for JSON: a quoted "3" is no number. Messages name what was expected in plain words; their hint
+is the field's own description, the one that the JSON Schema carries.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TypeAlias, TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+from companion.document_errors import first_problem
+from companion.errors import FormulaError, Location, MissionError
+from companion.yaml_tree import Listing, Node, Scalar, Table, Value, read_tree
+
+Key = str | int
+Data: TypeAlias = "Value | list[Data] | dict[str, Data]"
+M = TypeVar("M", bound=BaseModel)
+
+
+def validate(text: str, path: str, model: type[M]) -> tuple[M, Document]:
+    """Read a YAML text as a model.
+
+    Args:
+        text: the whole file.
+        path: its name, for messages alone.
+        model: forbids unknown keys (extra="forbid").
+
+    Raises:
+        MissionError: the text is not safe YAML, or not what the model describes.
+    """
+    document = Document(text, path)
+    try:
+        return model.model_validate_json(json.dumps(document.data()), strict=True), document
+    except ValidationError as error:
+        problem = first_problem(error, model, document.data(), document.position)
+        at = document.key_at if problem.is_about_key else document.where
+        raise MissionError(problem.what, at(*problem.keys), problem.hint) from None
+
+
+class Document:
+    """A YAML text whose keys and values can be found again.
+
+    Raises:
+        MissionError: not safe YAML (see yaml_tree.py).
+    """
+
+    def __init__(self, text: str, path: str) -> None:
+        self._text = text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
+        self._path = path
+        self._root = read_tree(self._text, path)
+
+    def data(self) -> Data:
+        """The content as plain dicts, lists and scalars."""
+        return _plain(self._root)
+
+    def where(self, *keys: Key) -> Location:
+        """Place of a value; of the nearest parent that exists, if it does not."""
+        return self._nearest(keys)[0].where
+
+    def key_at(self, *keys: Key) -> Location:
+        """Place of a key itself; of the item for an index, of the parent if it does not exist."""
+        parent, _ = self._nearest(keys[:-1])
+        if keys and isinstance(parent, Table) and (entry := parent.entries.get(str(keys[-1]))):
+            return entry.key_at
+        return self.where(*keys) if self._nearest(keys)[1] else self.key_at(*keys[:-1])
+
+    def position(self, *keys: Key) -> tuple[int, int]:
+        """Line and column of a value, to sort by."""
+        where = self.where(*keys)
+        return (where.line, where.column)
+
+    def inside(self, offset: int, *keys: Key) -> Location:
+        """Place of one character of a scalar, however the scalar is written.
+
+        YAML folds lines and drops indentation but keeps every other character, so the n-th
+        character that is not white space is the same in the file and in the value.
+
+        Args:
+            offset: index into the value; its end is allowed.
+            keys: where the scalar is.
+
+        Returns:
+            The start of the scalar if it has escapes, which break the correspondence.
+        """
+        node, is_found = self._nearest(keys)
+        if not is_found or not isinstance(node, Scalar) or not isinstance(node.value, str):
+            return node.where
+        inner = self._inner_start(node)
+        indices = [i for i in range(inner, node.end) if not self._text[i].isspace()]
+        value = "".join(node.value.split())
+        if "".join(self._text[i] for i in indices[: len(value)]) != value or not value:
+            return node.where
+        rank = len("".join(node.value[:offset].split()))
+        index = indices[rank] if rank < len(value) else indices[len(value) - 1] + 1
+        line = self._text.count("\n", 0, index) + 1
+        return Location(self._path, line, index - self._text.rfind("\n", 0, index))
+
+    @contextmanager
+    def locating(self, *keys: Key) -> Iterator[None]:
+        """Formula errors from the block are about this scalar: give them their place in it."""
+        try:
+            yield
+        except FormulaError as error:
+            raise error.located(self.inside(error.offset, *keys)) from None
+
+    def _inner_start(self, scalar: Scalar) -> int:
+        """Index after the opening quote, or after the header line of a block scalar."""
+        opening = self._text[scalar.start]
+        if opening in "|>":
+            return self._text.index("\n", scalar.start)
+        return scalar.start + (opening in "\"'")
+
+    def _nearest(self, keys: tuple[Key, ...]) -> tuple[Node, bool]:
+        """The node at the keys, or the nearest parent and False."""
+        node = self._root
+        for key in keys:
+            if isinstance(node, Table) and str(key) in node.entries:
+                node = node.entries[str(key)].node
+            elif isinstance(node, Listing) and isinstance(key, int) and key < len(node.items):
+                node = node.items[key]
+            else:
+                return node, False
+        return node, True
+
+
+def _plain(node: Node) -> Data:
+    if isinstance(node, Scalar):
+        return node.value
+    if isinstance(node, Listing):
+        return [_plain(item) for item in node.items]
+    return {key: _plain(entry.node) for key, entry in node.entries.items()}

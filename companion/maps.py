@@ -1,0 +1,158 @@
+"""Map files: which cells of the world are occupied, as far as the vehicle has been told?
+
+Reads the format of ROS map_server (wiki.ros.org/map_server, nav2_map_server): a YAML file that
+names an image (PGM or PNG) and says what its grey values mean, in mode `trinary`. In the map's
+frame x is east and y is north of the home position; the image's top row is the northmost.
+
+This is a door: it opens the files whose path it is given. Left out: rotated maps, the modes
+`scale` and `raw`, and images with more than 8 bits. A pixel that is not opaque is unknown, and
+unknown cells count as occupied. Keys that map_server does not know are ignored, as it does.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from PIL import Image, UnidentifiedImageError
+from ruamel.yaml import YAML
+from ruamel.yaml.comments import CommentedMap
+from ruamel.yaml.error import MarkedYAMLError, YAMLError
+
+from companion.errors import Location, MissionError
+from companion.motion.grid import OccupancyGrid
+
+MAX_EDGE_CELLS = 4000
+MAX_YAML_BYTES = 64 * 1024  # a map's YAML has seven lines; more is another file
+
+_GREY_MODES = ("1", "L", "LA", "P", "RGB", "RGBA")  # Pillow's names of images with 8 bits or less
+
+
+def read_map(path: Path) -> OccupancyGrid:
+    """The occupancy grid of a map file.
+
+    Args:
+        path: the YAML file; its image lies relative to it.
+
+    Raises:
+        MissionError: a file is missing or unreadable, or a value is not one that map_server
+            allows; the message names the line where it is known.
+    """
+    fields = _Fields(path)
+    resolution_m = fields.number("resolution", 0.001, 100.0)
+    east_m, north_m = fields.origin()
+    is_negated = fields.number("negate", 0, 1) == 1
+    free_below = fields.number("free_thresh", 0.0, 1.0)
+    occupied_above = fields.number("occupied_thresh", 0.0, 1.0)
+    if free_below > occupied_above:
+        raise fields.error("free_thresh", "free_thresh is greater than occupied_thresh")
+    if fields.values.get("mode", "trinary") != "trinary":
+        raise fields.error("mode", "the map's mode is not trinary", "Only `trinary` is supported.")
+    grey, is_opaque = _pixels(fields)
+    occupancy = grey / 255 if is_negated else (255 - grey) / 255
+    is_free = (occupancy < free_below) & is_opaque
+    return OccupancyGrid(np.ascontiguousarray(~is_free[::-1]), resolution_m, (north_m, east_m))
+
+
+class _Fields:
+    """The keys of a map's YAML file, each of which knows its line."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.values = _yaml_mapping(path)
+
+    def error(self, key: str, what: str, hint: str = "") -> MissionError:
+        """An error at a key's value."""
+        line, column = self.values.lc.value(key)
+        return MissionError(what, Location(str(self.path), line + 1, column + 1), hint)
+
+    def value(self, key: str) -> Any:
+        """The value of a key that must be there."""
+        if key not in self.values:
+            raise MissionError(
+                f"the map has no `{key}`",
+                Location(str(self.path), 1, 1),
+                "A map has image, resolution, origin, negate, occupied_thresh and free_thresh.",
+            )
+        return self.values[key]
+
+    def number(self, key: str, least: float, most: float) -> float:
+        """A number between two bounds."""
+        value = self.value(key)
+        if not _is_number(value) or not least <= value <= most:
+            raise self.error(key, f"{key} is {value!r}, not a number from {least:g} to {most:g}")
+        return float(value)
+
+    def origin(self) -> tuple[float, float]:
+        """East and north of the map's south-west corner, metres."""
+        value = self.value("origin")
+        if not isinstance(value, list) or len(value) != 3 or not all(map(_is_number, value)):
+            raise self.error("origin", "origin is not a list of three numbers: [x, y, yaw]")
+        if value[2] != 0:
+            raise self.error(
+                "origin",
+                f"the map is rotated by {value[2]:g} rad",
+                "Only yaw 0 is supported: x is east and y is north.",
+            )
+        return float(value[0]), float(value[1])
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def _yaml_mapping(path: Path) -> CommentedMap:
+    """The top level of a YAML file.
+
+    Raises:
+        MissionError: the file cannot be read, is no YAML, or is not a mapping.
+    """
+    try:
+        if path.stat().st_size > MAX_YAML_BYTES:
+            raise MissionError(f"{path} is too large for a map's YAML file")
+        values = YAML(typ="rt", pure=True).load(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        raise MissionError(f"the map {path} cannot be read: {error}") from error
+    except MarkedYAMLError as error:
+        mark = error.problem_mark
+        where = Location(str(path), mark.line + 1, mark.column + 1) if mark else None
+        raise MissionError(f"the map is no YAML: {error.problem}", where) from error
+    except (YAMLError, RecursionError, ValueError) as error:
+        raise MissionError(f"the map {path} is no YAML: {error}") from error
+    if not isinstance(values, CommentedMap):
+        raise MissionError("the map is not a YAML mapping", Location(str(path), 1, 1))
+    return values
+
+
+def _pixels(fields: _Fields) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.bool_]]:
+    """Grey values 0 to 255 and which pixels are opaque; (rows, cols), row 0 northmost.
+
+    Raises:
+        MissionError: the image is missing, too large or not one that is understood.
+    """
+    name = fields.value("image")
+    if not isinstance(name, str) or not name:
+        raise fields.error("image", "image is not a file name")
+    path = fields.path.parent / name
+    if not path.is_file():
+        raise fields.error("image", f"there is no image {path}")
+    try:
+        with Image.open(path, formats=("PPM", "PNG")) as image:
+            if max(image.size) > MAX_EDGE_CELLS or min(image.size) < 1:
+                raise fields.error(
+                    "image",
+                    f"the image has {image.width} x {image.height} cells",
+                    f"At most {MAX_EDGE_CELLS} cells along an edge; use a coarser resolution.",
+                )
+            if image.mode not in _GREY_MODES:
+                raise fields.error("image", f"the image has pixels of kind {image.mode}, not 8 bit")
+            rgba = np.asarray(image.convert("RGBA"))
+    except (UnidentifiedImageError, Image.DecompressionBombError) as error:
+        raise fields.error("image", f"{path} is no usable PGM or PNG image") from error
+    except (OSError, ValueError, SyntaxError) as error:  # what Pillow raises on broken images
+        raise fields.error("image", f"the image {path} cannot be read: {error}") from error
+    return rgba[..., :3].mean(axis=2), rgba[..., 3] == 255

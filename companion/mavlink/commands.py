@@ -1,0 +1,138 @@
+"""The command protocol, sender's side: ask until there is a final answer. No I/O.
+
+Rules (https://mavlink.io/en/services/command.html):
+1. A command is sent again every 0.5 s until it is answered, with `confirmation` counted up.
+2. No answer at all for 5 s is a failure.
+3. IN_PROGRESS lengthens the wait: 10 s from the last one.
+4. TEMPORARILY_REJECTED is tried again after 1 s, at most ten times.
+5. ACCEPTED is success. Every other result is final and a failure.
+
+An answer belongs to the command that was sent last to its component with that number. A second
+answer may follow (PX4 accepts DO_SET_MODE at once and refuses it 10 ms later), so an accepted
+command still listens: a later failure overrides.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from companion.mavlink.framing import Message, dialect, source
+
+RESEND_S = 0.5
+SILENCE_S = 5.0
+PROGRESS_S = 10.0
+REJECTION_PAUSE_S = 1.0
+MAX_REJECTIONS = 10
+
+Parameters = tuple[float, float, float, float, float, float, float]
+"""param1 to param7 of COMMAND_LONG."""
+
+
+@dataclass
+class Exchange:
+    """One command under way.
+
+    Attributes:
+        result: name of the final MAV_RESULT without its prefix, "" while there is none,
+            "NO_ANSWER" for silence.
+    """
+
+    system: int
+    component: int
+    command: int
+    parameters: Parameters
+    deadline_s: float
+    next_send_s: float
+    confirmation: int = 0
+    rejections: int = 0
+    result: str = ""
+    is_answered: bool = field(default=False)
+
+    @property
+    def has_failed(self) -> bool:
+        """A final answer, and not the wanted one."""
+        return self.result not in ("", "ACCEPTED")
+
+    def receive(self, now_s: float, ack: Message) -> None:
+        """Takes a COMMAND_ACK for this command."""
+        result = result_name(ack.result)
+        self.is_answered = True
+        if result == "IN_PROGRESS":
+            self.deadline_s = now_s + PROGRESS_S
+        elif result == "TEMPORARILY_REJECTED" and self.rejections < MAX_REJECTIONS:
+            self.rejections += 1
+            self.is_answered = False
+            self.next_send_s = now_s + REJECTION_PAUSE_S
+            self.deadline_s = self.next_send_s + SILENCE_S
+        else:
+            self.result = result
+
+    def due(self, now_s: float) -> Message | None:
+        """The COMMAND_LONG to send now, if any."""
+        if self.result:
+            return None
+        if now_s >= self.deadline_s:
+            self.result = "NO_ANSWER"
+            return None
+        if self.is_answered or now_s < self.next_send_s:
+            return None
+        message = dialect.MAVLink_command_long_message(
+            self.system, self.component, self.command, self.confirmation, *self.parameters
+        )
+        self.confirmation = min(255, self.confirmation + 1)
+        self.next_send_s = now_s + RESEND_S
+        return message
+
+
+class CommandSender:
+    """All commands under way, by the ticket that `start` gave for each."""
+
+    def __init__(self) -> None:
+        self._exchanges: dict[int, Exchange] = {}
+        self._tickets = 0
+
+    def start(
+        self,
+        now_s: float,
+        target: tuple[int, int],
+        command: int,
+        parameters: Parameters,
+    ) -> int:
+        """Begins a command to (system, component); returns its ticket."""
+        self._tickets += 1
+        self._exchanges[self._tickets] = Exchange(
+            *target, command, parameters, deadline_s=now_s + SILENCE_S, next_send_s=now_s
+        )
+        return self._tickets
+
+    def forget(self, ticket: int) -> None:
+        """Ends a command: nothing more is sent, answers are ignored."""
+        self._exchanges.pop(ticket, None)
+
+    def __getitem__(self, ticket: int) -> Exchange:
+        return self._exchanges[ticket]
+
+    def receive(self, now_s: float, ack: Message) -> None:
+        """Hands a COMMAND_ACK to the newest command that it answers."""
+        for ticket in sorted(self._exchanges, reverse=True):
+            exchange = self._exchanges[ticket]
+            if ack.command == exchange.command and source(ack) == (
+                exchange.system,
+                exchange.component,
+            ):
+                exchange.receive(now_s, ack)
+                return
+
+    def due(self, now_s: float) -> list[Message]:
+        """The messages to send now."""
+        return [m for e in self._exchanges.values() if (m := e.due(now_s)) is not None]
+
+
+def result_name(result: int) -> str:
+    """MAV_RESULT in words, e.g. "DENIED".
+
+    >>> result_name(2)
+    'DENIED'
+    """
+    entry = dialect.enums["MAV_RESULT"].get(result)
+    return entry.name.removeprefix("MAV_RESULT_") if entry else f"result {result}"

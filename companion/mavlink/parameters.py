@@ -1,0 +1,58 @@
+"""How do PX4's integer parameters travel in the one float field of the parameter protocol?
+
+PX4 copies the four bytes of an integer into PARAM_VALUE.param_value (capability
+MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_BYTEWISE); the type field says how to read them back.
+
+Source: https://mavlink.io/en/services/parameter.html#parameter-encoding. Left out: the 64 bit
+types, which do not fit into the field. Integers whose bytes are a signalling NaN (2139095041 to
+2143289343 and -8388607 to -4194305) may change their value on the way, because a processor turns
+such a float into a quiet NaN; no PX4 parameter has such a value.
+"""
+
+from __future__ import annotations
+
+import struct
+
+INT32 = 6  # MAV_PARAM_TYPE_INT32
+REAL32 = 9  # MAV_PARAM_TYPE_REAL32
+
+_LAYOUTS = {1: "<Bxxx", 2: "<bxxx", 3: "<Hxx", 4: "<hxx", 5: "<I", INT32: "<i", REAL32: "<f"}
+"""MAV_PARAM_TYPE -> layout of the four bytes."""
+
+
+def encode(value: float, param_type: int) -> float:
+    """The float that carries a value on the wire.
+
+    Args:
+        value: within the range of the type; integral for the integer types.
+        param_type: MAV_PARAM_TYPE, at most 32 bit.
+
+    Raises:
+        ValueError: a type that does not fit, or a value that does not fit the type.
+
+    >>> decode(encode(5, INT32), INT32)
+    5
+    """
+    try:
+        raw = struct.pack(
+            _layout(param_type), float(value) if param_type == REAL32 else int(value)
+        )
+    except (struct.error, OverflowError) as error:
+        raise ValueError(f"{value} does not fit into parameter type {param_type}") from error
+    return float(struct.unpack("<f", raw)[0])
+
+
+def decode(param_value: float, param_type: int) -> float | int:
+    """The value that a float of the wire carries; the inverse of `encode`.
+
+    Raises:
+        ValueError: a type that does not fit into the field.
+    """
+    value: float | int = struct.unpack(_layout(param_type), struct.pack("<f", param_value))[0]
+    return value
+
+
+def _layout(param_type: int) -> str:
+    if param_type not in _LAYOUTS:
+        raise ValueError(f"parameter type {param_type} does not travel in a float")
+    return _LAYOUTS[param_type]

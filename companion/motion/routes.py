@@ -1,0 +1,225 @@
+"""Routes on the map: how far is it to a place, and along which straight legs?
+
+A cell is free if the next obstacle is at least the clearance away and the fence holds all of
+the cell. One field per place gives the way along free cells from everywhere (`fields.py`); the
+route is that way pulled tight by legs that cross free cells only (`sight.py`).
+
+Routes respect the labels (DESIGN, semantics, point 8): no leg comes from outside into the
+region of another exclusive place, but legs within and out of one are allowed. So a vehicle can
+leave the place where it is, and passes through no other unrecorded.
+
+Routes are planned in the plane; the altitude changes evenly along the way. Left out: the third
+dimension of obstacles, and the vehicle's dynamics (`trajectory.py`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from companion.geometry import Ned, NorthEast
+from companion.motion.fields import Cell, Field, MoveGraph
+from companion.motion.grid import OccupancyGrid
+from companion.motion.sight import Points, Sight, enters
+
+ENTRY_M = 1.0  # how far from the nearest free cell a route may begin (tracking error)
+
+
+@dataclass(frozen=True, slots=True)
+class Site:
+    """A place as routes see it.
+
+    Attributes:
+        position: where routes to it end.
+        radius_m: radius of its region in the north-east plane.
+        is_exclusive: the task mentions it: no route to elsewhere may enter its region.
+    """
+
+    position: Ned
+    radius_m: float
+    is_exclusive: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Route:
+    """Straight legs from where the vehicle is to a place.
+
+    Attributes:
+        waypoints: (n, 3) float, NED metres, n >= 2; the first is the start, the last the place.
+    """
+
+    waypoints: npt.NDArray[np.float64]
+
+    @property
+    def length_m(self) -> float:
+        """Length of all legs in space."""
+        return float(np.linalg.norm(np.diff(self.waypoints, axis=0), axis=1).sum())
+
+
+class RouteMap:
+    """Routes and distances to places on one map.
+
+    Each place's field is computed when it is first asked for, and kept.
+
+    Args:
+        grid: the map as it is known now.
+        sites: the places, by name.
+        fence: north-east corners of the polygon that no route leaves.
+        clearance_m: least distance from a free cell's centre to an occupied cell's centre.
+    """
+
+    def __init__(
+        self,
+        grid: OccupancyGrid,
+        sites: Mapping[str, Site],
+        fence: Sequence[NorthEast],
+        clearance_m: float,
+    ) -> None:
+        self._grid = grid
+        self._sites = dict(sites)
+        self._free = (grid.distance_m >= clearance_m) & _cells_inside(grid, fence)
+        self._free_sight = Sight(self._free)
+        self._open_sight = Sight(~grid.occupied)
+        self._graph = MoveGraph(self._free)
+        self._fields: dict[str, Field | None] = {}
+
+    def is_free(self, position: NorthEast) -> bool:
+        """Whether a position has the clearance and lies inside the fence."""
+        return self._is_free_cell(self._grid.cell(position))
+
+    def distance_m(self, start: NorthEast, site: str) -> float:
+        """Length of the way along cells to a site, in the plane; inf if there is none.
+
+        Raises:
+            KeyError: there is no such site.
+        """
+        entry = self._entry(start, site)
+        if entry is None:
+            return math.inf
+        field, cell = entry
+        goal = self._sites[site].position
+        hops = np.linalg.norm(self._point(start) - _centre(cell)) + np.linalg.norm(
+            self._point(goal) - _centre(self._grid.cell((goal[0], goal[1])))
+        )
+        return float(field.cost[cell] + hops) * self._grid.cell_m
+
+    def route(self, start: Ned, site: str) -> Route | None:
+        """The shortest route to a site, pulled tight; None if there is none.
+
+        A start that is not free (the vehicle may have drifted a little) is left by a leg to the
+        nearest free cell within ENTRY_M that crosses no occupied cell.
+
+        Raises:
+            KeyError: there is no such site.
+        """
+        entry = self._entry((start[0], start[1]), site)
+        if entry is None:
+            return None
+        field, cell = entry
+        goal = self._sites[site].position
+        path = np.vstack([self._point(start), field.path(cell) + 0.5, self._point(goal)])
+        held = 0 if self.is_free((start[0], start[1])) else 1  # keep the leg out of the band
+        points = np.vstack([path[:held], self._pulled_tight(path[held:], site)])
+        plane = points * self._grid.cell_m + self._grid.origin
+        plane[0], plane[-1] = start[:2], goal[:2]  # exactly, whatever the rounding
+        return Route(_with_altitude(plane, start[2], goal[2]))
+
+    def _point(self, position: Sequence[float]) -> Points:
+        """A position in units of cells (`sight.py`)."""
+        return (np.asarray(position[:2]) - self._grid.origin) / self._grid.cell_m
+
+    def _is_free_cell(self, cell: Cell) -> bool:
+        return self._grid.contains(*cell) and bool(self._free[cell])
+
+    def _regions(self, site: str) -> list[tuple[Points, float]]:
+        """Centre and radius, in cells, of the regions that no route to a site may enter."""
+        return [
+            (self._point(other.position), other.radius_m / self._grid.cell_m)
+            for name, other in self._sites.items()
+            if other.is_exclusive and name != site
+        ]
+
+    def _is_allowed(self, a: Points, b: Points, site: str) -> bool:
+        """Whether a leg on the way to a site enters no other region."""
+        return not any(enters(a, b, centre, radius) for centre, radius in self._regions(site))
+
+    def _field(self, site: str) -> Field | None:
+        """The field of a site; None if the site itself cannot be reached from its own cell."""
+        if site not in self._fields:
+            self._fields[site] = self._searched(site)
+        return self._fields[site]
+
+    def _searched(self, site: str) -> Field | None:
+        position = self._sites[site].position
+        cell = self._grid.cell((position[0], position[1]))
+        if not self._is_free_cell(cell):
+            return None
+        if not self._is_allowed(_centre(cell), self._point(position), site):
+            return None
+        entering = [self._graph.entering(*region) for region in self._regions(site)]
+        return self._graph.field(cell, np.concatenate([np.empty(0, dtype=np.int_), *entering]))
+
+    def _entry(self, start: NorthEast, site: str) -> tuple[Field, Cell] | None:
+        """The nearest cell to which a leg leads and from which there is a way to a site."""
+        field = self._field(site)
+        if field is None:
+            return None
+        sight = self._free_sight if self.is_free(start) else self._open_sight
+        point = self._point(start)
+        reach = ENTRY_M / self._grid.cell_m
+        low = np.maximum(np.floor(point - reach), 0).astype(int)
+        high = np.maximum(np.ceil(point + reach), 0).astype(int)
+        cells = low + np.argwhere(np.isfinite(field.cost[low[0] : high[0], low[1] : high[1]]))
+        away = np.linalg.norm(cells + 0.5 - point, axis=1)
+        for i in np.argsort(away, kind="stable"):
+            if away[i] > reach:
+                break
+            centre = cells[i] + 0.5
+            if sight.is_clear(point, centre) and self._is_allowed(point, centre, site):
+                return field, (int(cells[i, 0]), int(cells[i, 1]))
+        return None
+
+    def _pulled_tight(self, path: Points, site: str) -> Points:
+        """The path with each leg replaced by the one to the furthest point in sight."""
+        kept = [0]
+        while kept[-1] < len(path) - 1:
+            here = kept[-1]
+            following = here + 1
+            for ahead in range(len(path) - 1, following, -1):
+                if self._free_sight.is_clear(path[here], path[ahead]) and self._is_allowed(
+                    path[here], path[ahead], site
+                ):
+                    following = ahead
+                    break
+            kept.append(following)
+        return path[kept]
+
+
+def _centre(cell: Cell) -> Points:
+    return np.array(cell) + 0.5
+
+
+def _cells_inside(grid: OccupancyGrid, polygon: Sequence[NorthEast]) -> npt.NDArray[np.bool_]:
+    """Cells with all four corners inside a polygon; the rule is `geometry.is_in_polygon`'s."""
+    rows, cols = grid.occupied.shape
+    north = grid.origin[0] + grid.cell_m * np.arange(rows + 1)[:, None]
+    east = grid.origin[1] + grid.cell_m * np.arange(cols + 1)[None, :]
+    inside = np.zeros((rows + 1, cols + 1), dtype=np.bool_)
+    for (n1, e1), (n2, e2) in zip(polygon, [*polygon[1:], polygon[0]], strict=True):
+        if e1 != e2:
+            is_west = north < (n2 - n1) * (east - e1) / (e2 - e1) + n1
+            inside ^= ((e1 > east) != (e2 > east)) & is_west
+    return inside[:-1, :-1] & inside[1:, :-1] & inside[:-1, 1:] & inside[1:, 1:]
+
+
+def _with_altitude(
+    plane: npt.NDArray[np.float64], first_down_m: float, last_down_m: float
+) -> npt.NDArray[np.float64]:
+    """(n, 3) waypoints of (n, 2) ones; down changes in proportion to the way in the plane."""
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(plane, axis=0), axis=1))])
+    share = along / along[-1] if along[-1] > 0 else np.linspace(0.0, 1.0, len(plane))
+    return np.column_stack([plane, first_down_m + share * (last_down_m - first_down_m)])

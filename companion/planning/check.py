@@ -1,0 +1,43 @@
+"""Is a lasso right? The independent check that every plan passes before it flies.
+
+No automaton and no search takes part: the actions are executed on the facts, the loop must
+close, and each conjunct must hold on the word by the direct semantics of LTL. The history
+is part of the word, for a task is about the whole flight and not only about what is left of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from companion.ltl.semantics import holds
+from companion.planning.lasso import Lasso, Letter, Problem, word
+
+
+def fault(problem: Problem, lasso: Lasso, history: Sequence[Letter] = ()) -> str | None:
+    """What is wrong with a plan, in words; None if nothing is.
+
+    Args:
+        problem: what the plan answers.
+        lasso: the plan.
+        history: letters that were read before, the present position's included if it is read.
+    """
+    facts = problem.facts
+    if not lasso.suffix:
+        return "the loop is empty"
+    anchor = facts
+    for i, action in enumerate((*lasso.prefix, *lasso.suffix)):
+        if i == len(lasso.prefix):
+            anchor = facts
+        if not action.is_applicable(facts):
+            missing = sorted(action.requires - facts) + [f"not {f}" for f in action.forbids & facts]
+            return f"{action.name} cannot be executed: {', '.join(missing)} does not hold"
+        facts = action.apply(facts)
+    if facts != anchor:
+        return f"the loop does not close: {', '.join(sorted(facts ^ anchor))} changed"
+    if problem.is_read and not lasso.prefix:
+        return "the loop begins at a position that has been left already"
+    prefix, loop = word(problem, lasso)
+    for conjunct in problem.conjuncts:
+        if not holds(conjunct.formula, [*history, *prefix], loop):
+            return f"the plan's word does not satisfy {conjunct.name}: {conjunct.formula}"
+    return None

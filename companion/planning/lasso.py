@@ -1,0 +1,103 @@
+"""What planning asks and answers: a Problem, and a Lasso that solves it.
+
+A lasso is a finite prefix of actions and a loop that is repeated for ever (Section III-A). Its
+word is the sequence of facts at the positions it passes. A position is read by the automata
+when it is left, so a problem may start at a position that has been read already: the vehicle
+has left it, and the system moves first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from companion.ltl.automaton import BuchiAutomaton
+from companion.ltl.formula import Formula
+from companion.planning.domain import WAIT, Action, Fact
+
+Letter = frozenset[Fact]
+"""The facts that hold at one position."""
+
+
+@dataclass(frozen=True)
+class Conjunct:
+    """One named part of the task with its automaton."""
+
+    name: str
+    formula: Formula
+    automaton: BuchiAutomaton
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A planning problem; between replans only the last three fields change.
+
+    Attributes:
+        actions: grounded actions; their order breaks ties.
+        conjuncts: the task.
+        facts: what holds now.
+        automaton_states: per conjunct, the states its automaton may be in after the history.
+        is_read: whether the present position has been read already.
+    """
+
+    actions: tuple[Action, ...]
+    conjuncts: tuple[Conjunct, ...]
+    facts: frozenset[Fact]
+    automaton_states: tuple[frozenset[int], ...]
+    is_read: bool = False
+
+
+@dataclass(frozen=True)
+class Lasso:
+    """An infinite plan: `prefix` once, then `suffix` for ever; the suffix is never empty."""
+
+    prefix: tuple[Action, ...]
+    suffix: tuple[Action, ...]
+
+    @property
+    def prefix_cost_ms(self) -> int:
+        """Cost of the prefix."""
+        return sum(a.cost_ms for a in self.prefix)
+
+    @property
+    def lap_cost_ms(self) -> int:
+        """Cost of one lap of the loop."""
+        return sum(a.cost_ms for a in self.suffix)
+
+    @property
+    def ends_at_rest(self) -> bool:
+        """Whether nothing but rest is left after the prefix: the task is then done."""
+        return all(a is WAIT for a in self.suffix)
+
+    def __str__(self) -> str:
+        prefix = ", ".join(a.name for a in self.prefix)
+        suffix = ", ".join(a.name for a in self.suffix)
+        return f"{prefix + ', ' if prefix else ''}({suffix})^w"
+
+    def as_json(self) -> dict[str, object]:
+        """Prefix and loop with costs, as `companion plan --json` and the run folder give them."""
+        return {
+            "prefix": [_step(a) for a in self.prefix],
+            "loop": [_step(a) for a in self.suffix],
+            "prefix_cost_s": self.prefix_cost_ms / 1000,
+            "lap_cost_s": self.lap_cost_ms / 1000,
+        }
+
+
+def _step(action: Action) -> Mapping[str, object]:
+    return {"action": action.name, "cost_s": action.cost_ms / 1000}
+
+
+def word(problem: Problem, lasso: Lasso) -> tuple[list[Letter], list[Letter]]:
+    """The letters that executing a lasso appends to the history: of the prefix, of the loop.
+
+    Letter i is what holds at the position that action i leaves; the first one is missing if
+    the present position has been read already.
+    """
+    letters: list[Letter] = []
+    facts = problem.facts
+    for action in (*lasso.prefix, *lasso.suffix):
+        letters.append(facts)
+        facts = action.apply(facts)
+    cut = len(lasso.prefix)
+    return (letters[1 if problem.is_read else 0 : cut], letters[cut:])

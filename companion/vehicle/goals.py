@@ -1,0 +1,91 @@
+"""How each goal is brought about: the table of commands, modes and times.
+
+A goal is a state of the vehicle (`port.Goal`). The command is sent and, if the vehicle accepts
+it without getting there, sent again, until the state is observed or the time is up. The modes
+listed are those that the vehicle may pass through on the way without anybody having taken it
+from us. Source: PX4 v1.16 as observed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from companion.mavlink.commands import Parameters
+from companion.mavlink.framing import dialect
+from companion.mavlink.px4_modes import MODES
+from companion.vehicle.port import Goal, Mode, VehicleState
+
+NAN = math.nan
+CUSTOM_MODE_ENABLED = 1.0  # MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
+
+
+@dataclass(frozen=True, slots=True)
+class Approach:
+    """One way to a goal.
+
+    Attributes:
+        command: MAV_CMD number.
+        parameters: its parameters, from the altitude above mean sea level to take off to.
+        is_reached: whether a state is the goal.
+        passes: modes on the way; the mode at the start is always one of them.
+        keeps: modes in which the goal, once reached, still stands.
+        timeout_s: time after which the goal has failed.
+    """
+
+    command: int
+    parameters: Callable[[float], Parameters]
+    is_reached: Callable[[VehicleState], bool]
+    passes: frozenset[Mode]
+    keeps: frozenset[Mode]
+    timeout_s: float
+
+
+def _set_mode(mode: Mode) -> Parameters:
+    main, sub = MODES[mode.value]
+    return (CUSTOM_MODE_ENABLED, main, sub, 0.0, 0.0, 0.0, 0.0)
+
+
+APPROACHES: dict[Goal, Approach] = {
+    Goal.ARMED: Approach(
+        command=dialect.MAV_CMD_COMPONENT_ARM_DISARM,
+        parameters=lambda _: (1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+        is_reached=lambda s: s.is_armed,
+        passes=frozenset(Mode),
+        keeps=frozenset(Mode),
+        timeout_s=20.0,
+    ),
+    Goal.AIRBORNE: Approach(
+        command=dialect.MAV_CMD_NAV_TAKEOFF,
+        parameters=lambda altitude_m: (NAN, NAN, NAN, NAN, NAN, NAN, altitude_m),
+        is_reached=lambda s: not s.is_landed and s.mode is Mode.LOITER,
+        passes=frozenset({Mode.TAKEOFF, Mode.LOITER}),
+        keeps=frozenset({Mode.LOITER}),
+        timeout_s=60.0,
+    ),
+    Goal.OFFBOARD: Approach(
+        command=dialect.MAV_CMD_DO_SET_MODE,
+        parameters=lambda _: _set_mode(Mode.OFFBOARD),
+        is_reached=lambda s: s.mode is Mode.OFFBOARD,
+        passes=frozenset({Mode.OFFBOARD}),
+        keeps=frozenset({Mode.OFFBOARD}),
+        timeout_s=15.0,
+    ),
+    Goal.HOLDING: Approach(
+        command=dialect.MAV_CMD_DO_SET_MODE,
+        parameters=lambda _: _set_mode(Mode.LOITER),
+        is_reached=lambda s: s.mode is Mode.LOITER,
+        passes=frozenset({Mode.LOITER}),
+        keeps=frozenset({Mode.LOITER}),
+        timeout_s=15.0,
+    ),
+    Goal.LANDED: Approach(
+        command=dialect.MAV_CMD_NAV_LAND,
+        parameters=lambda _: (0.0, 0.0, 0.0, NAN, NAN, NAN, NAN),
+        is_reached=lambda s: s.is_landed and not s.is_armed,
+        passes=frozenset({Mode.LAND}),
+        keeps=frozenset(Mode),
+        timeout_s=120.0,
+    ),
+}

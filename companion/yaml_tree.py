@@ -1,0 +1,267 @@
+"""What does a YAML text from outside say, and where does it say it?
+
+In goes the text, out comes a tree of plain values in which every key and value knows its place.
+The text is not trusted: its size is limited before anything reads it and its depth while it is
+read; anchors, aliases, tags, directives, second documents, duplicate keys and numbers that are
+not finite are refused, so that what a person reads is what the program gets.
+
+Plain scalars follow the core schema of YAML 1.2.2, section 10.3.2: only `true` and `false` are
+truth values, so a place may be called `no` or `on`; a date is a text. Keys are always texts. The
+tokens come from ruamel.yaml. Left out on purpose: what the values mean (see documents.py).
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from ruamel.yaml import YAML
+from ruamel.yaml.error import MarkedYAMLError
+from ruamel.yaml.events import (
+    AliasEvent,
+    DocumentStartEvent,
+    Event,
+    MappingEndEvent,
+    MappingStartEvent,
+    NodeEvent,
+    ScalarEvent,
+    SequenceEndEvent,
+    SequenceStartEvent,
+    StreamEndEvent,
+)
+from ruamel.yaml.reader import ReaderError
+
+from companion.errors import Location, MissionError
+
+MAX_BYTES = 64 * 1024  # a mission of 100 places has 10 KiB; a parser's time grows with the size
+MAX_DEPTH = 16  # our own files nest 5 deep; the tree is read by recursion
+
+Value = str | int | float | bool | None
+
+
+@dataclass(frozen=True, slots=True)
+class Scalar:
+    """One value; `start` and `end` are indices into the text, quotes and markers included."""
+
+    where: Location
+    value: Value
+    start: int
+    end: int
+
+
+@dataclass(frozen=True, slots=True)
+class Listing:
+    """A YAML sequence."""
+
+    where: Location
+    items: tuple[Node, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One key of a mapping with its value."""
+
+    key_at: Location
+    node: Node
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """A YAML mapping."""
+
+    where: Location
+    entries: dict[str, Entry]
+
+
+Node = Scalar | Listing | Table
+
+
+def read_tree(text: str, path: str) -> Node:
+    """The tree of a YAML text.
+
+    Args:
+        text: line breaks are "\\n", no byte order mark.
+        path: name of the file, for messages alone.
+
+    Raises:
+        MissionError: too large, too deep, not YAML, or using what this module refuses.
+    """
+    size = len(text.encode("utf-8", "surrogatepass"))
+    if size > MAX_BYTES:
+        raise MissionError(
+            f"the file has {size} bytes, at most {MAX_BYTES} are read",
+            Location(path, 1, 1),
+            "split the mission, or check that this is the right file",
+        )
+    try:
+        return _TreeReader(path, YAML(typ="safe", pure=True).parse(text)).read()
+    except ReaderError as error:
+        line = text.count("\n", 0, error.position) + 1
+        column = error.position - text.rfind("\n", 0, error.position)
+        raise MissionError(
+            f"character U+{ord(text[error.position]):04X} is not allowed in YAML",
+            Location(path, line, column),
+            "remove it; the file must be UTF-8 text",
+        ) from None
+    except MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        where = Location(path, mark.line + 1, mark.column + 1) if mark else Location(path, 1, 1)
+        problem = str(error.problem or error.context or "not YAML")
+        raise MissionError(f"not YAML: {problem}", where, _syntax_hint(problem)) from None
+    except (ValueError, OverflowError):  # from chr() of the escape "\\U" with too large a number
+        raise MissionError("an escape \\U gives no character", Location(path, 1, 1)) from None
+
+
+_SYNTAX_HINTS = (
+    ("',' or '}'", "inside { } and [ ] put quotes around a text that contains , [ ] { or }"),
+    ("',' or ']'", "inside { } and [ ] put quotes around a text that contains , [ ] { or }"),
+    ("mapping values", "put quotes around a text that contains ': ', and check the indentation"),
+    ("\\t", "indent with spaces: YAML allows no tabs"),
+    ("cannot start any token", "put quotes around a text that begins with this character"),
+    ("end of stream", "a quote or bracket is opened and never closed"),
+    ("simple key", "the ':' after the key is missing, or a key spans two lines"),
+    ("<block end>", "check the indentation: keys of one mapping begin in the same column"),
+)
+"""Part of ruamel's message -> what to do."""
+
+
+def _syntax_hint(problem: str) -> str:
+    return next((hint for part, hint in _SYNTAX_HINTS if part in problem), "")
+
+
+class _TreeReader:
+    """Builds the tree from the parser's events, by recursive descent."""
+
+    def __init__(self, path: str, events: Iterator[Event]) -> None:
+        self._path = path
+        self._events = events
+
+    def read(self) -> Node:
+        next(self._events)  # start of the stream
+        start = next(self._events)
+        if isinstance(start, StreamEndEvent):
+            raise MissionError("the file is empty", Location(self._path, 1, 1))
+        assert isinstance(start, DocumentStartEvent)
+        if start.version or start.tags:
+            raise MissionError(
+                "YAML directives are not allowed",
+                Location(self._path, 1, 1),
+                "remove the lines that begin with %",
+            )
+        root = self._node(next(self._events), depth=1)
+        next(self._events)  # end of the document
+        if not isinstance(after := next(self._events), StreamEndEvent):
+            raise MissionError(
+                "a second YAML document begins here",
+                self._where(after),
+                "one file holds one document: remove the line ---",
+            )
+        return root
+
+    def _where(self, event: Event) -> Location:
+        return Location(self._path, event.start_mark.line + 1, event.start_mark.column + 1)
+
+    def _node(self, event: Event, depth: int) -> Node:
+        where = self._where(event)
+        if depth > MAX_DEPTH:
+            raise MissionError(f"nested deeper than {MAX_DEPTH} levels", where)
+        self._refuse_references(event, where)
+        if isinstance(event, SequenceStartEvent):
+            return self._listing(where, depth)
+        if isinstance(event, MappingStartEvent):
+            return self._table(where, depth)
+        assert isinstance(event, ScalarEvent)
+        value = event.value if event.style else _plain_value(event.value, where)
+        self._refuse_surrogates(event.value, where)
+        return Scalar(where, value, event.start_mark.index, event.end_mark.index)
+
+    def _refuse_surrogates(self, text: str, where: Location) -> None:
+        if re.search("[\ud800-\udfff]", text):
+            raise MissionError(
+                "an escape \\u gives half of a surrogate pair, which is no character",
+                where,
+                "write the character itself, or \\U with 8 digits",
+            )
+
+    def _refuse_references(self, event: Event, where: Location) -> None:
+        if isinstance(event, AliasEvent):
+            raise MissionError(
+                f"YAML alias *{event.anchor} is not allowed",
+                where,
+                "write the value again, or put quotes around a text that begins with *",
+            )
+        assert isinstance(event, NodeEvent)
+        if event.anchor is not None:
+            raise MissionError(
+                f"YAML anchor &{event.anchor} is not allowed",
+                where,
+                "remove it, or put quotes around a text that begins with &",
+            )
+        if getattr(event, "tag", None) is not None:
+            raise MissionError(
+                f"YAML tag {event.tag} is not allowed",
+                where,
+                "put quotes around a text that begins with !, e.g. '!at(A)'",
+            )
+
+    def _listing(self, where: Location, depth: int) -> Listing:
+        items = []
+        while not isinstance(event := next(self._events), SequenceEndEvent):
+            items.append(self._node(event, depth + 1))
+        return Listing(where, tuple(items))
+
+    def _table(self, where: Location, depth: int) -> Table:
+        entries: dict[str, Entry] = {}
+        while not isinstance(event := next(self._events), MappingEndEvent):
+            key_at = self._where(event)
+            self._refuse_references(event, key_at)
+            if not isinstance(event, ScalarEvent):
+                raise MissionError(
+                    "a key must be a text",
+                    key_at,
+                    "put quotes around a text that begins with [ or {",
+                )
+            self._refuse_surrogates(key := event.value, key_at)
+            if key in entries:
+                raise MissionError(
+                    f"the key {key} is given twice",
+                    key_at,
+                    f"first given in line {entries[key].key_at.line}; keep one of them",
+                )
+            node = self._node(next(self._events), depth + 1)
+            if isinstance(node, Scalar) and node.start == node.end:  # nothing after the colon
+                node = Scalar(key_at, node.value, node.start, node.end)
+            entries[key] = Entry(key_at, node)
+        return Table(where, entries)
+
+
+_WORDS: dict[str, Value] = {
+    **dict.fromkeys(("", "~", "null", "Null", "NULL"), None),
+    **dict.fromkeys(("true", "True", "TRUE"), True),
+    **dict.fromkeys(("false", "False", "FALSE"), False),
+}
+_INTEGER = re.compile(r"[-+]?[0-9]+|0o[0-7]+|0x[0-9a-fA-F]+")
+_FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
+_NOT_FINITE = re.compile(r"[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
+_LONGEST_NUMBER = 40  # characters; no quantity of ours needs more
+
+
+def _plain_value(text: str, where: Location) -> Value:
+    """Value of a scalar without quotes (YAML 1.2.2, 10.3.2)."""
+    if text in _WORDS:
+        return _WORDS[text]
+    if _NOT_FINITE.fullmatch(text):
+        raise MissionError(f"{text} is not a finite number", where)
+    is_integer = _INTEGER.fullmatch(text) is not None
+    if not is_integer and not _FLOAT.fullmatch(text):
+        return text
+    if len(text) > _LONGEST_NUMBER:
+        raise MissionError(f"a number of {len(text)} characters is too long", where)
+    if is_integer:
+        return int(text, {"0o": 8, "0x": 16}.get(text[:2], 10))
+    number = float(text)
+    if not math.isfinite(number):
+        raise MissionError(f"{text} is not a finite number", where, "it is too large")
+    return number

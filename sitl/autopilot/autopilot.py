@@ -1,0 +1,320 @@
+"""What does the autopilot do with the vehicle? Armed or not, which mode, which motor commands.
+
+In: the vehicle's state each step, and what the link asks for (arm, change the mode, a setpoint).
+Out: four motor commands, and notices for people. Its rules are PX4's:
+
+1. The intended mode is what was asked for; a failsafe flies another mode while it lasts.
+2. Disarmed, every mode may be chosen; arming is refused where the mode lacks what it needs.
+3. In the air, a mode that lacks what it needs is refused and the present one is kept.
+4. Motors idle for COM_SPOOLUP_TIME after arming, and on the ground until the mode wants to climb.
+5. COM_DISARM_LAND after a landing, or COM_DISARM_PRFLT after arming without a take-off, it
+   disarms by itself; a finished take-off, return or landing then leaves AUTO.LOITER.
+
+Source: PX4 1.16, src/modules/commander, and what a PX4 was seen to do. Time is the state's own.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import IntEnum
+
+from companion.geometry import Ned
+from sitl.autopilot.arming import Readiness, objection
+from sitl.autopilot.failsafes import BatteryLevel, Conditions, FailsafeState, battery_level
+from sitl.autopilot.landing import LandDetector
+from sitl.autopilot.modes import FLIGHT_MODES, FlightMode, Hold, Need, Situation, heading
+from sitl.autopilot.parameters import Parameters
+from sitl.flight.controllers import Cascade, Limits, Target
+from sitl.flight.physics import FlightState, Motors
+
+COMMANDER_STEPS = 5  # modes and failsafes are decided every 5th step, 50 Hz at 4 ms
+STOPPED: Motors = (0.0, 0.0, 0.0, 0.0)
+CLIMB_M = 0.1  # a target this far above the vehicle wants it to leave the ground
+_DONE_WHEN_DISARMED = ("AUTO.TAKEOFF", "AUTO.RTL", "AUTO.LAND")
+
+
+class Severity(IntEnum):
+    """Of a notice; the values are MAV_SEVERITY."""
+
+    EMERGENCY = 0
+    CRITICAL = 2
+    WARNING = 4
+    INFO = 6
+
+
+@dataclass(frozen=True, slots=True)
+class Notice:
+    """A line for people, at most 50 characters."""
+
+    severity: Severity
+    text: str
+
+
+_BATTERY_NOTICES = {
+    BatteryLevel.LOW: Notice(Severity.CRITICAL, "Low battery"),
+    BatteryLevel.CRITICAL: Notice(Severity.CRITICAL, "Critical battery"),
+    BatteryLevel.EMERGENCY: Notice(Severity.EMERGENCY, "Emergency battery level"),
+}
+
+
+class Autopilot:
+    """One vehicle's autopilot.
+
+    Args:
+        parameters: shared with the parameter protocol.
+        state: at the start, on the ground.
+
+    Attributes:
+        is_armed: the motors turn.
+        is_crashed: the vehicle has hit something and will not fly again.
+        mode: flown now; differs from `intended_mode` during a failsafe.
+        home: where the vehicle was armed last; before that, where it started.
+        target: what the control cascade follows, None while disarmed.
+        motors: the newest commands.
+        notices: for people, oldest first; whoever sends them empties the list.
+    """
+
+    def __init__(self, parameters: Parameters, state: FlightState) -> None:
+        self.parameters = parameters
+        self.is_armed = False
+        self.is_crashed = False
+        self.mode = self.intended_mode = "AUTO.LOITER"
+        self.home: Ned = state.position
+        self.target: Target | None = None
+        self.motors = STOPPED
+        self.battery = battery_level(state.charge, parameters)
+        self.notices: list[Notice] = []
+        self._state = state
+        self._landing = LandDetector()
+        self._failsafe = FailsafeState()
+        self._cascade = Cascade()
+        self._setpoint: Target | None = None
+        self._setpoint_s = -math.inf
+        self._takeoff_down_m = self._lowest_takeoff()
+        self._flying: FlightMode = Hold.start(self._situation())
+        self._armed_s = self._landed_s = state.time_s
+        self._has_flown = False
+        self._until_commander = 0
+
+    # What can be read.
+
+    @property
+    def is_landed(self) -> bool:
+        """The vehicle rests on the ground."""
+        return self._landing.is_landed
+
+    @property
+    def is_failsafe(self) -> bool:
+        """A failsafe acts."""
+        return self._failsafe.active is not None
+
+    def objection(self) -> str | None:
+        """Why arming would be refused now, None if it would not."""
+        mode = self.intended_mode
+        return objection(Readiness(mode, self._missing(mode), self.battery, self.is_crashed))
+
+    # What can be asked for. Each answers whether it was granted; a refusal leaves a notice.
+
+    def arm(self, *, is_forced: bool = False) -> bool:
+        """Start the motors; by force without any check."""
+        if self.is_armed:
+            return True
+        reason = self.objection()
+        if reason is not None and not is_forced:
+            self._tell(Severity.CRITICAL, f"Arming denied: {reason}")
+            return False
+        now_s, limit = self._state.time_s, self.parameters
+        self.is_armed = True
+        self.home = self._state.position
+        self._cascade = Cascade(
+            Limits(
+                speed_mps=limit["MPC_XY_VEL_MAX"],
+                climb_mps=limit["MPC_Z_VEL_MAX_UP"],
+                descent_mps=limit["MPC_Z_VEL_MAX_DN"],
+            )
+        )
+        self._cascade.reset(heading(self._state))
+        self._failsafe = FailsafeState()
+        self._armed_s = self._landed_s = now_s
+        self._has_flown = False
+        self._takeoff_down_m = min(self._takeoff_down_m, self._lowest_takeoff())
+        self._enter(self.intended_mode)
+        self._tell(Severity.INFO, "Armed by external command")
+        return True
+
+    def disarm(self, *, is_forced: bool = False) -> bool:
+        """Stop the motors; in the air by force alone."""
+        if self.is_armed and not self.is_landed and not is_forced:
+            self._tell(Severity.CRITICAL, "Disarming denied: not landed")
+            return False
+        if self.is_armed:
+            self._stop("Disarmed by external command")
+        return True
+
+    def set_mode(self, mode: str) -> bool:
+        """Intend a mode of `FLIGHT_MODES`; during a failsafe this takes the vehicle over."""
+        missing = self._missing(mode)
+        if self.is_armed and missing:
+            self._tell(Severity.CRITICAL, f"{mode} refused: {missing}")
+            return False
+        if mode == "AUTO.TAKEOFF":
+            self._takeoff_down_m = self._lowest_takeoff()
+        self._failsafe.take_over()
+        self.intended_mode = mode
+        self._enter(mode)
+        return True
+
+    def take_off(self, down_m: float | None = None) -> bool:
+        """Climb to a height (local NED down), at least MIS_TAKEOFF_ALT above home."""
+        lowest = self._lowest_takeoff()
+        if down_m is not None and down_m > lowest:
+            self._tell(Severity.CRITICAL, "Using minimum takeoff altitude")
+        granted = self.set_mode("AUTO.TAKEOFF")
+        self._takeoff_down_m = lowest if down_m is None else min(down_m, lowest)
+        self._enter(self.intended_mode)
+        return granted
+
+    def hold_at(
+        self,
+        north_m: float | None,
+        east_m: float | None,
+        down_m: float | None,
+        yaw_rad: float | None,
+    ) -> bool:
+        """Fly to a point and hold there; None keeps what the vehicle would hold now."""
+        granted = self.set_mode("AUTO.LOITER")
+        here = Hold.start(self._situation())
+        point = (
+            here.point[0] if north_m is None else north_m,
+            here.point[1] if east_m is None else east_m,
+            here.point[2] if down_m is None else down_m,
+        )
+        self._flying = Hold(point, here.yaw_rad if yaw_rad is None else yaw_rad)
+        return granted
+
+    def accept_setpoint(self, setpoint: Target) -> None:
+        """Take a valid offboard setpoint; it counts for COM_OF_LOSS_T."""
+        self._setpoint = setpoint
+        self._setpoint_s = self._state.time_s
+
+    def crash(self, text: str) -> None:
+        """The vehicle has hit something: stop for good."""
+        self.is_crashed = True
+        self._tell(Severity.CRITICAL, text)
+        if self.is_armed:
+            self._stop("Disarmed by failure detector")
+
+    # What happens by itself.
+
+    def step(self, state: FlightState, dt_s: float) -> Motors:
+        """Motor commands for the next step.
+
+        Args:
+            state: the newest, `dt_s` after the one before.
+            dt_s: length of a step.
+        """
+        self._state = state
+        if self._until_commander == 0:
+            self._until_commander = COMMANDER_STEPS
+            self._command()
+        self._until_commander -= 1
+        self.motors = self._fly(state, dt_s) if self.is_armed else STOPPED
+        return self.motors
+
+    def _fly(self, state: FlightState, dt_s: float) -> Motors:
+        self.target = target = self._flying.target(self._situation())
+        climbs = _wants_to_climb(target, state)
+        was_landed = self.is_landed
+        self._landing.update(state, climbs, self.parameters["LNDMC_Z_VEL_MAX"], dt_s)
+        if was_landed != self.is_landed:
+            self._has_flown = True
+            self._landed_s = state.time_s
+            self._tell(Severity.INFO, "Landing detected" if self.is_landed else "Takeoff detected")
+        is_spinning_up = state.time_s - self._armed_s < self.parameters["COM_SPOOLUP_TIME"]
+        if is_spinning_up or (self._landing.is_touching and not climbs):
+            return self._cascade.idle()
+        return self._cascade.step(state, target, dt_s)
+
+    def _command(self) -> None:
+        """Decide on failsafes, modes and disarming."""
+        self._watch_battery()
+        if not self.is_armed:
+            return
+        now_s = self._state.time_s
+        previous = self._failsafe.active
+        self._failsafe.update(
+            Conditions(
+                self.intended_mode, now_s - self._setpoint_s, self.battery, self.parameters
+            ),
+            now_s,
+        )
+        active = self._failsafe.active
+        if active and active != previous:
+            self._tell(Severity.CRITICAL, f"Failsafe activated: {active.cause.value}")
+        mode = self._failsafe.mode(now_s, self.parameters["COM_FAIL_ACT_T"]) or self.intended_mode
+        if mode != self.mode:
+            self._enter(mode)
+        elif follower := self._flying.successor(self._situation()):
+            self.mode = self.intended_mode = "AUTO.LOITER"
+            self._flying = follower
+        self._disarm_by_itself(now_s)
+
+    def _watch_battery(self) -> None:
+        level = battery_level(self._state.charge, self.parameters)
+        if level > self.battery:
+            self.notices.append(_BATTERY_NOTICES[level])
+        self.battery = level
+
+    def _disarm_by_itself(self, now_s: float) -> None:
+        if not self.is_landed:
+            return
+        name, text = (
+            ("COM_DISARM_LAND", "Disarmed by landing")
+            if self._has_flown
+            else ("COM_DISARM_PRFLT", "Disarmed by auto preflight disarming")
+        )
+        limit_s = self.parameters[name]
+        if limit_s > 0 and now_s - self._landed_s >= limit_s:
+            self._stop(text)
+
+    def _stop(self, text: str) -> None:
+        self.is_armed = False
+        self.target = None
+        self._failsafe = FailsafeState()
+        if self.intended_mode in _DONE_WHEN_DISARMED:
+            self.intended_mode = "AUTO.LOITER"
+        self._enter(self.intended_mode)
+        self._tell(Severity.INFO, text)
+
+    def _enter(self, mode: str) -> None:
+        self.mode = mode
+        self._flying = FLIGHT_MODES[mode].start(self._situation())
+
+    def _missing(self, mode: str) -> str:
+        """What a mode needs and lacks; empty if nothing."""
+        age_s = self._state.time_s - self._setpoint_s
+        has_setpoints = age_s <= self.parameters["COM_OF_LOSS_T"]
+        need = FLIGHT_MODES[mode].need
+        is_met = need is Need.NOTHING or (need is Need.SETPOINTS and has_setpoints)
+        return "" if is_met else need.value
+
+    def _lowest_takeoff(self) -> float:
+        home = self.home if self.is_armed else self._state.position
+        return home[2] - self.parameters["MIS_TAKEOFF_ALT"]
+
+    def _situation(self) -> Situation:
+        return Situation(
+            self._state, self.home, self._setpoint, self._takeoff_down_m, self.parameters
+        )
+
+    def _tell(self, severity: Severity, text: str) -> None:
+        self.notices.append(Notice(severity, text))
+
+
+def _wants_to_climb(target: Target, state: FlightState) -> bool:
+    if target.position[2] is not None:
+        return target.position[2] < state.position[2] - CLIMB_M
+    if target.velocity[2] is not None:
+        return target.velocity[2] < 0
+    return target.acceleration[2] < 0

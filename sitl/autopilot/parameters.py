@@ -1,0 +1,112 @@
+"""Which parameters does this autopilot have, and what are their values?
+
+The table holds PX4's names, types and defaults (PX4 1.16, quadrotor in SITL): those that our
+modes and failsafes read, and those without which a ground station complains. A new parameter is
+a new line. Values are plain numbers here; how they travel is companion/mavlink/parameters.py.
+
+Left out: ranges. PX4 stores a value out of range as it comes, and so does this.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from companion.mavlink.parameters import INT32, REAL32
+
+PARAMETERS: dict[str, tuple[int, float]] = {
+    "BAT1_N_CELLS": (INT32, 4),
+    "BAT1_SOURCE": (INT32, 0),
+    "BAT1_V_CHARGED": (REAL32, 4.05),
+    "BAT1_V_EMPTY": (REAL32, 3.6),
+    "BAT_CRIT_THR": (REAL32, 0.07),
+    "BAT_EMERGEN_THR": (REAL32, 0.05),
+    "BAT_LOW_THR": (REAL32, 0.15),
+    "CAL_ACC0_ID": (INT32, 1310988),
+    "CAL_GYRO0_ID": (INT32, 1310988),
+    "CAL_MAG0_ID": (INT32, 197388),
+    "COM_DISARM_LAND": (REAL32, 2.0),
+    "COM_DISARM_PRFLT": (REAL32, 10.0),
+    "COM_DL_LOSS_T": (INT32, 10),
+    "COM_FAIL_ACT_T": (REAL32, 5.0),
+    "COM_LOW_BAT_ACT": (INT32, 0),
+    "COM_OBL_RC_ACT": (INT32, 0),
+    "COM_OF_LOSS_T": (REAL32, 1.0),
+    "COM_RC_IN_MODE": (INT32, 1),
+    "COM_SPOOLUP_TIME": (REAL32, 1.0),
+    "GF_ACTION": (INT32, 2),
+    "GF_MAX_HOR_DIST": (REAL32, 0.0),
+    "GF_MAX_VER_DIST": (REAL32, 0.0),
+    "LNDMC_Z_VEL_MAX": (REAL32, 0.25),
+    "MAV_COMP_ID": (INT32, 1),
+    "MAV_SYS_ID": (INT32, 1),
+    "MAV_TYPE": (INT32, 2),
+    "MIS_TAKEOFF_ALT": (REAL32, 2.5),
+    "MPC_ACC_HOR": (REAL32, 3.0),
+    "MPC_JERK_AUTO": (REAL32, 4.0),
+    "MPC_LAND_ALT1": (REAL32, 10.0),
+    "MPC_LAND_ALT2": (REAL32, 5.0),
+    "MPC_LAND_SPEED": (REAL32, 0.7),
+    "MPC_TKO_SPEED": (REAL32, 1.5),
+    "MPC_XY_VEL_MAX": (REAL32, 12.0),
+    "MPC_Z_VEL_MAX_DN": (REAL32, 1.5),
+    "MPC_Z_VEL_MAX_UP": (REAL32, 3.0),
+    "MPC_Z_V_AUTO_DN": (REAL32, 1.5),
+    "NAV_ACC_RAD": (REAL32, 2.0),
+    "NAV_DLL_ACT": (INT32, 0),
+    "NAV_RCL_ACT": (INT32, 2),
+    "RTL_CONE_ANG": (INT32, 45),
+    "RTL_DESCEND_ALT": (REAL32, 10.0),
+    "RTL_LAND_DELAY": (REAL32, 0.0),
+    "RTL_MIN_DIST": (REAL32, 10.0),
+    "RTL_RETURN_ALT": (REAL32, 30.0),
+    "SYS_AUTOSTART": (INT32, 10040),
+    "SYS_HAS_MAG": (INT32, 1),
+    "SYS_HITL": (INT32, 0),
+}
+"""Name -> type and PX4's default, in PX4's alphabetical order; the index is the place in it."""
+
+AIRFRAME_DEFAULTS: dict[str, float] = {
+    "COM_OBL_RC_ACT": 5,  # hold when the offboard stream is lost; PX4's 0 sinks without a pilot
+    "COM_LOW_BAT_ACT": 3,  # return at critical, land at emergency; PX4's 0 only warns
+}
+"""What this airframe sets otherwise, like `param set-default` in a PX4 airframe file."""
+
+_NAMES = list(PARAMETERS)
+
+
+class Parameters:
+    """The present value of each parameter.
+
+    Args:
+        overrides: values that differ from the airframe's defaults; every name must be known.
+    """
+
+    def __init__(self, overrides: Mapping[str, float] | None = None) -> None:
+        self._values = {name: default for name, (_, default) in PARAMETERS.items()}
+        self._values |= AIRFRAME_DEFAULTS
+        for name, value in (overrides or {}).items():
+            self.set(name, value)
+
+    def __getitem__(self, name: str) -> float:
+        return self._values[name]
+
+    def set(self, name: str, value: float) -> None:
+        """Store a value; a float that is not finite changes nothing.
+
+        Raises:
+            KeyError: an unknown name.
+        """
+        param_type, _ = PARAMETERS[name]
+        if math.isfinite(value):
+            self._values[name] = int(value) if param_type == INT32 else float(value)
+
+
+def name_at(index: int) -> str | None:
+    """The parameter with an index, None outside the table."""
+    return _NAMES[index] if 0 <= index < len(_NAMES) else None
+
+
+def index_of(name: str) -> int:
+    """The index of a known parameter."""
+    return _NAMES.index(name)

@@ -1,0 +1,260 @@
+"""Which motor commands bring the vehicle to its target? PX4's multicopter cascade.
+
+    position P -> velocity PI -> attitude P -> rate PID -> mixer
+    |------ 50 Hz ----------|    |------- every step --------|
+
+Position and velocity errors become a wanted acceleration, that a thrust vector, that an attitude
+(the direction of thrust first, heading second) and a thrust. When thrust is short, height comes
+before horizontal motion; integrators stand still while their loop is limited.
+
+Source: PX4's controller diagrams and mc_pos_control, mc_att_control, mc_rate_control.
+Unlike PX4, gains are in SI (N m, m/s^2) and the speed towards a far position follows a braking
+parabola, so that a distant setpoint does not overshoot.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from companion.geometry import Quaternion, quaternion_from_yaw, wrap_angle
+from sitl.flight.attitude import attitude_from_thrust, tilt_and_heading
+from sitl.flight.mixer import IDLE_COMMAND, MASS_KG, MAX_THRUST_N, MIN_THRUST_N, Motors, mix
+from sitl.flight.physics import FlightState
+
+GRAVITY_MPS2 = 9.80665  # standard gravity, CGPM 1901
+
+POSITION_P = (1.6, 1.6, 2.0)  # 1/s
+VELOCITY_P = (4.0, 4.0, 6.0)  # 1/s
+VELOCITY_I = (1.2, 1.2, 2.5)  # 1/s^2
+ATTITUDE_P = (7.0, 7.0, 3.0)  # 1/s
+RATE_P = (0.35, 0.37, 0.25)  # N m per rad/s
+RATE_I = (0.5, 0.5, 0.15)  # N m per rad
+RATE_D = (0.006, 0.006, 0.0)  # N m per rad/s^2
+
+POSITION_EVERY = 5  # steps
+BRAKING_SHARE = 0.5  # of the acceleration limit is used to brake before a far position
+FADE_MPS = 0.2  # velocity errors above this count less and less for the integrals
+MAX_INTEGRAL_MPS2 = 4.0
+MAX_RATE_INTEGRAL_NM = 0.3
+
+Vector = tuple[float, float, float]
+Maybe = tuple[float | None, float | None, float | None]
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What the position loops may ask for."""
+
+    speed_mps: float = 5.0
+    climb_mps: float = 3.0
+    descent_mps: float = 1.5
+    acceleration_mps2: float = 5.0
+    tilt_rad: float = 0.6
+    yaw_rate_radps: float = 1.5
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """What to fly to; None is "not controlled", as NaN in PX4.
+
+    Attributes:
+        position: local NED, metres.
+        velocity: NED, m/s: feed-forward where a position is given, setpoint where none is.
+        acceleration: NED, m/s^2: feed-forward, or the setpoint where neither is given.
+        yaw_rad: heading; None holds the last one.
+        yaw_rate_radps: feed-forward with a heading, turns the held heading without one.
+    """
+
+    position: Maybe
+    velocity: Maybe
+    acceleration: Vector = (0.0, 0.0, 0.0)
+    yaw_rad: float | None = None
+    yaw_rate_radps: float | None = None
+
+
+class VelocityLoop:
+    """Position P and velocity PI: from a target to a specific thrust vector in NED, m/s^2."""
+
+    def __init__(self, limits: Limits) -> None:
+        self._limits = limits
+        self._integral = [0.0, 0.0, 0.0]
+
+    def reset(self) -> None:
+        """Forget the integrals."""
+        self._integral = [0.0, 0.0, 0.0]
+
+    def step(self, state: FlightState, target: Target, dt_s: float) -> Vector:
+        """The thrust per mass that the target asks for; at rest (0, 0, -g)."""
+        error = self._velocity_error(state, target)
+        north, east, down = (
+            target.acceleration[i] + VELOCITY_P[i] * error[i] + self._integral[i] for i in range(3)
+        )
+        lift = _clamp(down, -self._limits.acceleration_mps2, self._limits.acceleration_mps2)
+        lift = _clamp(
+            lift - GRAVITY_MPS2, -4 * MAX_THRUST_N / MASS_KG, -4 * MIN_THRUST_N / MASS_KG
+        )
+        is_lift_limited = (down - GRAVITY_MPS2 - lift) * error[2] > 0
+        # Height first: horizontal thrust gets what tilt and the motors leave.
+        most = min(
+            self._limits.acceleration_mps2,
+            -lift * math.tan(self._limits.tilt_rad),
+            math.sqrt(max(0.0, (4 * MAX_THRUST_N / MASS_KG) ** 2 - lift**2)),
+        )
+        wanted = math.hypot(north, east)
+        is_push_limited = wanted > most and north * error[0] + east * error[1] > 0
+        if wanted > most:
+            north, east = north * most / wanted, east * most / wanted
+        for i, is_limited in enumerate((is_push_limited, is_push_limited, is_lift_limited)):
+            if not is_limited:
+                self._integral[i] = _clamp(
+                    self._integral[i] + VELOCITY_I[i] * _fade(error[i]) * dt_s,
+                    -MAX_INTEGRAL_MPS2,
+                    MAX_INTEGRAL_MPS2,
+                )
+        return (north, east, lift)
+
+    def _velocity_error(self, state: FlightState, target: Target) -> Vector:
+        limits = self._limits
+        braking = BRAKING_SHARE * limits.acceleration_mps2
+        offset = [
+            0.0 if wanted is None else wanted - here
+            for wanted, here in zip(target.position, state.position, strict=True)
+        ]
+        far = math.hypot(offset[0], offset[1])
+        gain = _approach_speed(far, POSITION_P[0], braking) / far if far > 0 else 0.0
+        climb = math.copysign(_approach_speed(abs(offset[2]), POSITION_P[2], braking), offset[2])
+        north = gain * offset[0] + (target.velocity[0] or 0.0)
+        east = gain * offset[1] + (target.velocity[1] or 0.0)
+        down = _clamp(climb + (target.velocity[2] or 0.0), -limits.climb_mps, limits.descent_mps)
+        speed = math.hypot(north, east)
+        if speed > limits.speed_mps:
+            north, east = north * limits.speed_mps / speed, east * limits.speed_mps / speed
+        n, e, d = (
+            0.0 if position is None and velocity is None else wanted - now
+            for position, velocity, wanted, now in zip(
+                target.position, target.velocity, (north, east, down), state.velocity, strict=True
+            )
+        )
+        return (n, e, d)
+
+
+class RateLoop:
+    """Rate PID: from wanted body rates to torques in N m."""
+
+    def __init__(self) -> None:
+        self._integral = [0.0, 0.0, 0.0]
+        self._last: Vector = (0.0, 0.0, 0.0)
+
+    def reset(self) -> None:
+        """Forget the integrals."""
+        self._integral = [0.0, 0.0, 0.0]
+
+    def step(self, rates: Vector, wanted: Vector, dt_s: float) -> Vector:
+        """Torques about body x, y, z."""
+        p, q, r = rates
+        integral, last = self._integral, self._last
+        self._last = rates
+        return (
+            RATE_P[0] * (wanted[0] - p) + integral[0] - RATE_D[0] * (p - last[0]) / dt_s,
+            RATE_P[1] * (wanted[1] - q) + integral[1] - RATE_D[1] * (q - last[1]) / dt_s,
+            RATE_P[2] * (wanted[2] - r) + integral[2] - RATE_D[2] * (r - last[2]) / dt_s,
+        )
+
+    def integrate(self, rates: Vector, wanted: Vector, dt_s: float, axes: range) -> None:
+        """Let the integrals of these axes follow their error; not while the mixer is limited."""
+        for i in axes:
+            self._integral[i] = _clamp(
+                self._integral[i] + RATE_I[i] * (wanted[i] - rates[i]) * dt_s,
+                -MAX_RATE_INTEGRAL_NM,
+                MAX_RATE_INTEGRAL_NM,
+            )
+
+
+class Cascade:
+    """The whole cascade for one vehicle; call `reset` when arming."""
+
+    def __init__(self, limits: Limits = Limits()) -> None:  # noqa: B008 (frozen)
+        self._limits = limits
+        self._velocity_loop = VelocityLoop(limits)
+        self._rate_loop = RateLoop()
+        self.reset(0.0)
+
+    def reset(self, yaw_rad: float) -> None:
+        """Clear the integrators; hold this heading while none is commanded."""
+        self._velocity_loop.reset()
+        self._rate_loop.reset()
+        self._yaw = yaw_rad
+        self._yaw_rate = 0.0
+        self._until_position = 0
+        self._attitude = quaternion_from_yaw(yaw_rad)
+        self._thrust_n = MASS_KG * GRAVITY_MPS2
+
+    def idle(self) -> Motors:
+        """Motor commands of an armed vehicle that stands; nothing winds up meanwhile."""
+        self.reset(self._yaw)
+        return (IDLE_COMMAND,) * 4
+
+    def step(self, state: FlightState, target: Target, dt_s: float) -> Motors:
+        """Motor commands 0 to 1 towards the target; call once per physics step."""
+        if self._until_position == 0:
+            self._until_position = POSITION_EVERY
+            self._step_position(state, target, dt_s * POSITION_EVERY)
+        self._until_position -= 1
+        wanted = self._wanted_rates(state.attitude)
+        roll, pitch, yaw = self._rate_loop.step(state.rates, wanted, dt_s)
+        mixed = mix(self._thrust_n, roll, pitch, yaw, state.voltage_v)
+        if not mixed.is_tilt_limited:
+            self._rate_loop.integrate(state.rates, wanted, dt_s, range(2))
+        if not mixed.is_yaw_limited:
+            self._rate_loop.integrate(state.rates, wanted, dt_s, range(2, 3))
+        return mixed.motors
+
+    def _wanted_rates(self, q: Quaternion) -> Vector:
+        tilt_x, tilt_y, heading = tilt_and_heading(q, self._attitude)
+        # A turn about NED down has components on all three body axes.
+        w, x, y, z = q
+        turn, limit = self._yaw_rate, self._limits.yaw_rate_radps
+        yaw = ATTITUDE_P[2] * heading + (1 - 2 * (x * x + y * y)) * turn
+        return (
+            ATTITUDE_P[0] * tilt_x + 2 * (x * z - w * y) * turn,
+            ATTITUDE_P[1] * tilt_y + 2 * (y * z + w * x) * turn,
+            _clamp(yaw, -limit, limit),
+        )
+
+    def _step_position(self, state: FlightState, target: Target, dt_s: float) -> None:
+        limit = self._limits.yaw_rate_radps
+        self._yaw_rate = _clamp(target.yaw_rate_radps or 0.0, -limit, limit)
+        if target.yaw_rad is not None:
+            self._yaw = target.yaw_rad
+        else:
+            self._yaw = wrap_angle(self._yaw + self._yaw_rate * dt_s)
+        thrust = self._velocity_loop.step(state, target, dt_s)
+        self._attitude = attitude_from_thrust(thrust, self._yaw)
+        # Only the part of the wanted thrust along the present body axis is asked for, so that
+        # height does not jump while the vehicle is still turning.
+        w, x, y, z = state.attitude
+        down = (2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y))
+        along = -sum(t * d for t, d in zip(thrust, down, strict=True))
+        self._thrust_n = MASS_KG * max(along, 0.0)
+
+
+def _approach_speed(distance_m: float, gain: float, braking_mps2: float) -> float:
+    """Proportional when near, on the braking parabola v^2 = 2 a s when far; smooth between."""
+    near = braking_mps2 / gain**2
+    if distance_m <= near:
+        return gain * distance_m
+    return math.sqrt(2 * braking_mps2 * (distance_m - near / 2))
+
+
+def _fade(error: float) -> float:
+    """A velocity error as the integrals see it: large ones come from a step of the target.
+
+    A constant disturbance shows as a small error and is integrated away; the large error at the
+    start of a step would leave a tail of seconds (PX4's rate loop fades its integral likewise).
+    """
+    return error / (1 + (error / FADE_MPS) ** 2)
+
+
+def _clamp(value: float, low: float, high: float) -> float:
+    return low if value < low else high if value > high else value

@@ -1,0 +1,77 @@
+"""Which motor commands give a wanted collective thrust and torque?
+
+In: thrust in N and torques in N m. Out: four motor commands for PX4's quad-x and whether they
+fall short. When the motors cannot do everything, roll and pitch come first, then thrust, and yaw
+loses first: a quadrotor with the wrong heading still flies (PX4, ControlAllocation, sequential
+desaturation). The commands are corrected for the battery's voltage, as PX4's MC_BAT_SCALE_EN does.
+
+The constants are what the autopilot knows of `quadrotor.xml`, at sea level; the tests hold one
+against the other.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+MASS_KG = 1.5
+HUB_M = 0.225 / math.sqrt(2)  # distance of a hub from the roll and from the pitch axis
+THRUST_CONSTANT = 1.2916e-5  # N / (rad/s)^2
+TORQUE_PER_THRUST_M = 2.3495e-7 / 1.2916e-5  # k_Q / k_T
+SPEED_CONSTANT = 950.0 / 16.8  # rad/s per volt at full command
+IDLE_SPEED = 60.0  # rad/s
+MAX_SPEED = 850.0  # rad/s, kept below the 950 that only a full battery gives
+
+MIN_THRUST_N = THRUST_CONSTANT * IDLE_SPEED**2
+MAX_THRUST_N = THRUST_CONSTANT * MAX_SPEED**2
+IDLE_COMMAND = IDLE_SPEED / (SPEED_CONSTANT * 16.8)
+
+Motors = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Mix:
+    """Motor commands 0 to 1 and what they could not deliver."""
+
+    motors: Motors
+    is_tilt_limited: bool
+    is_yaw_limited: bool
+
+
+def mix(thrust_n: float, roll_nm: float, pitch_nm: float, yaw_nm: float, voltage_v: float) -> Mix:
+    """Motor commands for a thrust along -z and torques about body x, y, z.
+
+    >>> mix(0.0, 0.0, 0.0, 0.0, 16.8).motors[0] == IDLE_COMMAND
+    True
+    """
+    roll, pitch = roll_nm / (4 * HUB_M), pitch_nm / (4 * HUB_M)
+    # Front right, rear left, front left, rear right.
+    a, b = pitch - roll, pitch + roll
+    reach = max(abs(a), abs(b))
+    most = (MAX_THRUST_N - MIN_THRUST_N) / 2
+    is_tilt_limited = reach > most
+    if is_tilt_limited:
+        a, b, reach = a * most / reach, b * most / reach, most
+    base = min(max(thrust_n / 4, MIN_THRUST_N + reach), MAX_THRUST_N - reach)
+    yaw = yaw_nm / (4 * TORQUE_PER_THRUST_M)
+    # Rotors 1 and 2 gain what 3 and 4 lose.
+    if yaw >= 0:
+        room = min(MAX_THRUST_N - base - abs(a), base - abs(b) - MIN_THRUST_N)
+    else:
+        room = min(MAX_THRUST_N - base - abs(b), base - abs(a) - MIN_THRUST_N)
+    is_yaw_limited = abs(yaw) > room
+    if is_yaw_limited:
+        yaw = math.copysign(max(room, 0.0), yaw)
+    scale = 1.0 / (SPEED_CONSTANT * voltage_v * math.sqrt(THRUST_CONSTANT))
+    sqrt = math.sqrt
+    # Rounding may leave a thrust below the floor by an ulp, never near zero: sqrt is safe.
+    return Mix(
+        (
+            min(1.0, sqrt(base + a + yaw) * scale),
+            min(1.0, sqrt(base - a + yaw) * scale),
+            min(1.0, sqrt(base + b - yaw) * scale),
+            min(1.0, sqrt(base - b - yaw) * scale),
+        ),
+        is_tilt_limited,
+        is_yaw_limited,
+    )
