@@ -17,6 +17,9 @@ from pydantic import BaseModel, ValidationError
 
 Keys = tuple[str | int, ...]
 Schema = Mapping[str, Any]
+Detail = Mapping[str, Any]
+
+_SIMILAR = 0.6  # difflib's own cutoff for close matches
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,9 +38,12 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     >>> did_you_mean("palces", ["places", "sets"])
     'Did you mean places?'
     """
-    lower = {name.lower(): name for name in known}
-    similar = difflib.get_close_matches(word[:80].lower(), lower, n=1)
-    return f"Did you mean {lower[similar[0]]}?" if similar else ""
+
+    def similarity(name: str) -> float:
+        return difflib.SequenceMatcher(None, word[:80].lower(), name.lower()).ratio()
+
+    best = max(known, key=similarity, default="")  # the first of equals
+    return f"Did you mean {best}?" if similarity(best) >= _SIMILAR else ""
 
 
 def first_problem(
@@ -54,14 +60,14 @@ def first_problem(
         data: the document as plain values.
         position: line and column of the value at some keys.
     """
-    details = [
-        {**detail, "keys": _existing_keys(detail["loc"], data)}
+    details: list[tuple[Keys, Detail]] = [
+        (_existing_keys(detail["loc"], data), dict(detail))
         for detail in error.errors(include_url=False)
     ]
-    details.sort(key=lambda d: (d["type"] != "extra_forbidden", position(*d["keys"])))
-    first = details[0]
-    alike = [d for d in details if d["keys"] == first["keys"]]  # the branches of a union
-    return _problem(alike, first["keys"], model.model_json_schema(), data)
+    details.sort(key=lambda item: (item[1]["type"] != "extra_forbidden", position(*item[0])))
+    keys = details[0][0]
+    alike = [detail for where, detail in details if where == keys]  # the branches of a union
+    return _problem(alike, keys, model.model_json_schema(), data)
 
 
 def _existing_keys(loc: Sequence[str | int], data: object) -> Keys:
@@ -78,7 +84,7 @@ def _existing_keys(loc: Sequence[str | int], data: object) -> Keys:
     return tuple(keys)
 
 
-def _problem(details: list[dict[str, Any]], keys: Keys, root: Schema, data: object) -> Problem:
+def _problem(details: list[Detail], keys: Keys, root: Schema, data: object) -> Problem:
     detail = details[0]
     kind, name = detail["type"], detail["loc"][-1] if detail["loc"] else ""
     if kind == "missing" and isinstance(name, str):
@@ -95,9 +101,7 @@ def _problem(details: list[dict[str, Any]], keys: Keys, root: Schema, data: obje
     return _wrong_value(details, keys, _schema_at(root, keys), _at(data, keys))
 
 
-def _wrong_value(
-    details: list[dict[str, Any]], keys: Keys, schema: Schema, value: object
-) -> Problem:
+def _wrong_value(details: list[Detail], keys: Keys, schema: Schema, value: object) -> Problem:
     subject = keys[-1] if keys and isinstance(keys[-1], str) else _subject(keys)
     kind, message = details[0]["type"], details[0]["msg"]
     if kind not in _RULES:  # a validator's own words
@@ -150,7 +154,10 @@ def _step(schema: Schema, key: str | int) -> Schema:
         listed = schema.get("prefixItems", [])
         found = listed[key] if key < len(listed) else schema.get("items", {})
     else:
-        found = schema.get("properties", {}).get(key, schema.get("additionalProperties", {}))
+        by_name = schema.get("properties", {})
+        of_any_name = [*schema.get("patternProperties", {}).values()]
+        of_any_name.append(schema.get("additionalProperties", {}))
+        found = by_name.get(key, of_any_name[0])
     return found if isinstance(found, dict) else {}
 
 

@@ -86,9 +86,7 @@ class FormulaError(MissionError):
 
     def located(self, where: Location) -> FormulaError:
         """The same error, placed in a file."""
-        return FormulaError(
-            self.what, self.text, self.offset, self.length, self.advice, where
-        )
+        return FormulaError(self.what, self.text, self.offset, self.length, self.advice, where)
 
 
 class NoPlanError(CompanionError):

@@ -11,8 +11,6 @@ unknown cells count as occupied. Keys that map_server does not know are ignored,
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -45,7 +43,8 @@ def read_map(path: Path) -> OccupancyGrid:
     fields = _Fields(path)
     resolution_m = fields.number("resolution", 0.001, 100.0)
     east_m, north_m = fields.origin()
-    is_negated = fields.number("negate", 0, 1) == 1
+    if fields.value("negate") not in (0, 1):
+        raise fields.error("negate", "negate is neither 0 nor 1")
     free_below = fields.number("free_thresh", 0.0, 1.0)
     occupied_above = fields.number("occupied_thresh", 0.0, 1.0)
     if free_below > occupied_above:
@@ -53,7 +52,7 @@ def read_map(path: Path) -> OccupancyGrid:
     if fields.values.get("mode", "trinary") != "trinary":
         raise fields.error("mode", "the map's mode is not trinary", "Only `trinary` is supported.")
     grey, is_opaque = _pixels(fields)
-    occupancy = grey / 255 if is_negated else (255 - grey) / 255
+    occupancy = grey / 255 if fields.value("negate") else (255 - grey) / 255
     is_free = (occupancy < free_below) & is_opaque
     return OccupancyGrid(np.ascontiguousarray(~is_free[::-1]), resolution_m, (north_m, east_m))
 
@@ -102,7 +101,8 @@ class _Fields:
 
 
 def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    """Whether a value is a finite number of a size that a map can have."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e9
 
 
 def _yaml_mapping(path: Path) -> CommentedMap:
@@ -138,9 +138,9 @@ def _pixels(fields: _Fields) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.bo
     if not isinstance(name, str) or not name:
         raise fields.error("image", "image is not a file name")
     path = fields.path.parent / name
-    if not path.is_file():
-        raise fields.error("image", f"there is no image {path}")
     try:
+        if not path.is_file():
+            raise fields.error("image", f"there is no image {path}")
         with Image.open(path, formats=("PPM", "PNG")) as image:
             if max(image.size) > MAX_EDGE_CELLS or min(image.size) < 1:
                 raise fields.error(

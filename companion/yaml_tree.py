@@ -88,10 +88,9 @@ def read_tree(text: str, path: str) -> Node:
     Raises:
         MissionError: too large, too deep, not YAML, or using what this module refuses.
     """
-    size = len(text.encode("utf-8", "surrogatepass"))
-    if size > MAX_BYTES:
+    if len(text.encode("utf-8", "surrogatepass")) > MAX_BYTES:
         raise MissionError(
-            f"the file has {size} bytes, at most {MAX_BYTES} are read",
+            f"the file is larger than {MAX_BYTES} bytes",
             Location(path, 1, 1),
             "split the mission, or check that this is the right file",
         )
@@ -100,10 +99,13 @@ def read_tree(text: str, path: str) -> Node:
     except ReaderError as error:
         line = text.count("\n", 0, error.position) + 1
         column = error.position - text.rfind("\n", 0, error.position)
+        code = ord(text[error.position])
         raise MissionError(
-            f"character U+{ord(text[error.position]):04X} is not allowed in YAML",
+            "the file is not UTF-8 text"
+            if 0xDC80 <= code <= 0xDCFF  # how Python hands on a byte that it could not decode
+            else f"character U+{code:04X} is not allowed in YAML",
             Location(path, line, column),
-            "remove it; the file must be UTF-8 text",
+            "remove this character, or save the file as UTF-8",
         ) from None
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
@@ -199,9 +201,10 @@ class _TreeReader:
                 where,
                 "remove it, or put quotes around a text that begins with &",
             )
-        if getattr(event, "tag", None) is not None:
+        tag = getattr(event, "tag", None)
+        if tag is not None:
             raise MissionError(
-                f"YAML tag {event.tag} is not allowed",
+                f"YAML tag {tag} is not allowed",
                 where,
                 "put quotes around a text that begins with !, e.g. '!at(A)'",
             )

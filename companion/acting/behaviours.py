@@ -14,7 +14,7 @@ from companion.acting.flight import TICK_S, Flight
 from companion.geometry import distance
 from companion.mission.model import Command, Fly
 from companion.motion.trajectory import Trajectory
-from companion.planning.domain import Action, Fact
+from companion.planning.domain import WAIT, Action, Fact
 from companion.vehicle.port import Progress, Setpoint
 
 ACCELERATION_MPS2 = 2.0
@@ -84,6 +84,8 @@ class Effects(Behaviour):
             flight.report("done", f"{action.name} done", action=action.name)
         if self._ends_lap:
             flight.laps += 1
+            if action is not WAIT:
+                flight.report("lap", f"lap {flight.laps} done", lap=flight.laps)
         return Status.SUCCESS
 
 
@@ -100,9 +102,7 @@ class Withdraw(Behaviour):
         flight, action = self._flight, self._action
         beliefs = sorted(action.assumes)
         flight.task.withdraw(action.assumes)
-        flight.report(
-            "failed", f"{action.name} failed: {flight.failure}", action=action.name
-        )
+        flight.report("failed", f"{action.name} failed: {flight.failure}", action=action.name)
         for belief in beliefs:
             flight.report("withdrawn", f"belief {belief} withdrawn", belief=belief)
         return Status.SUCCESS

@@ -1,16 +1,16 @@
 """A lasso as a behaviour tree (Figs. 5 and 6 of the paper).
 
-    Sequence (no memory)                        root
-    +- as predicted?                            leftmost checking branch (Section IV-C, end)
-    +- Sequence (memory)                        the plan
-       +- <action> ...                          prefix
-       +- Repeat for ever - Sequence <action>   suffix: the loop decorator L of Fig. 5
+Sequence (no memory)                        root
++- as predicted?                            leftmost checking branch (Section IV-C, end)
++- Sequence (memory)                        the plan
+   +- <action> ...                          prefix
+   +- Repeat for ever - Sequence <action>   suffix: the loop decorator L of Fig. 5
 
-    <action> = Selector
-               +- Sequence: precondition | refinement | effects       green, yellow, blue
-               +- Inverter - withdraw what the action assumed         Fig. 6, right branch
+<action> = Selector
+           +- Sequence: precondition | refinement | effects       green, yellow, blue
+           +- Inverter - withdraw what the action assumed         Fig. 6, right branch
 
-    refinement of a flight = Retry(tries) - Sequence: update_param | move_cmd    MAX_TRY(m)
+refinement of a flight = Retry(tries) - Sequence: update_param | move_cmd    MAX_TRY(m)
 """
 
 from __future__ import annotations

@@ -18,11 +18,10 @@ True
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import cache
-from typing import Any
 from weakref import WeakValueDictionary
 
 from lark import Lark, Token, Transformer, v_args
@@ -70,6 +69,7 @@ class Formula:
     def __new__(
         cls, operator: Operator, operands: tuple[Formula, ...] = (), atom: str = ""
     ) -> Formula:
+        """The one object for these fields."""
         key = (operator, operands, atom)
         formula = _interned.get(key)
         if formula is None:
@@ -267,13 +267,16 @@ def negation_normal_form(formula: Formula) -> Formula:
     """An equivalent formula of literals, true, false, &, |, X, U and R only.
 
     >>> str(negation_normal_form(parse("!(G a -> b W c)")))
-    'false R a & (!c U (!b & !c))'
+    'false R a & !c U (!b & !c)'
     """
     core: dict[Formula, Formula] = {}
     negated: dict[Formula, Formula] = {}
     for node in subformulas(formula):
         core[node], negated[node] = _both_polarities(
-            node.operator, node, [core[f] for f in node.operands], [negated[f] for f in node.operands]
+            node.operator,
+            node,
+            [core[f] for f in node.operands],
+            [negated[f] for f in node.operands],
         )
     return core[formula]
 
@@ -307,3 +310,116 @@ def _both_polarities(
                 Formula(operator, tuple(plain)),
                 Formula(_DUAL[operator], tuple(negated)),
             )
+
+
+@v_args(inline=True)
+class _Builder(Transformer[Token, Formula]):
+    """Makes formulas while the text is parsed, one method a rule of grammar.lark."""
+
+    def constant(self, name: Token) -> Formula:
+        return Formula(Operator(name))
+
+    def proposition(self, name: Token, *arguments: Token) -> Formula:
+        return Formula(Operator.ATOM, (), _canonical(name, arguments))
+
+    def unary(self, operator: Token, operand: Formula) -> Formula:
+        return Formula(Operator(operator), (operand,))
+
+    def binary(self, left: Formula, operator: Token, right: Formula) -> Formula:
+        return Formula(Operator(operator), (left, right))
+
+    def conjunction(self, *operands: Formula) -> Formula:
+        return conjoin(*operands)
+
+    def disjunction(self, *operands: Formula) -> Formula:
+        return disjoin(*operands)
+
+
+def _canonical(name: str, arguments: Sequence[str]) -> str:
+    return f"{name}({', '.join(arguments)})" if arguments else str(name)
+
+
+@cache
+def _parser() -> Lark:
+    # The basic lexer keeps `U` an operator even where only a proposition could stand.
+    return Lark.open(
+        "grammar.lark", rel_to=__file__, parser="lalr", lexer="basic", transformer=_Builder()
+    )
+
+
+def parse(text: str) -> Formula:
+    """The formula of a text. Raises FormulaError with the offending token underlined.
+
+    >>> parse("G F at(A) U")
+    Traceback (most recent call last):
+    companion.errors.FormulaError: the formula ends too early
+        G F at(A) U
+                   ^  expected a proposition such as at(A), true, false, ( or one of ! X F G
+    """
+    try:
+        formula: Formula = _parser().parse(text)  # type: ignore[assignment]
+    except UnexpectedCharacters as error:
+        offset = error.pos_in_stream or 0
+        raise FormulaError(
+            f"{text[offset]!r} has no meaning in a formula", text, offset, 1, _NOTATION
+        ) from None
+    except UnexpectedToken as error:
+        raise _explained(error, text) from None
+    return formula
+
+
+def occurrences(text: str) -> list[tuple[str, int, int]]:
+    """Where a formula's text mentions propositions. Raises FormulaError as `parse` does.
+
+    Returns:
+        (canonical text, offset, length) of every mention, in the order of the text.
+
+    >>> occurrences("F at( A ) | done")
+    [('at(A)', 2, 7), ('done', 12, 4)]
+    """
+    parse(text)
+    found = []
+    tokens = [*_parser().lex(text), Token("$END", "")]
+    position = 0
+    while tokens[position].type != "$END":
+        first = last = tokens[position]
+        position += 1
+        if first.type != "NAME":
+            continue
+        arguments = []
+        if tokens[position].type == "_OPEN":
+            while last.type != "_CLOSE":
+                last = tokens[position]
+                arguments.append(last)
+                position += 1
+        assert first.start_pos is not None and last.end_pos is not None
+        canonical = _canonical(first, arguments[1::2])  # between brackets and commas
+        found.append((canonical, first.start_pos, last.end_pos - first.start_pos))
+    return found
+
+
+_NOTATION = "a formula is made of names such as at(A), true, false, ( ) ! & | -> <-> X F G U R W"
+
+_EXPECTED = (
+    ("NOT", "a proposition such as at(A), true, false, ( or one of ! X F G"),
+    ("NAME", "the name of an argument"),
+    ("_COMMA", "a comma or )"),
+    ("_CLOSE", "an operator (& | -> <-> U R W) or )"),
+    ("$END", "an operator (& | -> <-> U R W) or the end"),
+)
+"""The first terminal that the parser would accept tells what it was waiting for."""
+
+
+def _explained(error: UnexpectedToken, text: str) -> FormulaError:
+    accepted = error.accepts or set()
+    hint = next((f"expected {words}" for terminal, words in _EXPECTED if terminal in accepted), "")
+    if error.token.type == "$END":
+        return FormulaError("the formula ends too early", text, len(text.rstrip()), 1, hint)
+    offset = error.token.start_pos or 0
+    glued = re.search(r"\b[XFG]{2,}\s*$", text[:offset])
+    if glued:
+        operators = glued.group().strip()
+        what = f"{operators!r} is read as a proposition"
+        advice = f"did you mean {' '.join(operators)!r}?"
+        return FormulaError(what, text, glued.start(), len(operators), advice)
+    return FormulaError(f"unexpected {str(error.token)!r}", text, offset, len(error.token), hint)

@@ -16,6 +16,8 @@ os.environ.setdefault("MAVLINK20", "1")  # pymavlink starts in version 1 otherwi
 
 from pymavlink.dialects.v20 import common as dialect
 
+__all__ = ["Endpoint", "Message", "dialect", "source", "split_frames"]
+
 Message = Any
 """A pymavlink message; it never leaves the packages that speak MAVLink."""
 
@@ -55,3 +57,22 @@ class Endpoint:
 def source(message: Message) -> tuple[int, int]:
     """System and component id that sent a message."""
     return (message.get_srcSystem(), message.get_srcComponent())
+
+
+def split_frames(datagram: bytes) -> list[bytes]:
+    """The frames of a datagram, by their headers; what is no frame is left out."""
+    frames: list[bytes] = []
+    at = 0
+    while at + 8 <= len(datagram):
+        if datagram[at] == 0xFD:
+            is_signed = datagram[at + 2] & dialect.MAVLINK_IFLAG_SIGNED
+            size = 12 + datagram[at + 1] + (dialect.MAVLINK_SIGNATURE_BLOCK_LEN if is_signed else 0)
+        elif datagram[at] == 0xFE:
+            size = 8 + datagram[at + 1]
+        else:
+            at += 1
+            continue
+        if at + size <= len(datagram):
+            frames.append(datagram[at : at + size])
+        at += size
+    return frames

@@ -34,9 +34,7 @@ def encode(value: float, param_type: int) -> float:
     5
     """
     try:
-        raw = struct.pack(
-            _layout(param_type), float(value) if param_type == REAL32 else int(value)
-        )
+        raw = struct.pack(_layout(param_type), float(value) if param_type == REAL32 else int(value))
     except (struct.error, OverflowError) as error:
         raise ValueError(f"{value} does not fit into parameter type {param_type}") from error
     return float(struct.unpack("<f", raw)[0])

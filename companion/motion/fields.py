@@ -95,7 +95,7 @@ class MoveGraph:
         """
         low = np.maximum(np.floor(centre - radius).astype(int) - _REACH, 0)
         high = np.minimum(np.ceil(centre + radius).astype(int) + _REACH, self._shape)
-        near = np.stack(np.mgrid[low[0] : high[0], low[1] : high[1]], axis=-1).reshape(-1, 1, 2)
+        near = low + np.argwhere(np.ones(np.maximum(high - low, 0)))[:, None]
         arrive = near + 0.5
         cell, move = np.nonzero(enters(arrive + _OFFSETS, arrive, centre, radius))
         flat = near[cell, 0, 0] * self._shape[1] + near[cell, 0, 1]

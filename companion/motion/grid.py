@@ -53,7 +53,8 @@ class OccupancyGrid:
 
     def contains(self, row: int, col: int) -> bool:
         """Whether a cell lies on the grid."""
-        return 0 <= row < self.occupied.shape[0] and 0 <= col < self.occupied.shape[1]
+        rows, cols = self.occupied.shape
+        return bool(0 <= row < rows and 0 <= col < cols)
 
     def clearance_m(self, position: NorthEast) -> float:
         """Distance from the cell of a position to the nearest obstacle; 0 outside the grid."""

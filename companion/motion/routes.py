@@ -15,7 +15,7 @@ dimension of obstacles, and the vehicle's dynamics (`trajectory.py`).
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,6 +27,8 @@ from companion.motion.grid import OccupancyGrid
 from companion.motion.sight import Points, Sight, enters
 
 ENTRY_M = 1.0  # how far from the nearest free cell a route may begin (tracking error)
+
+_TAUT = 0.1  # cells; a route is taut when cutting it again gains less
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +59,7 @@ class Route:
     @property
     def length_m(self) -> float:
         """Length of all legs in space."""
-        return float(np.linalg.norm(np.diff(self.waypoints, axis=0), axis=1).sum())
+        return _length(self.waypoints)
 
 
 class RouteMap:
@@ -101,10 +103,10 @@ class RouteMap:
         if entry is None:
             return math.inf
         field, cell = entry
-        goal = self._sites[site].position
-        hops = np.linalg.norm(self._point(start) - _centre(cell)) + np.linalg.norm(
-            self._point(goal) - _centre(self._grid.cell((goal[0], goal[1])))
-        )
+        point, goal = self._point(start), self._point(self._sites[site].position)
+        if field.cost[cell] == 0:
+            return float(np.linalg.norm(goal - point)) * self._grid.cell_m
+        hops = np.linalg.norm(point - _centre(cell)) + np.linalg.norm(goal - np.floor(goal) - 0.5)
         return float(field.cost[cell] + hops) * self._grid.cell_m
 
     def route(self, start: Ned, site: str) -> Route | None:
@@ -122,30 +124,31 @@ class RouteMap:
         field, cell = entry
         goal = self._sites[site].position
         path = np.vstack([self._point(start), field.path(cell) + 0.5, self._point(goal)])
-        held = 0 if self.is_free((start[0], start[1])) else 1  # keep the leg out of the band
+        held = 0 if self._free_sight.is_clear(path[0], path[0]) else 1  # the leg out of the band
         points = np.vstack([path[:held], self._pulled_tight(path[held:], site)])
         plane = points * self._grid.cell_m + self._grid.origin
         plane[0], plane[-1] = start[:2], goal[:2]  # exactly, whatever the rounding
         return Route(_with_altitude(plane, start[2], goal[2]))
 
-    def _point(self, position: Sequence[float]) -> Points:
-        """A position in units of cells (`sight.py`)."""
-        return (np.asarray(position[:2]) - self._grid.origin) / self._grid.cell_m
+    def _point(self, positions: npt.ArrayLike) -> Points:
+        """Positions, given by north, east and perhaps down, in units of cells (`sight.py`)."""
+        plane = np.asarray(positions, dtype=np.float64)[..., :2]
+        return np.asarray((plane - self._grid.origin) / self._grid.cell_m)
 
     def _is_free_cell(self, cell: Cell) -> bool:
         return self._grid.contains(*cell) and bool(self._free[cell])
 
-    def _regions(self, site: str) -> list[tuple[Points, float]]:
-        """Centre and radius, in cells, of the regions that no route to a site may enter."""
-        return [
-            (self._point(other.position), other.radius_m / self._grid.cell_m)
-            for name, other in self._sites.items()
-            if other.is_exclusive and name != site
-        ]
+    def _others(self, site: str) -> list[Site]:
+        """The places whose regions no route to a site may enter."""
+        return [other for name, other in self._sites.items() if other.is_exclusive and name != site]
 
-    def _is_allowed(self, a: Points, b: Points, site: str) -> bool:
-        """Whether a leg on the way to a site enters no other region."""
-        return not any(enters(a, b, centre, radius) for centre, radius in self._regions(site))
+    def _is_allowed(self, a: Points, b: Points, site: str) -> npt.NDArray[np.bool_]:
+        """(...) whether legs (..., 2) on the way to a site enter no other region."""
+        others = self._others(site)
+        centres = self._point(np.array([other.position for other in others]).reshape(-1, 3))
+        radii = np.array([other.radius_m for other in others]) / self._grid.cell_m
+        entered = enters(a[..., None, :], b[..., None, :], centres, radii)
+        return np.asarray(~np.any(entered, axis=-1))
 
     def _field(self, site: str) -> Field | None:
         """The field of a site; None if the site itself cannot be reached from its own cell."""
@@ -160,7 +163,10 @@ class RouteMap:
             return None
         if not self._is_allowed(_centre(cell), self._point(position), site):
             return None
-        entering = [self._graph.entering(*region) for region in self._regions(site)]
+        entering = [
+            self._graph.entering(self._point(other.position), other.radius_m / self._grid.cell_m)
+            for other in self._others(site)
+        ]
         return self._graph.field(cell, np.concatenate([np.empty(0, dtype=np.int_), *entering]))
 
     def _entry(self, start: NorthEast, site: str) -> tuple[Field, Cell] | None:
@@ -168,35 +174,65 @@ class RouteMap:
         field = self._field(site)
         if field is None:
             return None
-        sight = self._free_sight if self.is_free(start) else self._open_sight
         point = self._point(start)
+        is_free = self._free_sight.is_clear(point, point)
+        sight = self._free_sight if is_free else self._open_sight
         reach = ENTRY_M / self._grid.cell_m
-        low = np.maximum(np.floor(point - reach), 0).astype(int)
-        high = np.maximum(np.ceil(point + reach), 0).astype(int)
+        own = np.array(self._grid.cell(start))
+        low = np.maximum(np.floor(own - reach), 0).astype(int)
+        high = np.maximum(np.ceil(own + reach) + 1, 0).astype(int)
         cells = low + np.argwhere(np.isfinite(field.cost[low[0] : high[0], low[1] : high[1]]))
-        away = np.linalg.norm(cells + 0.5 - point, axis=1)
-        for i in np.argsort(away, kind="stable"):
-            if away[i] > reach:
-                break
-            centre = cells[i] + 0.5
-            if sight.is_clear(point, centre) and self._is_allowed(point, centre, site):
-                return field, (int(cells[i, 0]), int(cells[i, 1]))
-        return None
+        centres = cells.astype(np.float64) + 0.5
+        away = np.linalg.norm(cells - own, axis=1)
+        usable = away <= reach
+        usable &= sight.is_clear(point, centres) & self._is_allowed(point, centres, site)
+        if not usable.any():
+            return None
+        row, col = cells[np.argmin(np.where(usable, away, np.inf))].tolist()
+        return field, (row, col)
 
     def _pulled_tight(self, path: Points, site: str) -> Points:
-        """The path with each leg replaced by the one to the furthest point in sight."""
-        kept = [0]
-        while kept[-1] < len(path) - 1:
-            here = kept[-1]
-            following = here + 1
-            for ahead in range(len(path) - 1, following, -1):
-                if self._free_sight.is_clear(path[here], path[ahead]) and self._is_allowed(
-                    path[here], path[ahead], site
-                ):
-                    following = ahead
-                    break
-            kept.append(following)
-        return path[kept]
+        """The path with its detours cut off, from both ends in turn, until it is as good as taut.
+
+        The corners of a path are cell centres; the points between them that a cut needs to get
+        close to an obstacle's corner come from dividing the legs.
+        """
+
+        def is_clear(a: Points, b: Points) -> npt.NDArray[np.bool_]:
+            return self._free_sight.is_clear(a, b) & self._is_allowed(a, b, site)
+
+        def is_clear_backwards(a: Points, b: Points) -> npt.NDArray[np.bool_]:
+            return is_clear(b, a)
+
+        before = math.inf
+        while before - _length(path) > _TAUT:
+            before = _length(path)
+            path = _cut(_divided(path), is_clear)
+            path = _cut(_divided(path)[::-1], is_clear_backwards)[::-1]
+        return path
+
+
+def _cut(path: Points, is_clear: Callable[[Points, Points], npt.NDArray[np.bool_]]) -> Points:
+    """The path with legs from each point that is kept to the furthest one in sight."""
+    kept = [0]
+    while kept[-1] < len(path) - 1:
+        here = kept[-1]
+        in_sight = np.flatnonzero(is_clear(path[here], path[here + 2 :]))
+        kept.append(here + 2 + int(in_sight[-1]) if in_sight.size else here + 1)
+    return path[kept]
+
+
+def _divided(path: Points) -> Points:
+    """The path with points on its legs, at most one cell apart."""
+    parts = np.maximum(np.ceil(np.linalg.norm(np.diff(path, axis=0), axis=1)), 1).astype(int)
+    leg = np.repeat(np.arange(len(parts)), parts)
+    share = (np.arange(len(leg)) - np.repeat(np.cumsum(parts) - parts, parts)) / parts[leg]
+    inner = path[leg] + share[:, None] * (path[leg + 1] - path[leg])
+    return np.vstack([inner, path[-1:]])
+
+
+def _length(path: npt.NDArray[np.float64]) -> float:
+    return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
 
 
 def _centre(cell: Cell) -> Points:

@@ -34,24 +34,43 @@ class Sight:
         blocked = np.pad(~free, 1, constant_values=True)
         self._blocked_before = np.pad(np.cumsum(blocked, axis=1, dtype=np.int32), ((0, 0), (1, 0)))
 
-    def is_clear(self, a: Points, b: Points) -> bool:
-        """Whether the leg between two points crosses free cells only."""
-        (row_a, col_a), (row_b, col_b) = sorted((a.tolist(), b.tolist()))
-        rows, cols = self._shape
-        if row_a < 0 or row_b > rows or not (0 <= col_a <= cols and 0 <= col_b <= cols):
-            return False
-        band = np.arange(np.floor(row_a - _TOUCH), np.floor(row_b + _TOUCH) + 1)
-        if row_b - row_a > _TOUCH:
-            slope = (col_b - col_a) / (row_b - row_a)
-            enter = col_a + slope * (np.clip(band, row_a, row_b) - row_a)
-            leave = col_a + slope * (np.clip(band + 1, row_a, row_b) - row_a)
-        else:
-            enter, leave = np.full_like(band, col_a), np.full_like(band, col_b)
-        row = band.astype(np.intp) + 1  # +1: the frame
-        first = np.floor(np.minimum(enter, leave) - _TOUCH).astype(np.intp) + 1
-        last = np.floor(np.maximum(enter, leave) + _TOUCH).astype(np.intp) + 1
-        blocked = self._blocked_before[row, last + 1] - self._blocked_before[row, first]
-        return not blocked.any()
+    def is_clear(self, a: Points, b: Points) -> npt.NDArray[np.bool_]:
+        """Whether the legs between two points cross free cells only.
+
+        Args:
+            a: (..., 2) one end of each leg.
+            b: (..., 2) the other end.
+
+        Returns:
+            (...) bool, after broadcasting the arguments.
+        """
+        a, b = np.broadcast_arrays(a, b)
+        limits = np.array(self._shape)
+        is_on_map = np.all((a >= 0) & (a <= limits) & (b >= 0) & (b <= limits), axis=-1)
+        is_northwards = (a[..., 0] <= b[..., 0])[..., None]
+        south = np.clip(np.where(is_northwards, a, b), 0, limits)
+        north = np.clip(np.where(is_northwards, b, a), 0, limits)
+        return np.asarray(is_on_map & ~self._is_blocked(south, north))
+
+    def _is_blocked(self, south: Points, north: Points) -> npt.NDArray[np.bool_]:
+        """Whether legs on the map, from their south end to their north end, meet a blocked cell."""
+        row_0, col_0 = south[..., None, 0], south[..., None, 1]
+        row_1, col_1 = north[..., None, 0], north[..., None, 1]
+        is_level = row_1 - row_0 <= _TOUCH
+        slope = (col_1 - col_0) / np.where(is_level, 1.0, row_1 - row_0)
+
+        # Along the last axis: the rows of cells that a leg passes, its last one repeated.
+        first, last = np.floor(row_0 - _TOUCH), np.floor(row_1 + _TOUCH)
+        row = np.minimum(first + np.arange(np.max(last - first, initial=0) + 1), last)
+        enter = col_0 + slope * (np.clip(row, row_0, row_1) - row_0)
+        leave = col_0 + slope * (np.clip(row + 1, row_0, row_1) - row_0)
+        leave = np.where(is_level, col_1, leave)
+        west = np.floor(np.minimum(enter, leave) - _TOUCH)
+        east = np.floor(np.maximum(enter, leave) + _TOUCH)
+
+        row, west, east = (cells.astype(np.intp) + 1 for cells in (row, west, east))  # the frame
+        blocked = self._blocked_before[row, east + 1] - self._blocked_before[row, west]
+        return np.asarray(np.any(blocked > 0, axis=-1))
 
 
 def enters(

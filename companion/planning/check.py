@@ -13,13 +13,13 @@ from companion.ltl.semantics import holds
 from companion.planning.lasso import Lasso, Letter, Problem, word
 
 
-def fault(problem: Problem, lasso: Lasso, history: Sequence[Letter] = ()) -> str | None:
+def fault(problem: Problem, lasso: Lasso, history: Sequence[Letter]) -> str | None:
     """What is wrong with a plan, in words; None if nothing is.
 
     Args:
         problem: what the plan answers.
         lasso: the plan.
-        history: letters that were read before, the present position's included if it is read.
+        history: the letters read so far, the present position's included.
     """
     facts = problem.facts
     if not lasso.suffix:
@@ -34,8 +34,6 @@ def fault(problem: Problem, lasso: Lasso, history: Sequence[Letter] = ()) -> str
         facts = action.apply(facts)
     if facts != anchor:
         return f"the loop does not close: {', '.join(sorted(facts ^ anchor))} changed"
-    if problem.is_read and not lasso.prefix:
-        return "the loop begins at a position that has been left already"
     prefix, loop = word(problem, lasso)
     for conjunct in problem.conjuncts:
         if not holds(conjunct.formula, [*history, *prefix], loop):

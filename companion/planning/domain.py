@@ -134,7 +134,9 @@ def origin_parameter(skill: Skill) -> str | None:
     return None
 
 
-def _bindings(mission: Mission, skill: Skill, origin: str | None = None) -> Iterator[dict[str, str]]:
+def _bindings(
+    mission: Mission, skill: Skill, origin: str | None = None
+) -> Iterator[dict[str, str]]:
     """All bindings of a skill's parameters; `origin` fixes the place where it starts."""
     start = origin_parameter(skill) if origin else None
     if origin and start is None:

@@ -1,9 +1,12 @@
 """What planning asks and answers: a Problem, and a Lasso that solves it.
 
 A lasso is a finite prefix of actions and a loop that is repeated for ever (Section III-A). Its
-word is the sequence of facts at the positions it passes. A position is read by the automata
-when it is left, so a problem may start at a position that has been read already: the vehicle
-has left it, and the system moves first.
+word is the sequence of facts at the positions it passes.
+
+A plan is made for the positions to come, so in a problem the automata have read the present
+one. The product rule of the paper reads a position when it is left; that is the same run half
+a step later, but a loop that closes there needs a step more: for "eventually at A" it flies to
+A, and then away, before it may rest.
 """
 
 from __future__ import annotations
@@ -30,21 +33,20 @@ class Conjunct:
 
 @dataclass(frozen=True)
 class Problem:
-    """A planning problem; between replans only the last three fields change.
+    """A planning problem; between replans only the last two fields change.
 
     Attributes:
         actions: grounded actions; their order breaks ties.
         conjuncts: the task.
         facts: what holds now.
-        automaton_states: per conjunct, the states its automaton may be in after the history.
-        is_read: whether the present position has been read already.
+        automaton_states: per conjunct, the states its automaton may be in after reading the
+            history up to and including the present position.
     """
 
     actions: tuple[Action, ...]
     conjuncts: tuple[Conjunct, ...]
     facts: frozenset[Fact]
     automaton_states: tuple[frozenset[int], ...]
-    is_read: bool = False
 
 
 @dataclass(frozen=True)
@@ -89,15 +91,11 @@ def _step(action: Action) -> Mapping[str, object]:
 
 
 def word(problem: Problem, lasso: Lasso) -> tuple[list[Letter], list[Letter]]:
-    """The letters that executing a lasso appends to the history: of the prefix, of the loop.
-
-    Letter i is what holds at the position that action i leaves; the first one is missing if
-    the present position has been read already.
-    """
+    """The letters that a lasso appends to the history: of the prefix, and of one lap."""
     letters: list[Letter] = []
     facts = problem.facts
     for action in (*lasso.prefix, *lasso.suffix):
-        letters.append(facts)
         facts = action.apply(facts)
+        letters.append(facts)
     cut = len(lasso.prefix)
-    return (letters[1 if problem.is_read else 0 : cut], letters[cut:])
+    return letters[:cut], letters[cut:]

@@ -42,36 +42,42 @@ class Planner:
         )
         self.initial_states: AutomatonStates = tuple(c.automaton.initial for c in self.conjuncts)
         self.task_facts = frozenset().union(*(atoms(c.formula) for c in self.conjuncts))
-        self._flight_time = flight_time
+        self.flight_time = flight_time
 
     def problem(
         self,
         facts: frozenset[Fact],
         automaton_states: AutomatonStates,
         withdrawn: frozenset[Fact] = frozenset(),
-        is_read: bool = False,
         is_en_route: bool = False,
     ) -> Problem:
         """The problem from a state.
 
         Args:
             facts: what holds, without the beliefs.
-            automaton_states: where the automata may be after the history.
+            automaton_states: where the automata may be after reading the present position.
             withdrawn: beliefs that have been disproved; all others are held.
-            is_read: whether the present position has been left already.
             is_en_route: whether the vehicle is between places: adds the moves from `here`.
         """
         actions, beliefs = self.model.actions, self.model.beliefs
         if is_en_route:
-            extra = departures(self.mission, self._flight_time)
+            extra = departures(self.mission, self.flight_time)
             actions = (*extra, *actions)
             beliefs = beliefs.union(*(a.assumes for a in extra))
-        return Problem(
-            actions, self.conjuncts, facts | (beliefs - withdrawn), automaton_states, is_read
-        )
+        return Problem(actions, self.conjuncts, facts | (beliefs - withdrawn), automaton_states)
 
-    def plan(self, problem: Problem, history: Sequence[Letter] = ()) -> Lasso:
+    def first_problem(self) -> Problem:
+        """The problem at the mission's beginning."""
+        facts = self.mission.initially
+        letter = facts | self.model.beliefs
+        return self.problem(facts, self.read(self.initial_states, letter))
+
+    def plan(self, problem: Problem, history: Sequence[Letter] | None = None) -> Lasso:
         """The best lasso, checked.
+
+        Args:
+            problem: from where to plan.
+            history: the letters read so far; None at the mission's beginning.
 
         Raises:
             NoPlanError: there is none; the message says why.
@@ -79,7 +85,7 @@ class Planner:
         lasso = find_lasso(problem)
         if lasso is None:
             raise NoPlanError(why_no_plan(problem, self.model.beliefs))
-        wrong = fault(problem, lasso, history)
+        wrong = fault(problem, lasso, [problem.facts] if history is None else history)
         if wrong is not None:
             raise CompanionError(f"the planner made a wrong plan, {lasso}: {wrong}")
         return lasso
@@ -89,4 +95,3 @@ class Planner:
         return tuple(
             successors(c.automaton, s, letter) for c, s in zip(self.conjuncts, states, strict=True)
         )
-

@@ -2,9 +2,9 @@
 
 A node is a set of facts together with one state per automaton (Section III-A):
 
-    s -> s'  and  z_i --L(s)--> z_i'  for every i   gives   (s, z) -> (s', z')
+    s -> s'  and  z_i --L(s')--> z_i'  for every i   gives   (s, z) -> (s', z')
 
-The automata read the label of the position that is left. A nondeterministic automaton makes
+The automata have read the position they are at (see `lasso.py`). A nondeterministic automaton makes
 several edges, so a path through the product fixes one run of each. Acceptance stays generalized
 and on the edges: bit m of an edge's marks is set if it belongs to acceptance set m.
 
@@ -70,12 +70,12 @@ class Product:
             marks += conjunct.automaton.marks
         self.all_marks = (1 << marks) - 1
         self.edges: list[list[Edge]] = []
-        self._ids: dict[tuple[int, tuple[int, ...], bool], int] = {}
+        self._ids: dict[tuple[int, tuple[int, ...]], int] = {}
         self._moves: dict[int, list[tuple[int, int, int]]] = {}
-        self._todo: list[tuple[int, tuple[int, ...], bool]] = []
+        self._todo: list[tuple[int, tuple[int, ...]]] = []
         facts = self.mask(problem.facts)
         self.roots = [
-            self._node(facts, states, problem.is_read)
+            self._node(facts, states)
             for states in itertools.product(*map(sorted, problem.automaton_states))
         ]
         self._build()
@@ -97,8 +97,8 @@ class Product:
             cost_ms=action.cost_ms,
         )
 
-    def _node(self, facts: int, states: tuple[int, ...], is_read: bool = False) -> int:
-        key = (facts, states, is_read)
+    def _node(self, facts: int, states: tuple[int, ...]) -> int:
+        key = (facts, states)
         node = self._ids.get(key)
         if node is None:
             node = self._ids[key] = len(self._ids)
@@ -110,17 +110,14 @@ class Product:
     def _build(self) -> None:
         done = 0
         while done < len(self._todo):
-            facts, states, is_read = self._todo[done]
+            facts, states = self._todo[done]
             done += 1
-            reads = [(states, 0)] if is_read else self._read(facts, states)
             self.edges.append(
                 [
                     Edge(self._node(after, next_states), action, cost_ms, marks)
                     for after, action, cost_ms in self._moves_from(facts)
-                    for next_states, marks in reads
+                    for next_states, marks in self._read(after, states)
                 ]
-                if reads
-                else []
             )
 
     def _read(self, facts: int, states: tuple[int, ...]) -> list[tuple[tuple[int, ...], int]]:

@@ -31,6 +31,8 @@ class Approach:
         is_reached: whether a state is the goal.
         passes: modes on the way; the mode at the start is always one of them.
         keeps: modes in which the goal, once reached, still stands.
+        underway: modes that show that the vehicle is on its way and need not be asked again.
+        lead_s: time to stream setpoints before asking; PX4 wants to see them first.
         timeout_s: time after which the goal has failed.
     """
 
@@ -40,6 +42,8 @@ class Approach:
     passes: frozenset[Mode]
     keeps: frozenset[Mode]
     timeout_s: float
+    underway: frozenset[Mode] = frozenset()
+    lead_s: float = 0.0
 
 
 def _set_mode(mode: Mode) -> Parameters:
@@ -63,6 +67,7 @@ APPROACHES: dict[Goal, Approach] = {
         passes=frozenset({Mode.TAKEOFF, Mode.LOITER}),
         keeps=frozenset({Mode.LOITER}),
         timeout_s=60.0,
+        underway=frozenset({Mode.TAKEOFF}),
     ),
     Goal.OFFBOARD: Approach(
         command=dialect.MAV_CMD_DO_SET_MODE,
@@ -71,6 +76,7 @@ APPROACHES: dict[Goal, Approach] = {
         passes=frozenset({Mode.OFFBOARD}),
         keeps=frozenset({Mode.OFFBOARD}),
         timeout_s=15.0,
+        lead_s=1.0,
     ),
     Goal.HOLDING: Approach(
         command=dialect.MAV_CMD_DO_SET_MODE,
@@ -87,5 +93,6 @@ APPROACHES: dict[Goal, Approach] = {
         passes=frozenset({Mode.LAND}),
         keeps=frozenset(Mode),
         timeout_s=120.0,
+        underway=frozenset({Mode.LAND}),
     ),
 }

@@ -26,7 +26,8 @@ from sitl.autopilot.landing import LandDetector
 from sitl.autopilot.modes import FLIGHT_MODES, FlightMode, Hold, Need, Situation, heading
 from sitl.autopilot.parameters import Parameters
 from sitl.flight.controllers import Cascade, Limits, Target
-from sitl.flight.physics import FlightState, Motors
+from sitl.flight.mixer import Motors
+from sitl.flight.physics import FlightState
 
 COMMANDER_STEPS = 5  # modes and failsafes are decided every 5th step, 50 Hz at 4 ms
 STOPPED: Motors = (0.0, 0.0, 0.0, 0.0)
@@ -162,7 +163,8 @@ class Autopilot:
             self._takeoff_down_m = self._lowest_takeoff()
         self._failsafe.take_over()
         self.intended_mode = mode
-        self._enter(mode)
+        if mode != self.mode:
+            self._enter(mode)
         return True
 
     def take_off(self, down_m: float | None = None) -> bool:
@@ -219,22 +221,28 @@ class Autopilot:
             self._until_commander = COMMANDER_STEPS
             self._command()
         self._until_commander -= 1
-        self.motors = self._fly(state, dt_s) if self.is_armed else STOPPED
+        self.target = self._flying.target(self._situation()) if self.is_armed else None
+        climbs = self.target is not None and _wants_to_climb(self.target, state)
+        self._detect_landing(state, climbs, dt_s)
+        if self.target is None:
+            self.motors = STOPPED
+        elif self._is_spinning_up or (self._landing.is_touching and not climbs):
+            self.motors = self._cascade.idle()
+        else:
+            self.motors = self._cascade.step(state, self.target, dt_s)
         return self.motors
 
-    def _fly(self, state: FlightState, dt_s: float) -> Motors:
-        self.target = target = self._flying.target(self._situation())
-        climbs = _wants_to_climb(target, state)
+    @property
+    def _is_spinning_up(self) -> bool:
+        return self._state.time_s - self._armed_s < self.parameters["COM_SPOOLUP_TIME"]
+
+    def _detect_landing(self, state: FlightState, climbs: bool, dt_s: float) -> None:
         was_landed = self.is_landed
         self._landing.update(state, climbs, self.parameters["LNDMC_Z_VEL_MAX"], dt_s)
         if was_landed != self.is_landed:
             self._has_flown = True
             self._landed_s = state.time_s
             self._tell(Severity.INFO, "Landing detected" if self.is_landed else "Takeoff detected")
-        is_spinning_up = state.time_s - self._armed_s < self.parameters["COM_SPOOLUP_TIME"]
-        if is_spinning_up or (self._landing.is_touching and not climbs):
-            return self._cascade.idle()
-        return self._cascade.step(state, target, dt_s)
 
     def _command(self) -> None:
         """Decide on failsafes, modes and disarming."""
@@ -244,9 +252,7 @@ class Autopilot:
         now_s = self._state.time_s
         previous = self._failsafe.active
         self._failsafe.update(
-            Conditions(
-                self.intended_mode, now_s - self._setpoint_s, self.battery, self.parameters
-            ),
+            Conditions(self.intended_mode, now_s - self._setpoint_s, self.battery, self.parameters),
             now_s,
         )
         active = self._failsafe.active

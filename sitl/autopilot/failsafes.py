@@ -89,9 +89,7 @@ def battery_level(charge: float, parameters: Parameters) -> BatteryLevel:
         ("BAT_CRIT_THR", BatteryLevel.CRITICAL),
         ("BAT_LOW_THR", BatteryLevel.LOW),
     )
-    return next(
-        (level for name, level in thresholds if charge < parameters[name]), BatteryLevel.OK
-    )
+    return next((level for name, level in thresholds if charge < parameters[name]), BatteryLevel.OK)
 
 
 def _battery(now: Conditions) -> Failsafe | None:

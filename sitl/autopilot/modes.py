@@ -133,9 +133,7 @@ class Land(_Endless):
     def target(self, now: Situation) -> Target:
         """Down, slower near the ground."""
         speed = descent_mps(now.home[2] - now.state.position[2], now.parameters)
-        return Target(
-            (self.north_m, self.east_m, None), (0.0, 0.0, speed), yaw_rad=self.yaw_rad
-        )
+        return Target((self.north_m, self.east_m, None), (0.0, 0.0, speed), yaw_rad=self.yaw_rad)
 
 
 class _Leg(Enum):

@@ -91,9 +91,7 @@ class VelocityLoop:
             target.acceleration[i] + VELOCITY_P[i] * error[i] + self._integral[i] for i in range(3)
         )
         lift = _clamp(down, -self._limits.acceleration_mps2, self._limits.acceleration_mps2)
-        lift = _clamp(
-            lift - GRAVITY_MPS2, -4 * MAX_THRUST_N / MASS_KG, -4 * MIN_THRUST_N / MASS_KG
-        )
+        lift = _clamp(lift - GRAVITY_MPS2, -4 * MAX_THRUST_N / MASS_KG, -4 * MIN_THRUST_N / MASS_KG)
         is_lift_limited = (down - GRAVITY_MPS2 - lift) * error[2] > 0
         # Height first: horizontal thrust gets what tilt and the motors leave.
         most = min(
@@ -174,7 +172,7 @@ class RateLoop:
 class Cascade:
     """The whole cascade for one vehicle; call `reset` when arming."""
 
-    def __init__(self, limits: Limits = Limits()) -> None:  # noqa: B008 (frozen)
+    def __init__(self, limits: Limits = Limits()) -> None:
         self._limits = limits
         self._velocity_loop = VelocityLoop(limits)
         self._rate_loop = RateLoop()

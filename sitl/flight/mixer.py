@@ -12,7 +12,7 @@ against the other.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 MASS_KG = 1.5
 HUB_M = 0.225 / math.sqrt(2)  # distance of a hub from the roll and from the pitch axis
@@ -25,12 +25,13 @@ MAX_SPEED = 850.0  # rad/s, kept below the 950 that only a full battery gives
 MIN_THRUST_N = THRUST_CONSTANT * IDLE_SPEED**2
 MAX_THRUST_N = THRUST_CONSTANT * MAX_SPEED**2
 IDLE_COMMAND = IDLE_SPEED / (SPEED_CONSTANT * 16.8)
+_COMMAND_VOLTS = 1 / (SPEED_CONSTANT * math.sqrt(THRUST_CONSTANT))  # V per sqrt(N)
 
 Motors = tuple[float, float, float, float]
+"""Motor commands 0 to 1: front right, rear left, front left, rear right."""
 
 
-@dataclass(frozen=True, slots=True)
-class Mix:
+class Mix(NamedTuple):
     """Motor commands 0 to 1 and what they could not deliver."""
 
     motors: Motors
@@ -41,8 +42,9 @@ class Mix:
 def mix(thrust_n: float, roll_nm: float, pitch_nm: float, yaw_nm: float, voltage_v: float) -> Mix:
     """Motor commands for a thrust along -z and torques about body x, y, z.
 
-    >>> mix(0.0, 0.0, 0.0, 0.0, 16.8).motors[0] == IDLE_COMMAND
-    True
+    >>> hover = mix(1.5 * 9.81, 0.0, 0.0, 0.0, 16.0)
+    >>> [round(command, 3) for command in hover.motors], hover.is_yaw_limited
+    ([0.59, 0.59, 0.59, 0.59], False)
     """
     roll, pitch = roll_nm / (4 * HUB_M), pitch_nm / (4 * HUB_M)
     # Front right, rear left, front left, rear right.
@@ -62,9 +64,8 @@ def mix(thrust_n: float, roll_nm: float, pitch_nm: float, yaw_nm: float, voltage
     is_yaw_limited = abs(yaw) > room
     if is_yaw_limited:
         yaw = math.copysign(max(room, 0.0), yaw)
-    scale = 1.0 / (SPEED_CONSTANT * voltage_v * math.sqrt(THRUST_CONSTANT))
+    scale = _COMMAND_VOLTS / voltage_v
     sqrt = math.sqrt
-    # Rounding may leave a thrust below the floor by an ulp, never near zero: sqrt is safe.
     return Mix(
         (
             min(1.0, sqrt(base + a + yaw) * scale),

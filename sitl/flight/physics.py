@@ -25,25 +25,19 @@ import jsbsim
 
 from companion.geometry import GlobalOrigin, Ned, Quaternion, wrap_angle
 from sitl.flight.attitude import quaternion_from_euler
+from sitl.flight.mixer import MASS_KG, Motors
 
 M_PER_FT = 0.3048
-MASS_KG = 1.5
 LEG_M = 0.12
 LEG_SPRING_N_PER_M = 4 * 1500.0
 STANDING_M = LEG_M - MASS_KG * 9.81 / LEG_SPRING_N_PER_M
 """Height of the centre of mass above the ground at rest: the legs give 2.5 mm."""
 
-Motors = tuple[float, float, float, float]
-"""Motor commands 0 to 1: front right, rear left, front left, rear right."""
-
-# PX4's and JSBSim's own numbers: 3 is Adams-Bashforth 3 and 4 is Adams-Bashforth 4. The default
-# (Euler) turns a free spin by 32 degrees in 5 s; 4 for the rates makes legs creep.
-_INTEGRATORS = {
-    "rate/rotational": 3,
-    "rate/translational": 3,
-    "position/rotational": 4,
-    "position/translational": 4,
-}
+# FGPropagate's numbers for integrators. In the air: Adams-Bashforth 2 for rates and 3 for position
+# and attitude; the default (Euler) turns a free spin by 32 degrees in 5 s. On the legs: Euler for
+# the rates, because JSBSim's friction stops a contact within one Euler step, and Adams-Bashforth
+# only reverses it: the vehicle would go on trembling by 0.2 m/s^2 after a landing.
+_EULER, _ADAMS_BASHFORTH_2, _ADAMS_BASHFORTH_3 = 1, 3, 4
 _MILSPEC_TURBULENCE = 3  # the Dryden spectra of MIL-F-8785C
 
 
@@ -116,19 +110,14 @@ class Physics:
         self._steps = 0
         self._place(origin, start, yaw_rad)
         self._fdm["battery/charge-at-start"] = charge
-        self._fdm["simulation/randomseed"] = seed
-        if turbulence_mps > 0:
-            self._fdm["atmosphere/turb-type"] = _MILSPEC_TURBULENCE
-            self._fdm["atmosphere/turbulence/milspec/severity"] = 3  # any but 0 switches it on
-            # MIL-F-8785C: the vertical deviation is a tenth of the mean wind at 20 ft.
-            at_20ft_fps = 10 * turbulence_mps / M_PER_FT
-            self._fdm["atmosphere/turbulence/milspec/windspeed_at_20ft_AGL-fps"] = at_20ft_fps
-        self.set_wind(wind)
         if not self._fdm.run_ic():
             raise RuntimeError("JSBSim refuses the initial conditions")
+        self._stir(turbulence_mps, seed)
+        self.set_wind(wind)  # after run_ic, which replaces the wind by its own
         self._bind()
         self.is_draining = False
         self.state = self._read()
+        self._choose_rate_integrators()
 
     def step(self, motors: Motors) -> FlightState:
         """Move on by one step with these motor commands."""
@@ -136,7 +125,10 @@ class Physics:
             set_command(command)
         self._fdm.run()
         self._steps += 1
+        was_on_ground = self.state.is_on_ground
         self.state = self._read()
+        if self.state.is_on_ground != was_on_ground:
+            self._choose_rate_integrators()
         return self.state
 
     def set_wind(self, wind: Ned) -> None:
@@ -161,6 +153,15 @@ class Physics:
         self._fdm["ic/h-agl-ft"] = (STANDING_M - start[2]) / M_PER_FT
         self._fdm["ic/psi-true-rad"] = yaw_rad
 
+    def _stir(self, turbulence_mps: float, seed: int) -> None:
+        self._fdm["simulation/randomseed"] = seed
+        if turbulence_mps > 0:
+            self._fdm["atmosphere/turb-type"] = _MILSPEC_TURBULENCE
+            self._fdm["atmosphere/turbulence/milspec/severity"] = 3  # any but 0 switches it on
+            # MIL-F-8785C: the vertical deviation is a tenth of the mean wind at 20 ft.
+            at_20ft_fps = 10 * turbulence_mps / M_PER_FT
+            self._fdm["atmosphere/turbulence/milspec/windspeed_at_20ft_AGL-fps"] = at_20ft_fps
+
     def _bind(self) -> None:
         """Look the properties up once: a bound node is read in 40 ns, a name in 65 to 290."""
 
@@ -169,6 +170,10 @@ class Physics:
 
         self._set_commands = [
             self._node(f"rotor/command-{i}").set_double_value for i in range(1, 5)
+        ]
+        self._set_rate_integrators = [
+            self._node(f"simulation/integrator/rate/{i}").set_double_value
+            for i in ("rotational", "translational")
         ]
         self._charge, self._voltage, self._current, self._wow = readers(
             "battery/charge",
@@ -184,6 +189,11 @@ class Physics:
         self._rates = readers(*(f"velocities/{i}-rad_sec" for i in "pqr"))
         self._specific_force = readers(*(f"accelerations/a-pilot-{i}-ft_sec2" for i in "xyz"))
         self._motor_speeds = readers(*(f"rotor/speed-{i}-radps" for i in range(1, 5)))
+
+    def _choose_rate_integrators(self) -> None:
+        order = _EULER if self.state.is_on_ground else _ADAMS_BASHFORTH_2
+        for set_integrator in self._set_rate_integrators:
+            set_integrator(order)
 
     def _node(self, name: str) -> jsbsim.FGPropertyNode:
         node = self._fdm.get_property_manager().get_node(name)
@@ -218,16 +228,15 @@ class Physics:
 
 def _load(dt_s: float) -> jsbsim.FGFDMExec:
     """A silent JSBSim with the airframe. The step must be set first: filters take it at load."""
-    jsbsim.FGJSBBase().debug_lvl = 0
-    jsbsim.set_logger(jsbsim.DefaultLogger(jsbsim.LogLevel.WARN))
+    # Process-wide, and enough for silence. A logger of one's own would belong to a thread and
+    # aborts the interpreter when that thread ends (jsbsim 1.3.3).
+    jsbsim.FGJSBBase().debug_lvl = 0  # type: ignore[no-untyped-call]
     with resources.as_file(resources.files(__package__).joinpath("quadrotor.xml")) as airframe:
         fdm = jsbsim.FGFDMExec(str(airframe.parent))
-        fdm.set_debug_level(0)
         fdm.set_dt(dt_s)
         fdm.set_aircraft_path(str(airframe.parent))
         if not fdm.load_model(airframe.stem, False):
             raise RuntimeError(f"JSBSim cannot load {airframe}")
-    for name, order in _INTEGRATORS.items():
-        fdm[f"simulation/integrator/{name}"] = order
+    for axis in ("rotational", "translational"):
+        fdm[f"simulation/integrator/position/{axis}"] = _ADAMS_BASHFORTH_3
     return fdm
-

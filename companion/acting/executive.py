@@ -1,0 +1,176 @@
+"""Ticks the plan's tree, notices what the plan did not expect, and plans again (Section III-B).
+
+Planning assumes that every event keeps its value and every belief holds. When the tree fails,
+one of these was wrong: an event that matters to the plan has changed, or a skill has failed
+and its belief was withdrawn. Then a new lasso is searched from the present state, with the
+history kept, and a new tree is built. The vehicle holds meanwhile.
+
+A plan that ends at rest satisfies the task when the rest is reached.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from enum import Enum
+
+from py_trees.behaviour import Behaviour
+from py_trees.common import Status
+
+from companion.acting.events import EventDetector
+from companion.acting.flight import Flight
+from companion.acting.task_state import TaskState
+from companion.acting.tree import build
+from companion.errors import NoPlanError
+from companion.mission.model import Fly, Signal
+from companion.planning.domain import WAIT, Action, Fact, departures
+from companion.planning.lasso import Lasso
+from companion.planning.planner import Planner
+
+MAX_IDLE_REPLANS = 5
+"""Replans without a completed skill between them after which the executive gives up."""
+
+
+class TaskStatus(Enum):
+    """How the task stands."""
+
+    RUNNING = "running"
+    SATISFIED = "satisfied"
+    NO_PLAN = "no plan"
+
+
+class Executive:
+    """Acts out one mission.
+
+    Args:
+        planner: the mission's planner.
+        flight: what the tree acts on.
+        detector: the mission's events.
+        on_plan: told of every new plan and its number, 0 for the first.
+    """
+
+    def __init__(
+        self,
+        planner: Planner,
+        flight: Flight,
+        detector: EventDetector,
+        on_plan: Callable[[int, Lasso], None],
+    ) -> None:
+        self.status = TaskStatus.RUNNING
+        self.replans = 0
+        self.lasso: Lasso | None = None
+        self._planner = planner
+        self._flight = flight
+        self._detector = detector
+        self._on_plan = on_plan
+        self._root: Behaviour | None = None
+        self._reasons: list[str] = []
+        self._idle_replans = 0
+        self._positions = 0
+
+    def sense(self, readings: Sequence[tuple[Signal, float]]) -> None:
+        """Takes readings off the wire and turns them into facts."""
+        flight = self._flight
+        for name, holds in self._detector.update(flight.now_s, readings):
+            flight.task.set_fact(name, holds)
+            text = _in_words(name) if holds else f"no longer {_in_words(name)}"
+            flight.report("event", text, event=name, holds=holds)
+            self._reasons.append(text)
+
+    def plan(self) -> None:
+        """Makes the first plan.
+
+        Raises:
+            NoPlanError: there is none.
+        """
+        lasso = self._search(self._flight.task)
+        self._adopt(lasso)
+        self._flight.report("plan", f"plan: {lasso}", **lasso.as_json())
+
+    def tick(self) -> TaskStatus:
+        """One tick of the tree; plans again if it fails."""
+        assert self._root is not None and self.lasso is not None
+        self._root.tick_once()
+        if self._root.status is Status.FAILURE:
+            self._replan()
+        elif self.lasso.ends_at_rest and self._flight.laps:
+            self.status = TaskStatus.SATISFIED
+        return self.status
+
+    def go_to(self, place: str) -> bool:
+        """Replaces the plan by a flight to a place and rest; False if no route leads there.
+
+        This is what is left to do when the task has no plan.
+        """
+        self._flight.task.interrupt()
+        move = self._departure(place)
+        if move is None:
+            return False
+        self._flight.task.depart()
+        self._flight.task.withdrawn -= move.assumes
+        self.status = TaskStatus.RUNNING
+        self._adopt(Lasso((move,), (WAIT,)))
+        return True
+
+    def stop(self) -> None:
+        """Ends the plan; the vehicle holds."""
+        if self._root is not None:
+            self._root.stop(Status.INVALID)
+        self._flight.hold()
+
+    def _departure(self, place: str) -> Action | None:
+        moves = departures(self._planner.mission, self._planner.flight_time)
+        return next((a for a in moves if a.execute == Fly(place)), None)
+
+    def _search(self, task: TaskState) -> Lasso:
+        return self._planner.plan(*task.problem())
+
+    def _replan(self) -> None:
+        flight, task = self._flight, self._flight.task
+        self.stop()
+        task.interrupt()
+        self._count_idle()
+        reason = "; ".join(self._reasons) or flight.failure
+        self.replans += 1
+        try:
+            if self._idle_replans > MAX_IDLE_REPLANS:
+                raise NoPlanError(f"no plan: {MAX_IDLE_REPLANS} plans in a row led nowhere")
+            lasso = self._search(task)
+        except NoPlanError as error:
+            self.status = TaskStatus.NO_PLAN
+            flight.report("replan", f"replan {self.replans}: {reason}: {error}", reason=reason)
+            return
+        self._adopt(lasso)
+        text = f"replan {self.replans}: {reason} -> {lasso}"
+        flight.report("replan", text, number=self.replans, reason=reason, **lasso.as_json())
+
+    def _count_idle(self) -> None:
+        """Counts replans between which the task's word has not grown."""
+        positions = len(self._flight.task.history)
+        self._idle_replans = 0 if positions > self._positions else self._idle_replans + 1
+        self._positions = positions
+
+    def _adopt(self, lasso: Lasso) -> None:
+        flight = self._flight
+        flight.laps = 0
+        flight.failure = ""
+        self._reasons = []
+        self.lasso = lasso
+        self._root = build(flight, lasso, self._predicted(lasso))
+        self._on_plan(self.replans, lasso)
+
+    def _predicted(self, lasso: Lasso) -> dict[Fact, bool]:
+        """The present values of the events that the task or the plan's preconditions mention."""
+        relevant = self._planner.task_facts.union(
+            *(a.requires | a.forbids for a in (*lasso.prefix, *lasso.suffix))
+        )
+        facts = self._flight.task.facts
+        return {name: name in facts for name in self._planner.mission.events if name in relevant}
+
+
+def _in_words(name: str) -> str:
+    """A camel-case name as words: targetFound becomes "target found".
+
+    >>> _in_words("targetFound")
+    'target found'
+    """
+    return "".join(f" {c.lower()}" if c.isupper() else c for c in name).replace("_", " ").strip()

@@ -1,0 +1,199 @@
+"""One sortie from the ground to the ground: climb, fly the task, land. The phases as a table.
+
+    phase       works towards      then      if it fails
+    waiting     a state on the wire          arming      (the caller's time-out)
+    arming      ARMED              take-off  end
+    take-off    AIRBORNE           offboard  land
+    offboard    OFFBOARD           task      land
+    task        the executive      landing   landing, after `otherwise`
+    holding     HOLDING            landing   landing
+    parting     HOLDING            end       end
+    landing     LANDED             end       end
+
+Safety comes before the table: who takes the vehicle from us (pilot or failsafe) ends the
+sortie at once and nothing more is sent. A vehicle that is armed or flying before we start is
+not ours to take. A stop that the operator asked for holds, lands, and ends.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum
+
+from companion.acting.executive import Executive, TaskStatus
+from companion.acting.flight import Flight
+from companion.errors import Aborted, CompanionError, LinkError, NoPlanError
+from companion.geometry import horizontal_distance
+from companion.mission.model import Otherwise, Place, Signal
+from companion.vehicle.port import Goal, Outcome, Progress, VehicleState
+
+LINK_LOST_S = 10.0
+"""Silence after which the sortie is given up; the autopilot's failsafe flies since long."""
+
+
+class Phase(Enum):
+    """Where the sortie is."""
+
+    WAITING = "waiting for the vehicle"
+    ARMING = "arming"
+    TAKE_OFF = "taking off"
+    OFFBOARD = "entering OFFBOARD"
+    TASK = "flying the task"
+    HOLDING = "holding"
+    PARTING = "leaving the vehicle on hold"
+    LANDING = "landing"
+    ENDED = "ended"
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """A phase that works towards a goal."""
+
+    goal: Goal
+    then: Phase
+    if_failed: Phase
+
+
+STEPS: dict[Phase, Step] = {
+    Phase.ARMING: Step(Goal.ARMED, Phase.TAKE_OFF, Phase.ENDED),
+    Phase.TAKE_OFF: Step(Goal.AIRBORNE, Phase.OFFBOARD, Phase.LANDING),
+    Phase.OFFBOARD: Step(Goal.OFFBOARD, Phase.TASK, Phase.LANDING),
+    Phase.HOLDING: Step(Goal.HOLDING, Phase.LANDING, Phase.LANDING),
+    Phase.PARTING: Step(Goal.HOLDING, Phase.ENDED, Phase.ENDED),
+    Phase.LANDING: Step(Goal.LANDED, Phase.ENDED, Phase.ENDED),
+}
+
+
+class Sortie:
+    """Flies a mission once.
+
+    Attributes:
+        phase: where it is.
+        failure: why the sortie did not end well; None while it does.
+
+    Args:
+        flight: the flight.
+        executive: acts out the task.
+        home: where the vehicle has to stand at the start.
+        otherwise: what to do when no plan exists.
+    """
+
+    def __init__(
+        self, flight: Flight, executive: Executive, home: Place, otherwise: Otherwise
+    ) -> None:
+        self.phase = Phase.WAITING
+        self.failure: CompanionError | None = None
+        self._flight = flight
+        self._executive = executive
+        self._home = home
+        self._otherwise = otherwise
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether nothing is left to do."""
+        return self.phase is Phase.ENDED
+
+    def step(self, now_s: float, readings: Sequence[tuple[Signal, float]]) -> None:
+        """One tick."""
+        flight = self._flight
+        flight.now_s = now_s
+        if self.has_ended:
+            return
+        self._executive.sense(readings)
+        state = flight.vehicle.state
+        if state is None:
+            return
+        loss = self._loss_of_control(state)
+        if loss is not None:
+            self._end(loss)
+        elif self.phase is Phase.WAITING:
+            self._start(state)
+        elif self.phase is Phase.TASK:
+            self._fly_task()
+        else:
+            self._work(STEPS[self.phase])
+
+    def stop(self) -> None:
+        """Holds, lands and ends, as the operator asked; on the ground it ends at once."""
+        if self.phase in (Phase.HOLDING, Phase.LANDING, Phase.ENDED):
+            return
+        self._flight.report("phase", "stopping as asked")
+        state = self._flight.vehicle.state
+        if self.phase is Phase.WAITING or state is None or not state.is_armed:
+            self._enter(Phase.ENDED)
+        else:
+            self._executive.stop()
+            self._enter(Phase.HOLDING)
+
+    def _loss_of_control(self, state: VehicleState) -> CompanionError | None:
+        """Why the sortie is no longer ours to fly."""
+        silence_s = self._flight.now_s - state.stamp_s
+        if silence_s > LINK_LOST_S:
+            return LinkError(f"no position from the vehicle for {silence_s:.0f} s")
+        if self._flight.vehicle.lost_authority:
+            return Aborted(self._flight.vehicle.lost_authority)
+        if self.phase in (Phase.OFFBOARD, Phase.TASK, Phase.HOLDING) and not state.is_armed:
+            return Aborted("the vehicle was disarmed")
+        return None
+
+    def _start(self, state: VehicleState) -> None:
+        if state.is_armed or not state.is_landed:
+            self._end(Aborted("the vehicle is armed or flying already; it is left alone"))
+            return
+        gap_m = horizontal_distance(state.position, self._home.position)
+        if gap_m > self._home.radius_m:
+            what = f"the vehicle stands {gap_m:.1f} m from {self._home.name}"
+            self._end(Aborted(f"{what}, where the mission begins; put it there"))
+            return
+        try:
+            self._executive.plan()
+        except NoPlanError as error:
+            self._end(error)
+            return
+        self._enter(Phase.ARMING)
+
+    def _work(self, step: Step) -> None:
+        outcome: Outcome = self._flight.vehicle.pursue(step.goal)
+        if self.phase is Phase.OFFBOARD:
+            self._flight.hold()
+        if outcome.progress is Progress.DONE:
+            self._enter(step.then)
+        elif outcome.progress is Progress.FAILED:
+            if self.failure is None:
+                self.failure = Aborted(outcome.reason)
+            self._flight.report("phase", outcome.reason)
+            self._enter(step.if_failed)
+
+    def _fly_task(self) -> None:
+        status = self._executive.tick()
+        if status is TaskStatus.NO_PLAN:
+            self._without_plan()
+        elif status is TaskStatus.SATISFIED:
+            self._enter(Phase.LANDING)
+
+    def _without_plan(self) -> None:
+        """Does what the mission says for the case that no plan exists."""
+        is_first = self.failure is None
+        self.failure = NoPlanError(self._flight.reports[-1].text)
+        returns = self._otherwise is Otherwise.RETURN_HOME and is_first
+        if returns and self._executive.go_to(self._home.name):
+            self._flight.report("phase", f"returning to {self._home.name}")
+        else:
+            is_hold = self._otherwise is Otherwise.HOLD
+            self._enter(Phase.PARTING if is_hold else Phase.HOLDING)
+
+    def _enter(self, phase: Phase) -> None:
+        self.phase = phase
+        if phase is Phase.ENDED:
+            self._flight.vehicle.fly(None)
+            text = str(self.failure) if self.failure else "ended"
+            self._flight.report(
+                "end", text, exit_code=self.failure.exit_code if self.failure else 0
+            )
+        else:
+            self._flight.report("phase", phase.value)
+
+    def _end(self, failure: CompanionError) -> None:
+        self.failure = failure
+        self._enter(Phase.ENDED)

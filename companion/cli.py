@@ -1,0 +1,292 @@
+"""The commands: arguments in, one call each; the only place that prints and picks exit codes.
+
+Exit codes: 0 the task is satisfied (or the run was stopped as asked), 1 internal, 2 a file from
+outside is wrong, 3 no plan, 4 no link, 5 the pilot or a failsafe ended the flight.
+
+Imports that take long (MAVLink, plots, the simulator) are made inside the commands that need
+them, so that `--help` and `check` answer at once.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from companion.errors import CompanionError, MissionError
+
+if TYPE_CHECKING:
+    from companion.acting.report import Report
+    from companion.app import Companion
+    from companion.mission.model import Mission
+    from companion.planning.lasso import Lasso
+    from companion.planning.planner import Planner
+    from companion.record.run_folder import RunFolder
+
+app = typer.Typer(
+    help="Plans a mission in linear temporal logic and flies it on a PX4-style vehicle.",
+    epilog="Try: companion sim missions/surveillance.yaml --speed max",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+MissionFile = Annotated[Path, typer.Argument(metavar="MISSION", help="The mission's YAML file.")]
+LogDir = Annotated[
+    Path,
+    typer.Option(
+        envvar="COMPANION_LOG_DIR",
+        help="Where run folders are made.",
+        show_default="~/.local/state/companion",
+    ),
+]
+Timeout = Annotated[float, typer.Option(help="Seconds to wait for a vehicle.", min=0.1)]
+DEFAULT_LOG_DIR = Path("~/.local/state/companion")
+OFFBOARD_PORT = 14540
+GROUND_STATION_PORT = 14550
+
+
+@app.command()
+def check(mission: MissionFile) -> None:
+    """Reads, translates and plans a mission; needs no vehicle."""
+    loaded, planner, lasso = _plan(mission)
+    typer.echo(f"mission    {loaded.name}: places {' '.join(loaded.places)}")
+    for conjunct in planner.conjuncts:
+        typer.echo(f"task       {conjunct.name}: {conjunct.automaton.states} states")
+    typer.echo(f"plan       {lasso}")
+    typer.echo("ok")
+
+
+@app.command()
+def plan(
+    mission: MissionFile,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Prints the plan: a prefix that is flown once and a loop that is flown for ever."""
+    _, _, lasso = _plan(mission)
+    if as_json:
+        typer.echo(json.dumps(lasso.as_json(), indent=2))
+        return
+    typer.echo("prefix")
+    for action in lasso.prefix:
+        typer.echo(f"  {action.name:<24} {action.cost_ms / 1000:6.1f} s")
+    typer.echo("loop")
+    for action in lasso.suffix:
+        typer.echo(f"  {action.name:<24} {action.cost_ms / 1000:6.1f} s")
+    typer.echo(f"prefix {lasso.prefix_cost_ms / 1000:.1f} s, lap {lasso.lap_cost_ms / 1000:.1f} s")
+
+
+@app.command()
+def ltl(formula: Annotated[str, typer.Argument(help="e.g. 'G (F at(A) | targetFound)'")]) -> None:
+    """Prints the Büchi automaton of a formula in the HOA format."""
+    from companion.ltl.formula import parse
+    from companion.ltl.hoa import to_hoa
+    from companion.ltl.translate import translate
+
+    typer.echo(to_hoa(translate(parse(formula))).rstrip())
+
+
+@app.command()
+def run(
+    mission: MissionFile,
+    connect: Annotated[
+        str, typer.Option(envvar="COMPANION_CONNECT", help="udpin://HOST:PORT or udpout://...")
+    ] = f"udpin://0.0.0.0:{OFFBOARD_PORT}",
+    timeout: Timeout = 30.0,
+    log_dir: LogDir = DEFAULT_LOG_DIR,
+) -> None:
+    """Flies a mission on a vehicle: PX4, or a simulator that was started separately."""
+    loaded = _load(mission)
+    with _recorded(loaded, log_dir) as folder:
+        _fly(loaded, folder, connect, speed=1.0, timeout_s=timeout)
+
+
+@app.command()
+def sim(
+    mission: MissionFile,
+    scenario: Annotated[
+        Path | None,
+        typer.Option(help="What happens in the world. [default: MISSION's name with .sim.yaml]"),
+    ] = None,
+    speed: Annotated[
+        str, typer.Option(help="Times real time, or max: lockstep in one process.")
+    ] = "1",
+    seed: Annotated[int, typer.Option(help="Seed of wind and sensors.", min=0)] = 0,
+    instance: Annotated[
+        int, typer.Option("--instance", "-i", help="Shifts ports and system id, as in PX4.", min=0)
+    ] = 0,
+    timeout: Timeout = 30.0,
+    log_dir: LogDir = DEFAULT_LOG_DIR,
+) -> None:
+    """Flies a mission in the bundled simulator. QGroundControl connects to it by itself."""
+    factor = _speed(speed)
+    loaded = _load(mission)
+    world = scenario or mission.with_suffix(".sim.yaml")
+    if scenario is None and not world.exists():
+        raise MissionError(f"there is no scenario {world}", hint="name one with --scenario")
+    with _recorded(loaded, log_dir) as folder:
+        if factor is None:
+            _fly_in_lockstep(loaded, folder, world, seed, instance)
+            return
+        options = ["--scenario", world, "--speed", factor, "--seed", seed, "--instance", instance]
+        typer.echo(
+            f"vehicle    simulated, {factor:g} x real time; "
+            f"ground station on UDP port {GROUND_STATION_PORT + instance}"
+        )
+        url = f"udpin://127.0.0.1:{OFFBOARD_PORT + instance}"
+        with _simulator([str(o) for o in options], folder.folder / "sitl.log"):
+            _fly(loaded, folder, url, factor, timeout * factor)
+
+
+def main() -> None:
+    """Entry point: runs a command and turns errors into messages and exit codes."""
+    try:
+        app(standalone_mode=True)
+    except CompanionError as error:
+        typer.echo(str(error), err=True)
+        sys.exit(error.exit_code)
+
+
+def _load(path: Path) -> Mission:
+    from companion.mission.loader import load_mission
+
+    return load_mission(path)
+
+
+def _plan(path: Path) -> tuple[Mission, Planner, Lasso]:
+    """A mission and its plan from the start."""
+    from companion.app import flight_times, route_map
+    from companion.planning.planner import Planner
+
+    mission = _load(path)
+    planner = Planner(mission, flight_times(mission, route_map(mission)))
+    return mission, planner, planner.plan(planner.first_problem())
+
+
+def _speed(text: str) -> float | None:
+    """The real-time factor; None for `max`."""
+    if text == "max":
+        return None
+    try:
+        factor = float(text)
+    except ValueError:
+        factor = 0.0
+    if not 0.0 < factor < 1000.0:
+        raise typer.BadParameter(f"{text} is not a positive number or max", param_hint="--speed")
+    return factor
+
+
+@contextmanager
+def _recorded(mission: Mission, log_dir: Path) -> Iterator[RunFolder]:
+    """A run folder, announced at the start and at the end."""
+    from companion.record.run_folder import RunFolder
+
+    now_s = time.time()
+    stamp = time.strftime("%Y-%m-%dT%H%M%S", time.localtime(now_s))
+    path = log_dir.expanduser() / f"{stamp}-{mission.name}"
+    number = 1
+    while path.exists():
+        number += 1
+        path = path.with_name(f"{stamp}-{mission.name}-{number}")
+    typer.echo(f"mission    {mission.name}")
+    folder = RunFolder(path, mission, now_s, _tell)
+    typer.echo(f"run        {path}")
+    try:
+        yield folder
+    finally:
+        folder.close()
+        typer.echo(f"results    {path}")
+
+
+def _tell(report: Report) -> None:
+    minutes, seconds = divmod(report.time_s, 60)
+    typer.echo(f" {int(minutes):02d}:{seconds:04.1f}  {report.text}")
+
+
+def _fly(mission: Mission, folder: RunFolder, url: str, speed: float, timeout_s: float) -> None:
+    from companion.app import Companion, fly
+    from companion.vehicle.link import ScaledClock, UdpLink, parse_url
+
+    link = UdpLink(parse_url(url))
+    try:
+        companion = Companion(mission, folder)
+        typer.echo(f"waiting    for a vehicle on {link.endpoint}")
+        with _stoppable(companion):
+            fly(companion, link, ScaledClock(speed), timeout_s)
+    finally:
+        link.close()
+    _raise_failure(companion)
+
+
+def _fly_in_lockstep(
+    mission: Mission, folder: RunFolder, scenario: Path, seed: int, instance: int
+) -> None:
+    from companion.app import Companion
+    from sitl.harness import fly_in_lockstep
+    from sitl.link.routing import LinkName
+    from sitl.simulation import Simulation
+    from sitl.world.scenario import load_scenario
+
+    world, grid = load_scenario(scenario)
+    simulation = Simulation(
+        world, grid, seed=seed, instance=instance, links=frozenset({LinkName.OFFBOARD})
+    )
+    companion = Companion(mission, folder)
+    with _stoppable(companion):
+        fly_in_lockstep(companion, simulation)
+    _raise_failure(companion)
+
+
+def _raise_failure(companion: Companion) -> None:
+    if companion.failure is not None:
+        raise companion.failure
+
+
+@contextmanager
+def _stoppable(companion: Companion) -> Iterator[None]:
+    """The first Ctrl-C (or SIGTERM) holds, lands and exits; the second exits at once."""
+
+    def stop(number: int, _: FrameType | None) -> None:
+        typer.echo("stopping: hold, land, exit; once more to exit at once", err=True)
+        signal.signal(number, signal.default_int_handler)
+        companion.stop()
+
+    before = {n: signal.signal(n, stop) for n in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+@contextmanager
+def _simulator(options: list[str], log: Path) -> Iterator[None]:
+    """The simulator as a child process of its own session, so that Ctrl-C reaches us alone."""
+    with log.open("wb") as output:
+        child = subprocess.Popen(
+            [sys.executable, "-m", "sitl", *options],
+            stdout=output,
+            stderr=subprocess.STDOUT,
+            stdin=subprocess.DEVNULL,
+            start_new_session=True,
+            env=os.environ,
+        )
+    try:
+        yield
+    finally:
+        child.terminate()
+        try:
+            child.wait(timeout=5.0)
+        except subprocess.TimeoutExpired:
+            child.kill()
+            child.wait()

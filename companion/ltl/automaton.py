@@ -1,0 +1,179 @@
+"""What reads the word of a mission: generalized Büchi automata with marks on transitions.
+
+A label is a cube, a conjunction of literals; a letter is the set of propositions that hold at
+one position. A run is accepting exactly if it meets every acceptance set, numbered from 0 to
+`marks` - 1, infinitely often; with no acceptance set every infinite run accepts. An automaton
+is nondeterministic and need not be complete: a word without a run is rejected.
+
+Source: Couvreur, On-the-fly verification of linear temporal logic, FM 1999; the paper's
+definition of a Büchi automaton (Section II-D) is the case of one acceptance set.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+
+@dataclass(frozen=True, slots=True)
+class Label:
+    """A cube: propositions that must hold and propositions that must not."""
+
+    positive: frozenset[str]
+    negative: frozenset[str]
+
+    def matches(self, letter: frozenset[str]) -> bool:
+        """Whether a transition with this label can read a letter."""
+        return self.positive <= letter and self.negative.isdisjoint(letter)
+
+    def __str__(self) -> str:
+        literals = sorted([(p, p) for p in self.positive] + [(n, f"!{n}") for n in self.negative])
+        return " & ".join(text for _, text in literals) or "true"
+
+
+@dataclass(frozen=True, slots=True)
+class Transition:
+    """An edge of the automaton; `marks` are the acceptance sets that it belongs to."""
+
+    source: int
+    label: Label
+    target: int
+    marks: frozenset[int]
+
+
+@dataclass(frozen=True)
+class BuchiAutomaton:
+    """A transition-based generalized Büchi automaton.
+
+    Attributes:
+        states: how many; they are numbered from 0.
+        marks: how many acceptance sets; they are numbered from 0.
+        name: what it accepts, for people.
+    """
+
+    states: int
+    initial: frozenset[int]
+    transitions: tuple[Transition, ...]
+    marks: int
+    name: str = ""
+
+    @cached_property
+    def propositions(self) -> tuple[str, ...]:
+        """The propositions that the labels mention, sorted."""
+        labels = [transition.label for transition in self.transitions]
+        return tuple(sorted(frozenset().union(*(x.positive | x.negative for x in labels))))
+
+    @cached_property
+    def outgoing(self) -> tuple[tuple[Transition, ...], ...]:
+        """The transitions of each state."""
+        leaving: list[list[Transition]] = [[] for _ in range(self.states)]
+        for transition in self.transitions:
+            leaving[transition.source].append(transition)
+        return tuple(map(tuple, leaving))
+
+
+def successors(
+    automaton: BuchiAutomaton, states: Iterable[int], letter: frozenset[str]
+) -> frozenset[int]:
+    """One step of the subset construction: where runs can be after reading a letter."""
+    outgoing = automaton.outgoing
+    return frozenset(t.target for s in states for t in outgoing[s] if t.label.matches(letter))
+
+
+def strong_components(graph: Sequence[Iterable[int]]) -> list[list[int]]:
+    """Strongly connected components, every component after those that it can reach.
+
+    Args:
+        graph: successors of each node; nodes are numbered from 0.
+
+    Source: Tarjan, Depth-first search and linear graph algorithms, 1972; with a stack of our own.
+    """
+    index: dict[int, int] = {}
+    lowest: dict[int, int] = {}
+    open_nodes: list[int] = []
+    components: list[list[int]] = []
+    closed = len(graph) + 1  # larger than any index
+    for root in range(len(graph)):
+        if root in index:
+            continue
+        pending = [(root, iter(graph[root]))]
+        index[root] = lowest[root] = len(index)
+        open_nodes.append(root)
+        while pending:
+            node, targets = pending[-1]
+            for target in targets:
+                if target not in index:
+                    index[target] = lowest[target] = len(index)
+                    open_nodes.append(target)
+                    pending.append((target, iter(graph[target])))
+                    break
+                lowest[node] = min(lowest[node], lowest[target])
+            else:
+                pending.pop()
+                if pending:
+                    lowest[pending[-1][0]] = min(lowest[pending[-1][0]], lowest[node])
+                if lowest[node] == index[node]:
+                    component = [open_nodes.pop()]
+                    while component[-1] != node:
+                        component.append(open_nodes.pop())
+                    lowest.update(dict.fromkeys(component, closed))
+                    components.append(component)
+    return components
+
+
+def degeneralised(automaton: BuchiAutomaton) -> BuchiAutomaton:
+    """An equivalent automaton with one acceptance set.
+
+    A state becomes (state, level): on level i the run waits for mark i. A transition climbs over
+    every mark that it carries; on passing the last it is accepting and starts again from the
+    bottom. Where a run changes its strongly connected component the level falls to 0, which
+    saves copies (Babiak et al., SPIN 2013). The levels fix the order in which the acceptance
+    sets are met, so laps planned on the result can be longer than necessary.
+
+    A state-based automaton follows by splitting each state by whether it is entered through an
+    accepting transition.
+    """
+    if automaton.marks == 1:
+        return automaton
+    component_of = {
+        state: number
+        for number, component in enumerate(
+            strong_components([[t.target for t in leaving] for leaving in automaton.outgoing])
+        )
+        for state in component
+    }
+    number_of = {(state, 0): number for number, state in enumerate(sorted(automaton.initial))}
+    pending = list(number_of)
+    transitions: list[Transition] = []
+    for state, level in pending:  # grows while it is read
+        for transition in automaton.outgoing[state]:
+            climbed, is_accepting = _climb(level, transition.marks, automaton.marks)
+            if component_of[transition.target] != component_of[state]:
+                climbed = 0
+            target = (transition.target, climbed)
+            if target not in number_of:
+                number_of[target] = len(number_of)
+                pending.append(target)
+            transitions.append(
+                Transition(
+                    number_of[state, level],
+                    transition.label,
+                    number_of[target],
+                    frozenset({0} if is_accepting else ()),
+                )
+            )
+    initial = frozenset(range(len(automaton.initial)))
+    return BuchiAutomaton(len(number_of), initial, tuple(transitions), 1, automaton.name)
+
+
+def _climb(level: int, marks: frozenset[int], top: int) -> tuple[int, bool]:
+    """The level after a transition, and whether the top was passed."""
+    while level < top and level in marks:
+        level += 1
+    if level < top:
+        return level, False
+    level = 0
+    while level < top and level in marks:
+        level += 1
+    return (level if level < top else 0), True

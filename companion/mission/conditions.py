@@ -1,0 +1,118 @@
+"""Which MAVLink field makes an event true? Reads the `when` and `until` of events.
+
+    MESSAGE.field OP NUMBER              BATTERY_STATUS.battery_remaining < 30
+    MESSAGE[instance].field OP NUMBER    NAMED_VALUE_INT[target].value > 0
+    COMMAND.MAV_CMD_NAME                 a command sent to the companion; short for `... != 0`
+
+OP is one of < <= > >= == !=. Messages, fields and commands are checked against pymavlink's
+`common` dialect, the one that the vehicle link speaks. Instances exist where MAVLink has them:
+in messages with a field `name`.
+"""
+
+from __future__ import annotations
+
+import re
+
+from pymavlink.dialects.v20 import common
+
+from companion.document_errors import did_you_mean
+from companion.errors import FormulaError
+from companion.mission.model import Condition, Signal
+
+COMMAND = "COMMAND"
+
+COMMANDS: dict[str, int] = {
+    entry.name: number
+    for number, entry in common.enums["MAV_CMD"].items()
+    if entry.name != "MAV_CMD_ENUM_END"
+}
+"""MAV_CMD name -> number."""
+
+_MESSAGES = {message.msgname: message for message in common.mavlink_map.values()}
+
+_CONDITION = re.compile(
+    r"\s*(?P<message>\w+)\s*(?:\[\s*(?P<instance>[^\[\]]*?)\s*\])?\s*\.\s*(?P<field>\w+)\s*"
+    r"(?:(?P<comparison><=|>=|==|!=|<|>)\s*"
+    r"(?P<threshold>[-+]?(?:\d{1,20}\.?\d{0,20}|\.\d{1,20})(?:[eE][-+]?\d{1,2})?)\s*)?",
+    re.ASCII,
+)
+
+
+def parse_condition(text: str) -> Condition:
+    """Read a condition.
+
+    >>> parse_condition("COMMAND.MAV_CMD_USER_1").comparison
+    '!='
+
+    Raises:
+        FormulaError: not a condition, or a message, field or command that `common` has not.
+    """
+    match = _CONDITION.fullmatch(text)
+    if match is None:
+        longest = _CONDITION.match(text)
+        raise FormulaError(
+            "not a condition",
+            text,
+            longest.end() if longest else 0,
+            hint="write MESSAGE.field > NUMBER or COMMAND.MAV_CMD_NAME",
+        )
+    signal = _command_signal(match) if match["message"] == COMMAND else _field_signal(match)
+    if match["comparison"]:
+        return Condition(signal, match["comparison"], float(match["threshold"]))
+    if signal.message != COMMAND:
+        raise FormulaError(
+            f"{text.strip()} is compared with nothing",
+            text,
+            len(text.rstrip()),
+            hint="add a comparison, e.g. > 0",
+        )
+    return Condition(signal, "!=", 0.0)
+
+
+def command_number(name: str, text: str, offset: int) -> int:
+    """Number of a MAV_CMD; `text` and `offset` say where the name was read, for the error."""
+    if name not in COMMANDS:
+        raise FormulaError(
+            f"unknown command {name}", text, offset, len(name), did_you_mean(name, COMMANDS)
+        )
+    return COMMANDS[name]
+
+
+def _command_signal(match: re.Match[str]) -> Signal:
+    if match["instance"] is not None:
+        raise _error(match, "instance", "a command has no instance", "write COMMAND.MAV_CMD_NAME")
+    command_number(match["field"], match.string, match.start("field"))
+    return Signal(COMMAND, "", match["field"])
+
+
+def _field_signal(match: re.Match[str]) -> Signal:
+    name, field, instance = match["message"], match["field"], match["instance"]
+    message = _MESSAGES.get(name)
+    if message is None:
+        hint = did_you_mean(name, [*_MESSAGES, COMMAND])
+        raise _error(match, "message", f"unknown MAVLink message {name}", hint)
+    sizes = dict(zip(message.ordered_fieldnames, message.array_lengths, strict=True))
+    numbers = [n for n in message.fieldnames if sizes[n] == 0]
+    if field in sizes and field not in numbers:
+        hint = f"fields with one number are {', '.join(numbers)}"
+        raise _error(match, "field", f"{name}.{field} is not one number", hint)
+    if field not in sizes:
+        hint = f"fields are {', '.join(numbers)}. {did_you_mean(field, numbers)}".rstrip()
+        raise _error(match, "field", f"{name} has no field {field}", hint)
+    if sizes.get("name", 0) == 0:
+        if instance is not None:
+            hint = f"write {name}.{field}"
+            raise _error(match, "instance", f"{name} has no instances", hint)
+        return Signal(name, "", field)
+    if not instance:
+        hint = f"say which one by its name: {name}[target].{field}"
+        raise _error(match, "message", f"{name} comes in instances", hint)
+    if not instance.isascii() or len(instance) > sizes["name"]:
+        hint = f"MAVLink carries {sizes['name']} ASCII characters"
+        raise _error(match, "instance", f"{instance} cannot be a name of {name}", hint)
+    return Signal(name, instance, field)
+
+
+def _error(match: re.Match[str], group: str, what: str, hint: str) -> FormulaError:
+    start, end = match.span(group)
+    return FormulaError(what, match.string, start, max(1, end - start), hint)

@@ -1,0 +1,66 @@
+"""Which facts does a precondition, an effect or a list of beliefs name?
+
+Facts are read by the formula language's own parser, so that they are written the same
+everywhere; of its operators only & and ! may be used here.
+"""
+
+from __future__ import annotations
+
+from companion.errors import FormulaError
+from companion.ltl.formula import Formula, Operator, conjuncts, parse
+from companion.mission.model import Atom, Literal
+
+
+def parse_literals(text: str) -> tuple[Literal, ...]:
+    """Read a conjunction of facts and negated facts.
+
+    >>> [str(literal.atom.name) for literal in parse_literals("at(to) & !at(from)")]
+    ['at', 'at']
+
+    Raises:
+        FormulaError: not a formula, or one with other operators than & and !.
+    """
+    return tuple(_literal(part, text) for part in conjuncts(parse(text)))
+
+
+def parse_fact(text: str) -> Atom:
+    """Read one fact, e.g. at(Home).
+
+    Raises:
+        FormulaError: anything else, half a fact among them: a YAML list splits at commas.
+    """
+    if text.count("(") > text.count(")"):
+        raise FormulaError(
+            f"{text} is half a fact",
+            text,
+            text.index("("),
+            hint='inside [ ] put quotes around a fact with a comma: "trans_ok(A, B)"',
+        )
+    formula = parse(text)
+    if formula.operator is not Operator.ATOM:
+        raise FormulaError("not a fact", text, 0, len(text), "a fact looks like at(A)")
+    return atom_of(formula.atom)
+
+
+def atom_of(canonical: str) -> Atom:
+    """The name and arguments of a fact in the formula language's canonical text.
+
+    >>> atom_of("trans_ok(A, B)")
+    Atom(name='trans_ok', arguments=('A', 'B'))
+    """
+    name, _, arguments = canonical.removesuffix(")").partition("(")
+    return Atom(name, tuple(arguments.split(", ")) if arguments else ())
+
+
+def _literal(part: Formula, text: str) -> Literal:
+    is_positive = part.operator is not Operator.NOT
+    fact = part if is_positive else part.operands[0]
+    if fact.operator is not Operator.ATOM:
+        raise FormulaError(
+            f"{str(part)[:60]} is neither a fact nor the negation of one",
+            text,
+            len(text) - len(text.lstrip()),
+            len(text.strip()),
+            "write facts joined by &, each with ! for not",
+        )
+    return Literal(atom_of(fact.atom), is_positive)

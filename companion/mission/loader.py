@@ -1,0 +1,215 @@
+"""Can this mission be flown as it is written? Reads a mission file and the map next to it.
+
+A door: it opens files. Out comes the frozen `Mission` of model.py in SI units and local NED, or
+one MissionError with file:line:column. In the order of the checks: the YAML and its keys
+(documents.py, schema.py), names, the places on the map, events, skills, and last the facts that
+`initially` and `task` mention, against all that the mission defines.
+
+Whether the task can be fulfilled is a question for the planner.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping
+from pathlib import Path
+
+from companion.document_errors import did_you_mean
+from companion.documents import Document, validate
+from companion.errors import FormulaError, MissionError
+from companion.geometry import ned_from_enu
+from companion.ltl.formula import Formula, Operator, parse
+from companion.maps import read_map
+from companion.mission.conditions import parse_condition
+from companion.mission.literals import parse_fact
+from companion.mission.model import Atom, Event, Limits, Mission, Otherwise, Place, Skill
+from companion.mission.schema import MissionFile
+from companion.mission.sites import check_limits, check_places
+from companion.mission.skills import build_skills
+from companion.mission.vocabulary import Vocabulary
+from companion.motion.grid import OccupancyGrid
+from companion.yaml_tree import MAX_BYTES
+
+CLEARANCE_M = 0.6  # vehicle radius 0.35 m and 0.25 m margin for tracking error and map cells
+RESERVED_PLACE = "here"  # the planner's name for where an interrupted move leaves the vehicle
+
+
+def load_mission(path: Path) -> Mission:
+    """Read a mission file and its map.
+
+    Raises:
+        MissionError: a file is missing, or anything in it cannot be used.
+    """
+    text = _read(path)
+    file, document = validate(text, str(path), MissionFile)
+    _check_names(file, document)
+    limits = _limits(file)
+    check_limits(limits, document)
+    places = {
+        name: Place(name, ned_from_enu(p.east_m, p.north_m, p.up_m), p.radius_m)
+        for name, p in file.places.items()
+    }
+    grid = _grid(path.parent / file.map, document)
+    check_places(places, limits, grid, CLEARANCE_M, document)
+    events = _events(file, document)
+    vocabulary = Vocabulary(places, events)
+    skills = build_skills(file, document, vocabulary)
+    facts = _initially(file, document, vocabulary)
+    _check_reachable_names(skills, events, facts, document)
+    sets = {name: tuple(members) for name, members in file.sets.items()}
+    return Mission(
+        name=file.name,
+        path=str(path),
+        text=text,
+        grid=grid,
+        limits=limits,
+        places=places,
+        sets=sets,
+        events=events,
+        skills=skills,
+        initially=frozenset(fact.ground({}) for fact in facts) | _beliefs(skills, sets),
+        task=_task(file, document, vocabulary),
+        otherwise=Otherwise(file.otherwise),
+    )
+
+
+def _read(path: Path) -> str:
+    """The text of a file; bytes that are not UTF-8 stay, for the YAML reader to locate."""
+    try:
+        with path.open("rb") as stream:
+            return stream.read(MAX_BYTES + 1).decode("utf-8", "surrogateescape")
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise MissionError(f"the mission {path} cannot be read: {reason}") from error
+
+
+def _limits(file: MissionFile) -> Limits:
+    return Limits(
+        speed_mps=file.limits.speed_mps,
+        up_m=file.limits.up_m,
+        fence=tuple((north, east) for east, north in file.limits.fence),
+    )
+
+
+def _grid(path: Path, document: Document) -> OccupancyGrid:
+    try:
+        return read_map(path)
+    except MissionError as error:
+        if error.where is not None:
+            raise
+        raise MissionError(error.what, document.where("map"), error.hint) from error
+
+
+def _check_names(file: MissionFile, document: Document) -> None:
+    """Names that formulas cannot use or that mean two things, and the members of sets."""
+    if RESERVED_PLACE in file.places:
+        raise MissionError(
+            f"a place cannot be called {RESERVED_PLACE}",
+            document.key_at("places", RESERVED_PLACE),
+            "the planner uses this name for the vehicle's present position",
+        )
+    for name in file.events:
+        if _operator(name) is not Operator.ATOM or name == "at":
+            raise MissionError(
+                f"an event cannot be called {name}",
+                document.key_at("events", name),
+                "this word has a meaning of its own in formulas; choose another name",
+            )
+    for name, members in file.sets.items():
+        for index, member in enumerate(members):
+            where = document.where("sets", name, index)
+            if member not in file.places:
+                listing = f"places are {', '.join(file.places)}."
+                hint = f"{listing} {did_you_mean(member, file.places)}".rstrip()
+                raise MissionError(f"unknown place {member} in the set {name}", where, hint)
+            if member in members[:index]:
+                raise MissionError(
+                    f"{member} is twice in the set {name}", where, "remove one of them"
+                )
+
+
+def _operator(name: str) -> Operator | None:
+    """What the formula language reads a name as; None if it cannot stand alone."""
+    try:
+        return parse(name).operator
+    except FormulaError:
+        return None
+
+
+def _events(file: MissionFile, document: Document) -> dict[str, Event]:
+    events = {}
+    for name, entry in file.events.items():
+        with document.locating("events", name, "when"):
+            when = parse_condition(entry.when)
+        with document.locating("events", name, "until"):
+            until = parse_condition(entry.until) if entry.until is not None else None
+        if until is not None and entry.latch:
+            raise MissionError(
+                f"{name} has both latch and until",
+                document.key_at("events", name, "until"),
+                "a latched fact stays true for ever: remove one of the two",
+            )
+        events[name] = Event(name, when, until, entry.latch, entry.for_s)
+    return events
+
+
+def _initially(file: MissionFile, document: Document, vocabulary: Vocabulary) -> list[Atom]:
+    """The facts that are listed; exactly one of them says where the vehicle is."""
+    facts: list[Atom] = []
+    for index, text in enumerate(file.initially):
+        with document.locating("initially", index):
+            fact = parse_fact(text)
+            vocabulary.check(text)
+        if fact.name == "at" and any(other.name == "at" for other in facts):
+            raise MissionError(
+                "the vehicle cannot be at two places",
+                document.where("initially", index),
+                "keep one fact at(PLACE)",
+            )
+        facts.append(fact)
+    if not any(fact.name == "at" for fact in facts):
+        hint = f"add the place where it starts, e.g. at({next(iter(file.places))})"
+        raise MissionError("no fact says where the vehicle is", document.where("initially"), hint)
+    return facts
+
+
+def _check_reachable_names(
+    skills: Mapping[str, Skill],
+    events: Mapping[str, Event],
+    facts: list[Atom],
+    document: Document,
+) -> None:
+    """A misspelt precondition would be a fact of its own that nothing ever makes true."""
+    sources = {*events, *(fact.name for fact in facts)}
+    for skill in skills.values():
+        sources |= {atom.name for atom in skill.assumes}
+        sources |= {literal.atom.name for literal in skill.effect if literal.is_positive}
+    for skill in skills.values():
+        for literal in skill.precondition:
+            name = literal.atom.name
+            if name not in sources:
+                raise MissionError(
+                    f"nothing ever makes {name} true",
+                    document.where("skills", skill.name, "precondition"),
+                    "it is no event, no effect, no belief and not listed in initially. "
+                    f"{did_you_mean(name, sorted(sources))}".rstrip(),
+                )
+
+
+def _beliefs(skills: Mapping[str, Skill], sets: Mapping[str, tuple[str, ...]]) -> frozenset[str]:
+    """What the skills assume, for every binding of their parameters."""
+    return frozenset(
+        atom.ground(dict(zip((name for name, _ in skill.parameters), values, strict=True)))
+        for skill in skills.values()
+        for values in itertools.product(*(sets[set_name] for _, set_name in skill.parameters))
+        for atom in skill.assumes
+    )
+
+
+def _task(file: MissionFile, document: Document, vocabulary: Vocabulary) -> dict[str, Formula]:
+    task = {}
+    for name, text in file.task.items():
+        with document.locating("task", name):
+            task[name] = parse(text)
+            vocabulary.check(text)
+    return task

@@ -1,0 +1,195 @@
+"""What a mission file may contain: the model of its YAML, key by key.
+
+This is the written form, in people's units (east, north, up; seconds). loader.py makes the
+checked `Mission` of model.py from it. The descriptions become the JSON Schema
+(missions/mission.schema.json, by scripts/make_schema.py) that editors complete from, and the
+hints of error messages; so they are written for the author of a mission.
+
+Small languages inside texts are not parsed here: formulas and facts (companion/ltl/formula.py),
+conditions (conditions.py), `execute` (execution.py).
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+
+Name = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$", max_length=40)]
+"""Of a place, set, event, skill, parameter, component or conjunct."""
+
+Text = Annotated[str, Field(min_length=1)]
+
+
+class Entry(BaseModel):
+    """Part of a mission file; unknown keys are refused."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+class LimitsEntry(Entry):
+    """What no setpoint may leave."""
+
+    speed_mps: Annotated[float, Field(gt=0, le=20, description="Greatest speed, m/s.")]
+    up_m: Annotated[
+        tuple[float, float],
+        Field(description="Lowest and highest flight altitude above home, metres: [0.5, 4.0]."),
+    ]
+    fence: Annotated[
+        list[tuple[float, float]],
+        Field(
+            min_length=3,
+            description="Corners of the area that is never left: [[east, north], ...], metres.",
+        ),
+    ]
+
+
+class PlaceEntry(Entry):
+    """A point, in metres from the home position, with a region around it."""
+
+    east_m: Annotated[float, Field(description="Metres east of home.")]
+    north_m: Annotated[float, Field(description="Metres north of home.")]
+    up_m: Annotated[float, Field(description="Metres above home.")]
+    radius_m: Annotated[
+        float, Field(gt=0, description="at(place) holds within this distance, metres.")
+    ] = 0.6
+
+
+class EventEntry(Entry):
+    """A fact that the vehicle observes and cannot choose."""
+
+    when: Annotated[
+        Text,
+        Field(
+            description="Condition that makes the fact true, e.g. "
+            "NAMED_VALUE_INT[target].value > 0 or COMMAND.MAV_CMD_USER_1."
+        ),
+    ]
+    until: Annotated[
+        Text | None,
+        Field(description="Condition that makes it false again; without it, not `when`."),
+    ] = None
+    latch: Annotated[bool, Field(description="Once true, true for ever.")] = False
+    for_s: Annotated[
+        float, Field(ge=0, description="Seconds a condition must hold before it counts.")
+    ] = 0.0
+
+
+def _listed(value: Any) -> Any:
+    """A single fact is a list of one."""
+    return [value] if isinstance(value, str) else value
+
+
+class SkillEntry(Entry):
+    """An action template: the planner uses it with every binding of its parameters."""
+
+    parameters: Annotated[
+        dict[Name, Name],
+        Field(description="Parameter name: the set that it ranges over, e.g. {to: Place}."),
+    ] = {}
+    precondition: Annotated[
+        Text | None,
+        Field(description="Facts joined by &, ! for not, e.g. at(r) & targetFound."),
+    ] = None
+    assumes: Annotated[
+        list[Text],
+        BeforeValidator(_listed, json_schema_input_type=Text | list[Text]),
+        Field(description="Beliefs: facts taken for true until the skill fails, one or a list."),
+    ] = []
+    effect: Annotated[
+        Text, Field(description="Facts that hold afterwards, e.g. at(to) & !at(from).")
+    ]
+    cost: Annotated[
+        Literal["flight_time"] | float | None,
+        Field(
+            description="flight_time (the default of a skill that flies) or seconds "
+            "(default of all others: 1)."
+        ),
+    ] = None
+    execute: Annotated[
+        Text,
+        Field(
+            description="What the vehicle does: fly(parameter), command(component, MAV_CMD_NAME"
+            "[, param1, ...]) or wait(seconds)."
+        ),
+    ]
+    tries: Annotated[int, Field(ge=1, le=100, description="Tries before the skill has failed.")] = 1
+    timeout_s: Annotated[
+        float | None,
+        Field(gt=0, description="Longest time of the whole skill, seconds; without it no limit."),
+    ] = None
+
+
+class MissionFile(Entry):
+    """A mission: what must hold, not where to fly next."""
+
+    model_config = ConfigDict(title="Mission")
+
+    version: Annotated[Literal[1], Field(description="Version of this format: 1.")]
+    name: Annotated[
+        str,
+        Field(
+            pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]*$",
+            max_length=40,
+            description="Letters, digits, - and _; names the folder of each run.",
+        ),
+    ]
+    frame: Annotated[
+        Literal["enu"],
+        Field(description="Axes of all positions. Only enu: metres east, north and up of home."),
+    ] = "enu"
+    map: Annotated[
+        Text,
+        Field(
+            description="Map file (ROS map_server YAML), relative to this file: what the vehicle "
+            "is told beforehand."
+        ),
+    ]
+    limits: Annotated[LimitsEntry, Field(description="What no setpoint may leave.")]
+    places: Annotated[
+        dict[Name, PlaceEntry],
+        Field(min_length=1, description="Name: {east_m, north_m, up_m, radius_m}."),
+    ]
+    sets: Annotated[
+        dict[Name, Annotated[list[Name], Field(min_length=1)]],
+        Field(description="Name: [places]; what the parameters of skills range over."),
+    ] = {}
+    components: Annotated[
+        dict[Name, Annotated[int, Field(ge=1, le=255)]],
+        Field(description="Name: MAVLink component id (1 to 255) that commands are sent to."),
+    ] = {}
+    events: Annotated[
+        dict[Name, EventEntry],
+        Field(description="Name of a fact: the condition on MAVLink messages that sets it."),
+    ] = {}
+    skills: Annotated[
+        dict[Name, SkillEntry],
+        Field(min_length=1, description="Name: what the vehicle can do."),
+    ]
+    initially: Annotated[
+        list[Text],
+        Field(
+            min_length=1,
+            description="Facts that hold at the start, the place of the vehicle among them, "
+            "e.g. [at(Home)]; all others are false, but for beliefs.",
+        ),
+    ]
+    task: Annotated[
+        dict[Name, Text],
+        Field(
+            min_length=1,
+            description="Name: formula in linear temporal logic. All of them must hold.",
+        ),
+    ]
+    otherwise: Annotated[
+        Literal["return_home", "land", "hold"],
+        Field(description="What to do when no plan exists: return_home, land or hold."),
+    ] = "return_home"
+
+
+def json_schema() -> dict[str, Any]:
+    """The JSON Schema (draft 2020-12) of a mission file."""
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        **MissionFile.model_json_schema(),
+    }

@@ -1,0 +1,160 @@
+"""What can the vehicle do? Makes the checked skills from their entries in the mission file.
+
+Every name in a skill is checked here: its sets, the arguments of its facts, the component and
+command that it executes. The facts that skills name become part of the mission's vocabulary.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TypeVar
+
+from companion.document_errors import did_you_mean
+from companion.documents import Document
+from companion.errors import MissionError
+from companion.mission.execution import parse_execution
+from companion.mission.literals import parse_fact, parse_literals
+from companion.mission.model import Atom, Execution, Fly, Skill
+from companion.mission.schema import MissionFile, SkillEntry
+from companion.mission.vocabulary import Domain, Vocabulary
+
+MAX_INSTANCES = 10_000  # grounded actions of all skills; 100 places give `move` that many
+DEFAULT_COST_S = 1.0
+WAIT = "wait"  # the planner's own action, one step of rest
+
+T = TypeVar("T")
+
+
+def build_skills(file: MissionFile, document: Document, vocabulary: Vocabulary) -> dict[str, Skill]:
+    """The skills of a mission file; their facts are added to the vocabulary.
+
+    Raises:
+        MissionError: at the first skill that cannot be used.
+    """
+    skills: dict[str, Skill] = {}
+    instances = 0
+    for name, entry in file.skills.items():
+        skills[name] = _Builder(name, entry, file, document, vocabulary).build()
+        instances += math.prod(len(file.sets[s]) for s in entry.parameters.values())
+        if instances > MAX_INSTANCES:
+            raise MissionError(
+                f"with {name} the skills have {instances} instances, at most {MAX_INSTANCES} "
+                "can be planned with",
+                document.key_at("skills", name),
+                "give the skill fewer parameters, or smaller sets",
+            )
+    return skills
+
+
+@dataclass(frozen=True, slots=True)
+class _Builder:
+    name: str
+    entry: SkillEntry
+    file: MissionFile
+    document: Document
+    vocabulary: Vocabulary
+
+    def build(self) -> Skill:
+        entry = self.entry
+        if self.name == WAIT:
+            raise MissionError(
+                "a skill cannot be called wait",
+                self.document.key_at("skills", WAIT),
+                "resting for one step is a skill that every mission has; choose another name",
+            )
+        domains = self._domains()
+        precondition = (
+            self._facts(entry.precondition, domains, parse_literals, "precondition")
+            if entry.precondition is not None
+            else ()
+        )
+        assumes = self._assumes(domains)
+        effect = self._facts(entry.effect, domains, parse_literals, "effect")
+        self._refuse_events([literal.atom for literal in effect], "effect")
+        with self.document.locating("skills", self.name, "execute"):
+            execute = parse_execution(entry.execute, list(domains), self.file.components)
+        mentioned = [*(literal.atom for literal in (*precondition, *effect)), *assumes]
+        self._refuse_unused(mentioned, execute)
+        return Skill(
+            name=self.name,
+            parameters=tuple(entry.parameters.items()),
+            precondition=precondition,
+            assumes=assumes,
+            effect=effect,
+            cost_s=self._cost_s(execute),
+            execute=execute,
+            tries=entry.tries,
+            timeout_s=entry.timeout_s,
+        )
+
+    def _domains(self) -> Mapping[str, Domain]:
+        for parameter, set_name in self.entry.parameters.items():
+            keys = ("skills", self.name, "parameters", parameter)
+            if set_name not in self.file.sets:
+                listing = ", ".join(self.file.sets) or "none yet"
+                hint = f"sets are {listing}. {did_you_mean(set_name, self.file.sets)}".rstrip()
+                raise MissionError(f"unknown set {set_name}", self.document.where(*keys), hint)
+            if parameter in self.file.places:
+                raise MissionError(
+                    f"the parameter {parameter} has the name of a place",
+                    self.document.key_at(*keys),
+                    f"choose another name: at({parameter}) would have two meanings",
+                )
+        return {p: tuple(self.file.sets[s]) for p, s in self.entry.parameters.items()}
+
+    def _facts(
+        self,
+        text: str,
+        domains: Mapping[str, Domain],
+        parse: Callable[[str], T],
+        *keys: str | int,
+    ) -> T:
+        with self.document.locating("skills", self.name, *keys):
+            parsed = parse(text)
+            self.vocabulary.learn(text, domains)
+        return parsed
+
+    def _assumes(self, domains: Mapping[str, Domain]) -> tuple[Atom, ...]:
+        """The beliefs, whose key may hold one text or a list."""
+        atoms = []
+        for index, text in enumerate(self.entry.assumes):
+            atom = self._facts(text, domains, parse_fact, "assumes", index)
+            self._refuse_events([atom], "assumes", index)
+            atoms.append(atom)
+        return tuple(atoms)
+
+    def _refuse_events(self, atoms: list[Atom], *keys: str | int) -> None:
+        for atom in atoms:
+            if atom.name in self.file.events:
+                raise MissionError(
+                    f"{atom.name} is an event, so the skill {self.name} cannot set it",
+                    self.document.where("skills", self.name, *keys),
+                    "an event is read off MAVLink; use another fact, or remove the event in "
+                    f"line {self.document.key_at('events', atom.name).line}",
+                )
+
+    def _refuse_unused(self, atoms: list[Atom], execute: Execution) -> None:
+        used = {argument for atom in atoms for argument in atom.arguments}
+        used |= {execute.place} if isinstance(execute, Fly) else set()
+        for parameter in self.entry.parameters:
+            if parameter not in used:
+                raise MissionError(
+                    f"the parameter {parameter} of {self.name} is not used",
+                    self.document.key_at("skills", self.name, "parameters", parameter),
+                    "use it in precondition, assumes, effect or execute, or remove it",
+                )
+
+    def _cost_s(self, execute: Execution) -> float | None:
+        cost = self.entry.cost
+        if cost is None:
+            return None if isinstance(execute, Fly) else DEFAULT_COST_S
+        where = self.document.where("skills", self.name, "cost")
+        if cost == "flight_time" and not isinstance(execute, Fly):
+            raise MissionError(
+                f"{self.name} does not fly, so it has no flight time", where, "write seconds"
+            )
+        if isinstance(cost, float | int) and not 0 < cost <= 1e6:
+            raise MissionError(f"cost is {cost:g}", where, "write seconds, more than 0")
+        return None if isinstance(cost, str) else float(cost)

@@ -1,0 +1,127 @@
+"""Which facts exist in a mission, and which was meant when one does not?
+
+A fact exists if it is an event, or if some skill names its predicate with arguments from the
+same sets. `at(p)` exists for every place. Facts are not enumerated: a predicate keeps the sets
+that its arguments range over, so a mission with many places costs nothing here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from companion.document_errors import did_you_mean
+from companion.errors import FormulaError
+from companion.ltl.formula import occurrences
+from companion.mission.literals import atom_of
+from companion.mission.model import Atom
+
+Domain = tuple[str, ...]
+"""The places that one argument of a predicate may be."""
+
+_SHOWN = 20  # names listed in a message
+
+
+class Vocabulary:
+    """The facts of a mission.
+
+    Args:
+        places: names of all places.
+        events: names of all events.
+    """
+
+    def __init__(self, places: Iterable[str], events: Iterable[str]) -> None:
+        self._places = tuple(places)
+        self._uses: dict[str, list[tuple[Domain, ...]]] = {"at": [(self._places,)]}
+        self._uses |= {event: [()] for event in events}
+
+    def learn(self, text: str, domains: Mapping[str, Domain]) -> None:
+        """Add the facts of a skill's text, where new predicates may appear.
+
+        Args:
+            text: literals or one fact.
+            domains: the skill's parameters and what they range over.
+
+        Raises:
+            FormulaError: an argument is neither a parameter nor a place, or a known predicate
+                has another number of arguments.
+        """
+        for fact, offset, length in occurrences(text):
+            atom = atom_of(fact)
+            for argument in atom.arguments:
+                if argument not in domains and argument not in self._places:
+                    known = [*domains, *self._places]
+                    hint = f"parameters and places are {_listing(known)}."
+                    raise FormulaError(
+                        f"{argument} in {fact} is neither a parameter nor a place",
+                        text,
+                        offset,
+                        length,
+                        f"{hint} {did_you_mean(argument, known)}".rstrip(),
+                    )
+            if atom.name in self._uses:
+                self._check_arity(atom, text, offset, length)
+            use = tuple(domains.get(argument, (argument,)) for argument in atom.arguments)
+            self._uses.setdefault(atom.name, []).append(use)
+
+    def check(self, text: str) -> None:
+        """Check every fact of a formula. Raises FormulaError at the first unknown one."""
+        for fact, offset, length in occurrences(text):
+            atom = atom_of(fact)
+            if atom.name not in self._uses:
+                names = [self._example(name) for name in self._uses]
+                hint = f"facts are {_listing(names)}. {self._similar(atom)}".rstrip()
+                raise FormulaError(f"unknown fact {fact}", text, offset, length, hint)
+            self._check_arity(atom, text, offset, length)
+            uses = self._uses[atom.name]
+            if not any(
+                all(a in d for a, d in zip(atom.arguments, use, strict=True)) for use in uses
+            ):
+                hint = f"{self._domain_listing(atom)}. {self._similar(atom)}".rstrip()
+                raise FormulaError(f"unknown fact {fact}", text, offset, length, hint)
+
+    def _check_arity(self, atom: Atom, text: str, offset: int, length: int) -> None:
+        arity = len(self._uses[atom.name][0])
+        if len(atom.arguments) != arity:
+            count = {0: "no arguments", 1: "1 argument"}.get(arity, f"{arity} arguments")
+            hint = f"write {self._example(atom.name)}"
+            raise FormulaError(f"{atom.name} has {count}", text, offset, length, hint)
+
+    def _example(self, name: str) -> str:
+        return Atom(name, tuple(domain[0] for domain in self._uses[name][0])).ground({})
+
+    def _similar(self, atom: Atom) -> str:
+        """The most similar fact, with one argument or the name replaced."""
+        facts = [
+            Atom(atom.name, (*atom.arguments[:i], place, *atom.arguments[i + 1 :])).ground({})
+            for use in self._uses.get(atom.name, [])[:1]
+            for i, domain in enumerate(use)
+            for place in domain
+            if atom.arguments[i] not in domain
+        ]
+        if atom.name not in self._uses:
+            facts = [
+                Atom(name, atom.arguments).ground({})
+                for name, uses in self._uses.items()
+                if len(uses[0]) == len(atom.arguments)
+            ]
+        return did_you_mean(atom.ground({}), facts)
+
+    def _domain_listing(self, atom: Atom) -> str:
+        if any(argument not in self._places for argument in atom.arguments):
+            return self._place_listing()
+        allowed = (
+            dict.fromkeys(p for use in self._uses[atom.name] for p in use[i])
+            for i in range(len(atom.arguments))
+        )
+        return "; ".join(
+            f"argument {i} of {atom.name} is one of {_listing(places)}"
+            for i, places in enumerate(allowed, start=1)
+        )
+
+    def _place_listing(self) -> str:
+        return f"places are {_listing(self._places)}"
+
+
+def _listing(names: Iterable[str]) -> str:
+    listed = list(names)
+    return ", ".join(listed[:_SHOWN]) + (", ..." if len(listed) > _SHOWN else "")

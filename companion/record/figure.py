@@ -1,0 +1,82 @@
+"""flight.png: the flight over the shaded distance field, as Fig. 7 of the paper.
+
+One panel per plan: what was flown while it was valid is drawn bold, what came before pale. The
+darker a cell, the nearer the next obstacle.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from companion.geometry import Ned, enu_from_ned
+from companion.mission.model import Mission
+
+PANEL_INCHES = (5.4, 4.2)
+SHADE_LIMIT_M = 3.0
+"""Distance to the next obstacle from which on a cell is white."""
+
+
+@dataclass
+class Trail:
+    """Where the vehicle was, in parts: one per plan."""
+
+    parts: list[tuple[str, list[Ned]]] = field(default_factory=list)
+
+    def begin(self, title: str) -> None:
+        """Starts a part."""
+        self.parts.append((title, []))
+
+    def add(self, position: Ned) -> None:
+        """Adds a position to the present part."""
+        if self.parts:
+            self.parts[-1][1].append(position)
+
+
+def draw_flight(mission: Mission, trail: Trail, path: Path) -> None:
+    """Draws a flight to a PNG file; east to the right, north up, metres."""
+    panels = max(1, len(trail.parts))
+    figure = Figure(figsize=(PANEL_INCHES[0] * panels, PANEL_INCHES[1]), layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.subplots(1, panels, squeeze=False)[0]
+    for i, axis in enumerate(axes):
+        _draw_hall(mission, axis)
+        for _, positions in trail.parts[:i]:
+            _draw_path(axis, positions, is_present=False)
+        if trail.parts:
+            title, positions = trail.parts[i]
+            _draw_path(axis, positions, is_present=True)
+            axis.set_title(f"({chr(ord('a') + i)}) {title}")
+    figure.savefig(path, dpi=110)
+
+
+def _draw_hall(mission: Mission, axis: Axes) -> None:
+    grid = mission.grid
+    rows, cols = grid.occupied.shape
+    north, east = grid.origin
+    extent = (east, east + cols * grid.cell_m, north, north + rows * grid.cell_m)
+    shade = np.where(grid.occupied, 0.0, 0.25 + 0.75 * grid.distance_m / SHADE_LIMIT_M)
+    axis.imshow(shade, cmap="gray", vmin=0.0, vmax=1.0, origin="lower", extent=extent)
+    for place in mission.places.values():
+        x, y, _ = enu_from_ned(place.position)
+        axis.plot(x, y, "o", color="tab:orange", markersize=5)
+        axis.annotate(place.name, (x, y), xytext=(4, 4), textcoords="offset points", color="k")
+    axis.set_aspect("equal")
+    axis.set_xlabel("east [m]")
+    axis.set_ylabel("north [m]")
+
+
+def _draw_path(axis: Axes, positions: list[Ned], is_present: bool) -> None:
+    if not positions:
+        return
+    points = np.array([enu_from_ned(p) for p in positions])
+    color, width = ("tab:blue", 2.0) if is_present else ("lightsteelblue", 1.2)
+    axis.plot(points[:, 0], points[:, 1], color=color, linewidth=width)
+    if is_present:
+        axis.plot(*points[0, :2], "^", color="tab:green", markersize=7)
+        axis.plot(*points[-1, :2], "s", color="tab:red", markersize=6)

@@ -1,0 +1,76 @@
+"""One folder per run: mission, plans, events.jsonl, flight.tlog, flight.png.
+
+- `events.jsonl`: one report per line with `t_s` (seconds since the run began), `kind`, `text`
+  and the report's data. It holds no wall-clock time, so that equal runs give equal bytes.
+- `plan-N.json`: the N-th plan; 0 is the first, N the one after replan N.
+- `flight.tlog`: every MAVLink frame in either direction behind eight bytes of time (big-endian
+  microseconds since 1970), as MAVProxy and QGroundControl write it.
+"""
+
+from __future__ import annotations
+
+import json
+import struct
+from collections.abc import Callable
+from pathlib import Path
+
+from companion.acting.report import Report
+from companion.geometry import Ned
+from companion.mavlink.framing import split_frames
+from companion.mission.model import Mission
+from companion.planning.lasso import Lasso
+from companion.record.figure import Trail, draw_flight
+
+
+class RunFolder:
+    """Writes a run folder while the run goes on.
+
+    Args:
+        folder: where to write; made if missing.
+        mission: the mission flown.
+        start_unix_s: wall-clock time of the run's beginning; stamps flight.tlog alone.
+        tell: called with every report, for people.
+    """
+
+    def __init__(
+        self, folder: Path, mission: Mission, start_unix_s: float, tell: Callable[[Report], None]
+    ) -> None:
+        folder.mkdir(parents=True, exist_ok=True)
+        self.folder = folder
+        self._mission = mission
+        self._start_unix_s = start_unix_s
+        self._tell = tell
+        self._trail = Trail()
+        (folder / "mission.yaml").write_text(mission.text, encoding="utf-8")
+        self._events = (folder / "events.jsonl").open("w", encoding="utf-8")
+        self._tlog = (folder / "flight.tlog").open("wb")
+
+    def report(self, report: Report) -> None:
+        """Appends a line to events.jsonl, at once."""
+        line = {"t_s": report.time_s, "kind": report.kind, "text": report.text, **report.data}
+        self._events.write(json.dumps(line) + "\n")
+        self._events.flush()
+        self._tell(report)
+
+    def plan(self, number: int, lasso: Lasso) -> None:
+        """Writes a plan; the trail's next part belongs to it."""
+        path = self.folder / f"plan-{number}.json"
+        path.write_text(json.dumps(lasso.as_json(), indent=2) + "\n", encoding="utf-8")
+        self._trail.begin(f"replan {number}" if number else "first plan")
+
+    def packets(self, now_s: float, datagrams: list[bytes]) -> None:
+        """Appends frames to flight.tlog."""
+        stamp = struct.pack(">Q", int((self._start_unix_s + now_s) * 1e6))
+        for datagram in datagrams:
+            for frame in split_frames(datagram):
+                self._tlog.write(stamp + frame)
+
+    def position(self, now_s: float, position: Ned) -> None:
+        """Adds to the trail of flight.png."""
+        self._trail.add(position)
+
+    def close(self) -> None:
+        """Closes the files and draws the flight."""
+        self._events.close()
+        self._tlog.close()
+        draw_flight(self._mission, self._trail, self.folder / "flight.png")

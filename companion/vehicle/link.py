@@ -1,0 +1,142 @@
+"""The doors of the flight side: a UDP socket and a clock. Everything else is a pure step.
+
+A URL says who speaks first. `udpin` binds a port and answers whoever sends autopilot frames to
+it (PX4 sends to 14540 by itself); `udpout` sends to an address. A bare `udp` means one thing to
+MAVSDK and another to pymavlink, so it is refused.
+"""
+
+from __future__ import annotations
+
+import re
+import select
+import socket
+import time
+from dataclasses import dataclass
+
+from companion.errors import LinkError
+
+URL = re.compile(r"(?P<scheme>[a-z]+):(?://)?(?P<host>[^:/]*):(?P<port>\d+)/?$")
+MAVLINK2_MAGIC = 0xFD
+AUTOPILOT_COMPONENT = 1
+MAX_DATAGRAM = 65535
+RECEIVE_BUFFER = 1 << 20
+
+
+@dataclass(frozen=True, slots=True)
+class Endpoint:
+    """One end of a UDP link."""
+
+    is_listening: bool
+    host: str
+    port: int
+
+    def __str__(self) -> str:
+        return f"{'udpin' if self.is_listening else 'udpout'}://{self.host}:{self.port}"
+
+
+def parse_url(url: str) -> Endpoint:
+    """The endpoint of a URL such as udpin://0.0.0.0:14540 or udpout:192.168.1.10:14580.
+
+    Raises:
+        LinkError: with the URL that was perhaps meant.
+    """
+    match = URL.match(url)
+    scheme, rest = (match["scheme"], match) if match else (url.partition(":")[0], None)
+    if rest is not None and scheme in ("udpin", "udpout") and int(rest["port"]) < 65536:
+        return Endpoint(scheme == "udpin", rest["host"] or "0.0.0.0", int(rest["port"]))
+    if scheme == "udp" and rest is not None:
+        host, port = rest["host"] or "0.0.0.0", rest["port"]
+        raise LinkError(
+            f"udp: is ambiguous in {url}\n"
+            f"    write udpin://{host}:{port} to listen on that port, as for PX4 on 14540\n"
+            f"    or udpout://{host}:{port} to send to that address first"
+        )
+    raise LinkError(
+        f"cannot connect to {url}\n"
+        "    write udpin://0.0.0.0:14540 to listen, or udpout://HOST:PORT to send first"
+    )
+
+
+class UdpLink:
+    """Datagrams to and from one vehicle.
+
+    Raises:
+        LinkError: the port cannot be opened.
+    """
+
+    def __init__(self, endpoint: Endpoint) -> None:
+        self.endpoint = endpoint
+        self._heard: dict[str, int] = {}
+        self._mavlink = 0
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._socket.setblocking(False)
+        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
+        self._peer = None if endpoint.is_listening else (endpoint.host, endpoint.port)
+        try:
+            if endpoint.is_listening:
+                self._socket.bind((endpoint.host, endpoint.port))
+        except OSError as error:
+            self._socket.close()
+            raise LinkError(
+                f"cannot listen on {endpoint}: {error.strerror}\n"
+                "    another program has the port; only one can, and QGroundControl needs 14550"
+            ) from error
+
+    def receive(self) -> list[bytes]:
+        """All datagrams that have arrived."""
+        datagrams: list[bytes] = []
+        while True:
+            try:
+                datagram, sender = self._socket.recvfrom(MAX_DATAGRAM)
+            except BlockingIOError:
+                return datagrams
+            except ConnectionError:  # an ICMP "nobody listens" of an earlier send
+                continue
+            datagrams.append(datagram)
+            self._heard[sender[0]] = self._heard.get(sender[0], 0) + 1
+            if len(datagram) > 8 and datagram[0] == MAVLINK2_MAGIC:
+                self._mavlink += 1
+                if self.endpoint.is_listening and datagram[6] == AUTOPILOT_COMPONENT:
+                    self._peer = sender
+
+    def send(self, datagrams: list[bytes]) -> None:
+        """Sends to the vehicle; what the network does not take is lost, as on a radio."""
+        for datagram in datagrams if self._peer else ():
+            try:
+                self._socket.sendto(datagram, self._peer)  # type: ignore[arg-type]
+            except OSError:
+                continue
+
+    def wait(self, timeout_s: float) -> None:
+        """Returns when something has arrived, or after a time in wall-clock seconds."""
+        select.select([self._socket], [], [], max(0.0, timeout_s))
+
+    def account(self) -> str:
+        """What was heard so far, in words."""
+        total = sum(self._heard.values())
+        if not total:
+            return "nothing arrived"
+        return (
+            f"{total} packets came from {', '.join(sorted(self._heard))}, "
+            f"{self._mavlink or 'none'} of them MAVLink 2, none from an autopilot"
+        )
+
+    def close(self) -> None:
+        """Frees the port."""
+        self._socket.close()
+
+
+class ScaledClock:
+    """Monotonic time that runs `speed` times as fast as the wall's, from zero."""
+
+    def __init__(self, speed: float = 1.0) -> None:
+        self._speed = speed
+        self._start_s = time.monotonic()
+
+    def now_s(self) -> float:
+        """Scaled seconds since the clock was made."""
+        return (time.monotonic() - self._start_s) * self._speed
+
+    def sleep_until(self, time_s: float) -> None:
+        """Sleeps until a scaled time."""
+        time.sleep(max(0.0, (time_s - self.now_s()) / self._speed))

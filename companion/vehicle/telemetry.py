@@ -1,0 +1,126 @@
+"""What the autopilot was last heard to say, as a VehicleState.
+
+Positions are shifted to the mission's frame, whose origin is the home position: the autopilot's
+local frame may begin elsewhere. The shift follows HOME_POSITION until the vehicle is in the air.
+Numbers that are not finite, and values that mean "not known", are never taken over.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable
+
+from companion.geometry import Ned
+from companion.mavlink.framing import Message, dialect
+from companion.mavlink.px4_modes import mode_name
+from companion.vehicle.port import Mode, VehicleState
+
+KNOWN_MODES = {mode.value: mode for mode in Mode}
+MAX_TEXTS = 5
+
+
+class Telemetry:
+    """The newest value of everything that makes up the state.
+
+    Attributes:
+        home: home position in the autopilot's local frame; None until heard.
+        home_altitude_m: its altitude above mean sea level.
+        texts: what the autopilot said lately in STATUSTEXT, newest last.
+    """
+
+    def __init__(self) -> None:
+        self.home: Ned | None = None
+        self.home_altitude_m = 0.0
+        self.texts: deque[str] = deque(maxlen=MAX_TEXTS)
+        self.mode: Mode | None = None
+        self.is_armed = False
+        self.is_failsafe = False
+        self._is_landed: bool | None = None
+        self._position: tuple[float, Ned, Ned] | None = None  # stamp, position, velocity
+        self._yaw_rad: float | None = None
+        self._battery_percent: int | None = None
+
+    @property
+    def state(self) -> VehicleState | None:
+        """The state in the mission's frame; None until every part of it was heard."""
+        if (
+            self.home is None
+            or self.mode is None
+            or self._position is None
+            or self._yaw_rad is None
+            or self._is_landed is None
+        ):
+            return None
+        stamp_s, (x, y, z), velocity = self._position
+        return VehicleState(
+            stamp_s=stamp_s,
+            position=(x - self.home[0], y - self.home[1], z - self.home[2]),
+            velocity=velocity,
+            yaw_rad=self._yaw_rad,
+            mode=self.mode,
+            is_armed=self.is_armed,
+            is_landed=self._is_landed,
+            is_failsafe=self.is_failsafe,
+            battery_percent=self._battery_percent,
+        )
+
+    def local(self, position: Ned) -> Ned:
+        """A position of the mission's frame in the autopilot's local frame."""
+        assert self.home is not None
+        return (
+            position[0] + self.home[0],
+            position[1] + self.home[1],
+            position[2] + self.home[2],
+        )
+
+    def take(self, now_s: float, message: Message) -> None:
+        """Takes over a message of the autopilot."""
+        handler = _HANDLERS.get(message.get_type())
+        if handler is not None:
+            handler(self, now_s, message)
+
+    def _on_heartbeat(self, _: float, message: Message) -> None:
+        self.is_armed = bool(message.base_mode & dialect.MAV_MODE_FLAG_SAFETY_ARMED)
+        self.is_failsafe = message.system_status >= dialect.MAV_STATE_CRITICAL
+        self.mode = KNOWN_MODES.get(mode_name(message.custom_mode) or "", Mode.OTHER)
+
+    def _on_position(self, now_s: float, message: Message) -> None:
+        position = (message.x, message.y, message.z)
+        velocity = (message.vx, message.vy, message.vz)
+        if all(map(math.isfinite, (*position, *velocity))):
+            self._position = (now_s, position, velocity)
+
+    def _on_attitude(self, _: float, message: Message) -> None:
+        if math.isfinite(message.yaw):
+            self._yaw_rad = message.yaw
+
+    def _on_home(self, _: float, message: Message) -> None:
+        position = (message.x, message.y, message.z)
+        if self._is_landed is not False and all(map(math.isfinite, position)):
+            self.home = position
+            self.home_altitude_m = message.altitude / 1000
+
+    def _on_landed(self, _: float, message: Message) -> None:
+        if message.landed_state != dialect.MAV_LANDED_STATE_UNDEFINED:
+            self._is_landed = message.landed_state == dialect.MAV_LANDED_STATE_ON_GROUND
+
+    def _on_battery(self, _: float, message: Message) -> None:
+        if message.battery_remaining >= 0:
+            self._battery_percent = message.battery_remaining
+
+    def _on_text(self, _: float, message: Message) -> None:
+        text = message.text.rstrip("\t\0 ")
+        if text and text not in self.texts:
+            self.texts.append(text)
+
+
+_HANDLERS: dict[str, Callable[[Telemetry, float, Message], None]] = {
+    "HEARTBEAT": Telemetry._on_heartbeat,
+    "LOCAL_POSITION_NED": Telemetry._on_position,
+    "ATTITUDE": Telemetry._on_attitude,
+    "HOME_POSITION": Telemetry._on_home,
+    "EXTENDED_SYS_STATE": Telemetry._on_landed,
+    "BATTERY_STATUS": Telemetry._on_battery,
+    "STATUSTEXT": Telemetry._on_text,
+}

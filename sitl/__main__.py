@@ -1,0 +1,5 @@
+"""`python -m sitl` is `sitl`."""
+
+from sitl.cli import main
+
+main()

@@ -1,0 +1,147 @@
+"""The simulator's command line: one simulation on PX4's ports, in scaled real time.
+
+Simulated time runs F times as fast as the monotonic clock, as PX4 does with
+PX4_SIM_SPEED_FACTOR. A machine that cannot keep up slows simulated time down instead of letting
+it jump. Options default to PX4's environment variables.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+from types import FrameType
+from typing import Annotated, Any
+
+import typer
+
+from companion.errors import CompanionError
+from companion.geometry import GlobalOrigin
+from sitl.link.routing import LinkName
+from sitl.link.server import PORTS, Server
+from sitl.simulation import Simulation
+from sitl.world.scenario import PX4_HOME, Scenario, read_scenario
+
+PERIOD_S = 0.004  # the loop looks at the clock this often, and at once when a datagram arrives
+MAX_JUMP_S = 0.1  # wall time; more than this behind, simulated time slows down
+
+
+class ScaledClock:
+    """Simulated time for a moving monotonic time.
+
+    Args:
+        speed: simulated seconds per second.
+        wall_s: monotonic time now, which is simulated time 0.
+    """
+
+    def __init__(self, speed: float, wall_s: float) -> None:
+        self._speed = speed
+        self._wall_s = wall_s
+        self._now_s = 0.0
+
+    def advance(self, wall_s: float) -> float:
+        """Simulated time at a monotonic time; at most `MAX_JUMP_S` of it counts."""
+        passed_s = min(max(0.0, wall_s - self._wall_s), MAX_JUMP_S)
+        self._wall_s = wall_s
+        self._now_s += passed_s * self._speed
+        return self._now_s
+
+
+class _Stop:
+    """Set by SIGINT and SIGTERM."""
+
+    def __init__(self) -> None:
+        self.is_set = False
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, self._set)
+
+    def _set(self, number: int, frame: FrameType | None) -> None:
+        self.is_set = True
+
+
+def parse_home(text: str) -> GlobalOrigin:
+    """Home from "LAT,LON,ALT" in degrees and metres above the sea.
+
+    Raises:
+        typer.BadParameter: something else.
+    """
+    try:
+        latitude, longitude, altitude = (float(part) for part in text.split(","))
+    except ValueError:
+        raise typer.BadParameter("LAT,LON,ALT in degrees and metres, e.g. 47.4,8.5,488") from None
+    if not (abs(latitude) <= 90 and abs(longitude) <= 180 and abs(altitude) < 10_000):
+        raise typer.BadParameter("latitude, longitude or altitude is out of range")
+    return GlobalOrigin(latitude, longitude, altitude)
+
+
+def default_home(environment: dict[str, str]) -> GlobalOrigin:
+    """PX4_HOME_LAT, PX4_HOME_LON and PX4_HOME_ALT where set, else PX4's own home."""
+    latitude, longitude, altitude = (
+        environment.get(f"PX4_HOME_{name}", str(default))
+        for name, default in (
+            ("LAT", PX4_HOME.latitude_deg),
+            ("LON", PX4_HOME.longitude_deg),
+            ("ALT", PX4_HOME.altitude_m),
+        )
+    )
+    return parse_home(f"{latitude},{longitude},{altitude}")
+
+
+def simulate(
+    scenario: Annotated[
+        Path | None, typer.Option(help="NAME.sim.yaml; without it, no walls.")
+    ] = None,
+    speed: Annotated[
+        float,
+        typer.Option(envvar="PX4_SIM_SPEED_FACTOR", min=0.01, help="Times real time."),
+    ] = 1.0,
+    instance: Annotated[
+        int, typer.Option("--instance", "-i", min=0, max=253, help="Shifts ports and system id.")
+    ] = 0,
+    home: Annotated[
+        GlobalOrigin | None,
+        typer.Option(parser=parse_home, metavar="LAT,LON,ALT", help="Where the vehicle starts."),
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Of gusts.")] = 0,
+) -> None:
+    """Simulate one PX4-like vehicle on PX4's UDP ports."""
+    try:
+        _simulate(scenario, speed, instance, home, seed)
+    except CompanionError as error:
+        typer.echo(str(error), err=True)
+        raise typer.Exit(error.exit_code) from error
+
+
+def _simulate(
+    path: Path | None, speed: float, instance: int, home: GlobalOrigin | None, seed: int
+) -> None:
+    fallback = home or default_home(dict(os.environ))
+    world, grid = read_scenario(path, fallback) if path else (Scenario(home=fallback), None)
+    if home:
+        world = replace(world, home=home)  # the command line wins over the file
+    stop = _Stop()
+    with Server(instance) as server:
+        simulation = Simulation(world, grid, seed=seed, instance=instance)
+        gcs, offboard = (server.peers[link][1] for link in (LinkName.GCS, LinkName.OFFBOARD))
+        typer.echo(
+            f"sitl: vehicle {1 + instance} in {path or 'an empty world'}, {speed:g} x real time"
+        )
+        typer.echo(
+            f"sitl: ground station on UDP {gcs} (local {PORTS[LinkName.GCS][0] + instance}), "
+            f"companion on UDP {offboard} (local {PORTS[LinkName.OFFBOARD][0] + instance})"
+        )
+        sys.stdout.flush()
+        clock = ScaledClock(speed, time.monotonic())
+        while not stop.is_set:
+            datagrams = server.receive(PERIOD_S)
+            server.send(simulation.step(clock.advance(time.monotonic()), datagrams))
+
+
+def main(arguments: list[str] | None = None) -> Any:
+    """Entry point of `sitl` and `python -m sitl`."""
+    application = typer.Typer(add_completion=False)
+    application.command()(simulate)
+    return application(args=arguments)

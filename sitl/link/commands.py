@@ -1,0 +1,150 @@
+"""What does the autopilot answer to each MAVLink command?
+
+`COMMANDS` maps a MAV_CMD to a function of the autopilot's link and the seven parameters; whatever
+is not listed is UNSUPPORTED. COMMAND_LONG and COMMAND_INT become the same `Request` first. Values
+are PX4's: which results, which meaning of each parameter (common.xml and what a PX4 was seen to
+answer). Rejections tell the reason as a STATUSTEXT, which the autopilot writes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+from companion.mavlink.framing import Message, dialect
+from companion.mavlink.px4_modes import mode_from
+from sitl.autopilot.modes import FLIGHT_MODES
+from sitl.link.messages import Vehicle
+from sitl.results import Result
+
+FORCE = 21196  # magic number of MAV_CMD_COMPONENT_ARM_DISARM
+CHANGE_MODE = 1  # MAV_DO_REPOSITION_FLAGS_CHANGE_MODE
+RELATIVE_FRAMES = (3, 6)  # MAV_FRAME_GLOBAL_RELATIVE_ALT(_INT)
+INT_UNKNOWN = 2**31 - 1  # COMMAND_INT's x or y: not given
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """A command as it was meant.
+
+    Attributes:
+        command: MAV_CMD.
+        parameters: param1 to param7; positions in degrees, NaN where not given.
+        is_relative: param7 is above home, not above the sea.
+    """
+
+    command: int
+    parameters: tuple[float, ...]
+    is_relative: bool = False
+
+
+class Commanded(Protocol):
+    """What the commands act on: one link of the autopilot."""
+
+    vehicle: Vehicle
+
+    def request_message(self, message_id: int) -> bool:
+        """Send a message once; False if there is none with that id."""
+
+    def set_interval(self, message_id: int, interval_us: float) -> bool:
+        """Change a stream's interval; False if it is not streamed."""
+
+
+def request_from(message: Message) -> Request:
+    """The request in a COMMAND_LONG or COMMAND_INT."""
+    first = (message.param1, message.param2, message.param3, message.param4)
+    if message.get_type() == "COMMAND_LONG":
+        return Request(message.command, (*first, message.param5, message.param6, message.param7))
+    x, y = (math.nan if v == INT_UNKNOWN else v / 1e7 for v in (message.x, message.y))
+    is_relative = message.frame in RELATIVE_FRAMES
+    return Request(message.command, (*first, x, y, message.z), is_relative)
+
+
+def execute(on: Commanded, request: Request) -> Result:
+    """Do what a request asks and say how it went."""
+    handler = COMMANDS.get(request.command)
+    return handler(on, request) if handler else Result.UNSUPPORTED
+
+
+def _granted(is_granted: bool) -> Result:
+    return Result.ACCEPTED if is_granted else Result.TEMPORARILY_REJECTED
+
+
+def _arm_disarm(on: Commanded, request: Request) -> Result:
+    autopilot, is_forced = on.vehicle.autopilot, request.parameters[1] == FORCE
+    act = {1.0: autopilot.arm, 0.0: autopilot.disarm}.get(request.parameters[0])
+    return _granted(act(is_forced=is_forced)) if act else Result.UNSUPPORTED
+
+
+def _do_set_mode(on: Commanded, request: Request) -> Result:
+    base, main, sub = request.parameters[:3]
+    if not all(math.isfinite(p) for p in (base, main, sub)) or not int(base) & 1:
+        return Result.UNSUPPORTED  # PX4 knows custom modes only
+    mode = mode_from(int(main), int(sub))
+    if mode not in FLIGHT_MODES:
+        return Result.TEMPORARILY_REJECTED
+    return _granted(on.vehicle.autopilot.set_mode(mode))
+
+
+def _takeoff(on: Commanded, request: Request) -> Result:
+    return _granted(on.vehicle.autopilot.take_off(_down_m(on, request)))
+
+
+def _mode(name: str) -> Callable[[Commanded, Request], Result]:
+    return lambda on, request: _granted(on.vehicle.autopilot.set_mode(name))
+
+
+def _reposition(on: Commanded, request: Request) -> Result:
+    autopilot = on.vehicle.autopilot
+    flags, yaw_rad, lat_deg, lon_deg = (request.parameters[i] for i in (1, 3, 4, 5))
+    if not math.isfinite(flags) or not int(flags) & CHANGE_MODE:
+        if autopilot.mode != "AUTO.LOITER":
+            return Result.DENIED
+    north_m = east_m = None
+    if math.isfinite(lat_deg) and math.isfinite(lon_deg):
+        north_m, east_m, _ = on.vehicle.origin.to_local(lat_deg, lon_deg, 0.0)
+    yaw = yaw_rad if math.isfinite(yaw_rad) else None
+    return _granted(autopilot.hold_at(north_m, east_m, _down_m(on, request), yaw))
+
+
+def _down_m(on: Commanded, request: Request) -> float | None:
+    """Local NED down of param7, None where it is not given."""
+    altitude_m = request.parameters[6]
+    if not math.isfinite(altitude_m):
+        return None
+    if request.is_relative:
+        return on.vehicle.autopilot.home[2] - altitude_m
+    return on.vehicle.origin.altitude_m - altitude_m
+
+
+def _request_message(on: Commanded, request: Request) -> Result:
+    return Result.ACCEPTED if on.request_message(_id(request)) else Result.DENIED
+
+
+def _set_message_interval(on: Commanded, request: Request) -> Result:
+    interval_us = request.parameters[1]
+    is_set = math.isfinite(interval_us) and on.set_interval(_id(request), interval_us)
+    return Result.ACCEPTED if is_set else Result.FAILED
+
+
+def _id(request: Request) -> int:
+    value = request.parameters[0]
+    return int(value) if math.isfinite(value) else -1
+
+
+COMMANDS: dict[int, Callable[[Commanded, Request], Result]] = {
+    dialect.MAV_CMD_COMPONENT_ARM_DISARM: _arm_disarm,
+    dialect.MAV_CMD_DO_SET_MODE: _do_set_mode,
+    dialect.MAV_CMD_NAV_TAKEOFF: _takeoff,
+    dialect.MAV_CMD_NAV_LAND: _mode("AUTO.LAND"),
+    dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH: _mode("AUTO.RTL"),
+    dialect.MAV_CMD_DO_REPOSITION: _reposition,
+    dialect.MAV_CMD_SET_MESSAGE_INTERVAL: _set_message_interval,
+    dialect.MAV_CMD_REQUEST_MESSAGE: _request_message,
+}
+"""MAV_CMD -> what to do."""
+
+ACCEPTED_FIRST = frozenset({dialect.MAV_CMD_DO_SET_MODE})
+"""Commands that PX4 answers twice: ACCEPTED at once, the real result within 10 ms."""

@@ -1,0 +1,85 @@
+"""Which link shall a message go out on?
+
+PX4 forwards between its links as the MAVLink routing guide says
+(https://mavlink.io/en/guide/routing.html), and so do we:
+
+1. A message never goes back to the link it came from.
+2. One for this vehicle's autopilot alone, or for another component on board, stays here.
+3. A broadcast (target system 0, or no target at all) goes to every other link.
+4. One for a system or a component goes where that was heard before.
+
+STATUSTEXT of our own components goes only where a ground station's heartbeat has passed, coming in
+or forwarded (seen on PX4).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from enum import Enum
+
+from companion.mavlink.framing import Message, source
+
+MAV_TYPE_GCS = 6
+
+
+class LinkName(Enum):
+    """PX4's two UDP links: to the ground station (14550) and to the companion (14540)."""
+
+    GCS = "gcs"
+    OFFBOARD = "offboard"
+
+
+def target(message: Message) -> tuple[int, int]:
+    """Target system and component, 0 where the message has none."""
+    return (
+        getattr(message, "target_system", 0) or 0,
+        getattr(message, "target_component", 0) or 0,
+    )
+
+
+def is_for(address: tuple[int, int], message: Message) -> bool:
+    """Whether a component should handle a message: its own, or a broadcast."""
+    return all(wanted in (0, own) for wanted, own in zip(target(message), address, strict=True))
+
+
+class Router:
+    """Remembers who was heard where.
+
+    Args:
+        links: those with somebody at the other end.
+        local: addresses of the components on board.
+    """
+
+    def __init__(self, links: Iterable[LinkName], local: Iterable[tuple[int, int]]) -> None:
+        self._heard: dict[LinkName, set[tuple[int, int]]] = {link: set() for link in links}
+        self._local = frozenset(local)
+        self._with_gcs: set[LinkName] = set()
+
+    def hear(self, origin: LinkName, message: Message) -> None:
+        """Learn from a message that came in."""
+        self._heard.setdefault(origin, set()).add(source(message))
+        if message.get_type() == "HEARTBEAT" and message.type == MAV_TYPE_GCS:
+            self._with_gcs |= {origin, *self._heard}
+
+    def has_ground_station(self, link: LinkName) -> bool:
+        """Whether a ground station's heartbeat has passed on a link."""
+        return link in self._with_gcs
+
+    def destinations(self, message: Message, origin: LinkName | None) -> list[LinkName]:
+        """Where a message goes: from outside, or (origin None) from a component on board."""
+        if target(message) in self._local:
+            return []
+        return [
+            link
+            for link in self._heard
+            if link is not origin and self._leads_to(link, target(message))
+        ]
+
+    def _leads_to(self, link: LinkName, wanted: tuple[int, int]) -> bool:
+        system, component = wanted
+        if system == 0:
+            return True
+        return any(
+            heard_system == system and component in (0, heard_component)
+            for heard_system, heard_component in self._heard[link]
+        )

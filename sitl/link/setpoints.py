@@ -1,0 +1,59 @@
+"""Is a SET_POSITION_TARGET_LOCAL_NED a setpoint, and which one?
+
+PX4 takes frame 1 (MAV_FRAME_LOCAL_NED), and frame 8 (MAV_FRAME_BODY_NED) for velocity alone. Other
+frames, a mask that ignores everything and numbers that are not finite are dropped: they count as a
+lost setpoint (seen on PX4). Source: POSITION_TARGET_TYPEMASK in common.xml.
+"""
+
+from __future__ import annotations
+
+import math
+
+from companion.mavlink.framing import Message
+from sitl.flight.controllers import Target
+
+LOCAL_NED, BODY_NED = 1, 8
+FORCE_SET, YAW_IGNORE, YAW_RATE_IGNORE = 512, 1024, 2048
+Triple = tuple[float | None, float | None, float | None]
+
+
+def target_from(message: Message, heading_rad: float) -> Target | None:
+    """The setpoint in a message.
+
+    Args:
+        message: SET_POSITION_TARGET_LOCAL_NED.
+        heading_rad: of the vehicle now, for a velocity along its own axes.
+
+    Returns:
+        None for a message that PX4 would drop.
+    """
+    mask = message.type_mask
+    position = _unmasked((message.x, message.y, message.z), mask)
+    velocity = _unmasked((message.vx, message.vy, message.vz), mask >> 3)
+    acceleration = _unmasked((message.afx, message.afy, message.afz), mask >> 6)
+    yaw = None if mask & YAW_IGNORE else message.yaw
+    yaw_rate = None if mask & YAW_RATE_IGNORE else message.yaw_rate
+    given = [v for v in (*position, *velocity, *acceleration) if v is not None]
+    turning = [v for v in (yaw, yaw_rate) if v is not None]
+    if not given or mask & FORCE_SET or not all(map(math.isfinite, (*given, *turning))):
+        return None
+    if message.coordinate_frame == BODY_NED:
+        if any(v is not None for v in position) or None in velocity:
+            return None
+        velocity = _turned(velocity, heading_rad)
+    elif message.coordinate_frame != LOCAL_NED:
+        return None
+    north, east, down = (v or 0.0 for v in acceleration)
+    return Target(position, velocity, (north, east, down), yaw, yaw_rate)
+
+
+def _unmasked(values: tuple[float, float, float], mask: int) -> Triple:
+    x, y, z = (None if mask & bit else v for v, bit in zip(values, (1, 2, 4), strict=True))
+    return (x, y, z)
+
+
+def _turned(velocity: Triple, heading_rad: float) -> Triple:
+    forward, right, down = velocity
+    assert forward is not None and right is not None
+    c, s = math.cos(heading_rad), math.sin(heading_rad)
+    return (c * forward - s * right, s * forward + c * right, down)

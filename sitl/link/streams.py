@@ -1,0 +1,86 @@
+"""Which telemetry message leaves on which link, and when?
+
+`RATES_HZ` holds the default rates of a real PX4 in SITL on its two links, measured and rounded to
+what PX4's `mavlink stream` configures; a message that we do not make is not listed.
+MAV_CMD_SET_MESSAGE_INTERVAL changes one message on one link.
+"""
+
+from __future__ import annotations
+
+import heapq
+
+from companion.mavlink.framing import dialect
+from sitl.link.routing import LinkName
+
+RATES_HZ: dict[str, tuple[float, float]] = {
+    # message                     gcs  offboard
+    "HEARTBEAT": (1, 1),
+    "SYS_STATUS": (1, 5),
+    "BATTERY_STATUS": (0.5, 0.5),
+    "ATTITUDE": (50, 100),
+    "ATTITUDE_QUATERNION": (50, 50),
+    "LOCAL_POSITION_NED": (50, 30),
+    "GLOBAL_POSITION_INT": (50, 50),
+    "GPS_RAW_INT": (5, 8),
+    "HOME_POSITION": (0.5, 0.5),
+    "EXTENDED_SYS_STATE": (1, 5),
+    "ALTITUDE": (1, 10),
+    "VFR_HUD": (4, 10),
+    "HIGHRES_IMU": (0, 50),
+    "SYSTEM_TIME": (1, 1),
+    "POSITION_TARGET_LOCAL_NED": (50, 10),
+    "SERVO_OUTPUT_RAW": (50, 10),
+    "MISSION_CURRENT": (1, 1),
+}
+"""Message -> Hz on each link; 0 is off by default and may be asked for."""
+
+_COLUMN = {LinkName.GCS: 0, LinkName.OFFBOARD: 1}
+_IDS = {dialect.mavlink_map[i].msgname: i for i in dialect.mavlink_map}
+
+
+class Streams:
+    """The schedule of one link.
+
+    Args:
+        link: whose defaults to start with.
+        now_s: the first messages are due now.
+    """
+
+    def __init__(self, link: LinkName, now_s: float = 0.0) -> None:
+        self._defaults_s = {
+            name: 1 / rates[_COLUMN[link]] if rates[_COLUMN[link]] else 0.0
+            for name, rates in RATES_HZ.items()
+        }
+        self._intervals_s = {name: s for name, s in self._defaults_s.items() if s > 0}
+        self._queue = [(now_s, _IDS[name], name) for name in self._intervals_s]
+        heapq.heapify(self._queue)
+
+    def due(self, now_s: float) -> list[str]:
+        """The messages to send now; each keeps its rate over the long run."""
+        names = []
+        while self._queue and self._queue[0][0] <= now_s:
+            due_s, message_id, name = self._queue[0]
+            names.append(name)
+            interval_s = self._intervals_s[name]
+            after_s = due_s + interval_s
+            if after_s <= now_s:  # an interval shorter than a step: once each step
+                after_s = now_s + interval_s
+            heapq.heapreplace(self._queue, (after_s, message_id, name))
+        return names
+
+    def set_interval(self, name: str, interval_us: float, now_s: float) -> bool:
+        """Change a message's interval: 0 is the default, negative is off.
+
+        Returns:
+            False for a message that is not streamed.
+        """
+        if name not in self._defaults_s:
+            return False
+        interval_s = self._defaults_s[name] if interval_us == 0 else interval_us / 1e6
+        self._intervals_s.pop(name, None)
+        self._queue = [entry for entry in self._queue if entry[2] != name]
+        if interval_s > 0:
+            self._intervals_s[name] = interval_s
+            self._queue.append((now_s + interval_s, _IDS[name], name))
+        heapq.heapify(self._queue)
+        return True

@@ -1,0 +1,151 @@
+"""All parts of the simulator in one step: datagrams in, datagrams out, nothing else.
+
+No socket, no clock: the caller says what time it is and carries the datagrams, over UDP in real
+time (server.py) or in lockstep with the companion in one process (harness.py). Equal arguments
+and datagrams give equal answers.
+
+Within a step of 4 ms: autopilot, physics, world, then what each component has to say.
+"""
+
+from __future__ import annotations
+
+from companion.mavlink.framing import Endpoint, Message, source
+from companion.motion.grid import OccupancyGrid
+from sitl.autopilot.autopilot import Autopilot
+from sitl.autopilot.parameters import Parameters
+from sitl.flight.physics import FlightState, Physics
+from sitl.link.component import AUTOPILOT, AutopilotComponent, Outgoing
+from sitl.link.devices import DetectorDevice, Device, PayloadDevice, Sent
+from sitl.link.messages import Vehicle
+from sitl.link.routing import LinkName, Router
+from sitl.world.collision import CollisionWatch
+from sitl.world.detector import Detector
+from sitl.world.payload import Payload
+from sitl.world.scenario import Scenario
+
+DT_S = 0.004
+COLLISION_STEPS = 5  # walls are looked for every 20 ms
+ALL_LINKS = frozenset(LinkName)
+
+
+class Simulation:
+    """One vehicle in one world.
+
+    Args:
+        scenario: the world.
+        grid: its true map, None without walls.
+        seed: of everything random (gusts).
+        instance: the system id is 1 + instance.
+        links: those with somebody at the other end; nothing is packed for the others.
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        grid: OccupancyGrid | None,
+        *,
+        seed: int,
+        instance: int = 0,
+        links: frozenset[LinkName] = ALL_LINKS,
+    ) -> None:
+        system = 1 + instance
+        self._physics = Physics(
+            dt_s=DT_S,
+            origin=scenario.home,
+            start=scenario.start,
+            yaw_rad=scenario.yaw_rad,
+            charge=scenario.charge,
+            wind=scenario.wind,
+            turbulence_mps=scenario.turbulence_mps,
+            seed=seed,
+        )
+        state = self._physics.state
+        parameters = Parameters({**scenario.parameters, "MAV_SYS_ID": system})
+        self._autopilot = Autopilot(parameters, state)
+        self._vehicle = Vehicle(self._autopilot, state, scenario.home)
+        self._devices = _devices(system, scenario, state)
+        addresses = [(system, AUTOPILOT), *(device.address for device in self._devices)]
+        self._local = frozenset(addresses)
+        self._router = Router(links, self._local)
+        self._component = AutopilotComponent(system, self._vehicle, links, self._router)
+        self._ears = {link: Endpoint(system, AUTOPILOT) for link in links}
+        self._walls = CollisionWatch(grid)
+        self._steps = 0
+
+    @property
+    def flight(self) -> FlightState:
+        """The true state of the vehicle."""
+        return self._vehicle.state
+
+    @property
+    def is_armed(self) -> bool:
+        """The motors turn."""
+        return self._autopilot.is_armed
+
+    @property
+    def mode(self) -> str:
+        """The flight mode flown now, by PX4's name."""
+        return self._autopilot.mode
+
+    @property
+    def collisions(self) -> int:
+        """How often the vehicle hit a wall."""
+        return self._walls.count
+
+    def step(self, now_s: float, datagrams: list[tuple[LinkName, bytes]]) -> Outgoing:
+        """Take what has arrived, then go on to a time.
+
+        Args:
+            now_s: simulated time since the start; an earlier one than before moves nothing.
+            datagrams: with the link on which each arrived.
+
+        Returns:
+            Frames to send, in order, each with its link.
+        """
+        out: Outgoing = []
+        for link, datagram in datagrams:
+            if link in self._ears:
+                for message in self._ears[link].parse(datagram):
+                    self._receive(link, message, out)
+        out += self._component.flush()
+        due = int(now_s / DT_S + 1e-6)
+        while self._steps < due:
+            self._steps += 1
+            self._advance(out)
+        return out
+
+    def _receive(self, link: LinkName, message: Message, out: Outgoing) -> None:
+        if source(message) in self._local:
+            return  # our own, sent back by somebody who forwards
+        self._router.hear(link, message)
+        frame = bytes(message.get_msgbuf())
+        out += [(to, frame) for to in self._router.destinations(message, link)]
+        self._component.receive(link, message)
+        for device in self._devices:
+            self._route(device.receive(message, self._vehicle.state), out)
+
+    def _advance(self, out: Outgoing) -> None:
+        autopilot, physics = self._autopilot, self._physics
+        motors = autopilot.step(self._vehicle.state, DT_S)
+        if physics.is_draining != autopilot.is_armed:
+            physics.is_draining = autopilot.is_armed  # as PX4's simulator
+        state = self._vehicle.state = physics.step(motors)
+        if self._steps % COLLISION_STEPS == 0 and self._walls.update(state.position):
+            autopilot.crash("Collision with a wall")
+        out += self._component.step()
+        for device in self._devices:
+            self._route(device.step(state), out)
+
+    def _route(self, sent: list[Sent], out: Outgoing) -> None:
+        for message, frame in sent:
+            out += [(to, frame) for to in self._router.destinations(message, None)]
+
+
+def _devices(system: int, scenario: Scenario, state: FlightState) -> list[Device]:
+    devices: list[Device] = []
+    if scenario.sighting:
+        detector = Detector(scenario.sighting, state.position)
+        devices.append(DetectorDevice(system, detector))
+    if scenario.payload:
+        devices.append(PayloadDevice(system, Payload(scenario.payload)))
+    return devices

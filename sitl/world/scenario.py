@@ -1,0 +1,160 @@
+"""What does the world do to the vehicle? The scenario file `NAME.sim.yaml`.
+
+A scenario holds what the mission must not know: the true map, the wind, where a target appears,
+what the payload answers, how full the battery is, which parameters differ. It is read by the
+simulator alone. All keys but `version` are optional. Positions are ENU metres from home, headings
+are degrees clockwise from north; inside, everything is local NED and radians.
+
+    version: 1
+    map: maps/hall.yaml
+    start: {east_m: 2, north_m: 2, heading_deg: 90}
+    wind: {east_mps: 2, north_mps: 0, turbulence_mps: 0.3}
+    target: {component: 26, seen: {east_m: 5, north_m: 13, radius_m: 0.8, visit: 2}}
+    payload:
+      command: MAV_CMD_USER_1
+      answers:
+        - {east_m: 9, north_m: 4, radius_m: 1, result: FAILED, after_s: 2}
+
+`read_scenario` is a door: it opens the file and its map. The rest is pure.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from companion.document_errors import did_you_mean
+from companion.documents import Document, validate
+from companion.errors import MissionError
+from companion.geometry import GlobalOrigin, Ned, ned_from_enu
+from companion.maps import read_map
+from companion.mavlink.framing import dialect
+from companion.motion.grid import OccupancyGrid
+from sitl.autopilot.parameters import PARAMETERS
+from sitl.results import Result
+from sitl.world.collision import VEHICLE_RADIUS_M
+from sitl.world.detector import Sighting
+from sitl.world.payload import PayloadScript, Site
+from sitl.world.schema import PayloadModel, ScenarioModel
+
+PX4_HOME = GlobalOrigin(47.397742, 8.545594, 488.0)  # PX4's default in SITL: Irchelpark, Zurich
+
+
+@dataclass(frozen=True, slots=True)
+class Scenario:
+    """A world; the default one is empty.
+
+    Attributes:
+        home: where local NED (0, 0, 0) lies.
+        start: where the vehicle stands at first.
+        yaw_rad: where it looks at first.
+        wind: the air's velocity, NED.
+        charge: of the battery at the start, 0 to 1.
+        parameters: values that differ from the airframe's.
+        map_path: None is a world without walls.
+    """
+
+    home: GlobalOrigin = PX4_HOME
+    start: Ned = (0.0, 0.0, 0.0)
+    yaw_rad: float = 0.0
+    wind: Ned = (0.0, 0.0, 0.0)
+    turbulence_mps: float = 0.0
+    charge: float = 1.0
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    sighting: Sighting | None = None
+    payload: PayloadScript | None = None
+    map_path: Path | None = None
+
+
+def read_scenario(
+    path: Path, default_home: GlobalOrigin = PX4_HOME
+) -> tuple[Scenario, OccupancyGrid | None]:
+    """The scenario of a file, and its map.
+
+    Args:
+        path: the file; its map lies relative to it.
+        default_home: where home is if the file does not say.
+
+    Raises:
+        MissionError: a file cannot be read, or says something that cannot be.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise MissionError(f"{path}: cannot be read: {error}") from error
+    scenario, document = _parse(text, path, default_home)
+    if scenario.map_path is None:
+        return scenario, None
+    grid = read_map(scenario.map_path)
+    if grid.clearance_m(scenario.start[:2]) < VEHICLE_RADIUS_M:
+        raise MissionError(
+            "the start lies in a wall, too near one, or off the map",
+            document.where("start"),
+            f"the vehicle needs {VEHICLE_RADIUS_M} m around it",
+        )
+    return scenario, grid
+
+
+def parse_scenario(text: str, path: Path, default_home: GlobalOrigin = PX4_HOME) -> Scenario:
+    """The scenario of a text; the map is not opened.
+
+    Raises:
+        MissionError: with the place in the file.
+    """
+    return _parse(text, path, default_home)[0]
+
+
+def _parse(text: str, path: Path, default_home: GlobalOrigin) -> tuple[Scenario, Document]:
+    model, document = validate(text, str(path), ScenarioModel)
+    for name in model.parameters:
+        if name not in PARAMETERS:
+            raise MissionError(
+                f"the autopilot has no parameter {name}",
+                document.key_at("parameters", name),
+                did_you_mean(name, PARAMETERS),
+            )
+    if model.target and model.payload and model.target.component == model.payload.component:
+        raise MissionError(
+            f"target and payload have the same component id {model.payload.component}",
+            document.where("payload", "component"),
+            "each component on board needs an id of its own",
+        )
+    start, home, wind = model.start, model.home, model.wind
+    seen = model.target.seen if model.target else None
+    scenario = Scenario(
+        home=GlobalOrigin(home.latitude_deg, home.longitude_deg, home.altitude_m)
+        if home
+        else default_home,
+        start=ned_from_enu(start.east_m, start.north_m, 0.0),
+        yaw_rad=math.radians(start.heading_deg),
+        wind=ned_from_enu(wind.east_mps, wind.north_mps, 0.0),
+        turbulence_mps=wind.turbulence_mps,
+        charge=model.battery.charge,
+        parameters=dict(model.parameters),
+        sighting=Sighting(
+            model.target.component, (seen.north_m, seen.east_m), seen.radius_m, seen.visit
+        )
+        if model.target and seen
+        else None,
+        payload=_payload(model.payload, document) if model.payload else None,
+        map_path=path.parent / model.map if model.map else None,
+    )
+    return scenario, document
+
+
+def _payload(model: PayloadModel, document: Document) -> PayloadScript:
+    command = getattr(dialect, model.command, None)
+    if not model.command.startswith("MAV_CMD_") or not isinstance(command, int):
+        commands = [name for name in vars(dialect) if name.startswith("MAV_CMD_")]
+        raise MissionError(
+            f"MAVLink has no command {model.command}",
+            document.where("payload", "command"),
+            did_you_mean(model.command, commands),
+        )
+    sites = tuple(
+        Site((site.north_m, site.east_m), site.radius_m, Result[site.result], site.after_s)
+        for site in model.answers
+    )
+    return PayloadScript(model.component, command, sites, Result[model.otherwise])

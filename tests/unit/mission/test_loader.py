@@ -1,0 +1,353 @@
+"""A good mission means what it says; a spoilt one is refused at the right line and column.
+
+Each row of SPOILT replaces one piece of the good mission. The mark § in the replacement is
+where the error must point; it is taken out before the mission is read.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from companion.errors import FormulaError, MissionError
+from companion.ltl.formula import parse
+from companion.mission.loader import CLEARANCE_M, load_mission
+from companion.mission.model import (
+    Atom,
+    Command,
+    Condition,
+    Fly,
+    Literal,
+    Mission,
+    Otherwise,
+    Signal,
+    Wait,
+)
+from companion.mission.skills import MAX_INSTANCES
+
+Load = Callable[[str | bytes], Mission]
+
+SPOILT: list[tuple[str, str, str, str]] = [
+    # keys and values
+    ("version: 1", "version: §2", "version is 2, expected 1", "Version of this format"),
+    ("name: patrol", "name: §7", "name is 7, expected a text", "Letters"),
+    ("name: patrol", "name: §a/b", "name is 'a/b'", "Letters"),
+    ("name: patrol\n", "", "the key name is missing", "Letters"),
+    ("frame: enu", "frame: §ned", "frame is 'ned', expected enu", "Only enu"),
+    ("frame: enu", "frame: §nu", "frame is 'nu', expected enu", "Did you mean enu?"),
+    ("places:", "§palces:", "unknown key 'palces'", "Did you mean places?"),
+    ("speed_mps: 2.0", "speed_mps: §fast", "speed_mps is 'fast', expected a number", "m/s"),
+    ("speed_mps: 2.0", "speed_mps: §'2.0'", "speed_mps is '2.0', expected a number", "m/s"),
+    ("speed_mps: 2.0", "speed_mps: §.nan", ".nan is not a finite number", ""),
+    ("speed_mps: 2.0", "speed_mps: §-1", "speed_mps is -1, expected more than 0", "m/s"),
+    ("speed_mps: 2.0", "speed_mps: §21", "speed_mps is 21, expected at most 20", "m/s"),
+    ("  speed_mps: 2.0", "  §speed: 2.0", "unknown key 'speed' in limits", "mean speed_mps?"),
+    ("up_m: [0.5, 4.0]", "up_m: §[0.5]", "up_m is a list, expected more entries", "Lowest"),
+    ("up_m: [0.5, 4.0]", "up_m: §[4, 0.5]", "altitudes 4 to 0.5 m", "lowest first"),
+    ("[10, 8.5]", "[10, §true]", "entry 2 in limits.fence.2 is true", ""),
+    ("[[0, 0], [10, 0], [10, 8.5], [0, 8.5]]", "§[[0, 0], [1, 0]]", "at least 3", "Corners"),
+    ("radius_m: 0.4", "radius_m: §0", "radius_m is 0, expected more than 0", "at(place)"),
+    ("radius_m: 0.4", "§raduis_m: 0.4", "unknown key 'raduis_m' in places.no", "mean radius_m?"),
+    ("  A: {east_m: 5, ", "  §A: {", "the key east_m is missing in places.A", "Metres east"),
+    ("  A: {", "  §A-1: {", "'A-1' is not a name", "matches"),
+    ("latch: true", "latch: §yes", "latch is 'yes', expected true or false", "for ever"),
+    ("for_s: 2", "for_s: §-1", "for_s is -1, expected at least 0", "Seconds"),
+    ("tries: 3", "tries: §2.5", "tries is 2.5, expected a whole number", "Tries"),
+    ("tries: 3", "tries: §0", "tries is 0, expected at least 1", "Tries"),
+    ("tries: 3", "§tries:", "tries is empty, expected a whole number", "Tries"),
+    ("cost: 10", "cost: §flighttime", "expected flight_time or a number", "mean flight_time?"),
+    ("timeout_s: 15", "timeout_s: §0", "timeout_s is 0, expected more than 0", "Longest"),
+    ("payload: 25", "payload: §256", "payload is 256, expected at most 255", ""),
+    ("effect: reported", "effect: §[a]", "effect is a list, expected a text", "Facts"),
+    ("otherwise: land", "otherwise: §lande", "expected return_home, land or hold", "mean land?"),
+    ("Site: [A, no]", "Site: §[]", "Site is a list, expected at least 1 entries", ""),
+    ("initially: [at(Home)]", "initially: §at(Home)", "expected a list", "Facts"),
+    # names
+    ("Site: [A, no]", "Site: [§Hom, no]", "unknown place Hom in the set Site", "mean Home?"),
+    ("Site: [A, no]", "Site: [A, no, §A]", "A is twice in the set Site", "remove"),
+    ("  A: {", "  §here: {", "a place cannot be called here", "present position"),
+    ("  low:", "  §G:", "an event cannot be called G", "meaning of its own"),
+    ("  low:", "  §at:", "an event cannot be called at", "meaning of its own"),
+    ("{r: Site}", "{r: §Sites}", "unknown set Sites", "Did you mean Site?"),
+    ("{r: Site}", "{r: Site, §q: Site}", "the parameter q of upload is not used", "remove"),
+    ("{r: Site}", "{r: Site, §A: Site}", "the parameter A has the name of a place", "two"),
+    ("  upload:\n    para", "  §wait:\n    para", "a skill cannot be called wait", "resting"),
+    # events
+    ("[target].value", "[target].§valeu", "NAMED_VALUE_INT has no field valeu", "mean value?"),
+    ("    until:", "    latch: true\n    §until:", "low has both latch and until", "remove one"),
+    # skills
+    ("effect: reported", "effect: §found", "found is an event", "remove the event in line 18"),
+    ("[canUpload(r)]", "[§found]", "found is an event", "another fact"),
+    ("assumes: [canUpload(r)]", "assumes: [§canUpload(q)]", "q in canUpload(q)", "parameters"),
+    ("assumes: trans_ok(from, to)", "assumes: [trans_ok§(from, to)]", "half a fact", "quotes"),
+    ("effect: at(to) &", "effect: §at(to, to) &", "at has 1 argument", "write at(Home)"),
+    ("effect: reported", "effect: §reported | done", "neither a fact", "joined by &"),
+    ("at(r) & found &", "at(r) & §found(r) &", "found has no arguments", "write found"),
+    ("at(r) & found", "§at(r) & founded", "nothing ever makes founded true", "mean found?"),
+    ("fly(to)", "fly(§too)", "too is not a parameter of this skill", "Did you mean to?"),
+    ("fly(to)", "§fli(to)", "unknown primitive fli", "Did you mean fly?"),
+    ("fly(to)", "§fly to", "not something to execute", "fly(parameter)"),
+    ("fly(to)", "§fly()", "fly has 0 arguments", "fly(parameter)"),
+    ("fly(to)", "wait(§-1)", "a time cannot be negative", "seconds"),
+    ("command(payload", "command(§paylaod", "unknown component paylaod", "mean payload?"),
+    ("MAV_CMD_USER_1", "§MAV_CMD_USR_1", "unknown command MAV_CMD_USR_1", "MAV_CMD_USER_1?"),
+    ("1.5, -2", "1.5, §nan", "nan is not a number", "1.5"),
+    ("1.5, -2", "1.5, §1e39", "1e39 is not a number", "1.5"),
+    ("cost: 10", "cost: §flight_time", "upload does not fly", "write seconds"),
+    ("cost: 10", "cost: §0", "cost is 0", "more than 0"),
+    # places on the map
+    ("  A: {east_m: 5,", "  §A: {east_m: 0.2,", "place A is in a wall", "east_m: 1.25"),
+    ("  A: {east_m: 5,", "  §A: {east_m: 0.8,", "only 0.5 m from a wall", "east_m: 1.25"),
+    ("  A: {east_m: 5,", "  §A: {east_m: -5,", "outside the map", "east_m 0 to 10"),
+    (
+        "  A: {east_m: 5, north_m: 7",
+        "  §A: {east_m: 5, north_m: 8.8",
+        "outside the fence",
+        "[10, 8.5]",
+    ),
+    (
+        "  A: {east_m: 5, north_m: 7, up_m: 1.5",
+        "  §A: {east_m: 5, north_m: 7, up_m: 4.5",
+        "place A is at 4.5 m, outside 0.5 to 4 m",
+        "limits.up_m",
+    ),
+    # facts of initially and task
+    ("[at(Home)]", "§[reported]", "no fact says where the vehicle is", "at(Home)"),
+    ("[at(Home)]", "[at(Home), §at(A)]", "cannot be at two places", "keep one"),
+    ("[at(Home)]", "[§at(Hom)]", "unknown fact at(Hom)", "Did you mean at(Home)?"),
+    ("[at(Home)]", "[at(Home), '§!low']", "not a fact", "looks like"),
+    ("F at(A) |", "F §at(D) |", "unknown fact at(D)", "places are Home, A, no. Did you mean"),
+    ("F at(A) |", "F §canUpload(Home) |", "unknown fact canUpload(Home)", "one of A, no"),
+    ("| found)", "| §foundd)", "unknown fact foundd", "Did you mean found?"),
+    ("| found)", "| §trans_ok(A))", "trans_ok has 2 arguments", "trans_ok(Home, Home)"),
+    ("F at(A) |", "F at(A) §found |", "unexpected 'found'", ""),
+    ("| found)", "| found§", "ends too early", ""),
+    ("       F reported)", "       F §reportd)", "unknown fact reportd", "mean reported?"),
+    ("G !(at(no)", "G !(at§[no)", "has no meaning in a formula", ""),
+    ("(at(no) & low)", "(§at(on) & low)", "unknown fact at(on)", "Did you mean at(no)?"),
+    # YAML
+    ("F at(A) |", "F at(A)§: |", "mapping values are not allowed", "quotes"),
+    ("'G !(at(no) & low)'", "§!at(no)", "YAML tag !at(no) is not allowed", "quotes"),
+    ("'G !(at(no) & low)'", "§&at(no)", "YAML anchor &at(no) is not allowed", "quotes"),
+    ("'G !(at(no) & low)'", "§*at", "YAML alias *at is not allowed", "quotes"),
+    ("  avoid: ", "  §search: ", "the key search is given twice", "first given in line"),
+    ("version: 1", "§%YAML 1.2\n---\nversion: 1", "directives are not allowed", "%"),
+    ("otherwise: land", "otherwise: land\n§---\na: 1", "second YAML document", "---"),
+    ("map: room.yaml", "map: §hall.yaml", "hall.yaml cannot be read", ""),
+    ("map: room.yaml", "map: §.", "cannot be read", ""),
+]
+
+
+def spoil(good: str, old: str, new: str) -> tuple[str, str]:
+    """The spoilt text and line:column of the mark."""
+    assert good.count(old) >= 1, old
+    marked = good.replace(old, new, 1)
+    before, _, after = marked.partition("§")
+    if "§" not in marked:  # a missing key is told at the parent: here the file's first key
+        return marked, "1:1"
+    return before + after, f"{before.count(chr(10)) + 1}:{len(before) - before.rfind(chr(10))}"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "what", "hint"), SPOILT, ids=[f"{w} {n[:30]}" for _, n, w, _ in SPOILT]
+)
+def test_error_says_what_where_and_what_to_do(
+    load: Load, good: str, old: str, new: str, what: str, hint: str
+) -> None:
+    text, place = spoil(good, old, new)
+    with pytest.raises(MissionError) as caught:
+        load(text)
+    message = str(caught.value)
+    head, *rest = message.splitlines()
+    assert re.match(rf".*/mission\.yaml:{place}: ", head), message
+    assert what in head
+    assert hint in "\n".join(rest)
+
+
+def test_good_mission_means_what_it_says(load: Load, good: str, room: Path) -> None:
+    mission = load(good)
+    assert mission.text == good
+    assert mission.path == str(room / "mission.yaml")
+    assert mission.places["A"].position == (7.0, 5.0, -1.5)
+    assert (mission.places["A"].radius_m, mission.places["no"].radius_m) == (0.6, 0.4)
+    assert mission.limits.fence == ((0, 0), (0, 10), (8.5, 10), (8.5, 0))
+    assert mission.sets == {"Place": ("Home", "A", "no"), "Site": ("A", "no")}
+    assert mission.grid.occupied.shape == (20, 20)
+    assert mission.otherwise is Otherwise.LAND
+
+
+def test_events(load: Load, good: str) -> None:
+    found, low = load(good).events.values()
+    assert found.when == Condition(Signal("NAMED_VALUE_INT", "target", "value"), ">", 0)
+    assert (found.latch, found.until, found.for_s) == (True, None, 0)
+    assert low.until == Condition(Signal("BATTERY_STATUS", "", "battery_remaining"), ">", 80)
+    assert (low.latch, low.for_s) == (False, 2)
+
+
+def test_skills(load: Load, good: str) -> None:
+    move, upload = load(good).skills.values()
+    assert move.parameters == (("from", "Place"), ("to", "Place"))
+    assert move.precondition == (Literal(Atom("at", ("from",)), True),)
+    assert move.assumes == (Atom("trans_ok", ("from", "to")),)
+    assert move.effect == (
+        Literal(Atom("at", ("to",)), True),
+        Literal(Atom("at", ("from",)), False),
+    )
+    assert (move.cost_s, move.execute, move.tries, move.timeout_s) == (None, Fly("to"), 3, None)
+    assert upload.precondition[1:] == (
+        Literal(Atom("found", ()), True),
+        Literal(Atom("low", ()), False),
+    )
+    assert upload.execute == Command(25, 31010, "MAV_CMD_USER_1", (1.5, -2.0))
+    assert (upload.cost_s, upload.tries, upload.timeout_s) == (10, 1, 15)
+
+
+def test_default_cost_is_flight_time_or_one_second(load: Load, good: str) -> None:
+    text = good.replace("    cost: flight_time\n", "").replace("    cost: 10\n", "")
+    move, upload = load(text).skills.values()
+    assert (move.cost_s, upload.cost_s) == (None, 1.0)
+
+
+def test_wait_is_something_to_execute(load: Load, good: str) -> None:
+    text = good.replace("command(payload, MAV_CMD_USER_1, 1.5, -2)", "wait(2.5)")
+    assert load(text).skills["upload"].execute == Wait(2.5)
+
+
+def test_beliefs_hold_at_the_start_without_being_listed(load: Load, good: str) -> None:
+    places = ("Home", "A", "no")
+    assert load(good).initially == {
+        "at(Home)",
+        "canUpload(A)",
+        "canUpload(no)",
+        *(f"trans_ok({a}, {b})" for a in places for b in places),
+    }
+
+
+def test_task_is_read_alike_from_every_kind_of_scalar(load: Load, good: str) -> None:
+    task = load(good).task
+    assert list(task) == ["search", "upload", "avoid"]
+    assert task["upload"] is parse("G (found -> F reported)")
+    literal = good.replace("upload: >", "upload: |-").replace(
+        "'G !(at(no) & low)'", '"G !(at(no) & low)"'
+    )
+    assert load(literal).task == task
+
+
+@pytest.mark.parametrize("word", ["yes", "on", "off", "y", "n", "null", "true", "F", "e1"])
+def test_places_may_have_names_that_yaml_or_the_formula_language_know(
+    load: Load, good: str, word: str
+) -> None:
+    text = re.sub(r"\bA\b(?=[:,)])", word if word != "null" else "'null'", good)
+    text = text.replace("'null')", "null)")
+    if word in ("null", "true"):  # values of YAML: quoted in a list, and plain as a key
+        text = re.sub(rf"\[(.*?)'?\b{word}\b'?, no\]", rf"[\1'{word}', no]", text)
+        text = text.replace("latch: 'true'", "latch: true")
+    mission = load(text)
+    assert word in mission.places
+    assert f"canUpload({word})" in mission.initially
+
+
+def test_the_formula_is_shown_with_a_caret(load: Load, good: str) -> None:
+    with pytest.raises(FormulaError) as caught:
+        load(good.replace("F at(A)", "F at(D)"))
+    assert str(caught.value).split("mission.yaml:")[1] == (
+        "44:16: unknown fact at(D)\n"
+        "    G (F at(D) | found)\n"
+        "         ^^^^^  places are Home, A, no. Did you mean at(A)?"
+    )
+
+
+def test_unknown_keys_are_told_before_the_keys_that_they_leave_missing(
+    load: Load, good: str
+) -> None:
+    with pytest.raises(MissionError, match=r":38:5: unknown key 'efect' in skills\.upload"):
+        load(
+            good.replace("effect: reported", "efect: reported").replace("version: 1", "version: 2")
+        )
+
+
+def test_windows_line_ends_and_byte_order_mark_change_nothing(load: Load, good: str) -> None:
+    assert load("\ufeff" + good.replace("\n", "\r\n")).task == load(good).task
+    with pytest.raises(MissionError, match=r":44:16: unknown fact"):
+        load(("\ufeff" + good.replace("F at(A)", "F at(D)")).replace("\n", "\r\n"))
+
+
+def test_missing_file_is_a_mission_error(tmp_path: Path) -> None:
+    with pytest.raises(MissionError, match=r"none\.yaml cannot be read: No such file"):
+        load_mission(tmp_path / "none.yaml")
+    with pytest.raises(MissionError, match="cannot be read: Is a directory"):
+        load_mission(tmp_path)
+
+
+def test_bytes_that_are_no_text_are_located(load: Load, good: str) -> None:
+    with pytest.raises(MissionError, match=r":2:8: the file is not UTF-8 text"):
+        load(good.replace("patrol", "p§").encode("latin-1"))
+
+
+def test_too_many_instances_are_refused(load: Load, good: str) -> None:
+    count = int(MAX_INSTANCES ** (1 / 3)) + 1
+    names = [f"p{i}" for i in range(count)]
+    places = "".join(f"  {n}: {{east_m: 5, north_m: 5, up_m: 1}}\n" for n in names)
+    text = (
+        good.replace("sets:\n", f"{places}sets:\n  Many: [{', '.join(names)}]\n")
+        .replace("{from: Place, to: Place}", "{from: Many, to: Many, via: Many}")
+        .replace("trans_ok(from, to)", "trans_ok(from, to, via)")
+    )
+    with pytest.raises(MissionError, match=f"instances, at most {MAX_INSTANCES}"):
+        load(text)
+
+
+def test_clearance_decides_to_the_cell(load: Load, good: str) -> None:
+    """A is accepted from the first cell on that has CLEARANCE_M of room."""
+    accepted = []
+    for column in range(20):
+        east_m = 0.25 + 0.5 * column
+        try:
+            load(good.replace("A: {east_m: 5,", f"A: {{east_m: {east_m},"))
+        except MissionError as error:
+            assert "place A is" in str(error)
+        else:
+            accepted.append(east_m)
+    assert accepted == [
+        x for x in (0.25 + 0.5 * c for c in range(20)) if min(x - 0.25, 9.75 - x) >= CLEARANCE_M
+    ]
+
+
+EDITS = st.lists(
+    st.tuples(
+        st.integers(0, 2000),
+        st.integers(0, 12),
+        st.one_of(
+            st.sampled_from(
+                ["", "[", "{", "}", "]", ":", ": ", "- ", "!", "&a ", "*a", "|", ">", "#", "'", '"',
+                 "\\", "\n", "\t", "%", "0", "1e9", ".inf", "null", "(", ")", ",", "at(", "\x00"]
+            ),
+            st.text(max_size=6),
+        ),
+    ),
+    min_size=1,
+    max_size=4,
+)  # fmt: skip
+
+
+@given(edits=EDITS)
+@settings(max_examples=250, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+def test_edits_raise_nothing_but_mission_errors(
+    load: Load, good: str, edits: list[tuple[int, int, str]]
+) -> None:
+    text = good
+    for start, length, inserted in edits:
+        position = start % (len(text) + 1)
+        text = text[:position] + inserted + text[position + length :]
+    try:
+        mission = load(text.encode("utf-8", "surrogatepass"))
+    except MissionError as error:
+        assert error.where is not None
+        assert error.where.line <= text.count("\n") + text.count("\r") + 2
+    else:
+        assert mission.task
