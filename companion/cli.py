@@ -235,9 +235,9 @@ def _fly_in_lockstep(
     from sitl.harness import fly_in_lockstep
     from sitl.link.routing import LinkName
     from sitl.simulation import Simulation
-    from sitl.world.scenario import load_scenario
+    from sitl.world.scenario import read_scenario
 
-    world, grid = load_scenario(scenario)
+    world, grid = read_scenario(scenario)
     simulation = Simulation(
         world, grid, seed=seed, instance=instance, links=frozenset({LinkName.OFFBOARD})
     )

@@ -9,6 +9,8 @@ Within a step of 4 ms: autopilot, physics, world, then what each component has t
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from companion.mavlink.framing import Endpoint, Message, source
 from companion.motion.grid import OccupancyGrid
 from sitl.autopilot.autopilot import Autopilot
@@ -18,7 +20,7 @@ from sitl.link.component import AUTOPILOT, AutopilotComponent, Outgoing
 from sitl.link.devices import DetectorDevice, Device, PayloadDevice, Sent
 from sitl.link.messages import Vehicle
 from sitl.link.routing import LinkName, Router
-from sitl.world.collision import CollisionWatch
+from sitl.world.collision import CollisionWatch, is_wreck
 from sitl.world.detector import Detector
 from sitl.world.payload import Payload
 from sitl.world.scenario import Scenario
@@ -70,6 +72,7 @@ class Simulation:
         self._component = AutopilotComponent(system, self._vehicle, links, self._router)
         self._ears = {link: Endpoint(system, AUTOPILOT) for link in links}
         self._walls = CollisionWatch(grid)
+        self._is_wreck = False
         self._steps = 0
 
     @property
@@ -129,12 +132,25 @@ class Simulation:
         motors = autopilot.step(self._vehicle.state, DT_S)
         if physics.is_draining != autopilot.is_armed:
             physics.is_draining = autopilot.is_armed  # as PX4's simulator
-        state = self._vehicle.state = physics.step(motors)
-        if self._steps % COLLISION_STEPS == 0 and self._walls.update(state.position):
-            autopilot.crash("Collision with a wall")
+        state = self._lie(self.flight) if self._is_wreck else physics.step(motors)
+        self._vehicle.state = state
+        if not self._is_wreck and self._steps % COLLISION_STEPS == 0:
+            self._look_for_damage(state)
         out += self._component.step()
         for device in self._devices:
             self._route(device.step(state), out)
+
+    def _look_for_damage(self, state: FlightState) -> None:
+        if self._walls.update(state.position):
+            self._autopilot.crash("Collision with a wall")
+        if is_wreck(state):
+            self._is_wreck = True
+            self._autopilot.crash("Crash detected")
+
+    def _lie(self, state: FlightState) -> FlightState:
+        """A wreck: nothing but time goes on."""
+        still = (0.0, 0.0, 0.0)
+        return replace(state, time_s=self._steps * DT_S, velocity=still, rates=still)
 
     def _route(self, sent: list[Sent], out: Outgoing) -> None:
         for message, frame in sent:

@@ -1,14 +1,15 @@
 """How small does an automaton get? Reductions that keep the language.
 
 They work on a bare graph: labels are sets of literal bits (two bits a proposition), marks sets
-of acceptance sets, both as ints. Three reductions alternate until nothing changes:
+of acceptance sets, both as ints. Three steps are repeated until the size no longer changes:
 
 - states from which nothing is accepted are dropped, and each strongly connected component
   keeps only the marks that say something inside it;
 - a state *simulates* another if it can match each of its transitions by one with a weaker
   label, at least the same marks, and a target that simulates the target. States that simulate
   each other become one, and transitions that another one matches are dropped;
-- at the end labels are made disjoint where that costs nothing, so that fewer runs read a word.
+- labels are made disjoint where one more literal does it, so that fewer runs read a word; this
+  often leaves states without a way to them.
 
 Source: Etessami and Holzmann, Optimizing Büchi automata, CONCUR 2000; Somenzi and Bloem,
 Efficient Büchi automata from LTL formulae, CAV 2000.
@@ -53,15 +54,17 @@ class Graph:
 
 
 def reduced(graph: Graph) -> Graph:
-    """An equivalent graph, usually smaller."""
-    sharp = False
-    while True:
-        smaller = merged(pruned(graph))
-        if smaller.size == graph.size:
-            if sharp: return smaller
-            smaller=sharpened(smaller); sharp=True
-        else: sharp=False
+    """An equivalent graph, usually smaller, with labels made disjoint."""
+    rough = _settled(graph)
+    while (finer := _settled(sharpened(rough))).size != rough.size:
+        rough = finer
+    return finer
+
+
+def _settled(graph: Graph) -> Graph:
+    while (smaller := merged(pruned(graph))).size != graph.size:
         graph = smaller
+    return smaller
 
 
 def minimal(sets: Iterable[int]) -> list[int]:
@@ -81,19 +84,20 @@ def pruned(graph: Graph) -> Graph:
     """Without nodes that accept nothing, and without marks that say nothing.
 
     Within a component a mark says nothing if every edge has it, or if some other mark is only
-    found where it is found. A component that cannot accept keeps none, edges between components
-    neither.
+    found where it is found. A component with loops that cannot accept keeps none, and neither
+    do edges between components.
     """
     every_mark = (1 << graph.marks) - 1
     component_of: dict[int, int] = {}
-    essential: list[list[int] | None] = []  # for each component; None if it cannot accept
+    essential: list[list[int] | None] = []  # for each component; None if it only rejects
     alive: set[int] = set()
     for component in strong_components([[e.target for e in leaving] for leaving in graph.edges]):
         component_of.update(dict.fromkeys(component, len(essential)))
         leaving = [edge for node in component for edge in graph.edges[node]]
         inside = [e.marks for e in leaving if component_of.get(e.target) == len(essential)]
         is_accepting = bool(inside) and reduce(or_, inside) == every_mark
-        essential.append(_essential_marks(inside, graph.marks) if is_accepting else None)
+        only_rejects = bool(inside) and not is_accepting
+        essential.append(None if only_rejects else _essential_marks(inside, graph.marks))
         if is_accepting or any(edge.target in alive for edge in leaving):
             alive.update(component)
     marks = max(1 if kept is None else len(kept) for kept in essential)
@@ -145,30 +149,34 @@ def simulation(graph: Graph) -> list[int]:
     for node, leaving in enumerate(graph.edges):
         for edge in leaving:
             sources[edge.label, edge.marks][edge.target] |= 1 << node
-    matching = {
-        (label, marks): [
-            by_target
-            for (l, m), by_target in sources.items()
-            if l & label == l and m & marks == marks
-        ]
-        for label, marks in sources
-    }
     simulators = [(1 << len(graph.edges)) - 1] * len(graph.edges)
+    matching = {kind: _matching(sources, *kind) for kind in sources}
     is_stable = False
     while not is_stable:
         is_stable = True
-        for (label, marks), by_target in sources.items():
+        for kind, by_target in sources.items():
+            able_by_target = matching[kind]
             for target, nodes in by_target.items():
                 able = 0  # nodes with a matching edge
-                for candidates in matching[label, marks]:
-                    for candidate, owners in candidates.items():
-                        if simulators[target] >> candidate & 1:
-                            able |= owners
+                for candidate in indices(simulators[target]):
+                    able |= able_by_target.get(candidate, 0)
                 for node in indices(nodes):
                     if simulators[node] & ~able:
                         simulators[node] &= able
                         is_stable = False
     return simulators
+
+
+def _matching(
+    sources: dict[tuple[int, int], dict[int, int]], label: int, marks: int
+) -> dict[int, int]:
+    """For each target the nodes (bits) with an edge to it of a weaker label and these marks."""
+    able: dict[int, int] = defaultdict(int)
+    for (weaker, more), by_target in sources.items():
+        if weaker & label == weaker and more & marks == marks:
+            for target, nodes in by_target.items():
+                able[target] |= nodes
+    return able
 
 
 def merged(graph: Graph) -> Graph:

@@ -48,7 +48,8 @@ def translate(formula: Formula, max_states: int = 10_000) -> BuchiAutomaton:
         TranslationLimit: more than `max_states` states, or as many transitions of one state,
             would be made before reduction.
     """
-    tableau = _Tableau(simplified(negation_normal_form(formula)), max_states)
+    name = str(formula)
+    tableau = _Tableau(simplified(negation_normal_form(formula)), max_states, name)
     graph = reduced(tableau.graph())
     labels = {edge.label: tableau.label(edge.label) for leaving in graph.edges for edge in leaving}
     transitions = tuple(
@@ -56,15 +57,16 @@ def translate(formula: Formula, max_states: int = 10_000) -> BuchiAutomaton:
         for source, leaving in enumerate(graph.edges)
         for edge in leaving
     )
-    return BuchiAutomaton(len(graph.edges), frozenset({0}), transitions, graph.marks, str(formula))
+    return BuchiAutomaton(len(graph.edges), frozenset({0}), transitions, graph.marks, name)
 
 
 class _Tableau:
     """Expands sets of obligations, starting from one formula in negation normal form."""
 
-    def __init__(self, formula: Formula, limit: int) -> None:
+    def __init__(self, formula: Formula, limit: int, name: str) -> None:
         self._formula = formula
         self._limit = limit
+        self._name = name
         self._literals: list[Formula] = []  # the lowest bits: p, !p, q, !q, ...
         for name in sorted(atoms(formula)):
             proposition = Formula(Operator.ATOM, (), name)
@@ -80,6 +82,7 @@ class _Tableau:
         """The automaton; sets of obligations with equal terms are one state."""
         number_of: dict[tuple[Term, ...], int] = {}
         state_of: dict[Term, int] = {}
+        pending: list[tuple[Term, ...]] = []
 
         def state(obligations: Term) -> int:
             if obligations not in state_of:
@@ -90,7 +93,6 @@ class _Tableau:
                     self._check(len(pending), "states")
             return state_of[obligations]
 
-        pending: list[tuple[Term, ...]] = []
         state(self._obligations(self._formula))
         edges = []
         for terms in pending:  # grows while it is read
@@ -192,6 +194,6 @@ class _Tableau:
     def _check(self, size: int, what: str) -> None:
         if size > self._limit:
             raise TranslationLimit(
-                f"the automaton of {str(self._formula)[:200]!r} has more than {self._limit} {what}; "
-                "split the task into conjuncts, each of them gets an automaton of its own"
+                f"the automaton of {self._name[:200]} has more than {self._limit} {what}; "
+                "split the task into conjuncts: each of them gets its own automaton"
             )

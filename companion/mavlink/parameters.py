@@ -33,6 +33,8 @@ def encode(value: float, param_type: int) -> float:
     >>> decode(encode(5, INT32), INT32)
     5
     """
+    if param_type != REAL32 and value != int(value):
+        raise ValueError(f"{value} is not a whole number")
     try:
         raw = struct.pack(_layout(param_type), float(value) if param_type == REAL32 else int(value))
     except (struct.error, OverflowError) as error:

@@ -14,6 +14,7 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic_core import PydanticCustomError
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$", max_length=40)]
 """Of a place, set, event, skill, parameter, component or conjunct."""
@@ -55,6 +56,13 @@ class PlaceEntry(Entry):
     ] = 0.6
 
 
+def _given(value: Any) -> Any:
+    """A key that may be left out may not be left empty: that is a line somebody forgot."""
+    if value is None:
+        raise PydanticCustomError("empty", "has no value; write one, or remove the key")
+    return value
+
+
 class EventEntry(Entry):
     """A fact that the vehicle observes and cannot choose."""
 
@@ -67,6 +75,7 @@ class EventEntry(Entry):
     ]
     until: Annotated[
         Text | None,
+        BeforeValidator(_given, json_schema_input_type=Text),
         Field(description="Condition that makes it false again; without it, not `when`."),
     ] = None
     latch: Annotated[bool, Field(description="Once true, true for ever.")] = False
@@ -89,6 +98,7 @@ class SkillEntry(Entry):
     ] = {}
     precondition: Annotated[
         Text | None,
+        BeforeValidator(_given, json_schema_input_type=Text),
         Field(description="Facts joined by &, ! for not, e.g. at(r) & targetFound."),
     ] = None
     assumes: Annotated[
@@ -101,6 +111,7 @@ class SkillEntry(Entry):
     ]
     cost: Annotated[
         Literal["flight_time"] | float | None,
+        BeforeValidator(_given, json_schema_input_type=Literal["flight_time"] | float),
         Field(
             description="flight_time (the default of a skill that flies) or seconds "
             "(default of all others: 1)."
@@ -116,6 +127,7 @@ class SkillEntry(Entry):
     tries: Annotated[int, Field(ge=1, le=100, description="Tries before the skill has failed.")] = 1
     timeout_s: Annotated[
         float | None,
+        BeforeValidator(_given, json_schema_input_type=Annotated[float, Field(gt=0)]),
         Field(gt=0, description="Longest time of the whole skill, seconds; without it no limit."),
     ] = None
 
@@ -145,7 +157,9 @@ class MissionFile(Entry):
             "is told beforehand."
         ),
     ]
-    limits: Annotated[LimitsEntry, Field(description="What no setpoint may leave.")]
+    limits: Annotated[
+        LimitsEntry, Field(description="Speed, altitudes and fence that no setpoint leaves.")
+    ]
     places: Annotated[
         dict[Name, PlaceEntry],
         Field(min_length=1, description="Name: {east_m, north_m, up_m, radius_m}."),

@@ -73,7 +73,7 @@ def _map_problem(place: Place, grid: OccupancyGrid, clearance_m: float) -> tuple
     )
     if clearance == 0:
         return "is in a wall, or where the map knows nothing", advice
-    return f"is only {clearance:.1f} m from a wall, {clearance_m:g} m are needed", advice
+    return f"is only {clearance:.2f} m from a wall, {clearance_m:g} m are needed", advice
 
 
 def _nearest_free(position: NorthEast, grid: OccupancyGrid, clearance_m: float) -> NorthEast | None:

@@ -102,11 +102,12 @@ class Trajectory:
         Args:
             t_s: seconds; before 0 the start, after the duration the end, both at rest.
         """
+        t_s = max(0.0, t_s)
         yaw_rad = self._yaw(t_s)
         if t_s >= self.duration_s:
             return Sample(self._end, (0.0, 0.0, 0.0), yaw_rad, True)
-        phase = self._phases[max(0, bisect_right(self._begin_s, t_s) - 1)]
-        dt_s = max(0.0, t_s - phase.begin_s)
+        phase = self._phases[bisect_right(self._begin_s, t_s) - 1]
+        dt_s = t_s - phase.begin_s
         speed = phase.speed_mps + phase.acceleration_mps2 * dt_s
         along = phase.along_m + (phase.speed_mps + speed) / 2 * dt_s
         direction = self._directions[phase.leg]
@@ -143,10 +144,9 @@ class Trajectory:
 
     def _yaw(self, t_s: float) -> float:
         """The heading: from that at the leg's beginning towards the leg, at a limited rate."""
-        begin_s, from_rad, turn_rad = self._turns[
-            max(0, bisect_right(self._turns, t_s, key=lambda turn: turn[0]) - 1)
-        ]
-        return wrap_angle(from_rad + _limited(turn_rad, YAW_RATE_RADPS * max(0.0, t_s - begin_s)))
+        latest = bisect_right(self._turns, t_s, key=lambda turn: turn[0]) - 1
+        begin_s, from_rad, turn_rad = self._turns[latest]
+        return wrap_angle(from_rad + _limited(turn_rad, YAW_RATE_RADPS * (t_s - begin_s)))
 
 
 def flight_time_s(distance_m: float, speed_mps: float, acceleration_mps2: float) -> float:

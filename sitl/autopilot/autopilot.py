@@ -202,6 +202,8 @@ class Autopilot:
 
     def crash(self, text: str) -> None:
         """The vehicle has hit something: stop for good."""
+        if self.is_crashed:
+            return
         self.is_crashed = True
         self._tell(Severity.CRITICAL, text)
         if self.is_armed:

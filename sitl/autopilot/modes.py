@@ -268,7 +268,8 @@ def _stopping_point(now: Situation) -> Ned:
     """Where the vehicle can come to rest from its present velocity, at its present height."""
     north, east, down = now.state.position
     v_north, v_east, _ = now.state.velocity
-    speed, acceleration = math.hypot(v_north, v_east), now.parameters["MPC_ACC_HOR"]
-    ramp_s = acceleration / now.parameters["MPC_JERK_AUTO"]
+    speed = math.hypot(v_north, v_east)
+    acceleration = max(0.1, now.parameters["MPC_ACC_HOR"])  # any value may have been stored
+    ramp_s = acceleration / max(0.1, now.parameters["MPC_JERK_AUTO"])
     braking_s = speed / (2 * acceleration) + ramp_s
     return (north + v_north * braking_s, east + v_east * braking_s, down)

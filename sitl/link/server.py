@@ -5,8 +5,9 @@ Each link has a local port and the port where its peer is expected; instance i a
     GCS       local 18570, sends to 127.0.0.1:14550
     OFFBOARD  local 14580, sends to 127.0.0.1:14540
 
-Whoever sends to the local port becomes the peer, so that a client on another port or machine is
-answered where it is. Nobody listening is no error. This is the only file with sockets.
+Whoever sends to the local port becomes the peer, so that a client on another port is answered
+where it is. Only this machine is listened to. Nobody listening is no error. This is the only file
+with sockets.
 """
 
 from __future__ import annotations

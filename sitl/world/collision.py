@@ -1,15 +1,19 @@
-"""Has the vehicle hit a wall?
+"""Has the vehicle hit a wall, or the ground with more than its legs?
 
 Walls are the occupied cells of the true map and have no upper end; off the map counts as a wall.
-The vehicle is a disc. Accuracy is that of the map's distance field: about one cell.
+The vehicle is a disc. Accuracy is that of the map's distance field: about one cell. The flight
+physics knows contact of the legs alone, so a vehicle that falls over has to be stopped: it would
+sink into the ground.
 """
 
 from __future__ import annotations
 
 from companion.geometry import Ned
 from companion.motion.grid import OccupancyGrid
+from sitl.flight.physics import LEG_M, FlightState
 
 VEHICLE_RADIUS_M = 0.35
+UPRIGHT = 0.5  # cosine of the tilt at which the body touches the ground beside the legs
 
 
 class CollisionWatch:
@@ -33,3 +37,11 @@ class CollisionWatch:
         has_begun = self._is_touching and not was_touching
         self.count += has_begun
         return has_begun
+
+
+def is_wreck(state: FlightState) -> bool:
+    """Whether the body touches the ground: fallen over, or hit harder than the legs can take."""
+    _, x, y, _ = state.attitude
+    is_upright = 1 - 2 * (x * x + y * y) > UPRIGHT
+    down = state.position[2]
+    return down > LEG_M or (down > -LEG_M / 2 and not is_upright)

@@ -31,6 +31,7 @@ from companion.errors import MissionError
 from companion.geometry import GlobalOrigin, Ned, ned_from_enu
 from companion.maps import read_map
 from companion.mavlink.framing import dialect
+from companion.mavlink.parameters import INT32, encode
 from companion.motion.grid import OccupancyGrid
 from sitl.autopilot.parameters import PARAMETERS
 from sitl.results import Result
@@ -108,13 +109,8 @@ def parse_scenario(text: str, path: Path, default_home: GlobalOrigin = PX4_HOME)
 
 def _parse(text: str, path: Path, default_home: GlobalOrigin) -> tuple[Scenario, Document]:
     model, document = validate(text, str(path), ScenarioModel)
-    for name in model.parameters:
-        if name not in PARAMETERS:
-            raise MissionError(
-                f"the autopilot has no parameter {name}",
-                document.key_at("parameters", name),
-                did_you_mean(name, PARAMETERS),
-            )
+    for name, value in model.parameters.items():
+        _check_parameter(name, value, document)
     if model.target and model.payload and model.target.component == model.payload.component:
         raise MissionError(
             f"target and payload have the same component id {model.payload.component}",
@@ -142,6 +138,24 @@ def _parse(text: str, path: Path, default_home: GlobalOrigin) -> tuple[Scenario,
         map_path=path.parent / model.map if model.map else None,
     )
     return scenario, document
+
+
+def _check_parameter(name: str, value: float, document: Document) -> None:
+    if name not in PARAMETERS:
+        raise MissionError(
+            f"the autopilot has no parameter {name}",
+            document.key_at("parameters", name),
+            did_you_mean(name, PARAMETERS),
+        )
+    param_type, _ = PARAMETERS[name]
+    try:
+        encode(value, param_type)
+    except ValueError as error:
+        raise MissionError(
+            f"{value:g} does not fit the parameter {name}",
+            document.where("parameters", name),
+            "a whole number of 32 bits" if param_type == INT32 else "a number of single precision",
+        ) from error
 
 
 def _payload(model: PayloadModel, document: Document) -> PayloadScript:

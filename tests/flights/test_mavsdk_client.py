@@ -5,7 +5,9 @@ so simulated time runs no more than five times as fast.
 """
 
 import asyncio
+import contextlib
 import signal
+import socket
 import subprocess
 import sys
 from collections.abc import AsyncGenerator, AsyncIterator, Awaitable, Callable, Iterator
@@ -22,21 +24,38 @@ from mavsdk.plugins.offboard.offboard import PositionNedYaw  # noqa: E402
 
 pytestmark = pytest.mark.slow
 
-INSTANCE = 7
 SPEED = 5
 PHASE_S = 20.0  # wall time that no phase of the flight needs
 T = TypeVar("T")
 
 
+def free_instance() -> int:
+    """An instance whose ports nobody uses on this machine."""
+    for instance in range(7, 30):
+        with contextlib.ExitStack() as ports:
+            try:
+                for base in (14550, 14540, 18570, 14580):
+                    udp = ports.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
+                    udp.bind(("127.0.0.1", base + instance))
+            except OSError:
+                continue
+            return instance
+    raise AssertionError("no free ports")
+
+
 @pytest.fixture
-def simulator() -> Iterator[subprocess.Popen[str]]:
-    command = [sys.executable, "-m", "sitl", "-i", str(INSTANCE), "--speed", str(SPEED)]
+def port() -> Iterator[int]:
+    """The ground station's port of a running simulator."""
+    instance = free_instance()
+    command = [sys.executable, "-m", "sitl", "-i", str(instance), "--speed", str(SPEED)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as child:
         assert child.stdout is not None
-        assert "14557" in child.stdout.readline() + child.stdout.readline()
+        printed = child.stdout.readline() + child.stdout.readline()
+        assert str(14550 + instance) in printed
         try:
-            yield child
+            yield 14550 + instance
         finally:
+            assert child.poll() is None
             child.send_signal(signal.SIGINT)
             assert child.wait(timeout=5) == 0
 
@@ -61,10 +80,10 @@ async def within(call: Awaitable[T]) -> T:
     return await asyncio.wait_for(call, PHASE_S)
 
 
-async def fly() -> None:
+async def fly(port: int) -> None:
     kind = mavsdk.ComponentType.GROUND_STATION
     async with mavsdk.Mavsdk(mavsdk.Configuration.create_with_component_type(kind)) as client:
-        await client.add_any_connection(f"udpin://127.0.0.1:{14550 + INSTANCE}")
+        await client.add_any_connection(f"udpin://127.0.0.1:{port}")
         system = await client.first_autopilot(timeout_s=10)
         assert system is not None, "no autopilot seen"
         action, telemetry = ActionAsync(system), TelemetryAsync(system)
@@ -101,6 +120,5 @@ async def fly() -> None:
         assert abs(landed.position.east_m) < 0.5
 
 
-def test_a_mavsdk_client_flies_from_connect_to_disarm(simulator: subprocess.Popen[str]) -> None:
-    asyncio.run(fly())
-    assert simulator.poll() is None
+def test_a_mavsdk_client_flies_from_connect_to_disarm(port: int) -> None:
+    asyncio.run(fly(port))

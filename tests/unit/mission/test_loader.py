@@ -60,6 +60,10 @@ SPOILT: list[tuple[str, str, str, str]] = [
     ("tries: 3", "tries: §2.5", "tries is 2.5, expected a whole number", "Tries"),
     ("tries: 3", "tries: §0", "tries is 0, expected at least 1", "Tries"),
     ("tries: 3", "§tries:", "tries is empty, expected a whole number", "Tries"),
+    ("timeout_s: 15", "§timeout_s:", "timeout_s: has no value", ""),
+    ("precondition: at(from)", "§precondition:", "precondition: has no value", ""),
+    ("cost: 10", "cost: §null", "cost: has no value", ""),
+    ("    until: BATTERY_STATUS.battery_remaining > 80", "    §until:", "has no value", ""),
     ("cost: 10", "cost: §flighttime", "expected flight_time or a number", "mean flight_time?"),
     ("timeout_s: 15", "timeout_s: §0", "timeout_s is 0, expected more than 0", "Longest"),
     ("payload: 25", "payload: §256", "payload is 256, expected at most 255", ""),
@@ -102,7 +106,7 @@ SPOILT: list[tuple[str, str, str, str]] = [
     ("cost: 10", "cost: §0", "cost is 0", "more than 0"),
     # places on the map
     ("  A: {east_m: 5,", "  §A: {east_m: 0.2,", "place A is in a wall", "east_m: 1.25"),
-    ("  A: {east_m: 5,", "  §A: {east_m: 0.8,", "only 0.5 m from a wall", "east_m: 1.25"),
+    ("  A: {east_m: 5,", "  §A: {east_m: 0.8,", "only 0.50 m from a wall", "east_m: 1.25"),
     ("  A: {east_m: 5,", "  §A: {east_m: -5,", "outside the map", "east_m 0 to 10"),
     (
         "  A: {east_m: 5, north_m: 7",

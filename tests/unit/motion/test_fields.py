@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 
+import networkx as nx
 import numpy as np
 import pytest
 
 from companion.motion.fields import MoveGraph
+from companion.motion.sight import Sight
 
 NONE = np.empty(0, dtype=np.int_)
 
@@ -33,6 +35,26 @@ def test_a_path_leads_from_its_start_to_the_goal() -> None:
     assert path[-1].tolist() == [4, 6]
     steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
     assert steps.sum() == pytest.approx(field.cost[4, 0])
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_costs_are_those_of_all_moves_with_a_clear_line_of_sight(seed: int) -> None:
+    free = np.random.default_rng(seed).random((9, 9)) < 0.7
+    sight, cells = Sight(free), np.argwhere(free).astype(np.float64)
+    moves = nx.Graph()
+    moves.add_nodes_from(map(tuple, np.argwhere(free).tolist()))
+    for a in cells:
+        for b in cells:
+            length = math.dist(a, b)
+            if length in (1.0, math.sqrt(2), math.sqrt(5)) and sight.is_clear(a + 0.5, b + 0.5):
+                moves.add_edge(
+                    tuple(a.astype(int).tolist()), tuple(b.astype(int).tolist()), weight=length
+                )
+    goal = (int(cells[0, 0]), int(cells[0, 1]))
+    expected = np.full(free.shape, np.inf)
+    for cell, cost in nx.single_source_dijkstra_path_length(moves, goal).items():
+        expected[cell] = cost
+    np.testing.assert_allclose(MoveGraph(free).field(goal, NONE).cost, expected)
 
 
 def test_no_move_cuts_the_corner_of_a_cell_that_is_not_free() -> None:

@@ -35,7 +35,9 @@ def is_clear(over: Sight, a: tuple[float, float], b: tuple[float, float]) -> boo
         ((99.0, 99.0), (99.0, 99.0), False),
     ],
 )
-def test_legs_around_a_block(a: tuple[float, float], b: tuple[float, float], expected: bool) -> None:
+def test_legs_around_a_block(
+    a: tuple[float, float], b: tuple[float, float], expected: bool
+) -> None:
     over = sight(
         "....",
         ".##.",
@@ -93,8 +95,10 @@ def test_many_legs_at_once_answer_as_each_alone() -> None:
         ((2, 0), (2, 0), False),
     ],
 )
-def test_entering_a_unit_disc(a: tuple[float, float], b: tuple[float, float], expected: bool) -> None:
+def test_entering_a_unit_disc(
+    a: tuple[float, float], b: tuple[float, float], expected: bool
+) -> None:
     def point(x: tuple[float, float]) -> npt.NDArray[np.float64]:
-        return np.array(x, dtype=np.float64) + (5.0, 7.0)
+        return np.array([x[0] + 5.0, x[1] + 7.0])
 
     assert bool(enters(point(a), point(b), point((0, 0)), 1.0)) is expected

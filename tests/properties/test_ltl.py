@@ -1,0 +1,130 @@
+"""Laws of LTL, and every transformation of a formula, held against the direct semantics."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from companion.ltl.automaton import degeneralised, successors
+from companion.ltl.formula import (
+    FALSE,
+    TRUE,
+    Formula,
+    Operator,
+    atoms,
+    conjoin,
+    conjuncts,
+    negate,
+    negation_normal_form,
+    parse,
+)
+from companion.ltl.semantics import Letter, accepts, holds
+from companion.ltl.simplify import simplified
+from companion.ltl.translate import translate
+
+NAMES = ("a", "at(B)", "ok(B, C)")
+Word = tuple[list[Letter], list[Letter]]
+
+UNARY = [Operator.NOT, Operator.NEXT, Operator.EVENTUALLY, Operator.ALWAYS]
+BINARY = [
+    Operator.UNTIL,
+    Operator.RELEASE,
+    Operator.WEAK_UNTIL,
+    Operator.IMPLIES,
+    Operator.IFF,
+]
+
+
+def _larger(inner: st.SearchStrategy[Formula]) -> st.SearchStrategy[Formula]:
+    pairs = st.tuples(inner, inner)
+    return (
+        st.builds(lambda op, f: Formula(op, (f,)), st.sampled_from(UNARY), inner)
+        | st.builds(Formula, st.sampled_from(BINARY), pairs)
+        | st.builds(
+            lambda op, fs: Formula(op, tuple(fs)),
+            st.sampled_from([Operator.AND, Operator.OR]),
+            st.lists(inner, min_size=2, max_size=3),
+        )
+    )
+
+
+FORMULAS = st.recursive(
+    st.sampled_from([*(parse(name) for name in NAMES * 3), TRUE, FALSE]), _larger, max_leaves=6
+)
+LETTERS = st.frozensets(st.sampled_from(NAMES))
+WORDS = st.tuples(st.lists(LETTERS, max_size=3), st.lists(LETTERS, min_size=1, max_size=3))
+SEVERAL = st.lists(WORDS, min_size=8, max_size=8)
+
+
+@given(FORMULAS)
+def test_printing_and_parsing_are_inverse(formula: Formula) -> None:
+    assert parse(str(formula)) is formula
+
+
+@given(FORMULAS, SEVERAL)
+def test_every_form_has_the_same_meaning(formula: Formula, words: list[Word]) -> None:
+    normal = negation_normal_form(formula)
+    short = simplified(normal)
+    split = conjoin(*conjuncts(formula))
+    assert simplified(short) is short
+    assert atoms(short) <= atoms(formula)
+    for prefix, loop in words:
+        verdict = holds(formula, prefix, loop)
+        assert holds(normal, prefix, loop) is verdict
+        assert holds(short, prefix, loop) is verdict
+        assert holds(split, prefix, loop) is verdict
+        assert holds(negate(formula), prefix, loop) is not verdict
+
+
+@settings(max_examples=300)
+@given(FORMULAS, SEVERAL)
+def test_an_automaton_accepts_what_satisfies_the_formula(
+    formula: Formula, words: list[Word]
+) -> None:
+    automaton, opposite = translate(formula), translate(negate(formula))
+    single = degeneralised(automaton)
+    assert single.marks == 1
+    for prefix, loop in words:
+        verdict = holds(formula, prefix, loop)
+        assert accepts(automaton, prefix, loop) is verdict
+        assert accepts(single, prefix, loop) is verdict
+        assert accepts(opposite, prefix, loop) is not verdict
+
+
+@given(FORMULAS, WORDS)
+def test_the_subset_construction_never_loses_a_word(formula: Formula, word: Word) -> None:
+    """From the states reached by a prefix the rest of an accepted word is accepted."""
+    automaton = translate(formula)
+    prefix, loop = word
+    states = automaton.initial
+    for letter in prefix:
+        states = successors(automaton, states, letter)
+    if holds(formula, prefix, loop):
+        assert states
+
+
+@pytest.mark.parametrize(
+    ("left", "right"),
+    [
+        ("!X a", "X !a"),
+        ("!(a U at(B))", "!a R !at(B)"),
+        ("F a", "true U a"),
+        ("G a", "!F !a"),
+        ("a W at(B)", "a U at(B) | G a"),
+        ("a U at(B)", "at(B) | a & X(a U at(B))"),
+        ("a R at(B)", "at(B) & (a | X(a R at(B)))"),
+        ("F(a | at(B))", "F a | F at(B)"),
+        ("G(a & at(B))", "G a & G at(B)"),
+        ("G F(a | at(B))", "G F a | G F at(B)"),
+        ("a U (a U at(B))", "a U at(B)"),
+        ("X(a U at(B))", "X a U X at(B)"),
+        ("a <-> at(B)", "(a -> at(B)) & (at(B) -> a)"),
+        ("a R at(B)", "at(B) W (a & at(B))"),
+    ],
+)
+def test_textbook_law(left: str, right: str) -> None:
+    """Baier and Katoen, Section 5.1.4: both sides exclude the other's negation."""
+    for one, other in ((left, right), (right, left)):
+        automaton = translate(parse(f"({one}) & !({other})"))
+        assert automaton.transitions == ()

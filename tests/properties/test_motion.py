@@ -1,0 +1,264 @@
+"""Distance fields, routes and trajectories against brute force and closed forms.
+
+Geometry is checked here by other means than in the program: cells by the separating axis
+theorem on all cells at once, distances over all pairs, optima by a visibility graph.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import Any
+
+import networkx as nx
+import numpy as np
+import numpy.typing as npt
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from scipy import ndimage
+
+from companion.geometry import NorthEast, wrap_angle
+from companion.motion.grid import OccupancyGrid
+from companion.motion.routes import ENTRY_M, Route, RouteMap, Site
+from companion.motion.sight import Sight
+from companion.motion.trajectory import CORNER_TIME_S, YAW_RATE_RADPS, Trajectory, flight_time_s
+
+FAST = settings(max_examples=60, deadline=None, derandomize=True)
+WIDE: list[NorthEast] = [(-99, -99), (-99, 99), (99, 99), (99, -99)]
+Array = npt.NDArray[np.floating[Any]]
+
+
+@st.composite
+def grids(draw: st.DrawFn, edge: int = 16, boxes: int = 5) -> OccupancyGrid:
+    """Rooms with boxes in them."""
+    rows, cols = draw(st.integers(6, edge)), draw(st.integers(6, edge))
+    occupied = np.zeros((rows, cols), dtype=np.bool_)
+    for _ in range(draw(st.integers(0, boxes))):
+        row, col = draw(st.integers(0, rows - 1)), draw(st.integers(0, cols - 1))
+        height, width = draw(st.integers(1, 6)), draw(st.integers(1, 6))
+        occupied[row : row + height, col : col + width] = True
+    origin = (draw(st.sampled_from([0.0, -2.0, 0.37])), draw(st.sampled_from([0.0, -1.3])))
+    return OccupancyGrid(occupied, draw(st.sampled_from([0.1, 0.25, 1.0])), origin)
+
+
+def draw_position(data: st.DataObject, grid: OccupancyGrid, cells: list[list[int]]) -> NorthEast:
+    """A position inside one of some cells."""
+    row, col = data.draw(st.sampled_from(cells))
+    inside = st.floats(0.02, 0.98)
+    return (
+        grid.origin[0] + (row + data.draw(inside)) * grid.cell_m,
+        grid.origin[1] + (col + data.draw(inside)) * grid.cell_m,
+    )
+
+
+def brute_force_distance(grid: OccupancyGrid) -> Array:
+    """Least distance over all occupied cells and a rim of occupied ones."""
+    occupied = np.argwhere(np.pad(grid.occupied, 1, constant_values=True)) - 1
+    cells = np.argwhere(np.ones_like(grid.occupied))
+    distance = np.linalg.norm(cells[:, None] - occupied[None], axis=2).min(axis=1)
+    return np.asarray(distance.reshape(grid.occupied.shape) * grid.cell_m)
+
+
+def meets(a: Array, b: Array, cells: Array, grown: float) -> npt.NDArray[np.bool_]:
+    """Whether segments a-b (n, 2) meet squares (m, 2), each side moved outwards: (n, m) bool.
+
+    Separating axes of a segment and a square: rows, columns and the segment's normal.
+    """
+    half = 0.5 + grown
+    middle = (a + b)[:, None] / 2 - (cells[None] + 0.5)
+    reach = np.abs(b - a)[:, None] / 2
+    leg = (b - a)[:, None]
+    across = np.abs(leg[..., 0] * middle[..., 1] - leg[..., 1] * middle[..., 0])
+    is_near = np.all(np.abs(middle) <= half + reach, axis=-1)
+    return np.asarray(is_near & (across <= half * np.abs(leg).sum(axis=-1)))
+
+
+def distance_to_leg(a: Array, b: Array, point: Array) -> float:
+    leg = b - a
+    share = float(np.clip((point - a) @ leg / max(float(leg @ leg), 1e-12), 0.0, 1.0))
+    return float(np.linalg.norm(a + share * leg - point))
+
+
+@FAST
+@given(grids())
+def test_the_distance_field_equals_brute_force(grid: OccupancyGrid) -> None:
+    np.testing.assert_allclose(grid.distance_m, brute_force_distance(grid), atol=1e-12)
+
+
+@FAST
+@given(grids(), st.data())
+def test_sight_agrees_with_separating_axes(grid: OccupancyGrid, data: st.DataObject) -> None:
+    rows, cols = grid.occupied.shape
+    quarter = st.tuples(st.integers(0, 4 * rows), st.integers(0, 4 * cols))  # corners, edges too
+    a, b = (np.array(data.draw(quarter)) / 4 for _ in range(2))
+    framed = np.argwhere(np.pad(grid.occupied, 1, constant_values=True)) - 1.0
+    expected = not meets(a[None], b[None], framed, grown=1e-7).any()
+    assert bool(Sight(~grid.occupied).is_clear(a, b)) is expected
+
+
+@FAST
+@given(grids(), st.sampled_from([1.0, 2.0, 2.5]), st.data())
+def test_legs_keep_the_clearance_and_exist_where_cells_connect(
+    grid: OccupancyGrid, clearance: float, data: st.DataObject
+) -> None:
+    clearance_m = clearance * grid.cell_m
+    is_free = brute_force_distance(grid) >= clearance_m
+    assume(is_free.any())
+    free = np.argwhere(is_free).tolist()
+    start, goal = draw_position(data, grid, free), draw_position(data, grid, free)
+    routes = RouteMap(grid, {"goal": Site((*goal, -2.0), 0.5, True)}, WIDE, clearance_m)
+    route = routes.route((*start, -1.0), "goal")
+    parts = ndimage.label(is_free)[0]
+    if parts[grid.cell(start)] != parts[grid.cell(goal)]:
+        assert route is None and routes.distance_m(start, "goal") == math.inf
+        return
+    assert route is not None
+    assert route.waypoints[0].tolist() == [*start, -1.0]
+    assert route.waypoints[-1].tolist() == [*goal, -2.0]
+    points = (route.waypoints[:, :2] - grid.origin) / grid.cell_m
+    not_free = np.argwhere(~np.pad(is_free, 1)) - 1.0
+    assert not meets(points[:-1], points[1:], not_free, grown=-1e-6).any()
+    occupied = np.argwhere(grid.occupied) + 0.5
+    for a, b in pairwise(points):
+        for centre in occupied:  # half a cell's diagonal: from the free cell's centre to the leg
+            assert distance_to_leg(a, b, centre) >= clearance - math.sqrt(0.5) - 1e-6
+
+
+@settings(FAST, max_examples=25)
+@given(grids(edge=14), st.data())
+def test_lengths_are_close_to_the_optimum_of_a_visibility_graph(
+    grid: OccupancyGrid, data: st.DataObject
+) -> None:
+    is_free = grid.distance_m >= 2 * grid.cell_m
+    free = np.argwhere(is_free)
+    assume(len(free) > 1)
+    centres = free + 0.5
+    first, second = np.triu_indices(len(free), 1)
+    not_free = np.argwhere(~is_free).astype(np.float64)
+    clear = np.concatenate(
+        [
+            ~meets(centres[i], centres[j], not_free, grown=1e-7).any(axis=1)
+            for i, j in zip(np.array_split(first, 20), np.array_split(second, 20), strict=True)
+        ]
+    )
+    lengths = np.linalg.norm(centres[first] - centres[second], axis=1) * grid.cell_m
+    visible = nx.Graph()
+    visible.add_nodes_from(range(len(free)))
+    visible.add_weighted_edges_from(
+        zip(first[clear].tolist(), second[clear].tolist(), lengths[clear].tolist(), strict=True)
+    )
+    goal = data.draw(st.integers(0, len(free) - 1))
+    site = Site((*grid.centre(*free[goal].tolist()), 0.0), 0.0, False)
+    routes = RouteMap(grid, {"goal": site}, WIDE, 2 * grid.cell_m)
+    optimum = nx.single_source_dijkstra_path_length(visible, goal)
+    for i, cell in enumerate(free.tolist()):
+        start = grid.centre(*cell)
+        route = routes.route((*start, 0.0), "goal")
+        assert (route is not None) == (i in optimum)
+        if route is not None:
+            assert route.length_m <= 1.03 * optimum[i] + 1e-9
+            assert routes.distance_m(start, "goal") <= 1.03 * optimum[i] + 1e-9
+            assert routes.distance_m(start, "goal") >= route.length_m - 1e-9
+
+
+@FAST
+@given(grids(boxes=3), st.data())
+def test_no_route_enters_the_region_of_another_place(
+    grid: OccupancyGrid, data: st.DataObject
+) -> None:
+    free = np.argwhere(~grid.occupied).tolist()
+    assume(free)
+    start = draw_position(data, grid, free)
+    radius = st.floats(0.1, 4.0).map(lambda cells: cells * grid.cell_m)
+    sites = {
+        name: Site((*draw_position(data, grid, free), 0.0), data.draw(radius), True)
+        for name in ("goal", "X", "Y")
+    }
+    route = RouteMap(grid, sites, WIDE, grid.cell_m).route((*start, 0.0), "goal")
+    assume(route is not None)
+    assert route is not None
+    for name in ("X", "Y"):
+        centre, radius_m = np.array(sites[name].position[:2]), sites[name].radius_m
+        legs = list(pairwise(route.waypoints[:, :2]))
+        outside = [i for i, (a, _) in enumerate(legs) if np.linalg.norm(a - centre) >= radius_m]
+        for a, b in legs[outside[0] :] if outside else []:  # once outside, outside for good
+            assert distance_to_leg(a, b, centre) >= radius_m - 1e-9
+
+
+@FAST
+@given(grids(), st.data())
+def test_a_start_beside_the_free_cells_is_left_across_no_obstacle(
+    grid: OccupancyGrid, data: st.DataObject
+) -> None:
+    is_free = grid.distance_m >= 2.5 * grid.cell_m
+    band = np.argwhere(~is_free & ~grid.occupied).tolist()
+    assume(is_free.any() and band)
+    start = draw_position(data, grid, band)
+    goal = draw_position(data, grid, np.argwhere(is_free).tolist())
+    routes = RouteMap(grid, {"goal": Site((*goal, 0.0), 0.5, True)}, WIDE, 2.5 * grid.cell_m)
+    route = routes.route((*start, 0.0), "goal")
+    assume(route is not None)
+    assert route is not None
+    first = (route.waypoints[:2, :2] - grid.origin) / grid.cell_m
+    assert np.linalg.norm(first[1] - first[0]) * grid.cell_m <= ENTRY_M + grid.cell_m
+    occupied = np.argwhere(grid.occupied).astype(np.float64)
+    assert not meets(first[:1], first[1:], occupied, grown=-1e-6).any()
+
+
+coordinates = st.floats(-10, 10).map(lambda x: round(x, 2))
+waypoints = st.lists(st.tuples(coordinates, coordinates, coordinates), min_size=2, max_size=6)
+speeds, accelerations = st.floats(0.3, 4.0), st.floats(0.3, 5.0)
+
+
+@FAST
+@given(waypoints, speeds, accelerations, st.floats(-math.pi, math.pi))
+def test_a_trajectory_keeps_its_limits_and_its_route(
+    corners: list[tuple[float, float, float]], speed: float, acceleration: float, yaw_rad: float
+) -> None:
+    route = Route(np.array(corners))
+    trajectory = Trajectory(route, speed, acceleration, yaw_rad)
+    times, dt_s = np.linspace(-0.1, trajectory.duration_s + 0.1, 1500, retstep=True)
+    samples = [trajectory.sample(float(t_s)) for t_s in times]
+    positions = np.array([sample.position for sample in samples])
+    velocities = np.array([sample.velocity for sample in samples])
+    rates = np.linalg.norm(velocities, axis=1)
+
+    assert positions[0].tolist() == list(corners[0])
+    assert positions[-1].tolist() == list(corners[-1])
+    assert rates.max() <= speed + 1e-9
+    assert np.abs(np.diff(rates)).max() <= acceleration * dt_s + 1e-9
+    steps = np.linalg.norm(np.diff(positions, axis=0), axis=1)
+    assert np.all(steps <= (rates[:-1] + rates[1:]) / 2 * dt_s + acceleration * dt_s**2 + 1e-9)
+    assert steps.sum() <= route.length_m + 1e-6
+    turns = [wrap_angle(b.yaw_rad - a.yaw_rad) for a, b in pairwise(samples)]
+    assert np.abs(turns).max() <= YAW_RATE_RADPS * dt_s + 1e-9
+    for position in positions[::50]:
+        off_m = min(distance_to_leg(a, b, position) for a, b in pairwise(route.waypoints))
+        assert off_m < 1e-9
+
+
+@FAST
+@given(waypoints, speeds, accelerations)
+def test_the_velocity_jumps_at_corners_by_a_bounded_amount_and_nowhere_else(
+    corners: list[tuple[float, float, float]], speed: float, acceleration: float
+) -> None:
+    assume(all(math.dist(a, b) > 1.0 for a, b in pairwise(corners)))
+    trajectory = Trajectory(Route(np.array(corners)), speed, acceleration)
+    dt_s = 0.5 / speed / 20  # at most one corner in each step
+    times = np.arange(0.0, trajectory.duration_s, dt_s).tolist()
+    velocities = np.array([trajectory.sample(t_s).velocity for t_s in times])
+    jumps = np.linalg.norm(np.diff(velocities, axis=0), axis=1) - acceleration * dt_s
+    assert np.all(jumps <= acceleration * CORNER_TIME_S + 1e-9)
+    assert np.count_nonzero(jumps > 1e-9) <= len(corners) - 2
+
+
+@FAST
+@given(waypoints, speeds, accelerations)
+def test_a_route_takes_longer_than_its_length_in_a_straight_line_but_not_than_stopping(
+    corners: list[tuple[float, float, float]], speed: float, acceleration: float
+) -> None:
+    route = Route(np.array(corners))
+    legs = [math.dist(a, b) for a, b in pairwise(corners)]
+    duration_s = Trajectory(route, speed, acceleration).duration_s
+    assert flight_time_s(route.length_m, speed, acceleration) <= duration_s + 1e-6
+    assert duration_s <= sum(flight_time_s(leg, speed, acceleration) for leg in legs) + 1e-6

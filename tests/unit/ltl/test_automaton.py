@@ -1,0 +1,86 @@
+"""Labels, the subset construction, and strongly connected components."""
+
+from __future__ import annotations
+
+import networkx as nx
+from hypothesis import given
+from hypothesis import strategies as st
+
+from companion.ltl.automaton import (
+    BuchiAutomaton,
+    Label,
+    Transition,
+    degeneralised,
+    strong_components,
+    successors,
+)
+from companion.ltl.formula import parse
+from companion.ltl.translate import translate
+
+A_NOT_B = Label(frozenset({"a"}), frozenset({"b"}))
+ANY = Label(frozenset(), frozenset())
+
+
+def test_a_label_matches_every_letter_that_agrees_with_its_literals() -> None:
+    assert A_NOT_B.matches(frozenset({"a", "c"}))
+    assert not A_NOT_B.matches(frozenset({"a", "b"}))
+    assert not A_NOT_B.matches(frozenset())
+    assert ANY.matches(frozenset())
+    assert (str(A_NOT_B), str(ANY)) == ("a & !b", "true")
+
+
+def test_successors_follow_every_run() -> None:
+    automaton = BuchiAutomaton(
+        3,
+        frozenset({0}),
+        (
+            Transition(0, ANY, 0, frozenset()),
+            Transition(0, A_NOT_B, 1, frozenset({0})),
+            Transition(1, ANY, 2, frozenset()),
+        ),
+        1,
+    )
+    assert automaton.propositions == ("a", "b")
+    assert [len(leaving) for leaving in automaton.outgoing] == [2, 1, 0]
+    assert successors(automaton, frozenset({0}), frozenset({"a"})) == {0, 1}
+    assert successors(automaton, frozenset({0, 1}), frozenset()) == {0, 2}
+    assert successors(automaton, frozenset({2}), frozenset()) == frozenset()
+
+
+def test_one_acceptance_set_costs_at_most_a_level_for_each_mark() -> None:
+    automaton = translate(parse("G F a & G F b & G F c"))
+    single = degeneralised(automaton)
+    assert (automaton.states, automaton.marks) == (1, 3)
+    assert (single.states, single.marks) == (3, 1)
+
+
+def test_without_acceptance_sets_every_transition_accepts() -> None:
+    single = degeneralised(translate(parse("G a")))
+    assert single.marks == 1
+    assert all(transition.marks == {0} for transition in single.transitions)
+
+
+GRAPHS = st.integers(1, 12).flatmap(
+    lambda n: st.lists(st.lists(st.integers(0, n - 1), max_size=4), min_size=n, max_size=n)
+)
+
+
+@given(GRAPHS)
+def test_components_are_those_of_networkx_in_reverse_topological_order(
+    graph: list[list[int]],
+) -> None:
+    reference = nx.DiGraph([(node, t) for node, targets in enumerate(graph) for t in targets])
+    reference.add_nodes_from(range(len(graph)))
+    components = strong_components(graph)
+    assert set(map(frozenset, components)) == set(
+        map(frozenset, nx.strongly_connected_components(reference))
+    )
+    seen: set[int] = set()
+    for component in components:
+        seen.update(component)
+        assert all(target in seen for node in component for target in graph[node])
+
+
+def test_components_of_a_long_path_do_not_recurse() -> None:
+    path = [[node + 1] for node in range(50_000)] + [[]]
+    assert len(strong_components(path)) == 50_001

@@ -1,0 +1,104 @@
+"""HOA text: as the format's definition has it, and the same automaton once read back."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from companion.ltl.automaton import BuchiAutomaton, Label, Transition
+from companion.ltl.formula import parse
+from companion.ltl.hoa import to_hoa
+from companion.ltl.translate import translate
+
+SEARCH = """\
+HOA: v1
+name: "G(F at(A) | targetFound)"
+States: 2
+Start: 0
+AP: 2 "at(A)" "targetFound"
+acc-name: Buchi
+Acceptance: 1 Inf(0)
+properties: trans-labels explicit-labels trans-acc
+--BODY--
+State: 0
+[!0&!1] 1
+[0&!1] 0 {0}
+[1] 0 {0}
+State: 1
+[!0] 1
+[0] 0 {0}
+--END--
+"""
+
+
+def read(text: str) -> BuchiAutomaton:
+    """A reader for the part of HOA that one line a transition needs."""
+    head, body = text.split("--BODY--\n")
+    fields = dict(line.split(": ", 1) for line in head.splitlines())
+    names = [name.replace('\\"', '"') for name in re.findall(r'"((?:[^"\\]|\\.)*)"', fields["AP"])]
+    assert len(names) == int(fields["AP"].split()[0])
+    transitions = []
+    state = -1
+    for line in body.splitlines():
+        if line.startswith("State: "):
+            state = int(line.removeprefix("State: "))
+        elif edge := re.fullmatch(r"\[(.*)\] (\d+)(?: \{(.*)\})?", line):
+            literals = [] if edge[1] == "t" else edge[1].split("&")
+            label = Label(
+                frozenset(names[int(x)] for x in literals if x[0] != "!"),
+                frozenset(names[int(x[1:])] for x in literals if x[0] == "!"),
+            )
+            marks = frozenset(map(int, (edge[3] or "").split()))
+            transitions.append(Transition(state, label, int(edge[2]), marks))
+        else:
+            assert line == "--END--"
+    return BuchiAutomaton(
+        int(fields["States"]),
+        frozenset({int(fields["Start"])}),
+        tuple(transitions),
+        int(fields["Acceptance"].split()[0]),
+        fields["name"][1:-1].replace('\\"', '"'),
+    )
+
+
+def test_text_of_a_conjunct_of_the_paper() -> None:
+    assert to_hoa(translate(parse("G(F at(A) | targetFound)"))) == SEARCH
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "G((targetFound | targetReported) -> F targetReported)",
+        "G(targetReported -> X at(Home))",
+        "G F a & G F b & G F trans_ok(A, B)",
+        "F G a | b U c",
+        "false",
+        "true",
+    ],
+)
+def test_reading_it_back_gives_the_same_automaton(text: str) -> None:
+    automaton = translate(parse(text))
+    assert read(to_hoa(automaton)) == automaton
+
+
+@pytest.mark.parametrize(
+    ("text", "name", "acceptance"),
+    [
+        ("G a", "all", "0 t"),
+        ("G F a", "Buchi", "1 Inf(0)"),
+        ("G F a & G F b", "generalized-Buchi 2", "2 Inf(0)&Inf(1)"),
+    ],
+)
+def test_acceptance(text: str, name: str, acceptance: str) -> None:
+    lines = to_hoa(translate(parse(text))).splitlines()
+    assert f"acc-name: {name}" in lines
+    assert f"Acceptance: {acceptance}" in lines
+
+
+def test_quotes_in_names_are_escaped() -> None:
+    label = Label(frozenset({'say "a"'}), frozenset())
+    loop = Transition(0, label, 0, frozenset())
+    automaton = BuchiAutomaton(1, frozenset({0}), (loop,), 0, 'a "b"')
+    assert r'AP: 1 "say \"a\""' in to_hoa(automaton)
+    assert read(to_hoa(automaton)) == automaton

@@ -1,0 +1,53 @@
+"""The laws of simplification, each on its smallest example; meaning is tested as a property."""
+
+from __future__ import annotations
+
+import pytest
+
+from companion.ltl.formula import negation_normal_form, parse
+from companion.ltl.simplify import simplified
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("X true & X X true | F false", "true"),
+        ("a & !a", "false"),
+        ("F F a", "F a"),
+        ("G G a", "G a"),
+        ("a U (a U b)", "a U b"),
+        ("a R (a R b)", "a R b"),
+        ("F(a U b)", "F b"),
+        ("G(a R b)", "G b"),
+        ("F G F a", "G F a"),
+        ("G F G a", "F G a"),
+        ("X G F a", "G F a"),
+        ("a U G F b", "G F b"),
+        ("F X a", "X F a"),
+        ("X a U X b", "X(a U b)"),
+        ("F a | F b", "F(a | b)"),
+        ("G a & G b", "G(a & b)"),
+        ("G F a | G F b", "G F(a | b)"),
+        ("F G a & F G b", "F G(a & b)"),
+        ("(a U c) & (b U c)", "(a & b) U c"),
+        ("(a R c) | (b R c)", "(a | b) R c"),
+        ("a U (b | F c)", "a U b | F c"),
+        ("F(a & G F b)", "F a & G F b"),
+        ("G F(a & F b)", "G(F a & F b)"),
+        ("F G(a | G b)", "F(G a | G b)"),
+        ("b | (a U b)", "a U b"),
+        ("b & (a U b)", "b"),
+        ("a | (a & b)", "a"),
+    ],
+)
+def test_law(text: str, expected: str) -> None:
+    assert simplified(negation_normal_form(parse(text))) is negation_normal_form(parse(expected))
+
+
+def test_depth_is_limited_by_memory_alone() -> None:
+    depth = 5_000
+    deep = negation_normal_form(parse("a U (b & X(" * depth + "c" + "))" * depth))
+    assert simplified(deep) is deep
+    assert simplified(negation_normal_form(parse("F " * depth + "a"))) is simplified(
+        negation_normal_form(parse("F a"))
+    )

@@ -1,0 +1,85 @@
+"""Conditions are read as written, and held against MAVLink's own names."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pymavlink.dialects.v20 import common
+
+from companion.errors import FormulaError
+from companion.mission.conditions import COMMANDS, parse_condition
+from companion.mission.model import Condition, Signal
+
+
+@pytest.mark.parametrize(
+    ("text", "condition"),
+    [
+        (
+            "NAMED_VALUE_INT[target].value > 0",
+            Condition(Signal("NAMED_VALUE_INT", "target", "value"), ">", 0.0),
+        ),
+        (
+            "BATTERY_STATUS.battery_remaining<30",
+            Condition(Signal("BATTERY_STATUS", "", "battery_remaining"), "<", 30.0),
+        ),
+        (
+            " COMMAND.MAV_CMD_NAV_RETURN_TO_LAUNCH ",
+            Condition(Signal("COMMAND", "", "MAV_CMD_NAV_RETURN_TO_LAUNCH"), "!=", 0.0),
+        ),
+        (
+            "COMMAND.MAV_CMD_USER_1 == 1",
+            Condition(Signal("COMMAND", "", "MAV_CMD_USER_1"), "==", 1.0),
+        ),
+        ("VFR_HUD.alt >= -1.5e1", Condition(Signal("VFR_HUD", "", "alt"), ">=", -15.0)),
+    ],
+)
+def test_condition(text: str, condition: Condition) -> None:
+    assert parse_condition(text) == condition
+
+
+@pytest.mark.parametrize(
+    ("text", "what", "hint"),
+    [
+        ("§BATERY_STATUS.id > 0", "unknown MAVLink message BATERY_STATUS", "mean BATTERY_STATUS?"),
+        ("BATTERY_STATUS.§batery_remaining > 0", "has no field", "mean battery_remaining?"),
+        ("BATTERY_STATUS.§voltages > 0", "is not one number", "current_battery"),
+        ("BATTERY_STATUS[§one].id > 0", "has no instances", "write BATTERY_STATUS.id"),
+        ("§NAMED_VALUE_INT.value > 0", "comes in instances", "NAMED_VALUE_INT[target].value"),
+        ("§NAMED_VALUE_INT[].value > 0", "comes in instances", "by its name"),
+        ("NAMED_VALUE_INT[§elevenchars].value > 0", "cannot be a name", "10 ASCII characters"),
+        ("NAMED_VALUE_INT[target].§name > 0", "is not one number", "value"),
+        ("COMMAND.§MAV_CMD_USER_9", "unknown command", "Did you mean MAV_CMD_USER_"),
+        ("COMMAND[§x].MAV_CMD_USER_1", "a command has no instance", "write COMMAND"),
+        ("VFR_HUD.alt§", "is compared with nothing", "> 0"),
+        ("VFR_HUD.alt §> nan", "not a condition", "NUMBER"),
+        ("VFR_HUD.alt > 1 §& 2", "not a condition", "NUMBER"),
+        ("§", "not a condition", "NUMBER"),
+    ],
+)
+def test_wrong_condition(text: str, what: str, hint: str) -> None:
+    offset = text.index("§")
+    with pytest.raises(FormulaError) as caught:
+        parse_condition(text.replace("§", ""))
+    assert (caught.value.offset, what in caught.value.what) == (offset, True)
+    assert hint in caught.value.advice
+
+
+@given(message=st.sampled_from(list(common.mavlink_map.values())), data=st.data())
+def test_every_number_on_the_wire_can_be_named(message: type, data: st.DataObject) -> None:
+    """A field is accepted exactly if a message that carries it decodes it to one number."""
+    field = data.draw(st.sampled_from(message.fieldnames))  # type: ignore[attr-defined]
+    name = message.msgname  # type: ignore[attr-defined]
+    sizes = dict(zip(message.ordered_fieldnames, message.array_lengths, strict=True))  # type: ignore[attr-defined]
+    instance = "[x]" if sizes.get("name", 0) else ""
+    text = f"{name}{instance}.{field} != 0"
+    if sizes[field] == 0:
+        assert parse_condition(text).signal == Signal(name, instance.strip("[]"), field)
+    else:
+        with pytest.raises(FormulaError, match="is not one number"):
+            parse_condition(text)
+
+
+def test_command_numbers_are_common_xml_s() -> None:
+    assert COMMANDS["MAV_CMD_USER_1"] == common.MAV_CMD_USER_1 == 31010
+    assert "MAV_CMD_ENUM_END" not in COMMANDS

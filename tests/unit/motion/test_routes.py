@@ -1,0 +1,187 @@
+"""Routes on small maps: where they begin and end, and what makes them impossible."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from companion.geometry import NorthEast, is_in_polygon
+from companion.motion.grid import OccupancyGrid
+from companion.motion.routes import Route, RouteMap, Site
+
+WIDE: list[NorthEast] = [(-9, -9), (-9, 99), (99, 99), (99, -9)]
+
+
+def grid_of(*rows: str, cell_m: float = 1.0) -> OccupancyGrid:
+    """A grid from a drawing, its last line southmost; # is occupied."""
+    occupied = np.array([[cell == "#" for cell in row] for row in reversed(rows)])
+    return OccupancyGrid(occupied, cell_m, (0.0, 0.0))
+
+
+def site(north_m: float, east_m: float, radius_m: float = 0.4, is_exclusive: bool = True) -> Site:
+    return Site((north_m, east_m, -2.0), radius_m, is_exclusive)
+
+
+def route_of(routes: RouteMap, start: NorthEast, name: str) -> Route:
+    route = routes.route((*start, -1.0), name)
+    assert route is not None
+    return route
+
+
+def distance_to_route(route: Route, point: NorthEast) -> float:
+    """Least distance of a point to the legs of a route, in the plane."""
+    a, b = route.waypoints[:-1, :2], route.waypoints[1:, :2]
+    leg = b - a
+    share = np.sum((point - a) * leg, axis=1) / np.maximum(np.sum(leg * leg, axis=1), 1e-12)
+    return float(np.linalg.norm(a + np.clip(share, 0, 1)[:, None] * leg - point, axis=1).min())
+
+
+ROOM = grid_of(
+    "##########",
+    "#........#",
+    "#...##...#",
+    "#...##...#",
+    "#........#",
+    "##########",
+)
+
+
+def test_a_route_begins_at_the_start_and_ends_at_the_place_exactly() -> None:
+    routes = RouteMap(ROOM, {"B": site(4.3, 8.1)}, WIDE, 1.0)
+    waypoints = route_of(routes, (1.2, 1.3), "B").waypoints
+    assert waypoints[0].tolist() == [1.2, 1.3, -1.0]
+    assert waypoints[-1].tolist() == [4.3, 8.1, -2.0]
+
+
+def test_a_free_line_of_sight_is_one_leg_of_its_own_length() -> None:
+    routes = RouteMap(ROOM, {"B": site(1.4, 8.6)}, WIDE, 1.0)
+    route = route_of(routes, (1.5, 1.5), "B")
+    assert len(route.waypoints) == 2
+    assert route.length_m == pytest.approx(math.dist((1.5, 1.5, -1.0), (1.4, 8.6, -2.0)))
+
+
+def test_the_altitude_changes_evenly_along_the_way() -> None:
+    routes = RouteMap(ROOM, {"B": site(3.5, 7.0)}, WIDE, 1.0)
+    waypoints = route_of(routes, (2.5, 1.5), "B").waypoints
+    along = np.cumsum(np.linalg.norm(np.diff(waypoints[:, :2], axis=0), axis=1))
+    assert len(waypoints) > 2
+    assert waypoints[1:, 2] == pytest.approx(-1.0 - along / along[-1])
+
+
+def test_straight_up_is_a_route() -> None:
+    routes = RouteMap(ROOM, {"B": site(1.5, 1.5)}, WIDE, 1.0)
+    route = route_of(routes, (1.5, 1.5), "B")
+    assert route.length_m == pytest.approx(1.0)
+    assert routes.distance_m((1.5, 1.5), "B") == 0.0
+
+
+def test_a_place_behind_a_wall_has_no_route() -> None:
+    walled = grid_of("...#...", "...#...")
+    routes = RouteMap(walled, {"B": site(1.0, 6.0)}, WIDE, 0.5)
+    assert routes.route((1.0, 1.0, -1.0), "B") is None
+    assert routes.distance_m((1.0, 1.0), "B") == math.inf
+
+
+@pytest.mark.parametrize("place", [site(1.5, 4.5), site(2.5, 4.5), site(50.0, 50.0)])
+def test_a_place_too_close_to_an_obstacle_or_off_the_map_has_no_route(place: Site) -> None:
+    routes = RouteMap(ROOM, {"B": place}, WIDE, 1.5)
+    assert routes.route((1.5, 1.5, -1.0), "B") is None
+
+
+def test_an_unknown_place_is_a_mistake_of_the_caller() -> None:
+    with pytest.raises(KeyError):
+        RouteMap(ROOM, {}, WIDE, 1.0).distance_m((1.5, 1.5), "B")
+
+
+def test_a_start_inside_the_clearance_band_leaves_it_by_the_shortest_way() -> None:
+    empty = OccupancyGrid(np.zeros((40, 80), dtype=np.bool_), 0.1, (0.0, 0.0))
+    routes = RouteMap(empty, {"B": site(2.0, 6.0)}, WIDE, 0.6)
+    assert not routes.is_free((0.35, 2.0))
+    waypoints = route_of(routes, (0.35, 2.0), "B").waypoints
+    assert waypoints[0].tolist() == [0.35, 2.0, -1.0]
+    assert waypoints[1, :2] == pytest.approx([0.55, 2.05])  # the nearest free cell's centre
+
+
+def test_a_start_far_from_free_cells_has_no_route() -> None:
+    empty = OccupancyGrid(np.zeros((80, 80), dtype=np.bool_), 0.1, (0.0, 0.0))
+    routes = RouteMap(empty, {"B": site(4.0, 4.0)}, WIDE, 2.0)
+    assert routes.route((0.5, 4.0, -1.0), "B") is None
+    assert routes.route((-50.0, 4.0, -1.0), "B") is None
+
+
+def test_the_way_out_of_the_band_does_not_pass_a_thin_wall() -> None:
+    occupied = np.zeros((40, 41), dtype=np.bool_)
+    occupied[:, 8] = True  # a strip of 0.8 m, too narrow to be free, west of a thin wall
+    routes = RouteMap(OccupancyGrid(occupied, 0.1, (0.0, 0.0)), {"B": site(2, 3)}, WIDE, 0.5)
+    assert routes.route((2.0, 0.75, -1.0), "B") is None
+    assert routes.route((2.0, 0.95, -1.0), "B") is not None
+
+
+def test_a_start_on_the_edge_of_a_free_cell_has_a_route() -> None:
+    empty = OccupancyGrid(np.zeros((40, 80), dtype=np.bool_), 0.1, (0.0, 0.0))
+    routes = RouteMap(empty, {"B": site(2.0, 6.0)}, WIDE, 0.55)
+    assert routes.is_free((0.55, 2.0)) and not routes.is_free((0.45, 2.0))
+    for start in [(0.5, 2.0), (0.5, 2.05), (0.5, 0.5)]:
+        assert routes.route((*start, -1.0), "B") is not None
+
+
+def test_the_fence_agrees_with_the_polygon_rule() -> None:
+    fence: list[NorthEast] = [(0.7, 0.4), (5.3, 2.2), (4.6, 9.1), (2.5, 4.4), (0.2, 8.8)]
+    empty = OccupancyGrid(np.zeros((6, 10), dtype=np.bool_), 1.0, (0.0, 0.0))
+    routes = RouteMap(empty, {}, fence, 0.0)
+    for row, col in np.ndindex(6, 10):
+        corners = [(row + r, col + c) for r in (0, 1) for c in (0, 1)]
+        expected = all(is_in_polygon(corner, fence) for corner in corners)
+        assert routes.is_free((row + 0.5, col + 0.5)) is expected
+    assert not routes.is_free((-1.0, 2.0))
+
+
+def test_a_route_goes_around_the_region_of_another_place() -> None:
+    empty = OccupancyGrid(np.zeros((60, 100), dtype=np.bool_), 0.1, (0.0, 0.0))
+    places = {"B": site(3.0, 9.0), "X": site(3.0, 5.0, radius_m=1.0)}
+    route = route_of(RouteMap(empty, places, WIDE, 0.3), (3.0, 1.0), "B")
+    assert distance_to_route(route, (3.0, 5.0)) >= 1.0 - 1e-9
+    shortest = 2 * (math.sqrt(16 - 1) + math.asin(1 / 4))  # two tangents and the arc between
+    assert shortest < math.sqrt(route.length_m**2 - 1.0) < 1.01 * shortest  # it sinks by 1 m
+
+
+def test_a_place_that_the_task_does_not_mention_may_be_crossed() -> None:
+    empty = OccupancyGrid(np.zeros((60, 100), dtype=np.bool_), 0.1, (0.0, 0.0))
+    places = {"B": site(3.0, 9.0), "X": site(3.0, 5.0, radius_m=1.0, is_exclusive=False)}
+    assert len(route_of(RouteMap(empty, places, WIDE, 0.3), (3.0, 1.0), "B").waypoints) == 2
+
+
+def test_a_vehicle_leaves_the_region_it_is_in_and_does_not_come_back() -> None:
+    corridor = OccupancyGrid(np.zeros((12, 100), dtype=np.bool_), 0.1, (0.0, 0.0))
+    places = {"W": site(0.6, 1.0), "E": site(0.6, 9.0), "X": site(0.6, 5.0, radius_m=0.8)}
+    routes = RouteMap(corridor, places, WIDE, 0.3)  # X closes the corridor
+    assert routes.route((0.6, 5.0, -1.0), "E") is not None
+    assert routes.route((0.6, 5.7, -1.0), "W") is not None
+    assert routes.route((0.6, 1.0, -1.0), "X") is not None
+    assert routes.route((0.6, 1.0, -1.0), "E") is None
+    assert routes.distance_m((0.6, 1.0), "E") == math.inf
+
+
+def test_leaving_a_region_costs_no_detour() -> None:
+    occupied = np.zeros((60, 100), dtype=np.bool_)
+    occupied[20:60, 40:44] = True
+    grid = OccupancyGrid(occupied, 0.1, (0.0, 0.0))
+    lengths = [
+        route_of(
+            RouteMap(grid, {"B": site(5.0, 9.0), "X": site(4.8, 2.0, 2.5, leaving)}, WIDE, 0.5),
+            (4.8, 2.0),
+            "B",
+        ).length_m
+        for leaving in (True, False)
+    ]
+    assert lengths[0] == pytest.approx(lengths[1], abs=1e-3)
+
+
+def test_a_place_inside_the_region_of_another_cannot_be_entered() -> None:
+    empty = OccupancyGrid(np.zeros((60, 60), dtype=np.bool_), 0.1, (0.0, 0.0))
+    places = {"B": site(3.0, 3.2), "X": site(3.0, 3.0, radius_m=1.0)}
+    routes = RouteMap(empty, places, WIDE, 0.3)
+    assert routes.route((1.0, 1.0, -1.0), "B") is None
+    assert routes.route((3.0, 3.0, -1.0), "B") is not None

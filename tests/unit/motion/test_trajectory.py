@@ -1,0 +1,142 @@
+"""Trajectories: closed forms on single legs, corners, and a vehicle that follows one."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from companion.motion.routes import Route
+from companion.motion.trajectory import (
+    CORNER_TIME_S,
+    YAW_RATE_RADPS,
+    Trajectory,
+    flight_time_s,
+)
+
+
+def route_of(*waypoints: tuple[float, float, float]) -> Route:
+    return Route(np.array(waypoints, dtype=np.float64))
+
+
+def test_a_long_leg_is_a_trapezoid() -> None:
+    trajectory = Trajectory(route_of((0, 0, -1), (6, 0, -1)), 2.0, 1.0)
+    assert trajectory.duration_s == pytest.approx(5.0)  # 2 s up, 1 s at 2 m/s, 2 s down
+    for t_s, north_m, speed_mps in [(1, 0.5, 1), (2, 2, 2), (2.5, 3, 2), (4, 5.5, 1)]:
+        sample = trajectory.sample(t_s)
+        assert sample.position == pytest.approx((north_m, 0, -1))
+        assert sample.velocity == pytest.approx((speed_mps, 0, 0))
+        assert not sample.is_finished
+
+
+def test_a_short_leg_is_a_triangle() -> None:
+    trajectory = Trajectory(route_of((0, 0, 0), (0, 1, 0)), 2.0, 1.0)
+    assert trajectory.duration_s == pytest.approx(2.0)
+    assert trajectory.sample(1.0).velocity == pytest.approx((0, 1, 0))
+
+
+def test_before_the_start_and_after_the_end_the_vehicle_rests() -> None:
+    trajectory = Trajectory(route_of((0.1, 0.2, -1), (3.3, 0.7, -2)), 2.0, 1.0)
+    before, after = trajectory.sample(-5.0), trajectory.sample(1e6)
+    assert (before.position, before.velocity) == ((0.1, 0.2, -1), (0, 0, 0))
+    assert (after.position, after.velocity) == ((3.3, 0.7, -2), (0, 0, 0))
+    assert after.is_finished
+    assert not before.is_finished
+
+
+def test_a_route_of_no_length_is_finished_at_once() -> None:
+    trajectory = Trajectory(route_of((1, 2, -3), (1, 2, -3)), 2.0, 1.0, yaw_rad=0.5)
+    assert trajectory.duration_s == 0.0
+    sample = trajectory.sample(0.0)
+    assert (sample.position, sample.yaw_rad, sample.is_finished) == ((1, 2, -3), 0.5, True)
+
+
+@pytest.mark.parametrize("turn_deg", [5, 30, 90, 150, 180])
+def test_the_jump_of_the_velocity_at_a_corner_is_bounded(turn_deg: float) -> None:
+    turn = math.radians(turn_deg)
+    end = (10 + 10 * math.cos(turn), 10 * math.sin(turn), 0)
+    trajectory = Trajectory(route_of((0, 0, 0), (10, 0, 0), end), 2.0, 2.0)
+    corner_s = trajectory.duration_s / 2  # by symmetry
+    before = np.array(trajectory.sample(corner_s - 1e-6).velocity)
+    after = np.array(trajectory.sample(corner_s + 1e-6).velocity)
+    expected = min(2.0 * CORNER_TIME_S, 2 * 2.0 * math.sin(turn / 2))  # or no slowing at all
+    assert np.linalg.norm(after - before) == pytest.approx(expected, abs=1e-4)
+
+
+def test_a_waypoint_on_a_straight_line_does_not_slow_the_vehicle() -> None:
+    straight = Trajectory(route_of((0, 0, 0), (9, 0, 0)), 2.0, 1.0)
+    divided = Trajectory(route_of((0, 0, 0), (2, 0, 0), (2.1, 0, 0), (9, 0, 0)), 2.0, 1.0)
+    assert divided.duration_s == pytest.approx(straight.duration_s)
+
+
+def test_a_short_leg_before_a_sharp_corner_slows_the_legs_before_it() -> None:
+    route = route_of((0, 0, 0), (9, 0, 0), (9.2, 0, 0), (9.2, 9, 0))
+    trajectory = Trajectory(route, 2.0, 1.0)
+    corner_mps = 1.0 * CORNER_TIME_S / math.sqrt(2)
+    speed_there = math.sqrt(corner_mps**2 + 2 * 1.0 * 0.2)  # 0.2 m before the corner
+    speeds = [
+        math.hypot(*sample.velocity)
+        for sample in map(trajectory.sample, np.arange(0, trajectory.duration_s, 1e-3).tolist())
+        if 8.999 < sample.position[0] < 9.001
+    ]
+    assert speeds == pytest.approx([speed_there] * len(speeds), abs=0.01)
+    assert speeds
+
+
+def test_the_heading_turns_towards_each_leg_at_a_limited_rate() -> None:
+    trajectory = Trajectory(route_of((0, 0, 0), (0, -5, 0), (-5, -5, 0)), 1.0, 1.0, yaw_rad=0.0)
+    assert trajectory.sample(0.0).yaw_rad == 0.0
+    assert trajectory.sample(0.5).yaw_rad == pytest.approx(-0.5 * YAW_RATE_RADPS)
+    assert trajectory.sample(2.0).yaw_rad == pytest.approx(-math.pi / 2)
+    assert abs(trajectory.sample(trajectory.duration_s).yaw_rad) == pytest.approx(math.pi)
+
+
+def test_the_heading_turns_on_at_the_end_and_keeps_on_a_vertical_leg() -> None:
+    south = Trajectory(route_of((0, 0, 0), (-0.1, 0, 0)), 1.0, 1.0, yaw_rad=1.0)
+    assert abs(south.sample(south.duration_s).yaw_rad) < 3
+    assert abs(south.sample(10.0).yaw_rad) == pytest.approx(math.pi)
+    climb = Trajectory(route_of((0, 0, 0), (0, 0, -3)), 1.0, 1.0, yaw_rad=1.0)
+    assert climb.sample(1.0).yaw_rad == 1.0
+
+
+@pytest.mark.parametrize("distance_m", [0.0, 0.3, 4.0, 4.1, 25.0])
+def test_flight_time_is_the_duration_of_one_leg(distance_m: float) -> None:
+    trajectory = Trajectory(route_of((0, 0, 0), (distance_m, 0, 0)), 2.0, 1.0)
+    assert flight_time_s(distance_m, 2.0, 1.0) == pytest.approx(trajectory.duration_s)
+
+
+def test_flight_time_of_no_route_is_infinite() -> None:
+    assert flight_time_s(math.inf, 2.0, 1.0) == math.inf
+
+
+@pytest.mark.parametrize("turn_deg", [30, 90, 150])
+def test_a_vehicle_like_px4_stays_within_ten_centimetres_of_the_legs(turn_deg: float) -> None:
+    """PX4's position and velocity gains (MPC_XY_P, MPC_XY_VEL_P_ACC), no integrators.
+
+    The setpoint's acceleration, taken from its velocities, is fed forward; the vehicle's own is
+    limited to 5 m/s2 and lags by 0.1 s.
+    """
+    turn, dt_s = math.radians(turn_deg), 0.01
+    corner, heading = np.array([6.0, 0, 0]), np.array([math.cos(turn), math.sin(turn), 0.0])
+    route = Route(np.array([np.zeros(3), corner, corner + 6 * heading]))
+    trajectory = Trajectory(route, 2.0, 2.0)
+    position, velocity, acceleration = np.zeros(3), np.zeros(3), np.zeros(3)
+    last = np.zeros(3)
+    worst_m = 0.0
+    for step in range(round(trajectory.duration_s / dt_s) + 100):
+        sample = trajectory.sample(step * dt_s)
+        fed_forward, last = (np.array(sample.velocity) - last) / dt_s, np.array(sample.velocity)
+        fed_forward *= min(1.0, 2.0 / max(float(np.linalg.norm(fed_forward)), 1e-9))
+        velocity_setpoint = last + 0.95 * (np.array(sample.position) - position)
+        wanted = fed_forward + 1.8 * (velocity_setpoint - velocity)
+        wanted *= min(1.0, 5.0 / max(float(np.linalg.norm(wanted)), 1e-9))
+        acceleration += (wanted - acceleration) * dt_s / 0.1
+        velocity += acceleration * dt_s
+        position += velocity * dt_s
+        on_first = np.array([np.clip(position[0], 0, 6), 0, 0])
+        on_second = corner + np.clip((position - corner) @ heading, 0, 6) * heading
+        off_m = min(np.linalg.norm(position - on_first), np.linalg.norm(position - on_second))
+        worst_m = max(worst_m, float(off_m))
+    assert worst_m < 0.1
+    assert np.linalg.norm(position - route.waypoints[-1]) < 0.1

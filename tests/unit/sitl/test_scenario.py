@@ -1,0 +1,113 @@
+"""Scenario files: what they mean, and what is told about a mistake."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from companion.errors import MissionError
+from companion.geometry import GlobalOrigin
+from companion.mavlink.framing import dialect
+from sitl.results import Result
+from sitl.world.detector import Sighting
+from sitl.world.payload import PayloadScript, Site
+from sitl.world.scenario import PX4_HOME, Scenario, parse_scenario, read_scenario
+
+FULL = """\
+version: 1
+map: maps/hall.yaml
+start: {east_m: 2, north_m: 3, heading_deg: 90}
+home: {latitude_deg: 48.0, longitude_deg: 11.0, altitude_m: 500}
+wind: {east_mps: 1, north_mps: -2, turbulence_mps: 0.5}
+battery: {charge: 0.8}
+parameters: {COM_OBL_RC_ACT: 4, MIS_TAKEOFF_ALT: 3.5}
+target:
+  component: 30
+  seen: {east_m: 5, north_m: 13, radius_m: 0.8, visit: 2}
+payload:
+  command: MAV_CMD_USER_1
+  answers:
+    - {east_m: 9, north_m: 4, radius_m: 1, result: FAILED, after_s: 2}
+  otherwise: ACCEPTED
+"""
+
+
+def parse(text: str) -> Scenario:
+    return parse_scenario(text, Path("missions/a.sim.yaml"))
+
+
+def test_every_key_is_read_into_local_ned() -> None:
+    assert parse(FULL) == Scenario(
+        home=GlobalOrigin(48.0, 11.0, 500.0),
+        start=(3.0, 2.0, -0.0),
+        yaw_rad=math.pi / 2,
+        wind=(-2.0, 1.0, -0.0),
+        turbulence_mps=0.5,
+        charge=0.8,
+        parameters={"COM_OBL_RC_ACT": 4, "MIS_TAKEOFF_ALT": 3.5},
+        sighting=Sighting(30, (13.0, 5.0), 0.8, 2),
+        payload=PayloadScript(
+            25,
+            dialect.MAV_CMD_USER_1,
+            (Site((4.0, 9.0), 1.0, Result.FAILED, 2.0),),
+            Result.ACCEPTED,
+        ),
+        map_path=Path("missions/maps/hall.yaml"),
+    )
+
+
+def test_a_version_is_all_it_takes() -> None:
+    assert parse("version: 1\n") == Scenario(home=PX4_HOME)
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong", "place", "part"),
+    [
+        ("charge: 0.8", "charge: 80", "6:19", "charge"),
+        ("wind:", "winds:", "5:1", "winds"),
+        ("COM_OBL_RC_ACT: 4", "COM_OBL_RC_AKT: 4", "7:14", "COM_OBL_RC_ACT"),
+        ("COM_OBL_RC_ACT: 4", "COM_OBL_RC_ACT: 4.5", "7:30", "whole number"),
+        ("MAV_CMD_USER_1", "MAV_CMD_USR_1", "12:12", "MAV_CMD_USER_1"),
+        ("result: FAILED", "result: OOPS", "14:52", "FAILED"),
+        ("visit: 2", "visit: 0", "10:56", "visit"),
+        ("  command:", "  component: 30\n  command:", "12:14", "same component id 30"),
+    ],
+)
+def test_mistakes_are_placed_and_explained(right: str, wrong: str, place: str, part: str) -> None:
+    with pytest.raises(MissionError) as caught:
+        parse(FULL.replace(right, wrong))
+    assert str(caught.value).startswith(f"missions/a.sim.yaml:{place}: ")
+    assert part in str(caught.value)
+
+
+def write_hall(folder: Path, start: str) -> Path:
+    """A hall of 4 m by 4 m: walls around, home at the south-west corner."""
+    pixels = np.full((40, 40), 254, dtype=np.uint8)
+    pixels[[0, -1], :] = pixels[:, [0, -1]] = 0
+    Image.fromarray(pixels).save(folder / "hall.pgm")
+    (folder / "hall.yaml").write_text(
+        "image: hall.pgm\nresolution: 0.1\norigin: [0.0, 0.0, 0.0]\n"
+        "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+    )
+    path = folder / "hall.sim.yaml"
+    path.write_text(f"version: 1\nmap: hall.yaml\nstart: {start}\n")
+    return path
+
+
+def test_the_map_lies_beside_the_scenario(tmp_path: Path) -> None:
+    scenario, grid = read_scenario(write_hall(tmp_path, "{east_m: 2, north_m: 2}"))
+    assert grid is not None
+    assert grid.clearance_m(scenario.start[:2]) == pytest.approx(1.95, abs=0.11)
+
+
+@pytest.mark.parametrize("start", ["{east_m: 0.2, north_m: 2}", "{east_m: 9, north_m: 9}"])
+def test_a_start_in_a_wall_or_off_the_map_is_refused(tmp_path: Path, start: str) -> None:
+    with pytest.raises(MissionError, match=r"hall\.sim\.yaml:3:8: the start lies in a wall"):
+        read_scenario(write_hall(tmp_path, start))
+
+
+def test_a_missing_file_is_an_input_error(tmp_path: Path) -> None:
+    with pytest.raises(MissionError, match="cannot be read"):
+        read_scenario(tmp_path / "no.sim.yaml")

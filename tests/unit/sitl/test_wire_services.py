@@ -1,0 +1,226 @@
+"""What clients ask of the autopilot besides flying: streams, parameters, requests, forwarding."""
+
+import pytest
+from wire import Wire, companion_heartbeat, gcs_heartbeat
+
+from companion.mavlink.framing import dialect
+from companion.mavlink.parameters import INT32, REAL32, decode, encode
+from sitl.autopilot.parameters import PARAMETERS
+from sitl.link.routing import LinkName
+from sitl.simulation import Simulation
+from sitl.world.scenario import Scenario
+
+ACCEPTED, DENIED, UNSUPPORTED, FAILED = 0, 2, 3, 4
+
+# Hz of a real PX4, disarmed, over 20 s; HEARTBEAT less the forwarded ones.
+MEASURED_HZ = {
+    LinkName.OFFBOARD: {
+        "HEARTBEAT": 1.0,
+        "ALTITUDE": 9.95,
+        "ATTITUDE": 99.35,
+        "ATTITUDE_QUATERNION": 49.65,
+        "BATTERY_STATUS": 0.5,
+        "EXTENDED_SYS_STATE": 4.95,
+        "GLOBAL_POSITION_INT": 49.65,
+        "GPS_RAW_INT": 7.95,
+        "HIGHRES_IMU": 49.65,
+        "HOME_POSITION": 0.5,
+        "LOCAL_POSITION_NED": 29.8,
+        "MISSION_CURRENT": 0.95,
+        "POSITION_TARGET_LOCAL_NED": 9.9,
+        "SERVO_OUTPUT_RAW": 9.95,
+        "SYSTEM_TIME": 0.95,
+        "SYS_STATUS": 4.95,
+        "VFR_HUD": 9.9,
+    },
+    LinkName.GCS: {
+        "HEARTBEAT": 1.0,
+        "ALTITUDE": 1.0,
+        "ATTITUDE": 49.65,
+        "ATTITUDE_QUATERNION": 49.65,
+        "BATTERY_STATUS": 0.5,
+        "EXTENDED_SYS_STATE": 1.0,
+        "GLOBAL_POSITION_INT": 49.65,
+        "GPS_RAW_INT": 5.0,
+        "HOME_POSITION": 0.5,
+        "LOCAL_POSITION_NED": 49.65,
+        "MISSION_CURRENT": 0.95,
+        "POSITION_TARGET_LOCAL_NED": 49.65,
+        "SERVO_OUTPUT_RAW": 49.65,
+        "SYS_STATUS": 1.0,
+        "VFR_HUD": 4.0,
+    },
+}
+
+
+@pytest.fixture(scope="module")
+def idle() -> Wire:
+    wire = Wire()
+    wire.run(10.0)
+    return wire
+
+
+@pytest.mark.parametrize("link", list(LinkName))
+def test_rates_are_those_of_px4(idle: Wire, link: LinkName) -> None:
+    rates = {name: (len(idle.named(name, link)) - 1) / 10.0 for name in MEASURED_HZ[link]}
+    assert rates == pytest.approx(MEASURED_HZ[link], rel=0.015, abs=0.06)
+
+
+def test_everything_that_mavsdk_calls_healthy(idle: Wire) -> None:
+    gyro_accel_mag_gps = 0x1 | 0x2 | 0x4 | 0x20
+    health = idle.last("SYS_STATUS")
+    assert health.onboard_control_sensors_present & gyro_accel_mag_gps == gyro_accel_mag_gps
+    assert health.onboard_control_sensors_health & gyro_accel_mag_gps == gyro_accel_mag_gps
+    assert health.onboard_control_sensors_health & 0x100000  # MAVProxy: else "fence breach"
+    assert health.onboard_control_sensors_health & 0x10000000  # ready to arm
+    assert idle.last("GPS_RAW_INT").fix_type == 3
+
+
+def test_home_position_is_given_in_both_frames() -> None:
+    wire = Wire(Scenario(start=(3.0, -2.0, 0.0)))
+    wire.run(0.1)
+    home = wire.last("HOME_POSITION")
+    assert (home.x, home.y, home.z) == pytest.approx((3.0, -2.0, 0.0), abs=0.01)
+    latitude_deg, longitude_deg, _ = Scenario().home.to_global((3.0, -2.0, 0.0))
+    assert home.latitude == pytest.approx(latitude_deg * 1e7, abs=1)
+    assert home.longitude == pytest.approx(longitude_deg * 1e7, abs=1)
+
+
+@pytest.mark.parametrize(("interval_us", "hz"), [(50_000, 20), (-1, 0), (0, 100)])
+def test_message_interval_changes_one_message_of_one_link(interval_us: float, hz: float) -> None:
+    wire = Wire()
+    assert wire.command(dialect.MAV_CMD_SET_MESSAGE_INTERVAL, 30, interval_us) == [ACCEPTED]
+    start = {link: len(wire.named("ATTITUDE", link)) for link in LinkName}
+    wire.run(2.0)
+    heard = {link: len(wire.named("ATTITUDE", link)) - start[link] for link in LinkName}
+    assert heard == {
+        LinkName.OFFBOARD: pytest.approx(2 * hz, abs=1),
+        LinkName.GCS: pytest.approx(100, abs=1),
+    }
+
+
+@pytest.mark.parametrize(("number", "result"), [(30, ACCEPTED), (60000, FAILED), (27, FAILED)])
+def test_interval_of_what_is_not_streamed_fails(number: int, result: int) -> None:
+    assert Wire().command(dialect.MAV_CMD_SET_MESSAGE_INTERVAL, number, 1e6) == [result]
+
+
+@pytest.mark.parametrize(
+    ("number", "result"), [(148, ACCEPTED), (242, ACCEPTED), (0, ACCEPTED), (65, DENIED)]
+)
+def test_request_message(number: int, result: int) -> None:
+    wire = Wire()
+    wire.run(0.5)
+    before = len(wire.heard)
+    assert wire.command(dialect.MAV_CMD_REQUEST_MESSAGE, number) == [result]
+    sent = [h.message.get_msgId() for h in wire.heard[before:] if h.link is wire.link]
+    assert (number in sent) is (result == ACCEPTED)
+
+
+@pytest.mark.parametrize("number", [dialect.MAV_CMD_USER_1, 60000])
+def test_unknown_commands_are_unsupported(number: int) -> None:
+    assert Wire().command(number) == [UNSUPPORTED]
+
+
+def test_a_command_for_another_component_is_not_answered() -> None:
+    assert Wire().command(dialect.MAV_CMD_REQUEST_MESSAGE, 148, component=42) == []
+    assert Wire().command(dialect.MAV_CMD_REQUEST_MESSAGE, 148, component=0) == [ACCEPTED]
+
+
+def test_the_command_protocols_other_message_is_the_same_command() -> None:
+    wire = Wire()
+    wire.send(dialect.MAVLink_command_int_message(1, 1, 0, 512, 0, 0, 148, 0, 0, 0, 0, 0, 0))
+    wire.run(0.02)
+    assert wire.last("COMMAND_ACK").result == ACCEPTED
+    assert wire.named("AUTOPILOT_VERSION")
+
+
+def set_parameter(wire: Wire, name: str, value: float, param_type: int) -> list[float]:
+    before = len(wire.named("PARAM_VALUE"))
+    wire.send(
+        dialect.MAVLink_param_set_message(
+            1, 1, name.encode(), encode(value, param_type), param_type
+        )
+    )
+    return [
+        decode(h.message.param_value, h.message.param_type)
+        for h in wire.named("PARAM_VALUE")[before:]
+    ]
+
+
+def test_parameters_are_set_echoed_and_read_back() -> None:
+    wire = Wire()
+    assert set_parameter(wire, "MIS_TAKEOFF_ALT", 6.0, REAL32) == [6.0]
+    assert set_parameter(wire, "COM_OBL_RC_ACT", 3, INT32) == [3]
+    assert set_parameter(wire, "MPC_XY_VEL_MAX", 500.0, REAL32) == [500.0]  # out of range: stored
+    wire.send(dialect.MAVLink_param_request_read_message(1, 1, b"COM_OBL_RC_ACT", -1))
+    answer = wire.last("PARAM_VALUE")
+    assert decode(answer.param_value, answer.param_type) == 3
+    assert answer.param_value == pytest.approx(4.2e-45)  # the integer's bytes, not 3.0
+
+
+def test_unknown_parameters_are_met_with_silence() -> None:
+    wire = Wire()
+    assert set_parameter(wire, "NO_SUCH_PARAM", 1.0, REAL32) == []
+    wire.send(dialect.MAVLink_param_request_read_message(1, 1, b"NO_SUCH_PARAM", -1))
+    wire.send(dialect.MAVLink_param_request_read_message(1, 1, b"", 30000))
+    assert wire.named("PARAM_VALUE") == []
+
+
+def test_a_wrong_type_or_nan_leaves_the_value() -> None:
+    wire = Wire()
+    assert set_parameter(wire, "COM_OBL_RC_ACT", 3.0, REAL32) == [5]
+    assert set_parameter(wire, "MIS_TAKEOFF_ALT", float("nan"), REAL32) == [2.5]
+
+
+def test_the_list_is_complete_and_indexed() -> None:
+    wire = Wire()
+    wire.send(dialect.MAVLink_param_request_list_message(1, 0))
+    listed = [h.message for h in wire.named("PARAM_VALUE")]
+    assert [m.param_id for m in listed] == sorted(PARAMETERS)
+    assert [m.param_index for m in listed] == list(range(len(PARAMETERS)))
+    assert {m.param_count for m in listed} == {len(PARAMETERS)}
+
+
+def test_ping_timesync_and_the_empty_mission() -> None:
+    wire = Wire()
+    wire.run(1.0)
+    wire.send(dialect.MAVLink_ping_message(7, 3, 0, 0))
+    wire.send(dialect.MAVLink_timesync_message(0, 12345))
+    wire.send(dialect.MAVLink_mission_request_list_message(1, 1, 0))
+    ping, sync = wire.last("PING"), wire.last("TIMESYNC")
+    assert (ping.seq, ping.target_system, ping.target_component) == (3, 1, 191)
+    assert (sync.ts1, sync.tc1) == (12345, 1_000_000_000)
+    assert wire.last("MISSION_COUNT").count == 0
+
+
+def test_texts_go_only_where_a_ground_station_was_heard() -> None:
+    wire = Wire()
+    wire.send(companion_heartbeat())
+    wire.set_mode("POSCTL")
+    wire.arm()
+    assert wire.texts() == wire.texts(LinkName.GCS) == []
+    wire.link = LinkName.GCS
+    wire.send(gcs_heartbeat())
+    wire.arm()
+    assert len(wire.texts(LinkName.GCS)) == len(wire.texts(LinkName.OFFBOARD)) == 1
+
+
+def test_frames_are_forwarded_unchanged_to_the_other_link_alone() -> None:
+    wire = Wire()
+    frame = wire.endpoint.pack(companion_heartbeat())
+    out = wire.simulation.step(0.0, [(LinkName.OFFBOARD, frame)])
+    assert out == [(LinkName.GCS, frame)]
+
+
+def test_equal_inputs_give_equal_bytes() -> None:
+    def flight() -> list[bytes]:
+        wire = Wire(Scenario(wind=(2.0, 1.0, 0.0), turbulence_mps=0.5))
+        wire.fly_offboard(1.0, 2.0, -2.0)
+        return wire.frames
+
+    assert flight() == flight()
+
+
+def test_links_without_a_peer_get_nothing() -> None:
+    simulation = Simulation(Scenario(), None, seed=0, links=frozenset({LinkName.OFFBOARD}))
+    assert {link for link, _ in simulation.step(1.0, [])} == {LinkName.OFFBOARD}

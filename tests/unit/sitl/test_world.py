@@ -1,0 +1,148 @@
+"""Target detector, payload and walls, alone and on the wire."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from wire import Wire, companion_heartbeat, gcs_heartbeat
+
+from companion.mavlink.framing import dialect
+from companion.motion.grid import OccupancyGrid
+from sitl.link.routing import LinkName
+from sitl.results import Result
+from sitl.world.collision import CollisionWatch
+from sitl.world.detector import LEAVING_MARGIN_M, Detector, Sighting
+from sitl.world.payload import Payload, PayloadScript, Site
+from sitl.world.scenario import Scenario
+
+AWAY, INSIDE = (10.0, 0.0, -2.0), (0.2, 0.0, -2.0)
+USER_1 = dialect.MAV_CMD_USER_1
+OPERATOR, OTHER = (1, 191), (255, 190)
+
+
+@pytest.mark.parametrize("visit", [1, 2, 3])
+def test_the_target_is_seen_on_the_nth_visit_and_from_then_on(visit: int) -> None:
+    detector = Detector(Sighting(26, (0.0, 0.0), 1.0, visit), AWAY)
+    for n in range(1, 5):
+        detector.update(INSIDE)
+        detector.update(INSIDE)
+        assert detector.sees_target is (n >= visit)
+        detector.update(AWAY)
+        assert detector.sees_target is (n >= visit)
+
+
+def test_being_there_at_the_start_is_no_visit() -> None:
+    detector = Detector(Sighting(26, (0.0, 0.0), 1.0, 1), INSIDE)
+    detector.update(INSIDE)
+    assert not detector.sees_target
+    detector.update(AWAY)
+    detector.update(INSIDE)
+    assert detector.sees_target
+
+
+@given(st.lists(st.floats(0.0, 1.0 + LEAVING_MARGIN_M)))
+def test_wavering_on_the_edge_is_one_visit(distances_m: list[float]) -> None:
+    detector = Detector(Sighting(26, (0.0, 0.0), 1.0, 2), AWAY)
+    detector.update(INSIDE)
+    for away_m in distances_m:
+        detector.update((away_m, 0.0, -2.0))
+    assert not detector.sees_target
+
+
+SCRIPT = PayloadScript(
+    25,
+    USER_1,
+    (
+        Site((0.0, 0.0), 1.0, Result.FAILED, 2.0),
+        Site((0.0, 0.0), 3.0, Result.ACCEPTED, 0.5),
+    ),
+    Result.DENIED,
+)
+
+
+@pytest.mark.parametrize(
+    ("north_m", "result", "after_s"),
+    [(0.5, Result.FAILED, 2.0), (2.0, Result.ACCEPTED, 0.5), (9.0, Result.DENIED, 1.0)],
+)
+def test_the_first_circle_that_holds_the_vehicle_answers(
+    north_m: float, result: Result, after_s: float
+) -> None:
+    payload = Payload(SCRIPT)
+    assert payload.ask(OPERATOR, USER_1, (north_m, 0, 0), 10.0) is Result.IN_PROGRESS
+    assert payload.finished(10.0 + after_s - 0.01) is None
+    assert payload.finished(10.0 + after_s) == (OPERATOR, result)
+    assert payload.finished(10.0 + after_s) is None
+
+
+def test_a_repeated_command_is_one_command_and_a_second_asker_waits() -> None:
+    payload = Payload(SCRIPT)
+    payload.ask(OPERATOR, USER_1, (2.0, 0, 0), 0.0)
+    assert payload.ask(OPERATOR, USER_1, (2.0, 0, 0), 0.4) is Result.IN_PROGRESS
+    assert payload.ask(OTHER, USER_1, (2.0, 0, 0), 0.4) is Result.TEMPORARILY_REJECTED
+    assert payload.finished(0.5) == (OPERATOR, Result.ACCEPTED)
+    assert payload.ask(OTHER, USER_1, (2.0, 0, 0), 0.6) is Result.IN_PROGRESS
+
+
+def test_the_payload_knows_one_command() -> None:
+    assert Payload(SCRIPT).ask(OPERATOR, USER_1 + 1, (0, 0, 0), 0.0) is Result.UNSUPPORTED
+
+
+def test_devices_are_components_of_their_own_on_both_links() -> None:
+    wire = Wire(Scenario(sighting=Sighting(26, (0.0, 50.0), 1.0, 1), payload=SCRIPT))
+    wire.send(companion_heartbeat())
+    wire.run(4.99)
+    for link in LinkName:
+        heard = [h.message for h in wire.named("HEARTBEAT", link)]
+        beats = [m.get_srcComponent() for m in heard if m.get_srcComponent() in (25, 26)]
+        assert (beats.count(25), beats.count(26)) == (5, 5)
+        reports = [h.message for h in wire.named("NAMED_VALUE_INT", link)]
+        assert [(m.name, m.value) for m in reports] == [("target", 0)] * 10
+    wire.command(USER_1, component=25)
+    wire.run(3.0)
+    acks = [h.message for h in wire.named("COMMAND_ACK")]
+    assert [m.result for m in acks] == [Result.IN_PROGRESS, Result.FAILED]
+    assert {m.get_srcComponent() for m in acks} == {25}
+    assert wire.named("COMMAND_ACK", LinkName.GCS) == []
+
+
+def walled() -> OccupancyGrid:
+    """20 m by 20 m around home with a wall 5 m to the north."""
+    occupied = np.zeros((200, 200), dtype=np.bool_)
+    occupied[150:152, :] = True
+    return OccupancyGrid(occupied, 0.1, (-10.0, -10.0))
+
+
+def test_collisions_are_counted_when_they_begin() -> None:
+    watch = CollisionWatch(walled())
+    begins = [watch.update((north, 0.0, -2.0)) for north in (0.0, 4.5, 4.82, 4.9, 4.0, 4.9)]
+    assert begins == [False, False, True, False, False, True]
+    assert watch.count == 2
+    assert not CollisionWatch(None).update((1e6, 1e6, 0.0))
+
+
+def test_a_vehicle_that_falls_over_is_a_wreck_that_lies_still() -> None:
+    wire = Wire()
+    wire.send(gcs_heartbeat())
+    wire.fly_offboard(0.0, 0.0, -4.0)
+    wire.run(1.5, send=lambda: wire.setpoint(30.0, 0.0, -4.0))
+    wire.arm(False, 21196)  # at speed, so that it tumbles
+    wire.run(20.0)
+    assert "Crash detected" in wire.texts()
+    assert wire.simulation.flight.velocity == (0.0, 0.0, 0.0)
+    assert wire.simulation.flight.time_s == pytest.approx(wire.now_s)
+    assert wire.simulation.collisions == 0
+    assert wire.arm() == [Result.TEMPORARILY_REJECTED]
+
+
+def test_flying_into_a_wall_stops_the_motors_and_is_told_once() -> None:
+    wire = Wire(grid=walled())
+    wire.send(gcs_heartbeat())
+    wire.fly_offboard(0.0, 0.0, -2.0)
+    assert wire.simulation.collisions == 0
+    wire.run(10.0, send=lambda: wire.setpoint(8.0, 0.0, -2.0))
+    assert wire.simulation.collisions == 1
+    assert wire.texts().count("Collision with a wall") == 1
+    assert not wire.simulation.is_armed
+    assert wire.simulation.flight.position[2] == pytest.approx(0.0, abs=0.12)  # lies there
+    assert wire.simulation.flight.velocity == pytest.approx((0.0, 0.0, 0.0), abs=0.01)
+    assert wire.arm() == [Result.TEMPORARILY_REJECTED]
