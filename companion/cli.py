@@ -165,12 +165,13 @@ def _load(path: Path) -> Mission:
 
 def _plan(path: Path) -> tuple[Mission, Planner, Lasso]:
     """A mission and its plan from the start."""
+    from companion.acting.task_state import TaskState
     from companion.app import flight_times, route_map
     from companion.planning.planner import Planner
 
     mission = _load(path)
     planner = Planner(mission, flight_times(mission, route_map(mission)))
-    return mission, planner, planner.plan(planner.first_problem())
+    return mission, planner, planner.plan(*TaskState(planner).problem())
 
 
 def _speed(text: str) -> float | None:

@@ -164,7 +164,7 @@ class MoveCommand(Behaviour):
             return self._fail(f"not there after {self._timeout_s:.0f} s")
         sample = self._trajectory.sample(self._time_s)
         gap_m = distance(sample.position, state.position)
-        flight.fly(Setpoint(sample.position, sample.velocity, sample.yaw_rad))
+        flight.fly(Setpoint(sample.position, sample.velocity, sample.acceleration, sample.yaw_rad))
         if sample.is_finished and gap_m < ARRIVAL_M:
             return Status.SUCCESS
         if self._time_s > self._trajectory.duration_s + ARRIVAL_TIMEOUT_S:

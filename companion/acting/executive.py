@@ -71,7 +71,7 @@ class Executive:
         """Takes readings off the wire and turns them into facts."""
         flight = self._flight
         for name, holds in self._detector.update(flight.now_s, readings):
-            flight.task.set_fact(name, holds)
+            flight.task.take(self._planner.mission.events[name], holds)
             text = _in_words(name) if holds else f"no longer {_in_words(name)}"
             flight.report("event", text, event=name, holds=holds)
             self._reasons.append(text)
@@ -145,7 +145,7 @@ class Executive:
 
     def _count_idle(self) -> None:
         """Counts replans between which the task's word has not grown."""
-        positions = len(self._flight.task.history)
+        positions = self._flight.task.positions
         self._idle_replans = 0 if positions > self._positions else self._idle_replans + 1
         self._positions = positions
 

@@ -10,7 +10,7 @@ from companion.acting.task_state import TaskState
 from companion.geometry import Ned
 from companion.mission.model import Limits
 from companion.motion.routes import RouteMap
-from companion.vehicle.port import Setpoint, Vehicle
+from companion.vehicle.port import Setpoint, Vehicle, hold_at
 
 TICK_S = 0.05
 """Period of ticks, setpoints and everything else that the companion does: 20 Hz."""
@@ -53,6 +53,6 @@ class Flight:
         """Stays where the last setpoint was, or where the vehicle is."""
         state = self.vehicle.state
         if self.setpoint is not None:
-            self.fly(Setpoint(self.setpoint.position, (0.0, 0.0, 0.0), self.setpoint.yaw_rad))
+            self.fly(hold_at(self.setpoint.position, self.setpoint.yaw_rad))
         elif state is not None:
-            self.fly(Setpoint(state.position, (0.0, 0.0, 0.0), state.yaw_rad))
+            self.fly(hold_at(state.position, state.yaw_rad))

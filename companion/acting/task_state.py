@@ -1,6 +1,6 @@
-"""Where the task stands: facts, beliefs, and how far the automata have read.
+"""Where the task stands: facts, beliefs, and how far each conjunct has been read.
 
-The word of the flight (DESIGN of the semantics, after Section III-A of the paper):
+The word of the flight (after Section III-A of the paper):
 
 1. A completed skill appends a position, with the facts that hold then.
 2. A position is read by the automata when it is left, that is, when the next skill begins.
@@ -8,16 +8,42 @@ The word of the flight (DESIGN of the semantics, after Section III-A of the pape
 3. An interrupted skill appends no position. The system moves first: the automata read next at
    the place that the vehicle reaches. So an event can never break `X` by itself.
 4. An interrupted flight leaves the vehicle at no place: `at(here)` holds and no other `at`.
+5. What was read is kept when a plan is made anew, where the paper starts from the automaton's
+   initial states. Only an event may say that a conjunct begins anew (`restarts`).
 """
 
 from __future__ import annotations
 
-from companion.mission.model import Fly
+from companion.ltl.automaton import successors
+from companion.mission.model import Event, Fly
 from companion.planning.domain import HERE, Action, Fact
-from companion.planning.lasso import Letter, Problem
+from companion.planning.lasso import Conjunct, Letter, Problem
 from companion.planning.planner import Planner
 
 AT_HERE = f"at({HERE})"
+
+
+class Reading:
+    """What one conjunct has read: the letters, and where its automaton may be after them."""
+
+    def __init__(self, conjunct: Conjunct) -> None:
+        self._automaton = conjunct.automaton
+        self.name = conjunct.name
+        self.restart()
+
+    def restart(self) -> None:
+        """Begins anew."""
+        self.letters: list[Letter] = []
+        self.states = self._automaton.initial
+
+    def read(self, letter: Letter) -> None:
+        """One more position."""
+        self.states = self.after(letter)
+        self.letters.append(letter)
+
+    def after(self, letter: Letter) -> frozenset[int]:
+        """Where the automaton would be after one more position."""
+        return successors(self._automaton, self.states, letter)
 
 
 class TaskState:
@@ -26,38 +52,45 @@ class TaskState:
     Attributes:
         facts: what holds, without the beliefs.
         withdrawn: beliefs that were disproved.
-        history: the letters read so far; the present position's only after it was left.
+        positions: how many positions have been left.
         running: the action under way.
     """
 
     def __init__(self, planner: Planner) -> None:
         self._planner = planner
+        self._readings = [Reading(conjunct) for conjunct in planner.conjuncts]
+        self._is_read = False
         self.facts: frozenset[Fact] = planner.mission.initially
         self.withdrawn: frozenset[Fact] = frozenset()
-        self.history: list[Letter] = []
+        self.positions = 0
         self.running: Action | None = None
-        self._states = planner.initial_states
-        self._is_read = False
 
     @property
     def all_facts(self) -> frozenset[Fact]:
         """Facts and the beliefs that are held, those about `here` included."""
         return self.problem()[0].facts
 
-    def problem(self) -> tuple[Problem, list[Letter]]:
-        """The planning problem from here, and the history with the present position."""
-        states, history = self._states, self.history
-        if not self._is_read:
-            states, history = self._planner.read(states, self._letter()), [*history, self._letter()]
+    def problem(self) -> tuple[Problem, list[list[Letter]]]:
+        """The planning problem from here, and what each conjunct has read with this position."""
+        if self._is_read:
+            states = tuple(r.states for r in self._readings)
+            histories = [r.letters for r in self._readings]
+        else:
+            letter = self._letter()
+            states = tuple(r.after(letter) for r in self._readings)
+            histories = [[*r.letters, letter] for r in self._readings]
         is_en_route = AT_HERE in self.facts
-        return self._planner.problem(self.facts, states, self.withdrawn, is_en_route), history
+        problem = self._planner.problem(self.facts, states, self.withdrawn, is_en_route)
+        return problem, histories
 
     def begin(self, action: Action) -> None:
         """Leaves the present position: the automata read it, once."""
         if not self._is_read:
-            self._states = self._planner.read(self._states, self._letter())
-            self.history.append(self._letter())
+            letter = self._letter()
+            for reading in self._readings:
+                reading.read(letter)
             self._is_read = True
+            self.positions += 1
         self.running = action
 
     def complete(self, action: Action) -> None:
@@ -81,9 +114,12 @@ class TaskState:
         """Gives up beliefs."""
         self.withdrawn |= beliefs
 
-    def set_fact(self, fact: Fact, holds: bool) -> None:
-        """Takes over a fact that the vehicle cannot choose."""
-        self.facts = self.facts | {fact} if holds else self.facts - {fact}
+    def take(self, event: Event, holds: bool) -> None:
+        """Takes over an event that has changed."""
+        self.facts = self.facts | {event.name} if holds else self.facts - {event.name}
+        for reading in self._readings:
+            if holds and reading.name in event.restarts:
+                reading.restart()
 
     def _letter(self) -> Letter:
         """What the automata read at the present position."""

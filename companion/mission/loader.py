@@ -10,7 +10,6 @@ Whether the task can be fulfilled is a question for the planner.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -67,7 +66,7 @@ def load_mission(path: Path) -> Mission:
         sets=sets,
         events=events,
         skills=skills,
-        initially=frozenset(fact.ground({}) for fact in facts) | _beliefs(skills, sets),
+        initially=frozenset(fact.ground({}) for fact in facts),
         task=_task(file, document, vocabulary),
         otherwise=Otherwise(file.otherwise),
     )
@@ -149,7 +148,16 @@ def _events(file: MissionFile, document: Document) -> dict[str, Event]:
                 document.key_at("events", name, "until"),
                 "a latched fact stays true for ever: remove one of the two",
             )
-        events[name] = Event(name, when, until, entry.latch, entry.for_s)
+        for index, conjunct in enumerate(entry.restarts):
+            if conjunct not in file.task:
+                raise MissionError(
+                    f"{name} restarts {conjunct}, which the task does not have",
+                    document.where("events", name, "restarts", index),
+                    f"the task has {', '.join(file.task)}. "
+                    f"{did_you_mean(conjunct, file.task)}".rstrip(),
+                )
+        restarts = frozenset(entry.restarts)
+        events[name] = Event(name, when, until, entry.latch, entry.for_s, restarts)
     return events
 
 
@@ -194,16 +202,6 @@ def _check_reachable_names(
                     "it is no event, no effect, no belief and not listed in initially. "
                     f"{did_you_mean(name, sorted(sources))}".rstrip(),
                 )
-
-
-def _beliefs(skills: Mapping[str, Skill], sets: Mapping[str, tuple[str, ...]]) -> frozenset[str]:
-    """What the skills assume, for every binding of their parameters."""
-    return frozenset(
-        atom.ground(dict(zip((name for name, _ in skill.parameters), values, strict=True)))
-        for skill in skills.values()
-        for values in itertools.product(*(sets[set_name] for _, set_name in skill.parameters))
-        for atom in skill.assumes
-    )
 
 
 def _task(file: MissionFile, document: Document, vocabulary: Vocabulary) -> dict[str, Formula]:

@@ -70,7 +70,8 @@ class Event:
     """A fact that the vehicle cannot choose, read off the wire (DESIGN: semantics, point 2).
 
     It becomes true when `when` has held for `for_s`; false when `until` (default: not `when`)
-    has held for `for_s`, or never again if `latch`.
+    has held for `for_s`, or never again if `latch`. When it becomes true, the conjuncts named in
+    `restarts` begin anew: what they still demanded from positions before is dropped.
     """
 
     name: str
@@ -78,6 +79,7 @@ class Event:
     until: Condition | None
     latch: bool
     for_s: float
+    restarts: frozenset[str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -179,7 +181,7 @@ class Mission:
 
     Attributes:
         task: named conjuncts, in the order of the file.
-        initially: facts that hold at the start; all others are false.
+        initially: facts that hold at the start, beliefs left out; all others are false.
         grid: what the vehicle is told of the map beforehand.
     """
 

@@ -82,6 +82,13 @@ class EventEntry(Entry):
     for_s: Annotated[
         float, Field(ge=0, description="Seconds a condition must hold before it counts.")
     ] = 0.0
+    restarts: Annotated[
+        list[Name],
+        Field(
+            description="Lines of the task that begin anew when the fact becomes true: what "
+            "they still demanded from before is dropped."
+        ),
+    ] = []
 
 
 def _listed(value: Any) -> Any:

@@ -31,6 +31,7 @@ from companion.motion.routes import Route
 # setpoint's acceleration fed forward then stays within 0.1 m of the legs (test_trajectory.py).
 CORNER_TIME_S = 0.15
 YAW_RATE_RADPS = 1.5
+AT_REST: Ned = (0.0, 0.0, 0.0)
 
 _MIN_LEG_M = 1e-9  # shorter legs have no direction
 _MIN_LEVEL_SHARE = 1e-3  # of a leg; a steeper leg has no heading
@@ -41,12 +42,14 @@ class Sample:
     """A moment of a trajectory, in the mission's frame.
 
     Attributes:
+        acceleration: along the leg, for feed-forward; a tracker without it lags behind.
         yaw_rad: heading, 0 is north, positive to the east, in (-pi, pi].
         is_finished: the end of the route has been reached, at rest.
     """
 
     position: Ned
     velocity: Ned
+    acceleration: Ned
     yaw_rad: float
     is_finished: bool
 
@@ -105,7 +108,7 @@ class Trajectory:
         t_s = max(0.0, t_s)
         yaw_rad = self._yaw(t_s)
         if t_s >= self.duration_s:
-            return Sample(self._end, (0.0, 0.0, 0.0), yaw_rad, True)
+            return Sample(self._end, AT_REST, AT_REST, yaw_rad, True)
         phase = self._phases[bisect_right(self._begin_s, t_s) - 1]
         dt_s = t_s - phase.begin_s
         speed = phase.speed_mps + phase.acceleration_mps2 * dt_s
@@ -114,6 +117,7 @@ class Trajectory:
         return Sample(
             _ned(self._corners[phase.leg] + along * direction),
             _ned(speed * direction),
+            _ned(phase.acceleration_mps2 * direction),
             yaw_rad,
             False,
         )

@@ -13,13 +13,13 @@ from companion.ltl.semantics import holds
 from companion.planning.lasso import Lasso, Letter, Problem, word
 
 
-def fault(problem: Problem, lasso: Lasso, history: Sequence[Letter]) -> str | None:
+def fault(problem: Problem, lasso: Lasso, histories: Sequence[Sequence[Letter]]) -> str | None:
     """What is wrong with a plan, in words; None if nothing is.
 
     Args:
         problem: what the plan answers.
         lasso: the plan.
-        history: the letters read so far, the present position's included.
+        histories: per conjunct, the letters that it has read, the present position's included.
     """
     facts = problem.facts
     if not lasso.suffix:
@@ -35,7 +35,7 @@ def fault(problem: Problem, lasso: Lasso, history: Sequence[Letter]) -> str | No
     if facts != anchor:
         return f"the loop does not close: {', '.join(sorted(facts ^ anchor))} changed"
     prefix, loop = word(problem, lasso)
-    for conjunct in problem.conjuncts:
+    for conjunct, history in zip(problem.conjuncts, histories, strict=True):
         if not holds(conjunct.formula, [*history, *prefix], loop):
             return f"the plan's word does not satisfy {conjunct.name}: {conjunct.formula}"
     return None

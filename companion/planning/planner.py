@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from companion.errors import CompanionError, NoPlanError
-from companion.ltl.automaton import successors
 from companion.ltl.formula import atoms, conjuncts
 from companion.ltl.translate import translate
 from companion.mission.model import Mission
@@ -19,9 +18,6 @@ from companion.planning.domain import Fact, FlightTime, departures, ground
 from companion.planning.explain import why_no_plan
 from companion.planning.lasso import Conjunct, Lasso, Letter, Problem
 from companion.planning.search import find_lasso
-
-AutomatonStates = tuple[frozenset[int], ...]
-"""Per conjunct, the states its automaton may be in."""
 
 
 class Planner:
@@ -40,14 +36,13 @@ class Planner:
             for name, formula in mission.task.items()
             for part in conjuncts(formula)
         )
-        self.initial_states: AutomatonStates = tuple(c.automaton.initial for c in self.conjuncts)
         self.task_facts = frozenset().union(*(atoms(c.formula) for c in self.conjuncts))
         self.flight_time = flight_time
 
     def problem(
         self,
         facts: frozenset[Fact],
-        automaton_states: AutomatonStates,
+        automaton_states: tuple[frozenset[int], ...],
         withdrawn: frozenset[Fact] = frozenset(),
         is_en_route: bool = False,
     ) -> Problem:
@@ -66,18 +61,12 @@ class Planner:
             beliefs = beliefs.union(*(a.assumes for a in extra))
         return Problem(actions, self.conjuncts, facts | (beliefs - withdrawn), automaton_states)
 
-    def first_problem(self) -> Problem:
-        """The problem at the mission's beginning."""
-        facts = self.mission.initially
-        letter = facts | self.model.beliefs
-        return self.problem(facts, self.read(self.initial_states, letter))
-
-    def plan(self, problem: Problem, history: Sequence[Letter] | None = None) -> Lasso:
+    def plan(self, problem: Problem, histories: Sequence[Sequence[Letter]]) -> Lasso:
         """The best lasso, checked.
 
         Args:
             problem: from where to plan.
-            history: the letters read so far; None at the mission's beginning.
+            histories: per conjunct, the letters that it has read.
 
         Raises:
             NoPlanError: there is none; the message says why.
@@ -85,13 +74,7 @@ class Planner:
         lasso = find_lasso(problem)
         if lasso is None:
             raise NoPlanError(why_no_plan(problem, self.model.beliefs))
-        wrong = fault(problem, lasso, [problem.facts] if history is None else history)
+        wrong = fault(problem, lasso, histories)
         if wrong is not None:
             raise CompanionError(f"the planner made a wrong plan, {lasso}: {wrong}")
         return lasso
-
-    def read(self, states: AutomatonStates, letter: Letter) -> AutomatonStates:
-        """The automata's states after one more position."""
-        return tuple(
-            successors(c.automaton, s, letter) for c, s in zip(self.conjuncts, states, strict=True)
-        )

@@ -20,7 +20,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from companion.geometry import NorthEast, distance, is_in_polygon
-from companion.vehicle.port import Setpoint, VehicleState
+from companion.vehicle.port import Setpoint, VehicleState, hold_at
 
 SPEED_TOLERANCE = 1.01
 """Rounding of a velocity that is exactly at the limit must not stop the vehicle."""
@@ -73,7 +73,7 @@ def admit(
     for rule in _RULES:
         refusal = rule(setpoint, state, age_s, envelope)
         if refusal:
-            return Verdict(Setpoint(state.position, (0.0, 0.0, 0.0), state.yaw_rad), refusal)
+            return Verdict(hold_at(state.position, state.yaw_rad), refusal)
     return Verdict(setpoint)
 
 
@@ -82,7 +82,8 @@ def _stale(_: Setpoint, __: VehicleState, age_s: float, envelope: Envelope) -> s
 
 
 def _not_finite(setpoint: Setpoint, _: VehicleState, __: float, ___: Envelope) -> str:
-    numbers = (*setpoint.position, *setpoint.velocity, setpoint.yaw_rad)
+    vectors = (*setpoint.position, *setpoint.velocity, *setpoint.acceleration)
+    numbers = (*vectors, setpoint.yaw_rad)
     return "" if all(map(math.isfinite, numbers)) else "the setpoint is not finite"
 
 

@@ -33,12 +33,7 @@ HEARTBEAT_S = 1.0
 ASK_AGAIN_S = 2.0
 """Pause before a command that was accepted without effect is sent again."""
 
-POSITION_VELOCITY_YAW = (
-    dialect.POSITION_TARGET_TYPEMASK_AX_IGNORE
-    | dialect.POSITION_TARGET_TYPEMASK_AY_IGNORE
-    | dialect.POSITION_TARGET_TYPEMASK_AZ_IGNORE
-    | dialect.POSITION_TARGET_TYPEMASK_YAW_RATE_IGNORE
-)
+ALL_BUT_YAW_RATE = dialect.POSITION_TARGET_TYPEMASK_YAW_RATE_IGNORE
 NOT_KNOWN = {("BATTERY_STATUS", "battery_remaining"): -1, ("SYS_STATUS", "battery_remaining"): -1}
 """Values that mean "not known"; they are never handed on as numbers."""
 
@@ -215,10 +210,10 @@ class MavlinkVehicle:
                 self._endpoint.system,
                 AUTOPILOT,
                 dialect.MAV_FRAME_LOCAL_NED,
-                POSITION_VELOCITY_YAW,
+                ALL_BUT_YAW_RATE,
                 *self._telemetry.local(verdict.setpoint.position),
                 *verdict.setpoint.velocity,
-                *(0.0, 0.0, 0.0),
+                *verdict.setpoint.acceleration,
                 verdict.setpoint.yaw_rad,
                 0.0,
             )

@@ -55,11 +55,22 @@ class VehicleState:
 
 @dataclass(frozen=True, slots=True)
 class Setpoint:
-    """Where to be and how fast to move there; `yaw_rad` is the heading to hold."""
+    """Where to be, how fast to move there, and how the speed changes.
+
+    Attributes:
+        velocity, acceleration: fed forward, so that the vehicle does not lag behind.
+        yaw_rad: the heading to hold.
+    """
 
     position: Ned
     velocity: Ned
+    acceleration: Ned
     yaw_rad: float
+
+
+def hold_at(position: Ned, yaw_rad: float) -> Setpoint:
+    """The setpoint of a vehicle that stays where it is."""
+    return Setpoint(position, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), yaw_rad)
 
 
 class Goal(Enum):

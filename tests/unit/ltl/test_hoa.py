@@ -22,12 +22,12 @@ Acceptance: 1 Inf(0)
 properties: trans-labels explicit-labels trans-acc
 --BODY--
 State: 0
-[!0&!1] 1
-[0&!1] 0 {0}
 [1] 0 {0}
+[0&!1] 0 {0}
+[!0&!1] 1
 State: 1
-[!0] 1
 [0] 0 {0}
+[!0] 1
 --END--
 """
 

@@ -51,6 +51,11 @@ def problem(
     )
 
 
+def history(asked: Problem) -> list[list[frozenset[str]]]:
+    """At the beginning each conjunct has read the present position and nothing else."""
+    return [[asked.facts] for _ in asked.conjuncts]
+
+
 def names(lasso: Lasso | None) -> tuple[list[str], list[str]]:
     assert lasso is not None
     return [a.name for a in lasso.prefix], [a.name for a in lasso.suffix]
@@ -106,7 +111,7 @@ def test_the_history_is_kept() -> None:
     later = replace(asked, facts=gone[-1], automaton_states=states)
     found = find_lasso(later)
     assert names(found) == (["move(A, B)"], ["wait"])
-    assert found is not None and fault(later, found, gone) is None
+    assert found is not None and fault(later, found, [gone, gone]) is None
 
 
 @settings(max_examples=40, deadline=None)
@@ -118,7 +123,7 @@ def test_patrolling_is_the_shortest_tour(data: st.DataObject, sites: int) -> Non
     task = " & ".join(f"G F at({p})" for p in places[1:])
     asked = problem(places, cost, task)
     found = find_lasso(asked)
-    assert found is not None and fault(asked, found, [asked.facts]) is None
+    assert found is not None and fault(asked, found, history(asked)) is None
     closed = _closure(places, cost)
     tours = (
         sum(closed[a, b] for a, b in itertools.pairwise((places[1], *rest, places[1])))
@@ -155,7 +160,7 @@ def test_every_plan_passes_the_independent_check(task: str) -> None:
     asked = problem("HAB", unit_costs("HAB"), task)
     found = find_lasso(asked)
     assert found is not None
-    assert fault(asked, found, [asked.facts]) is None
+    assert fault(asked, found, history(asked)) is None
 
 
 @settings(max_examples=60, deadline=None)
@@ -166,7 +171,7 @@ def test_no_lasso_of_few_steps_is_cheaper(data: st.DataObject) -> None:
     cost = {p: float(data.draw(st.integers(1, 9))) for p in itertools.permutations("HAB", 2)}
     asked = problem("HAB", cost, task)
     found = find_lasso(asked)
-    assert found is not None and fault(asked, found, [asked.facts]) is None
+    assert found is not None and fault(asked, found, history(asked)) is None
     for lasso in _short_lassos(asked, steps=5):
         assert lasso.lap_cost_ms >= found.lap_cost_ms
 
@@ -181,7 +186,7 @@ def _short_lassos(asked: Problem, steps: int) -> list[Lasso]:
             facts.append(action.apply(facts[-1]))
         for start in range(len(path)):
             lasso = Lasso(path[:start], path[start:])
-            if facts[start] == facts[-1] and fault(asked, lasso, [asked.facts]) is None:
+            if facts[start] == facts[-1] and fault(asked, lasso, history(asked)) is None:
                 lassos.append(lasso)
         if len(path) < steps:
             todo += [(*path, a) for a in asked.actions if a.is_applicable(facts[-1])]
@@ -191,7 +196,7 @@ def _short_lassos(asked: Problem, steps: int) -> list[Lasso]:
 def test_the_check_refuses_what_is_wrong() -> None:
     asked = problem("HA", unit_costs("HA"), "G F at(A)")
     go, back = asked.actions[0], asked.actions[1]
-    here = [asked.facts]
+    here = history(asked)
     assert "empty" in (fault(asked, Lasso((go,), ()), here) or "")
     assert "cannot be executed" in (fault(asked, Lasso((back,), (WAIT,)), here) or "")
     assert "does not close" in (fault(asked, Lasso((), (go,)), here) or "")
