@@ -100,10 +100,10 @@ class Withdraw(Behaviour):
     def update(self) -> Status:
         """Always SUCCESS; the inverter above turns it into the FAILURE that replans."""
         flight, action = self._flight, self._action
-        beliefs = sorted(action.assumes)
+        flight.failure = f"{action.name} failed: {flight.failure}"
+        flight.report("failed", flight.failure, action=action.name)
         flight.task.withdraw(action.assumes)
-        flight.report("failed", f"{action.name} failed: {flight.failure}", action=action.name)
-        for belief in beliefs:
+        for belief in sorted(action.assumes):
             flight.report("withdrawn", f"belief {belief} withdrawn", belief=belief)
         return Status.SUCCESS
 

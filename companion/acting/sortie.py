@@ -88,6 +88,7 @@ class Sortie:
         self._executive = executive
         self._home = home
         self._otherwise = otherwise
+        self._was_refused = False
 
     @property
     def has_ended(self) -> bool:
@@ -101,6 +102,7 @@ class Sortie:
         if self.has_ended:
             return
         self._executive.sense(readings)
+        self._watch_gate()
         state = flight.vehicle.state
         if state is None:
             return
@@ -125,6 +127,13 @@ class Sortie:
         else:
             self._executive.stop()
             self._enter(Phase.HOLDING)
+
+    def _watch_gate(self) -> None:
+        """Reports when the gate begins to hold back setpoints."""
+        refusal = self._flight.vehicle.refusal
+        if refusal and not self._was_refused:
+            self._flight.report("gate", f"setpoint refused, holding: {refusal}", reason=refusal)
+        self._was_refused = bool(refusal)
 
     def _loss_of_control(self, state: VehicleState) -> CompanionError | None:
         """Why the sortie is no longer ours to fly."""
@@ -187,12 +196,17 @@ class Sortie:
         self.phase = phase
         if phase is Phase.ENDED:
             self._flight.vehicle.fly(None)
-            text = str(self.failure) if self.failure else "ended"
-            self._flight.report(
-                "end", text, exit_code=self.failure.exit_code if self.failure else 0
-            )
+            text, code = self._ending()
+            self._flight.report("end", text, exit_code=code)
         else:
             self._flight.report("phase", phase.value)
+
+    def _ending(self) -> tuple[str, int]:
+        """How the sortie has ended, in words and as an exit code."""
+        if self.failure is not None:
+            return str(self.failure), self.failure.exit_code
+        is_satisfied = self._executive.status is TaskStatus.SATISFIED
+        return ("task satisfied, landed" if is_satisfied else "stopped as asked"), 0
 
     def _end(self, failure: CompanionError) -> None:
         self.failure = failure

@@ -63,12 +63,12 @@ class MavlinkVehicle:
 
     Attributes:
         lost_authority: see `port.Vehicle`.
-        refusals: setpoints that the gate did not let out as they were.
+        refusal: see `port.Vehicle`.
     """
 
     def __init__(self, envelope: Envelope, signals: frozenset[Signal], takeoff_up_m: float) -> None:
         self.lost_authority = ""
-        self.refusals = 0
+        self.refusal = ""
         self._envelope = envelope
         self._takeoff_up_m = takeoff_up_m
         self._signals: dict[str, list[Signal]] = {}
@@ -196,14 +196,15 @@ class MavlinkVehicle:
 
     def _admitted_setpoint(self) -> list[Message]:
         """The setpoint that the gate lets out, as a message; at most one."""
+        self.refusal = ""
         if self._setpoint is None:
             return []
         is_entering = self._pursuit is not None and self._pursuit.goal is Goal.OFFBOARD
         is_our_mode = is_entering or self._telemetry.mode is Mode.OFFBOARD
         verdict = admit(self._setpoint, self.state, self._now_s, is_our_mode, self._envelope)
-        self.refusals += bool(verdict.refusal)
         if verdict.setpoint is None:
             return []
+        self.refusal = verdict.refusal
         return [
             dialect.MAVLink_set_position_target_local_ned_message(
                 int(self._now_s * 1000) & 0xFFFFFFFF,

@@ -110,6 +110,10 @@ class Vehicle(Protocol):
     def lost_authority(self) -> str:
         """Why we may no longer control the vehicle (the pilot wins); "" while we may."""
 
+    @property
+    def refusal(self) -> str:
+        """Why the vehicle is sent a hold in place of the setpoint; "" while it is not."""
+
     def pursue(self, goal: Goal) -> Outcome:
         """Work towards a goal; call it every tick until it is no longer RUNNING."""
 
