@@ -15,7 +15,7 @@ import re
 
 from pymavlink.dialects.v20 import common
 
-from companion.document_errors import did_you_mean
+from companion.documents import did_you_mean
 from companion.errors import FormulaError
 from companion.mission.model import Condition, Signal
 

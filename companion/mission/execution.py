@@ -10,7 +10,7 @@ import re
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 
-from companion.document_errors import did_you_mean
+from companion.documents import did_you_mean
 from companion.errors import FormulaError
 from companion.mission.conditions import command_number
 from companion.mission.model import Command, Execution, Fly, Wait

@@ -13,8 +13,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from companion.document_errors import did_you_mean
-from companion.documents import Document, validate
+from companion.documents import Document, did_you_mean, validate
+from companion.documents.yaml_tree import MAX_BYTES
 from companion.errors import FormulaError, MissionError
 from companion.geometry import ned_from_enu
 from companion.ltl.formula import Formula, Operator, parse
@@ -27,7 +27,6 @@ from companion.mission.sites import check_limits, check_places
 from companion.mission.skills import build_skills
 from companion.mission.vocabulary import Vocabulary
 from companion.motion.grid import OccupancyGrid
-from companion.yaml_tree import MAX_BYTES
 
 CLEARANCE_M = 0.6  # vehicle radius 0.35 m and 0.25 m margin for tracking error and map cells
 RESERVED_PLACE = "here"  # the planner's name for where an interrupted move leaves the vehicle

@@ -11,8 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TypeVar
 
-from companion.document_errors import did_you_mean
-from companion.documents import Document
+from companion.documents import Document, did_you_mean
 from companion.errors import MissionError
 from companion.mission.execution import parse_execution
 from companion.mission.literals import parse_fact, parse_literals

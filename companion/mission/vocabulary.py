@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from companion.document_errors import did_you_mean
+from companion.documents import did_you_mean
 from companion.errors import FormulaError
 from companion.ltl.formula import occurrences
 from companion.mission.literals import atom_of

@@ -25,8 +25,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from companion.document_errors import did_you_mean
-from companion.documents import Document, validate
+from companion.documents import Document, did_you_mean, validate
 from companion.errors import MissionError
 from companion.geometry import GlobalOrigin, Ned, ned_from_enu
 from companion.maps import read_map

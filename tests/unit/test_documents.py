@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from pydantic import BaseModel, ConfigDict, Field
 
 from companion.documents import Document, validate
+from companion.documents.yaml_tree import MAX_BYTES, MAX_DEPTH
 from companion.errors import FormulaError, Location, MissionError
-from companion.yaml_tree import MAX_BYTES, MAX_DEPTH
 
 
 class Part(BaseModel):

@@ -18,9 +18,9 @@ from typing import TypeAlias, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from companion.document_errors import first_problem
+from companion.documents.problems import first_problem
+from companion.documents.yaml_tree import Listing, Node, Scalar, Table, Value, read_tree
 from companion.errors import FormulaError, Location, MissionError
-from companion.yaml_tree import Listing, Node, Scalar, Table, Value, read_tree
 
 Key = str | int
 Data: TypeAlias = "Value | list[Data] | dict[str, Data]"
