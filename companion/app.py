@@ -83,9 +83,12 @@ class Companion:
     Args:
         mission: what to do.
         recorder: told of everything that happens.
+        accepts_weak_failsafes: fly although the autopilot's failsafes are weak.
     """
 
-    def __init__(self, mission: Mission, recorder: Recorder) -> None:
+    def __init__(
+        self, mission: Mission, recorder: Recorder, accepts_weak_failsafes: bool = False
+    ) -> None:
         routes = route_map(mission)
         detector = EventDetector(mission.events)
         home, limits = home_of(mission), mission.limits
@@ -103,7 +106,9 @@ class Companion:
             symbols={name: place.position for name, place in mission.places.items()},
         )
         executive = Executive(planner, self._flight, detector, recorder.plan)
-        self._sortie = Sortie(self._flight, executive, home, mission.otherwise)
+        self._sortie = Sortie(
+            self._flight, executive, home, mission.otherwise, accepts_weak_failsafes
+        )
         self._recorder = recorder
 
     @property

@@ -23,15 +23,18 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from companion.errors import CompanionError, MissionError
+from companion.errors import CompanionError, LinkError, LinkTimeout, MissionError
 
 if TYPE_CHECKING:
     from companion.acting.report import Report
     from companion.app import Companion
     from companion.mission.model import Mission
+    from companion.motion.grid import OccupancyGrid
     from companion.planning.lasso import Lasso
     from companion.planning.planner import Planner
     from companion.record.run_folder import RunFolder
+    from companion.vehicle.link import Endpoint
+    from sitl.world.scenario import Scenario
 
 app = typer.Typer(
     help="Plans a mission in linear temporal logic and flies it on a PX4-style vehicle.",
@@ -102,13 +105,20 @@ def run(
     connect: Annotated[
         str, typer.Option(envvar="COMPANION_CONNECT", help="udpin://HOST:PORT or udpout://...")
     ] = f"udpin://0.0.0.0:{OFFBOARD_PORT}",
+    accept_weak_failsafes: Annotated[
+        bool, typer.Option(help="Fly although the autopilot's own failsafes are weak.")
+    ] = False,
     timeout: Timeout = 30.0,
     log_dir: LogDir = DEFAULT_LOG_DIR,
 ) -> None:
     """Flies a mission on a vehicle: PX4, or a simulator that was started separately."""
-    loaded = _load(mission)
+    from companion.app import Companion
+    from companion.vehicle.link import parse_url
+
+    loaded, endpoint = _load(mission), parse_url(connect)
     with _recorded(loaded, log_dir) as folder:
-        _fly(loaded, folder, connect, speed=1.0, timeout_s=timeout)
+        companion = Companion(loaded, folder, accept_weak_failsafes)
+        _fly(companion, endpoint, speed=1.0, timeout_s=timeout)
 
 
 @app.command()
@@ -129,23 +139,29 @@ def sim(
     log_dir: LogDir = DEFAULT_LOG_DIR,
 ) -> None:
     """Flies a mission in the bundled simulator. QGroundControl connects to it by itself."""
+    from companion.app import Companion
+    from companion.vehicle.link import Endpoint
+    from sitl.world.scenario import read_scenario
+
     factor = _speed(speed)
     loaded = _load(mission)
-    world = scenario or mission.with_suffix(".sim.yaml")
-    if scenario is None and not world.exists():
-        raise MissionError(f"there is no scenario {world}", hint="name one with --scenario")
+    path = scenario or mission.with_suffix(".sim.yaml")
+    if scenario is None and not path.exists():
+        raise MissionError(f"there is no scenario {path}", hint="name one with --scenario")
+    world, grid = read_scenario(path)
     with _recorded(loaded, log_dir) as folder:
+        companion = Companion(loaded, folder)
         if factor is None:
-            _fly_in_lockstep(loaded, folder, world, seed, instance)
+            _fly_in_lockstep(companion, world, grid, seed, instance)
             return
-        options = ["--scenario", world, "--speed", factor, "--seed", seed, "--instance", instance]
+        options = ["--scenario", path, "--speed", factor, "--seed", seed, "--instance", instance]
         typer.echo(
             f"vehicle    simulated, {factor:g} x real time; "
             f"ground station on UDP port {GROUND_STATION_PORT + instance}"
         )
-        url = f"udpin://127.0.0.1:{OFFBOARD_PORT + instance}"
+        endpoint = Endpoint(True, "127.0.0.1", OFFBOARD_PORT + instance)
         with _simulator([str(o) for o in options], folder.folder / "sitl.log"):
-            _fly(loaded, folder, url, factor, timeout * factor)
+            _fly(companion, endpoint, factor, timeout * factor)
 
 
 def main() -> None:
@@ -214,14 +230,13 @@ def _tell(report: Report) -> None:
     typer.echo(f" {int(minutes):02d}:{seconds:04.1f}  {report.text}")
 
 
-def _fly(mission: Mission, folder: RunFolder, url: str, speed: float, timeout_s: float) -> None:
-    from companion.app import Companion, fly
-    from companion.vehicle.link import ScaledClock, UdpLink, parse_url
+def _fly(companion: Companion, endpoint: Endpoint, speed: float, timeout_s: float) -> None:
+    from companion.app import fly
+    from companion.vehicle.link import ScaledClock, UdpLink
 
-    link = UdpLink(parse_url(url))
+    link = UdpLink(endpoint)
     try:
-        companion = Companion(mission, folder)
-        typer.echo(f"waiting    for a vehicle on {link.endpoint}")
+        typer.echo(f"waiting    for a vehicle on {endpoint}")
         with _stoppable(companion):
             fly(companion, link, ScaledClock(speed), timeout_s)
     finally:
@@ -230,19 +245,15 @@ def _fly(mission: Mission, folder: RunFolder, url: str, speed: float, timeout_s:
 
 
 def _fly_in_lockstep(
-    mission: Mission, folder: RunFolder, scenario: Path, seed: int, instance: int
+    companion: Companion, world: Scenario, grid: OccupancyGrid | None, seed: int, instance: int
 ) -> None:
-    from companion.app import Companion
     from sitl.harness import fly_in_lockstep
     from sitl.link.routing import LinkName
     from sitl.simulation import Simulation
-    from sitl.world.scenario import read_scenario
 
-    world, grid = read_scenario(scenario)
     simulation = Simulation(
         world, grid, seed=seed, instance=instance, links=frozenset({LinkName.OFFBOARD})
     )
-    companion = Companion(mission, folder)
     with _stoppable(companion):
         fly_in_lockstep(companion, simulation)
     _raise_failure(companion)
@@ -284,6 +295,11 @@ def _simulator(options: list[str], log: Path) -> Iterator[None]:
         )
     try:
         yield
+    except LinkTimeout as error:
+        if child.poll() is None:
+            raise
+        said = log.read_text(errors="replace").strip()
+        raise LinkError(f"the simulator has ended by itself; it said:\n{said}") from error
     finally:
         child.terminate()
         try:

@@ -1,7 +1,8 @@
 """One sortie from the ground to the ground: climb, fly the task, land. The phases as a table.
 
     phase       works towards      then      if it fails
-    waiting     a state on the wire          arming      (the caller's time-out)
+    waiting     a state on the wire          checking    (the caller's time-out)
+    checking    strong failsafes             arming      end
     arming      ARMED              take-off  end
     take-off    AIRBORNE           offboard  land
     offboard    OFFBOARD           task      land
@@ -12,7 +13,8 @@
 
 Safety comes before the table: who takes the vehicle from us (pilot or failsafe) ends the
 sortie at once and nothing more is sent. A vehicle that is armed or flying before we start is
-not ours to take. A stop that the operator asked for holds, lands, and ends.
+not ours to take, and one whose autopilot would not look after itself is not armed unless the
+operator accepts that. A stop that the operator asked for holds, lands, and ends.
 """
 
 from __future__ import annotations
@@ -26,8 +28,11 @@ from companion.acting.flight import Flight
 from companion.errors import Aborted, CompanionError, LinkError, NoPlanError
 from companion.geometry import horizontal_distance
 from companion.mission.model import Otherwise, Place, Signal
+from companion.vehicle.failsafes import REQUIREMENTS, weaknesses
 from companion.vehicle.port import Goal, Outcome, Progress, VehicleState
 
+ANSWER_TIMEOUT_S = 5.0
+"""How long the autopilot may take to answer for its parameters."""
 LINK_LOST_S = 10.0
 """Silence after which the sortie is given up; the autopilot's failsafe flies since long."""
 
@@ -36,6 +41,7 @@ class Phase(Enum):
     """Where the sortie is."""
 
     WAITING = "waiting for the vehicle"
+    CHECKING = "checking the autopilot's failsafes"
     ARMING = "arming"
     TAKE_OFF = "taking off"
     OFFBOARD = "entering OFFBOARD"
@@ -77,10 +83,16 @@ class Sortie:
         executive: acts out the task.
         home: where the vehicle has to stand at the start.
         otherwise: what to do when no plan exists.
+        accepts_weak_failsafes: fly although the autopilot's failsafes are weak.
     """
 
     def __init__(
-        self, flight: Flight, executive: Executive, home: Place, otherwise: Otherwise
+        self,
+        flight: Flight,
+        executive: Executive,
+        home: Place,
+        otherwise: Otherwise,
+        accepts_weak_failsafes: bool = False,
     ) -> None:
         self.phase = Phase.WAITING
         self.failure: CompanionError | None = None
@@ -88,6 +100,9 @@ class Sortie:
         self._executive = executive
         self._home = home
         self._otherwise = otherwise
+        self._accepts_weak_failsafes = accepts_weak_failsafes
+        self._checking_since_s = 0.0
+        self._is_stopping = False
         self._was_refused = False
 
     @property
@@ -101,28 +116,39 @@ class Sortie:
         flight.now_s = now_s
         if self.has_ended:
             return
+        if self._is_stopping:
+            self._stop()
         self._executive.sense(readings)
         self._watch_gate()
         state = flight.vehicle.state
-        if state is None:
+        if state is None or self.has_ended:
             return
         loss = self._loss_of_control(state)
         if loss is not None:
             self._end(loss)
         elif self.phase is Phase.WAITING:
             self._start(state)
+        elif self.phase is Phase.CHECKING:
+            self._check_failsafes()
         elif self.phase is Phase.TASK:
             self._fly_task()
         else:
             self._work(STEPS[self.phase])
 
     def stop(self) -> None:
-        """Holds, lands and ends, as the operator asked; on the ground it ends at once."""
-        if self.phase in (Phase.HOLDING, Phase.LANDING, Phase.ENDED):
+        """Holds, lands and ends from the next step on; on the ground it ends at once.
+
+        It may be called at any time, also by a signal handler in the middle of a step.
+        """
+        self._is_stopping = True
+
+    def _stop(self) -> None:
+        self._is_stopping = False
+        if self.phase in (Phase.HOLDING, Phase.LANDING):
             return
         self._flight.report("phase", "stopping as asked")
         state = self._flight.vehicle.state
-        if self.phase is Phase.WAITING or state is None or not state.is_armed:
+        if state is None or not state.is_armed:
             self._enter(Phase.ENDED)
         else:
             self._executive.stop()
@@ -160,6 +186,25 @@ class Sortie:
         except NoPlanError as error:
             self._end(error)
             return
+        self._checking_since_s = self._flight.now_s
+        self._enter(Phase.CHECKING)
+
+    def _check_failsafes(self) -> None:
+        """Goes on to arming when the autopilot's failsafes are known and strong, or accepted."""
+        vehicle = self._flight.vehicle
+        values = {r.parameter: vehicle.parameter(r.parameter) for r in REQUIREMENTS}
+        is_late = self._flight.now_s - self._checking_since_s > ANSWER_TIMEOUT_S
+        if None in values.values() and not is_late:
+            return
+        weak = weaknesses(values)
+        if weak and not self._accepts_weak_failsafes:
+            lines = "\n    ".join(weak)
+            self._end(
+                Aborted(f"the autopilot's failsafes are weak, so it is not armed\n    {lines}")
+            )
+            return
+        for line in weak:
+            self._flight.report("phase", f"accepted: {line}")
         self._enter(Phase.ARMING)
 
     def _work(self, step: Step) -> None:

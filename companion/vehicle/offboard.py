@@ -24,6 +24,7 @@ from companion.mavlink.framing import Endpoint, Message, dialect, source
 from companion.mission.model import Signal
 from companion.vehicle.gate import Envelope, admit
 from companion.vehicle.goals import APPROACHES
+from companion.vehicle.parameters import ParameterReader
 from companion.vehicle.port import Goal, Mode, Outcome, Progress, Setpoint, VehicleState
 from companion.vehicle.telemetry import Telemetry
 
@@ -77,6 +78,7 @@ class MavlinkVehicle:
         self._endpoint = Endpoint(0, COMPONENT)
         self._telemetry = Telemetry()
         self._commands = CommandSender()
+        self._parameters = ParameterReader()
         self._answers: list[Message] = []
         self._readings: list[tuple[Signal, float]] = []
         self._setpoint: Setpoint | None = None
@@ -106,6 +108,7 @@ class MavlinkVehicle:
             messages.append(_heartbeat())
         if not self.lost_authority:
             messages += self._commands.due(now_s)
+            messages += self._parameters.due(now_s, (self._endpoint.system, AUTOPILOT))
             messages += self._admitted_setpoint()
         return [self._endpoint.pack(m) for m in messages]
 
@@ -154,6 +157,10 @@ class MavlinkVehicle:
     def forget_command(self, ticket: int) -> None:
         """See `port.Vehicle`."""
         self._commands.forget(ticket)
+
+    def parameter(self, name: str) -> float | None:
+        """See `port.Vehicle`."""
+        return self._parameters.read(name)
 
     # -- goals ---------------------------------------------------------------------------------
 
@@ -235,6 +242,8 @@ class MavlinkVehicle:
             if message.target_component in (0, COMPONENT):
                 self._commands.receive(self._now_s, message)
         elif component == AUTOPILOT:
+            if kind == "PARAM_VALUE":
+                self._parameters.take(message)
             self._telemetry.take(self._now_s, message)
             self._watch_authority()
         for signal in self._signals.get(kind, ()):

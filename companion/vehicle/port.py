@@ -114,6 +114,9 @@ class Vehicle(Protocol):
     def refusal(self) -> str:
         """Why the vehicle is sent a hold in place of the setpoint; "" while it is not."""
 
+    def parameter(self, name: str) -> float | None:
+        """A parameter of the autopilot; asks for it, and is None until it was answered."""
+
     def pursue(self, goal: Goal) -> Outcome:
         """Work towards a goal; call it every tick until it is no longer RUNNING."""
 

@@ -1,0 +1,53 @@
+"""Does the autopilot look after the vehicle when we cannot? Asked before every arming.
+
+PX4's own defaults leave much of this off: without setpoints and without a pilot it sinks to the
+ground where it is, and an empty battery only warns. A companion that dies in flight relies on
+these parameters, so weak ones are refused unless the operator accepts them.
+
+Source: PX4 v1.16, parameter reference (COM_*).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Requirement:
+    """One parameter, and when it is strong enough."""
+
+    parameter: str
+    is_strong: Callable[[float], bool]
+    advice: str
+
+
+REQUIREMENTS: tuple[Requirement, ...] = (
+    Requirement(
+        "COM_OF_LOSS_T",
+        lambda value: 0.0 < value <= 1.0,
+        "set 1.0 or less: seconds without setpoints until the failsafe acts",
+    ),
+    Requirement(
+        "COM_OBL_RC_ACT",
+        lambda value: value in (3, 4, 5),
+        "set 5 (hold), 4 (land) or 3 (return): what it does then",
+    ),
+    Requirement(
+        "COM_LOW_BAT_ACT",
+        lambda value: value in (2, 3),
+        "set 3 (return, then land) or 2 (land): what it does when the battery is low",
+    ),
+)
+
+
+def weaknesses(values: Mapping[str, float | None]) -> list[str]:
+    """What is too weak, a line each with what to do; None is a value that was not answered."""
+    lines = []
+    for requirement in REQUIREMENTS:
+        value = values[requirement.parameter]
+        if value is None:
+            lines.append(f"{requirement.parameter} was not answered; {requirement.advice}")
+        elif not requirement.is_strong(value):
+            lines.append(f"{requirement.parameter} is {value:g}; {requirement.advice}")
+    return lines
