@@ -226,6 +226,8 @@ def _recorded(mission: Mission, log_dir: Path) -> Iterator[RunFolder]:
 
 
 def _tell(report: Report) -> None:
+    if report.data.get("exit_code"):
+        return  # a failure is printed once, by `main`
     minutes, seconds = divmod(report.time_s, 60)
     typer.echo(f" {int(minutes):02d}:{seconds:04.1f}  {report.text}")
 
