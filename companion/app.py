@@ -24,7 +24,6 @@ from companion.mission.model import Mission, Place
 from companion.motion.routes import RouteMap, Site
 from companion.motion.trajectory import flight_time_s
 from companion.planning.domain import HERE, FlightTime
-from companion.planning.lasso import Lasso
 from companion.planning.planner import Planner
 from companion.vehicle.gate import Envelope
 from companion.vehicle.link import ScaledClock, UdpLink
@@ -36,9 +35,6 @@ class Recorder(Protocol):
 
     def report(self, report: Report) -> None:
         """Something happened."""
-
-    def plan(self, number: int, lasso: Lasso) -> None:
-        """A plan was made; number 0 is the first."""
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
         """Datagrams went over the link, in either direction."""
@@ -105,7 +101,7 @@ class Companion:
             limits=limits,
             symbols={name: place.position for name, place in mission.places.items()},
         )
-        executive = Executive(planner, self._flight, detector, recorder.plan)
+        executive = Executive(planner, self._flight, detector)
         self._sortie = Sortie(
             self._flight, executive, home, mission.otherwise, accepts_weak_failsafes
         )

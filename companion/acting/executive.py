@@ -10,7 +10,7 @@ A plan that ends at rest satisfies the task when the rest is reached.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from enum import Enum
 
 from py_trees.behaviour import Behaviour
@@ -45,23 +45,15 @@ class Executive:
         planner: the mission's planner.
         flight: what the tree acts on.
         detector: the mission's events.
-        on_plan: told of every new plan and its number, 0 for the first.
     """
 
-    def __init__(
-        self,
-        planner: Planner,
-        flight: Flight,
-        detector: EventDetector,
-        on_plan: Callable[[int, Lasso], None],
-    ) -> None:
+    def __init__(self, planner: Planner, flight: Flight, detector: EventDetector) -> None:
         self.status = TaskStatus.RUNNING
         self.replans = 0
         self.lasso: Lasso | None = None
         self._planner = planner
         self._flight = flight
         self._detector = detector
-        self._on_plan = on_plan
         self._root: Behaviour | None = None
         self._reasons: list[str] = []
         self._idle_replans = 0
@@ -84,7 +76,7 @@ class Executive:
         """
         lasso = self._search(self._flight.task)
         self._adopt(lasso)
-        self._flight.report("plan", f"plan: {lasso}", **lasso.as_json())
+        self._flight.report("plan", f"plan: {lasso}", number=0, **lasso.as_json())
 
     def tick(self) -> TaskStatus:
         """One tick of the tree; plans again if it fails."""
@@ -156,7 +148,6 @@ class Executive:
         self._reasons = []
         self.lasso = lasso
         self._root = build(flight, lasso, self._predicted(lasso))
-        self._on_plan(self.replans, lasso)
 
     def _predicted(self, lasso: Lasso) -> dict[Fact, bool]:
         """The present values of the events that the task or the plan's preconditions mention."""

@@ -67,7 +67,7 @@ class Condition:
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """A fact that the vehicle cannot choose, read off the wire (DESIGN: semantics, point 2).
+    """A fact that the vehicle cannot choose, read off the wire (Section III-B).
 
     It becomes true when `when` has held for `for_s`; false when `until` (default: not `when`)
     has held for `for_s`, or never again if `latch`. When it becomes true, the conjuncts named in

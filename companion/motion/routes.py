@@ -4,7 +4,7 @@ A cell is free if the next obstacle is at least the clearance away and the fence
 the cell. One field per place gives the way along free cells from everywhere (`fields.py`); the
 route is that way pulled tight by legs that cross free cells only (`sight.py`).
 
-Routes respect the labels (DESIGN, semantics, point 8): no leg comes from outside into the
+Routes respect the labels of the task: no leg comes from outside into the
 region of another exclusive place, but legs within and out of one are allowed. So a vehicle can
 leave the place where it is, and passes through no other unrecorded.
 

@@ -11,14 +11,13 @@ from __future__ import annotations
 
 import json
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from companion.acting.report import Report
 from companion.geometry import Ned
 from companion.mavlink.framing import split_frames
 from companion.mission.model import Mission
-from companion.planning.lasso import Lasso
 from companion.record.figure import Trail, draw_flight
 
 
@@ -46,17 +45,13 @@ class RunFolder:
         self._tlog = (folder / "flight.tlog").open("wb")
 
     def report(self, report: Report) -> None:
-        """Appends a line to events.jsonl, at once."""
+        """Appends a line to events.jsonl, at once; a plan also becomes a file."""
         line = {"t_s": report.time_s, "kind": report.kind, "text": report.text, **report.data}
         self._events.write(json.dumps(line) + "\n")
         self._events.flush()
+        if report.kind in ("plan", "replan") and "loop" in report.data:
+            self._plan(report.data)
         self._tell(report)
-
-    def plan(self, number: int, lasso: Lasso) -> None:
-        """Writes a plan; the trail's next part belongs to it."""
-        path = self.folder / f"plan-{number}.json"
-        path.write_text(json.dumps(lasso.as_json(), indent=2) + "\n", encoding="utf-8")
-        self._trail.begin(f"replan {number}" if number else "first plan")
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
         """Appends frames to flight.tlog."""
@@ -68,6 +63,13 @@ class RunFolder:
     def position(self, now_s: float, position: Ned) -> None:
         """Adds to the trail of flight.png."""
         self._trail.add(position)
+
+    def _plan(self, plan: Mapping[str, object]) -> None:
+        """Writes a plan; the trail's next part belongs to it."""
+        path = self.folder / f"plan-{plan['number']}.json"
+        path.write_text(json.dumps(plan, indent=2) + "\n", encoding="utf-8")
+        reason = plan.get("reason")
+        self._trail.begin(f"replan {plan['number']}: {reason}" if reason else "first plan")
 
     def close(self) -> None:
         """Closes the files and draws the flight."""

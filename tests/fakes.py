@@ -1,0 +1,141 @@
+"""A vehicle without MAVLink and without physics: a point that goes where its setpoint says.
+
+Fulfils `companion.vehicle.port.Vehicle`. It does what its script says: goals are reached after a
+delay or fail, commands are answered after a delay, in order. Time is an argument, as everywhere.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from companion.geometry import Ned
+from companion.vehicle.port import (
+    Goal,
+    Mode,
+    Outcome,
+    Progress,
+    Setpoint,
+    VehicleState,
+)
+
+RUNNING = Outcome(Progress.RUNNING)
+DONE = Outcome(Progress.DONE)
+CLOSING_MPS = 1.0
+"""How much faster than its setpoint the point may be, to close a gap."""
+
+
+def failed(reason: str) -> Outcome:
+    return Outcome(Progress.FAILED, reason)
+
+
+class FakeVehicle:
+    """Stands on the ground at first, disarmed.
+
+    Attributes:
+        script: goal -> after how many seconds it comes to which outcome; at once to DONE if absent.
+        answers: seconds and outcome for each command, in the order they are sent; then DONE.
+        drift: where the point settles relative to its setpoint.
+        is_stuck: it moves no longer.
+        flown: every setpoint that it was given.
+        sent: every command, as (component, command, parameters).
+        pursued: the goals that were worked for, in order.
+    """
+
+    def __init__(self, position: Ned = (0.0, 0.0, 0.0)) -> None:
+        at_rest = (0.0, 0.0, 0.0)
+        self.state: VehicleState | None = VehicleState(
+            0.0, position, at_rest, 0.0, Mode.LOITER, False, True, False, 100
+        )
+        self.lost_authority = ""
+        self.refusal = ""
+        self.script: dict[Goal, tuple[float, Outcome]] = {}
+        self.answers: list[tuple[float, Outcome]] = []
+        self.drift: Ned = (0.0, 0.0, 0.0)
+        self.is_stuck = False
+        self.flown: list[Setpoint | None] = []
+        self.sent: list[tuple[int, int, tuple[float, ...]]] = []
+        self.forgotten: list[int] = []
+        self.pursued: list[Goal] = []
+        self._now_s = self._since_s = 0.0
+        self._due: dict[int, tuple[float, Outcome]] = {}
+
+    @property
+    def setpoint(self) -> Setpoint | None:
+        return self.flown[-1] if self.flown else None
+
+    def change(self, **fields: object) -> None:
+        """Changes fields of the state."""
+        assert self.state is not None
+        self.state = replace(self.state, **fields)  # type: ignore[arg-type]
+
+    def take_off(self, up_m: float) -> FakeVehicle:
+        """In the air and in OFFBOARD, as when a task begins."""
+        assert self.state is not None
+        north, east, _ = self.state.position
+        self.change(
+            position=(north, east, -up_m), mode=Mode.OFFBOARD, is_armed=True, is_landed=False
+        )
+        return self
+
+    def step(self, now_s: float) -> None:
+        """Time passes: the point moves towards its setpoint, and its position is heard."""
+        dt_s, self._now_s = now_s - self._now_s, now_s
+        if self.state is None:
+            return
+        position, velocity = self.state.position, (0.0, 0.0, 0.0)
+        if self.setpoint is not None and not self.is_stuck and self.state.mode is Mode.OFFBOARD:
+            velocity = self.setpoint.velocity
+            reach_m = (math.hypot(*velocity) + CLOSING_MPS) * dt_s
+            position = _towards(position, _sum(self.setpoint.position, self.drift), reach_m)
+        self.change(stamp_s=now_s, position=position, velocity=velocity)
+
+    def pursue(self, goal: Goal) -> Outcome:
+        if not self.pursued or self.pursued[-1] is not goal:
+            self.pursued.append(goal)
+            self._since_s = self._now_s
+        delay_s, outcome = self.script.get(goal, (0.0, DONE))
+        if self._now_s - self._since_s < delay_s:
+            return RUNNING
+        if outcome is DONE:
+            self.change(**AFTER[goal])
+        return outcome
+
+    def fly(self, setpoint: Setpoint | None) -> None:
+        self.flown.append(setpoint)
+
+    def send_command(self, component: int, command: int, parameters: tuple[float, ...]) -> int:
+        self.sent.append((component, command, parameters))
+        delay_s, outcome = self.answers.pop(0) if self.answers else (0.0, DONE)
+        self._due[len(self.sent)] = (self._now_s + delay_s, outcome)
+        return len(self.sent)
+
+    def command_outcome(self, ticket: int) -> Outcome:
+        due_s, outcome = self._due[ticket]
+        return outcome if self._now_s >= due_s else RUNNING
+
+    def forget_command(self, ticket: int) -> None:
+        self.forgotten.append(ticket)
+        del self._due[ticket]
+
+
+AFTER: dict[Goal, dict[str, object]] = {
+    Goal.ARMED: {"is_armed": True},
+    Goal.AIRBORNE: {"is_landed": False, "mode": Mode.LOITER},
+    Goal.OFFBOARD: {"mode": Mode.OFFBOARD},
+    Goal.HOLDING: {"mode": Mode.LOITER},
+    Goal.LANDED: {"is_landed": True, "is_armed": False, "mode": Mode.LAND},
+}
+"""What has changed in the state when a goal is reached."""
+
+
+def _sum(a: Ned, b: Ned) -> Ned:
+    return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
+
+
+def _towards(start: Ned, goal: Ned, reach_m: float) -> Ned:
+    gap_m = math.dist(start, goal)
+    if gap_m <= reach_m:
+        return goal
+    share = reach_m / gap_m
+    return _sum(start, tuple(share * (g - s) for s, g in zip(start, goal, strict=True)))  # type: ignore[arg-type]

@@ -1,0 +1,116 @@
+"""A mission acted out by a FakeVehicle, tick by tick: no MAVLink, no physics, no take-off."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from fakes import FakeVehicle
+
+from companion.acting.events import EventDetector
+from companion.acting.executive import Executive, TaskStatus
+from companion.acting.flight import TICK_S, Flight
+from companion.acting.report import Report
+from companion.acting.task_state import TaskState
+from companion.app import flight_times, home_of, route_map
+from companion.mission.model import Mission, Signal
+from companion.motion.routes import RouteMap
+from companion.planning.lasso import Lasso
+from companion.planning.planner import Planner
+
+
+class Rig:
+    """Everything that acts, wired as in `companion.app`.
+
+    Args:
+        mission: what to do.
+        routes: its routes; made if absent.
+        vehicle: the vehicle; in the air at home if absent.
+
+    Attributes:
+        reports: what happened so far.
+        plans: every plan so far with its number.
+    """
+
+    def __init__(
+        self,
+        mission: Mission,
+        routes: RouteMap | None = None,
+        vehicle: FakeVehicle | None = None,
+    ) -> None:
+        home = home_of(mission)
+        routes = routes or route_map(mission)
+        self.mission = mission
+        self.vehicle = vehicle or FakeVehicle(home.position).take_off(-home.position[2])
+        self.planner = Planner(
+            mission,
+            flight_times(
+                mission, routes, lambda: self.vehicle.state.position if self.vehicle.state else None
+            ),
+        )
+        self.task = TaskState(self.planner)
+        self.flight = Flight(
+            vehicle=self.vehicle,
+            task=self.task,
+            routes=routes,
+            limits=mission.limits,
+            symbols={name: place.position for name, place in mission.places.items()},
+        )
+        self.reports: list[Report] = []
+        self.plans: list[tuple[int, Lasso]] = []
+        self.executive = Executive(
+            self.planner,
+            self.flight,
+            EventDetector(mission.events),
+            lambda number, lasso: self.plans.append((number, lasso)),
+        )
+        self._ticks = 0
+
+    @property
+    def texts(self) -> list[str]:
+        """What happened so far, as people read it."""
+        return [report.text for report in self.reports]
+
+    def of_kind(self, kind: str) -> list[str]:
+        """The texts of one kind of report."""
+        return [report.text for report in self.reports if report.kind == kind]
+
+    def begin(self) -> Rig:
+        """Makes the first plan."""
+        self.executive.plan()
+        self._collect()
+        return self
+
+    def pass_time(self) -> None:
+        """One tick passes for the vehicle and the clock; nothing acts."""
+        self._ticks += 1
+        self.flight.now_s = self._ticks * TICK_S
+        self.vehicle.step(self.flight.now_s)
+
+    def tick(self, *readings: tuple[Signal, float]) -> TaskStatus:
+        """One tick, in the order of `Sortie.step`."""
+        self.pass_time()
+        self.executive.sense(readings)
+        status = self.executive.tick()
+        self._collect()
+        return status
+
+    def run(self, until: Callable[[], bool], limit_s: float = 120.0) -> None:
+        """Ticks until a condition holds; the test fails if it takes too long."""
+        for _ in range(round(limit_s / TICK_S)):
+            if until():
+                return
+            self.tick()
+        raise AssertionError(f"not reached in {limit_s:.0f} s:\n" + "\n".join(self.texts))
+
+    def run_until(self, text: str, times: int = 1) -> None:
+        """Ticks until a report's text was seen a number of times."""
+        self.run(lambda: self.texts.count(text) >= times)
+
+    def run_to_the_end(self) -> TaskStatus:
+        """Ticks until the task is satisfied or has no plan."""
+        self.run(lambda: self.executive.status is not TaskStatus.RUNNING)
+        return self.executive.status
+
+    def _collect(self) -> None:
+        self.reports += self.flight.reports
+        self.flight.reports.clear()
