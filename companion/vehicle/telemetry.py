@@ -1,7 +1,8 @@
 """What the autopilot was last heard to say, as a VehicleState.
 
 Positions are shifted to the mission's frame, whose origin is the home position: the autopilot's
-local frame may begin elsewhere. The shift follows HOME_POSITION until the vehicle is in the air.
+local frame may begin elsewhere. The shift is the first HOME_POSITION heard, and is kept: PX4 moves
+home to where it arms, and the walls of the map do not move with it.
 Numbers that are not finite, and values that mean "not known", are never taken over.
 """
 
@@ -24,7 +25,7 @@ class Telemetry:
     """The newest value of everything that makes up the state.
 
     Attributes:
-        home: home position in the autopilot's local frame; None until heard.
+        home: first home position in the autopilot's local frame; None until heard.
         home_altitude_m: its altitude above mean sea level.
         texts: what the autopilot said lately in STATUSTEXT, newest last.
     """
@@ -97,7 +98,7 @@ class Telemetry:
 
     def _on_home(self, _: float, message: Message) -> None:
         position = (message.x, message.y, message.z)
-        if self._is_landed is not False and all(map(math.isfinite, position)):
+        if self.home is None and all(map(math.isfinite, position)):
             self.home = position
             self.home_altitude_m = message.altitude / 1000
 
