@@ -41,6 +41,12 @@ class TaskStatus(Enum):
 class Executive:
     """Acts out one mission.
 
+    Attributes:
+        status: how the task stands.
+        replans: how often it has planned again.
+        lasso: the present plan.
+        failure: why there is no plan; None while there is one.
+
     Args:
         planner: the mission's planner.
         flight: what the tree acts on.
@@ -51,6 +57,7 @@ class Executive:
         self.status = TaskStatus.RUNNING
         self.replans = 0
         self.lasso: Lasso | None = None
+        self.failure: NoPlanError | None = None
         self._planner = planner
         self._flight = flight
         self._detector = detector
@@ -129,6 +136,7 @@ class Executive:
             lasso = self._search(task)
         except NoPlanError as error:
             self.status = TaskStatus.NO_PLAN
+            self.failure = error
             flight.report("replan", f"replan {self.replans}: {reason}: {error}", reason=reason)
             return
         self._adopt(lasso)

@@ -229,7 +229,7 @@ class Sortie:
     def _without_plan(self) -> None:
         """Does what the mission says for the case that no plan exists."""
         is_first = self.failure is None
-        self.failure = NoPlanError(self._flight.reports[-1].text)
+        self.failure = self._executive.failure
         returns = self._otherwise is Otherwise.RETURN_HOME and is_first
         if returns and self._executive.go_to(self._home.name):
             self._flight.report("phase", f"returning to {self._home.name}")
