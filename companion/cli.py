@@ -152,7 +152,7 @@ def sim(
     with _recorded(loaded, log_dir) as folder:
         companion = Companion(loaded, folder)
         if factor is None:
-            _fly_in_lockstep(companion, world, grid, seed, instance)
+            _fly_in_lockstep(companion, world, grid, seed, instance, timeout)
             return
         options = ["--scenario", path, "--speed", factor, "--seed", seed, "--instance", instance]
         typer.echo(
@@ -247,7 +247,12 @@ def _fly(companion: Companion, endpoint: Endpoint, speed: float, timeout_s: floa
 
 
 def _fly_in_lockstep(
-    companion: Companion, world: Scenario, grid: OccupancyGrid | None, seed: int, instance: int
+    companion: Companion,
+    world: Scenario,
+    grid: OccupancyGrid | None,
+    seed: int,
+    instance: int,
+    timeout_s: float,
 ) -> None:
     from sitl.harness import fly_in_lockstep
     from sitl.link.routing import LinkName
@@ -257,7 +262,7 @@ def _fly_in_lockstep(
         world, grid, seed=seed, instance=instance, links=frozenset({LinkName.OFFBOARD})
     )
     with _stoppable(companion):
-        fly_in_lockstep(companion, simulation)
+        fly_in_lockstep(companion, simulation, timeout_s)
     _raise_failure(companion)
 
 

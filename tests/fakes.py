@@ -40,6 +40,7 @@ class FakeVehicle:
         flown: every setpoint that it was given.
         sent: every command, as (component, command, parameters).
         pursued: the goals that were worked for, in order.
+        parameters: the autopilot's parameters; strong failsafes at first.
     """
 
     def __init__(self, position: Ned = (0.0, 0.0, 0.0)) -> None:
@@ -57,6 +58,11 @@ class FakeVehicle:
         self.sent: list[tuple[int, int, tuple[float, ...]]] = []
         self.forgotten: list[int] = []
         self.pursued: list[Goal] = []
+        self.parameters: dict[str, float] = {
+            "COM_OF_LOSS_T": 1.0,
+            "COM_OBL_RC_ACT": 5.0,
+            "COM_LOW_BAT_ACT": 3.0,
+        }
         self._now_s = self._since_s = 0.0
         self._due: dict[int, tuple[float, Outcome]] = {}
 
@@ -89,6 +95,9 @@ class FakeVehicle:
             reach_m = (math.hypot(*velocity) + CLOSING_MPS) * dt_s
             position = _towards(position, _sum(self.setpoint.position, self.drift), reach_m)
         self.change(stamp_s=now_s, position=position, velocity=velocity)
+
+    def parameter(self, name: str) -> float | None:
+        return self.parameters.get(name)
 
     def pursue(self, goal: Goal) -> Outcome:
         if not self.pursued or self.pursued[-1] is not goal:

@@ -15,7 +15,9 @@ from dataclasses import dataclass
 
 from companion.errors import LinkError
 
-URL = re.compile(r"(?P<scheme>[a-z]+):(?://)?(?P<host>[^:/]*):(?P<port>\d+)/?$")
+URL = re.compile(r"(?P<scheme>[a-z]+):(?://)?((?P<host>[^:/]*):)?(?P<port>\d+)/?$")
+SCHEMES = ("udp", "udpin", "udpout")
+MAX_PORT = 65535
 MAVLINK2_MAGIC = 0xFD
 AUTOPILOT_COMPONENT = 1
 MAX_DATAGRAM = 65535
@@ -41,20 +43,21 @@ def parse_url(url: str) -> Endpoint:
         LinkError: with the URL that was perhaps meant.
     """
     match = URL.match(url)
-    scheme, rest = (match["scheme"], match) if match else (url.partition(":")[0], None)
-    if rest is not None and scheme in ("udpin", "udpout") and int(rest["port"]) < 65536:
-        return Endpoint(scheme == "udpin", rest["host"] or "0.0.0.0", int(rest["port"]))
-    if scheme == "udp" and rest is not None:
-        host, port = rest["host"] or "0.0.0.0", rest["port"]
+    if match is None or int(match["port"]) > MAX_PORT or match["scheme"] not in SCHEMES:
+        raise LinkError(
+            f"cannot connect to {url}\n"
+            "    write udpin://0.0.0.0:14540 to listen, or udpout://HOST:PORT to send first"
+        )
+    scheme, port = match["scheme"], int(match["port"])
+    listening = Endpoint(True, match["host"] or "0.0.0.0", port)
+    sending = Endpoint(False, match["host"] or "127.0.0.1", port)
+    if scheme == "udp":
         raise LinkError(
             f"udp: is ambiguous in {url}\n"
-            f"    write udpin://{host}:{port} to listen on that port, as for PX4 on 14540\n"
-            f"    or udpout://{host}:{port} to send to that address first"
+            f"    write {listening} to listen on that port, as for PX4 on 14540\n"
+            f"    or {sending} to send to that address first"
         )
-    raise LinkError(
-        f"cannot connect to {url}\n"
-        "    write udpin://0.0.0.0:14540 to listen, or udpout://HOST:PORT to send first"
-    )
+    return listening if scheme == "udpin" else sending
 
 
 class UdpLink:
@@ -71,12 +74,16 @@ class UdpLink:
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._socket.setblocking(False)
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
-        self._peer = None if endpoint.is_listening else (endpoint.host, endpoint.port)
+        self._peer: tuple[str, int] | None = None
         try:
             if endpoint.is_listening:
                 self._socket.bind((endpoint.host, endpoint.port))
+            else:
+                self._peer = (socket.gethostbyname(endpoint.host), endpoint.port)
         except OSError as error:
             self._socket.close()
+            if not endpoint.is_listening:
+                raise LinkError(f"cannot find {endpoint.host}: {error.strerror}") from error
             raise LinkError(
                 f"cannot listen on {endpoint}: {error.strerror}\n"
                 "    another program has the port; only one can, and QGroundControl needs 14550"
@@ -101,9 +108,11 @@ class UdpLink:
 
     def send(self, datagrams: list[bytes]) -> None:
         """Sends to the vehicle; what the network does not take is lost, as on a radio."""
-        for datagram in datagrams if self._peer else ():
+        if self._peer is None:
+            return
+        for datagram in datagrams:
             try:
-                self._socket.sendto(datagram, self._peer)  # type: ignore[arg-type]
+                self._socket.sendto(datagram, self._peer)
             except OSError:
                 continue
 

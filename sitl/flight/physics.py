@@ -154,7 +154,7 @@ class Physics:
         self._fdm["ic/psi-true-rad"] = yaw_rad
 
     def _stir(self, turbulence_mps: float, seed: int) -> None:
-        self._fdm["simulation/randomseed"] = seed
+        self._fdm["simulation/randomseed"] = seed + 1  # JSBSim takes 0 for 1
         if turbulence_mps > 0:
             self._fdm["atmosphere/turb-type"] = _MILSPEC_TURBULENCE
             self._fdm["atmosphere/turbulence/milspec/severity"] = 3  # any but 0 switches it on

@@ -83,7 +83,8 @@ def read_scenario(
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise MissionError(f"{path}: cannot be read: {error}") from error
+        reason = getattr(error, "strerror", None) or error
+        raise MissionError(f"the scenario {path} cannot be read: {reason}") from error
     scenario, document = _parse(text, path, default_home)
     if scenario.map_path is None:
         return scenario, None

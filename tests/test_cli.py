@@ -1,0 +1,262 @@
+"""The commands as a user meets them: what they print, and with which exit code they end."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import re
+import shutil
+import socket
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+from companion.cli import main
+
+MISSIONS = Path(__file__).parents[1] / "missions"
+SURVEILLANCE = MISSIONS / "surveillance.yaml"
+
+
+class Ended(NamedTuple):
+    """How a command ended."""
+
+    code: int
+    out: str
+    err: str
+
+
+Companion = Callable[..., Ended]
+Spoil = Callable[[str, str], Path]
+
+
+@pytest.fixture
+def companion(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> Companion:
+    """Runs `companion ARGUMENTS` in this process."""
+    monkeypatch.setenv("COLUMNS", "200")
+    monkeypatch.setenv("COMPANION_LOG_DIR", str(tmp_path / "runs"))
+    monkeypatch.delenv("COMPANION_CONNECT", raising=False)
+
+    def run(*arguments: object) -> Ended:
+        monkeypatch.setattr(sys, "argv", ["companion", *map(str, arguments)])
+        with pytest.raises(SystemExit) as end:
+            main()
+        captured = (re.sub(r"\x1b\[[\d;]*m", "", text) for text in capsys.readouterr())
+        return Ended(int(end.value.code or 0), *captured)
+
+    return run
+
+
+@pytest.fixture
+def spoil(tmp_path: Path) -> Spoil:
+    """A copy of the surveillance mission with its map, in which one text is replaced."""
+
+    def replaced(old: str, new: str) -> Path:
+        folder = shutil.copytree(MISSIONS, tmp_path / "missions")
+        path = folder / SURVEILLANCE.name
+        text = path.read_text(encoding="utf-8")
+        assert text.count(old) == 1
+        path.write_text(text.replace(old, new), encoding="utf-8")
+        return path
+
+    return replaced
+
+
+@pytest.fixture
+def taken_port() -> Iterator[int]:
+    """A UDP port that another program has."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
+        other.bind(("127.0.0.1", 0))
+        yield other.getsockname()[1]
+
+
+@pytest.fixture
+def free_port() -> int:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as finder:
+        finder.bind(("127.0.0.1", 0))
+        port: int = finder.getsockname()[1]
+    return port
+
+
+OPTIONS = {
+    "check": [],
+    "plan": ["--json"],
+    "ltl": [],
+    "run": ["--connect", "--accept-weak-failsafes", "--timeout", "--log-dir"],
+    "sim": ["--scenario", "--speed", "--seed", "--instance", "--timeout", "--log-dir"],
+}
+
+
+@pytest.mark.parametrize("command", OPTIONS)
+def test_help_names_the_options(command: str, companion: Companion) -> None:
+    ended = companion(command, "--help")
+    assert ended.code == 0
+    assert set(re.findall(r"^.\s+(?:\*\s+)?(--[a-z-]+)", ended.out, re.MULTILINE)) == {
+        *OPTIONS[command],
+        "--help",
+    }
+
+
+def test_help_names_the_commands(companion: Companion) -> None:
+    ended = companion("--help")
+    assert ended.code == 0
+    assert set(re.findall(r"^│ ([a-z]+) ", ended.out, re.MULTILINE)) == OPTIONS.keys()
+
+
+def test_check_prints_the_task_and_the_plan(companion: Companion) -> None:
+    ended = companion("check", SURVEILLANCE)
+    assert ended.code == 0
+    assert "upload: 2 states" in ended.out
+    assert "move(Home, A), (move(A, B), move(B, C), move(C, A))^w" in ended.out
+    assert ended.out.endswith("ok\n")
+
+
+def test_plan_prints_the_same_for_people_and_for_programs(companion: Companion) -> None:
+    ended = companion("plan", SURVEILLANCE, "--json")
+    assert ended.code == 0
+    plan = json.loads(ended.out)
+    assert [step["action"] for step in plan["prefix"]] == ["move(Home, A)"]
+    assert [s["action"] for s in plan["loop"]] == ["move(A, B)", "move(B, C)", "move(C, A)"]
+    assert plan["lap_cost_s"] == pytest.approx(sum(step["cost_s"] for step in plan["loop"]))
+    printed = companion("plan", SURVEILLANCE).out
+    for step in (*plan["prefix"], *plan["loop"]):
+        assert re.search(rf"{re.escape(step['action'])} +{step['cost_s']:.1f} s", printed)
+
+
+def test_ltl_prints_an_automaton(companion: Companion) -> None:
+    ended = companion("ltl", "G F at(A)")
+    assert ended.code == 0
+    assert ended.out.startswith("HOA: v1\n")
+    assert 'AP: 1 "at(A)"' in ended.out
+    assert ended.out.endswith("--END--\n")
+
+
+def test_a_wrong_formula_is_shown_with_a_caret(companion: Companion) -> None:
+    ended = companion("ltl", "G (a &)")
+    assert ended.code == 2
+    text, caret = ended.err.splitlines()[1:3]
+    assert text.index(")") == caret.index("^")
+
+
+class Mistake(NamedTuple):
+    """A mistake in a mission file: `old` becomes `new`, and the message points to `at`."""
+
+    old: str
+    new: str
+    at: str
+    message: str
+
+
+MISTAKES = {
+    "unknown key": Mistake("name: surv", "nam: surv", "nam: surv", "Did you mean name?"),
+    "unknown place in a set": Mistake("[Home, A, B", "[Home, D, B", "D, B", "unknown place D"),
+    "unknown place in the task": Mistake("(F at(A)", "(F at(D)", "at(D)", "Did you mean at(A)?"),
+    "formula": Mistake("F at(A) |", "F at(A |", "| targetFound) &", "expected a comma or )"),
+    "place in a wall": Mistake("3, north_m: 11", "6, north_m: 7.7", "A: {", "is in a wall"),
+    "place outside the fence": Mistake(
+        "[21.5, 13.5], [-1.5, 13.5]", "[21.5, 10.7], [-1.5, 10.7]", "A: {", "outside the fence"
+    ),
+}
+
+
+@pytest.mark.parametrize("name", MISTAKES)
+def test_a_mistake_is_answered_with_its_place(
+    name: str, companion: Companion, spoil: Spoil
+) -> None:
+    mistake = MISTAKES[name]
+    path = spoil(mistake.old, mistake.new)
+    before, _, _ = path.read_text(encoding="utf-8").partition(mistake.at)
+    line, column = before.count("\n") + 1, len(before) - before.rfind("\n")
+    ended = companion("check", path)
+    assert ended.code == 2
+    assert ended.err.startswith(f"{path}:{line}:{column}: ")
+    assert mistake.message in ended.err
+    assert ended.out == ""
+
+
+def test_a_missing_mission(companion: Companion, tmp_path: Path) -> None:
+    ended = companion("check", tmp_path / "none.yaml")
+    assert ended.code == 2
+    assert f"{tmp_path / 'none.yaml'} cannot be read: No such file" in ended.err
+
+
+def test_a_missing_scenario(companion: Companion, spoil: Spoil, tmp_path: Path) -> None:
+    mission = spoil("name: surveillance", "name: unwatched")
+    scenario = mission.with_suffix(".sim.yaml")
+    scenario.unlink()
+    ended = companion("sim", mission, "--speed", "max")
+    assert ended.code == 2
+    assert f"there is no scenario {scenario}\n    name one with --scenario" in ended.err
+    assert not (tmp_path / "runs").exists()
+
+
+def test_a_speed_that_is_none(companion: Companion) -> None:
+    ended = companion("sim", SURVEILLANCE, "--speed", "fast")
+    assert ended.code == 2
+    assert "fast is not a positive number or max" in ended.err
+
+
+@pytest.mark.parametrize("command", [("check",), ("plan",), ("sim", "--speed", "max")])
+def test_a_task_without_a_plan_names_the_conflict(
+    command: tuple[str, ...], companion: Companion, spoil: Spoil
+) -> None:
+    path = spoil("\ntask:\n", "\ntask:\n  never_a: G !at(A)\n")
+    name, *options = command
+    ended = companion(name, path, *options)
+    assert ended.code == 3
+    assert "no plan: never_a, search cannot hold together" in ended.err
+
+
+def test_no_vehicle(companion: Companion, free_port: int) -> None:
+    url = f"udpin://127.0.0.1:{free_port}"
+    ended = companion("run", SURVEILLANCE, "--connect", url, "--timeout", 1)
+    assert ended.code == 4
+    assert f"no vehicle on {url} after 1 s: nothing arrived" in ended.err
+    assert "PX4 SITL" in ended.err
+
+
+def test_a_bare_udp_url_is_answered_with_both_corrections(companion: Companion) -> None:
+    ended = companion("run", SURVEILLANCE, "--connect", "udp://192.168.1.10:14540")
+    assert ended.code == 4
+    assert "udpin://192.168.1.10:14540" in ended.err
+    assert "udpout://192.168.1.10:14540" in ended.err
+
+
+def test_a_port_in_use(companion: Companion, taken_port: int) -> None:
+    url = f"udpin://127.0.0.1:{taken_port}"
+    ended = companion("run", SURVEILLANCE, "--connect", url)
+    assert ended.code == 4
+    assert f"cannot listen on {url}" in ended.err
+    assert "another program has the port" in ended.err
+
+
+def test_the_module_is_the_command(tmp_path: Path) -> None:
+    """Exit code and streams of a process of its own."""
+    done = subprocess.run(
+        [sys.executable, "-m", "companion", "check", str(tmp_path / "none.yaml")],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith("the mission ")
+
+
+SLOW_TO_IMPORT = {"jsbsim", "matplotlib", "numpy", "pydantic", "pymavlink", "scipy"}
+
+
+def test_help_does_not_wait_for_slow_imports() -> None:
+    assert all(importlib.util.find_spec(name) for name in SLOW_TO_IMPORT)
+    script = "import sys, companion.cli; print(*sys.modules)"
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, timeout=60, check=True
+    )
+    imported = set(done.stdout.split())
+    assert "companion.cli" in imported
+    assert not SLOW_TO_IMPORT & imported

@@ -1,0 +1,153 @@
+"""Every command of README.md works: it is run here, or a file is named that runs it.
+
+A command is a line of a block that is fenced as sh or console (there, after `$ `).
+"""
+
+from __future__ import annotations
+
+import re
+import shlex
+import shutil
+import signal
+import subprocess
+import sysconfig
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from ports import free_instance
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+SCRIPTS = Path(sysconfig.get_path("scripts"))
+"""Where `companion` and `sitl` are installed."""
+
+Start = Callable[[str], subprocess.Popen[str]]
+
+FOREIGN = {".", "cd", "export", "git", "source"}
+"""Programs that need no test."""
+
+IN_REAL_TIME = (
+    ("companion sim missions/surveillance.yaml --speed 2",),
+    (
+        "sitl --scenario missions/surveillance.sim.yaml",
+        "companion run missions/surveillance.yaml --connect udpin://0.0.0.0:14540",
+    ),
+)
+"""Commands that are flown here for some seconds, side by side; the last one is the companion."""
+
+ELSEWHERE = {
+    "scripts/fly --speed max": ".ci/run",
+    "scripts/test": ".ci/run",
+}
+"""Command -> the file that runs it."""
+
+
+def commands(text: str) -> list[str]:
+    """The commands of all fenced sh and console blocks, one line each, without comments."""
+    found = []
+    for kind, block in re.findall(r"^```(\S+)\n(.*?)^```$", text, re.MULTILINE | re.DOTALL):
+        if kind not in ("sh", "console"):
+            continue
+        for line in block.replace("\\\n", " ").splitlines():
+            if kind == "sh" or line.startswith("$ "):
+                words = shlex.split(line.removeprefix("$ "), comments=True)
+                found.append(shlex.join(words))
+    return [command for command in found if command]
+
+
+def is_quick(command: str) -> bool:
+    """Whether a test may run a command as it stands."""
+    match shlex.split(command):
+        case ["companion" | "sitl", *_, "--help"] | ["companion", "check" | "plan" | "ltl", *_]:
+            return True
+        case ["companion", "sim", *_]:
+            return "--speed max" in command
+    return False
+
+
+COMMANDS = commands(README)
+QUICK = [command for command in COMMANDS if is_quick(command)]
+
+
+def test_commands_are_found() -> None:
+    shell = "```sh\na b   # c\n\nd 'e  f' \\\n  g\n```\n"
+    console = "```console\n$ h\nprinted\n```\n"
+    assert commands(f"{shell}text\n{console}```\ni\n```\n") == ["a b", "d 'e  f' g", "h"]
+    assert any(command.startswith("companion sim") for command in QUICK)
+
+
+def test_commands_stand_in_blocks_that_say_so() -> None:
+    kinds = set(re.findall(r"^```(\S+)$", README, re.MULTILINE))
+    assert not kinds & {"bash", "shell", "zsh"}, "fence commands as sh or console"
+
+
+@pytest.fixture
+def start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Start:
+    """Starts a command as it is installed, where only the missions are."""
+    shutil.copytree(ROOT / "missions", tmp_path / "missions")
+    monkeypatch.setenv("COMPANION_LOG_DIR", str(tmp_path / "runs"))
+
+    def run(command: str) -> subprocess.Popen[str]:
+        program, *arguments = shlex.split(command)
+        return subprocess.Popen(
+            [SCRIPTS / program, *arguments],
+            cwd=tmp_path,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
+
+    return run
+
+
+@pytest.mark.parametrize("command", QUICK)
+def test_a_quick_command_succeeds(command: str, start: Start) -> None:
+    process = start(command)
+    printed, _ = process.communicate(timeout=120)
+    assert process.returncode == 0, printed
+    assert printed
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("together", IN_REAL_TIME)
+def test_a_command_flies_and_lands_on_ctrl_c(together: tuple[str, ...], start: Start) -> None:
+    """As they stand, but on ports of their own."""
+    instance = free_instance()
+    *others, companion = [start(on_ports_of(instance, command)) for command in together]
+    assert companion.stdout is not None
+    try:
+        printed = ""
+        for line in companion.stdout:
+            printed += line
+            if "flying the task" in line:
+                companion.send_signal(signal.SIGINT)
+        assert companion.wait(timeout=30) == 0, printed
+        assert re.search(r"landing\n.*stopped as asked\n", printed), printed
+        for other in others:
+            other.send_signal(signal.SIGINT)
+            assert other.wait(timeout=30) == 0
+    finally:
+        for process in (*others, companion):
+            process.kill()
+            process.communicate()
+
+
+def on_ports_of(instance: int, command: str) -> str:
+    """A command on the ports of an instance of the simulator."""
+    if "14540" in command:
+        return command.replace("14540", str(14540 + instance))
+    return f"{command} -i {instance}"
+
+
+def test_every_command_is_covered() -> None:
+    ours = [c for c in COMMANDS if shlex.split(c)[0] not in FOREIGN]
+    flown = [command for together in IN_REAL_TIME for command in together]
+    assert set(ours) == {*QUICK, *flown, *ELSEWHERE}, "let a test run each command, and no other"
+    for command, name in ELSEWHERE.items():
+        assert command in (ROOT / name).read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("link", sorted(set(re.findall(r"\]\((?!https?:)([^)#]+)", README))))
+def test_a_link_leads_to_a_file(link: str) -> None:
+    assert (ROOT / link).exists()

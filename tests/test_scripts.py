@@ -1,0 +1,128 @@
+"""scripts/fly and its virtual environment, with a Python that only notes what it is asked for."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+TOOLS = ("bash", "cat", "chmod", "cmp", "cp", "dirname", "flock", "mkdir")
+
+PYTHON = """#!/usr/bin/env bash
+# Is new enough, makes environments that hold itself and a companion, installs by a note.
+log="${BASH_SOURCE[0]%/*}/../../log"
+case "$*" in
+    "-m venv --clear "*)
+        mkdir -p "$4/bin"
+        cp "${BASH_SOURCE[0]}" "$4/bin/python"
+        echo 'echo companion "$@"' >"$4/bin/companion"
+        chmod +x "$4/bin/companion"
+        ;;
+    "-m pip install "*)
+        echo "${@: -1}" >>"$log"
+        ;;
+esac
+"""
+NO_VENV = '#!/usr/bin/env bash\n[[ "$*" != *ensurepip* ]]\n'
+
+
+@pytest.fixture
+def clone(tmp_path: Path) -> Path:
+    """A repository with the scripts, in a folder with a space; ../bin is all of the path."""
+    folder = tmp_path / "a clone"
+    shutil.copytree(ROOT / "scripts", folder / "scripts")
+    (folder / "pyproject.toml").write_text("[project]\n", encoding="utf-8")
+    (tmp_path / "bin").mkdir()
+    for name in TOOLS:
+        found = shutil.which(name)
+        if found:
+            (tmp_path / "bin" / name).symlink_to(found)
+    return folder
+
+
+def provide(clone: Path, script: str) -> None:
+    """Puts a python3 on the path."""
+    python = clone.parent / "bin" / "python3"
+    python.write_text(script, encoding="utf-8")
+    python.chmod(0o755)
+
+
+def start(clone: Path, *arguments: str) -> subprocess.Popen[str]:
+    """scripts/fly, from another folder."""
+    return subprocess.Popen(
+        ["bash", str(clone / "scripts" / "fly"), *arguments],
+        cwd=clone.parent,
+        env={"PATH": str(clone.parent / "bin")},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def fly(clone: Path, *arguments: str) -> tuple[str, str]:
+    """What scripts/fly prints, and what it tells on standard error."""
+    process = start(clone, *arguments)
+    out, err = process.communicate(timeout=60)
+    assert process.returncode == 0, err
+    return out, err
+
+
+def installations(clone: Path) -> list[str]:
+    return (clone / "log").read_text(encoding="utf-8").splitlines()
+
+
+def test_the_first_use_installs_and_the_second_does_not(clone: Path) -> None:
+    provide(clone, PYTHON)
+    out, err = fly(clone, "--speed", "max")
+    assert out == f"companion sim {clone}/missions/surveillance.yaml --speed max\n"
+    assert len(err.splitlines()) == 1
+    assert "installing" in err
+    assert fly(clone, "other.yaml", "--help") == ("companion sim other.yaml --help\n", "")
+    assert installations(clone) == [str(clone)]
+
+
+def test_a_changed_project_is_installed_again(clone: Path) -> None:
+    provide(clone, PYTHON)
+    fly(clone)
+    (clone / "pyproject.toml").write_text("[project]\nname = 'new'\n", encoding="utf-8")
+    fly(clone)
+    assert installations(clone) == [str(clone)] * 2
+
+
+def test_a_moved_repository_is_installed_anew(clone: Path) -> None:
+    """Otherwise the copy would run the code of the original."""
+    provide(clone, PYTHON)
+    fly(clone)
+    copy = shutil.copytree(clone, clone.parent / "copy")
+    fly(copy)
+    assert installations(copy) == [str(clone), str(copy)]
+
+
+@pytest.mark.skipif(shutil.which("flock") is None, reason="this machine has no flock")
+def test_two_at_once_install_once(clone: Path) -> None:
+    provide(clone, PYTHON)
+    for process in [start(clone), start(clone)]:
+        process.communicate(timeout=60)
+        assert process.returncode == 0
+    assert installations(clone) == [str(clone)]
+
+
+@pytest.mark.parametrize(
+    ("python", "reason"),
+    [
+        (None, "none was found"),
+        ("#!/usr/bin/env bash\nexit 1\n", "none was found"),  # too old, or pyenv's shim
+        (NO_VENV, "python3 has no venv module (on Debian and Ubuntu: apt install python3-venv)"),
+    ],
+)
+def test_without_a_usable_python_it_says_so(clone: Path, python: str | None, reason: str) -> None:
+    if python:
+        provide(clone, python)
+    process = start(clone)
+    out, err = process.communicate(timeout=60)
+    assert (process.returncode, out) == (1, "")
+    assert err == f"Python 3.11 or newer is needed: {reason}\n"
+    assert not (clone / ".venv").exists()
