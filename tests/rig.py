@@ -28,7 +28,7 @@ class Rig:
 
     Attributes:
         reports: what happened so far.
-        plans: every plan so far with its number.
+        plans: every plan so far.
     """
 
     def __init__(
@@ -56,13 +56,8 @@ class Rig:
             symbols={name: place.position for name, place in mission.places.items()},
         )
         self.reports: list[Report] = []
-        self.plans: list[tuple[int, Lasso]] = []
-        self.executive = Executive(
-            self.planner,
-            self.flight,
-            EventDetector(mission.events),
-            lambda number, lasso: self.plans.append((number, lasso)),
-        )
+        self.plans: list[Lasso] = []
+        self.executive = Executive(self.planner, self.flight, EventDetector(mission.events))
         self._ticks = 0
 
     @property
@@ -112,5 +107,8 @@ class Rig:
         return self.executive.status
 
     def _collect(self) -> None:
+        lasso = self.executive.lasso
+        if lasso is not None and (not self.plans or lasso is not self.plans[-1]):
+            self.plans.append(lasso)
         self.reports += self.flight.reports
         self.flight.reports.clear()

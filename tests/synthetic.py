@@ -1,8 +1,8 @@
 """Small missions for tests, made without files: an empty room, and places on a square of 6 m.
 
-    A --- B          north
-    |     |            |
-    H --- C            +-- east
+A --- B          north
+|     |            |
+H --- C            +-- east
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from companion.geometry import Ned
+from companion.ltl.automaton import successors
 from companion.ltl.formula import parse
 from companion.mission.conditions import parse_condition
 from companion.mission.literals import parse_fact, parse_literals
@@ -28,6 +29,8 @@ from companion.mission.model import (
     Skill,
 )
 from companion.motion.grid import OccupancyGrid
+from companion.planning.lasso import Letter, Problem
+from companion.planning.planner import Planner
 
 POSITIONS: dict[str, Ned] = {
     "H": (0.0, 0.0, -2.0),
@@ -46,7 +49,7 @@ def skill(
     precondition: str = "",
     assumes: Iterable[str] = (),
     effect: str = "",
-    cost_s: float | None = 1.0,
+    cost_s: float | None = 3.0,
     tries: int = 1,
     timeout_s: float | None = None,
 ) -> Skill:
@@ -85,7 +88,9 @@ def command(name: str, precondition: str = "", effect: str = "", **more: float |
     return skill(name, execute, "", precondition, [f"can_{name}"], effect, **more)  # type: ignore[arg-type]
 
 
-def event(name: str, latch: bool = False, for_s: float = 0.0, restarts: Iterable[str] = ()) -> Event:
+def event(
+    name: str, latch: bool = False, for_s: float = 0.0, restarts: Iterable[str] = ()
+) -> Event:
     """An event that is true while NAMED_VALUE_INT of its name is positive."""
     when = parse_condition(f"NAMED_VALUE_INT[{name}].value > 0")
     return Event(name, when, None, latch, for_s, frozenset(restarts))
@@ -122,3 +127,15 @@ def mission(
         task={name: parse(text) for name, text in lines.items()},
         otherwise=otherwise,
     )
+
+
+def planner(asked: Mission) -> Planner:
+    """A planner for whom every flight takes four seconds."""
+    return Planner(asked, lambda origin, goal: 4.0)
+
+
+def at_the_start(made: Planner) -> tuple[Problem, list[list[Letter]]]:
+    """The problem at the start, and the letter that each conjunct has read there."""
+    letter = made.mission.initially | made.model.beliefs
+    states = tuple(successors(c.automaton, c.automaton.initial, letter) for c in made.conjuncts)
+    return made.problem(made.mission.initially, states), [[letter] for _ in states]

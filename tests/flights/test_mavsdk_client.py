@@ -5,15 +5,14 @@ so simulated time runs no more than five times as fast.
 """
 
 import asyncio
-import contextlib
 import signal
-import socket
 import subprocess
 import sys
 from collections.abc import AsyncGenerator, AsyncIterator, Awaitable, Callable, Iterator
 from typing import TypeVar
 
 import pytest
+from ports import free_instance
 
 mavsdk = pytest.importorskip("mavsdk.asyncio")
 from mavsdk.asyncio.plugins.action import ActionAsync  # noqa: E402
@@ -27,20 +26,6 @@ pytestmark = pytest.mark.slow
 SPEED = 5
 PHASE_S = 20.0  # wall time that no phase of the flight needs
 T = TypeVar("T")
-
-
-def free_instance() -> int:
-    """An instance whose ports nobody uses on this machine."""
-    for instance in range(7, 30):
-        with contextlib.ExitStack() as ports:
-            try:
-                for base in (14550, 14540, 18570, 14580):
-                    udp = ports.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
-                    udp.bind(("127.0.0.1", base + instance))
-            except OSError:
-                continue
-            return instance
-    raise AssertionError("no free ports")
 
 
 @pytest.fixture
