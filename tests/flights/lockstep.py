@@ -1,0 +1,249 @@
+"""Companion and simulator in one process, tick by tick, with a link that may fail in between.
+
+As `sitl.harness`, but a test may stop at any tick, speak as a ground station, stop stepping the
+companion, and put something between the two that loses, delays or doubles datagrams. What one
+side sends arrives at the other in the next tick. Nothing here knows a clock.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from random import Random
+from typing import Any, NamedTuple
+
+from companion.acting.flight import TICK_S
+from companion.acting.report import Report
+from companion.app import Companion
+from companion.geometry import Ned
+from companion.mavlink.framing import Endpoint, dialect
+from companion.mavlink.px4_modes import MODES
+from companion.mission.model import Mission
+from companion.motion.grid import OccupancyGrid
+from sitl.link.routing import LinkName
+from sitl.simulation import Simulation
+from sitl.world.scenario import Scenario
+
+World = tuple[Scenario, OccupancyGrid | None]
+Air = Callable[[float, list[bytes]], list[bytes]]
+"""What becomes of datagrams on their way: time and what was sent in, what arrives out."""
+
+VEHICLE = 1
+"""Its system id."""
+SETPOINT = "SET_POSITION_TARGET_LOCAL_NED"
+
+
+class Said(NamedTuple):
+    """A message that left somebody, and when."""
+
+    time_s: float
+    message: Any
+
+
+def clear(now_s: float, datagrams: list[bytes]) -> list[bytes]:
+    """Everything arrives."""
+    return datagrams
+
+
+class Lossy:
+    """Loses a share of all datagrams."""
+
+    def __init__(self, share: float, seed: int) -> None:
+        self._share = share
+        self._random = Random(seed)
+
+    def __call__(self, now_s: float, datagrams: list[bytes]) -> list[bytes]:
+        return [d for d in datagrams if self._random.random() >= self._share]
+
+
+class Jittery:
+    """Every datagram comes up to 0.2 s late, so that they overtake each other; some come twice."""
+
+    LATEST_S = 0.2
+
+    def __init__(self, doubled: float, seed: int) -> None:
+        self._doubled = doubled
+        self._random = Random(seed)
+        self._under_way: list[tuple[float, bytes]] = []
+
+    def __call__(self, now_s: float, datagrams: list[bytes]) -> list[bytes]:
+        for datagram in datagrams:
+            for _ in range(1 + (self._random.random() < self._doubled)):
+                arrival_s = now_s + self._random.uniform(0.0, self.LATEST_S)
+                self._under_way.append((arrival_s, datagram))
+        arrived = sorted(entry for entry in self._under_way if entry[0] <= now_s)
+        self._under_way = [entry for entry in self._under_way if entry[0] > now_s]
+        return [datagram for _, datagram in arrived]
+
+
+class Cut:
+    """Nothing arrives while `is_cut`."""
+
+    def __init__(self) -> None:
+        self.is_cut = False
+
+    def __call__(self, now_s: float, datagrams: list[bytes]) -> list[bytes]:
+        return [] if self.is_cut else datagrams
+
+
+class Lockstep:
+    """One flight; it is also the recorder of its companion.
+
+    Args:
+        mission: what to do.
+        world: scenario and true map.
+        seed: of the simulator.
+        up: the way from the vehicle to the companion.
+        down: the way back.
+        has_station: whether a ground station is there, with its heartbeat.
+
+    Attributes:
+        companion: under test.
+        is_companion_alive: whether it steps with every tick.
+        reports: what the companion reported.
+        said: what it sent, before the way to the vehicle.
+        acknowledged: every COMMAND_ACK that left the vehicle, before the way to the companion.
+        modes: the modes that were flown, in order, with the time of the change.
+        armings: how often the motors were started.
+    """
+
+    def __init__(
+        self,
+        mission: Mission,
+        world: World,
+        *,
+        seed: int = 0,
+        up: Air = clear,
+        down: Air = clear,
+        has_station: bool = False,
+    ) -> None:
+        scenario, grid = world
+        links = {LinkName.OFFBOARD} | ({LinkName.GCS} if has_station else set())
+        self.simulation = Simulation(scenario, grid, seed=seed, links=frozenset(links))
+        self.companion = Companion(mission, self)
+        self.is_companion_alive = True
+        self.reports: list[Report] = []
+        self.said: list[Said] = []
+        self.acknowledged: list[Said] = []
+        self.modes: list[tuple[float, str]] = []
+        self.armings = 0
+        self._up, self._down = up, down
+        self._station = Endpoint(255, 190)
+        self._has_station = has_station
+        self._ear, self._vehicle_ear = Endpoint(0, 0), Endpoint(0, 0)
+        self._to_vehicle: list[tuple[LinkName, bytes]] = []
+        self._was_armed = False
+        self._ticks = 0
+
+    # -- companion.app.Recorder ----------------------------------------------------------------
+
+    def report(self, report: Report) -> None:
+        self.reports.append(report)
+
+    def packets(self, now_s: float, datagrams: list[bytes]) -> None:
+        """Kept in `said`."""
+
+    def position(self, now_s: float, position: Ned) -> None:
+        """The truth is asked of the simulation."""
+
+    # -- time ----------------------------------------------------------------------------------
+
+    @property
+    def now_s(self) -> float:
+        """Time of the newest tick."""
+        return (self._ticks - 1) * TICK_S
+
+    def tick(self) -> None:
+        """One tick of both sides."""
+        now_s = self._ticks * TICK_S
+        if self._has_station and self._ticks % round(1 / TICK_S) == 0:
+            self.station_says(_station_heartbeat())
+        arriving, self._to_vehicle = self._to_vehicle, []
+        heard = self._watch(now_s, self.simulation.step(now_s, arriving))
+        arrived = self._up(now_s, heard)
+        if self.is_companion_alive:
+            self.transmit(now_s, self.companion.step(now_s, arrived))
+        self._ticks += 1
+
+    def transmit(self, now_s: float, sent: list[bytes]) -> None:
+        """What the companion sends now; it arrives in the next tick."""
+        self.said += [Said(now_s, m) for d in sent for m in self._ear.parse(d)]
+        self._to_vehicle += [(LinkName.OFFBOARD, d) for d in self._down(now_s, sent)]
+
+    def run(self, seconds: float) -> None:
+        """Lets time pass."""
+        for _ in range(round(seconds / TICK_S)):
+            self.tick()
+
+    def until(self, is_so: Callable[[], bool], limit_s: float = 150.0) -> Lockstep:
+        """Lets time pass until something is so; the test fails if that takes too long."""
+        for _ in range(round(limit_s / TICK_S)):
+            if is_so():
+                return self
+            self.tick()
+        raise AssertionError(f"not in {limit_s:.0f} s:\n" + "\n".join(self.texts))
+
+    def until_reported(self, text: str, limit_s: float = 150.0) -> Lockstep:
+        """Lets time pass until a report is made."""
+        return self.until(lambda: text in self.texts, limit_s)
+
+    def until_the_end(self) -> Lockstep:
+        """Lets time pass until the companion has ended."""
+        return self.until(lambda: self.companion.has_ended)
+
+    # -- what happened -------------------------------------------------------------------------
+
+    @property
+    def texts(self) -> list[str]:
+        """What was reported, as people read it."""
+        return [report.text for report in self.reports]
+
+    @property
+    def exit_code(self) -> object:
+        """Of the last report, which must be that of the end."""
+        assert self.reports[-1].kind == "end", self.texts
+        return self.reports[-1].data["exit_code"]
+
+    @property
+    def setpoints(self) -> list[Said]:
+        """The setpoints that the companion sent."""
+        return [s for s in self.said if s.message.get_type() == SETPOINT]
+
+    @property
+    def commands(self) -> list[Said]:
+        """The commands that the companion sent."""
+        return [s for s in self.said if s.message.get_type() == "COMMAND_LONG"]
+
+    # -- the ground station --------------------------------------------------------------------
+
+    def station_says(self, message: Any) -> None:
+        """The ground station sends a message."""
+        assert self._has_station
+        self._to_vehicle.append((LinkName.GCS, self._station.pack(message)))
+
+    def station_commands(self, command: int, *parameters: float) -> None:
+        """The ground station sends a command to the autopilot."""
+        filled = (*parameters, *[0.0] * (7 - len(parameters)))
+        self.station_says(dialect.MAVLink_command_long_message(VEHICLE, 1, command, 0, *filled))
+
+    def station_chooses(self, mode: str) -> None:
+        """The pilot switches to a mode."""
+        self.station_commands(dialect.MAV_CMD_DO_SET_MODE, 1.0, *MODES[mode])
+
+    def _watch(self, now_s: float, sent: list[tuple[LinkName, bytes]]) -> list[bytes]:
+        """Notes what the vehicle does; returns what it sent towards the companion."""
+        heard = [datagram for link, datagram in sent if link is LinkName.OFFBOARD]
+        for datagram in heard:
+            if datagram[7:10] == bytes([77, 0, 0]):  # the id of COMMAND_ACK
+                self.acknowledged += [Said(now_s, m) for m in self._vehicle_ear.parse(datagram)]
+        if not self.modes or self.modes[-1][1] != self.simulation.mode:
+            self.modes.append((now_s, self.simulation.mode))
+        is_armed = self.simulation.is_armed
+        self.armings += is_armed and not self._was_armed
+        self._was_armed = is_armed
+        return heard
+
+
+def _station_heartbeat() -> Any:
+    return dialect.MAVLink_heartbeat_message(
+        dialect.MAV_TYPE_GCS, dialect.MAV_AUTOPILOT_INVALID, 0, 0, dialect.MAV_STATE_ACTIVE, 3
+    )

@@ -1,0 +1,396 @@
+"""What happens when somebody or something interferes: pilot, link, operator, payload.
+
+In lockstep, so that every case is the same each time. Frames are counted where they leave the
+companion; modes, arming and positions are the simulator's truth.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+from lockstep import Air, Cut, Jittery, Lockstep, Lossy, Said, World
+
+from companion.app import Companion
+from companion.errors import Aborted, LinkError, NoPlanError
+from companion.geometry import distance, is_in_polygon
+from companion.mavlink.framing import dialect
+from companion.mission.model import Mission
+from companion.vehicle.port import hold_at
+from sitl.results import Result
+
+PAYLOAD = 25
+COM_OF_LOSS_T_S = 1.0  # of the simulated airframe
+
+Start = Callable[..., Lockstep]
+
+
+@pytest.fixture
+def start(surveillance: Mission, hall: World) -> Start:
+    """A flight of the surveillance mission that has not begun yet."""
+
+    def begin(world: World = hall, **options: object) -> Lockstep:
+        return Lockstep(surveillance, world, **options)  # type: ignore[arg-type]
+
+    return begin
+
+
+@pytest.fixture(scope="module")
+def undisturbed(surveillance: Mission, hall: World) -> Lockstep:
+    return Lockstep(surveillance, hall).until_the_end()
+
+
+def on_the_way_to_b(flight: Lockstep) -> Lockstep:
+    """In the middle of the task, at full speed."""
+    flight.until_reported("at A").run(2.0)
+    assert math.hypot(*flight.simulation.flight.velocity) > 1.0
+    return flight
+
+
+def flown_modes(flight: Lockstep) -> list[str]:
+    return [mode for _, mode in flight.modes]
+
+
+# -- the pilot -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("mode", ["AUTO.LOITER", "AUTO.RTL", "AUTO.LAND"])
+def test_the_pilot_wins(mode: str, start: Start) -> None:
+    flight = on_the_way_to_b(start(has_station=True))
+    flight.station_chooses(mode)
+    switched_s = flight.now_s
+    flight.until_the_end().run(5.0)
+    assert flight.simulation.mode == mode
+    assert flight.setpoints[-1].time_s <= switched_s + 0.1
+    assert flight.commands[-1].time_s < switched_s
+    assert flight.texts[-1] == f"the pilot has control, in {mode}"
+    assert flight.exit_code == 5
+    assert isinstance(flight.companion.failure, Aborted)
+
+
+def test_a_mode_that_the_autopilot_refuses_changes_nothing(
+    start: Start, undisturbed: Lockstep
+) -> None:
+    """POSCTL without a pilot's sticks is refused in the air (seen on PX4)."""
+    flight = on_the_way_to_b(start(has_station=True))
+    flight.station_chooses("POSCTL")
+    flight.until_the_end()
+    assert flight.texts == undisturbed.texts
+    assert flown_modes(flight) == flown_modes(undisturbed)
+
+
+def test_a_pilot_who_took_over_during_an_outage_keeps_the_vehicle(start: Start) -> None:
+    up, down = Cut(), Cut()
+    flight = on_the_way_to_b(start(up=up, down=down, has_station=True))
+    up.is_cut = down.is_cut = True
+    flight.run(0.5)
+    flight.station_chooses("AUTO.LOITER")
+    flight.run(1.5)
+    up.is_cut = down.is_cut = False
+    back_s = flight.now_s
+    flight.until_the_end()
+    assert flight.texts[-1] == "the pilot has control, in AUTO.LOITER"
+    assert all(command.time_s < back_s for command in flight.commands)
+    assert flight.simulation.mode == "AUTO.LOITER"
+
+
+# -- the companion fails ---------------------------------------------------------------------------
+
+
+def test_a_companion_that_dies_leaves_the_vehicle_on_hold(start: Start) -> None:
+    flight = on_the_way_to_b(start())
+    flight.is_companion_alive = False
+    last_setpoint_s = flight.setpoints[-1].time_s
+    flight.until(lambda: flight.simulation.mode != "OFFBOARD", limit_s=5.0)
+    assert flight.simulation.mode == "AUTO.LOITER"
+    assert COM_OF_LOSS_T_S <= flight.now_s - last_setpoint_s <= COM_OF_LOSS_T_S + 0.2
+    flight.run(10.0)
+    assert math.hypot(*flight.simulation.flight.velocity) < 0.2
+    assert flight.simulation.collisions == 0
+
+
+# -- the link fails --------------------------------------------------------------------------------
+
+
+def test_a_short_silence_is_not_noticed(start: Start, undisturbed: Lockstep) -> None:
+    up, down = Cut(), Cut()
+    flight = on_the_way_to_b(start(up=up, down=down))
+    up.is_cut = down.is_cut = True
+    flight.run(0.4)
+    up.is_cut = down.is_cut = False
+    flight.until_the_end()
+    assert flight.texts == undisturbed.texts
+    assert flown_modes(flight) == flown_modes(undisturbed)
+
+
+def test_without_telemetry_it_holds_and_then_goes_on(start: Start, undisturbed: Lockstep) -> None:
+    up = Cut()
+    flight = on_the_way_to_b(start(up=up))
+    up.is_cut = True
+    flight.run(1.0)
+    held = {(s.message.vx, s.message.vy) for s in flight.setpoints[-5:]}
+    up.is_cut = False
+    flight.until_the_end()
+    assert held == {(0.0, 0.0)}
+    refusal = "setpoint refused, holding: the position is 0.5 s old"
+    assert flight.texts.count(refusal) == 1
+    assert [text for text in flight.texts if text != refusal] == undisturbed.texts
+    assert flown_modes(flight) == flown_modes(undisturbed)
+    assert flight.simulation.collisions == 0
+
+
+def test_after_an_outage_the_task_goes_on(start: Start, undisturbed: Lockstep) -> None:
+    """PX4 returns to OFFBOARD by itself when the setpoints come back."""
+    up, down = Cut(), Cut()
+    flight = on_the_way_to_b(start(up=up, down=down))
+    up.is_cut = down.is_cut = True
+    flight.run(5.0)
+    assert flight.simulation.mode == "AUTO.LOITER"
+    up.is_cut = down.is_cut = False
+    flight.until_the_end()
+    reports = [r.text for r in flight.reports if r.kind != "gate"]
+    assert reports == undisturbed.texts
+    assert flight.armings == 1
+    assert flight.simulation.collisions == 0
+
+
+def test_a_vehicle_that_is_silent_for_ever_ends_the_run(start: Start) -> None:
+    up = Cut()
+    flight = on_the_way_to_b(start(up=up))
+    up.is_cut = True
+    silent_s = flight.now_s
+    flight.until_the_end()
+    assert flight.now_s - silent_s == pytest.approx(10.0, abs=0.2)
+    assert flight.setpoints[-1].time_s - silent_s == pytest.approx(3.0, abs=0.1)
+    assert flight.commands[-1].time_s < silent_s
+    assert isinstance(flight.companion.failure, LinkError)
+    assert flight.texts[-1] == "no position from the vehicle for 10 s"
+    assert flight.exit_code == 4
+    assert flight.simulation.mode == "AUTO.LOITER"
+
+
+class AllButFinalAnswers:
+    """Something on the way up that the payload's final answers pass untouched."""
+
+    def __init__(self, air: Air) -> None:
+        self._air = air
+
+    def __call__(self, now_s: float, datagrams: list[bytes]) -> list[bytes]:
+        safe = [d for d in datagrams if is_final_answer(d)]
+        return self._air(now_s, [d for d in datagrams if d not in safe]) + safe
+
+
+def is_final_answer(frame: bytes) -> bool:
+    """COMMAND_ACK (id 77) of the payload, other than IN_PROGRESS; MAVLink 2 trims zeros."""
+    is_payloads_ack = frame[6] == PAYLOAD and frame[7:10] == bytes([77, 0, 0])
+    return is_payloads_ack and frame[12] != Result.IN_PROGRESS
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_loss_changes_no_action(seed: int, start: Start, undisturbed: Lockstep) -> None:
+    """A tenth of all datagrams each way; what is sent only once is the subject of the next test."""
+    up = AllButFinalAnswers(Lossy(0.1, seed))
+    flight = start(up=up, down=Lossy(0.1, 100 + seed)).until_the_end()
+    assert flight.texts == undisturbed.texts
+    assert_each_command_took_effect_once(flight, undisturbed)
+
+
+def test_a_final_answer_that_is_lost_is_a_failed_upload(start: Start) -> None:
+    """The command protocol sends it once. The command is not repeated: it may have taken effect."""
+    lost: list[bytes] = []
+
+    def without_the_second(now_s: float, datagrams: list[bytes]) -> list[bytes]:
+        lost.extend(d for d in datagrams if is_final_answer(d))
+        return [d for d in datagrams if d not in lost[1:2]]
+
+    flight = start(up=without_the_second).until_the_end()
+    texts = flight.texts
+    failed = texts.index("upload(r2) failed: no answer")
+    assert texts[failed + 1] == "belief canUpload(r2) withdrawn"
+    assert texts[failed + 2].startswith("replan 3: upload(r2) failed: no answer -> move(r2, r3)")
+    assert [answer.message.result for answer in payloads_answers(flight)] == [
+        *(Result.DENIED, Result.ACCEPTED, Result.ACCEPTED),
+    ]
+    assert flight.reports[failed].time_s - payloads_answers(flight)[1].time_s < 10.0
+    assert flight.exit_code == 0
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_doubled_and_reordered_datagrams_change_no_action(
+    seed: int, start: Start, undisturbed: Lockstep
+) -> None:
+    flight = start(up=Jittery(0.2, seed), down=Jittery(0.2, 100 + seed)).until_the_end()
+    assert flight.texts == undisturbed.texts
+    assert_each_command_took_effect_once(flight, undisturbed)
+
+
+@pytest.mark.xfail(strict=True, reason="a HEARTBEAT that was overtaken is taken for a new mode")
+def test_an_old_heartbeat_is_no_pilot(start: Start, undisturbed: Lockstep) -> None:
+    flight = start(up=Jittery(0.2, 6), down=Jittery(0.2, 106)).until_the_end()
+    assert flight.texts == undisturbed.texts
+
+
+def assert_each_command_took_effect_once(flight: Lockstep, undisturbed: Lockstep) -> None:
+    assert flown_modes(flight) == flown_modes(undisturbed)
+    assert flight.armings == 1
+    answers = [answer.message.result for answer in payloads_answers(flight)]
+    assert answers == [Result.DENIED, Result.ACCEPTED]
+    assert flight.simulation.collisions == 0
+
+
+def payloads_answers(flight: Lockstep) -> list[Said]:
+    """Its final answers: one for each time that it did something."""
+    return [
+        said
+        for said in flight.acknowledged
+        if said.message.get_srcComponent() == PAYLOAD and said.message.result != Result.IN_PROGRESS
+    ]
+
+
+# -- the operator ----------------------------------------------------------------------------------
+
+
+def test_a_stop_in_the_air_holds_lands_and_disarms(start: Start) -> None:
+    flight = on_the_way_to_b(start())
+    before = len(flight.reports)
+    flight.companion.stop()
+    flight.until_the_end()
+    assert flight.texts[before:] == ["stopping as asked", "holding", "landing", "stopped as asked"]
+    assert flown_modes(flight)[-4:] == ["OFFBOARD", "AUTO.LOITER", "AUTO.LAND", "AUTO.LOITER"]
+    assert not flight.simulation.is_armed
+    assert -flight.simulation.flight.position[2] < 0.05
+    assert flight.exit_code == 0
+    assert flight.simulation.collisions == 0
+
+
+def test_the_next_run_does_not_start_away_from_home(surveillance: Mission, start: Start) -> None:
+    """Home is where the vehicle was armed; after a stop it stands elsewhere."""
+    flight = on_the_way_to_b(start())
+    flight.companion.stop()
+    flight.until_the_end()
+    flight.companion = Companion(surveillance, flight)
+    stopped_s = flight.now_s
+    flight.until_the_end()
+    assert "m from Home, where the mission begins; put it there" in flight.texts[-1]
+    assert flight.exit_code == 5
+    assert [s for s in (*flight.setpoints, *flight.commands) if s.time_s > stopped_s] == []
+
+
+def test_a_stop_before_anything_is_heard_ends_at_once(start: Start) -> None:
+    flight = start()
+    flight.companion.stop()
+    flight.tick()
+    assert flight.texts == ["stopping as asked", "stopped as asked"]
+    assert flight.exit_code == 0
+    assert flight.said == []
+
+
+@pytest.mark.parametrize(
+    ("phase", "climbs"),
+    [
+        ("checking the autopilot's failsafes", False),
+        ("taking off", False),
+        ("entering OFFBOARD", True),
+    ],
+)
+def test_a_stop_before_the_task(phase: str, climbs: bool, start: Start) -> None:
+    flight = start().until_reported(phase)
+    flight.companion.stop()
+    flight.until_the_end()
+    assert flight.texts[-1] == "stopped as asked"
+    assert flight.exit_code == 0
+    assert not flight.simulation.is_armed
+    assert -flight.simulation.flight.position[2] < 0.05
+    assert ("AUTO.TAKEOFF" in flown_modes(flight)) is climbs
+    assert "OFFBOARD" not in flown_modes(flight)
+
+
+# -- the vehicle before the flight -----------------------------------------------------------------
+
+
+def test_a_vehicle_that_may_not_arm_says_why(start: Start, hall: World) -> None:
+    """The battery is empty. PX4 tells reasons (STATUSTEXT) only if a ground station is there."""
+    scenario, grid = hall
+    flight = start((replace(scenario, charge=0.05), grid), has_station=True).until_the_end()
+    assert flight.texts[-1] == (
+        "not armed: temporarily rejected (autopilot: Arming denied: low battery)"
+    )
+    assert flight.exit_code == 5
+    assert flight.setpoints == []
+    assert flight.armings == 0
+
+
+def test_weak_failsafes_are_not_flown_with(start: Start, hall: World) -> None:
+    scenario, grid = hall
+    weak = replace(scenario, parameters={"COM_OBL_RC_ACT": 0, "COM_OF_LOSS_T": 5.0})
+    flight = start((weak, grid)).until_the_end()
+    assert "COM_OF_LOSS_T is 5; set 1.0 or less" in flight.texts[-1]
+    assert "COM_OBL_RC_ACT is 0; set 5 (hold)" in flight.texts[-1]
+    assert flight.exit_code == 5
+    assert flight.commands == [] and flight.setpoints == []
+
+
+def test_a_vehicle_that_is_armed_already_is_left_alone(start: Start) -> None:
+    flight = start(has_station=True)
+    flight.is_companion_alive = False
+    flight.run(1.0)
+    flight.station_commands(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 1.0)
+    flight.run(0.5)
+    assert flight.simulation.is_armed
+    flight.is_companion_alive = True
+    flight.until_the_end()
+    assert flight.texts == ["the vehicle is armed or flying already; it is left alone"]
+    assert flight.exit_code == 5
+    assert flight.commands == [] and flight.setpoints == []
+
+
+# -- the task cannot be done -----------------------------------------------------------------------
+
+
+def test_without_any_upload_site_it_returns_home_and_says_why(start: Start, hall: World) -> None:
+    scenario, grid = hall
+    assert scenario.payload is not None
+    payload = replace(scenario.payload, sites=(), otherwise=Result.DENIED)
+    flight = start((replace(scenario, payload=payload), grid)).until_the_end()
+    withdrawn = [r.data["belief"] for r in flight.reports if r.kind == "withdrawn"]
+    assert withdrawn == ["canUpload(r1)", "canUpload(r2)", "canUpload(r3)"]
+    assert flight.texts[-4:-1] == ["returning to Home", "at Home", "landing"]
+    assert "no plan: upload cannot hold from here" in flight.texts[-1]
+    assert "withdrawn: canUpload(r1), canUpload(r2), canUpload(r3)" in flight.texts[-1]
+    assert flight.exit_code == 3
+    assert isinstance(flight.companion.failure, NoPlanError)
+    north, east, _ = flight.simulation.flight.position
+    assert math.hypot(north, east) < 0.5
+    assert not flight.simulation.is_armed
+
+
+# -- the gate --------------------------------------------------------------------------------------
+
+
+def test_a_setpoint_outside_the_fence_never_leaves(
+    start: Start, surveillance: Mission, undisturbed: Lockstep
+) -> None:
+    """Behind the back of everything that acts, for a second: the vehicle is told to leave."""
+    down = Cut()
+    flight = on_the_way_to_b(start(down=down))
+    vehicle = flight.companion._vehicle
+    outside = hold_at((30.0, 30.0, -2.0), 0.0)
+    fed: list[Said] = []
+    for _ in range(20):
+        down.is_cut = True  # what the companion itself sends is lost
+        flight.tick()
+        down.is_cut = False
+        vehicle.fly(outside)
+        flight.transmit(flight.now_s, vehicle.transmit(flight.now_s))
+        fed.append(flight.setpoints[-1])
+        sent = (fed[-1].message.x, fed[-1].message.y, fed[-1].message.z)
+        assert distance(sent, flight.simulation.flight.position) < 0.2
+        assert is_in_polygon(sent, surveillance.limits.fence)
+    assert {(s.message.vx, s.message.vy, s.message.vz) for s in fed} == {(0.0, 0.0, 0.0)}
+    assert math.hypot(*flight.simulation.flight.velocity) < 0.5
+    flight.until_the_end()
+    gate = [r for r in flight.reports if r.kind == "gate"]
+    assert [r.text for r in gate] == ["setpoint refused, holding: outside the fence"]
+    assert [r.text for r in flight.reports if r.kind != "gate"] == undisturbed.texts

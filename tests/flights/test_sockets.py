@@ -1,0 +1,248 @@
+"""Simulator and companion as commands in processes of their own, over UDP, as a user runs them.
+
+On instances of the simulator that nobody uses here. A test waits for lines that a command prints,
+never for a time. Simulated time runs five times as fast where the command allows it.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import math
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from ports import free_instance
+from test_mavsdk_client import first, mavsdk
+
+from sitl.link.server import PORTS
+
+pytestmark = pytest.mark.slow
+
+SURVEILLANCE = Path(__file__).parents[2] / "missions" / "surveillance.yaml"
+STORED = Path(__file__).parents[1] / "data" / "surveillance.events.txt"
+GROUND_STATION, COMPANION = 14550, 14540
+START_S, FLIGHT_S = 30.0, 150.0  # wall time that no start and no flight needs
+
+
+class Command:
+    """A command that runs; what it prints is collected while it does.
+
+    Args:
+        module: companion or sitl.
+        arguments: of the command.
+    """
+
+    def __init__(self, module: str, *arguments: object) -> None:
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", module, *map(str, arguments)],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            start_new_session=True,  # a group of its own, as a shell gives a foreground command
+        )
+        self._lines: list[str] = []
+        self._news = threading.Condition()
+        self._has_closed = False
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    @property
+    def pid(self) -> int:
+        return self._process.pid
+
+    @property
+    def printed(self) -> str:
+        with self._news:
+            return "".join(self._lines)
+
+    def until_printed(self, text: str, timeout_s: float = FLIGHT_S) -> None:
+        """Waits until a text was printed; fails if the command ends before."""
+
+        def is_over() -> bool:
+            return self._has_closed or any(text in line for line in self._lines)
+
+        with self._news:
+            self._news.wait_for(is_over, timeout_s)
+        assert text in self.printed, f"not printed: {text}\n{self.printed}"
+
+    def exit_code(self, timeout_s: float = FLIGHT_S) -> int:
+        """Waits for the end."""
+        code = self._process.wait(timeout_s)
+        self._reader.join(timeout_s)
+        return code
+
+    def close(self) -> None:
+        """Ends it if it runs: first so that it ends its children, then by force."""
+        for number in (signal.SIGINT, signal.SIGINT, signal.SIGKILL):
+            if self._process.poll() is None:
+                self._process.send_signal(number)
+                with contextlib.suppress(subprocess.TimeoutExpired):
+                    self._process.wait(3.0)
+        self._reader.join(START_S)
+
+    def _read(self) -> None:
+        assert self._process.stdout is not None
+        with self._process.stdout as stream:
+            for line in stream:
+                with self._news:
+                    self._lines.append(line)
+                    self._news.notify_all()
+        with self._news:
+            self._has_closed = True
+            self._news.notify_all()
+
+
+Run = Callable[..., Command]
+
+
+@pytest.fixture
+def run() -> Iterator[Run]:
+    """Starts commands, and ends them all."""
+    commands: list[Command] = []
+
+    def start(module: str, *arguments: object) -> Command:
+        commands.append(Command(module, *arguments))
+        return commands[-1]
+
+    yield start
+    for command in reversed(commands):
+        command.close()
+
+
+@pytest.fixture
+def instance() -> int:
+    return free_instance()
+
+
+def assert_no_simulator_is_left(instance: int) -> None:
+    """A simulator holds its two ports for as long as it lives."""
+    for base, _ in PORTS.values():
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as udp:
+            udp.bind(("127.0.0.1", base + instance))
+
+
+def sequence(log_dir: Path) -> str:
+    """Kind and text of all events of the only run, as the stored file has them.
+
+    Times differ, and on a busy machine the gate may hold the vehicle for a moment.
+    """
+    (folder,) = log_dir.iterdir()
+    lines = (folder / "events.jsonl").read_text(encoding="utf-8").splitlines()
+    events = [event for event in map(json.loads, lines) if event["kind"] != "gate"]
+    return "".join(f"{event['kind']} {event['text']}\n" for event in events)
+
+
+# -- the whole mission -----------------------------------------------------------------------------
+
+
+def test_a_ground_station_watches_the_simulated_mission(
+    run: Run, instance: int, tmp_path: Path
+) -> None:
+    companion = run(
+        *("companion", "sim", SURVEILLANCE, "--speed", 5, "-i", instance, "--log-dir", tmp_path)
+    )
+    companion.until_printed("ground station on UDP port", START_S)
+    asyncio.run(watch(GROUND_STATION + instance))
+    assert companion.exit_code() == 0, companion.printed
+    assert sequence(tmp_path) == STORED.read_text(encoding="utf-8")
+    assert_no_simulator_is_left(instance)
+
+
+async def watch(port: int) -> None:
+    """What QGroundControl shows, as MAVSDK sees it: connected, healthy, armed, and moving."""
+    from mavsdk.asyncio.plugins.telemetry import FlightMode, TelemetryAsync
+
+    kind = mavsdk.ComponentType.GROUND_STATION
+    async with mavsdk.Mavsdk(mavsdk.Configuration.create_with_component_type(kind)) as client:
+        await client.add_any_connection(f"udpin://127.0.0.1:{port}")
+        system = await client.first_autopilot(timeout_s=START_S)
+        assert system is not None, "no autopilot seen"
+        telemetry = TelemetryAsync(system)
+        await first(telemetry.subscribe_health_all_ok(), bool)
+        await first(telemetry.subscribe_armed(), bool)
+        await first(telemetry.subscribe_flight_mode(), lambda mode: mode == FlightMode.OFFBOARD)
+        start = (await first(telemetry.subscribe_position_velocity_ned(), lambda _: True)).position
+        await first(
+            telemetry.subscribe_position_velocity_ned(),
+            lambda now: (
+                math.hypot(now.position.north_m - start.north_m, now.position.east_m - start.east_m)
+                > 2.0
+            ),
+        )
+
+
+def test_the_mission_flies_on_a_simulator_started_separately(
+    run: Run, instance: int, tmp_path: Path
+) -> None:
+    """In real time, as with a real vehicle; the companion is there first."""
+    connect = f"udpin://127.0.0.1:{COMPANION + instance}"
+    companion = run(
+        *("companion", "run", SURVEILLANCE, "--connect", connect, "--log-dir", tmp_path)
+    )
+    companion.until_printed(f"waiting    for a vehicle on {connect}", START_S)
+    simulator = run("sitl", "-i", instance, "--scenario", SURVEILLANCE.with_suffix(".sim.yaml"))
+    assert companion.exit_code() == 0, companion.printed
+    assert sequence(tmp_path) == STORED.read_text(encoding="utf-8")
+    os.kill(simulator.pid, signal.SIGTERM)
+    assert simulator.exit_code(START_S) == 0
+
+
+# -- the end comes from outside --------------------------------------------------------------------
+
+
+@pytest.fixture
+def flying(run: Run, instance: int, tmp_path: Path) -> Command:
+    """A simulated flight on its way from A to B."""
+    companion = run(
+        *("companion", "sim", SURVEILLANCE, "--speed", 5, "-i", instance, "--log-dir", tmp_path)
+    )
+    companion.until_printed("at A")
+    return companion
+
+
+STOPS: dict[str, Callable[[int], None]] = {
+    "SIGINT to the process": lambda pid: os.kill(pid, signal.SIGINT),
+    "Ctrl-C in a terminal": lambda pid: os.killpg(pid, signal.SIGINT),
+    "SIGTERM": lambda pid: os.kill(pid, signal.SIGTERM),
+}
+
+
+@pytest.mark.parametrize("stop", STOPS)
+def test_a_stop_in_flight_lands(stop: str, flying: Command, instance: int, tmp_path: Path) -> None:
+    STOPS[stop](flying.pid)
+    assert flying.exit_code() == 0, flying.printed
+    ending = ["phase stopping as asked", "phase holding", "phase landing", "end stopped as asked"]
+    assert sequence(tmp_path).splitlines()[-4:] == ending
+    assert_no_simulator_is_left(instance)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_second_stop_ends_at_once(
+    number: signal.Signals, flying: Command, instance: int, tmp_path: Path
+) -> None:
+    os.kill(flying.pid, number)
+    flying.until_printed("once more to exit at once")
+    os.kill(flying.pid, number)
+    assert flying.exit_code(START_S) == 128 + signal.SIGINT, flying.printed
+    assert "Traceback" not in flying.printed
+    assert "end stopped as asked" not in sequence(tmp_path)
+    assert_no_simulator_is_left(instance)
+
+
+def test_no_vehicle_is_exit_code_4(run: Run, instance: int, tmp_path: Path) -> None:
+    connect = f"udpin://127.0.0.1:{COMPANION + instance}"
+    companion = run(
+        *("companion", "run", SURVEILLANCE, "--connect", connect),
+        *("--timeout", 1, "--log-dir", tmp_path),
+    )
+    assert companion.exit_code(START_S) == 4
+    assert f"no vehicle on {connect} after 1 s: nothing arrived" in companion.printed

@@ -1,0 +1,306 @@
+"""The paper's mission (Section V), from take-off to landing, in lockstep.
+
+The sequence of events is stored in tests/data/surveillance.events.txt: kind and text of each
+line of events.jsonl, without times. What is said of the vehicle here is the simulator's truth,
+never what telemetry or the companion believe.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import struct
+import subprocess
+import sys
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from lockstep import SETPOINT, World
+from pymavlink import mavutil
+
+from companion.acting.report import Report
+from companion.app import Companion
+from companion.errors import LinkTimeout
+from companion.geometry import Ned, horizontal_distance, is_in_polygon
+from companion.mission.model import Mission
+from companion.record.run_folder import RunFolder
+from sitl.flight.physics import FlightState
+from sitl.harness import fly_in_lockstep
+from sitl.link.routing import LinkName
+from sitl.simulation import Simulation
+from sitl.world.collision import VEHICLE_RADIUS_M
+
+SURVEILLANCE = Path(__file__).parents[2] / "missions" / "surveillance.yaml"
+STORED = Path(__file__).parents[1] / "data" / "surveillance.events.txt"
+START_UNIX_S = 1_700_000_000.0
+ON_BOARD = frozenset({LinkName.OFFBOARD})
+
+Event = dict[str, Any]
+
+
+@dataclass
+class Flown:
+    """A flight: its run folder, and the vehicle's true state at each tick."""
+
+    folder: Path
+    simulation: Simulation
+    exit_code: int = -1
+    truth: list[tuple[float, FlightState]] = field(default_factory=list)
+
+    @property
+    def events(self) -> list[Event]:
+        text = (self.folder / "events.jsonl").read_text(encoding="utf-8")
+        return [json.loads(line) for line in text.splitlines()]
+
+    @property
+    def sequence(self) -> str:
+        return sequence(self.events)
+
+    def time_of(self, text: str) -> float:
+        """Seconds since the run began at which something was first reported."""
+        return next(float(e["t_s"]) for e in self.events if e["text"].startswith(text))
+
+    def between(self, start_s: float, end_s: float) -> list[FlightState]:
+        return [state for now_s, state in self.truth if start_s <= now_s <= end_s]
+
+
+class Witness:
+    """A recorder that keeps the run folder, and what was true at each tick."""
+
+    def __init__(self, folder: RunFolder, flown: Flown) -> None:
+        self._folder = folder
+        self._flown = flown
+
+    def report(self, report: Report) -> None:
+        self._folder.report(report)
+
+    def packets(self, now_s: float, datagrams: list[bytes]) -> None:
+        self._folder.packets(now_s, datagrams)
+
+    def position(self, now_s: float, position: Ned) -> None:
+        self._folder.position(now_s, position)
+        self._flown.truth.append((now_s, self._flown.simulation.flight))
+
+
+def fly(mission: Mission, hall: World, seed: int, path: Path) -> Flown:
+    scenario, grid = hall
+    flown = Flown(path, Simulation(scenario, grid, seed=seed, links=ON_BOARD))
+    folder = RunFolder(path, mission, START_UNIX_S, lambda report: None)
+    companion = Companion(mission, Witness(folder, flown))
+    fly_in_lockstep(companion, flown.simulation)
+    folder.close()
+    flown.exit_code = companion.failure.exit_code if companion.failure else 0
+    return flown
+
+
+def sequence(events: list[Event]) -> str:
+    return "".join(f"{event['kind']} {event['text']}\n" for event in events)
+
+
+@pytest.fixture(scope="session")
+def flown(surveillance: Mission, hall: World, tmp_path_factory: pytest.TempPathFactory) -> Flown:
+    return fly(surveillance, hall, seed=0, path=tmp_path_factory.mktemp("seed0"))
+
+
+# -- what happens ----------------------------------------------------------------------------------
+
+
+def test_the_sequence_of_events_is_the_stored_one(flown: Flown) -> None:
+    assert flown.sequence == STORED.read_text(encoding="utf-8")
+
+
+def test_the_sequence_is_that_of_the_paper(flown: Flown) -> None:
+    """Section V, step by step; the stored file could be replaced by mistake, the paper not."""
+    told = [e["text"] for e in flown.events if e["kind"] not in ("phase", "plan", "lap")]
+    shortened = [text.partition(": ")[0] if text.startswith("replan") else text for text in told]
+    assert shortened == [
+        *("at A", "at B", "at C", "at A"),
+        *("target found", "replan 1", "at r1"),
+        *("upload(r1) failed: denied", "belief canUpload(r1) withdrawn", "replan 2", "at r2"),
+        *("upload(r2) done", "at Home", "task satisfied, landed"),
+    ]
+
+
+def test_each_of_the_two_replans_has_its_reason_and_its_plan(flown: Flown) -> None:
+    first, *replans = [e for e in flown.events if e["kind"] in ("plan", "replan")]
+    assert [action["action"] for action in first["loop"]] == [
+        "move(A, B)",
+        "move(B, C)",
+        "move(C, A)",
+    ]
+    assert [(e["reason"], [action["action"] for action in e["prefix"]]) for e in replans] == [
+        ("target found", ["move(here, r1)", "upload(r1)", "move(r1, Home)"]),
+        ("upload(r1) failed: denied", ["move(r1, r2)", "upload(r2)", "move(r2, Home)"]),
+    ]
+
+
+def test_the_target_is_found_on_the_second_way_from_a_to_b(
+    flown: Flown, surveillance: Mission
+) -> None:
+    events = [e for e in flown.events if e["kind"] in ("at", "event")]
+    assert [e["text"] for e in events[3:5]] == ["at A", "target found"]
+    found = flown.between(flown.time_of("target found"), math.inf)[0].position
+    for place in surveillance.places.values():
+        assert horizontal_distance(found, place.position) > place.radius_m
+
+
+def test_nothing_lies_between_the_upload_and_home(flown: Flown, surveillance: Mission) -> None:
+    """Not in the events, and not on the way: no region of another place is crossed."""
+    texts = [e["text"] for e in flown.events]
+    assert texts[texts.index("upload(r2) done") + 1] == "at Home"
+    way = flown.between(flown.time_of("upload(r2) done"), flown.time_of("at Home"))
+    for name in surveillance.places.keys() - {"r2", "Home"}:
+        place = surveillance.places[name]
+        nearest_m = min(horizontal_distance(s.position, place.position) for s in way)
+        assert nearest_m > place.radius_m, name
+
+
+def test_it_lands_at_home_with_the_motors_off(flown: Flown, surveillance: Mission) -> None:
+    assert flown.exit_code == 0
+    assert flown.events[-1]["exit_code"] == 0
+    _, last = flown.truth[-1]
+    assert horizontal_distance(last.position, surveillance.places["Home"].position) < 0.5
+    assert -last.position[2] < 0.05
+    assert not flown.simulation.is_armed
+
+
+# -- how it flies ----------------------------------------------------------------------------------
+
+
+def test_it_never_comes_near_a_wall(flown: Flown, hall: World) -> None:
+    _, grid = hall
+    assert grid is not None
+    assert flown.simulation.collisions == 0
+    clearance_m = min(grid.clearance_m(s.position[:2]) for _, s in flown.truth)
+    assert clearance_m >= VEHICLE_RADIUS_M
+
+
+def test_it_stays_within_the_limits(flown: Flown, surveillance: Mission) -> None:
+    limits = surveillance.limits
+    task = flown.between(flown.time_of("flying the task"), flown.time_of("landing"))
+    low_m, high_m = limits.up_m
+    assert all(low_m <= -s.position[2] <= high_m for s in task)
+    assert all(is_in_polygon(s.position, limits.fence) for s in task)
+
+
+def test_it_follows_its_setpoints(flown: Flown) -> None:
+    """Distance from the line through the setpoints; a replan en route is left out.
+
+    There the vehicle has to brake from its speed first, and the line begins where it was.
+    """
+    found_s = flown.time_of("target found")
+    task_s = (flown.time_of("flying the task"), flown.time_of("landing"))
+    line = setpoints(flown.folder / "flight.tlog")
+    flying = [(now_s, s) for now_s, s in flown.truth if task_s[0] <= now_s <= task_s[1]]
+    gaps = [(now_s, distance_to_line(s.position, line)) for now_s, s in flying]
+    settled = [gap_m for now_s, gap_m in gaps if not found_s <= now_s < found_s + 2.0]
+    assert max(settled) < 0.1
+    assert math.sqrt(sum(g * g for g in settled) / len(settled)) < 0.05
+    assert max(gap_m for _, gap_m in gaps) < 0.6  # braking from 2 m/s at 4 m/s2 takes 0.5 m
+
+
+def setpoints(tlog: Path) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """(n, 3) the positions in a recorded flight's setpoints, NED."""
+    log = mavutil.mavlink_connection(str(tlog))
+    found = []
+    while message := log.recv_match(type=SETPOINT):
+        found.append((message.x, message.y, message.z))
+    return np.array(found)
+
+
+def distance_to_line(point: Ned, line: np.ndarray[Any, np.dtype[np.float64]]) -> float:
+    """From a point to the nearest point of a polyline."""
+    start, leg = line[:-1], np.diff(line, axis=0)
+    length2 = np.maximum((leg**2).sum(axis=1), 1e-12)
+    share = np.clip(((np.array(point) - start) * leg).sum(axis=1) / length2, 0.0, 1.0)
+    return float(np.linalg.norm(start + share[:, None] * leg - point, axis=1).min())
+
+
+# -- what remains ----------------------------------------------------------------------------------
+
+
+def test_the_run_folder_is_complete(flown: Flown, surveillance: Mission) -> None:
+    folder = flown.folder
+    assert {path.name for path in folder.iterdir()} == {
+        *("mission.yaml", "events.jsonl", "flight.tlog", "flight.png"),
+        *("plan-0.json", "plan-1.json", "plan-2.json"),
+    }
+    assert (folder / "mission.yaml").read_text(encoding="utf-8") == surveillance.text
+    plans = [json.loads((folder / f"plan-{n}.json").read_text()) for n in range(3)]
+    assert [plan["number"] for plan in plans] == [0, 1, 2]
+    assert (folder / "flight.png").read_bytes().startswith(b"\x89PNG\r\n\x1a\n")
+
+
+def test_the_recording_covers_the_flight(flown: Flown) -> None:
+    """Read by pymavlink; each frame stands behind its time, big-endian microseconds."""
+    tlog = flown.folder / "flight.tlog"
+    (first_us,) = struct.unpack(">Q", tlog.read_bytes()[:8])
+    assert first_us == pytest.approx((START_UNIX_S + flown.events[0]["t_s"]) * 1e6, abs=1e3)
+    log = mavutil.mavlink_connection(str(tlog))
+    senders, last_s = set(), 0.0
+    while message := log.recv_match(type="HEARTBEAT"):
+        senders.add((message.get_srcSystem(), message.get_srcComponent()))
+        last_s = message._timestamp - START_UNIX_S
+    assert senders == {(1, 1), (1, 25), (1, 26), (1, 191)}
+    assert flown.events[-1]["t_s"] - last_s < 1.0
+
+
+# -- again -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_other_gusts_change_nothing_but_times(
+    seed: int, flown: Flown, surveillance: Mission, hall: World, tmp_path: Path
+) -> None:
+    again = fly(surveillance, hall, seed, tmp_path)
+    assert again.exit_code == 0
+    assert again.simulation.collisions == 0
+    assert again.sequence == flown.sequence
+    assert again.truth[-1] != flown.truth[-1]
+
+
+def test_equal_seeds_give_equal_bytes_in_every_process(
+    surveillance: Mission, hall: World, tmp_path: Path
+) -> None:
+    """Twice as a command, with other hashes of strings; and in this process."""
+    written = []
+    children = [
+        (tmp_path / hash_seed, start_command(tmp_path / hash_seed, hash_seed))
+        for hash_seed in ("1", "2")
+    ]
+    for log_dir, child in children:
+        printed, _ = child.communicate(timeout=120)
+        assert child.returncode == 0, printed
+        (folder,) = log_dir.iterdir()
+        written.append((folder / "events.jsonl").read_bytes())
+    here = fly(surveillance, hall, seed=7, path=tmp_path / "here")
+    written.append((here.folder / "events.jsonl").read_bytes())
+    assert written[0] == written[1] == written[2]
+
+
+def start_command(log_dir: Path, hash_seed: str) -> subprocess.Popen[str]:
+    command = [sys.executable, "-m", "companion", "sim", str(SURVEILLANCE), "--speed", "max"]
+    return subprocess.Popen(
+        [*command, "--seed", "7", "--log-dir", str(log_dir)],
+        env=os.environ | {"PYTHONHASHSEED": hash_seed},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+
+
+def test_a_vehicle_that_says_nothing_ends_the_wait(surveillance: Mission, hall: World) -> None:
+    class Nobody:
+        def report(self, report: Report) -> None: ...
+        def packets(self, now_s: float, datagrams: list[bytes]) -> None: ...
+        def position(self, now_s: float, position: Ned) -> None: ...
+
+    elsewhere = Simulation(*hall, seed=0, links=frozenset({LinkName.GCS}))
+    with pytest.raises(LinkTimeout, match="not heard in 3 s") as caught:
+        fly_in_lockstep(Companion(surveillance, Nobody()), elsewhere, timeout_s=3.0)
+    assert caught.value.exit_code == 4
+    assert elsewhere.flight.time_s == pytest.approx(3.0, abs=0.1)

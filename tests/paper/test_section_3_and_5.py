@@ -1,0 +1,273 @@
+"""Sections III and V: the mission of the paper, what it says happens, and its last claim.
+
+The mission is missions/surveillance.yaml as it is shipped; the vehicle is a point that obeys.
+Where we leave the paper (the history is kept, an event may restart a conjunct) the test says so.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import replace
+from unittest.mock import Mock
+
+import pytest
+from fakes import DONE, failed
+from rig import Rig
+from synthetic import command, event, mission, reading
+
+from companion.acting.executive import TaskStatus
+from companion.acting.task_state import TaskState
+from companion.ltl.formula import parse
+from companion.ltl.semantics import holds
+from companion.ltl.translate import translate
+from companion.mission.model import Mission, Signal
+from companion.motion.routes import RouteMap
+from companion.planning.domain import ground
+from companion.planning.lasso import Problem, word
+
+TARGET = (Signal("NAMED_VALUE_INT", "target", "value"), 1.0)
+SITES = ("Home", "A", "B", "C", "r1", "r2", "r3")
+UPLOAD_SITES = ("r1", "r2", "r3")
+PHI = """
+    G ((F at(A) | targetFound) & (F at(B) | targetFound) & (F at(C) | targetFound))
+  & G ((targetFound | targetReported) -> F targetReported)
+  & G (targetReported -> X at(Home))
+"""
+
+
+@pytest.fixture
+def rig(surveillance: Mission, surveillance_routes: RouteMap) -> Rig:
+    return Rig(surveillance, surveillance_routes)
+
+
+def fly_section_5(rig: Rig) -> Rig:
+    """The flight of Fig. 7: a target on the way to B for the second time, r1 refuses."""
+    rig.begin()
+    rig.vehicle.answers = [(2.0, failed("denied")), (1.0, DONE)]
+    rig.run_until("at A", times=2)
+    for _ in range(60):
+        rig.tick()
+    rig.tick(TARGET)
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED
+    return rig
+
+
+# -- Section V: the model --------------------------------------------------------------------------
+
+
+def test_the_initial_state_s0(rig: Rig) -> None:
+    """s0 = {at(Home), not targetFound} and canUpload(r) for each r; trans_ok is of Section IV-C."""
+    moves = {f"trans_ok({a}, {b})" for a, b in itertools.permutations(SITES, 2)}
+    uploads = {f"canUpload({r})" for r in UPLOAD_SITES}
+    assert rig.task.facts == {"at(Home)"}
+    assert rig.task.all_facts == {"at(Home)"} | uploads | moves
+
+
+def test_the_two_action_templates_and_their_instances(rig: Rig) -> None:
+    found = {a.name: a for a in rig.planner.model.actions}
+    moves = {f"move({a}, {b})" for a, b in itertools.permutations(SITES, 2)}
+    uploads = {f"upload({r})" for r in UPLOAD_SITES}
+    assert set(found) == moves | uploads | {"wait"}
+    move_ab, upload = found["move(A, B)"], found["upload(r1)"]
+    assert move_ab.requires - move_ab.assumes == {"at(A)"}
+    assert move_ab.adds == {"at(B)"}
+    assert move_ab.deletes == {"at(A)"}
+    assert upload.requires == {"at(r1)", "targetFound", "canUpload(r1)"}
+    assert upload.adds == {"targetReported"}
+    assert upload.deletes == frozenset()
+
+
+def test_the_task_is_the_paper_s_formula(surveillance: Mission) -> None:
+    """phi_search, phi_upload and phi_return, compared by what they say of words."""
+    whole = parse(PHI)
+    lines = list(surveillance.task.values())
+    facts = ["at(A)", "at(B)", "at(C)", "at(Home)", "targetFound", "targetReported"]
+    letters = [frozenset({f}) for f in facts] + [frozenset({"targetReported", "at(Home)"})]
+    for first, second, third in itertools.product(letters, repeat=3):
+        prefix, loop = [first], [second, third]
+        assert holds(whole, prefix, loop) == all(holds(line, prefix, loop) for line in lines)
+
+
+# -- Section V: what happens -----------------------------------------------------------------------
+
+
+def test_the_first_plan_cycles_among_a_b_and_c(rig: Rig) -> None:
+    rig.begin()
+    assert rig.texts == ["plan: move(Home, A), (move(A, B), move(B, C), move(C, A))^w"]
+
+
+def test_the_first_plan_satisfies_the_formula(rig: Rig) -> None:
+    rig.begin()
+    problem, _ = TaskState(rig.planner).problem()
+    assert rig.executive.lasso is not None
+    prefix, loop = word(problem, rig.executive.lasso)
+    assert holds(parse(PHI), [problem.facts, *prefix], loop)
+
+
+def test_the_simulation_of_figure_7(rig: Rig) -> None:
+    """(a) loops, (b) a target and so to r1, (c) r1 refuses and so to r2, and then home."""
+    assert fly_section_5(rig).texts == [
+        "plan: move(Home, A), (move(A, B), move(B, C), move(C, A))^w",
+        "at A",
+        "at B",
+        "at C",
+        "at A",
+        "lap 1 done",
+        "target found",
+        "replan 1: target found -> move(here, r1), upload(r1), move(r1, Home), (wait)^w",
+        "at r1",
+        "upload(r1) failed: denied",
+        "belief canUpload(r1) withdrawn",
+        "replan 2: upload(r1) failed: denied -> move(r1, r2), upload(r2), move(r2, Home), (wait)^w",
+        "at r2",
+        "upload(r2) done",
+        "at Home",
+    ]
+
+
+def test_home_is_next_after_the_upload_with_nothing_in_between(rig: Rig) -> None:
+    fly_section_5(rig)
+    _, histories = rig.task.problem()
+    letters = histories[-1]  # of phi_return, which nothing restarts
+    reported = next(i for i, letter in enumerate(letters) if "targetReported" in letter)
+    assert "at(r2)" in letters[reported]
+    assert all("at(Home)" in letter for letter in letters[reported + 1 :])
+    assert len(letters) > reported + 1
+
+
+def test_the_word_that_was_flown_satisfies_what_was_never_restarted(rig: Rig) -> None:
+    fly_section_5(rig)
+    _, histories = rig.task.problem()
+    for conjunct, letters in zip(rig.planner.conjuncts, histories, strict=True):
+        assert holds(conjunct.formula, letters[:-1], letters[-1:])
+
+
+def test_a_refused_site_is_not_tried_again(rig: Rig) -> None:
+    rig.begin()
+    rig.vehicle.answers = [(1.0, failed("denied")), (1.0, failed("denied")), (1.0, DONE)]
+    rig.run_until("at A")
+    rig.tick(TARGET)
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED
+    assert [t for t in rig.texts if t.startswith("upload")] == [
+        "upload(r1) failed: denied",
+        "upload(r2) failed: denied",
+        "upload(r3) done",
+    ]
+    assert rig.executive.replans == 3
+
+
+def test_when_all_sites_refuse_there_is_no_plan_and_each_is_to_blame(rig: Rig) -> None:
+    rig.begin()
+    rig.vehicle.answers = [(1.0, failed("denied"))] * 3
+    rig.tick(TARGET)
+    assert rig.run_to_the_end() is TaskStatus.NO_PLAN
+    last = rig.texts[-1]
+    assert "no plan: upload cannot hold from here." in last
+    assert "with canUpload(r1) or canUpload(r2) or canUpload(r3) there would be a plan" in last
+
+
+# -- Sections III-C and V: only the initial state is modified --------------------------------------
+
+
+def test_nothing_but_the_initial_state_changes_in_flight(
+    surveillance: Mission, surveillance_routes: RouteMap, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each conjunct is translated once, and skills are grounded once, over the whole flight."""
+    translated, grounded = Mock(wraps=translate), Mock(wraps=ground)
+    monkeypatch.setattr("companion.planning.planner.translate", translated)
+    monkeypatch.setattr("companion.planning.planner.ground", grounded)
+    rig = Rig(surveillance, surveillance_routes)
+    automata = [conjunct.automaton for conjunct in rig.planner.conjuncts]
+    actions = rig.planner.model.actions
+    planned = Mock(wraps=rig.planner.plan)
+    monkeypatch.setattr(rig.planner, "plan", planned)
+    fly_section_5(rig)
+
+    problems: list[Problem] = [call.args[0] for call in planned.call_args_list]
+    assert len(problems) == 3
+    assert translated.call_count == len(automata) == 5
+    assert grounded.call_count == 1
+    for problem in problems:
+        assert problem.conjuncts is rig.planner.conjuncts
+        assert all(c.automaton is a for c, a in zip(problem.conjuncts, automata, strict=True))
+        own = problem.actions[-len(actions) :]
+        assert all(a is b for a, b in zip(own, actions, strict=True))
+    departures = [len(problem.actions) - len(actions) for problem in problems]
+    assert departures == [0, len(SITES), 0]  # moves from here, en route alone
+
+
+def test_a_replan_s_initial_state_is_what_was_observed(rig: Rig) -> None:
+    fly_section_5(rig)
+    assert rig.task.withdrawn == {"canUpload(r1)"}
+    assert rig.task.facts == {"at(Home)", "targetFound", "targetReported"}
+
+
+# -- Section III: words and replanning -------------------------------------------------------------
+
+
+def test_an_interrupted_skill_appends_no_position() -> None:
+    """The event on the way does not break X: what is next is the next place that is reached."""
+    found = event("found")
+    task = {"first": "X (at(A) | at(B))", "then": "F at(A) & (G !found | F at(B))"}
+    rig = Rig(mission(task, events=[found])).begin()
+    for _ in range(20):
+        rig.tick()
+    rig.tick(reading("found"))
+    assert rig.executive.replans == 1
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED
+    _, (first, *_) = rig.task.problem()
+    places = [sorted(f for f in letter if f.startswith("at(")) for letter in first]
+    assert places[:3] == [["at(H)"], ["at(A)"], ["at(B)"]]
+
+
+def test_a_change_that_does_not_matter_changes_nothing() -> None:
+    """Section III-B replans when the state differs from the predicted one; we ask what of it."""
+    lamp, found = event("lamp"), event("found")
+    task = "G F at(A) & G F at(B) & G (found -> F at(H))"
+    calm = Rig(mission(task, events=[lamp, found])).begin()
+    disturbed = Rig(mission(task, events=[lamp, found])).begin()
+    for i in range(400):
+        calm.tick()
+        disturbed.tick(reading("lamp", i // 7 % 2))
+    assert disturbed.executive.replans == 0
+    assert disturbed.vehicle.flown == calm.vehicle.flown
+    disturbed.tick(reading("found"))
+    assert disturbed.executive.replans == 1
+
+
+def test_what_was_visited_is_not_visited_again() -> None:
+    """The history is kept, where the paper starts from the automaton's initial states."""
+    skills = [
+        command("at_b", "at(B)", "done"),
+        command("at_h", "at(H)", "done", cost_s=60.0),
+    ]
+    task = {"visit": "F (at(A) & F at(B))", "report": "F done"}
+    rig = Rig(mission(task, skills=skills)).begin()
+    rig.vehicle.answers = [(1.0, failed("denied")), (1.0, DONE)]
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED
+    assert rig.executive.replans == 1
+    assert rig.of_kind("at") == ["at A", "at B", "at H"]
+
+
+def test_without_its_history_the_planner_would_visit_it_again() -> None:
+    """The other half of the argument: from the initial states, A is still to be visited at B."""
+    rig = Rig(mission("F (at(A) & F at(B))")).begin()
+    rig.run_until("at B")
+    forgetful = TaskState(rig.planner)
+    forgetful.facts = frozenset({"at(B)"})
+    assert str(rig.planner.plan(*rig.task.problem())) == "(wait)^w"
+    again = "move(B, A), move(A, B), (wait)^w"
+    assert str(rig.planner.plan(*forgetful.problem())) == again
+
+
+def test_an_event_may_restart_a_conjunct(surveillance: Mission, rig: Rig) -> None:
+    """The mission file says which: else the sites that search still demanded came first."""
+    kept_events = {n: replace(e, restarts=frozenset()) for n, e in surveillance.events.items()}
+    strict = Rig(replace(surveillance, events=kept_events), rig.flight.routes)
+    for asked in (strict, rig):
+        asked.begin()
+        asked.run_until("at A")
+        asked.tick(TARGET)
+    first_goals = [str(asked.executive.lasso).split(",")[1] for asked in (strict, rig)]
+    assert first_goals[1] == " r1)"
+    assert first_goals[0] in (" B)", " C)")

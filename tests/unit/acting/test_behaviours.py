@@ -1,0 +1,317 @@
+"""Each leaf by itself: what it asks of the vehicle, when it ends, and what it says then."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from fakes import DONE, RUNNING, FakeVehicle, failed
+from py_trees.behaviour import Behaviour
+from py_trees.common import Status
+from rig import Rig
+from synthetic import PAYLOAD, POSITIONS, USER_1, command, event, mission, move
+
+from companion.acting.behaviours import (
+    ARRIVAL_M,
+    ARRIVAL_TIMEOUT_S,
+    LAG_M,
+    AsPredicted,
+    Effects,
+    MoveCommand,
+    Precondition,
+    Rest,
+    SendCommand,
+    UpdateParam,
+    Withdraw,
+)
+from companion.acting.flight import TICK_S
+from companion.app import route_map
+from companion.geometry import distance
+from companion.mission.model import Command
+from companion.motion.grid import OccupancyGrid
+from companion.planning.domain import WAIT, Action
+from companion.vehicle.port import hold_at
+
+ASK = Command(PAYLOAD, USER_1, "MAV_CMD_USER_1", (1.5, -2.0))
+
+
+def a_rig(**fields: object) -> Rig:
+    found = [event("found")]
+    skills = [move(), command("do", "at(H)", "done")]
+    return Rig(replace(mission("F done", skills=skills, events=found), **fields))  # type: ignore[arg-type]
+
+
+def action(rig: Rig, name: str) -> Action:
+    return next(a for a in rig.planner.model.actions if a.name == name)
+
+
+def tick(rig: Rig, leaf: Behaviour) -> Status:
+    rig.pass_time()
+    leaf.tick_once()
+    return leaf.status
+
+
+def later(rig: Rig) -> float:
+    """Some time passes, so that no time counted from the start is counted from zero."""
+    for _ in range(70):
+        rig.pass_time()
+    return rig.flight.now_s
+
+
+def run(rig: Rig, leaf: Behaviour, limit_s: float = 60.0) -> Status:
+    """Ticks a leaf until it has ended."""
+    for _ in range(round(limit_s / TICK_S)):
+        if tick(rig, leaf) is not Status.RUNNING:
+            return leaf.status
+    raise AssertionError(f"still running after {limit_s:.0f} s")
+
+
+def walled_in(place: str) -> OccupancyGrid:
+    """The room with walls around a place, which itself is free."""
+    occupied = np.zeros((20, 20), dtype=np.bool_)
+    north, east, _ = POSITIONS[place]
+    row, col = round((north + 2) / 0.5), round((east + 2) / 0.5)
+    occupied[max(row - 3, 0) : row + 4, max(col - 3, 0) : col + 4] = True
+    occupied[max(row - 2, 0) : row + 3, max(col - 2, 0) : col + 3] = False
+    return OccupancyGrid(occupied, 0.5, (-2.0, -2.0))
+
+
+# -- conditions and effects ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("predicted", [True, False])
+@pytest.mark.parametrize("present", [True, False])
+def test_as_predicted_compares_each_event(predicted: bool, present: bool) -> None:
+    rig = a_rig()
+    rig.task.take(event("found"), present)
+    leaf = AsPredicted(rig.flight, {"found": predicted})
+    expected = Status.SUCCESS if predicted == present else Status.FAILURE
+    assert tick(rig, leaf) is expected
+    assert leaf.feedback_message == ("" if predicted == present else "found")
+
+
+def test_a_precondition_that_holds_leaves_the_position() -> None:
+    rig = a_rig()
+    assert tick(rig, Precondition(rig.flight, action(rig, "do"))) is Status.SUCCESS
+    assert rig.task.positions == 1
+    assert rig.task.running is action(rig, "do")
+
+
+def test_a_precondition_that_does_not_hold_names_what_is_missing() -> None:
+    rig = a_rig()
+    rig.task.withdraw(frozenset({"trans_ok(A, B)"}))
+    assert tick(rig, Precondition(rig.flight, action(rig, "move(A, B)"))) is Status.FAILURE
+    assert rig.flight.failure == "at(A), trans_ok(A, B) does not allow it"
+    assert rig.task.positions == 0
+
+
+def test_a_forbidden_fact_does_not_allow_it() -> None:
+    rig = Rig(mission("F done", skills=[command("do", "!at(H)", "done")]))
+    assert tick(rig, Precondition(rig.flight, action(rig, "do"))) is Status.FAILURE
+    assert rig.flight.failure == "a forbidden fact does not allow it"
+
+
+@pytest.mark.parametrize(
+    ("name", "reports"),
+    [("move(H, A)", [("at", "at A")]), ("do", [("done", "do done")]), ("wait", [])],
+)
+def test_effects_are_taken_over_and_reported(name: str, reports: list[tuple[str, str]]) -> None:
+    rig = a_rig()
+    done = action(rig, name)
+    rig.task.begin(done)
+    assert tick(rig, Effects(rig.flight, done, ends_lap=False)) is Status.SUCCESS
+    assert rig.task.facts == done.apply(frozenset({"at(H)"}))
+    assert [(r.kind, r.text) for r in rig.flight.reports] == reports
+    assert rig.flight.laps == 0
+
+
+def test_the_last_effects_of_a_lap_count_it_and_rest_is_not_worth_a_word() -> None:
+    rig = a_rig()
+    tick(rig, Effects(rig.flight, action(rig, "do"), ends_lap=True))
+    tick(rig, Effects(rig.flight, WAIT, ends_lap=True))
+    assert rig.flight.laps == 2
+    assert [r.text for r in rig.flight.reports] == ["do done", "lap 1 done"]
+
+
+def test_withdraw_gives_up_what_was_assumed_and_says_why() -> None:
+    rig = a_rig()
+    rig.flight.failure = "denied"
+    assert tick(rig, Withdraw(rig.flight, action(rig, "do"))) is Status.SUCCESS
+    assert rig.task.withdrawn == {"can_do"}
+    assert [(r.kind, r.text) for r in rig.flight.reports] == [
+        ("failed", "do failed: denied"),
+        ("withdrawn", "belief can_do withdrawn"),
+    ]
+    assert rig.flight.failure == "do failed: denied"
+
+
+# -- update_param and move_cmd ---------------------------------------------------------------------
+
+
+def test_a_place_that_is_free_grounds_its_symbol() -> None:
+    rig = a_rig()
+    assert tick(rig, UpdateParam(rig.flight, "A")) is Status.SUCCESS
+
+
+def test_a_place_that_is_not_free_does_not() -> None:
+    rig = a_rig()
+    occupied = np.zeros((20, 20), dtype=np.bool_)
+    occupied[16, 4] = True  # the cell at A
+    rig.flight.routes = route_map(
+        replace(rig.mission, grid=OccupancyGrid(occupied, 0.5, (-2.0, -2.0)))
+    )
+    assert tick(rig, UpdateParam(rig.flight, "A")) is Status.FAILURE
+    assert rig.flight.failure == "A is not free"
+
+
+def test_a_move_starts_where_the_vehicle_is_and_ends_at_the_place() -> None:
+    """`c` of move_cmd(c, w) is always the present state, also off the place it is said to be."""
+    rig = a_rig()
+    rig.vehicle.change(position=(2.0, 1.0, -1.5))
+    assert run(rig, MoveCommand(rig.flight, "A", None)) is Status.SUCCESS
+    first, last = rig.vehicle.flown[0], rig.vehicle.flown[-1]
+    assert first is not None and distance(first.position, (2.0, 1.0, -1.5)) < 1e-9
+    assert last is not None and last.position == POSITIONS["A"]
+    assert rig.vehicle.state is not None
+    assert distance(rig.vehicle.state.position, POSITIONS["A"]) < ARRIVAL_M
+
+
+def test_a_move_sends_one_setpoint_per_tick_within_the_speed_limit() -> None:
+    rig = a_rig()
+    leaf = MoveCommand(rig.flight, "A", None)
+    ticks = 0
+    while tick(rig, leaf) is Status.RUNNING:
+        ticks += 1
+        assert len(rig.vehicle.flown) == ticks
+    for setpoint in rig.vehicle.flown:
+        assert setpoint is not None
+        assert np.linalg.norm(setpoint.velocity) <= rig.mission.limits.speed_mps + 1e-9
+
+
+@pytest.mark.parametrize("why", ["no way", "no state"])
+def test_without_a_route_a_move_fails(why: str) -> None:
+    rig = a_rig()
+    if why == "no way":
+        rig.flight.routes = route_map(replace(rig.mission, grid=walled_in("A")))
+    else:
+        rig.vehicle.state = None
+    assert tick(rig, MoveCommand(rig.flight, "A", None)) is Status.FAILURE
+    assert rig.flight.failure == "no clear route to A"
+
+
+def test_the_setpoint_waits_for_a_vehicle_that_falls_behind() -> None:
+    """Otherwise it would run out of the gate's reach, and the gate would hold."""
+    rig = a_rig()
+    rig.vehicle.is_stuck = True
+    leaf = MoveCommand(rig.flight, "A", None)
+    for _ in range(200):
+        assert tick(rig, leaf) is Status.RUNNING
+    assert rig.vehicle.setpoint is not None and rig.vehicle.state is not None
+    gap_m = distance(rig.vehicle.setpoint.position, rig.vehicle.state.position)
+    assert LAG_M <= gap_m <= LAG_M + rig.mission.limits.speed_mps * TICK_S
+    rig.vehicle.is_stuck = False
+    assert run(rig, leaf) is Status.SUCCESS
+
+
+def test_a_vehicle_that_settles_beside_the_place_has_not_arrived() -> None:
+    rig = a_rig()
+    rig.vehicle.drift = (0.0, 0.5, 0.0)
+    assert run(rig, MoveCommand(rig.flight, "A", None)) is Status.FAILURE
+    assert rig.flight.failure == "still 0.5 m from A"
+    flown_s = len(rig.vehicle.flown) * TICK_S
+    assert ARRIVAL_TIMEOUT_S < flown_s < ARRIVAL_TIMEOUT_S + 6.0
+
+
+def test_a_vehicle_that_settles_near_enough_has() -> None:
+    rig = a_rig()
+    rig.vehicle.drift = (0.0, 0.9 * ARRIVAL_M, 0.0)
+    assert run(rig, MoveCommand(rig.flight, "A", None)) is Status.SUCCESS
+
+
+def test_a_move_ends_at_its_timeout_and_holds() -> None:
+    rig = a_rig()
+    start_s = later(rig)
+    assert run(rig, MoveCommand(rig.flight, "A", timeout_s=1.0)) is Status.FAILURE
+    assert rig.flight.failure == "not there after 1 s"
+    assert rig.flight.now_s - start_s == pytest.approx(1.0, abs=3 * TICK_S)
+    assert rig.vehicle.setpoint is not None
+    assert rig.vehicle.setpoint.velocity == (0.0, 0.0, 0.0)
+
+
+def test_an_interrupted_move_holds_where_its_setpoint_was() -> None:
+    rig = a_rig()
+    leaf = MoveCommand(rig.flight, "A", None)
+    for _ in range(40):
+        tick(rig, leaf)
+    moving = rig.vehicle.setpoint
+    assert moving is not None and moving.velocity != (0.0, 0.0, 0.0)
+    leaf.stop(Status.INVALID)
+    assert rig.vehicle.setpoint == hold_at(moving.position, moving.yaw_rad)
+
+
+def test_a_move_that_has_ended_is_not_held_again() -> None:
+    rig = a_rig()
+    leaf = MoveCommand(rig.flight, "A", None)
+    run(rig, leaf)
+    flown = len(rig.vehicle.flown)
+    leaf.stop(Status.INVALID)
+    assert len(rig.vehicle.flown) == flown
+
+
+# -- commands and rest -----------------------------------------------------------------------------
+
+
+def test_a_command_is_sent_once_and_waited_for_on_hold() -> None:
+    rig = a_rig()
+    rig.vehicle.answers = [(1.0, DONE)]
+    leaf = SendCommand(rig.flight, ASK, None)
+    assert run(rig, leaf) is Status.SUCCESS
+    assert rig.vehicle.sent == [(PAYLOAD, USER_1, (1.5, -2.0))]
+    assert rig.vehicle.forgotten == [1]
+    at_home = hold_at(POSITIONS["H"], 0.0)
+    assert set(rig.vehicle.flown) == {at_home}
+    assert rig.flight.now_s == pytest.approx(1.0, abs=1.5 * TICK_S)
+
+
+def test_a_refused_command_fails_with_the_answer() -> None:
+    rig = a_rig()
+    rig.vehicle.answers = [(0.0, failed("denied"))]
+    assert tick(rig, SendCommand(rig.flight, ASK, None)) is Status.FAILURE
+    assert rig.flight.failure == "denied"
+
+
+def test_a_command_without_a_final_answer_fails_at_its_timeout() -> None:
+    rig = a_rig()
+    rig.vehicle.answers = [(0.0, RUNNING)]
+    start_s = later(rig)
+    assert run(rig, SendCommand(rig.flight, ASK, timeout_s=3.0)) is Status.FAILURE
+    assert rig.flight.failure == "no final answer in 3 s"
+    assert rig.flight.now_s - start_s == pytest.approx(3.0, abs=3 * TICK_S)
+    assert rig.vehicle.forgotten == [1]
+
+
+def test_an_interrupted_command_is_not_asked_for_any_longer() -> None:
+    rig = a_rig()
+    rig.vehicle.answers = [(9.0, DONE)]
+    leaf = SendCommand(rig.flight, ASK, None)
+    assert tick(rig, leaf) is Status.RUNNING
+    leaf.stop(Status.INVALID)
+    leaf.stop(Status.INVALID)
+    assert rig.vehicle.forgotten == [1]
+
+
+def test_rest_holds_for_its_time() -> None:
+    rig = a_rig()
+    start_s = later(rig)
+    assert run(rig, Rest(rig.flight, 2.0)) is Status.SUCCESS
+    assert rig.flight.now_s - start_s == pytest.approx(2.0, abs=2 * TICK_S)
+    assert set(rig.vehicle.flown) == {hold_at(POSITIONS["H"], 0.0)}
+
+
+def test_nothing_is_flown_while_no_position_is_known() -> None:
+    vehicle = FakeVehicle()
+    vehicle.state = None
+    rig = Rig(mission("F at(A)"), vehicle=vehicle)
+    rig.flight.hold()
+    assert vehicle.flown == []

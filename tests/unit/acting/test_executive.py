@@ -1,0 +1,202 @@
+"""When the executive plans again, from where, and when it gives up."""
+
+from __future__ import annotations
+
+import pytest
+from fakes import DONE, RUNNING, failed
+from rig import Rig
+from synthetic import POSITIONS, command, event, mission, move, reading
+
+from companion.acting.executive import MAX_IDLE_REPLANS, TaskStatus
+from companion.errors import NoPlanError
+from companion.geometry import distance
+from companion.mission.model import Event, Mission
+from companion.vehicle.port import hold_at
+
+FOUND, LOW = event("found"), event("low")
+
+
+def search_and_report(*events: Event) -> Mission:
+    """Patrol A and B until the target is found; report it from where one is."""
+    return mission(
+        {
+            "search": "G (F at(A) | found) & G (F at(B) | found)",
+            "report": "G (found -> F reported)",
+        },
+        skills=[command("report", "found", "reported")],
+        events=events or [FOUND],
+    )
+
+
+def test_the_first_plan_is_reported_with_its_number() -> None:
+    rig = Rig(mission("F at(A)")).begin()
+    (report,) = rig.reports
+    assert (report.kind, report.text) == ("plan", "plan: move(H, A), (wait)^w")
+    assert report.data["number"] == 0
+    assert report.data["loop"] == [{"action": "wait", "cost_s": 1.0}]
+
+
+def test_no_first_plan_is_an_error() -> None:
+    with pytest.raises(NoPlanError, match="task cannot hold"):
+        Rig(mission("G at(H) & X at(A)")).begin()
+
+
+def test_a_plan_that_ends_at_rest_satisfies_the_task_when_the_rest_is_reached() -> None:
+    rig = Rig(mission("F at(A)")).begin()
+    rig.run_until("at A")
+    assert rig.executive.status is TaskStatus.RUNNING
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED
+    assert rig.executive.replans == 0
+
+
+def test_a_loop_goes_on() -> None:
+    rig = Rig(mission("G F at(A) & G F at(B)")).begin()
+    rig.run_until("lap 3 done")
+    assert rig.executive.status is TaskStatus.RUNNING
+    assert rig.executive.replans == 0
+    assert len(rig.plans) == 1
+
+
+def test_an_event_that_the_task_mentions_replans_in_the_same_tick() -> None:
+    rig = Rig(search_and_report()).begin()
+    rig.run_until("at A")
+    for _ in range(20):
+        rig.tick()
+    rig.tick(reading("found"))
+    assert rig.texts[-2] == "found"
+    assert rig.texts[-1].startswith("replan 1: found -> ")
+    assert rig.reports[-1].data["number"] == 1
+    assert rig.reports[-1].data["reason"] == "found"
+
+
+def test_an_interrupted_flight_goes_on_from_where_the_vehicle_is() -> None:
+    rig = Rig(mission("F at(A) | F found", events=[FOUND, LOW])).begin()
+    for _ in range(30):
+        rig.tick()
+    rig.tick(reading("found"))
+    assert rig.task.facts == {"at(here)", "found"}
+    assert rig.vehicle.state is not None
+    here = rig.vehicle.state.position
+    assert POSITIONS["H"] != here != POSITIONS["A"]
+    assert rig.vehicle.setpoint is not None
+    assert rig.vehicle.setpoint == hold_at(rig.vehicle.setpoint.position, 0.0)
+    assert distance(rig.vehicle.setpoint.position, here) < 0.2
+
+
+def test_an_event_that_only_a_precondition_mentions_replans() -> None:
+    careful = command("report", "!low", "reported")
+    rig = Rig(mission("F reported", skills=[careful], events=[LOW])).begin()
+    rig.vehicle.answers = [(5.0, DONE)]
+    rig.tick()
+    rig.tick(reading("low"))
+    assert rig.executive.status is TaskStatus.NO_PLAN
+    assert rig.of_kind("replan")[0].startswith("replan 1: low: no plan: task cannot hold")
+
+
+def test_an_event_that_nothing_mentions_is_reported_and_does_not_replan() -> None:
+    rig = Rig(search_and_report(FOUND, LOW)).begin()
+    for _ in range(10):
+        rig.tick()
+    for value in (1.0, 0.0, 1.0):
+        rig.tick(reading("low", value))
+    assert rig.of_kind("event") == ["low", "no longer low", "low"]
+    assert rig.of_kind("replan") == []
+    rig.run_until("lap 1 done")
+    assert len(rig.plans) == 1
+
+
+def test_a_name_in_camel_case_is_read_as_words() -> None:
+    rig = Rig(mission("F at(A)", events=[event("siteIsWet")])).begin()
+    rig.tick(reading("siteIsWet"))
+    assert rig.of_kind("event") == ["site is wet"]
+
+
+def test_a_failed_skill_replans_without_its_belief() -> None:
+    """Two skills do the same; the cheaper one fails, so the other one is taken."""
+    skills = [
+        command("cheap", "at(H)", "done", cost_s=3.0),
+        command("dear", "at(H)", "done", cost_s=9.0),
+    ]
+    rig = Rig(mission("F done", skills=skills)).begin()
+    rig.vehicle.answers = [(1.0, failed("denied")), (1.0, DONE)]
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED
+    assert rig.texts == [
+        "plan: cheap, (wait)^w",
+        "cheap failed: denied",
+        "belief can_cheap withdrawn",
+        "replan 1: cheap failed: denied -> dear, (wait)^w",
+        "dear done",
+    ]
+
+
+def test_no_plan_says_which_belief_is_to_blame() -> None:
+    rig = Rig(mission("F done", skills=[command("do", "at(H)", "done")])).begin()
+    rig.vehicle.answers = [(0.0, failed("denied"))]
+    assert rig.run_to_the_end() is TaskStatus.NO_PLAN
+    assert "with can_do there would be a plan" in rig.texts[-1]
+
+
+def test_the_vehicle_holds_where_no_plan_is_left() -> None:
+    rig = Rig(mission("F done", skills=[command("do", "at(H)", "done")])).begin()
+    rig.vehicle.answers = [(0.0, failed("denied"))]
+    rig.run_to_the_end()
+    assert rig.vehicle.setpoint == hold_at(POSITIONS["H"], 0.0)
+
+
+def test_a_flapping_event_ends_in_no_plan_and_not_in_replans_for_ever() -> None:
+    rig = Rig(mission("F at(A) & (F at(B) | G found)", events=[FOUND])).begin()
+    rig.tick()
+    value = 1.0
+    for _ in range(50):
+        if rig.executive.status is TaskStatus.NO_PLAN:
+            break
+        rig.tick(reading("found", value))
+        value = 1.0 - value
+    assert rig.executive.status is TaskStatus.NO_PLAN
+    assert "5 plans in a row led nowhere" in rig.texts[-1]
+    # The first one left position 0 behind, so it is not one of them.
+    assert rig.executive.replans == MAX_IDLE_REPLANS + 2
+
+
+def test_a_position_between_two_replans_shows_that_they_led_somewhere() -> None:
+    rig = Rig(mission("G F at(A) & G F at(B) & (F found | G F at(A))", events=[FOUND])).begin()
+    value = 1.0
+    for arrival in range(1, 3 * MAX_IDLE_REPLANS):
+        rig.run(lambda arrival=arrival: len(rig.of_kind("at")) >= arrival)  # type: ignore[misc]
+        for _ in range(10):
+            rig.tick()
+        rig.tick(reading("found", value))
+        value = 1.0 - value
+    assert rig.executive.replans > 2 * MAX_IDLE_REPLANS
+    assert rig.executive.status is TaskStatus.RUNNING
+
+
+def test_a_last_resort_flies_to_a_place_and_rests() -> None:
+    rig = Rig(mission("F done", skills=[command("do", "at(A)", "done")])).begin()
+    rig.vehicle.answers = [(0.0, failed("denied"))]
+    assert rig.run_to_the_end() is TaskStatus.NO_PLAN
+    assert rig.executive.go_to("H")
+    assert str(rig.executive.lasso) == "move(here, H), (wait)^w"
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED
+    assert rig.task.facts == {"at(H)"}
+
+
+def test_a_last_resort_does_not_ask_for_beliefs() -> None:
+    rig = Rig(mission("F at(A)")).begin()
+    rig.task.withdraw(frozenset({"trans_ok(here, B)"}))
+    assert rig.executive.go_to("B")
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED
+
+
+def test_a_last_resort_needs_a_skill_that_flies_there() -> None:
+    rig = Rig(mission("F at(A)", skills=[move(precondition="!at(nowhere)")])).begin()
+    assert not rig.executive.go_to("B")
+
+
+def test_stop_interrupts_the_skill_under_way() -> None:
+    rig = Rig(mission("F done", skills=[command("do", "at(H)", "done")])).begin()
+    rig.vehicle.answers = [(0.0, RUNNING)]
+    rig.tick()
+    rig.executive.stop()
+    assert rig.vehicle.forgotten == [1]
+    assert rig.vehicle.setpoint == hold_at(POSITIONS["H"], 0.0)

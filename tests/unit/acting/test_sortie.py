@@ -1,0 +1,359 @@
+"""From the ground to the ground: the table of phases, and what comes before the table."""
+
+from __future__ import annotations
+
+import pytest
+from fakes import RUNNING, FakeVehicle, failed
+from rig import Rig
+from synthetic import command, event, mission, reading
+
+from companion.acting.sortie import ANSWER_TIMEOUT_S, LINK_LOST_S, STEPS, Phase, Sortie
+from companion.app import home_of
+from companion.errors import Aborted, LinkError, NoPlanError
+from companion.mission.model import Mission, Otherwise, Signal
+from companion.vehicle.port import Goal, Mode
+
+NEVER = (1e9, RUNNING)
+NO_WAY_OUT = command("do", "at(A)", "done")
+"""When it is refused at A, "F done" has no plan any longer."""
+
+
+class Run:
+    """A sortie with a FakeVehicle that stands at home."""
+
+    def __init__(self, asked: Mission | None = None, accepts_weak: bool = False) -> None:
+        self.vehicle = FakeVehicle()
+        self.rig = Rig(asked or mission("F at(A)"), vehicle=self.vehicle)
+        asked = self.rig.mission
+        self.sortie = Sortie(
+            self.rig.flight, self.rig.executive, home_of(asked), asked.otherwise, accepts_weak
+        )
+
+    def step(self, *readings: tuple[Signal, float]) -> None:
+        self.rig.pass_time()
+        self.sortie.step(self.rig.flight.now_s, readings)
+
+    def until(self, phase: Phase, limit_s: float = 60.0) -> Run:
+        for _ in range(round(limit_s * 20)):
+            if self.sortie.phase is phase:
+                return self
+            self.step()
+        raise AssertionError(f"not {phase} but {self.sortie.phase}: {self.texts}")
+
+    @property
+    def texts(self) -> list[str]:
+        return [report.text for report in self.rig.flight.reports]
+
+    @property
+    def end(self) -> tuple[str, object]:
+        """Text and exit code of the last report, which is that of the end."""
+        report = self.rig.flight.reports[-1]
+        assert report.kind == "end" and self.sortie.has_ended
+        return report.text, report.data["exit_code"]
+
+
+def test_a_sortie_that_goes_well() -> None:
+    run = Run().until(Phase.ENDED)
+    assert run.texts == [
+        "plan: move(H, A), (wait)^w",
+        "checking the autopilot's failsafes",
+        "arming",
+        "taking off",
+        "entering OFFBOARD",
+        "flying the task",
+        "at A",
+        "landing",
+        "task satisfied, landed",
+    ]
+    assert run.vehicle.pursued == [Goal.ARMED, Goal.AIRBORNE, Goal.OFFBOARD, Goal.LANDED]
+    assert run.end == ("task satisfied, landed", 0)
+    assert run.sortie.failure is None
+
+
+def test_setpoints_are_streamed_before_offboard_is_entered() -> None:
+    """PX4 refuses OFFBOARD without them; and they hold the vehicle where it is."""
+    run = Run()
+    run.vehicle.script[Goal.OFFBOARD] = (2.0, failed("denied"))
+    run.until(Phase.OFFBOARD)
+    assert run.vehicle.flown == []
+    for _ in range(10):
+        run.step()
+    assert run.vehicle.setpoint is not None and run.vehicle.state is not None
+    assert run.vehicle.setpoint.position == run.vehicle.state.position
+    assert run.vehicle.setpoint.velocity == (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("phase", [Phase.ARMING, Phase.TAKE_OFF, Phase.OFFBOARD])
+def test_a_goal_that_fails_is_followed_by_what_the_table_says(phase: Phase) -> None:
+    run = Run()
+    run.vehicle.script[STEPS[phase].goal] = (1.0, failed("not there: denied"))
+    run.until(phase)
+    run.until(STEPS[phase].if_failed)
+    assert "not there: denied" in run.texts
+    run.until(Phase.ENDED)
+    assert run.end == ("not there: denied", Aborted.exit_code)
+    assert run.vehicle.setpoint is None
+
+
+def test_a_landing_that_fails_leaves_the_failure_and_ends() -> None:
+    run = Run()
+    run.vehicle.script[Goal.LANDED] = (1.0, failed("not landed"))
+    run.until(Phase.ENDED)
+    assert run.end == ("not landed", Aborted.exit_code)
+
+
+def test_the_first_failure_is_the_one_that_counts() -> None:
+    run = Run()
+    run.vehicle.script[Goal.OFFBOARD] = (0.0, failed("first"))
+    run.vehicle.script[Goal.LANDED] = (0.0, failed("second"))
+    run.until(Phase.ENDED)
+    assert run.end == ("first", Aborted.exit_code)
+
+
+def test_nothing_happens_before_a_vehicle_is_heard() -> None:
+    run = Run()
+    run.vehicle.state = None
+    for _ in range(2000):
+        run.step()
+    assert run.sortie.phase is Phase.WAITING
+    assert run.texts == []
+
+
+# -- before the flight -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("fields", [{"is_armed": True}, {"is_landed": False}])
+def test_a_vehicle_that_is_under_way_is_not_ours_to_take(fields: dict[str, bool]) -> None:
+    run = Run()
+    run.vehicle.change(**fields)
+    run.step()
+    assert run.end[1] == Aborted.exit_code
+    assert "left alone" in run.end[0]
+    assert run.vehicle.pursued == []
+
+
+@pytest.mark.parametrize(("north_m", "is_home"), [(0.59, True), (0.61, False)])
+def test_the_vehicle_has_to_stand_where_the_mission_begins(north_m: float, is_home: bool) -> None:
+    run = Run()
+    run.vehicle.change(position=(north_m, 0.0, 0.0))
+    run.step()
+    assert run.sortie.has_ended is not is_home
+    if not is_home:
+        assert (
+            run.end[0] == "the vehicle stands 0.6 m from H, where the mission begins; put it there"
+        )
+
+
+def test_without_a_plan_nothing_is_armed() -> None:
+    run = Run(mission("G at(H) & X at(A)"))
+    run.step()
+    assert run.end[1] == NoPlanError.exit_code
+    assert run.end[0].startswith("no plan: task cannot hold")
+    assert run.vehicle.pursued == []
+
+
+def test_weak_failsafes_are_refused() -> None:
+    run = Run()
+    run.vehicle.parameters["COM_OF_LOSS_T"] = 30.0
+    run.until(Phase.ENDED)
+    assert run.end[1] == Aborted.exit_code
+    assert "COM_OF_LOSS_T is 30; set 1.0 or less" in run.end[0]
+    assert run.vehicle.pursued == []
+
+
+def test_weak_failsafes_are_accepted_by_name() -> None:
+    run = Run(accepts_weak=True)
+    run.vehicle.parameters["COM_LOW_BAT_ACT"] = 0.0
+    run.until(Phase.ENDED)
+    assert run.end == ("task satisfied, landed", 0)
+    assert [t for t in run.texts if t.startswith("accepted: COM_LOW_BAT_ACT is 0")]
+
+
+def test_an_autopilot_that_does_not_answer_is_given_its_time() -> None:
+    run = Run()
+    del run.vehicle.parameters["COM_OBL_RC_ACT"]
+    run.until(Phase.CHECKING)
+    start_s = run.rig.flight.now_s
+    run.until(Phase.ENDED)
+    assert run.rig.flight.now_s - start_s == pytest.approx(ANSWER_TIMEOUT_S, abs=0.11)
+    assert "COM_OBL_RC_ACT was not answered" in run.end[0]
+
+
+# -- loss of control -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("phase", [Phase.ARMING, Phase.TAKE_OFF, Phase.OFFBOARD, Phase.TASK])
+def test_the_pilot_wins_in_every_phase(phase: Phase) -> None:
+    run = Run()
+    if phase in STEPS:
+        run.vehicle.script[STEPS[phase].goal] = NEVER
+    run.until(phase)
+    run.step()
+    run.vehicle.lost_authority = "the pilot has control, in POSCTL"
+    asked = len(run.vehicle.pursued)
+    run.step()
+    assert run.end == ("the pilot has control, in POSCTL", Aborted.exit_code)
+    assert run.vehicle.setpoint is None
+    flown = len(run.vehicle.flown)
+    for _ in range(100):
+        run.step()
+    assert (len(run.vehicle.pursued), len(run.vehicle.flown)) == (asked, flown)
+
+
+def test_a_vehicle_that_falls_silent_is_given_up() -> None:
+    run = Run(mission("G F at(A) & G F at(B)")).until(Phase.TASK)
+    assert run.vehicle.state is not None
+    heard_s = run.vehicle.state.stamp_s
+    run.vehicle.step = lambda now_s: None  # type: ignore[method-assign]
+    run.until(Phase.ENDED)
+    assert run.rig.flight.now_s - heard_s == pytest.approx(LINK_LOST_S, abs=0.11)
+    assert run.end == ("no position from the vehicle for 10 s", LinkError.exit_code)
+
+
+@pytest.mark.parametrize("phase", [Phase.OFFBOARD, Phase.TASK])
+def test_a_vehicle_that_is_disarmed_in_flight_is_given_up(phase: Phase) -> None:
+    run = Run()
+    if phase is Phase.OFFBOARD:
+        run.vehicle.script[Goal.OFFBOARD] = NEVER
+    run.until(phase)
+    run.vehicle.change(is_armed=False)
+    run.step()
+    assert run.end == ("the vehicle was disarmed", Aborted.exit_code)
+
+
+# -- stop ------------------------------------------------------------------------------------------
+
+
+def test_a_stop_on_the_ground_ends_at_once() -> None:
+    run = Run()
+    run.sortie.stop()
+    run.step()
+    assert run.texts == ["stopping as asked", "stopped as asked"]
+    assert run.end == ("stopped as asked", 0)
+
+
+def test_a_stop_before_a_vehicle_is_heard_ends_at_once() -> None:
+    run = Run()
+    run.vehicle.state = None
+    run.sortie.stop()
+    run.step()
+    assert run.end == ("stopped as asked", 0)
+
+
+def test_a_stop_in_the_air_holds_and_lands() -> None:
+    run = Run(mission("G F at(A) & G F at(B)")).until(Phase.TASK)
+    for _ in range(40):
+        run.step()
+    run.sortie.stop()
+    run.until(Phase.ENDED)
+    assert run.texts[-4:] == ["stopping as asked", "holding", "landing", "stopped as asked"]
+    assert run.vehicle.pursued[-2:] == [Goal.HOLDING, Goal.LANDED]
+    assert run.end == ("stopped as asked", 0)
+
+
+def test_the_vehicle_does_not_fly_on_after_a_stop() -> None:
+    run = Run(mission("G F at(A) & G F at(B)"))
+    run.vehicle.script[Goal.HOLDING] = NEVER
+    run.until(Phase.TASK)
+    for _ in range(40):
+        run.step()
+    run.sortie.stop()
+    run.step()
+    held = run.vehicle.setpoint
+    assert held is not None and held.velocity == (0.0, 0.0, 0.0)
+    for _ in range(40):
+        run.step()
+    assert run.vehicle.setpoint == held
+
+
+def test_a_stop_while_landing_changes_nothing() -> None:
+    run = Run()
+    run.vehicle.script[Goal.LANDED] = (3.0, failed("not landed"))
+    run.until(Phase.LANDING)
+    run.sortie.stop()
+    run.step()
+    assert run.sortie.phase is Phase.LANDING
+    assert "stopping as asked" not in run.texts
+
+
+# -- no plan in the air ----------------------------------------------------------------------------
+
+
+def without_plan(otherwise: Otherwise) -> Run:
+    """In the air at A when the only way to do the task is refused."""
+    run = Run(mission("F done", skills=[NO_WAY_OUT], otherwise=otherwise))
+    run.vehicle.answers = [(0.0, failed("denied"))]
+    run.until(Phase.ENDED)
+    assert run.end[1] == NoPlanError.exit_code
+    assert run.end[0].startswith("no plan: task cannot hold from here.")
+    assert run.end[0].endswith("with can_do there would be a plan")
+    return run
+
+
+def test_otherwise_land_holds_and_lands_where_it_is() -> None:
+    run = without_plan(Otherwise.LAND)
+    assert run.vehicle.pursued[-2:] == [Goal.HOLDING, Goal.LANDED]
+    assert run.vehicle.state is not None and run.vehicle.state.position[0] > 5.5
+
+
+def test_otherwise_hold_leaves_the_vehicle_in_the_air() -> None:
+    run = without_plan(Otherwise.HOLD)
+    assert run.vehicle.pursued[-1] is Goal.HOLDING
+    assert run.vehicle.state is not None and not run.vehicle.state.is_landed
+    assert "leaving the vehicle on hold" in run.texts
+
+
+def test_otherwise_return_home_flies_home_and_lands_there() -> None:
+    run = without_plan(Otherwise.RETURN_HOME)
+    assert "returning to H" in run.texts and "at H" in run.texts
+    assert Goal.HOLDING not in run.vehicle.pursued
+    assert run.vehicle.state is not None and run.vehicle.state.is_landed
+    assert abs(run.vehicle.state.position[0]) < 0.3
+
+
+def test_when_the_way_home_fails_as_well_it_lands_where_it_is() -> None:
+    asked = mission("F done", skills=[NO_WAY_OUT], otherwise=Otherwise.RETURN_HOME)
+    run = Run(asked)
+    run.vehicle.answers = [(0.0, failed("denied"))]
+    run.until(Phase.TASK)
+    while "returning to H" not in run.texts:
+        run.step()
+    run.vehicle.drift = (0.0, 0.5, 0.0)
+    run.until(Phase.ENDED, limit_s=300.0)
+    assert run.texts.count("returning to H") == 1
+    assert run.vehicle.pursued[-2:] == [Goal.HOLDING, Goal.LANDED]
+    assert run.end[1] == NoPlanError.exit_code
+
+
+# -- reports ---------------------------------------------------------------------------------------
+
+
+def test_the_gate_is_reported_when_it_begins_to_refuse_and_not_at_every_tick() -> None:
+    run = Run(mission("G F at(A) & G F at(B)")).until(Phase.TASK)
+    for refusal in ("outside the fence", "outside the fence", "", "too fast", ""):
+        run.vehicle.refusal = refusal
+        run.step()
+    gate = [r.text for r in run.rig.flight.reports if r.kind == "gate"]
+    assert gate == [
+        "setpoint refused, holding: outside the fence",
+        "setpoint refused, holding: too fast",
+    ]
+
+
+def test_events_count_before_the_take_off_already() -> None:
+    asked = mission(
+        {"t": "G (at(A) -> found)", "go": "F at(A) | G !found"}, events=[event("found")]
+    )
+    run = Run(asked)
+    run.vehicle.state, state = None, run.vehicle.state
+    run.step(reading("found"))
+    run.vehicle.state = state
+    run.until(Phase.ENDED)
+    assert "at A" in run.texts
+    assert run.end == ("task satisfied, landed", 0)
+
+
+def test_the_mode_before_the_start_does_not_matter() -> None:
+    run = Run()
+    run.vehicle.change(mode=Mode.MANUAL)
+    assert run.until(Phase.ENDED).end == ("task satisfied, landed", 0)

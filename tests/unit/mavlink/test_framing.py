@@ -1,0 +1,139 @@
+"""Frames: what is packed is parsed, and what is damaged disturbs nobody."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from companion.mavlink.framing import Endpoint, dialect, source, split_frames
+
+STUBS = [b"", b"\xfd", b"\xfd\xff\x00", b"\xfe\xff", b"\xfd" + bytes(9), b"hello"]
+
+
+def value(number: int) -> Any:
+    return dialect.MAVLink_named_value_int_message(number, b"target", number)
+
+
+def frame(number: int) -> bytes:
+    return Endpoint(1, 26).pack(value(number))
+
+
+def old_frame(number: int) -> bytes:
+    """The same in MAVLink 1."""
+    return bytes(value(number).pack(dialect.MAVLink(None, 1, 26), force_mavlink1=True))
+
+
+def signed_frame(number: int) -> bytes:
+    sender = dialect.MAVLink(None, 1, 26)
+    sender.signing.secret_key = bytes(32)
+    sender.signing.sign_outgoing = True
+    sender.signing.link_id, sender.signing.timestamp = 0, 1
+    return bytes(value(number).pack(sender))
+
+
+FRAMES = {"MAVLink 2": frame, "MAVLink 1": old_frame, "signed": signed_frame}
+
+
+def values(messages: list[Any]) -> list[int]:
+    return [message.value for message in messages]
+
+
+# -- an endpoint -----------------------------------------------------------------------------------
+
+
+def test_frames_are_mavlink_2_and_say_who_sent_them() -> None:
+    packed = Endpoint(7, 191).pack(value(5))
+    assert packed[0] == 0xFD
+    (message,) = Endpoint(0, 0).parse(packed)
+    assert source(message) == (7, 191)
+    assert (message.name, message.value) == ("target", 5)
+
+
+def test_the_sequence_number_counts_and_wraps() -> None:
+    speaker, ear = Endpoint(1, 1), Endpoint(0, 0)
+    numbers = [ear.parse(speaker.pack(value(0)))[0].get_seq() for _ in range(300)]
+    assert numbers == [i % 256 for i in range(300)]
+
+
+def test_hearing_does_not_disturb_speaking() -> None:
+    both = Endpoint(1, 1)
+    both.pack(value(0))
+    both.parse(frame(1))
+    assert both.parse(both.pack(value(0)))[0].get_seq() == 1
+
+
+@pytest.mark.parametrize("kind", FRAMES)
+def test_every_kind_of_frame_is_heard(kind: str) -> None:
+    assert values(Endpoint(0, 0).parse(FRAMES[kind](5))) == [5]
+
+
+def test_the_messages_of_a_datagram_keep_their_order() -> None:
+    datagram = frame(1) + old_frame(2) + signed_frame(3)
+    assert values(Endpoint(0, 0).parse(datagram)) == [1, 2, 3]
+
+
+@pytest.mark.parametrize("stub", STUBS)
+def test_a_stub_does_not_swallow_the_next_datagram(stub: bytes) -> None:
+    ear = Endpoint(0, 0)
+    for _ in range(3):
+        assert ear.parse(stub) == []
+        assert values(ear.parse(frame(5))) == [5]
+
+
+def test_a_damaged_frame_is_not_heard() -> None:
+    good = frame(5)
+    ear = Endpoint(0, 0)
+    for at in range(len(good)):
+        spoilt = bytearray(good)
+        spoilt[at] ^= 0x40
+        assert ear.parse(bytes(spoilt)) == []
+        assert ear.parse(good[:at]) == []
+
+
+def test_an_unknown_message_is_not_heard() -> None:
+    unknown = dialect.MAVLink_message(54321, "NEW")
+    packed = bytes(unknown._pack(dialect.MAVLink(None, 1, 1), 0, b"payload"))
+    assert Endpoint(0, 0).parse(packed) == []
+    assert values(Endpoint(0, 0).parse(packed + frame(5))) == [5]
+
+
+@given(st.lists(st.binary(max_size=300), max_size=5))
+def test_no_bytes_raise_and_the_next_datagram_is_heard(junk: list[bytes]) -> None:
+    ear = Endpoint(0, 0)
+    for datagram in junk:
+        ear.parse(datagram)
+    assert values(ear.parse(frame(5))) == [5]
+
+
+# -- splitting -------------------------------------------------------------------------------------
+
+MARKS = {0xFD, 0xFE}
+BETWEEN = st.binary(max_size=20).map(lambda junk: bytes(b for b in junk if b not in MARKS))
+
+
+@given(st.lists(st.tuples(BETWEEN, st.sampled_from(list(FRAMES)), st.integers(0, 999)), max_size=6))
+def test_a_datagram_is_split_into_the_frames_that_it_was_made_of(
+    parts: list[tuple[bytes, str, int]],
+) -> None:
+    frames = [FRAMES[kind](number) for _, kind, number in parts]
+    datagram = b"".join(junk + f for (junk, _, _), f in zip(parts, frames, strict=True))
+    assert split_frames(datagram) == frames
+
+
+@given(st.binary(max_size=600))
+def test_the_frames_of_any_bytes_lie_in_them_in_order(datagram: bytes) -> None:
+    at = 0
+    for found in split_frames(datagram):
+        at = datagram.index(found, at) + len(found)
+        assert found[0] in MARKS and len(found) >= 8
+    assert at <= len(datagram)
+
+
+@pytest.mark.parametrize("kind", FRAMES)
+def test_a_frame_that_is_cut_short_is_no_frame(kind: str) -> None:
+    whole = FRAMES[kind](5)
+    for length in range(len(whole)):
+        assert split_frames(frame(1) + whole[:length]) == [frame(1)]

@@ -1,0 +1,243 @@
+"""The parts together: a companion that talks bytes with a scripted autopilot, and its loop."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from itertools import pairwise
+
+import pytest
+from autopilot import ARM, LAND, SET_MODE, TAKE_OFF, Autopilot, named, of_type
+from synthetic import PAYLOAD, POSITIONS, command, event, mission
+
+from companion.acting.flight import TICK_S
+from companion.acting.report import Report
+from companion.app import Companion, flight_times, fly, home_of, route_map
+from companion.errors import Aborted, LinkTimeout
+from companion.geometry import Ned
+from companion.mavlink.framing import Endpoint, dialect
+from companion.mission.model import Mission, Place
+
+
+class Notes:
+    """A recorder that keeps everything."""
+
+    def __init__(self) -> None:
+        self.reports: list[Report] = []
+        self.datagrams: list[tuple[float, list[bytes]]] = []
+        self.positions: list[Ned] = []
+
+    def report(self, report: Report) -> None:
+        self.reports.append(report)
+
+    def packets(self, now_s: float, datagrams: list[bytes]) -> None:
+        self.datagrams.append((now_s, list(datagrams)))
+
+    def position(self, now_s: float, position: Ned) -> None:
+        self.positions.append(position)
+
+    @property
+    def texts(self) -> list[str]:
+        return [report.text for report in self.reports]
+
+
+class World:
+    """A companion and an autopilot, in lockstep; fulfils what `fly` needs of link and clock.
+
+    Attributes:
+        late_s: by how much every sleep is too long.
+        is_silent: nothing arrives any longer.
+        neighbour: hears what leaves, and answers; it may do something to the world as well.
+    """
+
+    endpoint = "udpin://0.0.0.0:14540"
+
+    def __init__(self, asked: Mission, **options: bool) -> None:
+        self.notes = Notes()
+        self.companion = Companion(asked, self.notes, **options)
+        self.autopilot = Autopilot()
+        self.now = 0.0
+        self.late_s = 0.0
+        self.is_silent = False
+        self.neighbour: Callable[[list[bytes]], list[bytes]] = lambda datagrams: []
+        self.ticks: list[float] = []
+        self._answers: list[bytes] = []
+
+    def now_s(self) -> float:
+        return self.now
+
+    def sleep_until(self, time_s: float) -> None:
+        self.now = max(self.now, time_s) + self.late_s
+
+    def receive(self) -> list[bytes]:
+        self.ticks.append(self.now)
+        return [] if self.is_silent else [*self._answers, *self.autopilot.telemetry()]
+
+    def send(self, datagrams: list[bytes]) -> None:
+        self._answers = [*self.autopilot.answer(datagrams), *self.neighbour(datagrams)]
+
+    def account(self) -> str:
+        return "nothing arrived"
+
+    def fly(self, timeout_s: float = 30.0) -> World:
+        fly(self.companion, self, self, timeout_s)  # type: ignore[arg-type]
+        return self
+
+
+def test_a_flight_from_the_ground_to_the_ground() -> None:
+    world = World(mission("F at(A)")).fly()
+    assert world.notes.texts[-3:] == ["at A", "landing", "task satisfied, landed"]
+    assert world.companion.has_ended and world.companion.failure is None
+    commands = of_type(world.autopilot.heard, "COMMAND_LONG")
+    assert [c.command for c in commands] == [ARM, TAKE_OFF, SET_MODE, LAND]
+    assert not world.autopilot.is_armed
+    arrived = max(world.notes.positions)
+    assert math.dist(arrived, POSITIONS["A"]) < 0.3
+
+
+def test_all_that_came_and_left_is_recorded() -> None:
+    world = World(mission("F at(A)")).fly()
+    ear = Endpoint(0, 0)
+    recorded = [d for _, datagrams in world.notes.datagrams for d in datagrams]
+    senders = {m.get_srcComponent() for d in recorded for m in ear.parse(d)}
+    assert senders == {1, 191}
+    left = [d for d in recorded if d[6] != 1]
+    assert len(left) == len(world.autopilot.heard)
+    times = [now_s for now_s, _ in world.notes.datagrams]
+    assert times == world.ticks
+
+
+def test_a_report_is_recorded_once() -> None:
+    world = World(mission("F at(A)")).fly()
+    assert len(set(world.notes.texts)) == len(world.notes.texts)
+
+
+def test_ticks_are_a_twentieth_of_a_second_apart() -> None:
+    world = World(mission("F at(A)")).fly()
+    expected = [i * TICK_S for i in range(len(world.ticks))]
+    assert world.ticks == pytest.approx(expected, abs=1e-6)
+
+
+def test_a_late_tick_is_not_made_up_for_by_a_burst() -> None:
+    world = World(mission("G F at(A) & G F at(B)"))
+    world.companion.stop()
+    world.late_s = 0.2
+    world.fly()
+    assert all(b - a >= TICK_S for a, b in pairwise(world.ticks))
+
+
+def test_no_vehicle_in_time_is_an_error_with_the_account_of_the_link() -> None:
+    world = World(mission("F at(A)"))
+    world.is_silent = True
+    with pytest.raises(LinkTimeout) as error:
+        world.fly(timeout_s=5.0)
+    first = str(error.value).splitlines()[0]
+    assert first == "no vehicle on udpin://0.0.0.0:14540 after 5 s: nothing arrived"
+    assert world.now == pytest.approx(5.0, abs=0.11)
+
+
+def test_a_vehicle_that_falls_silent_later_is_another_matter() -> None:
+    world = World(mission("G F at(A) & G F at(B)"))
+
+    def falls_silent(datagrams: list[bytes]) -> list[bytes]:
+        world.is_silent = world.now > 8.0
+        return []
+
+    world.neighbour = falls_silent
+    world.fly(timeout_s=1.0)
+    assert str(world.companion.failure) == "no position from the vehicle for 10 s"
+
+
+def test_a_stop_lands() -> None:
+    world = World(mission("G F at(A) & G F at(B)"))
+
+    def operator(datagrams: list[bytes]) -> list[bytes]:
+        if world.now > 8.0:
+            world.companion.stop()
+        return []
+
+    world.neighbour = operator
+    world.fly()
+    assert world.notes.texts[-1] == "stopped as asked"
+    assert not world.autopilot.is_armed
+    assert world.companion.failure is None
+
+
+def test_the_failure_is_that_of_the_sortie() -> None:
+    world = World(mission("F at(A)"))
+    world.autopilot.results[ARM] = [dialect.MAV_RESULT_DENIED]
+    world.fly()
+    assert isinstance(world.companion.failure, Aborted)
+    assert str(world.companion.failure) == "not armed: denied"
+    assert of_type(world.autopilot.heard, "SET_POSITION_TARGET_LOCAL_NED") == []
+
+
+@pytest.mark.parametrize("accepts", [False, True])
+def test_weak_failsafes_are_refused_unless_accepted(accepts: bool) -> None:
+    world = World(mission("F at(A)"), accepts_weak_failsafes=accepts)
+    world.autopilot.parameters["COM_OBL_RC_ACT"] = 0.0
+    world.fly()
+    assert (world.companion.failure is None) is accepts
+
+
+def test_a_command_of_a_skill_reaches_its_component() -> None:
+    world = World(mission("F done", skills=[command("do", "at(H)", "done")]))
+    payload = Autopilot(component=PAYLOAD)
+    world.neighbour = payload.answer
+    world.fly()
+    assert "do done" in world.notes.texts
+    sent = [m for m in of_type(payload.heard, "COMMAND_LONG") if m.target_component == PAYLOAD]
+    assert {(m.param1, m.param2) for m in sent} == {(1.5, -2.0)}
+
+
+def test_an_event_off_the_wire_replans() -> None:
+    asked = mission("G (F at(A) | found) & G (F at(B) | found)", events=[event("found")])
+    world = World(asked)
+    detector = Endpoint(1, 26)
+    world.neighbour = lambda datagrams: [detector.pack(named("found", world.now > 7.0))]
+    world.fly()
+    assert [t.split(":")[1] for t in world.notes.texts if t.startswith("replan")] == [
+        " found -> move(here, B), (wait)^w"  # which was demanded before
+    ]
+
+
+def test_every_setpoint_of_a_flight_stays_within_the_limits() -> None:
+    world = World(mission("F at(A) & F at(B) & F at(C)", places="HABC")).fly()
+    setpoints = of_type(world.autopilot.heard, "SET_POSITION_TARGET_LOCAL_NED")
+    assert len(setpoints) > 100
+    for s in setpoints:
+        assert -1.5 <= s.x <= 7.5 and -1.5 <= s.y <= 7.5 and -4.0 <= s.z <= -0.5
+        assert math.hypot(s.vx, s.vy, s.vz) <= 2.0 * 1.01
+    assert [r for r in world.notes.reports if r.kind == "gate"] == []
+
+
+# -- what is put together --------------------------------------------------------------------------
+
+
+def test_home_is_where_the_mission_begins() -> None:
+    asked = mission("F at(H)", initially=["at(B)", "loaded"])
+    assert home_of(asked).name == "B"
+
+
+def test_only_places_of_the_task_are_not_crossed_by_chance() -> None:
+    """C, A and the middle of the room: M is in the way only if the task mentions it."""
+    straight = math.hypot(6.0, 6.0)
+    for task, is_in_the_way in (("F at(A)", False), ("F at(A) & G !at(M)", True)):
+        asked = mission(task, places="HAC")
+        middle = Place("M", (3.0, 3.0, -2.0), 1.0)
+        routes = route_map(replace(asked, places={**asked.places, "M": middle}))
+        route = routes.route(POSITIONS["C"], "A")
+        assert route is not None
+        assert (route.length_m > straight + 0.1) is is_in_the_way
+
+
+def test_flight_times_are_those_of_the_map() -> None:
+    """At rest at both ends, 2 m/s and 2 m/s2; a way along cells is a little longer."""
+    asked = mission("F at(A)")
+    here: Ned | None = None
+    seconds = flight_times(asked, route_map(asked), lambda: here)
+    assert seconds("H", "A") == pytest.approx(6.0 / 2.0 + 2.0 / 2.0, abs=0.4)
+    assert seconds("here", "A") == math.inf
+    here = (3.0, 0.0, -2.0)
+    assert seconds("here", "A") == pytest.approx(3.0 / 2.0 + 2.0 / 2.0, abs=0.4)

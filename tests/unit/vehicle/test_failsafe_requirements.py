@@ -1,0 +1,46 @@
+"""Which failsafes of the autopilot are strong enough to fly with."""
+
+from __future__ import annotations
+
+import pytest
+
+from companion.vehicle.failsafes import weaknesses
+
+STRONG: dict[str, float | None] = {
+    "COM_OF_LOSS_T": 1.0,
+    "COM_OBL_RC_ACT": 5.0,
+    "COM_LOW_BAT_ACT": 3.0,
+}
+
+
+def test_strong_failsafes_have_no_weakness() -> None:
+    assert weaknesses(STRONG) == []
+
+
+@pytest.mark.parametrize(
+    ("parameter", "strong"),
+    [
+        ("COM_OF_LOSS_T", {0.1, 0.5, 1.0}),
+        ("COM_OBL_RC_ACT", {3.0, 4.0, 5.0}),
+        ("COM_LOW_BAT_ACT", {2.0, 3.0}),
+    ],
+)
+def test_each_parameter_is_judged(parameter: str, strong: set[float]) -> None:
+    values = {-1.0, 0.0, 0.1, 0.5, 1.0, 1.1, 2.0, 3.0, 4.0, 5.0, 6.0, 60.0, float("nan")}
+    assert {v for v in values if weaknesses({**STRONG, parameter: v}) == []} == strong
+
+
+def test_a_weakness_says_what_to_do() -> None:
+    (line,) = weaknesses({**STRONG, "COM_OBL_RC_ACT": 0.0})
+    assert line == "COM_OBL_RC_ACT is 0; set 5 (hold), 4 (land) or 3 (return): what it does then"
+
+
+def test_no_answer_is_a_weakness() -> None:
+    (line,) = weaknesses({**STRONG, "COM_OF_LOSS_T": None})
+    assert line.startswith("COM_OF_LOSS_T was not answered; set 1.0 or less")
+
+
+def test_px4_as_it_comes_is_weak_in_two() -> None:
+    """Defaults of PX4 v1.16: 1.0 s, Position, warning alone."""
+    found = weaknesses({"COM_OF_LOSS_T": 1.0, "COM_OBL_RC_ACT": 0.0, "COM_LOW_BAT_ACT": 0.0})
+    assert [line.split()[0] for line in found] == ["COM_OBL_RC_ACT", "COM_LOW_BAT_ACT"]

@@ -1,0 +1,215 @@
+"""The doors: URLs, a socket on the loopback, and a clock."""
+
+from __future__ import annotations
+
+import socket
+from collections.abc import Iterator
+from contextlib import closing
+
+import pytest
+
+from companion.errors import LinkError
+from companion.mavlink.framing import Endpoint as Speaker
+from companion.mavlink.framing import dialect
+from companion.vehicle.link import Endpoint, ScaledClock, UdpLink, parse_url
+
+PATIENCE_S = 2.0  # for datagrams on the loopback; they take microseconds
+
+
+def heartbeat(component: int = 1) -> bytes:
+    return Speaker(1, component).pack(dialect.MAVLink_heartbeat_message(2, 12, 0, 0, 3, 3))
+
+
+# -- URLs ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("url", "expected"),
+    [
+        ("udpin://0.0.0.0:14540", Endpoint(True, "0.0.0.0", 14540)),
+        ("udpin:0.0.0.0:14540", Endpoint(True, "0.0.0.0", 14540)),
+        ("udpin://:14540", Endpoint(True, "0.0.0.0", 14540)),
+        ("udpin://127.0.0.1:14540/", Endpoint(True, "127.0.0.1", 14540)),
+        ("udpout:192.168.1.10:14580", Endpoint(False, "192.168.1.10", 14580)),
+        ("udpout://drone.local:65535", Endpoint(False, "drone.local", 65535)),
+    ],
+)
+def test_the_spellings_of_a_url(url: str, expected: Endpoint) -> None:
+    assert parse_url(url) == expected
+    assert parse_url(str(expected)) == expected
+
+
+@pytest.mark.parametrize(
+    "url",
+    [
+        "",
+        "14540",
+        "udpin",
+        "udpin://",
+        "udpin://host",
+        "udpin://host:port",
+        "udpin://host:65536",
+        "udpin://host:-1",
+        "tcp://host:5760",
+        "serial:///dev/ttyACM0:57600",
+        "UDPIN://host:14540",
+        "udpin://host:14540/path",
+        "udpin://host:14540\nudpin://host:14541",
+    ],
+)
+def test_what_is_no_url_is_refused_with_what_to_write(url: str) -> None:
+    with pytest.raises(LinkError) as error:
+        parse_url(url)
+    assert str(error.value).startswith(f"cannot connect to {url}\n")
+    assert "udpin://0.0.0.0:14540" in str(error.value)
+
+
+@pytest.mark.parametrize("url", ["udp://:14540", "udp:14540"])
+def test_a_bare_udp_means_two_things(url: str) -> None:
+    with pytest.raises(LinkError) as error:
+        parse_url(url)
+    assert "ambiguous" in str(error.value)
+    assert "udpin://0.0.0.0:14540" in str(error.value)
+    assert "udpout://127.0.0.1:14540" in str(error.value)
+
+
+# -- sockets ---------------------------------------------------------------------------------------
+
+
+class Peer:
+    """The other end, with a port of its own."""
+
+    def __init__(self) -> None:
+        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.socket.bind(("127.0.0.1", 0))
+        self.socket.settimeout(PATIENCE_S)
+
+    @property
+    def address(self) -> tuple[str, int]:
+        host, port = self.socket.getsockname()
+        return host, port
+
+    def hears_nothing(self) -> bool:
+        self.socket.setblocking(False)
+        try:
+            self.socket.recv(1000)
+        except BlockingIOError:
+            return True
+        return False
+
+
+@pytest.fixture
+def peer() -> Iterator[Peer]:
+    found = Peer()
+    with closing(found.socket):
+        yield found
+
+
+@pytest.fixture
+def listener() -> Iterator[UdpLink]:
+    made = UdpLink(Endpoint(True, "127.0.0.1", 0))
+    with closing(made):
+        yield made
+
+
+def address_of(made: UdpLink) -> tuple[str, int]:
+    host, port = made._socket.getsockname()
+    return host, port
+
+
+def deliver(peer: Peer, made: UdpLink, *datagrams: bytes) -> list[bytes]:
+    """Sends datagrams to a link and returns what it received."""
+    received: list[bytes] = []
+    for datagram in datagrams:
+        peer.socket.sendto(datagram, address_of(made))
+        made.wait(PATIENCE_S)
+        received += made.receive()
+    return received
+
+
+def test_a_listener_answers_whoever_sends_autopilot_frames(peer: Peer, listener: UdpLink) -> None:
+    assert deliver(peer, listener, heartbeat()) == [heartbeat()]
+    listener.send([b"one", b"two"])
+    assert [peer.socket.recv(100) for _ in range(2)] == [b"one", b"two"]
+
+
+@pytest.mark.parametrize("datagram", [b"junk", heartbeat(component=191), b"\xfe" + bytes(20)])
+def test_a_listener_does_not_answer_anybody_else(
+    peer: Peer, listener: UdpLink, datagram: bytes
+) -> None:
+    assert deliver(peer, listener, datagram) == [datagram]
+    listener.send([b"hello"])
+    assert peer.hears_nothing()
+
+
+def test_a_ground_station_on_the_port_does_not_divert_the_answers(
+    peer: Peer, listener: UdpLink
+) -> None:
+    deliver(peer, listener, heartbeat())
+    other = Peer()
+    with closing(other.socket):
+        deliver(other, listener, heartbeat(component=190))
+    listener.send([b"hello"])
+    assert peer.socket.recv(100) == b"hello"
+
+
+def test_a_caller_sends_first_and_hears_the_answer(peer: Peer) -> None:
+    with closing(UdpLink(Endpoint(False, *peer.address))) as caller:
+        caller.send([b"hello"])
+        datagram, sender = peer.socket.recvfrom(100)
+        assert datagram == b"hello"
+        peer.socket.sendto(heartbeat(), sender)
+        caller.wait(PATIENCE_S)
+        assert caller.receive() == [heartbeat()]
+
+
+def test_receive_takes_all_that_has_arrived_and_does_not_wait(
+    peer: Peer, listener: UdpLink
+) -> None:
+    assert listener.receive() == []
+    for _ in range(50):
+        peer.socket.sendto(heartbeat(), address_of(listener))
+    received: list[bytes] = []
+    while len(received) < 50:
+        listener.wait(PATIENCE_S)
+        received += listener.receive()
+    assert received == [heartbeat()] * 50
+
+
+def test_what_the_network_does_not_take_is_lost() -> None:
+    with closing(UdpLink(Endpoint(False, "127.0.0.1", 9))) as caller:
+        caller.send([bytes(70_000), b"hello"])  # larger than any datagram
+
+
+def test_a_port_that_is_taken_says_by_whom_it_may_be(listener: UdpLink) -> None:
+    taken = Endpoint(True, *address_of(listener))
+    with pytest.raises(LinkError, match=rf"cannot listen on {taken}: .*\n.*another program"):
+        UdpLink(taken)
+
+
+def test_the_account_of_what_was_heard(peer: Peer, listener: UdpLink) -> None:
+    assert listener.account() == "nothing arrived"
+    deliver(peer, listener, b"junk")
+    assert listener.account().startswith("1 packets came from 127.0.0.1, none of them MAVLink 2")
+    deliver(peer, listener, heartbeat(191), heartbeat(191))
+    assert listener.account() == (
+        "3 packets came from 127.0.0.1, 2 of them MAVLink 2, none from an autopilot"
+    )
+
+
+# -- clock -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("speed", [0.5, 1.0, 20.0])
+def test_a_scaled_clock(speed: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    wall_s = 1000.0
+    slept_s: list[float] = []
+    monkeypatch.setattr("companion.vehicle.link.time.monotonic", lambda: wall_s)
+    monkeypatch.setattr("companion.vehicle.link.time.sleep", slept_s.append)
+    clock = ScaledClock(speed)
+    assert clock.now_s() == 0.0
+    wall_s = 1002.0
+    assert clock.now_s() == 2.0 * speed
+    clock.sleep_until(3.0 * speed)
+    clock.sleep_until(1.0 * speed)
+    assert slept_s == pytest.approx([1.0, 0.0])

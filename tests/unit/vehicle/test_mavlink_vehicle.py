@@ -1,0 +1,596 @@
+"""A vehicle over MAVLink, byte for byte, against a scripted autopilot."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import Any
+
+import pytest
+from autopilot import (
+    ACCEPTED,
+    ARM,
+    LAND,
+    SET_MODE,
+    TAKE_OFF,
+    TICK_S,
+    Autopilot,
+    Meeting,
+    battery,
+    is_close,
+    named,
+    of_type,
+)
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from companion.mavlink.framing import Endpoint, dialect
+from companion.mission.model import Signal
+from companion.vehicle.gate import Envelope
+from companion.vehicle.offboard import ASK_AGAIN_S, MavlinkVehicle
+from companion.vehicle.port import Goal, Mode, Progress, Setpoint, hold_at
+
+FENCE = ((-9.0, -9.0), (-9.0, 9.0), (9.0, 9.0), (9.0, -9.0))
+ENVELOPE = Envelope(fence=FENCE, up_m=(0.5, 4.0), speed_mps=2.0)
+TARGET = Signal("NAMED_VALUE_INT", "target", "value")
+CHARGE = Signal("BATTERY_STATUS", "", "battery_remaining")
+CALL = Signal("COMMAND", "", "MAV_CMD_NAV_RETURN_TO_LAUNCH")
+RETURN = dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH
+SETPOINT = "SET_POSITION_TARGET_LOCAL_NED"
+AHEAD = Setpoint((0.5, 0.2, -2.0), (1.0, 0.5, 0.1), (0.3, 0.2, 0.1), 0.4)
+
+
+@pytest.fixture
+def meeting() -> Meeting:
+    return Meeting(ENVELOPE, frozenset({TARGET, CHARGE, CALL}))
+
+
+def in_offboard(meeting: Meeting) -> Meeting:
+    """In the air in OFFBOARD, at the altitude of take-off, with the goal reached."""
+    for goal in (Goal.ARMED, Goal.AIRBORNE, Goal.OFFBOARD):
+        assert meeting.pursue(goal).progress is Progress.DONE
+    return meeting
+
+
+def command_to(target: tuple[int, int], number: int = RETURN) -> Any:
+    return dialect.MAVLink_command_long_message(*target, number, 0, 0, 0, 0, 0, 0, 0, 0)
+
+
+# -- who is who ------------------------------------------------------------------------------------
+
+
+def test_nothing_leaves_before_an_autopilot_was_heard() -> None:
+    vehicle = MavlinkVehicle(ENVELOPE, frozenset(), 2.0)
+    vehicle.fly(AHEAD)
+    assert vehicle.receive(0.0, []) == []
+    assert vehicle.transmit(0.0) == []
+    assert vehicle.state is None
+
+
+@pytest.mark.parametrize("system", [1, 7, 255])
+def test_the_system_id_is_learned(system: int) -> None:
+    meeting = Meeting(ENVELOPE)
+    meeting.autopilot = Autopilot(system)
+    (heartbeat,) = meeting.tick()
+    assert (heartbeat.get_srcSystem(), heartbeat.get_srcComponent()) == (system, 191)
+    assert meeting.vehicle.state is not None
+
+
+@pytest.mark.parametrize(
+    ("component", "autopilot"),
+    [(191, dialect.MAV_AUTOPILOT_INVALID), (1, dialect.MAV_AUTOPILOT_INVALID), (25, 12)],
+)
+def test_only_an_autopilot_is_learned_from(component: int, autopilot: int) -> None:
+    vehicle = MavlinkVehicle(ENVELOPE, frozenset(), 2.0)
+    other = Endpoint(9, component)
+    heartbeat = dialect.MAVLink_heartbeat_message(6, autopilot, 0, 0, 4, 3)
+    vehicle.receive(0.0, [other.pack(heartbeat)])
+    assert vehicle.transmit(0.0) == []
+
+
+def test_other_systems_are_ignored(meeting: Meeting) -> None:
+    in_offboard(meeting)
+    state = meeting.vehicle.state
+    other = Autopilot(system=2)
+    other.mode, other.is_armed, other.position = "POSCTL", True, [5.0, 5.0, -1.0]
+    meeting.tick(*other.telemetry(), other.endpoint.pack(named("target", 1)))
+    assert meeting.vehicle.lost_authority == ""
+    assert meeting.readings == [(CHARGE, 80.0)]
+    assert state is not None and meeting.vehicle.state is not None
+    assert meeting.vehicle.state.position == state.position
+
+
+def test_only_the_autopilot_says_where_the_vehicle_is(meeting: Meeting) -> None:
+    meeting.tick()
+    other = Autopilot(system=1, component=25)
+    other.position, other.is_armed, other.mode = [5.0, 5.0, -1.0], True, "POSCTL"
+    meeting.tick(*other.telemetry())
+    assert meeting.vehicle.state is not None
+    assert meeting.vehicle.state.position == (0.0, 0.0, 0.0)
+    assert not meeting.vehicle.state.is_armed
+
+
+# -- heartbeat -------------------------------------------------------------------------------------
+
+
+def test_the_heartbeat_is_an_onboard_controllers_at_1_hz(meeting: Meeting) -> None:
+    beats = of_type(meeting.run(20.0), "HEARTBEAT")
+    assert {(b.type, b.autopilot, b.get_srcComponent()) for b in beats} == {(18, 8, 191)}
+    assert {b.base_mode & dialect.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED for b in beats} == {0}
+    gaps = [later.left_s - earlier.left_s for earlier, later in pairwise(beats)]
+    assert all(1.0 - 1e-6 <= gap <= 1.0 + TICK_S + 1e-6 for gap in gaps)
+
+
+def test_frames_are_numbered_without_gaps(meeting: Meeting) -> None:
+    in_offboard(meeting)
+    meeting.vehicle.fly(AHEAD)
+    meeting.run(15.0)
+    numbers = [m.get_seq() for m in meeting.autopilot.heard]
+    assert numbers == [(numbers[0] + i) % 256 for i in range(len(numbers))]
+
+
+# -- setpoints -------------------------------------------------------------------------------------
+
+
+def test_a_setpoint_on_the_wire(meeting: Meeting) -> None:
+    in_offboard(meeting)
+    meeting.vehicle.fly(AHEAD)
+    (sent,) = of_type(meeting.tick(), SETPOINT)
+    assert (sent.target_system, sent.target_component) == (1, 1)
+    assert sent.coordinate_frame == dialect.MAV_FRAME_LOCAL_NED
+    assert sent.type_mask == dialect.POSITION_TARGET_TYPEMASK_YAW_RATE_IGNORE
+    assert is_close((sent.x, sent.y, sent.z), AHEAD.position)
+    assert is_close((sent.vx, sent.vy, sent.vz), AHEAD.velocity)
+    assert is_close((sent.afx, sent.afy, sent.afz), AHEAD.acceleration)
+    assert math.isclose(sent.yaw, 0.4, rel_tol=1e-6)
+    assert sent.time_boot_ms == pytest.approx(1000 * meeting.now_s, abs=1)
+
+
+def test_the_mission_begins_at_home_wherever_the_local_frame_does(meeting: Meeting) -> None:
+    meeting.autopilot.home = [3.0, -4.0, 0.5]
+    meeting.autopilot.position = [3.0, -4.0, 0.5]
+    in_offboard(meeting)
+    meeting.tick()
+    state = meeting.vehicle.state
+    assert state is not None and is_close(state.position, (0.0, 0.0, -2.0))
+    meeting.vehicle.fly(AHEAD)
+    (sent,) = of_type(meeting.tick(), SETPOINT)
+    assert is_close((sent.x, sent.y, sent.z), (3.5, -3.8, -1.5))
+
+
+def test_one_setpoint_leaves_per_transmit_and_none_by_itself(meeting: Meeting) -> None:
+    in_offboard(meeting)
+    meeting.vehicle.fly(AHEAD)
+    for _ in range(40):
+        assert len(of_type(meeting.tick(), SETPOINT)) == 1
+    meeting.vehicle.fly(None)
+    assert of_type(meeting.run(2.0), SETPOINT) == []
+
+
+def test_setpoints_pass_the_gate(meeting: Meeting) -> None:
+    in_offboard(meeting)
+    meeting.vehicle.fly(Setpoint((50.0, 0.0, -2.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0))
+    (sent,) = of_type(meeting.tick(), SETPOINT)
+    assert is_close((sent.x, sent.y, sent.z), (0.0, 0.0, -2.0))
+    assert meeting.vehicle.refusal == "outside the fence"
+    meeting.vehicle.fly(AHEAD)
+    meeting.tick()
+    assert meeting.vehicle.refusal == ""
+
+
+def test_no_setpoint_leaves_in_another_mode_than_ours(meeting: Meeting) -> None:
+    meeting.pursue(Goal.ARMED)
+    meeting.pursue(Goal.AIRBORNE)
+    meeting.vehicle.fly(hold_at((0.0, 0.0, -2.0), 0.0))
+    assert of_type(meeting.run(2.0), SETPOINT) == []
+
+
+def test_setpoints_are_streamed_before_offboard_is_asked_for(meeting: Meeting) -> None:
+    meeting.pursue(Goal.ARMED)
+    meeting.pursue(Goal.AIRBORNE)
+    meeting.vehicle.fly(hold_at((0.0, 0.0, -2.0), 0.0))
+    before = len(meeting.autopilot.heard)
+    meeting.pursue(Goal.OFFBOARD)
+    kinds = [m.get_type() for m in meeting.autopilot.heard[before:]]
+    assert kinds[: kinds.index("COMMAND_LONG")].count(SETPOINT) >= 20  # a second of them
+
+
+def test_stale_telemetry_holds_and_then_is_silent(meeting: Meeting) -> None:
+    in_offboard(meeting)
+    meeting.vehicle.fly(AHEAD)
+    meeting.tick()
+    meeting.is_quiet = True
+    heard_s = meeting.now_s
+    sent = of_type(meeting.run(5.0), SETPOINT)
+    velocities = [(m.left_s - heard_s, m.vx) for m in sent]
+    assert all(is_close((vx,), (1.0,)) for age_s, vx in velocities if age_s < 0.49)
+    assert all(vx == 0.0 for age_s, vx in velocities if age_s > 0.51)
+    assert velocities[-1][0] == pytest.approx(3.0, abs=2 * TICK_S)
+    meeting.is_quiet = False
+    assert len(of_type(meeting.tick(), SETPOINT)) == 1
+
+
+@pytest.mark.parametrize("number", [math.nan, math.inf])
+def test_a_position_that_is_not_a_number_is_no_position(meeting: Meeting, number: float) -> None:
+    in_offboard(meeting)
+    meeting.vehicle.fly(AHEAD)
+    meeting.tick()
+    known = meeting.vehicle.state
+    meeting.autopilot.yaw_rad = number
+    for _ in range(12):
+        meeting.autopilot.position = [number, 0.0, -2.0]
+        sent = of_type(meeting.tick(), SETPOINT)
+    assert known is not None and meeting.vehicle.state == known
+    assert [m.vx for m in sent] == [0.0]  # old by now, so it holds
+
+
+# -- goals -----------------------------------------------------------------------------------------
+
+
+def test_the_goals_of_a_flight_and_their_commands(meeting: Meeting) -> None:
+    in_offboard(meeting)
+    assert meeting.pursue(Goal.HOLDING).progress is Progress.DONE
+    assert meeting.pursue(Goal.LANDED).progress is Progress.DONE
+    commands = of_type(meeting.autopilot.heard, "COMMAND_LONG")
+    assert [c.command for c in commands] == [ARM, TAKE_OFF, SET_MODE, SET_MODE, LAND]
+    assert {(c.target_system, c.target_component) for c in commands} == {(1, 1)}
+    arm, take_off, offboard, loiter, land = commands
+    assert (arm.param1, arm.param2) == (1.0, 0.0)  # arm, without force
+    assert take_off.param7 == meeting.autopilot.home_altitude_m + 2.0  # above mean sea level
+    assert all(math.isnan(getattr(take_off, f"param{i}")) for i in (4, 5, 6))
+    assert (offboard.param1, offboard.param2, offboard.param3) == (1.0, 6.0, 0.0)
+    assert (loiter.param1, loiter.param2, loiter.param3) == (1.0, 4.0, 3.0)
+    assert math.isnan(land.param5) and math.isnan(land.param6)  # where it is
+
+
+def test_a_goal_that_is_reached_already_sends_nothing(meeting: Meeting) -> None:
+    meeting.autopilot.is_armed = True
+    assert meeting.pursue(Goal.ARMED).progress is Progress.DONE
+    assert of_type(meeting.autopilot.heard, "COMMAND_LONG") == []
+
+
+def test_without_a_state_a_goal_waits(meeting: Meeting) -> None:
+    assert meeting.vehicle.pursue(Goal.ARMED).progress is Progress.RUNNING
+    assert meeting.vehicle.transmit(0.0) == []
+
+
+def test_a_goal_is_reached_when_it_is_observed_and_not_when_it_is_accepted(
+    meeting: Meeting,
+) -> None:
+    meeting.autopilot.is_idle = True
+    sent = meeting.run(10.0, act=lambda: meeting.vehicle.pursue(Goal.ARMED))
+    commands = of_type(sent, "COMMAND_LONG")
+    assert len(commands) >= 3
+    assert {c.confirmation for c in commands} == {0}  # each of them is a new one
+    assert all(
+        later.left_s - earlier.left_s >= ASK_AGAIN_S for earlier, later in pairwise(commands)
+    )
+    meeting.autopilot.is_idle = False
+    assert meeting.pursue(Goal.ARMED).progress is Progress.DONE
+
+
+def test_a_goal_that_is_never_observed_fails_in_its_time(meeting: Meeting) -> None:
+    meeting.autopilot.is_idle = True
+    outcome = meeting.pursue(Goal.ARMED)
+    assert (outcome.progress, outcome.reason) == (Progress.FAILED, "not armed after 20 s")
+    assert meeting.now_s == pytest.approx(20.0, abs=0.2)
+
+
+def test_no_answer_at_all_fails_after_silence(meeting: Meeting) -> None:
+    meeting.autopilot.results[ARM] = [None]
+    outcome = meeting.pursue(Goal.ARMED)
+    assert outcome.reason == "not armed: no answer"
+    assert meeting.now_s == pytest.approx(5.0, abs=0.2)
+    commands = of_type(meeting.autopilot.heard, "COMMAND_LONG")
+    assert [c.confirmation for c in commands] == list(range(10))
+
+
+def test_a_denial_is_final_and_says_what_the_autopilot_said(meeting: Meeting) -> None:
+    meeting.autopilot.results[ARM] = [dialect.MAV_RESULT_DENIED]
+    text = dialect.MAVLink_statustext_message(2, b"Arming denied: check level")
+    meeting.tick(meeting.autopilot.endpoint.pack(text))
+    outcome = meeting.pursue(Goal.ARMED)
+    assert outcome.progress is Progress.FAILED
+    assert outcome.reason == "not armed: denied (autopilot: Arming denied: check level)"
+    assert len(of_type(meeting.autopilot.heard, "COMMAND_LONG")) == 1
+
+
+def test_a_temporary_rejection_is_asked_again_after_a_second(meeting: Meeting) -> None:
+    rejected = dialect.MAV_RESULT_TEMPORARILY_REJECTED
+    meeting.autopilot.results[ARM] = [rejected, rejected, ACCEPTED]
+    sent = meeting.run(4.0, act=lambda: meeting.vehicle.pursue(Goal.ARMED))
+    times = [c.left_s for c in of_type(sent, "COMMAND_LONG")]
+    assert len(times) == 3
+    assert all(1.0 <= later - earlier <= 1.2 for earlier, later in pairwise(times))
+    assert meeting.autopilot.is_armed
+
+
+def test_a_vehicle_on_its_way_is_not_asked_again(meeting: Meeting) -> None:
+    meeting.pursue(Goal.ARMED)
+    meeting.autopilot.is_idle = True
+    act = lambda: meeting.vehicle.pursue(Goal.AIRBORNE)  # noqa: E731
+    meeting.tick(act=act)
+    meeting.autopilot.mode = "AUTO.TAKEOFF"
+    assert of_type(meeting.run(20.0, act=act), "COMMAND_LONG") == []
+    meeting.autopilot.mode, meeting.autopilot.is_landed = "AUTO.LOITER", False
+    assert meeting.pursue(Goal.AIRBORNE).progress is Progress.DONE
+
+
+def test_a_new_goal_ends_the_command_of_the_old_one(meeting: Meeting) -> None:
+    meeting.autopilot.results[ARM] = [None]
+    meeting.run(0.3, act=lambda: meeting.vehicle.pursue(Goal.ARMED))
+    sent = meeting.run(3.0, act=lambda: meeting.vehicle.pursue(Goal.HOLDING))
+    assert of_type(sent, "COMMAND_LONG") == []  # holding already, and nobody asks to arm
+
+
+# -- authority -------------------------------------------------------------------------------------
+
+
+def test_a_mode_that_we_did_not_ask_for_ends_all_at_once_and_for_good(meeting: Meeting) -> None:
+    in_offboard(meeting)
+    meeting.vehicle.fly(AHEAD)
+    meeting.vehicle.send_command(25, RETURN, (1.0,))
+    meeting.autopilot.mode = "POSCTL"
+    meeting.autopilot.is_idle = True
+    sent = meeting.run(3.0)
+    assert meeting.vehicle.lost_authority == "the pilot has control, in POSCTL"
+    assert {m.get_type() for m in sent} == {"HEARTBEAT"}
+    outcome = meeting.vehicle.pursue(Goal.OFFBOARD)
+    assert (outcome.progress, outcome.reason) == (
+        Progress.FAILED,
+        "the pilot has control, in POSCTL",
+    )
+    meeting.autopilot.mode = "OFFBOARD"
+    sent = meeting.run(3.0, act=lambda: meeting.vehicle.pursue(Goal.OFFBOARD))
+    assert {m.get_type() for m in sent} == {"HEARTBEAT"}
+    assert meeting.vehicle.lost_authority
+
+
+def test_a_failsafe_is_not_called_a_pilot(meeting: Meeting) -> None:
+    in_offboard(meeting)
+    meeting.autopilot.mode = "AUTO.RTL"
+    meeting.autopilot.system_status = dialect.MAV_STATE_CRITICAL
+    meeting.tick()
+    expected = "a failsafe of the autopilot has control, in AUTO.RTL"
+    assert meeting.vehicle.lost_authority == expected
+
+
+def test_a_mode_that_nobody_knows_was_chosen_by_somebody_else(meeting: Meeting) -> None:
+    in_offboard(meeting)
+    meeting.autopilot.mode = "STABILIZED"
+    meeting.tick()
+    assert meeting.vehicle.lost_authority == "the pilot has control, in OTHER"
+
+
+@pytest.mark.parametrize("goal", [Goal.AIRBORNE, Goal.OFFBOARD, Goal.HOLDING, Goal.LANDED])
+def test_the_pilot_wins_while_a_goal_is_pursued(meeting: Meeting, goal: Goal) -> None:
+    if goal in (Goal.HOLDING, Goal.LANDED):
+        in_offboard(meeting)
+    else:
+        meeting.pursue(Goal.ARMED)
+    meeting.autopilot.is_idle = True
+    meeting.run(0.5, act=lambda: meeting.vehicle.pursue(goal))
+    assert meeting.vehicle.lost_authority == ""
+    meeting.autopilot.mode = "ALTCTL"
+    meeting.tick()
+    assert meeting.vehicle.lost_authority == "the pilot has control, in ALTCTL"
+
+
+def test_on_the_ground_and_disarmed_any_mode_is_welcome(meeting: Meeting) -> None:
+    in_offboard(meeting)
+    meeting.pursue(Goal.LANDED)
+    for mode in ("MANUAL", "POSCTL", "AUTO.LOITER"):
+        meeting.autopilot.mode = mode
+        meeting.tick()
+    assert meeting.vehicle.lost_authority == ""
+
+
+def test_a_mode_on_the_way_is_not_a_take_over(meeting: Meeting) -> None:
+    meeting.pursue(Goal.ARMED)
+    meeting.autopilot.is_idle = True
+    for mode in ("AUTO.TAKEOFF", "AUTO.LOITER"):
+        meeting.autopilot.mode = mode
+        meeting.tick(act=lambda: meeting.vehicle.pursue(Goal.AIRBORNE))
+    assert meeting.vehicle.lost_authority == ""
+
+
+def test_a_parameter_is_asked_for_until_it_is_answered(meeting: Meeting) -> None:
+    meeting.autopilot.parameters.clear()
+    sent = meeting.run(2.0, act=lambda: meeting.vehicle.parameter("COM_OF_LOSS_T"))
+    questions = of_type(sent, "PARAM_REQUEST_READ")
+    assert {(q.target_system, q.target_component, q.param_id) for q in questions} == {
+        (1, 1, "COM_OF_LOSS_T")
+    }
+    assert 3 <= len(questions) <= 4
+    meeting.autopilot.parameters["COM_OF_LOSS_T"] = 0.5
+    meeting.run(1.0)
+    assert meeting.vehicle.parameter("COM_OF_LOSS_T") == 0.5
+    assert of_type(meeting.run(2.0), "PARAM_REQUEST_READ") == []
+
+
+# -- commands of skills ----------------------------------------------------------------------------
+
+
+def payload(answer: int, target: tuple[int, int] = (1, 191)) -> bytes:
+    """An answer of the payload to our command."""
+    message = dialect.MAVLink_command_ack_message(RETURN, answer, 0, 0, *target)
+    return Endpoint(1, 25).pack(message)
+
+
+@pytest.mark.parametrize("target", [(1, 191), (0, 0)])  # to us, or by a sender that names nobody
+def test_a_command_to_a_component_and_its_answer(meeting: Meeting, target: tuple[int, int]) -> None:
+    meeting.tick()
+    ticket = meeting.vehicle.send_command(25, RETURN, (1.5, -2.0))
+    (sent,) = of_type(meeting.tick(), "COMMAND_LONG")
+    assert (sent.target_system, sent.target_component, sent.command) == (1, 25, RETURN)
+    assert [sent.param1, sent.param2, sent.param3, sent.param7] == [1.5, -2.0, 0.0, 0.0]
+    assert meeting.vehicle.command_outcome(ticket).progress is Progress.RUNNING
+    meeting.tick(payload(ACCEPTED, target))
+    assert meeting.vehicle.command_outcome(ticket).progress is Progress.DONE
+
+
+def test_a_refusal_is_handed_on_in_words(meeting: Meeting) -> None:
+    meeting.tick()
+    ticket = meeting.vehicle.send_command(25, RETURN, ())
+    meeting.tick(payload(dialect.MAV_RESULT_TEMPORARILY_REJECTED))
+    assert meeting.vehicle.command_outcome(ticket).progress is Progress.RUNNING
+    meeting.tick(payload(dialect.MAV_RESULT_UNSUPPORTED))
+    outcome = meeting.vehicle.command_outcome(ticket)
+    assert (outcome.progress, outcome.reason) == (Progress.FAILED, "unsupported")
+
+
+def test_an_answer_to_somebody_else_is_not_ours(meeting: Meeting) -> None:
+    meeting.tick()
+    ticket = meeting.vehicle.send_command(25, RETURN, ())
+    theirs = dialect.MAVLink_command_ack_message(RETURN, ACCEPTED, 0, 0, 255, 190)
+    meeting.tick(Endpoint(1, 25).pack(theirs))
+    meeting.tick(Endpoint(2, 25).pack(theirs))
+    assert meeting.vehicle.command_outcome(ticket).progress is Progress.RUNNING
+
+
+def test_a_forgotten_command_is_not_sent_again(meeting: Meeting) -> None:
+    meeting.tick()
+    meeting.vehicle.forget_command(meeting.vehicle.send_command(25, RETURN, ()))
+    assert of_type(meeting.run(3.0), "COMMAND_LONG") == []
+
+
+# -- commands to us --------------------------------------------------------------------------------
+
+OPERATOR = (255, 190)
+
+
+@pytest.mark.parametrize("form", ["long", "int"])
+def test_a_command_that_an_event_waits_for_is_accepted(meeting: Meeting, form: str) -> None:
+    meeting.tick()
+    call = command_to((1, 191))
+    if form == "int":
+        call = dialect.MAVLink_command_int_message(1, 191, 0, RETURN, 0, 0, 0, 0, 0, 0, 0, 0, 0)
+    sent = meeting.tick(Endpoint(*OPERATOR).pack(call))
+    assert (CALL, 1.0) in meeting.readings
+    (ack,) = of_type(sent, "COMMAND_ACK")
+    assert (ack.command, ack.result) == (RETURN, ACCEPTED)
+    assert (ack.target_system, ack.target_component) == OPERATOR
+
+
+@pytest.mark.parametrize("number", [ARM, 31999, 65535])
+def test_every_other_command_is_answered_with_unsupported(meeting: Meeting, number: int) -> None:
+    meeting.tick()
+    sent = meeting.tick(Endpoint(*OPERATOR).pack(command_to((1, 191), number)))
+    (ack,) = of_type(sent, "COMMAND_ACK")
+    assert (ack.command, ack.result) == (number, dialect.MAV_RESULT_UNSUPPORTED)
+    assert meeting.readings == [(CHARGE, 80.0)]
+
+
+@pytest.mark.parametrize("target", [(1, 1), (1, 25), (2, 191), (1, 0)])
+def test_a_command_to_somebody_else_is_theirs_to_answer(
+    meeting: Meeting, target: tuple[int, int]
+) -> None:
+    meeting.tick()
+    sent = meeting.tick(Endpoint(*OPERATOR).pack(command_to(target)))
+    assert of_type(sent, "COMMAND_ACK") == []
+    assert CALL not in dict(meeting.readings)
+
+
+def test_the_operator_is_answered_also_after_the_pilot_took_over(meeting: Meeting) -> None:
+    in_offboard(meeting)
+    meeting.autopilot.mode = "POSCTL"
+    meeting.tick()
+    sent = meeting.tick(Endpoint(*OPERATOR).pack(command_to((1, 191))))
+    assert len(of_type(sent, "COMMAND_ACK")) == 1
+
+
+# -- readings --------------------------------------------------------------------------------------
+
+
+def test_signals_come_in_their_order_and_instances_apart(meeting: Meeting) -> None:
+    meeting.is_quiet = True
+    meeting.tick(*meeting.autopilot.telemetry())
+    detector = Endpoint(1, 26)
+    texts = [named("target", 3), named("other", 9), battery(42), named("target", 0)]
+    meeting.tick(*(detector.pack(m) for m in texts))
+    assert meeting.readings == [(TARGET, 3.0), (CHARGE, 42.0), (TARGET, 0.0)]
+    meeting.tick()
+    assert meeting.readings == []
+
+
+def test_an_unknown_charge_is_no_number(meeting: Meeting) -> None:
+    meeting.autopilot.battery_percent = -1
+    meeting.tick()
+    assert meeting.readings == []
+    assert meeting.vehicle.state is not None
+    assert meeting.vehicle.state.battery_percent is None
+
+
+def test_an_unknown_charge_of_the_system_is_no_number_either() -> None:
+    charge = Signal("SYS_STATUS", "", "battery_remaining")
+    meeting = Meeting(ENVELOPE, frozenset({charge}))
+    meeting.tick()
+    for percent in (-1, 55):
+        status = dialect.MAVLink_sys_status_message(0, 0, 0, 0, 0, 0, percent, *[0] * 6)
+        meeting.tick(meeting.autopilot.endpoint.pack(status))
+        assert meeting.readings == ([] if percent < 0 else [(charge, 55.0)])
+
+
+def test_a_number_that_is_not_finite_is_not_handed_on() -> None:
+    height = Signal("NAMED_VALUE_FLOAT", "height", "value")
+    meeting = Meeting(ENVELOPE, frozenset({height}))
+    meeting.tick()
+    for value in (math.nan, math.inf, 2.5):
+        message = dialect.MAVLink_named_value_float_message(0, b"height", value)
+        meeting.tick(Endpoint(1, 26).pack(message))
+    assert meeting.readings == [(height, 2.5)]
+
+
+# -- whatever arrives ------------------------------------------------------------------------------
+
+TAKEN = [0, 22, 30, 32, 75, 76, 77, 147, 242, 245, 252, 253]
+"""Numbers of the messages that are looked into; HEARTBEAT is the first, STATUSTEXT the last."""
+MESSAGE_IDS = st.sampled_from(TAKEN) | st.sampled_from(sorted(dialect.mavlink_map))
+
+
+@st.composite
+def frames(draw: st.DrawFn) -> bytes:
+    """A well-formed frame of any message with any payload, from our autopilot or a neighbour."""
+    kind = dialect.mavlink_map[draw(MESSAGE_IDS)]
+    payload = draw(st.binary(min_size=1, max_size=255))[: kind.unpacker.size]
+    sender = dialect.MAVLink(None, 1, draw(st.sampled_from([1, 25, 191])))
+    message = dialect.MAVLink_message(kind.id, kind.msgname)
+    return bytes(message._pack(sender, kind.crc_extra, payload))
+
+
+SIGNALS = frozenset({TARGET, CHARGE, CALL, Signal("STATUSTEXT", "", "severity")})
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.lists(frames() | st.binary(max_size=300), max_size=12))
+def test_no_datagram_raises_or_lets_anything_but_good_setpoints_out(datagrams: list[bytes]) -> None:
+    meeting = in_offboard(Meeting(ENVELOPE, SIGNALS))
+    meeting.vehicle.fly(AHEAD)
+    sent = meeting.tick(*datagrams)
+    assert all(map(math.isfinite, dict(meeting.readings).values()))
+    for setpoint in of_type(sent, SETPOINT):
+        numbers = [setpoint.x, setpoint.y, setpoint.z, setpoint.vx, setpoint.vy, setpoint.vz]
+        assert all(map(math.isfinite, [*numbers, setpoint.yaw]))
+    state = meeting.vehicle.state
+    assert state is not None and state.mode in Mode
+    assert all(map(math.isfinite, (*state.position, *state.velocity, state.yaw_rad)))
+
+
+def test_junk_between_frames_loses_none_of_them(meeting: Meeting) -> None:
+    stub = b"\xfd\xff\x00"
+    junk = [stub, b"", b"\xfe", b"hello", bytes(300), stub]
+    meeting.is_quiet = True
+    mixed = [d for frame in meeting.autopilot.telemetry() for d in (frame, *junk)]
+    meeting.tick(*mixed)
+    assert meeting.vehicle.state is not None
+    assert meeting.readings == [(CHARGE, 80.0)]
+
+
+def test_a_frame_with_a_wrong_checksum_changes_nothing(meeting: Meeting) -> None:
+    in_offboard(meeting)
+    meeting.autopilot.mode = "POSCTL"
+    heartbeat = bytearray(meeting.autopilot.telemetry()[0])
+    heartbeat[-1] ^= 0xFF
+    meeting.is_quiet = True
+    meeting.tick(bytes(heartbeat))
+    assert meeting.vehicle.lost_authority == ""
