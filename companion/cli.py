@@ -276,9 +276,9 @@ def _stoppable(companion: Companion) -> Iterator[None]:
     """The first Ctrl-C (or SIGTERM) holds, lands and exits; the second exits at once."""
 
     def stop(number: int, _: FrameType | None) -> None:
-        typer.echo("stopping: hold, land, exit; once more to exit at once", err=True)
-        signal.signal(number, signal.default_int_handler)
+        signal.signal(number, signal.default_int_handler)  # before the promise below is read
         companion.stop()
+        typer.echo("stopping: hold, land, exit; once more to exit at once", err=True)
 
     before = {n: signal.signal(n, stop) for n in (signal.SIGINT, signal.SIGTERM)}
     try:
