@@ -37,7 +37,7 @@ class FakeVehicle:
         answers: seconds and outcome for each command, in the order they are sent; then DONE.
         drift: where the point settles relative to its setpoint.
         is_stuck: it moves no longer.
-        flown: every setpoint that it was given.
+        flown: every setpoint that it was given; None when it was released.
         sent: every command, as (component, command, parameters).
         pursued: the goals that were worked for, in order.
         parameters: the autopilot's parameters; strong failsafes at first.
@@ -110,8 +110,11 @@ class FakeVehicle:
             self.change(**AFTER[goal])
         return outcome
 
-    def fly(self, setpoint: Setpoint | None) -> None:
+    def fly(self, setpoint: Setpoint) -> None:
         self.flown.append(setpoint)
+
+    def release(self) -> None:
+        self.flown.append(None)
 
     def send_command(self, component: int, command: int, parameters: tuple[float, ...]) -> int:
         self.sent.append((component, command, parameters))

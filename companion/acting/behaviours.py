@@ -7,21 +7,25 @@ from a clock.
 
 from __future__ import annotations
 
+import math
+
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from companion.acting.flight import TICK_S, Flight
 from companion.geometry import distance
 from companion.mission.model import Command, Fly
-from companion.motion.trajectory import Trajectory
-from companion.planning.domain import WAIT, Action, Fact
+from companion.motion.trajectory import Trajectory, run_out
+from companion.planning.domain import Action, Fact
 from companion.vehicle.port import Progress, Setpoint
 
 ACCELERATION_MPS2 = 2.0
 ARRIVAL_M = 0.3
 """How near to a place the vehicle has to come to be there."""
 ARRIVAL_TIMEOUT_S = 15.0
-"""How long it may take to come that near after the trajectory has ended."""
+"""How long it may take to come that near after the trajectory has ended, or to catch up."""
+SLOW_MPS = 0.2
+"""A vehicle slower than this begins a route as if it were at rest."""
 LAG_M = 0.9
 """Distance behind the trajectory at which the trajectory waits; below the gate's carrot."""
 
@@ -82,10 +86,9 @@ class Effects(Behaviour):
             flight.report("at", f"at {action.execute.place}", action=action.name)
         elif action.assumes or action.adds:
             flight.report("done", f"{action.name} done", action=action.name)
-        if self._ends_lap:
-            flight.laps += 1
-            if action is not WAIT:
-                flight.report("lap", f"lap {flight.laps} done", lap=flight.laps)
+        flight.failure = ""
+        flight.completed += 1
+        flight.laps += self._ends_lap
         return Status.SUCCESS
 
 
@@ -147,11 +150,20 @@ class MoveCommand(Behaviour):
         self._trajectory: Trajectory | None = None
         self._time_s = 0.0
         self._start_s = flight.now_s
+        self._waited_s = 0.0
         state = flight.vehicle.state
-        route = flight.routes.route(state.position, self._place) if state else None
-        if route is not None and state is not None:
+        if state is None:
+            return
+        start, speed_mps = state.position, math.hypot(*state.velocity)
+        if speed_mps > SLOW_MPS:
+            stop = run_out(start, state.velocity, ACCELERATION_MPS2)
+            route = flight.routes.route_from_motion(start, stop, self._place)
+        else:
+            route = flight.routes.route(start, self._place)
+        if route is not None:
+            limit_mps = flight.limits.speed_mps
             self._trajectory = Trajectory(
-                route, flight.limits.speed_mps, ACCELERATION_MPS2, state.yaw_rad
+                route, limit_mps, ACCELERATION_MPS2, state.yaw_rad, speed_mps
             )
 
     def update(self) -> Status:
@@ -171,6 +183,11 @@ class MoveCommand(Behaviour):
             return self._fail(f"still {gap_m:.1f} m from {self._place}")
         if gap_m < LAG_M:
             self._time_s += TICK_S
+            self._waited_s = 0.0
+        else:
+            self._waited_s += TICK_S
+        if self._waited_s > ARRIVAL_TIMEOUT_S:
+            return self._fail(f"stuck on the way to {self._place}")
         return Status.RUNNING
 
     def terminate(self, new_status: Status) -> None:

@@ -41,22 +41,20 @@ class EventDetector:
         self, now_s: float, readings: Iterable[tuple[Signal, float]]
     ) -> list[tuple[str, bool]]:
         """Takes readings; returns the events that changed, with their new value."""
-        changes: dict[str, bool] = {}
+        before = dict(self._holds)
         for signal, value in readings:
             self._values[signal] = value
-            changes |= self._changes(now_s)
-        changes |= self._changes(now_s)
-        return list(changes.items())
+            self._change(now_s)
+        self._change(now_s)
+        return [(name, holds) for name, holds in self._holds.items() if holds != before[name]]
 
-    def _changes(self, now_s: float) -> dict[str, bool]:
-        changed = {}
+    def _change(self, now_s: float) -> None:
         for name, event in self._events.items():
             if not self._wants_to_change(event):
                 self._since_s.pop(name, None)
             elif now_s - self._since_s.setdefault(name, now_s) >= event.for_s:
                 del self._since_s[name]
-                self._holds[name] = changed[name] = not self._holds[name]
-        return changed
+                self._holds[name] = not self._holds[name]
 
     def _wants_to_change(self, event: Event) -> bool:
         if not self._holds[event.name]:

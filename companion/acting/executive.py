@@ -45,7 +45,8 @@ class Executive:
         status: how the task stands.
         replans: how often it has planned again.
         lasso: the present plan.
-        failure: why there is no plan; None while there is one.
+        failure: why the task has no plan; None while it has one.
+        is_leaving: the present plan is a flight to a place, in want of one for the task.
 
     Args:
         planner: the mission's planner.
@@ -58,11 +59,12 @@ class Executive:
         self.replans = 0
         self.lasso: Lasso | None = None
         self.failure: NoPlanError | None = None
+        self.is_leaving = False
         self._planner = planner
         self._flight = flight
         self._detector = detector
         self._root: Behaviour | None = None
-        self._reasons: list[str] = []
+        self._predicted: dict[Fact, bool] = {}
         self._idle_replans = 0
         self._positions = 0
 
@@ -71,9 +73,7 @@ class Executive:
         flight = self._flight
         for name, holds in self._detector.update(flight.now_s, readings):
             flight.task.take(self._planner.mission.events[name], holds)
-            text = _in_words(name) if holds else f"no longer {_in_words(name)}"
-            flight.report("event", text, event=name, holds=holds)
-            self._reasons.append(text)
+            flight.report("event", _in_words(name, holds), event=name, holds=holds)
 
     def plan(self) -> None:
         """Makes the first plan.
@@ -88,11 +88,15 @@ class Executive:
     def tick(self) -> TaskStatus:
         """One tick of the tree; plans again if it fails."""
         assert self._root is not None and self.lasso is not None
+        flight, laps = self._flight, self._flight.laps
+        self._forget_what_is_done(self.lasso)
         self._root.tick_once()
         if self._root.status is Status.FAILURE:
             self._replan()
-        elif self.lasso.ends_at_rest and self._flight.laps:
+        elif flight.laps > laps and self.lasso.ends_at_rest:
             self.status = TaskStatus.SATISFIED
+        elif flight.laps > laps:
+            flight.report("lap", f"lap {flight.laps} done", lap=flight.laps)
         return self.status
 
     def go_to(self, place: str) -> bool:
@@ -107,6 +111,7 @@ class Executive:
         self._flight.task.depart()
         self._flight.task.withdrawn -= move.assumes
         self.status = TaskStatus.RUNNING
+        self.is_leaving = True
         self._adopt(Lasso((move,), (WAIT,)))
         return True
 
@@ -128,7 +133,7 @@ class Executive:
         self.stop()
         task.interrupt()
         self._count_idle()
-        reason = "; ".join(self._reasons) or flight.failure
+        reason = self._surprise() or flight.failure
         self.replans += 1
         try:
             if self._idle_replans > MAX_IDLE_REPLANS:
@@ -139,6 +144,7 @@ class Executive:
             self.failure = error
             flight.report("replan", f"replan {self.replans}: {reason}: {error}", reason=reason)
             return
+        self.failure, self.is_leaving = None, False
         self._adopt(lasso)
         text = f"replan {self.replans}: {reason} -> {lasso}"
         flight.report("replan", text, number=self.replans, reason=reason, **lasso.as_json())
@@ -151,25 +157,35 @@ class Executive:
 
     def _adopt(self, lasso: Lasso) -> None:
         flight = self._flight
-        flight.laps = 0
+        flight.laps = flight.completed = 0
         flight.failure = ""
-        self._reasons = []
         self.lasso = lasso
-        self._root = build(flight, lasso, self._predicted(lasso))
+        self._predicted = {name: name in flight.task.facts for name in self._planner.mission.events}
+        self._forget_what_is_done(lasso)
+        self._root = build(flight, lasso, self._predicted)
 
-    def _predicted(self, lasso: Lasso) -> dict[Fact, bool]:
-        """The present values of the events that the task or the plan's preconditions mention."""
-        relevant = self._planner.task_facts.union(
-            *(a.requires | a.forbids for a in (*lasso.prefix, *lasso.suffix))
-        )
+    def _forget_what_is_done(self, lasso: Lasso) -> None:
+        """Predicts only events that the task, or a precondition still to come, mentions."""
+        left = (*lasso.prefix[self._flight.completed :], *lasso.suffix)
+        relevant = self._planner.task_facts.union(*(a.requires | a.forbids for a in left))
+        for name in self._predicted.keys() - relevant:
+            del self._predicted[name]
+
+    def _surprise(self) -> str:
+        """The events that are not as predicted, in words."""
         facts = self._flight.task.facts
-        return {name: name in facts for name in self._planner.mission.events if name in relevant}
+        return "; ".join(
+            _in_words(name, name in facts)
+            for name, holds in self._predicted.items()
+            if (name in facts) != holds
+        )
 
 
-def _in_words(name: str) -> str:
-    """A camel-case name as words: targetFound becomes "target found".
+def _in_words(event: str, holds: bool) -> str:
+    """An event in words.
 
-    >>> _in_words("targetFound")
-    'target found'
+    >>> _in_words("targetFound", True), _in_words("lowBattery", False)
+    ('target found', 'no longer low battery')
     """
-    return "".join(f" {c.lower()}" if c.isupper() else c for c in name).replace("_", " ").strip()
+    words = "".join(f" {c.lower()}" if c.isupper() else c for c in event).replace("_", " ").strip()
+    return words if holds else f"no longer {words}"

@@ -23,6 +23,7 @@ class Flight:
     Attributes:
         symbols: where each place is taken to be; read late, so that it may change in flight.
         now_s: time of the tick, set before each tick.
+        completed: skills of the present plan that were completed.
         laps: laps of the present plan's loop.
         failure: why the last skill failed.
         reports: what happened and has not been collected yet.
@@ -35,6 +36,7 @@ class Flight:
     symbols: Mapping[str, Ned]
     start_s: float = 0.0
     now_s: float = 0.0
+    completed: int = 0
     laps: int = 0
     failure: str = ""
     reports: list[Report] = field(default_factory=list)

@@ -71,6 +71,10 @@ STEPS: dict[Phase, Step] = {
 }
 
 
+ON_THE_GROUND = (Phase.WAITING, Phase.CHECKING)
+"""Phases in which the vehicle is not ours yet."""
+
+
 class Sortie:
     """Flies a mission once.
 
@@ -148,7 +152,7 @@ class Sortie:
             return
         self._flight.report("phase", "stopping as asked")
         state = self._flight.vehicle.state
-        if state is None or not state.is_armed:
+        if self.phase in ON_THE_GROUND or state is None or not state.is_armed:
             self._enter(Phase.ENDED)
         else:
             self._executive.stop()
@@ -162,20 +166,19 @@ class Sortie:
         self._was_refused = bool(refusal)
 
     def _loss_of_control(self, state: VehicleState) -> CompanionError | None:
-        """Why the sortie is no longer ours to fly."""
+        """Why the sortie is no longer ours to fly, or never was."""
         silence_s = self._flight.now_s - state.stamp_s
         if silence_s > LINK_LOST_S:
             return LinkError(f"no position from the vehicle for {silence_s:.0f} s")
         if self._flight.vehicle.lost_authority:
             return Aborted(self._flight.vehicle.lost_authority)
+        if self.phase in ON_THE_GROUND and (state.is_armed or not state.is_landed):
+            return Aborted("the vehicle is armed or flying already; it is left alone")
         if self.phase in (Phase.OFFBOARD, Phase.TASK, Phase.HOLDING) and not state.is_armed:
             return Aborted("the vehicle was disarmed")
         return None
 
     def _start(self, state: VehicleState) -> None:
-        if state.is_armed or not state.is_landed:
-            self._end(Aborted("the vehicle is armed or flying already; it is left alone"))
-            return
         gap_m = horizontal_distance(state.position, self._home.position)
         if gap_m > self._home.radius_m:
             what = f"the vehicle stands {gap_m:.1f} m from {self._home.name}"
@@ -224,23 +227,24 @@ class Sortie:
         if status is TaskStatus.NO_PLAN:
             self._without_plan()
         elif status is TaskStatus.SATISFIED:
+            self.failure = self._executive.failure  # set if this was only the way home
             self._enter(Phase.LANDING)
 
     def _without_plan(self) -> None:
         """Does what the mission says for the case that no plan exists."""
-        is_first = self.failure is None
-        self.failure = self._executive.failure
-        returns = self._otherwise is Otherwise.RETURN_HOME and is_first
-        if returns and self._executive.go_to(self._home.name):
-            self._flight.report("phase", f"returning to {self._home.name}")
+        executive, home = self._executive, self._home.name
+        may_return = self._otherwise is Otherwise.RETURN_HOME and not executive.is_leaving
+        if may_return and executive.go_to(home):
+            self._flight.report("phase", f"returning to {home}")
         else:
+            self.failure = executive.failure
             is_hold = self._otherwise is Otherwise.HOLD
             self._enter(Phase.PARTING if is_hold else Phase.HOLDING)
 
     def _enter(self, phase: Phase) -> None:
         self.phase = phase
         if phase is Phase.ENDED:
-            self._flight.vehicle.fly(None)
+            self._flight.vehicle.release()
             text, code = self._ending()
             self._flight.report("end", text, exit_code=code)
         else:

@@ -47,10 +47,7 @@ class Endpoint:
         parser = self._mavlink
         parser.buf = bytearray()
         parser.buf_index = 0
-        try:
-            found = parser.parse_buffer(datagram) or []
-        except dialect.MAVError:
-            return []
+        found = parser.parse_buffer(datagram) or []
         return [m for m in found if m.get_msgId() >= 0 and not m.get_type().startswith("UNKNOWN")]
 
 

@@ -109,6 +109,23 @@ class RouteMap:
         hops = np.linalg.norm(point - _centre(cell)) + np.linalg.norm(goal - np.floor(goal) - 0.5)
         return float(field.cost[cell] + hops) * self._grid.cell_m
 
+    def route_from_motion(self, start: Ned, stop: Ned, site: str) -> Route | None:
+        """A route whose first leg leads to where the vehicle can stop, straight ahead.
+
+        If that leg is not clear, or no way leads on from there, it is the route from a start at
+        rest, and the vehicle leaves it while it brakes.
+
+        Args:
+            start: where the vehicle is.
+            stop: where it can come to rest.
+            site: where to fly.
+        """
+        is_clear = self._free_sight.is_clear(self._point(start), self._point(stop))
+        route = self.route(stop, site) if is_clear else None
+        if route is None:
+            return self.route(start, site)
+        return Route(np.vstack([start, route.waypoints]))
+
     def route(self, start: Ned, site: str) -> Route | None:
         """The shortest route to a site, pulled tight; None if there is none.
 

@@ -1,6 +1,7 @@
 """Trajectories: where along its route should the vehicle be at a time, and how fast?
 
-The vehicle follows the legs of a route exactly, from rest to rest. On each leg the speed is a
+The vehicle follows the legs of a route exactly, from rest (or from a speed along the first leg)
+to rest. On each leg the speed is a
 trapezoid: it rises at the greatest acceleration, holds, and falls. At a corner the direction of
 the velocity jumps, so the speed there is limited: the jump may not exceed what the vehicle can
 make up in CORNER_TIME_S,
@@ -73,15 +74,21 @@ class Trajectory:
         speed_mps: greatest speed, positive.
         acceleration_mps2: greatest acceleration along a leg, positive.
         yaw_rad: heading before the first leg.
+        start_mps: speed at the start, along the first leg; lowered to what the route allows.
 
     Attributes:
-        duration_s: time from the start at rest to the end at rest.
+        duration_s: time from the start to the end at rest.
     """
 
     duration_s: float
 
     def __init__(
-        self, route: Route, speed_mps: float, acceleration_mps2: float, yaw_rad: float = 0.0
+        self,
+        route: Route,
+        speed_mps: float,
+        acceleration_mps2: float,
+        yaw_rad: float = 0.0,
+        start_mps: float = 0.0,
     ) -> None:
         legs = np.diff(route.waypoints, axis=0)
         lengths = np.linalg.norm(legs, axis=1)
@@ -89,7 +96,13 @@ class Trajectory:
         self._end = _ned(route.waypoints[-1])
         self._corners = route.waypoints[:-1][is_leg]
         self._directions = legs[is_leg] / lengths[is_leg, None]
-        speeds = _corner_speeds(self._directions, lengths[is_leg], speed_mps, acceleration_mps2)
+        speeds = _corner_speeds(
+            self._directions,
+            lengths[is_leg],
+            min(start_mps, speed_mps),
+            speed_mps,
+            acceleration_mps2,
+        )
         self._phases: list[_Phase] = []
         self.duration_s = 0.0
         leg_begin_s = []
@@ -153,6 +166,17 @@ class Trajectory:
         return wrap_angle(from_rad + _limited(turn_rad, YAW_RATE_RADPS * (t_s - begin_s)))
 
 
+def run_out(position: Ned, velocity: Ned, acceleration_mps2: float) -> Ned:
+    """Where a moving vehicle can come to rest, straight ahead.
+
+    >>> run_out((0.0, 0.0, -2.0), (2.0, 0.0, 0.0), 2.0)
+    (1.0, 0.0, -2.0)
+    """
+    per_mps = math.hypot(*velocity) / (2 * acceleration_mps2)
+    north, east, down = (p + v * per_mps for p, v in zip(position, velocity, strict=True))
+    return (north, east, down)
+
+
 def flight_time_s(distance_m: float, speed_mps: float, acceleration_mps2: float) -> float:
     """Time to fly a straight distance from rest to rest; inf for an infinite distance.
 
@@ -169,13 +193,14 @@ def flight_time_s(distance_m: float, speed_mps: float, acceleration_mps2: float)
 def _corner_speeds(
     directions: npt.NDArray[np.float64],
     lengths_m: npt.NDArray[np.float64],
+    start_mps: float,
     speed_mps: float,
     acceleration_mps2: float,
 ) -> list[float]:
-    """Speed at the beginning of each leg and at the end of the last; at rest at both ends."""
+    """Speed at the beginning of each leg and at the end of the last, which is at rest."""
     half_jump = np.linalg.norm(np.diff(directions, axis=0), axis=1) / 2  # sin(turn / 2)
     corners = acceleration_mps2 * CORNER_TIME_S / (2 * np.maximum(half_jump, 1e-9))
-    speeds = [0.0, *np.minimum(corners, speed_mps).tolist(), 0.0]
+    speeds = [start_mps, *np.minimum(corners, speed_mps).tolist(), 0.0]
     gains = (2 * acceleration_mps2 * lengths_m).tolist()  # of the square of the speed
     for leg, gain in enumerate(gains):
         speeds[leg + 1] = min(speeds[leg + 1], math.sqrt(speeds[leg] ** 2 + gain))

@@ -31,7 +31,10 @@ FlightTime = Callable[[str, str], float]
 
 HERE = "here"
 REST_S = 1.0
-"""Length of one step of rest; the cost that keeps it the cheapest way to do nothing."""
+"""Length of one step of rest."""
+UNIT_MS = 100
+"""Costs are multiples of this. Rest costs one and all else more, whatever a mission says, so that
+no skill is repeated for ever in place of rest."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +79,7 @@ WAIT = Action(
     assumes=frozenset(),
     adds=frozenset(),
     deletes=frozenset(),
-    cost_ms=round(1000 * REST_S),
+    cost_ms=UNIT_MS,
     execute=Wait(REST_S),
     tries=1,
     timeout_s=None,
@@ -176,7 +179,7 @@ def _instance(skill: Skill, binding: dict[str, str], flight_time: FlightTime) ->
         assumes=assumes,
         adds=adds,
         deletes=deletes - adds,
-        cost_ms=max(100, 100 * round(10 * (cost_s or 0.0))),
+        cost_ms=UNIT_MS * max(2, round(1000 * (cost_s or 0.0) / UNIT_MS)),
         execute=execute,
         tries=skill.tries,
         timeout_s=skill.timeout_s,

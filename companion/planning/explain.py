@@ -14,22 +14,17 @@ from companion.planning.lasso import Problem
 from companion.planning.search import find_lasso
 
 
-def why_no_plan(problem: Problem, beliefs: frozenset[Fact]) -> str:
-    """The reason in words.
-
-    Args:
-        problem: a problem without a plan.
-        beliefs: everything the task model may assume; those not among the facts are withdrawn.
-    """
+def why_no_plan(problem: Problem) -> str:
+    """The reason, in words, why a problem has no plan."""
     core = _conflict(problem)
     names = list(dict.fromkeys(problem.conjuncts[i].name for i in core))
     together = " together" if len(core) > 1 else ""
     lines = [f"no plan: {', '.join(names)} cannot hold{together} from here."]
     lines += [f"  {problem.conjuncts[i].name}: {problem.conjuncts[i].formula}" for i in core]
-    withdrawn = beliefs - problem.facts
+    withdrawn = sorted(problem.withdrawn)
     if withdrawn:
-        lines.append(f"  withdrawn: {', '.join(sorted(withdrawn))}")
-        blame = [b for b in sorted(withdrawn) if _is_solvable(_with(problem, b))]
+        lines.append(f"  withdrawn: {', '.join(withdrawn)}")
+        blame = [b for b in withdrawn if _is_solvable(_with(problem, b))]
         if blame:
             lines.append(f"  with {' or '.join(blame)} there would be a plan")
     return "\n".join(lines)

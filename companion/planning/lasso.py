@@ -33,7 +33,7 @@ class Conjunct:
 
 @dataclass(frozen=True)
 class Problem:
-    """A planning problem; between replans only the last two fields change.
+    """A planning problem; between replans only the last three fields change.
 
     Attributes:
         actions: grounded actions; their order breaks ties.
@@ -41,12 +41,14 @@ class Problem:
         facts: what holds now.
         automaton_states: per conjunct, the states its automaton may be in after reading the
             history up to and including the present position.
+        withdrawn: beliefs that were disproved and would be facts otherwise.
     """
 
     actions: tuple[Action, ...]
     conjuncts: tuple[Conjunct, ...]
     facts: frozenset[Fact]
     automaton_states: tuple[frozenset[int], ...]
+    withdrawn: frozenset[Fact] = frozenset()
 
 
 @dataclass(frozen=True)

@@ -59,7 +59,8 @@ class Planner:
             extra = departures(self.mission, self.flight_time)
             actions = (*extra, *actions)
             beliefs = beliefs.union(*(a.assumes for a in extra))
-        return Problem(actions, self.conjuncts, facts | (beliefs - withdrawn), automaton_states)
+        held = facts | (beliefs - withdrawn)
+        return Problem(actions, self.conjuncts, held, automaton_states, beliefs & withdrawn)
 
     def plan(self, problem: Problem, histories: Sequence[Sequence[Letter]]) -> Lasso:
         """The best lasso, checked.
@@ -73,7 +74,7 @@ class Planner:
         """
         lasso = find_lasso(problem)
         if lasso is None:
-            raise NoPlanError(why_no_plan(problem, self.model.beliefs))
+            raise NoPlanError(why_no_plan(problem))
         wrong = fault(problem, lasso, histories)
         if wrong is not None:
             raise CompanionError(f"the planner made a wrong plan, {lasso}: {wrong}")

@@ -11,7 +11,8 @@ from __future__ import annotations
 
 import json
 import struct
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 
 from companion.acting.report import Report
@@ -40,29 +41,51 @@ class RunFolder:
         self._start_unix_s = start_unix_s
         self._tell = tell
         self._trail = Trail()
+        self._is_failing = False
         (folder / "mission.yaml").write_text(mission.text, encoding="utf-8")
         self._events = (folder / "events.jsonl").open("w", encoding="utf-8")
         self._tlog = (folder / "flight.tlog").open("wb")
 
     def report(self, report: Report) -> None:
         """Appends a line to events.jsonl, at once; a plan also becomes a file."""
-        line = {"t_s": report.time_s, "kind": report.kind, "text": report.text, **report.data}
-        self._events.write(json.dumps(line) + "\n")
-        self._events.flush()
-        if report.kind in ("plan", "replan") and "loop" in report.data:
-            self._plan(report.data)
         self._tell(report)
+        line = {"t_s": report.time_s, "kind": report.kind, "text": report.text, **report.data}
+        with self._going_on():
+            self._events.write(json.dumps(line) + "\n")
+            self._events.flush()
+            if report.kind in ("plan", "replan") and "loop" in report.data:
+                self._plan(report.data)
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
         """Appends frames to flight.tlog."""
         stamp = struct.pack(">Q", int((self._start_unix_s + now_s) * 1e6))
-        for datagram in datagrams:
-            for frame in split_frames(datagram):
-                self._tlog.write(stamp + frame)
+        with self._going_on():
+            for datagram in datagrams:
+                for frame in split_frames(datagram):
+                    self._tlog.write(stamp + frame)
 
     def position(self, now_s: float, position: Ned) -> None:
         """Adds to the trail of flight.png."""
         self._trail.add(position)
+
+    def close(self) -> None:
+        """Closes the files and draws the flight."""
+        for stream in (self._events, self._tlog):
+            with self._going_on():
+                stream.close()
+        with self._going_on():
+            draw_flight(self._mission, self._trail, self.folder / "flight.png")
+
+    @contextmanager
+    def _going_on(self) -> Iterator[None]:
+        """A full disk ends no flight: the first failure is told, later ones are not."""
+        try:
+            yield
+        except OSError as error:
+            if not self._is_failing:
+                self._is_failing = True
+                text = f"the run folder cannot be written, the flight goes on: {error.strerror}"
+                self._tell(Report(0.0, "record", text))
 
     def _plan(self, plan: Mapping[str, object]) -> None:
         """Writes a plan; the trail's next part belongs to it."""
@@ -70,9 +93,3 @@ class RunFolder:
         path.write_text(json.dumps(plan, indent=2) + "\n", encoding="utf-8")
         reason = plan.get("reason")
         self._trail.begin(f"replan {plan['number']}: {reason}" if reason else "first plan")
-
-    def close(self) -> None:
-        """Closes the files and draws the flight."""
-        self._events.close()
-        self._tlog.close()
-        draw_flight(self._mission, self._trail, self.folder / "flight.png")

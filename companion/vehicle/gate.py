@@ -63,7 +63,7 @@ def admit(
     envelope: Envelope,
 ) -> Verdict:
     """The setpoint itself, a hold in its place, or nothing."""
-    if state is None or not all(map(math.isfinite, state.position)):
+    if state is None or not all(map(math.isfinite, (*state.position, state.yaw_rad))):
         return Verdict(None, "the position is unknown")
     age_s = now_s - state.stamp_s
     if age_s > envelope.lost_s:

@@ -70,6 +70,7 @@ class UdpLink:
     def __init__(self, endpoint: Endpoint) -> None:
         self.endpoint = endpoint
         self._heard: dict[str, int] = {}
+        self._system: int | None = None
         self._mavlink = 0
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._socket.setblocking(False)
@@ -103,8 +104,14 @@ class UdpLink:
             self._heard[sender[0]] = self._heard.get(sender[0], 0) + 1
             if len(datagram) > 8 and datagram[0] == MAVLINK2_MAGIC:
                 self._mavlink += 1
-                if self.endpoint.is_listening and datagram[6] == AUTOPILOT_COMPONENT:
-                    self._peer = sender
+                self._learn(sender, system=datagram[5], component=datagram[6])
+
+    def _learn(self, sender: tuple[str, int], system: int, component: int) -> None:
+        """Answers go to where the first vehicle's autopilot was heard last."""
+        if component == AUTOPILOT_COMPONENT and self._system in (None, system):
+            self._system = system
+            if self.endpoint.is_listening:
+                self._peer = sender
 
     def send(self, datagrams: list[bytes]) -> None:
         """Sends to the vehicle; what the network does not take is lost, as on a radio."""
@@ -125,9 +132,10 @@ class UdpLink:
         total = sum(self._heard.values())
         if not total:
             return "nothing arrived"
+        autopilot = "no autopilot" if self._system is None else f"the autopilot of {self._system}"
         return (
             f"{total} packets came from {', '.join(sorted(self._heard))}, "
-            f"{self._mavlink or 'none'} of them MAVLink 2, none from an autopilot"
+            f"{self._mavlink or 'none'} of them MAVLink 2; {autopilot} was heard"
         )
 
     def close(self) -> None:

@@ -31,6 +31,8 @@ from companion.vehicle.telemetry import Telemetry
 COMPONENT = dialect.MAV_COMP_ID_ONBOARD_COMPUTER
 AUTOPILOT = dialect.MAV_COMP_ID_AUTOPILOT1
 HEARTBEAT_S = 1.0
+MODE_UNKNOWN_S = 5.0
+"""Age of the autopilot's last heartbeat at which its mode is no longer known (five were missed)."""
 ASK_AGAIN_S = 2.0
 """Pause before a command that was accepted without effect is sent again."""
 
@@ -50,6 +52,7 @@ class _Pursuit:
 
     goal: Goal
     allowed: frozenset[Mode]
+    start_mode: Mode
     start_s: float
     ticket: int | None = None
 
@@ -119,9 +122,15 @@ class MavlinkVehicle:
         """See `port.Vehicle`."""
         return self._telemetry.state
 
-    def fly(self, setpoint: Setpoint | None) -> None:
+    def fly(self, setpoint: Setpoint) -> None:
         """See `port.Vehicle`."""
         self._setpoint = setpoint
+
+    def release(self) -> None:
+        """See `port.Vehicle`."""
+        self._setpoint = None
+        self._pursuit = None
+        self._commands = CommandSender()
 
     def pursue(self, goal: Goal) -> Outcome:
         """See `port.Vehicle`."""
@@ -133,7 +142,8 @@ class MavlinkVehicle:
         pursuit = self._pursuit
         if pursuit is None or pursuit.goal is not goal:
             self._end_command()
-            pursuit = _Pursuit(goal, approach.passes | {state.mode}, self._now_s)
+            allowed = approach.passes | {state.mode}
+            pursuit = _Pursuit(goal, allowed, state.mode, self._now_s)
             self._pursuit = pursuit
         if approach.is_reached(state):
             self._end_command()
@@ -208,7 +218,10 @@ class MavlinkVehicle:
             return []
         is_entering = self._pursuit is not None and self._pursuit.goal is Goal.OFFBOARD
         is_our_mode = is_entering or self._telemetry.mode is Mode.OFFBOARD
-        verdict = admit(self._setpoint, self.state, self._now_s, is_our_mode, self._envelope)
+        is_known = self._now_s - self._telemetry.heartbeat_s < MODE_UNKNOWN_S
+        verdict = admit(
+            self._setpoint, self.state, self._now_s, is_our_mode and is_known, self._envelope
+        )
         if verdict.setpoint is None:
             return []
         self.refusal = verdict.refusal
@@ -250,9 +263,13 @@ class MavlinkVehicle:
             self._read(signal, message)
 
     def _watch_authority(self) -> None:
-        """Rule 4."""
+        """Rule 4. The mode in which a goal was begun is ours only until it was left."""
         heard, pursuit = self._telemetry, self._pursuit
-        if pursuit and heard.is_armed and heard.mode and heard.mode not in pursuit.allowed:
+        if pursuit is None or heard.mode is None or not heard.is_armed:
+            return
+        if heard.mode in APPROACHES[pursuit.goal].passes:
+            pursuit.allowed -= {pursuit.start_mode} - APPROACHES[pursuit.goal].passes
+        elif heard.mode not in pursuit.allowed:
             who = "a failsafe of the autopilot" if heard.is_failsafe else "the pilot"
             self.lost_authority = f"{who} has control, in {heard.mode.value}"
 
@@ -265,7 +282,8 @@ class MavlinkVehicle:
 
     def _answer(self, message: Message) -> None:
         """Rule 5."""
-        if (message.target_system, message.target_component) != (self._endpoint.system, COMPONENT):
+        own = (self._endpoint.system, COMPONENT)
+        if not own[0] or (message.target_system, message.target_component) != own:
             return
         entry = dialect.enums["MAV_CMD"].get(message.command)
         signal = Signal("COMMAND", "", entry.name if entry else "")

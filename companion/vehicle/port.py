@@ -120,8 +120,11 @@ class Vehicle(Protocol):
     def pursue(self, goal: Goal) -> Outcome:
         """Work towards a goal; call it every tick until it is no longer RUNNING."""
 
-    def fly(self, setpoint: Setpoint | None) -> None:
-        """The setpoint to stream from now on; None ends the stream."""
+    def fly(self, setpoint: Setpoint) -> None:
+        """The setpoint to stream from now on."""
+
+    def release(self) -> None:
+        """Stream nothing and ask for nothing any longer."""
 
     def send_command(self, component: int, command: int, parameters: tuple[float, ...]) -> int:
         """Start a MAVLink command to a component; returns a ticket for `command_outcome`."""

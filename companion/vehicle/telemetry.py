@@ -27,6 +27,7 @@ class Telemetry:
     Attributes:
         home: first home position in the autopilot's local frame; None until heard.
         home_altitude_m: its altitude above mean sea level.
+        heartbeat_s: when the newest heartbeat was heard.
         texts: what the autopilot said lately in STATUSTEXT, newest last.
     """
 
@@ -34,7 +35,9 @@ class Telemetry:
         self.home: Ned | None = None
         self.home_altitude_m = 0.0
         self.texts: deque[str] = deque(maxlen=MAX_TEXTS)
+        self.heartbeat_s = -math.inf
         self.mode: Mode | None = None
+        self._sequence: int | None = None
         self.is_armed = False
         self.is_failsafe = False
         self._is_landed: bool | None = None
@@ -81,10 +84,24 @@ class Telemetry:
         if handler is not None:
             handler(self, now_s, message)
 
-    def _on_heartbeat(self, _: float, message: Message) -> None:
+    def _on_heartbeat(self, now_s: float, message: Message) -> None:
+        if self._is_overtaken(message.get_seq()):
+            return
+        self.heartbeat_s = now_s
         self.is_armed = bool(message.base_mode & dialect.MAV_MODE_FLAG_SAFETY_ARMED)
         self.is_failsafe = message.system_status >= dialect.MAV_STATE_CRITICAL
         self.mode = KNOWN_MODES.get(mode_name(message.custom_mode) or "", Mode.OTHER)
+
+    def _is_overtaken(self, sequence: int) -> bool:
+        """Whether a heartbeat is older than the newest one: a mode of the past is no news.
+
+        Sequence numbers count to 255 and begin again; a restarted autopilot looks old for at most
+        half a round.
+        """
+        is_old = self._sequence is not None and (sequence - self._sequence) % 256 > 128
+        if not is_old:
+            self._sequence = sequence
+        return is_old
 
     def _on_position(self, now_s: float, message: Message) -> None:
         position = (message.x, message.y, message.z)

@@ -7,6 +7,7 @@ companion; modes, arming and positions are the simulator's truth.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -134,25 +135,27 @@ def test_without_telemetry_it_holds_and_then_goes_on(start: Start, undisturbed: 
     up.is_cut = False
     flight.until_the_end()
     assert held == {(0.0, 0.0)}
-    refusal = "setpoint refused, holding: the position is 0.5 s old"
-    assert flight.texts.count(refusal) == 1
+    (refusal,) = [text for text in flight.texts if "refused" in text]
+    assert re.fullmatch(r"setpoint refused, holding: the position is 0\.[56] s old", refusal)
     assert [text for text in flight.texts if text != refusal] == undisturbed.texts
     assert flown_modes(flight) == flown_modes(undisturbed)
     assert flight.simulation.collisions == 0
 
 
-def test_after_an_outage_the_task_goes_on(start: Start, undisturbed: Lockstep) -> None:
-    """PX4 returns to OFFBOARD by itself when the setpoints come back."""
+def test_after_an_outage_the_autopilot_keeps_the_vehicle(start: Start) -> None:
+    """PX4 would go back to OFFBOARD by itself if setpoints came; the mode is observed first."""
     up, down = Cut(), Cut()
     flight = on_the_way_to_b(start(up=up, down=down))
     up.is_cut = down.is_cut = True
     flight.run(5.0)
     assert flight.simulation.mode == "AUTO.LOITER"
     up.is_cut = down.is_cut = False
+    streamed, asked = len(flight.setpoints), len(flight.commands)
     flight.until_the_end()
-    reports = [r.text for r in flight.reports if r.kind != "gate"]
-    assert reports == undisturbed.texts
-    assert flight.armings == 1
+    flight.run(5.0)
+    assert flight.texts[-1] == "a failsafe of the autopilot has control, in AUTO.LOITER"
+    assert (len(flight.setpoints), len(flight.commands)) == (streamed, asked)
+    assert flight.simulation.mode == "AUTO.LOITER"
     assert flight.simulation.collisions == 0
 
 
@@ -226,7 +229,6 @@ def test_doubled_and_reordered_datagrams_change_no_action(
     assert_each_command_took_effect_once(flight, undisturbed)
 
 
-@pytest.mark.xfail(strict=True, reason="a HEARTBEAT that was overtaken is taken for a new mode")
 def test_an_old_heartbeat_is_no_pilot(start: Start, undisturbed: Lockstep) -> None:
     flight = start(up=Jittery(0.2, 6), down=Jittery(0.2, 106)).until_the_end()
     assert flight.texts == undisturbed.texts

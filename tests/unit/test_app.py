@@ -241,3 +241,22 @@ def test_flight_times_are_those_of_the_map() -> None:
     assert seconds("here", "A") == math.inf
     here = (3.0, 0.0, -2.0)
     assert seconds("here", "A") == pytest.approx(3.0 / 2.0 + 2.0 / 2.0, abs=0.4)
+
+
+@pytest.mark.parametrize("ticks", range(12))
+def test_no_command_leaves_after_a_stop_on_the_ground(ticks: int) -> None:
+    world = World(mission("F at(A)"))
+    world.autopilot.results[ARM] = [None]
+    count, mark = [0], [0]
+
+    def operator(datagrams: list[bytes]) -> list[bytes]:
+        if of_type(world.autopilot.heard, "COMMAND_LONG"):
+            count[0] += 1
+            if count[0] == ticks + 1:
+                world.companion.stop()
+                mark[0] = len(world.autopilot.heard)
+        return []
+
+    world.neighbour = operator
+    world.fly()
+    assert of_type(world.autopilot.heard[mark[0] :], "COMMAND_LONG") == []

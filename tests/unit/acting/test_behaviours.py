@@ -128,10 +128,11 @@ def test_effects_are_taken_over_and_reported(name: str, reports: list[tuple[str,
 
 def test_the_last_effects_of_a_lap_count_it_and_rest_is_not_worth_a_word() -> None:
     rig = a_rig()
-    tick(rig, Effects(rig.flight, action(rig, "do"), ends_lap=True))
+    tick(rig, Effects(rig.flight, action(rig, "do"), ends_lap=False))
     tick(rig, Effects(rig.flight, WAIT, ends_lap=True))
-    assert rig.flight.laps == 2
-    assert [r.text for r in rig.flight.reports] == ["do done", "lap 1 done"]
+    assert rig.flight.laps == 1
+    assert rig.flight.completed == 2
+    assert [r.text for r in rig.flight.reports] == ["do done"]
 
 
 def test_withdraw_gives_up_what_was_assumed_and_says_why() -> None:

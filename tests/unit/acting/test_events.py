@@ -135,3 +135,8 @@ def test_signals_are_those_of_all_conditions() -> None:
         Signal("SYS_STATUS", "", "battery_remaining"),
         Signal("COMMAND", "", "MAV_CMD_NAV_RETURN_TO_LAUNCH"),
     }
+
+
+def test_a_pulse_within_one_tick_is_no_change() -> None:
+    detector = EventDetector({"e": event()})
+    assert detector.update(0.0, [(LEVEL, 20.0), (LEVEL, 40.0)]) == []

@@ -33,7 +33,7 @@ def test_the_first_plan_is_reported_with_its_number() -> None:
     (report,) = rig.reports
     assert (report.kind, report.text) == ("plan", "plan: move(H, A), (wait)^w")
     assert report.data["number"] == 0
-    assert report.data["loop"] == [{"action": "wait", "cost_s": 1.0}]
+    assert report.data["loop"] == [{"action": "wait", "cost_s": 0.1}]
 
 
 def test_no_first_plan_is_an_error() -> None:
@@ -200,3 +200,43 @@ def test_stop_interrupts_the_skill_under_way() -> None:
     rig.executive.stop()
     assert rig.vehicle.forgotten == [1]
     assert rig.vehicle.setpoint == hold_at(POSITIONS["H"], 0.0)
+
+
+def test_a_stuck_vehicle_fails_the_skill() -> None:
+    rig = Rig(mission("F at(A)")).begin()
+    rig.vehicle.is_stuck = True
+    rig.run(lambda: "belief trans_ok(H, A) withdrawn" in rig.texts, limit_s=600.0)
+
+
+def test_no_skill_is_repeated_for_ever_in_place_of_rest() -> None:
+    do = command("do", "at(H)", "done", cost_s=0.01)
+    lasso = Rig(mission("F done", skills=[do])).begin().executive.lasso
+    assert lasso is not None and lasso.ends_at_rest
+
+
+def test_what_is_done_needs_no_precondition() -> None:
+    do = command("do", "!low & at(H)", "done")
+    rig = Rig(mission("F done & F at(A)", skills=[do], events=[event("low")])).begin()
+    rig.run_until("do done")
+    for _ in range(20):
+        rig.tick()
+    rig.tick(reading("low"))
+    assert rig.executive.replans == 0
+
+
+def test_an_event_that_does_not_matter_is_no_reason() -> None:
+    skills = [command("a", "at(H)", "done"), command("b", "at(H)", "done", cost_s=9.0)]
+    rig = Rig(mission("F done", skills=skills, events=[event("lamp")])).begin()
+    rig.vehicle.answers = [(1.0, failed("denied"))]
+    rig.tick(reading("lamp"))
+    rig.run(lambda: rig.executive.replans == 1)
+    assert rig.of_kind("replan") == ["replan 1: a failed: denied -> b, (wait)^w"]
+
+
+def test_a_belief_about_here_can_be_to_blame() -> None:
+    rig = Rig(mission("F at(A)", places="HA")).begin()
+    rig.tick()
+    rig.task.interrupt()
+    rig.task.withdraw(frozenset({"trans_ok(here, A)", "trans_ok(H, A)"}))
+    with pytest.raises(NoPlanError, match=r"or trans_ok\(here, A\) there would be a plan"):
+        rig.planner.plan(*rig.task.problem())

@@ -357,3 +357,36 @@ def test_the_mode_before_the_start_does_not_matter() -> None:
     run = Run()
     run.vehicle.change(mode=Mode.MANUAL)
     assert run.until(Phase.ENDED).end == ("task satisfied, landed", 0)
+
+
+@pytest.mark.parametrize("stops", [False, True])
+def test_a_vehicle_that_the_pilot_arms_while_we_check_is_not_ours(stops: bool) -> None:
+    run = Run()
+    del run.vehicle.parameters["COM_OBL_RC_ACT"]
+    run.until(Phase.CHECKING)
+    run.vehicle.change(is_armed=True, is_landed=False, mode=Mode.POSCTL)
+    run.vehicle.parameters["COM_OBL_RC_ACT"] = 5.0
+    if stops:
+        run.sortie.stop()
+    for _ in range(20):
+        run.step()
+    assert run.vehicle.pursued == []
+
+
+def test_a_task_that_is_possible_again_on_the_way_home_ends_well() -> None:
+    do = command("do", "!low & at(A)", "done")
+    run = Run(
+        mission(
+            "F done & G (low -> F calm)",
+            skills=[do],
+            events=[event("low"), event("calm")],
+            otherwise=Otherwise.RETURN_HOME,
+        )
+    ).until(Phase.TASK)
+    for _ in range(40):
+        run.step()
+    run.step(reading("low"))
+    for _ in range(20):
+        run.step()
+    run.step(reading("low", 0.0), reading("calm"))
+    assert run.until(Phase.ENDED).end == ("task satisfied, landed", 0)

@@ -16,9 +16,9 @@ from companion.planning.search import find_lasso
 
 def why(made: Planner, withdrawn: frozenset[str] = frozenset()) -> str:
     problem, _ = at_the_start(made)
-    problem = replace(problem, facts=problem.facts - withdrawn)
+    problem = replace(problem, facts=problem.facts - withdrawn, withdrawn=withdrawn)
     assert find_lasso(problem) is None
-    return why_no_plan(problem, made.model.beliefs)
+    return why_no_plan(problem)
 
 
 def test_one_conjunct_that_cannot_hold_is_named_with_its_formula() -> None:

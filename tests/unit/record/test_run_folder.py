@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from autopilot import Autopilot
 from PIL import Image
 from pymavlink import mavutil
 from synthetic import mission
@@ -171,3 +172,16 @@ def test_what_was_flown_can_be_seen(tmp_path: Path) -> None:
             pictures.append(image.convert("RGB").tobytes())
     assert pictures[0] != pictures[1]
     assert pictures[0] == pictures[2]
+
+
+def test_a_full_disk_ends_no_flight(tmp_path: Path) -> None:
+    (tmp_path / "flight.tlog").symlink_to("/dev/full")
+    told: list[Report] = []
+    folder = RunFolder(tmp_path, mission("F at(A)"), 0.0, told.append)
+    for i in range(100):
+        folder.packets(0.05 * i, Autopilot().telemetry() * 20)
+    folder.report(Report(1.0, "at", "at A"))
+    folder.close()
+    assert [r.kind for r in told] == ["record", "at"]
+    assert "No space left" in told[0].text
+    assert (tmp_path / "events.jsonl").read_text().count("\n") == 1

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from contextlib import closing
 
 import pytest
+from autopilot import Autopilot
 
 from companion.errors import LinkError
 from companion.mavlink.framing import Endpoint as Speaker
@@ -193,7 +194,7 @@ def test_the_account_of_what_was_heard(peer: Peer, listener: UdpLink) -> None:
     assert listener.account().startswith("1 packets came from 127.0.0.1, none of them MAVLink 2")
     deliver(peer, listener, heartbeat(191), heartbeat(191))
     assert listener.account() == (
-        "3 packets came from 127.0.0.1, 2 of them MAVLink 2, none from an autopilot"
+        "3 packets came from 127.0.0.1, 2 of them MAVLink 2; no autopilot was heard"
     )
 
 
@@ -213,3 +214,22 @@ def test_a_scaled_clock(speed: float, monkeypatch: pytest.MonkeyPatch) -> None:
     clock.sleep_until(3.0 * speed)
     clock.sleep_until(1.0 * speed)
     assert slept_s == pytest.approx([1.0, 0.0])
+
+
+def test_a_second_vehicle_does_not_divert_the_answers(listener: UdpLink) -> None:
+    first, second = Peer(), Peer()
+    with closing(first.socket), closing(second.socket):
+        for peer, system in ((first, 1), (second, 2)):
+            deliver(peer, listener, Autopilot(system).telemetry()[0])
+        listener.send([b"x"])
+        assert first.socket.recv(100) == b"x"
+
+
+def test_the_account_knows_an_autopilot(peer: Peer, listener: UdpLink) -> None:
+    deliver(peer, listener, heartbeat())
+    assert "the autopilot of 1 was heard" in listener.account()
+
+
+def test_a_host_that_nobody_knows_is_refused_at_once() -> None:
+    with pytest.raises(LinkError, match=r"cannot find no\.such\.host\.invalid"):
+        UdpLink(parse_url("udpout://no.such.host.invalid:14540"))

@@ -594,3 +594,28 @@ def test_a_frame_with_a_wrong_checksum_changes_nothing(meeting: Meeting) -> None
     meeting.is_quiet = True
     meeting.tick(bytes(heartbeat))
     assert meeting.vehicle.lost_authority == ""
+
+
+def test_the_mode_of_the_start_is_the_pilots_once_it_was_left(meeting: Meeting) -> None:
+    meeting.autopilot.mode = "POSCTL"
+    meeting.pursue(Goal.ARMED)
+    meeting.autopilot.is_idle = True
+
+    def act() -> object:
+        return meeting.vehicle.pursue(Goal.AIRBORNE)
+
+    meeting.tick(act=act)
+    meeting.autopilot.mode, meeting.autopilot.is_landed = "AUTO.TAKEOFF", False
+    meeting.tick(act=act)
+    meeting.autopilot.mode = "POSCTL"
+    sent = meeting.run(5.0, act=act)
+    assert of_type(sent, "COMMAND_LONG") == []
+    assert meeting.vehicle.lost_authority == "the pilot has control, in POSCTL"
+
+
+def test_nothing_is_answered_before_the_system_is_known() -> None:
+    vehicle = MavlinkVehicle(ENVELOPE, frozenset(), 2.0)
+    vehicle.receive(0.0, [Endpoint(255, 190).pack(command_to((0, 191)))])
+    vehicle.receive(0.1, Autopilot().telemetry())
+    sent = [m for d in vehicle.transmit(0.1) for m in Endpoint(0, 0).parse(d)]
+    assert of_type(sent, "COMMAND_ACK") == []
