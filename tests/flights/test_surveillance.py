@@ -188,19 +188,19 @@ def test_it_stays_within_the_limits(flown: Flown, surveillance: Mission) -> None
 
 
 def test_it_follows_its_setpoints(flown: Flown) -> None:
-    """Distance from the line through the setpoints; a replan en route is left out.
-
-    There the vehicle has to brake from its speed first, and the line begins where it was.
-    """
-    found_s = flown.time_of("target found")
+    """Distance from the line through the setpoints, the replan at full speed included."""
     task_s = (flown.time_of("flying the task"), flown.time_of("landing"))
     line = setpoints(flown.folder / "flight.tlog")
-    flying = [(now_s, s) for now_s, s in flown.truth if task_s[0] <= now_s <= task_s[1]]
-    gaps = [(now_s, distance_to_line(s.position, line)) for now_s, s in flying]
-    settled = [gap_m for now_s, gap_m in gaps if not found_s <= now_s < found_s + 2.0]
-    assert max(settled) < 0.1
-    assert math.sqrt(sum(g * g for g in settled) / len(settled)) < 0.05
-    assert max(gap_m for _, gap_m in gaps) < 0.6  # braking from 2 m/s at 4 m/s2 takes 0.5 m
+    flying = [s for now_s, s in flown.truth if task_s[0] <= now_s <= task_s[1]]
+    gaps = [distance_to_line(s.position, line) for s in flying]
+    assert max(gaps) < 0.15
+    assert math.sqrt(sum(g * g for g in gaps) / len(gaps)) < 0.05
+
+
+def test_it_hardly_exceeds_its_speed(flown: Flown, surveillance: Mission) -> None:
+    """The setpoints never do; the vehicle does for a moment, when it makes up a lag."""
+    task = flown.between(flown.time_of("flying the task"), flown.time_of("landing"))
+    assert max(math.hypot(*s.velocity) for s in task) < 1.25 * surveillance.limits.speed_mps
 
 
 def setpoints(tlog: Path) -> np.ndarray[Any, np.dtype[np.float64]]:
