@@ -185,3 +185,22 @@ def test_a_place_inside_the_region_of_another_cannot_be_entered() -> None:
     routes = RouteMap(empty, places, WIDE, 0.3)
     assert routes.route((1.0, 1.0, -1.0), "B") is None
     assert routes.route((3.0, 3.0, -1.0), "B") is not None
+
+
+def test_a_route_from_motion_leads_to_where_the_vehicle_can_stop() -> None:
+    routes = RouteMap(ROOM, {"A": site(4.5, 1.5)}, WIDE, 0.9)
+    start, stop = (1.5, 1.5, -1.0), (1.5, 2.5, -1.0)
+    route = routes.route_from_motion(start, stop, "A")
+    onward = routes.route(stop, "A")
+    assert route is not None and onward is not None
+    assert route.waypoints[0] == pytest.approx(start)
+    assert route.waypoints[1:] == pytest.approx(onward.waypoints)
+
+
+@pytest.mark.parametrize("stop", [(2.5, 4.5, -1.0), (1.5, 20.0, -1.0)])
+def test_a_route_does_not_begin_through_a_wall(stop: tuple[float, float, float]) -> None:
+    routes = RouteMap(ROOM, {"A": site(4.5, 1.5)}, WIDE, 0.9)
+    start = (1.5, 1.5, -1.0)
+    route, at_rest = routes.route_from_motion(start, stop, "A"), routes.route(start, "A")
+    assert route is not None and at_rest is not None
+    assert route.waypoints == pytest.approx(at_rest.waypoints)

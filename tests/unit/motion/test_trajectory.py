@@ -13,6 +13,7 @@ from companion.motion.trajectory import (
     YAW_RATE_RADPS,
     Trajectory,
     flight_time_s,
+    run_out,
 )
 
 
@@ -140,3 +141,28 @@ def test_a_vehicle_like_px4_stays_within_ten_centimetres_of_the_legs(turn_deg: f
         worst_m = max(worst_m, float(off_m))
     assert worst_m < 0.1
     assert np.linalg.norm(position - route.waypoints[-1]) < 0.1
+
+
+def test_a_vehicle_in_motion_brakes_on_its_course_before_it_turns_back() -> None:
+    start, velocity = (0.0, 0.0, -2.0), (0.0, 2.0, 0.0)
+    stop = run_out(start, velocity, 2.0)
+    assert stop == pytest.approx((0.0, 1.0, -2.0))  # v^2 / 2a
+    trajectory = Trajectory(route_of(start, stop, (0, -5, -2)), 2.0, 2.0, start_mps=2.0)
+    assert trajectory.sample(0.0).velocity == pytest.approx(velocity)
+    assert trajectory.sample(0.5).acceleration == pytest.approx((0, -2, 0))
+    turn = trajectory.sample(1.0 - 0.075)  # v / a, less what the corner lets it keep of its speed
+    assert math.dist(turn.position, stop) < 0.03
+
+
+def test_a_vehicle_in_motion_goes_straight_on_without_braking() -> None:
+    trajectory = Trajectory(route_of((0, 0, 0), (1, 0, 0), (9, 0, 0)), 2.0, 2.0, start_mps=2.0)
+    assert all(
+        trajectory.sample(t_s).velocity == pytest.approx((2.0, 0.0, 0.0))
+        for t_s in np.arange(0.0, 3.9, 0.1)
+    )
+
+
+def test_the_speed_at_the_start_is_lowered_to_what_the_route_allows() -> None:
+    trajectory = Trajectory(route_of((0, 0, 0), (0.25, 0, 0)), 2.0, 2.0, start_mps=5.0)
+    assert trajectory.sample(0.0).velocity == pytest.approx((1.0, 0, 0))
+    assert trajectory.sample(9.0).position == (0.25, 0, 0)
