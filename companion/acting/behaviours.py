@@ -17,7 +17,7 @@ from companion.geometry import distance
 from companion.mission.model import Command, Fly
 from companion.motion.trajectory import Trajectory, run_out
 from companion.planning.domain import Action, Fact
-from companion.vehicle.port import Progress, Setpoint
+from companion.vehicle.port import Progress, Setpoint, VehicleState, hold_at
 
 ACCELERATION_MPS2 = 2.0
 ARRIVAL_M = 0.3
@@ -145,26 +145,24 @@ class MoveCommand(Behaviour):
         self._timeout_s = timeout_s
 
     def initialise(self) -> None:
-        """Finds the route from where the vehicle is now."""
-        flight = self._flight
-        self._trajectory: Trajectory | None = None
+        """Finds the route from where the vehicle is, and how fast, now."""
+        state = self._flight.vehicle.state
+        self._trajectory = self._plan(state) if state else None
+        self._start_s = self._flight.now_s
         self._time_s = 0.0
-        self._start_s = flight.now_s
         self._waited_s = 0.0
-        state = flight.vehicle.state
-        if state is None:
-            return
-        start, speed_mps = state.position, math.hypot(*state.velocity)
-        if speed_mps > SLOW_MPS:
-            stop = run_out(start, state.velocity, ACCELERATION_MPS2)
-            route = flight.routes.route_from_motion(start, stop, self._place)
-        else:
-            route = flight.routes.route(start, self._place)
-        if route is not None:
-            limit_mps = flight.limits.speed_mps
-            self._trajectory = Trajectory(
-                route, limit_mps, ACCELERATION_MPS2, state.yaw_rad, speed_mps
-            )
+
+    def _plan(self, state: VehicleState) -> Trajectory | None:
+        """A trajectory from a state; None if no clear route leads to the place."""
+        routes, limit_mps = self._flight.routes, self._flight.limits.speed_mps
+        start_mps = math.hypot(*state.velocity)
+        if start_mps > SLOW_MPS:
+            stop = run_out(state.position, state.velocity, ACCELERATION_MPS2)
+            route = routes.route_from_motion(state.position, stop, self._place)
+            if route is not None:
+                return Trajectory(route, limit_mps, ACCELERATION_MPS2, state.yaw_rad, start_mps)
+        route = routes.route(state.position, self._place)
+        return Trajectory(route, limit_mps, ACCELERATION_MPS2, state.yaw_rad) if route else None
 
     def update(self) -> Status:
         """One setpoint along the trajectory; SUCCESS at the place."""
@@ -176,16 +174,18 @@ class MoveCommand(Behaviour):
             return self._fail(f"not there after {self._timeout_s:.0f} s")
         sample = self._trajectory.sample(self._time_s)
         gap_m = distance(sample.position, state.position)
-        flight.fly(Setpoint(sample.position, sample.velocity, sample.acceleration, sample.yaw_rad))
+        is_behind = gap_m >= LAG_M
+        flight.fly(
+            hold_at(sample.position, sample.yaw_rad)
+            if is_behind
+            else Setpoint(sample.position, sample.velocity, sample.acceleration, sample.yaw_rad)
+        )
         if sample.is_finished and gap_m < ARRIVAL_M:
             return Status.SUCCESS
         if self._time_s > self._trajectory.duration_s + ARRIVAL_TIMEOUT_S:
             return self._fail(f"still {gap_m:.1f} m from {self._place}")
-        if gap_m < LAG_M:
-            self._time_s += TICK_S
-            self._waited_s = 0.0
-        else:
-            self._waited_s += TICK_S
+        self._time_s += 0.0 if is_behind else TICK_S
+        self._waited_s = self._waited_s + TICK_S if is_behind else 0.0
         if self._waited_s > ARRIVAL_TIMEOUT_S:
             return self._fail(f"stuck on the way to {self._place}")
         return Status.RUNNING

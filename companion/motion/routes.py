@@ -112,8 +112,8 @@ class RouteMap:
     def route_from_motion(self, start: Ned, stop: Ned, site: str) -> Route | None:
         """A route whose first leg leads to where the vehicle can stop, straight ahead.
 
-        If that leg is not clear, or no way leads on from there, it is the route from a start at
-        rest, and the vehicle leaves it while it brakes.
+        None if that leg is not clear, or if no way leads on from there; then a route from a start
+        at rest is left, from which the vehicle deviates while it brakes.
 
         Args:
             start: where the vehicle is.
@@ -122,9 +122,7 @@ class RouteMap:
         """
         is_clear = self._free_sight.is_clear(self._point(start), self._point(stop))
         route = self.route(stop, site) if is_clear else None
-        if route is None:
-            return self.route(start, site)
-        return Route(np.vstack([start, route.waypoints]))
+        return Route(np.vstack([start, route.waypoints])) if route else None
 
     def route(self, start: Ned, site: str) -> Route | None:
         """The shortest route to a site, pulled tight; None if there is none.

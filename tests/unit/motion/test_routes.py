@@ -200,7 +200,4 @@ def test_a_route_from_motion_leads_to_where_the_vehicle_can_stop() -> None:
 @pytest.mark.parametrize("stop", [(2.5, 4.5, -1.0), (1.5, 20.0, -1.0)])
 def test_a_route_does_not_begin_through_a_wall(stop: tuple[float, float, float]) -> None:
     routes = RouteMap(ROOM, {"A": site(4.5, 1.5)}, WIDE, 0.9)
-    start = (1.5, 1.5, -1.0)
-    route, at_rest = routes.route_from_motion(start, stop, "A"), routes.route(start, "A")
-    assert route is not None and at_rest is not None
-    assert route.waypoints == pytest.approx(at_rest.waypoints)
+    assert routes.route_from_motion((1.5, 1.5, -1.0), stop, "A") is None
