@@ -17,6 +17,7 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib.util import find_spec
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Annotated
@@ -143,6 +144,11 @@ def sim(
     from companion.vehicle.link import Endpoint
     from sitl.world.scenario import read_scenario
 
+    if find_spec("jsbsim") is None:
+        raise CompanionError(
+            "the simulator needs jsbsim, which has no wheel for Linux on ARM\n"
+            "    fly a simulator on another machine: companion run MISSION --connect URL"
+        )
     factor = _speed(speed)
     loaded = _load(mission)
     path = scenario or mission.with_suffix(".sim.yaml")

@@ -260,3 +260,10 @@ def test_help_does_not_wait_for_slow_imports() -> None:
     imported = set(done.stdout.split())
     assert "companion.cli" in imported
     assert not SLOW_TO_IMPORT & imported
+
+
+def test_a_machine_without_jsbsim(companion: Companion, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("companion.cli.find_spec", lambda name: None)
+    ended = companion("sim", SURVEILLANCE)
+    assert ended.code == 1
+    assert "needs jsbsim" in ended.err
