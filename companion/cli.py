@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from companion.errors import CompanionError, LinkError, LinkTimeout, MissionError
+from companion.errors import CompanionError, LinkError, MissionError
 
 if TYPE_CHECKING:
     from companion.acting.report import Report
@@ -58,6 +58,7 @@ Timeout = Annotated[float, typer.Option(help="Seconds to wait for a vehicle.", m
 DEFAULT_LOG_DIR = Path("~/.local/state/companion")
 OFFBOARD_PORT = 14540
 GROUND_STATION_PORT = 14550
+START_TIMEOUT_S = 30.0
 
 
 @app.command()
@@ -294,6 +295,21 @@ def _stoppable(companion: Companion) -> Iterator[None]:
             signal.signal(number, handler)
 
 
+def _await_simulator(child: subprocess.Popen[bytes], log: Path) -> None:
+    """Returns when the simulator has its ports; another one's would be flown otherwise.
+
+    Raises:
+        LinkError: it ended, with what it said, or did not begin in time.
+    """
+    deadline_s = time.monotonic() + START_TIMEOUT_S
+    while "ground station on UDP" not in (said := log.read_text(errors="replace")):
+        if child.poll() is not None:
+            raise LinkError(f"the simulator did not start\n    {said.strip()}")
+        if time.monotonic() > deadline_s:
+            raise LinkError(f"the simulator did not start in {START_TIMEOUT_S:.0f} s")
+        time.sleep(0.05)
+
+
 @contextmanager
 def _simulator(options: list[str], log: Path) -> Iterator[None]:
     """The simulator as a child process of its own session, so that Ctrl-C reaches us alone."""
@@ -307,12 +323,8 @@ def _simulator(options: list[str], log: Path) -> Iterator[None]:
             env=os.environ,
         )
     try:
+        _await_simulator(child, log)
         yield
-    except LinkTimeout as error:
-        if child.poll() is None:
-            raise
-        said = log.read_text(errors="replace").strip()
-        raise LinkError(f"the simulator has ended by itself; it said:\n{said}") from error
     finally:
         child.terminate()
         try:

@@ -14,8 +14,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+from ports import free_instance
 
 from companion.cli import main
+from sitl.link.server import Server
 
 MISSIONS = Path(__file__).parents[1] / "missions"
 SURVEILLANCE = MISSIONS / "surveillance.yaml"
@@ -267,3 +269,13 @@ def test_a_machine_without_jsbsim(companion: Companion, monkeypatch: pytest.Monk
     ended = companion("sim", SURVEILLANCE)
     assert ended.code == 1
     assert "needs jsbsim" in ended.err
+
+
+def test_a_simulator_that_cannot_start(companion: Companion) -> None:
+    """Another one has the ports; that one must not be flown in its place."""
+    instance = free_instance()
+    with Server(instance):
+        ended = companion("sim", SURVEILLANCE, "--instance", instance)
+    assert ended.code == 4
+    assert "the simulator did not start" in ended.err
+    assert "another simulator may run" in ended.err
