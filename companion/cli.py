@@ -10,9 +10,7 @@ them, so that `--help` and `check` answer at once.
 from __future__ import annotations
 
 import json
-import os
 import signal
-import subprocess
 import sys
 import time
 from collections.abc import Iterator
@@ -24,7 +22,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from companion.errors import CompanionError, LinkError, MissionError
+from companion.errors import CompanionError, MissionError
 
 if TYPE_CHECKING:
     from companion.acting.report import Report
@@ -58,7 +56,6 @@ Timeout = Annotated[float, typer.Option(help="Seconds to wait for a vehicle.", m
 DEFAULT_LOG_DIR = Path("~/.local/state/companion")
 OFFBOARD_PORT = 14540
 GROUND_STATION_PORT = 14550
-START_TIMEOUT_S = 30.0
 
 
 @app.command()
@@ -142,6 +139,7 @@ def sim(
 ) -> None:
     """Flies a mission in the bundled simulator. QGroundControl connects to it by itself."""
     from companion.app import Companion
+    from companion.simulator import simulator
     from companion.vehicle.link import Endpoint
     from sitl.world.scenario import read_scenario
 
@@ -167,7 +165,7 @@ def sim(
             f"ground station on UDP port {GROUND_STATION_PORT + instance}"
         )
         endpoint = Endpoint(True, "127.0.0.1", OFFBOARD_PORT + instance)
-        with _simulator([str(o) for o in options], folder.folder / "sitl.log"):
+        with simulator([str(o) for o in options], folder.folder / "sitl.log"):
             _fly(companion, endpoint, factor, timeout * factor)
 
 
@@ -293,42 +291,3 @@ def _stoppable(companion: Companion) -> Iterator[None]:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
-
-
-def _await_simulator(child: subprocess.Popen[bytes], log: Path) -> None:
-    """Returns when the simulator has its ports; another one's would be flown otherwise.
-
-    Raises:
-        LinkError: it ended, with what it said, or did not begin in time.
-    """
-    deadline_s = time.monotonic() + START_TIMEOUT_S
-    while "ground station on UDP" not in (said := log.read_text(errors="replace")):
-        if child.poll() is not None:
-            raise LinkError(f"the simulator did not start\n    {said.strip()}")
-        if time.monotonic() > deadline_s:
-            raise LinkError(f"the simulator did not start in {START_TIMEOUT_S:.0f} s")
-        time.sleep(0.05)
-
-
-@contextmanager
-def _simulator(options: list[str], log: Path) -> Iterator[None]:
-    """The simulator as a child process of its own session, so that Ctrl-C reaches us alone."""
-    with log.open("wb") as output:
-        child = subprocess.Popen(
-            [sys.executable, "-m", "sitl", *options],
-            stdout=output,
-            stderr=subprocess.STDOUT,
-            stdin=subprocess.DEVNULL,
-            start_new_session=True,
-            env=os.environ,
-        )
-    try:
-        _await_simulator(child, log)
-        yield
-    finally:
-        child.terminate()
-        try:
-            child.wait(timeout=5.0)
-        except subprocess.TimeoutExpired:
-            child.kill()
-            child.wait()

@@ -1,0 +1,61 @@
+"""The bundled simulator as a child process, which is met on UDP exactly as a PX4 would be.
+
+It gets a session of its own, so that Ctrl-C in a terminal reaches the companion alone: that has
+to land the vehicle first, and ends the simulator afterwards.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from companion.errors import LinkError
+
+START_TIMEOUT_S = 30.0
+END_TIMEOUT_S = 5.0
+
+
+@contextmanager
+def simulator(options: list[str], log: Path) -> Iterator[None]:
+    """Runs `sitl` with some options for as long as the context lasts.
+
+    Args:
+        options: as on the command line.
+        log: where its output goes.
+
+    Raises:
+        LinkError: it ended before it had its ports, or did not get them in time.
+    """
+    with log.open("wb") as output:
+        child = subprocess.Popen(
+            [sys.executable, "-m", "sitl", *options],
+            stdout=output,
+            stderr=subprocess.STDOUT,
+            stdin=subprocess.DEVNULL,
+            start_new_session=True,
+        )
+    try:
+        _await_start(child, log)
+        yield
+    finally:
+        child.terminate()
+        try:
+            child.wait(END_TIMEOUT_S)
+        except subprocess.TimeoutExpired:
+            child.kill()
+            child.wait()
+
+
+def _await_start(child: subprocess.Popen[bytes], log: Path) -> None:
+    """Returns when it has its ports; without them another simulator's vehicle would be flown."""
+    deadline_s = time.monotonic() + START_TIMEOUT_S
+    while "ground station on UDP" not in (said := log.read_text(errors="replace")):
+        if child.poll() is not None:
+            raise LinkError(f"the simulator did not start\n    {said.strip()}")
+        if time.monotonic() > deadline_s:
+            raise LinkError(f"the simulator did not start in {START_TIMEOUT_S:.0f} s")
+        time.sleep(0.05)
