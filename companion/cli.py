@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from companion.motion.grid import OccupancyGrid
     from companion.planning.lasso import Lasso
     from companion.planning.planner import Planner
+    from companion.planning.supposition import Supposition
     from companion.record.run_folder import RunFolder
     from companion.vehicle.link import Endpoint
     from sitl.world.scenario import Scenario
@@ -72,19 +73,34 @@ def check(mission: MissionFile) -> None:
 @app.command()
 def plan(
     mission: MissionFile,
+    at: Annotated[str | None, typer.Option(help="Plan from this place.")] = None,
+    holds: Annotated[
+        list[str] | None, typer.Option("--set", metavar="FACT", help="A fact that holds.")
+    ] = None,
+    fails: Annotated[
+        list[str] | None, typer.Option("--unset", metavar="FACT", help="A fact that does not.")
+    ] = None,
+    without: Annotated[
+        list[str] | None,
+        typer.Option(metavar="BELIEF", help="A belief that is withdrawn, e.g. canUpload(r1)."),
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Prints the plan: a prefix that is flown once and a loop that is flown for ever."""
-    _, _, lasso = _plan(mission)
+    """Prints the plan: a prefix that is flown once and a loop that is flown for ever.
+
+    The options ask "what if", e.g. --at A --set targetFound.
+    """
+    from companion.planning.supposition import Supposition
+
+    supposed = Supposition(at, tuple(holds or ()), tuple(fails or ()), tuple(without or ()))
+    _, _, lasso = _plan(mission, supposed)
     if as_json:
         typer.echo(json.dumps(lasso.as_json(), indent=2))
         return
-    typer.echo("prefix")
-    for action in lasso.prefix:
-        typer.echo(f"  {action.name:<24} {action.cost_ms / 1000:6.1f} s")
-    typer.echo("loop")
-    for action in lasso.suffix:
-        typer.echo(f"  {action.name:<24} {action.cost_ms / 1000:6.1f} s")
+    for title, actions in (("prefix", lasso.prefix), ("loop", lasso.suffix)):
+        typer.echo(title)
+        for action in actions:
+            typer.echo(f"  {action.name:<24} {action.cost_ms / 1000:6.1f} s")
     typer.echo(f"prefix {lasso.prefix_cost_ms / 1000:.1f} s, lap {lasso.lap_cost_ms / 1000:.1f} s")
 
 
@@ -184,15 +200,18 @@ def _load(path: Path) -> Mission:
     return load_mission(path)
 
 
-def _plan(path: Path) -> tuple[Mission, Planner, Lasso]:
-    """A mission and its plan from the start."""
+def _plan(path: Path, supposed: Supposition | None = None) -> tuple[Mission, Planner, Lasso]:
+    """A mission and its plan, from the start or from a supposed state."""
     from companion.acting.task_state import TaskState
     from companion.app import flight_times, route_map
     from companion.planning.planner import Planner
 
     mission = _load(path)
     planner = Planner(mission, flight_times(mission, route_map(mission)))
-    return mission, planner, planner.plan(*TaskState(planner).problem())
+    task = TaskState(planner)
+    if supposed is not None:
+        task.facts, task.withdrawn = supposed.facts(planner), supposed.withdrawn(planner)
+    return mission, planner, planner.plan(*task.problem())
 
 
 def _speed(text: str) -> float | None:

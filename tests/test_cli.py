@@ -87,7 +87,7 @@ def free_port() -> int:
 
 OPTIONS = {
     "check": [],
-    "plan": ["--json"],
+    "plan": ["--at", "--set", "--unset", "--without", "--json"],
     "ltl": [],
     "run": ["--connect", "--accept-weak-failsafes", "--timeout", "--log-dir"],
     "sim": ["--scenario", "--speed", "--seed", "--instance", "--timeout", "--log-dir"],
@@ -279,3 +279,24 @@ def test_a_simulator_that_cannot_start(companion: Companion) -> None:
     assert ended.code == 4
     assert "the simulator did not start" in ended.err
     assert "another simulator may run" in ended.err
+
+
+def test_plan_answers_what_if(companion: Companion) -> None:
+    ended = companion(
+        "plan", SURVEILLANCE, "--at", "r1", "--set", "targetFound", "--without", "canUpload(r1)"
+    )
+    assert ended.code == 0
+    assert re.findall(r"\w+\(.*?\)|wait", ended.out) == [
+        "move(r1, r2)",
+        "upload(r2)",
+        "move(r2, Home)",
+        "wait",
+    ]
+
+
+def test_plan_says_why_there_is_none(companion: Companion) -> None:
+    sites = [f"--without=canUpload(r{i})" for i in (1, 2, 3)]
+    ended = companion("plan", SURVEILLANCE, "--set", "targetFound", *sites)
+    assert ended.code == 3
+    assert "upload cannot hold" in ended.err
+    assert "with canUpload(r1) or canUpload(r2) or canUpload(r3)" in ended.err
