@@ -15,6 +15,8 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import asdict
+from enum import StrEnum
 from importlib.util import find_spec
 from pathlib import Path
 from types import FrameType
@@ -57,6 +59,14 @@ Timeout = Annotated[float, typer.Option(help="Seconds to wait for a vehicle.", m
 DEFAULT_LOG_DIR = Path("~/.local/state/companion")
 OFFBOARD_PORT = 14540
 GROUND_STATION_PORT = 14550
+
+
+class Form(StrEnum):
+    """How `ltl` prints an automaton."""
+
+    HOA = "hoa"
+    DOT = "dot"
+    STATS = "stats"
 
 
 @app.command()
@@ -105,13 +115,33 @@ def plan(
 
 
 @app.command()
-def ltl(formula: Annotated[str, typer.Argument(help="e.g. 'G (F at(A) | targetFound)'")]) -> None:
-    """Prints the Büchi automaton of a formula in the HOA format."""
-    from companion.ltl.formula import parse
+def ltl(
+    formula: Annotated[str, typer.Argument(help="e.g. 'G (F at(A) | targetFound)'")],
+    form: Annotated[
+        Form, typer.Option("--format", help="HOA v1, Graphviz, or how large it is.")
+    ] = Form.HOA,
+    by_states: Annotated[
+        bool, typer.Option("--state-based", help="Accept by states and not by transitions.")
+    ] = False,
+) -> None:
+    """Prints the Büchi automaton of a formula; mission patterns such as visit(A, B) are known."""
+    from companion.ltl.automaton import state_based, statistics
+    from companion.ltl.dot import to_dot
     from companion.ltl.hoa import to_hoa
+    from companion.ltl.parser import parse
     from companion.ltl.translate import translate
 
-    typer.echo(to_hoa(translate(parse(formula))).rstrip())
+    automaton = translate(parse(formula))
+    if by_states:
+        automaton = state_based(automaton)
+    match form:
+        case Form.HOA:
+            typer.echo(to_hoa(automaton, marks_on_states=by_states).rstrip())
+        case Form.DOT:
+            typer.echo(to_dot(automaton).rstrip())
+        case Form.STATS:
+            for name, value in asdict(statistics(automaton)).items():
+                typer.echo(f"{name.replace('_', ' '):<18} {value}")
 
 
 @app.command()

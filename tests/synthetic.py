@@ -13,7 +13,7 @@ import numpy as np
 
 from companion.geometry import Ned
 from companion.ltl.automaton import successors
-from companion.ltl.formula import parse
+from companion.ltl.parser import parse
 from companion.mission.conditions import parse_condition
 from companion.mission.literals import parse_fact, parse_literals
 from companion.mission.model import (

@@ -88,7 +88,7 @@ def free_port() -> int:
 OPTIONS = {
     "check": [],
     "plan": ["--at", "--set", "--unset", "--without", "--json"],
-    "ltl": [],
+    "ltl": ["--format", "--state-based"],
     "run": ["--connect", "--accept-weak-failsafes", "--timeout", "--log-dir"],
     "sim": ["--scenario", "--speed", "--seed", "--instance", "--timeout", "--log-dir"],
 }
@@ -300,3 +300,14 @@ def test_plan_says_why_there_is_none(companion: Companion) -> None:
     assert ended.code == 3
     assert "upload cannot hold" in ended.err
     assert "with canUpload(r1) or canUpload(r2) or canUpload(r3)" in ended.err
+
+
+def test_ltl_prints_an_automaton_in_each_form(companion: Companion) -> None:
+    formula = "patrolling(A, B)"
+    assert companion("ltl", formula).out.startswith("HOA: v1\n")
+    assert companion("ltl", formula, "--format", "dot").out.startswith("digraph")
+    stats = companion("ltl", formula, "--format", "stats").out
+    assert re.search(r"^states +1$", stats, re.MULTILINE)
+    assert re.search(r"^marks +2$", stats, re.MULTILINE)
+    by_states = companion("ltl", formula, "--state-based").out
+    assert "state-acc" in by_states and "acc-name: Buchi\n" in by_states

@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import combinations
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,6 +72,67 @@ class BuchiAutomaton:
         for transition in self.transitions:
             leaving[transition.source].append(transition)
         return tuple(map(tuple, leaving))
+
+    @cached_property
+    def has_state_acceptance(self) -> bool:
+        """Whether marks belong to states: all transitions of a state carry the same ones."""
+        return all(len({t.marks for t in leaving}) <= 1 for leaving in self.outgoing)
+
+
+@dataclass(frozen=True, slots=True)
+class Statistics:
+    """What an automaton looks like in figures.
+
+    Attributes:
+        is_deterministic: a word has at most one run.
+        is_complete: every word has a run.
+    """
+
+    states: int
+    transitions: int
+    marks: int
+    propositions: int
+    is_deterministic: bool
+    is_complete: bool
+
+
+def statistics(automaton: BuchiAutomaton) -> Statistics:
+    """Figures of an automaton; unreachable states count as well."""
+    labels = [[transition.label for transition in leaving] for leaving in automaton.outgoing]
+    return Statistics(
+        automaton.states,
+        len(automaton.transitions),
+        automaton.marks,
+        len(automaton.propositions),
+        len(automaton.initial) <= 1 and not any(map(_overlap, labels)),
+        len(automaton.initial) >= 1 and all(map(_match_every_letter, labels)),
+    )
+
+
+def _overlap(labels: Sequence[Label]) -> bool:
+    """Whether some letter matches two of the labels."""
+    return any(
+        a.positive.isdisjoint(b.negative) and a.negative.isdisjoint(b.positive)
+        for a, b in combinations(labels, 2)
+    )
+
+
+def _match_every_letter(labels: Sequence[Label]) -> bool:
+    """Whether each letter matches some label, by splitting the letters at one proposition."""
+    pending = [list(labels)]
+    while pending:
+        cubes = pending.pop()
+        if not cubes:
+            return False
+        literals = cubes[0].positive | cubes[0].negative
+        if not literals:
+            continue
+        chosen = frozenset({min(literals)})
+        pending += [
+            [Label(x.positive - chosen, x.negative) for x in cubes if not chosen & x.negative],
+            [Label(x.positive, x.negative - chosen) for x in cubes if not chosen & x.positive],
+        ]
+    return True
 
 
 def successors(
@@ -131,18 +193,11 @@ def degeneralised(automaton: BuchiAutomaton) -> BuchiAutomaton:
     saves copies (Babiak et al., SPIN 2013). The levels fix the order in which the acceptance
     sets are met, so laps planned on the result can be longer than necessary.
 
-    A state-based automaton follows by splitting each state by whether it is entered through an
-    accepting transition.
+    `state_based` moves the marks from transitions to states.
     """
     if automaton.marks == 1:
         return automaton
-    component_of = {
-        state: number
-        for number, component in enumerate(
-            strong_components([[t.target for t in leaving] for leaving in automaton.outgoing])
-        )
-        for state in component
-    }
+    component_of = _component_of(automaton)
     number_of = {(state, 0): number for number, state in enumerate(sorted(automaton.initial))}
     pending = list(number_of)
     transitions: list[Transition] = []
@@ -165,6 +220,49 @@ def degeneralised(automaton: BuchiAutomaton) -> BuchiAutomaton:
             )
     initial = frozenset(range(len(automaton.initial)))
     return BuchiAutomaton(len(number_of), initial, tuple(transitions), 1, automaton.name)
+
+
+def state_based(automaton: BuchiAutomaton) -> BuchiAutomaton:
+    """An equivalent automaton whose one acceptance set is a set of states.
+
+    The transitions of an accepting state carry mark 0, and no others do. Only transitions inside
+    a strongly connected component matter. A state accepts if all of them that leave it do; where
+    only some do, an accepting one leads to an accepting copy of its target.
+    """
+    single = degeneralised(automaton)
+    component_of = _component_of(single)
+    kept = [
+        [bool(t.marks) for t in leaving if component_of[t.target] == component_of[t.source]]
+        for leaving in single.outgoing
+    ]
+    accepts = [bool(marked) and all(marked) for marked in kept]
+    number_of = {(s, accepts[s]): number for number, s in enumerate(sorted(single.initial))}
+    pending = list(number_of)
+    transitions: list[Transition] = []
+    for state, is_accepting in pending:  # grows while it is read
+        source = number_of[state, is_accepting]
+        marks = frozenset({0} if is_accepting else ())
+        for transition in single.outgoing[state]:
+            after = transition.target
+            is_inside = component_of[after] == component_of[state]
+            is_owed = is_inside and bool(transition.marks) and not accepts[state]
+            target = (after, is_owed or accepts[after])
+            if target not in number_of:
+                number_of[target] = len(number_of)
+                pending.append(target)
+            transitions.append(Transition(source, transition.label, number_of[target], marks))
+    initial = frozenset(range(len(single.initial)))
+    return BuchiAutomaton(len(number_of), initial, tuple(transitions), 1, automaton.name)
+
+
+def _component_of(automaton: BuchiAutomaton) -> dict[int, int]:
+    """The strongly connected component of each state, by its number."""
+    graph = [[transition.target for transition in leaving] for leaving in automaton.outgoing]
+    return {
+        state: number
+        for number, component in enumerate(strong_components(graph))
+        for state in component
+    }
 
 
 def _climb(level: int, marks: frozenset[int], top: int) -> tuple[int, bool]:

@@ -1,14 +1,16 @@
-"""What does a task say? Formulas of linear temporal logic: syntax tree, reading, printing.
+"""What does a task say? Formulas of linear temporal logic: syntax tree, printing, normal form.
 
     true false  at(A)  ! X F G (tightest)  U R W  &  |  ->  <-> (weakest)
 
 U, R, W, -> and <-> associate to the right. `F a` is `true U a`, `G a` is `false R a`, and
-`a W b` is `b R (a | b)`. Formulas are interned: the same text gives the same object, so they
+`a W b` is `b R (a | b)`. Formulas are interned: structurally equal ones are one object, so they
 are compared and hashed by identity. Nothing here recurses: a formula may be as deep as memory
-allows. The meaning of a formula is in `semantics.py`, its automaton in `translate.py`.
+allows. Text is read in `parser.py`, the meaning is in `semantics.py`, the automaton in
+`translate.py`.
 
 Source: the paper, Section II-C; Baier and Katoen, Principles of Model Checking, Chapter 5.
 
+>>> from companion.ltl.parser import atom, parse
 >>> str(parse("G ((targetFound || targetReported) -> F(targetReported))"))
 'G(targetFound | targetReported -> F targetReported)'
 >>> parse("a & b") is conjoin(atom("a"), atom("b"))
@@ -17,17 +19,10 @@ True
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
-from functools import cache
 from weakref import WeakValueDictionary
-
-from lark import Lark, Token, Transformer, v_args
-from lark.exceptions import UnexpectedCharacters, UnexpectedToken
-
-from companion.errors import FormulaError
 
 
 class Operator(Enum):
@@ -99,9 +94,9 @@ class Formula:
     def __repr__(self) -> str:
         return f"parse({str(self)!r})"
 
-    def __reduce__(self) -> tuple[Callable[[str], Formula], tuple[str]]:
-        """Pickled as text, so that a copy in another process is interned there."""
-        return (parse, (str(self),))
+    def __reduce__(self) -> tuple[type[Formula], _Key]:
+        """Pickled by its fields, so that a copy in another process is interned there."""
+        return (Formula, (self.operator, self.operands, self.atom))
 
 
 TRUE = Formula(Operator.TRUE)
@@ -141,16 +136,6 @@ def _pieces(formula: Formula) -> list[str | tuple[Formula, int]]:
     if operator not in (Operator.AND, Operator.OR):
         pieces[-1] = (operands[1], strength)  # right associative
     return pieces
-
-
-def atom(text: str) -> Formula:
-    """The proposition of a text, e.g. `at(A)`. Raises FormulaError if it is anything else."""
-    formula = parse(text)
-    if formula.operator is not Operator.ATOM:
-        raise FormulaError(
-            "not a proposition", text, 0, len(text), "a proposition looks like at(A)"
-        )
-    return formula
 
 
 def negate(formula: Formula) -> Formula:
@@ -208,6 +193,7 @@ def weak_until(before: Formula, event: Formula) -> Formula:
 def subformulas(formula: Formula) -> Iterator[Formula]:
     """Every distinct node once, operands before the nodes that they are part of.
 
+    >>> from companion.ltl.parser import parse
     >>> [str(f) for f in subformulas(parse("F(a & b) | a"))]
     ['a', 'b', 'a & b', 'F(a & b)', 'F(a & b) | a']
     """
@@ -226,6 +212,7 @@ def subformulas(formula: Formula) -> Iterator[Formula]:
 def atoms(formula: Formula) -> frozenset[str]:
     """The propositions that a formula mentions.
 
+    >>> from companion.ltl.parser import parse
     >>> sorted(atoms(parse("G(at( A ) -> X trans_ok(A,B))")))
     ['at(A)', 'trans_ok(A, B)']
     """
@@ -235,6 +222,7 @@ def atoms(formula: Formula) -> frozenset[str]:
 def conjuncts(formula: Formula) -> tuple[Formula, ...]:
     """The formulas whose conjunction is the given one, split at & and at G over &.
 
+    >>> from companion.ltl.parser import parse
     >>> [str(f) for f in conjuncts(parse("G(a & F b & G(c & a)) & d"))]
     ['G a', 'G F b', 'G c', 'd']
     """
@@ -266,6 +254,7 @@ _DUAL = {
 def negation_normal_form(formula: Formula) -> Formula:
     """An equivalent formula of literals, true, false, &, |, X, U and R only.
 
+    >>> from companion.ltl.parser import parse
     >>> str(negation_normal_form(parse("!(G a -> b W c)")))
     'false R a & !c U (!b & !c)'
     """
@@ -310,116 +299,3 @@ def _both_polarities(
                 Formula(operator, tuple(plain)),
                 Formula(_DUAL[operator], tuple(negated)),
             )
-
-
-@v_args(inline=True)
-class _Builder(Transformer[Token, Formula]):
-    """Makes formulas while the text is parsed, one method a rule of grammar.lark."""
-
-    def constant(self, name: Token) -> Formula:
-        return Formula(Operator(name))
-
-    def proposition(self, name: Token, *arguments: Token) -> Formula:
-        return Formula(Operator.ATOM, (), _canonical(name, arguments))
-
-    def unary(self, operator: Token, operand: Formula) -> Formula:
-        return Formula(Operator(operator), (operand,))
-
-    def binary(self, left: Formula, operator: Token, right: Formula) -> Formula:
-        return Formula(Operator(operator), (left, right))
-
-    def conjunction(self, *operands: Formula) -> Formula:
-        return conjoin(*operands)
-
-    def disjunction(self, *operands: Formula) -> Formula:
-        return disjoin(*operands)
-
-
-def _canonical(name: str, arguments: Sequence[str]) -> str:
-    return f"{name}({', '.join(arguments)})" if arguments else str(name)
-
-
-@cache
-def _parser() -> Lark:
-    # The basic lexer keeps `U` an operator even where only a proposition could stand.
-    return Lark.open(
-        "grammar.lark", rel_to=__file__, parser="lalr", lexer="basic", transformer=_Builder()
-    )
-
-
-def parse(text: str) -> Formula:
-    """The formula of a text. Raises FormulaError with the offending token underlined.
-
-    >>> parse("G F at(A) U")
-    Traceback (most recent call last):
-    companion.errors.FormulaError: the formula ends too early
-        G F at(A) U
-                   ^  expected a proposition such as at(A), true, false, ( or one of ! X F G
-    """
-    try:
-        formula: Formula = _parser().parse(text)  # type: ignore[assignment]
-    except UnexpectedCharacters as error:
-        offset = error.pos_in_stream or 0
-        raise FormulaError(
-            f"{text[offset]!r} has no meaning in a formula", text, offset, 1, _NOTATION
-        ) from None
-    except UnexpectedToken as error:
-        raise _explained(error, text) from None
-    return formula
-
-
-def occurrences(text: str) -> list[tuple[str, int, int]]:
-    """Where a formula's text mentions propositions. Raises FormulaError as `parse` does.
-
-    Returns:
-        (canonical text, offset, length) of every mention, in the order of the text.
-
-    >>> occurrences("F at( A ) | done")
-    [('at(A)', 2, 7), ('done', 12, 4)]
-    """
-    parse(text)
-    found = []
-    tokens = [*_parser().lex(text), Token("$END", "")]
-    position = 0
-    while tokens[position].type != "$END":
-        first = last = tokens[position]
-        position += 1
-        if first.type != "NAME":
-            continue
-        arguments = []
-        if tokens[position].type == "_OPEN":
-            while last.type != "_CLOSE":
-                last = tokens[position]
-                arguments.append(last)
-                position += 1
-        assert first.start_pos is not None and last.end_pos is not None
-        canonical = _canonical(first, arguments[1::2])  # between brackets and commas
-        found.append((canonical, first.start_pos, last.end_pos - first.start_pos))
-    return found
-
-
-_NOTATION = "a formula is made of names such as at(A), true, false, ( ) ! & | -> <-> X F G U R W"
-
-_EXPECTED = (
-    ("NOT", "a proposition such as at(A), true, false, ( or one of ! X F G"),
-    ("NAME", "the name of an argument"),
-    ("_COMMA", "a comma or )"),
-    ("_CLOSE", "an operator (& | -> <-> U R W) or )"),
-    ("$END", "an operator (& | -> <-> U R W) or the end"),
-)
-"""The first terminal that the parser would accept tells what it was waiting for."""
-
-
-def _explained(error: UnexpectedToken, text: str) -> FormulaError:
-    accepted = error.accepts or set()
-    hint = next((f"expected {words}" for terminal, words in _EXPECTED if terminal in accepted), "")
-    if error.token.type == "$END":
-        return FormulaError("the formula ends too early", text, len(text.rstrip()), 1, hint)
-    offset = error.token.start_pos or 0
-    glued = re.search(r"\b[XFG]{2,}\s*$", text[:offset])
-    if glued:
-        operators = glued.group().strip()
-        what = f"{operators!r} is read as a proposition"
-        advice = f"did you mean {' '.join(operators)!r}?"
-        return FormulaError(what, text, glued.start(), len(operators), advice)
-    return FormulaError(f"unexpected {str(error.token)!r}", text, offset, len(error.token), hint)

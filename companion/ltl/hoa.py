@@ -1,6 +1,7 @@
 """How do other tools read our automata? Text in the Hanoi Omega-Automata format, version 1.
 
-Transition-based generalized Büchi acceptance, explicit labels; one line a state and a transition.
+Generalized Büchi acceptance, marks on transitions or on states; explicit labels; one line a state
+and a transition.
 Source: https://adl.github.io/hoaf/.
 """
 
@@ -9,8 +10,17 @@ from __future__ import annotations
 from companion.ltl.automaton import BuchiAutomaton, Label
 
 
-def to_hoa(automaton: BuchiAutomaton) -> str:
-    """The automaton as HOA v1, with a line feed after each line."""
+def to_hoa(automaton: BuchiAutomaton, marks_on_states: bool = False) -> str:
+    """The automaton as HOA v1, with a line feed after each line.
+
+    Args:
+        marks_on_states: write the marks once for each state, for tools that know no others.
+
+    Raises:
+        ValueError: marks are wanted on states, but the automaton has no state acceptance.
+    """
+    if marks_on_states and not automaton.has_state_acceptance:
+        raise ValueError("some state has transitions with different marks")
     number_of = {name: number for number, name in enumerate(automaton.propositions)}
     lines = [
         "HOA: v1",
@@ -20,16 +30,23 @@ def to_hoa(automaton: BuchiAutomaton) -> str:
         " ".join(["AP:", str(len(number_of)), *map(_quoted, number_of)]),
         f"acc-name: {_acceptance_name(automaton.marks)}",
         f"Acceptance: {automaton.marks} {_acceptance(automaton.marks)}",
-        "properties: trans-labels explicit-labels trans-acc",
+        f"properties: trans-labels explicit-labels {'state' if marks_on_states else 'trans'}-acc",
         "--BODY--",
     ]
     for state, leaving in enumerate(automaton.outgoing):
-        lines.append(f"State: {state}")
+        if marks_on_states:
+            common = leaving[0].marks if leaving else frozenset()
+            lines.append(f"State: {state}{_marks(common)}")
+        else:
+            lines.append(f"State: {state}")
         for transition in leaving:
-            marks = " ".join(map(str, sorted(transition.marks)))
             line = f"[{_cube(transition.label, number_of)}] {transition.target}"
-            lines.append(f"{line} {{{marks}}}" if marks else line)
+            lines.append(line if marks_on_states else line + _marks(transition.marks))
     return "\n".join([*lines, "--END--", ""])
+
+
+def _marks(marks: frozenset[int]) -> str:
+    return f" {{{' '.join(map(str, sorted(marks)))}}}" if marks else ""
 
 
 def _quoted(text: str) -> str:

@@ -26,7 +26,7 @@ Letter = frozenset[str]
 def holds(formula: Formula, prefix: Sequence[Letter], loop: Sequence[Letter]) -> bool:
     """Whether prefix loop loop loop ... satisfies a formula at its first position.
 
-    >>> from companion.ltl.formula import parse
+    >>> from companion.ltl.parser import parse
     >>> a, b = frozenset({"a"}), frozenset({"b"})
     >>> holds(parse("a U b"), [a, a], [b]), holds(parse("a U b"), [], [a])
     (True, False)

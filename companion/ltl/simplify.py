@@ -70,7 +70,8 @@ class _Side:
 def simplified(formula: Formula) -> Formula:
     """An equivalent formula in negation normal form, given one in negation normal form.
 
-    >>> from companion.ltl.formula import negation_normal_form, parse
+    >>> from companion.ltl.formula import negation_normal_form
+    >>> from companion.ltl.parser import parse
     >>> str(simplified(negation_normal_form(parse("F F a | a U (b & false) | F b"))))
     'true U (a | b)'
     """

@@ -39,7 +39,7 @@ def translate(formula: Formula, max_states: int = 10_000) -> BuchiAutomaton:
 
     State 0 is its only initial state. From every other state some word is accepted.
 
-    >>> from companion.ltl.formula import parse
+    >>> from companion.ltl.parser import parse
     >>> automaton = translate(parse("G F p"))
     >>> automaton.states, [(str(t.label), set(t.marks)) for t in automaton.transitions]
     (1, [('p', {0}), ('!p', set())])

@@ -7,7 +7,8 @@ everywhere; of its operators only & and ! may be used here.
 from __future__ import annotations
 
 from companion.errors import FormulaError
-from companion.ltl.formula import Formula, Operator, conjuncts, parse
+from companion.ltl.formula import Formula, Operator, conjuncts
+from companion.ltl.parser import parse
 from companion.mission.model import Atom, Literal
 
 

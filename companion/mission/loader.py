@@ -17,7 +17,8 @@ from companion.documents import Document, did_you_mean, validate
 from companion.documents.yaml_tree import MAX_BYTES
 from companion.errors import FormulaError, MissionError
 from companion.geometry import ned_from_enu
-from companion.ltl.formula import Formula, Operator, parse
+from companion.ltl.formula import Formula, Operator
+from companion.ltl.parser import parse
 from companion.maps import read_map
 from companion.mission.conditions import parse_condition
 from companion.mission.literals import parse_fact

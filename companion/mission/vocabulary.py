@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping
 
 from companion.documents import did_you_mean
 from companion.errors import FormulaError
-from companion.ltl.formula import occurrences
+from companion.ltl.parser import occurrences
 from companion.mission.literals import atom_of
 from companion.mission.model import Atom
 

@@ -17,7 +17,7 @@ from synthetic import command, event, mission, reading
 
 from companion.acting.executive import TaskStatus
 from companion.acting.task_state import TaskState
-from companion.ltl.formula import parse
+from companion.ltl.parser import parse
 from companion.ltl.semantics import holds
 from companion.ltl.translate import translate
 from companion.mission.model import Mission, Signal

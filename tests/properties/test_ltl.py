@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from companion.ltl.automaton import degeneralised, successors
+from companion.ltl.automaton import degeneralised, state_based, successors
 from companion.ltl.formula import (
     FALSE,
     TRUE,
@@ -17,8 +17,8 @@ from companion.ltl.formula import (
     conjuncts,
     negate,
     negation_normal_form,
-    parse,
 )
+from companion.ltl.parser import parse
 from companion.ltl.semantics import Letter, accepts, holds
 from companion.ltl.simplify import simplified
 from companion.ltl.translate import translate
@@ -84,11 +84,14 @@ def test_an_automaton_accepts_what_satisfies_the_formula(
 ) -> None:
     automaton, opposite = translate(formula), translate(negate(formula))
     single = degeneralised(automaton)
+    split = state_based(automaton)
     assert single.marks == 1
+    assert split.has_state_acceptance
     for prefix, loop in words:
         verdict = holds(formula, prefix, loop)
         assert accepts(automaton, prefix, loop) is verdict
         assert accepts(single, prefix, loop) is verdict
+        assert accepts(split, prefix, loop) is verdict
         assert accepts(opposite, prefix, loop) is not verdict
 
 

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+from itertools import chain, combinations
+
 import networkx as nx
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.ltl.automaton import (
     BuchiAutomaton,
     Label,
+    Statistics,
     Transition,
     degeneralised,
+    statistics,
     strong_components,
     successors,
 )
-from companion.ltl.formula import parse
+from companion.ltl.parser import parse
 from companion.ltl.translate import translate
 
 A_NOT_B = Label(frozenset({"a"}), frozenset({"b"}))
@@ -84,3 +89,49 @@ def test_components_are_those_of_networkx_in_reverse_topological_order(
 def test_components_of_a_long_path_do_not_recurse() -> None:
     path = [[node + 1] for node in range(50_000)] + [[]]
     assert len(strong_components(path)) == 50_001
+
+
+@pytest.mark.parametrize(
+    ("text", "figures"),
+    [
+        ("G F a", Statistics(1, 2, 1, 1, True, True)),
+        ("G a", Statistics(1, 1, 0, 1, True, False)),
+        ("true", Statistics(1, 1, 0, 0, True, True)),
+        ("false", Statistics(1, 0, 0, 0, True, False)),
+        ("F G a", Statistics(2, 3, 1, 1, False, False)),
+        ("G F a & G F b", Statistics(1, 4, 2, 2, True, True)),
+    ],
+)
+def test_figures_of_a_formula(text: str, figures: Statistics) -> None:
+    assert statistics(translate(parse(text))) == figures
+
+
+def test_two_initial_states_are_a_choice_and_none_leaves_no_run() -> None:
+    loops = (Transition(0, ANY, 0, frozenset()), Transition(1, ANY, 1, frozenset()))
+    two = statistics(BuchiAutomaton(2, frozenset({0, 1}), loops, 0))
+    none = statistics(BuchiAutomaton(2, frozenset(), loops, 0))
+    assert (two.is_deterministic, two.is_complete) == (False, True)
+    assert (none.is_deterministic, none.is_complete) == (True, False)
+
+
+NAMES = ("a", "b", "c")
+EVERY_LETTER = [
+    frozenset(letter)
+    for letter in chain.from_iterable(combinations(NAMES, size) for size in range(4))
+]
+LABELS = st.builds(
+    lambda signs: Label(
+        frozenset(name for name, sign in zip(NAMES, signs, strict=True) if sign == 1),
+        frozenset(name for name, sign in zip(NAMES, signs, strict=True) if sign == -1),
+    ),
+    st.tuples(*[st.sampled_from([-1, 0, 1])] * 3),
+)
+
+
+@given(st.lists(LABELS, max_size=6))
+def test_determinism_and_completeness_are_about_letters(labels: list[Label]) -> None:
+    loops = tuple(Transition(0, label, 0, frozenset()) for label in labels)
+    figures = statistics(BuchiAutomaton(1, frozenset({0}), loops, 0))
+    readers = [sum(label.matches(letter) for label in labels) for letter in EVERY_LETTER]
+    assert figures.is_deterministic is (max(readers) <= 1)
+    assert figures.is_complete is (min(readers) >= 1)

@@ -13,7 +13,6 @@ from companion.ltl.formula import (
     TRUE,
     Operator,
     always,
-    atom,
     atoms,
     conjoin,
     conjuncts,
@@ -23,13 +22,12 @@ from companion.ltl.formula import (
     negate,
     negation_normal_form,
     next_,
-    occurrences,
-    parse,
     release,
     subformulas,
     until,
     weak_until,
 )
+from companion.ltl.parser import atom, occurrences, parse
 
 DEPTH = 20_000
 

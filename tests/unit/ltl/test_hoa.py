@@ -7,8 +7,8 @@ import re
 import pytest
 
 from companion.ltl.automaton import BuchiAutomaton, Label, Transition
-from companion.ltl.formula import parse
 from companion.ltl.hoa import to_hoa
+from companion.ltl.parser import parse
 from companion.ltl.translate import translate
 
 SEARCH = """\

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from companion.ltl.formula import parse
+from companion.ltl.parser import parse
 from companion.ltl.semantics import accepts, holds
 from companion.ltl.translate import translate
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from companion.ltl.formula import negation_normal_form, parse
+from companion.ltl.formula import negation_normal_form
+from companion.ltl.parser import parse
 from companion.ltl.simplify import simplified
 
 

@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 from companion.ltl.automaton import BuchiAutomaton
-from companion.ltl.formula import negate, parse
+from companion.ltl.formula import negate
+from companion.ltl.parser import parse
 from companion.ltl.semantics import Letter, accepts, holds
 from companion.ltl.translate import TranslationLimit, translate
 

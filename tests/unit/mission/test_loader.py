@@ -15,7 +15,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from companion.errors import FormulaError, MissionError
-from companion.ltl.formula import parse
+from companion.ltl.parser import parse
 from companion.mission.loader import CLEARANCE_M, load_mission
 from companion.mission.model import (
     Atom,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from companion.ltl.formula import parse
+from companion.ltl.parser import parse
 from companion.mission.loader import load_mission
 from companion.mission.schema import json_schema
 

@@ -10,7 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from companion.ltl.automaton import successors
-from companion.ltl.formula import conjuncts, parse
+from companion.ltl.formula import conjuncts
+from companion.ltl.parser import parse
 from companion.ltl.translate import translate
 from companion.mission.model import Fly
 from companion.planning.check import fault

@@ -1,0 +1,201 @@
+"""Which formula does a text stand for? Reads formulas, and explains what cannot be read.
+
+The grammar is in `grammar.lark`. A mission pattern, e.g. `patrolling(A, B)`, is read as the
+formula that it stands for (`patterns.py`). Nothing here recurses: the parser is LALR and builds
+the tree from below.
+
+>>> parse("visit(A, B)") is parse("F at(A) & F at(B)")
+True
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from functools import cache
+
+from lark import Lark, Token, Transformer, v_args
+from lark.exceptions import UnexpectedCharacters, UnexpectedToken
+
+from companion.errors import FormulaError
+from companion.ltl.formula import Formula, Operator, conjoin, disjoin
+from companion.ltl.patterns import PATTERNS
+
+
+@v_args(inline=True)
+class _Builder(Transformer[Token, Formula]):
+    """Makes formulas while the text is parsed, one method a rule of grammar.lark."""
+
+    def constant(self, name: Token) -> Formula:
+        return Formula(Operator(name))
+
+    def proposition(self, name: Token, *arguments: Token) -> Formula:
+        if arguments and name in PATTERNS:
+            pattern = PATTERNS[name]
+            misfit = pattern.misfit(arguments)
+            if misfit is not None:
+                index, what = misfit
+                token = name if index is None else arguments[index]
+                raise _error_at(token, what, f"write {pattern.signature}")
+            return parse(pattern.expansion(arguments))
+        for argument in arguments:
+            if argument.type in (_FACT, "NUMBER"):
+                what = f"an argument of {name} cannot be {argument}"
+                raise _error_at(argument, what, "expected the name of an argument")
+        return Formula(Operator.ATOM, (), _canonical(name, arguments))
+
+    def fact(self, name: Token, *rest: Token) -> Token:
+        return _fact(name, rest[1::2], rest[-1])  # between brackets and commas
+
+    def unary(self, operator: Token, operand: Formula) -> Formula:
+        return Formula(Operator(operator), (operand,))
+
+    def binary(self, left: Formula, operator: Token, right: Formula) -> Formula:
+        return Formula(Operator(operator), (left, right))
+
+    def conjunction(self, *operands: Formula) -> Formula:
+        return conjoin(*operands)
+
+    def disjunction(self, *operands: Formula) -> Formula:
+        return disjoin(*operands)
+
+
+def _canonical(name: str, arguments: Sequence[str]) -> str:
+    return f"{name}({', '.join(arguments)})" if arguments else str(name)
+
+
+_FACT = "FACT"
+"""Type of the token that stands for a whole proposition among the arguments of a pattern."""
+
+
+def _fact(name: Token, arguments: Sequence[Token], closing: Token) -> Token:
+    text = _canonical(name, arguments)
+    return Token(_FACT, text, start_pos=name.start_pos, end_pos=closing.end_pos)
+
+
+def _error_at(token: Token, what: str, advice: str) -> FormulaError:
+    """An error that `parse` completes with the text: the builder does not know it."""
+    offset, length = _span(token, token)
+    return FormulaError(what, "", offset, length, advice)
+
+
+def _span(first: Token, last: Token) -> tuple[int, int]:
+    """Offset and length of the text from one token to another."""
+    assert first.start_pos is not None and last.end_pos is not None
+    return first.start_pos, last.end_pos - first.start_pos
+
+
+@cache
+def _parser() -> Lark:
+    # The basic lexer keeps `U` an operator even where only a proposition could stand.
+    return Lark.open(
+        "grammar.lark", rel_to=__file__, parser="lalr", lexer="basic", transformer=_Builder()
+    )
+
+
+def parse(text: str) -> Formula:
+    """The formula of a text. Raises FormulaError with the offending token underlined.
+
+    >>> parse("G F at(A) U")
+    Traceback (most recent call last):
+    companion.errors.FormulaError: the formula ends too early
+        G F at(A) U
+                   ^  expected a proposition such as at(A), true, false, ( or one of ! X F G
+    """
+    try:
+        formula: Formula = _parser().parse(text)  # type: ignore[assignment]
+    except UnexpectedCharacters as error:
+        raise _meaningless(text, error.pos_in_stream or 0) from None
+    except UnexpectedToken as error:
+        raise _explained(error, text) from None
+    except FormulaError as error:
+        raise FormulaError(error.what, text, error.offset, error.length, error.advice) from None
+    return formula
+
+
+def occurrences(text: str) -> list[tuple[str, int, int]]:
+    """Where a formula's text mentions propositions. Raises FormulaError as `parse` does.
+
+    Returns:
+        (canonical text, offset, length) of every mention, in the order of the text. An argument
+        of a mission pattern is a mention of the proposition that it stands for.
+
+    >>> occurrences("F at( A ) | done")
+    [('at(A)', 2, 7), ('done', 12, 4)]
+    >>> occurrences("patrolling(A, B)")
+    [('at(A)', 11, 1), ('at(B)', 14, 1)]
+    """
+    parse(text)
+    found = []
+    tokens = [*_parser().lex(text), Token("$END", "")]
+    position = 0
+    while tokens[position].type != "$END":
+        name = tokens[position]
+        if name.type != "NAME":
+            position += 1
+            continue
+        arguments, position = _arguments_after(tokens, position)
+        if arguments and name in PATTERNS:
+            for index, argument in enumerate(arguments):
+                proposition = PATTERNS[name].proposition(index, argument)
+                if proposition is not None:
+                    found.append((proposition, *_span(argument, argument)))
+        else:
+            found.append((_canonical(name, arguments), *_span(name, tokens[position - 1])))
+    return found
+
+
+def _arguments_after(tokens: Sequence[Token], position: int) -> tuple[list[Token], int]:
+    """Arguments of the name at a position, and the position after them."""
+    arguments: list[Token] = []
+    position += 1
+    if tokens[position].type != "_OPEN":
+        return arguments, position
+    while tokens[position].type != "_CLOSE":  # at the bracket, then at a comma
+        name = tokens[position + 1]
+        inner, position = _arguments_after(tokens, position + 1)
+        arguments.append(_fact(name, inner, tokens[position - 1]) if inner else name)
+    return arguments, position + 1
+
+
+_NOTATION = "a formula is made of names such as at(A), true, false, ( ) ! & | -> <-> X F G U R W"
+
+_EXPECTED = (
+    ("NOT", "a proposition such as at(A), true, false, ( or one of ! X F G"),
+    ("NAME", "the name of an argument"),
+    ("_COMMA", "a comma or )"),
+    ("_CLOSE", "an operator (& | -> <-> U R W) or )"),
+    ("$END", "an operator (& | -> <-> U R W) or the end"),
+)
+"""The first terminal that the parser would accept tells what it was waiting for."""
+
+
+def _meaningless(text: str, offset: int) -> FormulaError:
+    return FormulaError(f"{text[offset]!r} has no meaning in a formula", text, offset, 1, _NOTATION)
+
+
+def _explained(error: UnexpectedToken, text: str) -> FormulaError:
+    accepted = error.accepts or set()
+    hint = next((f"expected {words}" for terminal, words in _EXPECTED if terminal in accepted), "")
+    if error.token.type == "$END":
+        return FormulaError("the formula ends too early", text, len(text.rstrip()), 1, hint)
+    offset = error.token.start_pos or 0
+    if error.token.type == "NUMBER":
+        return _meaningless(text, offset)
+    glued = re.search(r"\b[XFG]{2,}\s*$", text[:offset])
+    if glued:
+        operators = glued.group().strip()
+        what = f"{operators!r} is read as a proposition"
+        advice = f"did you mean {' '.join(operators)!r}?"
+        return FormulaError(what, text, glued.start(), len(operators), advice)
+    return FormulaError(f"unexpected {str(error.token)!r}", text, offset, len(error.token), hint)
+
+
+def atom(text: str) -> Formula:
+    """The proposition of a text, e.g. `at(A)`. Raises FormulaError if it is anything else."""
+    formula = parse(text)
+    if formula.operator is not Operator.ATOM:
+        raise FormulaError(
+            "not a proposition", text, 0, len(text), "a proposition looks like at(A)"
+        )
+    return formula
