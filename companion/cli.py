@@ -4,7 +4,7 @@ Exit codes: 0 the task is satisfied (or the run was stopped as asked), 1 interna
 outside is wrong, 3 no plan, 4 no link, 5 the pilot or a failsafe ended the flight.
 
 Imports that take long (MAVLink, plots, the simulator) are made inside the commands that need
-them, so that `--help` and `check` answer at once.
+them, so that `--help` answers at once.
 """
 
 from __future__ import annotations

@@ -25,6 +25,12 @@ TAKE_OFF = dialect.MAV_CMD_NAV_TAKEOFF
 LAND = dialect.MAV_CMD_NAV_LAND
 SET_MODE = dialect.MAV_CMD_DO_SET_MODE
 
+FENCE = ((-9.0, -9.0), (-9.0, 9.0), (9.0, 9.0), (9.0, -9.0))
+ENVELOPE = Envelope(fence=FENCE, up_m=(0.5, 4.0), speed_mps=2.0)
+TARGET = Signal("NAMED_VALUE_INT", "target", "value")
+CHARGE = Signal("BATTERY_STATUS", "", "battery_remaining")
+CALL = Signal("COMMAND", "", "MAV_CMD_NAV_RETURN_TO_LAUNCH")
+
 
 class Autopilot:
     """Stands on the ground at its local origin, disarmed, in AUTO.LOITER.
@@ -200,3 +206,10 @@ def of_type(messages: list[Any], kind: str) -> list[Any]:
 def is_close(a: Any, b: tuple[float, ...]) -> bool:
     """Equal within the rounding of the wire's 32 bit floats."""
     return all(math.isclose(x, y, rel_tol=1e-6, abs_tol=1e-6) for x, y in zip(a, b, strict=True))
+
+
+def in_offboard(meeting: Meeting) -> Meeting:
+    """In the air in OFFBOARD, at the altitude of take-off, with the goal reached."""
+    for goal in (Goal.ARMED, Goal.AIRBORNE, Goal.OFFBOARD):
+        assert meeting.pursue(goal).progress is Progress.DONE
+    return meeting

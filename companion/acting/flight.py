@@ -34,7 +34,6 @@ class Flight:
     routes: RouteMap
     limits: Limits
     symbols: Mapping[str, Ned]
-    start_s: float = 0.0
     now_s: float = 0.0
     completed: int = 0
     laps: int = 0
@@ -44,7 +43,7 @@ class Flight:
 
     def report(self, kind: str, text: str, **data: object) -> None:
         """Notes something that happened now."""
-        self.reports.append(Report(round(self.now_s - self.start_s, 3), kind, text, data))
+        self.reports.append(Report(round(self.now_s, 3), kind, text, data))
 
     def fly(self, setpoint: Setpoint) -> None:
         """Streams a setpoint from now on."""

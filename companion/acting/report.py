@@ -2,8 +2,8 @@
 
 Kinds: `plan` and `replan` (a lasso was made), `at` and `done` (a skill was completed), `failed`
 (a skill was not), `withdrawn` (a belief was given up), `event` (a fact that the vehicle cannot
-choose has changed), `gate` (a setpoint was held back), `lap`, `phase` (a step of the sortie) and
-`end`.
+choose has changed), `gate` (a setpoint was held back), `lap`, `phase` (a step of the sortie),
+`record` (the run folder cannot be written; told, and not in it) and `end`.
 """
 
 from __future__ import annotations

@@ -14,7 +14,7 @@ command still listens: a later failure overrides.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from companion.mavlink.framing import Message, dialect, source
 
@@ -46,7 +46,7 @@ class Exchange:
     confirmation: int = 0
     rejections: int = 0
     result: str = ""
-    is_answered: bool = field(default=False)
+    is_answered: bool = False
 
     @property
     def has_failed(self) -> bool:

@@ -1,0 +1,226 @@
+"""Goals are pursued until they are observed, and the pilot wins; against a scripted autopilot."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import pytest
+from autopilot import (
+    ACCEPTED,
+    ARM,
+    LAND,
+    SET_MODE,
+    TAKE_OFF,
+    Meeting,
+    in_offboard,
+    of_type,
+)
+
+from companion.mavlink.framing import dialect
+from companion.vehicle.offboard import ASK_AGAIN_S
+from companion.vehicle.port import Goal, Progress, Setpoint
+
+SETPOINT = "SET_POSITION_TARGET_LOCAL_NED"
+AHEAD = Setpoint((0.5, 0.2, -2.0), (1.0, 0.5, 0.1), (0.3, 0.2, 0.1), 0.4)
+
+
+# -- goals -----------------------------------------------------------------------------------------
+
+
+def test_the_goals_of_a_flight_and_their_commands(meeting: Meeting) -> None:
+    in_offboard(meeting)
+    assert meeting.pursue(Goal.HOLDING).progress is Progress.DONE
+    assert meeting.pursue(Goal.LANDED).progress is Progress.DONE
+    commands = of_type(meeting.autopilot.heard, "COMMAND_LONG")
+    assert [c.command for c in commands] == [ARM, TAKE_OFF, SET_MODE, SET_MODE, LAND]
+    assert {(c.target_system, c.target_component) for c in commands} == {(1, 1)}
+    arm, take_off, offboard, loiter, land = commands
+    assert (arm.param1, arm.param2) == (1.0, 0.0)  # arm, without force
+    assert take_off.param7 == meeting.autopilot.home_altitude_m + 2.0  # above mean sea level
+    assert all(math.isnan(getattr(take_off, f"param{i}")) for i in (4, 5, 6))
+    assert (offboard.param1, offboard.param2, offboard.param3) == (1.0, 6.0, 0.0)
+    assert (loiter.param1, loiter.param2, loiter.param3) == (1.0, 4.0, 3.0)
+    assert math.isnan(land.param5) and math.isnan(land.param6)  # where it is
+
+
+def test_a_goal_that_is_reached_already_sends_nothing(meeting: Meeting) -> None:
+    meeting.autopilot.is_armed = True
+    assert meeting.pursue(Goal.ARMED).progress is Progress.DONE
+    assert of_type(meeting.autopilot.heard, "COMMAND_LONG") == []
+
+
+def test_without_a_state_a_goal_waits(meeting: Meeting) -> None:
+    assert meeting.vehicle.pursue(Goal.ARMED).progress is Progress.RUNNING
+    assert meeting.vehicle.transmit(0.0) == []
+
+
+def test_a_goal_is_reached_when_it_is_observed_and_not_when_it_is_accepted(
+    meeting: Meeting,
+) -> None:
+    meeting.autopilot.is_idle = True
+    sent = meeting.run(10.0, act=lambda: meeting.vehicle.pursue(Goal.ARMED))
+    commands = of_type(sent, "COMMAND_LONG")
+    assert len(commands) >= 3
+    assert {c.confirmation for c in commands} == {0}  # each of them is a new one
+    assert all(
+        later.left_s - earlier.left_s >= ASK_AGAIN_S for earlier, later in pairwise(commands)
+    )
+    meeting.autopilot.is_idle = False
+    assert meeting.pursue(Goal.ARMED).progress is Progress.DONE
+
+
+def test_a_goal_that_is_never_observed_fails_in_its_time(meeting: Meeting) -> None:
+    meeting.autopilot.is_idle = True
+    outcome = meeting.pursue(Goal.ARMED)
+    assert (outcome.progress, outcome.reason) == (Progress.FAILED, "not armed after 20 s")
+    assert meeting.now_s == pytest.approx(20.0, abs=0.2)
+
+
+def test_no_answer_at_all_fails_after_silence(meeting: Meeting) -> None:
+    meeting.autopilot.results[ARM] = [None]
+    outcome = meeting.pursue(Goal.ARMED)
+    assert outcome.reason == "not armed: no answer"
+    assert meeting.now_s == pytest.approx(5.0, abs=0.2)
+    commands = of_type(meeting.autopilot.heard, "COMMAND_LONG")
+    assert [c.confirmation for c in commands] == list(range(10))
+
+
+def test_a_denial_is_final_and_says_what_the_autopilot_said(meeting: Meeting) -> None:
+    meeting.autopilot.results[ARM] = [dialect.MAV_RESULT_DENIED]
+    text = dialect.MAVLink_statustext_message(2, b"Arming denied: check level")
+    meeting.tick(meeting.autopilot.endpoint.pack(text))
+    outcome = meeting.pursue(Goal.ARMED)
+    assert outcome.progress is Progress.FAILED
+    assert outcome.reason == "not armed: denied (autopilot: Arming denied: check level)"
+    assert len(of_type(meeting.autopilot.heard, "COMMAND_LONG")) == 1
+
+
+def test_a_temporary_rejection_is_asked_again_after_a_second(meeting: Meeting) -> None:
+    rejected = dialect.MAV_RESULT_TEMPORARILY_REJECTED
+    meeting.autopilot.results[ARM] = [rejected, rejected, ACCEPTED]
+    sent = meeting.run(4.0, act=lambda: meeting.vehicle.pursue(Goal.ARMED))
+    times = [c.left_s for c in of_type(sent, "COMMAND_LONG")]
+    assert len(times) == 3
+    assert all(1.0 <= later - earlier <= 1.2 for earlier, later in pairwise(times))
+    assert meeting.autopilot.is_armed
+
+
+def test_a_vehicle_on_its_way_is_not_asked_again(meeting: Meeting) -> None:
+    meeting.pursue(Goal.ARMED)
+    meeting.autopilot.is_idle = True
+    act = lambda: meeting.vehicle.pursue(Goal.AIRBORNE)  # noqa: E731
+    meeting.tick(act=act)
+    meeting.autopilot.mode = "AUTO.TAKEOFF"
+    assert of_type(meeting.run(20.0, act=act), "COMMAND_LONG") == []
+    meeting.autopilot.mode, meeting.autopilot.is_landed = "AUTO.LOITER", False
+    assert meeting.pursue(Goal.AIRBORNE).progress is Progress.DONE
+
+
+def test_a_new_goal_ends_the_command_of_the_old_one(meeting: Meeting) -> None:
+    meeting.autopilot.results[ARM] = [None]
+    meeting.run(0.3, act=lambda: meeting.vehicle.pursue(Goal.ARMED))
+    sent = meeting.run(3.0, act=lambda: meeting.vehicle.pursue(Goal.HOLDING))
+    assert of_type(sent, "COMMAND_LONG") == []  # holding already, and nobody asks to arm
+
+
+# -- authority -------------------------------------------------------------------------------------
+
+
+def test_a_mode_that_we_did_not_ask_for_ends_all_at_once_and_for_good(meeting: Meeting) -> None:
+    in_offboard(meeting)
+    meeting.vehicle.fly(AHEAD)
+    meeting.vehicle.send_command(25, dialect.MAV_CMD_USER_1, (1.0,))
+    meeting.autopilot.mode = "POSCTL"
+    meeting.autopilot.is_idle = True
+    sent = meeting.run(3.0)
+    assert meeting.vehicle.lost_authority == "the pilot has control, in POSCTL"
+    assert {m.get_type() for m in sent} == {"HEARTBEAT"}
+    outcome = meeting.vehicle.pursue(Goal.OFFBOARD)
+    assert (outcome.progress, outcome.reason) == (
+        Progress.FAILED,
+        "the pilot has control, in POSCTL",
+    )
+    meeting.autopilot.mode = "OFFBOARD"
+    sent = meeting.run(3.0, act=lambda: meeting.vehicle.pursue(Goal.OFFBOARD))
+    assert {m.get_type() for m in sent} == {"HEARTBEAT"}
+    assert meeting.vehicle.lost_authority
+
+
+def test_a_failsafe_is_not_called_a_pilot(meeting: Meeting) -> None:
+    in_offboard(meeting)
+    meeting.autopilot.mode = "AUTO.RTL"
+    meeting.autopilot.system_status = dialect.MAV_STATE_CRITICAL
+    meeting.tick()
+    expected = "a failsafe of the autopilot has control, in AUTO.RTL"
+    assert meeting.vehicle.lost_authority == expected
+
+
+def test_a_mode_that_nobody_knows_was_chosen_by_somebody_else(meeting: Meeting) -> None:
+    in_offboard(meeting)
+    meeting.autopilot.mode = "STABILIZED"
+    meeting.tick()
+    assert meeting.vehicle.lost_authority == "the pilot has control, in OTHER"
+
+
+@pytest.mark.parametrize("goal", [Goal.AIRBORNE, Goal.OFFBOARD, Goal.HOLDING, Goal.LANDED])
+def test_the_pilot_wins_while_a_goal_is_pursued(meeting: Meeting, goal: Goal) -> None:
+    if goal in (Goal.HOLDING, Goal.LANDED):
+        in_offboard(meeting)
+    else:
+        meeting.pursue(Goal.ARMED)
+    meeting.autopilot.is_idle = True
+    meeting.run(0.5, act=lambda: meeting.vehicle.pursue(goal))
+    assert meeting.vehicle.lost_authority == ""
+    meeting.autopilot.mode = "ALTCTL"
+    meeting.tick()
+    assert meeting.vehicle.lost_authority == "the pilot has control, in ALTCTL"
+
+
+def test_on_the_ground_and_disarmed_any_mode_is_welcome(meeting: Meeting) -> None:
+    in_offboard(meeting)
+    meeting.pursue(Goal.LANDED)
+    for mode in ("MANUAL", "POSCTL", "AUTO.LOITER"):
+        meeting.autopilot.mode = mode
+        meeting.tick()
+    assert meeting.vehicle.lost_authority == ""
+
+
+def test_a_mode_on_the_way_is_not_a_take_over(meeting: Meeting) -> None:
+    meeting.pursue(Goal.ARMED)
+    meeting.autopilot.is_idle = True
+    for mode in ("AUTO.TAKEOFF", "AUTO.LOITER"):
+        meeting.autopilot.mode = mode
+        meeting.tick(act=lambda: meeting.vehicle.pursue(Goal.AIRBORNE))
+    assert meeting.vehicle.lost_authority == ""
+
+
+def test_a_parameter_is_asked_for_until_it_is_answered(meeting: Meeting) -> None:
+    meeting.autopilot.parameters.clear()
+    sent = meeting.run(2.0, act=lambda: meeting.vehicle.parameter("COM_OF_LOSS_T"))
+    questions = of_type(sent, "PARAM_REQUEST_READ")
+    assert {(q.target_system, q.target_component, q.param_id) for q in questions} == {
+        (1, 1, "COM_OF_LOSS_T")
+    }
+    assert 3 <= len(questions) <= 4
+    meeting.autopilot.parameters["COM_OF_LOSS_T"] = 0.5
+    meeting.run(1.0)
+    assert meeting.vehicle.parameter("COM_OF_LOSS_T") == 0.5
+    assert of_type(meeting.run(2.0), "PARAM_REQUEST_READ") == []
+
+
+def test_the_mode_of_the_start_is_the_pilots_once_it_was_left(meeting: Meeting) -> None:
+    meeting.autopilot.mode = "POSCTL"
+    meeting.pursue(Goal.ARMED)
+    meeting.autopilot.is_idle = True
+
+    def act() -> object:
+        return meeting.vehicle.pursue(Goal.AIRBORNE)
+
+    meeting.tick(act=act)
+    meeting.autopilot.mode, meeting.autopilot.is_landed = "AUTO.TAKEOFF", False
+    meeting.tick(act=act)
+    meeting.autopilot.mode = "POSCTL"
+    sent = meeting.run(5.0, act=act)
+    assert of_type(sent, "COMMAND_LONG") == []
+    assert meeting.vehicle.lost_authority == "the pilot has control, in POSCTL"
