@@ -1,22 +1,11 @@
-"""The commands: arguments in, one call each; the only place that prints and picks exit codes.
-
-Exit codes: 0 the task is satisfied (or the run was stopped as asked), 1 internal, 2 a file from
-outside is wrong, 3 no plan, 4 no link, 5 the pilot or a failsafe ended the flight.
-
-Imports that take long (MAVLink, plots, the simulator) are made inside the commands that need
-them, so that `--help` answers at once.
-"""
+"""The commands that fly: run and sim."""
 
 from __future__ import annotations
 
-import json
 import signal
-import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import asdict
-from enum import StrEnum
 from importlib.util import find_spec
 from pathlib import Path
 from types import FrameType
@@ -24,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from companion.cli.arguments import MissionFile, load
 from companion.errors import CompanionError, MissionError
 
 if TYPE_CHECKING:
@@ -31,22 +21,10 @@ if TYPE_CHECKING:
     from companion.app import Companion
     from companion.mission.model import Mission
     from companion.motion.grid import OccupancyGrid
-    from companion.planning.lasso import Lasso
-    from companion.planning.planner import Planner
-    from companion.planning.supposition import Supposition
     from companion.record.run_folder import RunFolder
     from companion.vehicle.link import Endpoint
     from sitl.world.scenario import Scenario
 
-app = typer.Typer(
-    help="Plans a mission in linear temporal logic and flies it on a PX4-style vehicle.",
-    epilog="Try: companion sim missions/surveillance.yaml --speed max",
-    no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
-)
-
-MissionFile = Annotated[Path, typer.Argument(metavar="MISSION", help="The mission's YAML file.")]
 LogDir = Annotated[
     Path,
     typer.Option(
@@ -61,90 +39,6 @@ OFFBOARD_PORT = 14540
 GROUND_STATION_PORT = 14550
 
 
-class Form(StrEnum):
-    """How `ltl` prints an automaton."""
-
-    HOA = "hoa"
-    DOT = "dot"
-    STATS = "stats"
-
-
-@app.command()
-def check(mission: MissionFile) -> None:
-    """Reads, translates and plans a mission; needs no vehicle."""
-    loaded, planner, lasso = _plan(mission)
-    typer.echo(f"mission    {loaded.name}: places {' '.join(loaded.places)}")
-    for conjunct in planner.conjuncts:
-        typer.echo(f"task       {conjunct.name}: {conjunct.automaton.states} states")
-    typer.echo(f"plan       {lasso}")
-    typer.echo("ok")
-
-
-@app.command()
-def plan(
-    mission: MissionFile,
-    at: Annotated[str | None, typer.Option(help="Plan from this place.")] = None,
-    holds: Annotated[
-        list[str] | None, typer.Option("--set", metavar="FACT", help="A fact that holds.")
-    ] = None,
-    fails: Annotated[
-        list[str] | None, typer.Option("--unset", metavar="FACT", help="A fact that does not.")
-    ] = None,
-    without: Annotated[
-        list[str] | None,
-        typer.Option(metavar="BELIEF", help="A belief that is withdrawn, e.g. canUpload(r1)."),
-    ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
-) -> None:
-    """Prints the plan: a prefix that is flown once and a loop that is flown for ever.
-
-    The options ask "what if", e.g. --at A --set targetFound.
-    """
-    from companion.planning.supposition import Supposition
-
-    supposed = Supposition(at, tuple(holds or ()), tuple(fails or ()), tuple(without or ()))
-    _, _, lasso = _plan(mission, supposed)
-    if as_json:
-        typer.echo(json.dumps(lasso.as_json(), indent=2))
-        return
-    for title, actions in (("prefix", lasso.prefix), ("loop", lasso.suffix)):
-        typer.echo(title)
-        for action in actions:
-            typer.echo(f"  {action.name:<24} {action.cost_ms / 1000:6.1f} s")
-    typer.echo(f"prefix {lasso.prefix_cost_ms / 1000:.1f} s, lap {lasso.lap_cost_ms / 1000:.1f} s")
-
-
-@app.command()
-def ltl(
-    formula: Annotated[str, typer.Argument(help="e.g. 'G (F at(A) | targetFound)'")],
-    form: Annotated[
-        Form, typer.Option("--format", help="HOA v1, Graphviz, or how large it is.")
-    ] = Form.HOA,
-    by_states: Annotated[
-        bool, typer.Option("--state-based", help="Accept by states and not by transitions.")
-    ] = False,
-) -> None:
-    """Prints the Büchi automaton of a formula; mission patterns such as visit(A, B) are known."""
-    from companion.ltl.automaton import state_based, statistics
-    from companion.ltl.dot import to_dot
-    from companion.ltl.hoa import to_hoa
-    from companion.ltl.parser import parse
-    from companion.ltl.translate import translate
-
-    automaton = translate(parse(formula))
-    if by_states:
-        automaton = state_based(automaton)
-    match form:
-        case Form.HOA:
-            typer.echo(to_hoa(automaton, marks_on_states=by_states).rstrip())
-        case Form.DOT:
-            typer.echo(to_dot(automaton).rstrip())
-        case Form.STATS:
-            for name, value in asdict(statistics(automaton)).items():
-                typer.echo(f"{name.replace('_', ' '):<18} {value}")
-
-
-@app.command()
 def run(
     mission: MissionFile,
     connect: Annotated[
@@ -160,13 +54,12 @@ def run(
     from companion.app import Companion
     from companion.vehicle.link import parse_url
 
-    loaded, endpoint = _load(mission), parse_url(connect)
+    loaded, endpoint = load(mission), parse_url(connect)
     with _recorded(loaded, log_dir) as folder:
         companion = Companion(loaded, folder, accept_weak_failsafes)
         _fly(companion, endpoint, speed=1.0, timeout_s=timeout)
 
 
-@app.command()
 def sim(
     mission: MissionFile,
     scenario: Annotated[
@@ -195,7 +88,7 @@ def sim(
             "    fly a simulator on another machine: companion run MISSION --connect URL"
         )
     factor = _speed(speed)
-    loaded = _load(mission)
+    loaded = load(mission)
     path = scenario or mission.with_suffix(".sim.yaml")
     if scenario is None and not path.exists():
         raise MissionError(f"there is no scenario {path}", hint="name one with --scenario")
@@ -213,35 +106,6 @@ def sim(
         endpoint = Endpoint(True, "127.0.0.1", OFFBOARD_PORT + instance)
         with simulator([str(o) for o in options], folder.folder / "sitl.log"):
             _fly(companion, endpoint, factor, timeout * factor)
-
-
-def main() -> None:
-    """Entry point: runs a command and turns errors into messages and exit codes."""
-    try:
-        app(standalone_mode=True)
-    except CompanionError as error:
-        typer.echo(str(error), err=True)
-        sys.exit(error.exit_code)
-
-
-def _load(path: Path) -> Mission:
-    from companion.mission.loader import load_mission
-
-    return load_mission(path)
-
-
-def _plan(path: Path, supposed: Supposition | None = None) -> tuple[Mission, Planner, Lasso]:
-    """A mission and its plan, from the start or from a supposed state."""
-    from companion.acting.task_state import TaskState
-    from companion.app import flight_times, route_map
-    from companion.planning.planner import Planner
-
-    mission = _load(path)
-    planner = Planner(mission, flight_times(mission, route_map(mission)))
-    task = TaskState(planner)
-    if supposed is not None:
-        task.facts, task.withdrawn = supposed.facts(planner), supposed.withdrawn(planner)
-    return mission, planner, planner.plan(*task.problem())
 
 
 def _speed(text: str) -> float | None:

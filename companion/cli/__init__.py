@@ -1,0 +1,38 @@
+"""The commands: arguments in, one call each; the only place that prints and picks exit codes.
+
+Exit codes: 0 the task is satisfied (or the run was stopped as asked), 1 internal, 2 a file from
+outside is wrong, 3 no plan, 4 no link, 5 the pilot or a failsafe ended the flight.
+
+Imports that take long (MAVLink, plots, the simulator) are made inside the commands that need
+them, so that `--help` answers at once.
+"""
+
+from __future__ import annotations
+
+import sys
+
+import typer
+
+from companion.cli.flying import run, sim
+from companion.cli.formulas import ltl
+from companion.cli.planning import check, plan
+from companion.errors import CompanionError
+
+app = typer.Typer(
+    help="Plans a mission in linear temporal logic and flies it on a PX4-style vehicle.",
+    epilog="Try: companion sim missions/surveillance.yaml --speed max",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+for command in (check, plan, ltl, run, sim):
+    app.command()(command)
+
+
+def main() -> None:
+    """Entry point: runs a command and turns errors into messages and exit codes."""
+    try:
+        app(standalone_mode=True)
+    except CompanionError as error:
+        typer.echo(str(error), err=True)
+        sys.exit(error.exit_code)
