@@ -38,6 +38,20 @@ no skill is repeated for ever in place of rest."""
 
 
 @dataclass(frozen=True, slots=True)
+class ConditionalEffect:
+    """What an action does besides, if a condition holds before it."""
+
+    requires: frozenset[Fact]
+    forbids: frozenset[Fact]
+    adds: frozenset[Fact]
+    deletes: frozenset[Fact]
+
+    def is_met(self, facts: frozenset[Fact]) -> bool:
+        """Whether the condition holds."""
+        return self.requires <= facts and not self.forbids & facts
+
+
+@dataclass(frozen=True, slots=True)
 class Action:
     """A grounded skill.
 
@@ -48,6 +62,7 @@ class Action:
         assumes: the beliefs among `requires`; withdrawn when the action fails.
         cost_ms: milliseconds.
         execute: what the vehicle does, with the place or numbers filled in.
+        conditional: effects that depend on the facts before the action.
     """
 
     name: str
@@ -61,6 +76,7 @@ class Action:
     execute: Execution
     tries: int
     timeout_s: float | None
+    conditional: tuple[ConditionalEffect, ...] = ()
 
     def is_applicable(self, facts: frozenset[Fact]) -> bool:
         """Whether the precondition holds."""
@@ -68,7 +84,11 @@ class Action:
 
     def apply(self, facts: frozenset[Fact]) -> frozenset[Fact]:
         """The facts afterwards; what is both added and deleted is added."""
-        return (facts - self.deletes) | self.adds
+        adds, deletes = self.adds, self.deletes
+        for effect in self.conditional:
+            if effect.is_met(facts):
+                adds, deletes = adds | effect.adds, deletes | effect.deletes
+        return (facts - deletes) | adds
 
 
 WAIT = Action(

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from enum import StrEnum
 
 from companion.ltl.automaton import BuchiAutomaton
 from companion.ltl.formula import Formula
@@ -90,6 +91,43 @@ class Lasso:
 
 def _step(action: Action) -> Mapping[str, object]:
     return {"action": action.name, "cost_s": action.cost_ms / 1000}
+
+
+class Objective(StrEnum):
+    """What the best lasso is.
+
+    LAP: the shortest lap, and to it the shortest prefix; a mission that loops for ever pays the
+    lap for ever. SUM: the least cost of prefix and one lap together, which is what a classical
+    planner minimises on the paper's compilation. BOTTLENECK: the least worst time between two
+    fulfilments of the same recurring part of the task (after Smith, Tumova, Belta and Rus,
+    Optimal path planning for surveillance with temporal-logic constraints, IJRR 2011).
+    """
+
+    LAP = "lap"
+    SUM = "sum"
+    BOTTLENECK = "bottleneck"
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A lasso and what is known of its quality.
+
+    Attributes:
+        cost_ms: the objective: the lap, or prefix and lap together, or the worst wait.
+        bound_ms: no lasso has a lower objective; 0 if nothing is known.
+        engine: who found it.
+    """
+
+    lasso: Lasso
+    objective: Objective
+    cost_ms: int
+    bound_ms: int
+    engine: str
+
+    @property
+    def is_optimal(self) -> bool:
+        """Whether it is proved that no lasso is better."""
+        return self.cost_ms <= self.bound_ms
 
 
 def word(problem: Problem, lasso: Lasso) -> tuple[list[Letter], list[Letter]]:
