@@ -18,7 +18,6 @@ from py_trees.common import Status
 
 from companion.acting.events import EventDetector
 from companion.acting.flight import Flight
-from companion.acting.task_state import TaskState
 from companion.acting.tree import build
 from companion.errors import NoPlanError
 from companion.mission.model import Fly, Signal
@@ -81,7 +80,7 @@ class Executive:
         Raises:
             NoPlanError: there is none.
         """
-        lasso = self._search(self._flight.task)
+        lasso = self._planner.plan(*self._flight.task.problem())
         self._adopt(lasso)
         self._flight.report("plan", f"plan: {lasso}", number=0, **lasso.as_json())
 
@@ -125,9 +124,6 @@ class Executive:
         moves = departures(self._planner.mission, self._planner.flight_time)
         return next((a for a in moves if a.execute == Fly(place)), None)
 
-    def _search(self, task: TaskState) -> Lasso:
-        return self._planner.plan(*task.problem())
-
     def _replan(self) -> None:
         flight, task = self._flight, self._flight.task
         self.stop()
@@ -138,7 +134,7 @@ class Executive:
         try:
             if self._idle_replans > MAX_IDLE_REPLANS:
                 raise NoPlanError(f"no plan: {MAX_IDLE_REPLANS} plans in a row led nowhere")
-            lasso = self._search(task)
+            lasso = self._planner.replan(*task.problem())
         except NoPlanError as error:
             self.status = TaskStatus.NO_PLAN
             self.failure = error

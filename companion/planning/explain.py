@@ -1,43 +1,105 @@
-"""Why is there no plan? The conjuncts that conflict, and the withdrawn beliefs to blame.
+"""Why is there no plan? The conjuncts that conflict, the facts out of reach, the beliefs to blame.
 
 A smallest conflicting set is found by deletion: drop one conjunct after the other for as long
-as the rest still has no plan. If one withdrawn belief alone would make the task possible
-again, it is named.
+as the rest still has no plan. Facts that these conjuncts mention, that some skill makes true, and
+that no sequence of skills can reach are named with what their skills lack. If one withdrawn
+belief alone would make the task possible again, it is named.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
-from companion.planning.domain import Fact
-from companion.planning.lasso import Problem
-from companion.planning.search import find_lasso
+from companion.errors import NoPlanError
+from companion.ltl.formula import atoms
+from companion.planning.domain import Action, Fact
+from companion.planning.lasso import Conjunct, Problem
 
-
-def why_no_plan(problem: Problem) -> str:
-    """The reason, in words, why a problem has no plan."""
-    core = _conflict(problem)
-    names = list(dict.fromkeys(problem.conjuncts[i].name for i in core))
-    together = " together" if len(core) > 1 else ""
-    lines = [f"no plan: {', '.join(names)} cannot hold{together} from here."]
-    lines += [f"  {problem.conjuncts[i].name}: {problem.conjuncts[i].formula}" for i in core]
-    withdrawn = sorted(problem.withdrawn)
-    if withdrawn:
-        lines.append(f"  withdrawn: {', '.join(withdrawn)}")
-        blame = [b for b in withdrawn if _is_solvable(_with(problem, b))]
-        if blame:
-            lines.append(f"  with {' or '.join(blame)} there would be a plan")
-    return "\n".join(lines)
+_SHOWN = 6  # alternatives that are listed in words
 
 
-def _conflict(problem: Problem) -> list[int]:
-    """Indices of a smallest set (under inclusion) of conjuncts without a plan."""
+@dataclass(frozen=True, slots=True)
+class Unreachable:
+    """A fact that no skill can make true from here.
+
+    Attributes:
+        needs: for each way to make it true the facts that are missing.
+    """
+
+    fact: Fact
+    needs: tuple[frozenset[Fact], ...]
+
+    def __str__(self) -> str:
+        ways = [" and ".join(sorted(needed)) for needed in self.needs]
+        listed = " or ".join(ways[:_SHOWN]) + (" or ..." if len(ways) > _SHOWN else "")
+        return f"{self.fact} can never become true: that needs {listed}"
+
+
+@dataclass(frozen=True, slots=True)
+class Explanation:
+    """Why a problem has no plan.
+
+    Attributes:
+        conflict: a smallest set of conjuncts that cannot hold together.
+        unreachable: facts of theirs that cannot be made true.
+        withdrawn: the beliefs that were withdrawn.
+        restoring: of these, the ones that would each make a plan possible.
+    """
+
+    conflict: tuple[Conjunct, ...]
+    unreachable: tuple[Unreachable, ...]
+    withdrawn: tuple[Fact, ...]
+    restoring: tuple[Fact, ...]
+
+    def __str__(self) -> str:
+        names = list(dict.fromkeys(conjunct.name for conjunct in self.conflict))
+        together = " together" if len(self.conflict) > 1 else ""
+        lines = [f"no plan: {', '.join(names)} cannot hold{together} from here."]
+        lines += [f"  {conjunct.name}: {conjunct.formula}" for conjunct in self.conflict]
+        lines += [f"  {unreachable}" for unreachable in self.unreachable]
+        if self.withdrawn:
+            lines.append(f"  withdrawn: {', '.join(self.withdrawn)}")
+        if self.restoring:
+            lines.append(f"  with {' or '.join(self.restoring)} there would be a plan")
+        return "\n".join(lines)
+
+    def as_json(self) -> dict[str, object]:
+        """The same for programs."""
+        return {
+            "conflict": [{"name": c.name, "formula": str(c.formula)} for c in self.conflict],
+            "unreachable": [
+                {"fact": u.fact, "needs": [sorted(needed) for needed in u.needs]}
+                for u in self.unreachable
+            ],
+            "withdrawn": list(self.withdrawn),
+            "restoring": list(self.restoring),
+        }
+
+
+class NoPlan(NoPlanError):
+    """There is no plan, and why."""
+
+    def __init__(self, explanation: Explanation) -> None:
+        self.explanation = explanation
+        super().__init__(str(explanation))
+
+
+def why_no_plan(problem: Problem, is_solvable: Callable[[Problem], bool]) -> Explanation:
+    """The reason why a problem has no plan."""
     core = list(range(len(problem.conjuncts)))
     for i in tuple(core):
         rest = [j for j in core if j != i]
-        if not _is_solvable(_only(problem, rest)):
+        if not is_solvable(_only(problem, rest)):
             core = rest
-    return core
+    conflict = tuple(problem.conjuncts[i] for i in core)
+    withdrawn = tuple(sorted(problem.withdrawn))
+    return Explanation(
+        conflict,
+        _unreachable(problem, conflict),
+        withdrawn,
+        tuple(b for b in withdrawn if is_solvable(_with(problem, b))),
+    )
 
 
 def _only(problem: Problem, indices: list[int]) -> Problem:
@@ -52,5 +114,28 @@ def _with(problem: Problem, belief: Fact) -> Problem:
     return replace(problem, facts=problem.facts | {belief})
 
 
-def _is_solvable(problem: Problem) -> bool:
-    return find_lasso(problem) is not None
+def _unreachable(problem: Problem, conflict: tuple[Conjunct, ...]) -> tuple[Unreachable, ...]:
+    """Facts of some conjuncts that skills make true in principle, but not from here."""
+    reached = _relaxed_reach(problem)
+    mentioned: frozenset[Fact] = frozenset().union(*(atoms(c.formula) for c in conflict))
+    found = []
+    for fact in sorted(mentioned - reached):
+        makers = [action for action in problem.actions if fact in _added(action)]
+        needs = tuple(dict.fromkeys(action.requires - reached for action in makers))
+        if makers and all(needs):
+            found.append(Unreachable(fact, needs))
+    return tuple(found)
+
+
+def _relaxed_reach(problem: Problem) -> frozenset[Fact]:
+    """Every fact that might hold at some time: actions without what they delete and forbid."""
+    reached = problem.facts
+    while True:
+        grown = reached.union(*(_added(a) for a in problem.actions if a.requires <= reached))
+        if grown == reached:
+            return reached
+        reached = grown
+
+
+def _added(action: Action) -> frozenset[Fact]:
+    return action.adds.union(*(effect.adds for effect in action.conditional))

@@ -7,17 +7,17 @@ history, and the moves from where the vehicle is between places.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
-from companion.errors import CompanionError, NoPlanError
+from companion.errors import CompanionError
 from companion.ltl.formula import atoms, conjuncts
 from companion.ltl.translate import translate
 from companion.mission.model import Mission
 from companion.planning.check import fault
 from companion.planning.domain import Fact, FlightTime, departures, ground
-from companion.planning.explain import why_no_plan
-from companion.planning.lasso import Conjunct, Lasso, Letter, Problem
-from companion.planning.search import find_lasso
+from companion.planning.explain import NoPlan, why_no_plan
+from companion.planning.lasso import Conjunct, Lasso, Letter, Objective, Problem, Solution
+from companion.planning.search import Search
 
 
 class Planner:
@@ -38,6 +38,7 @@ class Planner:
         )
         self.task_facts = frozenset().union(*(atoms(c.formula) for c in self.conjuncts))
         self.flight_time = flight_time
+        self._search = Search(self.model.actions)
 
     def problem(
         self,
@@ -57,13 +58,18 @@ class Planner:
         actions, beliefs = self.model.actions, self.model.beliefs
         if is_en_route:
             extra = departures(self.mission, self.flight_time)
-            actions = (*extra, *actions)
+            actions = (*actions, *extra)
             beliefs = beliefs.union(*(a.assumes for a in extra))
         held = facts | (beliefs - withdrawn)
         return Problem(actions, self.conjuncts, held, automaton_states, beliefs & withdrawn)
 
-    def plan(self, problem: Problem, histories: Sequence[Sequence[Letter]]) -> Lasso:
-        """The best lasso, checked.
+    def solutions(
+        self,
+        problem: Problem,
+        histories: Sequence[Sequence[Letter]],
+        objective: Objective = Objective.LAP,
+    ) -> Iterator[Solution]:
+        """Checked solutions, each better than the one before; the last one is the best known.
 
         Args:
             problem: from where to plan.
@@ -72,10 +78,22 @@ class Planner:
         Raises:
             NoPlanError: there is none; the message says why.
         """
-        lasso = find_lasso(problem)
-        if lasso is None:
-            raise NoPlanError(why_no_plan(problem))
-        wrong = fault(problem, lasso, histories)
-        if wrong is not None:
-            raise CompanionError(f"the planner made a wrong plan, {lasso}: {wrong}")
-        return lasso
+        found = False
+        for solution in self._search.solutions(problem, objective):
+            found = True
+            wrong = fault(problem, solution.lasso, histories)
+            if wrong is not None:
+                text = f"the planner made a wrong plan, {solution.lasso}: {wrong}"
+                raise CompanionError(text)
+            yield solution
+        if not found:
+            raise NoPlan(why_no_plan(problem, self._search.is_solvable))
+
+    def plan(self, problem: Problem, histories: Sequence[Sequence[Letter]]) -> Lasso:
+        """The best lasso that is found. Raises NoPlanError as `solutions` does."""
+        *_, best = self.solutions(problem, histories)
+        return best.lasso
+
+    def replan(self, problem: Problem, histories: Sequence[Sequence[Letter]]) -> Lasso:
+        """The first lasso that is found: in flight an answer has to come at once."""
+        return next(self.solutions(problem, histories)).lasso

@@ -5,150 +5,188 @@ A node is a set of facts together with one state per automaton (Section III-A):
     s -> s'  and  z_i --L(s')--> z_i'  for every i   gives   (s, z) -> (s', z')
 
 The automata have read the position they are at (see `lasso.py`). A nondeterministic automaton makes
-several edges, so a path through the product fixes one run of each. Acceptance stays generalized
-and on the edges: bit m of an edge's marks is set if it belongs to acceptance set m.
+several edges, so a path through the product fixes one run of each. Acceptance stays generalized.
+A node also says which acceptance sets (marks) were met on the way into it, so that a loop meets
+a mark exactly if it passes a node that has it.
 
-Facts and labels are bit masks here, and nowhere else.
+Constants (`system.py`) are taken out of facts and automata first (`ltl/restriction.py`); what is
+left of a patrol are the places alone.
 """
 
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
-from typing import NamedTuple
+import math
+from collections.abc import Callable, Iterator
+
+import numpy as np
+from scipy.sparse import csr_array
 
 from companion.errors import NoPlanError
 from companion.ltl.automaton import BuchiAutomaton
-from companion.planning.domain import Action
-from companion.planning.lasso import Problem
+from companion.ltl.restriction import Restriction, restricted
+from companion.planning.lasso import Conjunct, Problem
+from companion.planning.system import TransitionSystem, Vocabulary
 
 MAX_NODES = 200_000
-"""Nodes after which the search gives up; bounds its time (about 10 us a node) and memory."""
+MAX_EDGES = 2_000_000
+"""Where the search gives up; about 2 us and 150 bytes an edge."""
+
+Node = tuple[int, tuple[int, ...], int]
+"""Facts, states of the automata, marks met on the way in."""
 
 
 class SearchLimit(NoPlanError):
     """The search was given up at its limit; there may be a plan."""
 
 
-class Edge(NamedTuple):
-    """One step of the product."""
+class Restrictions:
+    """The conjuncts' automata under constants, kept from plan to plan."""
 
-    target: int
-    action: int  # index into Problem.actions
-    cost_ms: int
-    marks: int
+    def __init__(self) -> None:
+        self._found: dict[tuple[int, tuple[bool | None, ...]], tuple[Conjunct, Restriction]] = {}
 
-
-@dataclass(frozen=True, slots=True)
-class _Step:
-    """An action over bit masks."""
-
-    index: int
-    requires: int
-    forbids: int
-    adds: int
-    keeps: int
-    cost_ms: int
+    def of(self, conjunct: Conjunct, constants: Callable[[str], bool | None]) -> Restriction:
+        """A conjunct's automaton, given the values of propositions; None where they change."""
+        names = conjunct.automaton.propositions
+        values = tuple(map(constants, names))
+        key = (id(conjunct), values)
+        found = self._found.get(key)
+        if found is None:
+            fixed = {n: v for n, v in zip(names, values, strict=True) if v is not None}
+            found = (conjunct, restricted(conjunct.automaton, fixed))
+            self._found[key] = found  # holding the conjunct keeps its identity its own
+        return found[1]
 
 
 class Product:
     """The reachable product of a problem.
 
     Attributes:
-        edges: outgoing edges per node, in the order of the problem's actions.
+        nodes: how many.
         roots: nodes at which a plan may begin.
-        all_marks: the marks that a loop has to meet.
+        marks: for each node the marks (bits) met on the way into it.
+        twins: for each node the first that differs from it in its marks alone. All that can be
+            done after one can be done after the other, so a plan may enter a loop at either.
+        all_marks: what a loop has to meet.
+        targets, costs, actions: of the edges; those of node n are first[n] to first[n + 1].
+            Between two nodes only the cheapest edge is kept, in the order of the actions.
     """
 
-    def __init__(self, problem: Problem) -> None:
-        self._bit: dict[str, int] = {}
-        self._steps = [self._step(i, action) for i, action in enumerate(problem.actions)]
+    def __init__(
+        self, problem: Problem, vocabulary: Vocabulary, restrictions: Restrictions
+    ) -> None:
+        steps = vocabulary.steps(problem.actions)
+        self._system = TransitionSystem(steps, vocabulary.mask(problem.facts))
         self._readers: list[_Reader] = []
+        choices: list[list[int]] = []
         marks = 0
-        for conjunct in problem.conjuncts:
-            self._readers.append(_Reader(conjunct.automaton, marks, self))
-            marks += conjunct.automaton.marks
+
+        def constant(proposition: str) -> bool | None:
+            bit = vocabulary.bit(proposition)
+            return None if bit & self._system.changing else bool(bit & self._system.constant)
+
+        for conjunct, states in zip(problem.conjuncts, problem.automaton_states, strict=True):
+            restriction = restrictions.of(conjunct, constant)
+            choices.append(restriction.states(states))
+            if choices[-1] and not _accepts_all(restriction.automaton):
+                self._readers.append(_Reader(restriction.automaton, marks, vocabulary))
+                marks += restriction.automaton.marks
+            elif choices[-1]:
+                choices.pop()
+        if math.prod(map(len, choices)) > MAX_NODES:
+            raise SearchLimit(f"no plan found: more than {MAX_NODES} states to begin with")
         self.all_marks = (1 << marks) - 1
-        self.edges: list[list[Edge]] = []
-        self._ids: dict[tuple[int, tuple[int, ...]], int] = {}
-        self._moves: dict[int, list[tuple[int, int, int]]] = {}
-        self._todo: list[tuple[int, tuple[int, ...]]] = []
-        facts = self.mask(problem.facts)
-        self.roots = [
-            self._node(facts, states)
-            for states in itertools.product(*map(sorted, problem.automaton_states))
-        ]
-        self._build()
+        self._joint: dict[tuple[int, tuple[int, ...]], list[tuple[tuple[int, ...], int]]] = {}
+        self._explore([(self._system.start, states, 0) for states in itertools.product(*choices)])
 
-    def mask(self, facts: frozenset[str]) -> int:
-        """The bits of a set of facts."""
-        bits = 0
-        for fact in sorted(facts):
-            bits |= self._bit.setdefault(fact, 1 << len(self._bit))
-        return bits
+    @property
+    def nodes(self) -> int:
+        """How many nodes there are."""
+        return len(self.marks)
 
-    def _step(self, index: int, action: Action) -> _Step:
-        return _Step(
-            index=index,
-            requires=self.mask(action.requires),
-            forbids=self.mask(action.forbids),
-            adds=self.mask(action.adds),
-            keeps=~self.mask(action.deletes),
-            cost_ms=action.cost_ms,
+    def graph(self) -> csr_array:
+        """Costs of the edges, as a sparse matrix from sources to targets."""
+        shape = (self.nodes, self.nodes)
+        return csr_array((self.costs.astype(float), self.targets, self.first), shape=shape)
+
+    def edges(self, node: int) -> Iterator[tuple[int, int, int]]:
+        """Target, cost and action of each edge that leaves a node."""
+        span = slice(self.first[node], self.first[node + 1])
+        return zip(
+            self.targets[span].tolist(),
+            self.costs[span].tolist(),
+            self.actions[span].tolist(),
+            strict=True,
         )
 
-    def _node(self, facts: int, states: tuple[int, ...]) -> int:
-        key = (facts, states)
-        node = self._ids.get(key)
-        if node is None:
-            node = self._ids[key] = len(self._ids)
-            if node >= MAX_NODES:
-                raise SearchLimit(f"no plan found among the first {MAX_NODES} product states")
-            self._todo.append(key)
-        return node
-
-    def _build(self) -> None:
-        done = 0
-        while done < len(self._todo):
-            facts, states = self._todo[done]
-            done += 1
-            self.edges.append(
-                [
-                    Edge(self._node(after, next_states), action, cost_ms, marks)
-                    for after, action, cost_ms in self._moves_from(facts)
-                    for next_states, marks in self._read(after, states)
-                ]
-            )
+    def _explore(self, roots: list[Node]) -> None:
+        number_of = {node: number for number, node in enumerate(roots)}
+        self.roots = list(range(len(roots)))
+        todo = list(roots)
+        first, targets, costs, actions = [0], [], [], []
+        moves_of = self._system.moves
+        for state, automata, _ in todo:  # grows while it is read
+            cheapest: dict[int, tuple[int, int]] = {}
+            for after, action, cost_ms in moves_of(state):
+                for following, marks in self._read(after, automata):
+                    node = (after, following, marks)
+                    number = number_of.get(node)
+                    if number is None:
+                        number = number_of[node] = len(todo)
+                        todo.append(node)
+                    known = cheapest.get(number)
+                    if known is None or cost_ms < known[0]:
+                        cheapest[number] = (cost_ms, action)
+            for number, (cost_ms, action) in sorted(cheapest.items(), key=_by_action):
+                targets.append(number)
+                costs.append(cost_ms)
+                actions.append(action)
+            first.append(len(targets))
+            if len(todo) > MAX_NODES or len(targets) > MAX_EDGES:
+                limit = f"{MAX_NODES} product states or {MAX_EDGES} steps between them"
+                raise SearchLimit(f"no plan found among the first {limit}")
+        self.marks = [marks for _, _, marks in todo]
+        twins: dict[tuple[int, tuple[int, ...]], int] = {}
+        self.twins = [twins.setdefault(node[:2], number) for number, node in enumerate(todo)]
+        self.first = np.array(first, np.int32)
+        self.targets = np.array(targets, np.int32)
+        self.costs = np.array(costs, np.int64)
+        self.actions = np.array(actions, np.int32)
 
     def _read(self, facts: int, states: tuple[int, ...]) -> list[tuple[tuple[int, ...], int]]:
         """All joint moves of the automata on the label of some facts, with their marks."""
-        joint: list[tuple[tuple[int, ...], int]] = [((), 0)]
-        for reader, state in zip(self._readers, states, strict=True):
-            moves = reader.moves(state, facts)
-            joint = [((*zs, z), marks | m) for zs, marks in joint for z, m in moves]
+        joint = self._joint.get((facts, states))
+        if joint is None:
+            joint = [((), 0)]
+            for reader, state in zip(self._readers, states, strict=True):
+                moves = reader.moves(state, facts)
+                joint = [((*zs, z), marks | m) for zs, marks in joint for z, m in moves]
+            self._joint[facts, states] = joint
         return joint
 
-    def _moves_from(self, facts: int) -> list[tuple[int, int, int]]:
-        """Facts afterwards, action and cost of every applicable action."""
-        moves = self._moves.get(facts)
-        if moves is None:
-            moves = self._moves[facts] = [
-                (facts & step.keeps | step.adds, step.index, step.cost_ms)
-                for step in self._steps
-                if step.requires & facts == step.requires and not step.forbids & facts
-            ]
-        return moves
+
+def _by_action(edge: tuple[int, tuple[int, int]]) -> int:
+    return edge[1][1]
+
+
+def _accepts_all(automaton: BuchiAutomaton) -> bool:
+    """Whether any word is accepted from any state: one state that reads all with every mark."""
+    if automaton.states != 1 or len(automaton.transitions) != 1:
+        return False
+    (only,) = automaton.transitions
+    return not (only.label.positive or only.label.negative) and len(only.marks) == automaton.marks
 
 
 class _Reader:
     """One automaton over bit masks; its marks are shifted to their place among all marks."""
 
-    def __init__(self, automaton: BuchiAutomaton, first_mark: int, product: Product) -> None:
+    def __init__(self, automaton: BuchiAutomaton, first_mark: int, vocabulary: Vocabulary) -> None:
         self._outgoing = [
             [
                 (
-                    product.mask(t.label.positive),
-                    product.mask(t.label.negative),
+                    vocabulary.mask(t.label.positive),
+                    vocabulary.mask(t.label.negative),
                     t.target,
                     sum(1 << first_mark + m for m in t.marks),
                 )
@@ -156,17 +194,13 @@ class _Reader:
             ]
             for transitions in automaton.outgoing
         ]
-        self._cache: dict[tuple[int, int], list[tuple[int, int]]] = {}
 
     def moves(self, state: int, facts: int) -> list[tuple[int, int]]:
         """Successor states and marks on reading some facts."""
-        found = self._cache.get((state, facts))
-        if found is None:
-            found = self._cache[state, facts] = list(
-                dict.fromkeys(
-                    (target, marks)
-                    for positive, negative, target, marks in self._outgoing[state]
-                    if positive & facts == positive and not negative & facts
-                )
+        return list(
+            dict.fromkeys(
+                (target, marks)
+                for positive, negative, target, marks in self._outgoing[state]
+                if positive & facts == positive and not negative & facts
             )
-        return found
+        )

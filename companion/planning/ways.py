@@ -1,0 +1,78 @@
+"""How far is it between nodes of a product, and by which actions? Dijkstra's algorithm.
+
+Of equally short ways the one whose first actions come first in the mission file is taken.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.sparse.csgraph import dijkstra
+
+from companion.planning.product import Product
+from companion.planning.rounds import FAR, Costs
+
+
+class Ways:
+    """Shortest ways in a product.
+
+    Attributes:
+        arrivals: cost of the shortest way from the start to each node, or to a node after which
+            the same can be done.
+        twins: `Product.twins`.
+    """
+
+    def __init__(self, product: Product) -> None:
+        self._product = product
+        self._forward = product.graph()
+        self._backward = self._forward.T.tocsr()
+        raw = _whole(dijkstra(self._forward, indices=product.roots, min_only=True))
+        self._raw_arrivals = raw
+        self.twins = np.array(product.twins)
+        least = np.full(product.nodes, FAR)
+        np.minimum.at(least, self.twins, raw)
+        self.arrivals = least[self.twins]
+
+    def to(self, goals: Sequence[int]) -> Costs:
+        """Cost from every node to each goal, (goals, nodes)."""
+        return _whole(dijkstra(self._backward, indices=goals))
+
+    def out_of(self, sources: Sequence[int]) -> Costs:
+        """Cost from each source to every node, (sources, nodes)."""
+        return _whole(dijkstra(self._forward, indices=sources))
+
+    def turn_ms(self, node: int, to_node: Costs) -> int:
+        """Cost of the shortest cycle through a node, given the costs to it, (nodes,)."""
+        return min(
+            (cost + int(to_node[target]) for target, cost, _ in self._product.edges(node)),
+            default=FAR,
+        )
+
+    def actions(self, start: int, goal: int, to_goal: Costs) -> list[int]:
+        """The actions from a node to another; of a cycle if they are the same.
+
+        Args:
+            to_goal: cost from every node to the goal, (nodes,).
+        """
+        taken: list[int] = []
+        node = start
+        while not taken or node != goal:
+            node, _, action = min(
+                self._product.edges(node), key=lambda edge: (edge[1] + to_goal[edge[0]], edge[2])
+            )
+            taken.append(action)
+        return taken
+
+    def arrival(self, node: int) -> list[int]:
+        """The actions from the start to a node or a twin of it."""
+        twins = np.flatnonzero(self.twins == self.twins[node])
+        goal = int(twins[self._raw_arrivals[twins].argmin()])
+        (to_goal,) = self.to([goal])
+        root = min(self._product.roots, key=to_goal.__getitem__)
+        return self.actions(root, goal, to_goal) if root != goal else []
+
+
+def _whole(costs: np.ndarray) -> Costs:
+    """Costs as integers; no way is FAR."""
+    return np.where(np.isinf(costs), FAR, costs).astype(np.int64)
