@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from companion.planning.improve import Tour
 from companion.planning.product import Product
 from companion.planning.rounds import FAR, MAX_WORK, Costs, Rounds, work
-from companion.planning.ways import Ways
+from companion.planning.ways import Stride, Ways
 
 MAX_HITS = 400
 """Hits that are looked at; of more the nearest ones are, and then nothing is proved."""
@@ -40,6 +40,14 @@ class Loops(Protocol):
         """No loop is shorter."""
 
     @property
+    def wait_ms(self) -> int:
+        """On the shortest known loop, the longest time between two hits of the same mark."""
+
+    @property
+    def wait_bound_ms(self) -> int:
+        """On no loop is that shorter."""
+
+    @property
     def is_final(self) -> bool:
         """Whether `improve` has nothing left to do."""
 
@@ -50,8 +58,8 @@ class Loops(Protocol):
     def costs(self, nodes: NDArray[np.intp]) -> Costs:
         """Cost of the shortest loop known through each of some nodes."""
 
-    def actions(self, node: int) -> list[int]:
-        """The actions of that loop, from the node on."""
+    def walk(self, node: int) -> list[Stride]:
+        """That loop, from the node on."""
 
     def improve(self) -> None:
         """Looks for shorter loops."""
@@ -85,22 +93,20 @@ class Cycles:
         self._ways = ways
         inside = set(nodes.tolist())
         edges = [
-            (cost, target == node)
+            (cost, node, target)
             for node in inside
             for target, cost, _ in product.edges(node)
             if target in inside
         ]
-        self.bound_ms = min(cost for cost, _ in edges)
-        self._rest = {
-            node: cost
-            for node in inside
-            for target, cost, _ in product.edges(node)
-            if target == node
-        }
-        self.best_ms = min(self._rest.values(), default=FAR)
+        self.bound_ms = self.wait_bound_ms = min(cost for cost, _, _ in edges)
+        self._rest = {node: cost for cost, node, target in edges if target == node}
+        self.best_ms = self.wait_ms = min(self._rest.values(), default=FAR)
         if self.best_ms > self.bound_ms:
             looked_at = nodes[np.argsort(ways.arrivals[nodes], kind="stable")[:MAX_CYCLES]]
-            self.best_ms = min(self.best_ms, int(self.costs(looked_at).min()))
+            costs = self.costs(looked_at)
+            self.best_ms = int(costs.min())
+            shortest = self.walk(int(looked_at[costs.argmin()]))
+            self.wait_ms = max(stride.cost_ms for stride in shortest)
             if len(nodes) <= MAX_CYCLES:
                 self.bound_ms = self.best_ms
 
@@ -114,10 +120,10 @@ class Cycles:
         (to_node,) = self._ways.to([node])
         return self._ways.turn_ms(node, to_node)
 
-    def actions(self, node: int) -> list[int]:
+    def walk(self, node: int) -> list[Stride]:
         """See `Loops`."""
         (to_node,) = self._ways.to([node])
-        return self._ways.actions(node, node, to_node)
+        return self._ways.walk(node, node, to_node)
 
     def improve(self) -> None:
         """See `Loops`."""
@@ -129,14 +135,16 @@ class RoundTrips:
     def __init__(self, nodes: NDArray[np.intp], hits_of: list[frozenset[int]], ways: Ways) -> None:
         self.nodes = nodes
         self._ways = ways
+        self._hits_of = hits_of
         every = sorted(frozenset().union(*hits_of))
         self._hits = _nearest(every, hits_of, ways)
         self._to_hits = ways.to(self._hits)
         self._from_hits = ways.out_of(self._hits)
         marks = np.array([[hit in hits for hits in hits_of] for hit in self._hits])
-        between = self._to_hits[:, self._hits].T.copy()
+        self._between = between = self._to_hits[:, self._hits].T.copy()
         for i, hit in enumerate(self._hits):
             between[i, i] = ways.turn_ms(hit, self._to_hits[i])
+        self._marks = marks
         is_small = work(marks) <= MAX_WORK
         self._rounds: Rounds | Tour = (Rounds if is_small else Tour)(between, marks)
         self._has_all_hits = len(self._hits) == len(every)
@@ -153,23 +161,45 @@ class RoundTrips:
         """See `Loops`."""
         return self._rounds.bound_ms if self._has_all_hits else 0
 
+    @property
+    def wait_ms(self) -> int:
+        """See `Loops`."""
+        costs = self.costs(np.array(self._hits))
+        strides = self.walk(self._hits[int(costs.argmin())])
+        return max(_longest_wait_ms(strides, hits) for hits in self._hits_of)
+
+    @property
+    def wait_bound_ms(self) -> int:
+        """See `Loops`.
+
+        Where each mark has one hit, somewhere the longest wait begins and ends at one hit and
+        passes all others, so it is a round. Where a mark has several, it is at least as long as
+        the way between the nearest two of them, or from one back to itself.
+        """
+        if not self._has_all_hits:
+            return 0
+        if all(len(hits) == 1 for hits in self._hits_of):
+            return self._rounds.bound_ms
+        places = [np.flatnonzero(column) for column in self._marks.T]
+        return max(int(self._between[np.ix_(at, at)].min()) for at in places)
+
     def costs(self, nodes: NDArray[np.intp]) -> Costs:
         """See `Loops`."""
         return self._rounds.through(self._to_hits[:, nodes], self._from_hits[:, nodes])
 
-    def actions(self, node: int) -> list[int]:
+    def walk(self, node: int) -> list[Stride]:
         """See `Loops`."""
         order = self._rounds.order(self._to_hits[:, node], self._from_hits[:, node])
-        taken: list[int] = []
+        taken: list[Stride] = []
         here = node
         for place in order:
             hit = self._hits[place]
             if hit != here:
-                taken += self._ways.actions(here, hit, self._to_hits[place])
+                taken += self._ways.walk(here, hit, self._to_hits[place])
                 here = hit
         if here != node or not taken:
             (to_node,) = self._ways.to([node])
-            taken += self._ways.actions(here, node, to_node)
+            taken += self._ways.walk(here, node, to_node)
         return taken
 
     def improve(self) -> None:
@@ -188,3 +218,10 @@ def _nearest(every: list[int], hits_of: list[frozenset[int]], ways: Ways) -> lis
     for hits in hits_of:
         kept.update(sorted(hits, key=lambda hit: (ways.arrivals[hit], hit))[:share])
     return sorted(kept)
+
+
+def _longest_wait_ms(strides: list[Stride], hits: frozenset[int]) -> int:
+    """The longest time between two hits on a loop that is repeated for ever."""
+    ends = np.cumsum([stride.cost_ms for stride in strides])
+    met = ends[[stride.node in hits for stride in strides]]
+    return int(np.diff(met, append=met[0] + ends[-1]).max())

@@ -76,8 +76,8 @@ class Search:
             if cost_ms < best_ms or is_final:
                 best_ms = cost_ms
                 prefix, suffix = (
-                    tuple(problem.actions[index] for index in part)
-                    for part in (ways.arrival(entry), loops.actions(entry))
+                    tuple(problem.actions[stride.action] for stride in part)
+                    for part in (ways.arrival(entry), loops.walk(entry))
                 )
                 bound_ms = _bound_ms(offers, ways, objective, cost_ms)
                 yield Solution(Lasso(prefix, suffix), objective, cost_ms, bound_ms, ENGINE)
@@ -111,10 +111,11 @@ def _accepting_components(product: Product) -> list[NDArray[np.intp]]:
     marks = [0] * count
     for node, mine in enumerate(component.tolist()):
         marks[mine] |= product.marks[node]
+    members = np.split(
+        np.argsort(component, kind="stable"), np.cumsum(np.bincount(component, minlength=count))
+    )
     return [
-        np.flatnonzero(component == number)
-        for number in np.flatnonzero(has_loop)
-        if marks[number] == product.all_marks
+        members[number] for number in np.flatnonzero(has_loop) if marks[number] == product.all_marks
     ]
 
 
@@ -124,32 +125,43 @@ def _best(offers: list[Loops], ways: Ways, objective: Objective) -> tuple[int, L
     for loops in offers:
         order = np.lexsort((ways.twins[loops.nodes], ways.arrivals[loops.nodes]))
         nodes = loops.nodes[order]
+        wait_ms = loops.wait_ms if objective is Objective.BOTTLENECK else 0
         for start in range(0, len(nodes), loops.at_once):
             some = nodes[start : start + loops.at_once]
             arrivals = ways.arrivals[some]
-            if _rank(objective, int(arrivals[0]), loops.best_ms) > best[:2]:
+            if _rank(objective, int(arrivals[0]), loops.best_ms, wait_ms) > best[:2]:
                 break
             for node, arrival, cost in zip(some, arrivals, loops.costs(some), strict=True):
-                rank = (*_rank(objective, int(arrival), int(cost)), int(ways.twins[node]))
+                wait_here_ms = wait_ms if cost == loops.best_ms else FAR
+                rank = (
+                    *_rank(objective, int(arrival), int(cost), wait_here_ms),
+                    int(ways.twins[node]),
+                )
                 if rank < best:
                     best, chosen, entry = rank, loops, int(node)
     return best[0], chosen, entry
 
 
-def _rank(objective: Objective, prefix_ms: int, lap_ms: int) -> tuple[int, int]:
-    """The smaller the better."""
-    if objective is Objective.SUM:
-        return prefix_ms + lap_ms, prefix_ms
-    return lap_ms, prefix_ms
+def _rank(objective: Objective, prefix_ms: int, lap_ms: int, wait_ms: int) -> tuple[int, int]:
+    """The objective of a loop that is entered at some node, then the prefix."""
+    match objective:
+        case Objective.LAP:
+            return lap_ms, prefix_ms
+        case Objective.SUM:
+            return prefix_ms + lap_ms, prefix_ms
+        case Objective.BOTTLENECK:
+            return wait_ms, prefix_ms
 
 
 def _bound_ms(offers: list[Loops], ways: Ways, objective: Objective, cost_ms: int) -> int:
     """What no lasso can be better than."""
+    if objective is Objective.BOTTLENECK:
+        return min(cost_ms, *(loops.wait_bound_ms for loops in offers))
     if all(loops.bound_ms == loops.best_ms for loops in offers):
         return cost_ms
     nearest = (int(ways.arrivals[loops.nodes].min()) for loops in offers)
     bounds = (
-        _rank(objective, prefix_ms, loops.bound_ms)[0]
-        for loops, prefix_ms in zip(offers, nearest, strict=True)
+        _rank(objective, prefix_ms, loops.bound_ms, 0)[0]
+        for prefix_ms, loops in zip(nearest, offers, strict=True)
     )
     return min(cost_ms, *bounds)

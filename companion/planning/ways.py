@@ -6,12 +6,21 @@ Of equally short ways the one whose first actions come first in the mission file
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse.csgraph import dijkstra
 
 from companion.planning.product import Product
 from companion.planning.rounds import FAR, Costs
+
+
+class Stride(NamedTuple):
+    """One step of a way."""
+
+    action: int
+    cost_ms: int
+    node: int
 
 
 class Ways:
@@ -49,28 +58,28 @@ class Ways:
             default=FAR,
         )
 
-    def actions(self, start: int, goal: int, to_goal: Costs) -> list[int]:
-        """The actions from a node to another; of a cycle if they are the same.
+    def walk(self, start: int, goal: int, to_goal: Costs) -> list[Stride]:
+        """The shortest way from a node to another; the shortest cycle if they are the same.
 
         Args:
             to_goal: cost from every node to the goal, (nodes,).
         """
-        taken: list[int] = []
+        strides: list[Stride] = []
         node = start
-        while not taken or node != goal:
-            node, _, action = min(
+        while not strides or node != goal:
+            node, cost, action = min(
                 self._product.edges(node), key=lambda edge: (edge[1] + to_goal[edge[0]], edge[2])
             )
-            taken.append(action)
-        return taken
+            strides.append(Stride(action, cost, node))
+        return strides
 
-    def arrival(self, node: int) -> list[int]:
-        """The actions from the start to a node or a twin of it."""
+    def arrival(self, node: int) -> list[Stride]:
+        """The shortest way from the start to a node or a twin of it."""
         twins = np.flatnonzero(self.twins == self.twins[node])
         goal = int(twins[self._raw_arrivals[twins].argmin()])
         (to_goal,) = self.to([goal])
         root = min(self._product.roots, key=to_goal.__getitem__)
-        return self.actions(root, goal, to_goal) if root != goal else []
+        return self.walk(root, goal, to_goal) if root != goal else []
 
 
 def _whole(costs: np.ndarray) -> Costs:
