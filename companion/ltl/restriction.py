@@ -9,9 +9,10 @@ afterwards. The formula is not translated again; the automaton is cut down and r
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
-from companion.ltl.automaton import BuchiAutomaton, Label, Transition
+from companion.ltl.automaton import BuchiAutomaton, Label, Transition, statistics
 from companion.ltl.reduction import Edge, Graph, indices, merged, pruned, simulation
 
 
@@ -40,6 +41,32 @@ class Restriction:
             if all(s > state and self.simulators[s] >> state & 1 for s in others):
                 kept.append(state)  # of states that are equal the first is kept
         return kept
+
+    @cached_property
+    def everything(self) -> frozenset[int]:
+        """States from which every word is accepted: they read all letters with every mark."""
+        return frozenset(
+            state
+            for state, leaving in enumerate(self.automaton.outgoing)
+            if len(leaving) == 1
+            and leaving[0].target == state
+            and not (leaving[0].label.positive or leaving[0].label.negative)
+            and len(leaving[0].marks) == self.automaton.marks
+        )
+
+    @cached_property
+    def errands(self) -> frozenset[int]:
+        """States that wait for one letter of some kind, whatever else is read: `F p`."""
+        if not statistics(replace(self.automaton, initial=frozenset({0}))).is_complete:
+            return frozenset()
+        found = set()
+        for state, leaving in enumerate(self.automaton.outgoing):
+            ends = {t.target for t in leaving} - {state}
+            waiting = [t.marks for t in leaving if t.target == state]
+            met = frozenset().union(*waiting)
+            if waiting and ends and ends <= self.everything and len(met) < self.automaton.marks:
+                found.add(state)
+        return frozenset(found)
 
 
 def restricted(automaton: BuchiAutomaton, constants: Mapping[str, bool]) -> Restriction:

@@ -64,6 +64,10 @@ class Tour:
         least: Costs = self._detours(to_hits, from_hits).min(axis=0)
         return self.cost_ms + least
 
+    def cycle(self) -> list[int]:
+        """The hits of the round, from any of them on."""
+        return self._order
+
     def order(self, to_hits: Costs, from_hits: Costs) -> list[int]:
         """The hits of the round in the order in which they follow a node."""
         place = int(self._detours(to_hits[:, None], from_hits[:, None])[:, 0].argmin()) + 1

@@ -90,7 +90,13 @@ class Lasso:
 
 
 def _step(action: Action) -> Mapping[str, object]:
-    return {"action": action.name, "cost_s": action.cost_ms / 1000}
+    arguments = action.name.removeprefix(action.skill).strip("()")
+    return {
+        "action": action.name,
+        "skill": action.skill,
+        "arguments": arguments.split(", ") if arguments else [],
+        "cost_s": action.cost_ms / 1000,
+    }
 
 
 class Objective(StrEnum):

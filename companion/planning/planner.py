@@ -7,7 +7,7 @@ history, and the moves from where the vehicle is between places.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 from companion.errors import CompanionError
 from companion.ltl.formula import atoms, conjuncts
@@ -26,16 +26,22 @@ class Planner:
     Args:
         mission: what to do.
         flight_time: seconds between two places, or from `here` to a place; inf for no route.
+        clock: seconds; measures `translating_s` and `grounding_s`.
     """
 
-    def __init__(self, mission: Mission, flight_time: FlightTime) -> None:
+    def __init__(
+        self, mission: Mission, flight_time: FlightTime, clock: Callable[[], float] = lambda: 0.0
+    ) -> None:
         self.mission = mission
+        start_s = clock()
         self.model = ground(mission, flight_time)
+        self.grounding_s = clock() - start_s
         self.conjuncts = tuple(
             Conjunct(name, part, translate(part))
             for name, formula in mission.task.items()
             for part in conjuncts(formula)
         )
+        self.translating_s = clock() - start_s - self.grounding_s
         self.task_facts = frozenset().union(*(atoms(c.formula) for c in self.conjuncts))
         self.flight_time = flight_time
         self._search = Search(self.model.actions)

@@ -18,6 +18,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -31,6 +32,10 @@ from companion.planning.system import TransitionSystem, Vocabulary
 MAX_NODES = 200_000
 MAX_EDGES = 2_000_000
 """Where the search gives up; about 2 us and 150 bytes an edge."""
+
+MIN_ERRANDS = 4
+"""Things to be met once that are kept out of the product, if there are so many: each of them
+would double it."""
 
 Node = tuple[int, tuple[int, ...], int]
 """Facts, states of the automata, marks met on the way in."""
@@ -69,6 +74,7 @@ class Product:
         twins: for each node the first that differs from it in its marks alone. All that can be
             done after one can be done after the other, so a plan may enter a loop at either.
         all_marks: what a loop has to meet.
+        errands: for each thing that has to be met once, the nodes where it is.
         targets, costs, actions: of the edges; those of node n are first[n] to first[n + 1].
             Between two nodes only the cheapest edge is kept, in the order of the actions.
     """
@@ -86,19 +92,33 @@ class Product:
             bit = vocabulary.bit(proposition)
             return None if bit & self._system.changing else bool(bit & self._system.constant)
 
-        for conjunct, states in zip(problem.conjuncts, problem.automaton_states, strict=True):
-            restriction = restrictions.of(conjunct, constant)
-            choices.append(restriction.states(states))
-            if choices[-1] and not _accepts_all(restriction.automaton):
-                self._readers.append(_Reader(restriction.automaton, marks, vocabulary))
-                marks += restriction.automaton.marks
-            elif choices[-1]:
-                choices.pop()
+        errands: list[tuple[_Reader, int]] = []
+        parts = [
+            _Part.of(restrictions.of(conjunct, constant), states)
+            for conjunct, states in zip(problem.conjuncts, problem.automaton_states, strict=True)
+        ]
+        is_worth_it = sum(part.is_errand for part in parts) >= MIN_ERRANDS
+        for part in parts:
+            if part.accepts_all:
+                continue
+            reader = _Reader(part.automaton, marks, vocabulary)
+            if part.is_errand and is_worth_it:
+                errands.append((reader, part.states[0]))
+            else:
+                choices.append(part.states)
+                self._readers.append(reader)
+                marks += part.automaton.marks
         if math.prod(map(len, choices)) > MAX_NODES:
             raise SearchLimit(f"no plan found: more than {MAX_NODES} states to begin with")
         self.all_marks = (1 << marks) - 1
         self._joint: dict[tuple[int, tuple[int, ...]], list[tuple[tuple[int, ...], int]]] = {}
-        self._explore([(self._system.start, states, 0) for states in itertools.product(*choices)])
+        facts = self._explore(
+            [(self._system.start, states, 0) for states in itertools.product(*choices)]
+        )
+        self.errands = [
+            [node for node, letter in enumerate(facts) if _is_over(reader, pending, letter)]
+            for reader, pending in errands
+        ]
 
     @property
     def nodes(self) -> int:
@@ -120,7 +140,8 @@ class Product:
             strict=True,
         )
 
-    def _explore(self, roots: list[Node]) -> None:
+    def _explore(self, roots: list[Node]) -> list[int]:
+        """Finds all nodes and edges; returns the facts of each node."""
         number_of = {node: number for number, node in enumerate(roots)}
         self.roots = list(range(len(roots)))
         todo = list(roots)
@@ -153,6 +174,7 @@ class Product:
         self.targets = np.array(targets, np.int32)
         self.costs = np.array(costs, np.int64)
         self.actions = np.array(actions, np.int32)
+        return [facts for facts, _, _ in todo]
 
     def _read(self, facts: int, states: tuple[int, ...]) -> list[tuple[tuple[int, ...], int]]:
         """All joint moves of the automata on the label of some facts, with their marks."""
@@ -170,12 +192,24 @@ def _by_action(edge: tuple[int, tuple[int, int]]) -> int:
     return edge[1][1]
 
 
-def _accepts_all(automaton: BuchiAutomaton) -> bool:
-    """Whether any word is accepted from any state: one state that reads all with every mark."""
-    if automaton.states != 1 or len(automaton.transitions) != 1:
-        return False
-    (only,) = automaton.transitions
-    return not (only.label.positive or only.label.negative) and len(only.marks) == automaton.marks
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """One conjunct under the constants, in the states that it may be in."""
+
+    automaton: BuchiAutomaton
+    states: list[int]
+    accepts_all: bool
+    is_errand: bool
+
+    @classmethod
+    def of(cls, restriction: Restriction, whole: frozenset[int]) -> _Part:
+        states = restriction.states(whole)
+        return cls(
+            restriction.automaton,
+            states,
+            bool(restriction.everything.intersection(states)),
+            len(states) == 1 and states[0] in restriction.errands,
+        )
 
 
 class _Reader:
@@ -204,3 +238,8 @@ class _Reader:
                 if positive & facts == positive and not negative & facts
             )
         )
+
+
+def _is_over(reader: _Reader, pending: int, facts: int) -> bool:
+    """Whether an errand is done on reading some facts."""
+    return any(target != pending for target, _ in reader.moves(pending, facts))

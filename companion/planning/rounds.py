@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Costs = NDArray[np.int64]
-FAR = 1 << 60
-"""No way; two of these can be added."""
+FAR = 1 << 50
+"""No way; thousands of these can be added."""
 
 MAX_WORK = 60_000_000
 """Additions of a table that is still made; about half a second."""
@@ -62,6 +62,10 @@ class Rounds:
         shortest: Costs = np.min(found, axis=0)
         return shortest
 
+    def cycle(self) -> list[int]:
+        """The hits of a shortest round, from any of them on."""
+        return min(self._tables, key=lambda table: table.cost_ms).cycle()
+
     def order(self, to_hits: Costs, from_hits: Costs) -> list[int]:
         """The hits of the shortest round through one node, in the order they follow it.
 
@@ -85,6 +89,7 @@ class _Tables:
         self._every = int(np.bitwise_or.reduce(self._marks, initial=0))
         inner = between[np.ix_(self._others, self._others)]
         self._inner = inner
+        self._first = between[anchor]
         self._turn_ms = int(between[anchor, anchor])
         self._onward = _table(inner, self._marks, between[self._others, anchor])
         self._inward = _table(inner.T, self._marks, between[anchor, self._others])
@@ -118,6 +123,11 @@ class _Tables:
             np.minimum(costs, reached[:, hit, None] + legs[hit], out=costs)
         costs[-1] = np.minimum(costs[-1], ways[self._anchor])
         return costs
+
+    def cycle(self) -> list[int]:
+        """The hits of the shortest round, from the anchor on."""
+        onward = self._walk(self._onward, self._inner, self._first, 0) if self._every else []
+        return [self._anchor, *onward]
 
     def order(self, to_hits: Costs, from_hits: Costs) -> list[int]:
         """The hits of the shortest round through a node, in the order they follow it."""

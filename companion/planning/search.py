@@ -18,18 +18,20 @@ the constants that it has met. In flight only the facts and the automata's state
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
 from companion.planning.domain import Action
+from companion.planning.errands import Errands
 from companion.planning.lasso import Lasso, Objective, Problem, Solution
 from companion.planning.loops import Loops, loops_of
 from companion.planning.product import Product, Restrictions
 from companion.planning.rounds import FAR
 from companion.planning.system import Vocabulary
-from companion.planning.ways import Ways
+from companion.planning.ways import Stride, Ways
 
 ENGINE = "built-in"
 
@@ -51,7 +53,7 @@ class Search:
         Raises:
             SearchLimit: the product has too many states to search.
         """
-        return bool(_accepting_components(self._product(problem)))
+        return next(self.solutions(problem), None) is not None
 
     def solutions(
         self, problem: Problem, objective: Objective = Objective.LAP
@@ -65,26 +67,29 @@ class Search:
         """
         product = self._product(problem)
         components = _accepting_components(product)
-        if not components:
+        if not components or not all(product.errands):
             return
         ways = Ways(product)
         offers = [loops_of(product, nodes, ways) for nodes in components]
+        plan_of = _over_errands if product.errands else _direct
         best_ms = FAR
-        while True:
-            cost_ms, loops, entry = _best(offers, ways, objective)
-            is_final = all(loops.is_final for loops in offers)
-            if cost_ms < best_ms or is_final:
-                best_ms = cost_ms
+        for is_second in (False, True):
+            for offer in offers if is_second else ():
+                offer.improve()
+            plan = plan_of(product, offers, ways, objective, is_second)
+            if plan is None:
+                return
+            is_last = is_second or (plan.is_final and all(loops.is_final for loops in offers))
+            if plan.cost_ms < best_ms or is_last:
+                best_ms = plan.cost_ms
                 prefix, suffix = (
                     tuple(problem.actions[stride.action] for stride in part)
-                    for part in (ways.arrival(entry), loops.walk(entry))
+                    for part in (plan.prefix, plan.suffix)
                 )
-                bound_ms = _bound_ms(offers, ways, objective, cost_ms)
-                yield Solution(Lasso(prefix, suffix), objective, cost_ms, bound_ms, ENGINE)
-            if is_final:
+                lasso = Lasso(prefix, suffix)
+                yield Solution(lasso, objective, plan.cost_ms, plan.bound_ms, ENGINE)
+            if is_last:
                 return
-            for offer in offers:
-                offer.improve()
 
     def _product(self, problem: Problem) -> Product:
         return Product(problem, self._vocabulary, self._restrictions)
@@ -119,8 +124,20 @@ def _accepting_components(product: Product) -> list[NDArray[np.intp]]:
     ]
 
 
-def _best(offers: list[Loops], ways: Ways, objective: Objective) -> tuple[int, Loops, int]:
-    """The objective, and the loops and the node at which to enter the best one."""
+class _Plan(NamedTuple):
+    """A lasso in the product; `is_final` if its prefix will not get better."""
+
+    prefix: list[Stride]
+    suffix: list[Stride]
+    cost_ms: int
+    bound_ms: int
+    is_final: bool
+
+
+def _direct(
+    product: Product, offers: list[Loops], ways: Ways, objective: Objective, is_second: bool
+) -> _Plan:
+    """The best loop, entered where it is reached first."""
     best, chosen, entry = (FAR, FAR, 0), offers[0], -1
     for loops in offers:
         order = np.lexsort((ways.twins[loops.nodes], ways.arrivals[loops.nodes]))
@@ -139,7 +156,54 @@ def _best(offers: list[Loops], ways: Ways, objective: Objective) -> tuple[int, L
                 )
                 if rank < best:
                     best, chosen, entry = rank, loops, int(node)
-    return best[0], chosen, entry
+    bound_ms = _bound_ms(offers, ways, objective, best[0])
+    return _Plan(ways.arrival(entry), chosen.walk(entry), best[0], bound_ms, True)
+
+
+def _over_errands(
+    product: Product, offers: list[Loops], ways: Ways, objective: Objective, is_second: bool
+) -> _Plan | None:
+    """The best loop, entered after all errands; None if none can be reached after them."""
+    is_sum = objective is Objective.SUM
+    offered = _offered(offers, ways, objective)
+    levels = sorted({offer.rank for offer in offered.values()})
+    for level in levels[-1:] if is_sum else levels:
+        by_twin = np.full(product.nodes, FAR)
+        for twin, offer in offered.items():
+            if offer.rank <= level:
+                by_twin[twin] = offer.rank if is_sum else 0
+        errands = Errands(product.errands, ways, product.roots, by_twin[ways.twins])
+        if is_second:
+            errands.improve()
+        if errands.cost_ms < FAR:
+            prefix, entry = errands.walk()
+            _, node, loops = offered[int(ways.twins[entry])]
+            cost_ms = errands.cost_ms if is_sum else level
+            bound_ms = _bound_ms(offers, ways, objective, cost_ms)
+            return _Plan(prefix, loops.walk(node), cost_ms, bound_ms, errands.is_final)
+    return None
+
+
+class _Offer(NamedTuple):
+    """A loop that may be entered at a node."""
+
+    rank: int
+    node: int
+    loops: Loops
+
+
+def _offered(offers: list[Loops], ways: Ways, objective: Objective) -> dict[int, _Offer]:
+    """The best loop to enter at each twin; unless prefixes count, only loops that are best."""
+    found: dict[int, _Offer] = {}
+    for loops in offers:
+        wait_ms = loops.wait_ms if objective is Objective.BOTTLENECK else 0
+        for node, cost in zip(loops.nodes, loops.costs(loops.nodes), strict=True):
+            if objective is Objective.SUM or cost == loops.best_ms:
+                rank, _ = _rank(objective, 0, int(cost), wait_ms)
+                twin = int(ways.twins[node])
+                if twin not in found or (rank, node) < found[twin][:2]:
+                    found[twin] = _Offer(rank, int(node), loops)
+    return found
 
 
 def _rank(objective: Objective, prefix_ms: int, lap_ms: int, wait_ms: int) -> tuple[int, int]:
