@@ -16,7 +16,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from companion.planning.improve import Tour
-from companion.planning.rounds import FAR, MAX_WORK, Costs, Rounds, work
+from companion.planning.rounds import FAR, Costs, Rounds, work
 from companion.planning.ways import Stride, Ways
 
 
@@ -28,6 +28,7 @@ class Errands:
         ways: of the product.
         roots: where the way begins.
         loop_costs: what a loop from each node is worth, (nodes,); FAR where none begins.
+        additions: of which an exact answer may cost at most so many.
     """
 
     def __init__(
@@ -36,6 +37,7 @@ class Errands:
         ways: Ways,
         roots: Sequence[int],
         loop_costs: Costs,
+        additions: int,
     ) -> None:
         self._ways = ways
         self._hits = sorted(set().union(*places))
@@ -58,7 +60,7 @@ class Errands:
         for column, nodes in enumerate(places):
             marks[[self._hits.index(node) for node in nodes], column] = True
         marks[size, -1] = True
-        is_small = work(marks) <= MAX_WORK
+        is_small = work(marks) <= additions
         self._rounds: Rounds | Tour = (Rounds if is_small else Tour)(between, marks)
         self.is_final = is_small
 

@@ -12,16 +12,14 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from companion.planning.effort import Effort
 from companion.planning.improve import Tour
 from companion.planning.product import Product
-from companion.planning.rounds import FAR, MAX_WORK, Costs, Rounds, work
+from companion.planning.rounds import FAR, Costs, Rounds, work
 from companion.planning.ways import Stride, Ways
 
-MAX_HITS = 400
-"""Hits that are looked at; of more the nearest ones are, and then nothing is proved."""
-MAX_CYCLES = 1000
-"""Nodes whose shortest cycle is looked for, where no rest is as short as can be."""
-_CHUNK = 4_000_000
+_CHUNK = 4_000_000  # additions at once; bounds memory
+_MOST = 400  # hits that are ever looked at
 
 
 class Loops(Protocol):
@@ -65,12 +63,13 @@ class Loops(Protocol):
         """Looks for shorter loops."""
 
 
-def loops_of(product: Product, nodes: NDArray[np.intp], ways: Ways) -> Loops:
+def loops_of(product: Product, nodes: NDArray[np.intp], ways: Ways, effort: Effort) -> Loops:
     """The loops of a component."""
     hits_of = _essential(product, nodes)
+    most = min(_MOST, max(1, effort.ways // len(product.targets)))
     if not hits_of:
-        return Cycles(product, nodes, ways)
-    return RoundTrips(nodes, hits_of, ways)
+        return Cycles(product, nodes, ways, most)
+    return RoundTrips(nodes, hits_of, ways, most, effort.additions)
 
 
 def _essential(product: Product, nodes: NDArray[np.intp]) -> list[frozenset[int]]:
@@ -84,9 +83,12 @@ def _essential(product: Product, nodes: NDArray[np.intp]) -> list[frozenset[int]
 
 
 class Cycles:
-    """Shortest cycles, where all marks are met anyway."""
+    """Shortest cycles, where all marks are met anyway.
 
-    def __init__(self, product: Product, nodes: NDArray[np.intp], ways: Ways) -> None:
+    If no rest is as short as can be, cycles are looked for through the `most` nearest nodes.
+    """
+
+    def __init__(self, product: Product, nodes: NDArray[np.intp], ways: Ways, most: int) -> None:
         self.nodes = nodes
         self.is_final = True
         self.at_once = len(nodes)
@@ -102,12 +104,12 @@ class Cycles:
         self._rest = {node: cost for cost, node, target in edges if target == node}
         self.best_ms = self.wait_ms = min(self._rest.values(), default=FAR)
         if self.best_ms > self.bound_ms:
-            looked_at = nodes[np.argsort(ways.arrivals[nodes], kind="stable")[:MAX_CYCLES]]
+            looked_at = nodes[np.argsort(ways.arrivals[nodes], kind="stable")[:most]]
             costs = self.costs(looked_at)
             self.best_ms = int(costs.min())
             shortest = self.walk(int(looked_at[costs.argmin()]))
             self.wait_ms = max(stride.cost_ms for stride in shortest)
-            if len(nodes) <= MAX_CYCLES:
+            if len(nodes) <= most:
                 self.bound_ms = self.best_ms
 
     def costs(self, nodes: NDArray[np.intp]) -> Costs:
@@ -130,14 +132,24 @@ class Cycles:
 
 
 class RoundTrips:
-    """Rounds over hits of the marks."""
+    """Rounds over hits of the marks.
 
-    def __init__(self, nodes: NDArray[np.intp], hits_of: list[frozenset[int]], ways: Ways) -> None:
+    Of more than `most` hits the nearest of each mark are looked at, and then nothing is proved.
+    """
+
+    def __init__(
+        self,
+        nodes: NDArray[np.intp],
+        hits_of: list[frozenset[int]],
+        ways: Ways,
+        most: int,
+        additions: int,
+    ) -> None:
         self.nodes = nodes
         self._ways = ways
         self._hits_of = hits_of
         every = sorted(frozenset().union(*hits_of))
-        self._hits = _nearest(every, hits_of, ways)
+        self._hits = _nearest(every, hits_of, ways, most)
         self._to_hits = ways.to(self._hits)
         self._from_hits = ways.out_of(self._hits)
         marks = np.array([[hit in hits for hits in hits_of] for hit in self._hits])
@@ -145,7 +157,7 @@ class RoundTrips:
         for i, hit in enumerate(self._hits):
             between[i, i] = ways.turn_ms(hit, self._to_hits[i])
         self._marks = marks
-        is_small = work(marks) <= MAX_WORK
+        is_small = work(marks) <= additions
         self._rounds: Rounds | Tour = (Rounds if is_small else Tour)(between, marks)
         self._has_all_hits = len(self._hits) == len(every)
         self.is_final = is_small
@@ -209,11 +221,11 @@ class RoundTrips:
         self.is_final = True
 
 
-def _nearest(every: list[int], hits_of: list[frozenset[int]], ways: Ways) -> list[int]:
+def _nearest(every: list[int], hits_of: list[frozenset[int]], ways: Ways, most: int) -> list[int]:
     """The hits, or if they are too many the nearest ones of each mark."""
-    if len(every) <= MAX_HITS:
+    if len(every) <= most:
         return every
-    share = max(1, MAX_HITS // len(hits_of))
+    share = max(1, most // len(hits_of))
     kept: set[int] = set()
     for hits in hits_of:
         kept.update(sorted(hits, key=lambda hit: (ways.arrivals[hit], hit))[:share])

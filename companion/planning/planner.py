@@ -15,6 +15,7 @@ from companion.ltl.translate import translate
 from companion.mission.model import Mission
 from companion.planning.check import fault
 from companion.planning.domain import Fact, FlightTime, departures, ground
+from companion.planning.effort import IN_FLIGHT, ON_THE_GROUND, Effort
 from companion.planning.explain import NoPlan, why_no_plan
 from companion.planning.lasso import Conjunct, Lasso, Letter, Objective, Problem, Solution
 from companion.planning.search import Search
@@ -74,6 +75,7 @@ class Planner:
         problem: Problem,
         histories: Sequence[Sequence[Letter]],
         objective: Objective = Objective.LAP,
+        effort: Effort = ON_THE_GROUND,
     ) -> Iterator[Solution]:
         """Checked solutions, each better than the one before; the last one is the best known.
 
@@ -85,7 +87,7 @@ class Planner:
             NoPlanError: there is none; the message says why.
         """
         found = False
-        for solution in self._search.solutions(problem, objective):
+        for solution in self._search.solutions(problem, objective, effort):
             found = True
             wrong = fault(problem, solution.lasso, histories)
             if wrong is not None:
@@ -102,4 +104,4 @@ class Planner:
 
     def replan(self, problem: Problem, histories: Sequence[Sequence[Letter]]) -> Lasso:
         """The first lasso that is found: in flight an answer has to come at once."""
-        return next(self.solutions(problem, histories)).lasso
+        return next(self.solutions(problem, histories, effort=IN_FLIGHT)).lasso

@@ -26,12 +26,9 @@ from scipy.sparse import csr_array
 from companion.errors import NoPlanError
 from companion.ltl.automaton import BuchiAutomaton
 from companion.ltl.restriction import Restriction, restricted
+from companion.planning.effort import ON_THE_GROUND
 from companion.planning.lasso import Conjunct, Problem
 from companion.planning.system import TransitionSystem, Vocabulary
-
-MAX_NODES = 200_000
-MAX_EDGES = 2_000_000
-"""Where the search gives up; about 2 us and 150 bytes an edge."""
 
 MIN_ERRANDS = 4
 """Things to be met once that are kept out of the product, if there are so many: each of them
@@ -80,7 +77,11 @@ class Product:
     """
 
     def __init__(
-        self, problem: Problem, vocabulary: Vocabulary, restrictions: Restrictions
+        self,
+        problem: Problem,
+        vocabulary: Vocabulary,
+        restrictions: Restrictions,
+        max_edges: int = ON_THE_GROUND.edges,
     ) -> None:
         steps = vocabulary.steps(problem.actions)
         self._system = TransitionSystem(steps, vocabulary.mask(problem.facts))
@@ -108,12 +109,12 @@ class Product:
                 choices.append(part.states)
                 self._readers.append(reader)
                 marks += part.automaton.marks
-        if math.prod(map(len, choices)) > MAX_NODES:
-            raise SearchLimit(f"no plan found: more than {MAX_NODES} states to begin with")
+        if math.prod(map(len, choices)) > max_edges:
+            raise SearchLimit(f"no plan found: more than {max_edges} states to begin with")
         self.all_marks = (1 << marks) - 1
         self._joint: dict[tuple[int, tuple[int, ...]], list[tuple[tuple[int, ...], int]]] = {}
         facts = self._explore(
-            [(self._system.start, states, 0) for states in itertools.product(*choices)]
+            [(self._system.start, states, 0) for states in itertools.product(*choices)], max_edges
         )
         self.errands = [
             [node for node, letter in enumerate(facts) if _is_over(reader, pending, letter)]
@@ -140,7 +141,7 @@ class Product:
             strict=True,
         )
 
-    def _explore(self, roots: list[Node]) -> list[int]:
+    def _explore(self, roots: list[Node], max_edges: int) -> list[int]:
         """Finds all nodes and edges; returns the facts of each node."""
         number_of = {node: number for number, node in enumerate(roots)}
         self.roots = list(range(len(roots)))
@@ -164,9 +165,10 @@ class Product:
                 costs.append(cost_ms)
                 actions.append(action)
             first.append(len(targets))
-            if len(todo) > MAX_NODES or len(targets) > MAX_EDGES:
-                limit = f"{MAX_NODES} product states or {MAX_EDGES} steps between them"
-                raise SearchLimit(f"no plan found among the first {limit}")
+            if len(targets) > max_edges:
+                raise SearchLimit(
+                    f"no plan found among the first {max_edges} steps between product states"
+                )
         self.marks = [marks for _, _, marks in todo]
         twins: dict[tuple[int, tuple[int, ...]], int] = {}
         self.twins = [twins.setdefault(node[:2], number) for number, node in enumerate(todo)]

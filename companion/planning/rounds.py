@@ -20,9 +20,6 @@ Costs = NDArray[np.int64]
 FAR = 1 << 50
 """No way; thousands of these can be added."""
 
-MAX_WORK = 60_000_000
-"""Additions of a table that is still made; about half a second."""
-
 _CHUNK = 2_000_000  # additions at once; bounds memory
 
 

@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
 from companion.planning.domain import Action
+from companion.planning.effort import ON_THE_GROUND, Effort
 from companion.planning.errands import Errands
 from companion.planning.lasso import Lasso, Objective, Problem, Solution
 from companion.planning.loops import Loops, loops_of
@@ -56,7 +57,10 @@ class Search:
         return next(self.solutions(problem), None) is not None
 
     def solutions(
-        self, problem: Problem, objective: Objective = Objective.LAP
+        self,
+        problem: Problem,
+        objective: Objective = Objective.LAP,
+        effort: Effort = ON_THE_GROUND,
     ) -> Iterator[Solution]:
         """Lassos, each better than the one before; none if the task cannot be done from here.
 
@@ -65,18 +69,21 @@ class Search:
         Raises:
             SearchLimit: the product has too many states to search.
         """
-        product = self._product(problem)
+        product = Product(problem, self._vocabulary, self._restrictions, effort.edges)
         components = _accepting_components(product)
         if not components or not all(product.errands):
             return
         ways = Ways(product)
-        offers = [loops_of(product, nodes, ways) for nodes in components]
-        plan_of = _over_errands if product.errands else _direct
+        offers = [loops_of(product, nodes, ways, effort) for nodes in components]
         best_ms = FAR
         for is_second in (False, True):
             for offer in offers if is_second else ():
                 offer.improve()
-            plan = plan_of(product, offers, ways, objective, is_second)
+            plan = (
+                _over_errands(product, offers, ways, objective, effort, is_second)
+                if product.errands
+                else _direct(offers, ways, objective)
+            )
             if plan is None:
                 return
             is_last = is_second or (plan.is_final and all(loops.is_final for loops in offers))
@@ -90,9 +97,6 @@ class Search:
                 yield Solution(lasso, objective, plan.cost_ms, plan.bound_ms, ENGINE)
             if is_last:
                 return
-
-    def _product(self, problem: Problem) -> Product:
-        return Product(problem, self._vocabulary, self._restrictions)
 
 
 def find_lasso(problem: Problem, objective: Objective = Objective.LAP) -> Lasso | None:
@@ -134,9 +138,7 @@ class _Plan(NamedTuple):
     is_final: bool
 
 
-def _direct(
-    product: Product, offers: list[Loops], ways: Ways, objective: Objective, is_second: bool
-) -> _Plan:
+def _direct(offers: list[Loops], ways: Ways, objective: Objective) -> _Plan:
     """The best loop, entered where it is reached first."""
     best, chosen, entry = (FAR, FAR, 0), offers[0], -1
     for loops in offers:
@@ -161,7 +163,12 @@ def _direct(
 
 
 def _over_errands(
-    product: Product, offers: list[Loops], ways: Ways, objective: Objective, is_second: bool
+    product: Product,
+    offers: list[Loops],
+    ways: Ways,
+    objective: Objective,
+    effort: Effort,
+    is_second: bool,
 ) -> _Plan | None:
     """The best loop, entered after all errands; None if none can be reached after them."""
     is_sum = objective is Objective.SUM
@@ -172,7 +179,8 @@ def _over_errands(
         for twin, offer in offered.items():
             if offer.rank <= level:
                 by_twin[twin] = offer.rank if is_sum else 0
-        errands = Errands(product.errands, ways, product.roots, by_twin[ways.twins])
+        loop_costs = by_twin[ways.twins]
+        errands = Errands(product.errands, ways, product.roots, loop_costs, effort.additions)
         if is_second:
             errands.improve()
         if errands.cost_ms < FAR:
