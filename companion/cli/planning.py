@@ -3,27 +3,35 @@
 from __future__ import annotations
 
 import json
+import time
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from companion.cli.arguments import MissionFile, load
+from companion.planning.explain import NoPlan
+from companion.planning.lasso import Objective
 
 if TYPE_CHECKING:
-    from companion.mission.model import Mission
-    from companion.planning.lasso import Lasso
+    from companion.planning.lasso import Letter, Problem, Solution
     from companion.planning.planner import Planner
     from companion.planning.supposition import Supposition
+
+FORMAT_VERSION = 1
+"""Of the JSON that `plan --json` prints."""
 
 
 def check(mission: MissionFile) -> None:
     """Reads, translates and plans a mission; needs no vehicle."""
-    loaded, planner, lasso = _plan(mission)
-    typer.echo(f"mission    {loaded.name}: places {' '.join(loaded.places)}")
+    question = _Question.read(mission)
+    planner = question.planner
+    *_, solution = planner.solutions(question.problem, question.histories)
+    typer.echo(f"mission    {planner.mission.name}: places {' '.join(planner.mission.places)}")
     for conjunct in planner.conjuncts:
         typer.echo(f"task       {conjunct.name}: {conjunct.automaton.states} states")
-    typer.echo(f"plan       {lasso}")
+    typer.echo(f"plan       {solution.lasso}")
     typer.echo("ok")
 
 
@@ -40,6 +48,13 @@ def plan(
         list[str] | None,
         typer.Option(metavar="BELIEF", help="A belief that is withdrawn, e.g. canUpload(r1)."),
     ] = None,
+    objective: Annotated[
+        Objective,
+        typer.Option(
+            help="What is best: the shortest lap and to it the shortest prefix; the least sum of "
+            "both; or the least worst time between two fulfilments of a recurring part."
+        ),
+    ] = Objective.LAP,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Prints the plan: a prefix that is flown once and a loop that is flown for ever.
@@ -49,26 +64,87 @@ def plan(
     from companion.planning.supposition import Supposition
 
     supposed = Supposition(at, tuple(holds or ()), tuple(fails or ()), tuple(without or ()))
-    _, _, lasso = _plan(mission, supposed)
+    question = _Question.read(mission, supposed)
+    start_s = time.perf_counter()
+    try:
+        *_, solution = question.planner.solutions(question.problem, question.histories, objective)
+    except NoPlan as reason:
+        if as_json:
+            nothing = {"prefix": None, "loop": None, "reason": reason.explanation.as_json()}
+            typer.echo(json.dumps(question.as_json(time.perf_counter() - start_s) | nothing))
+        raise
+    search_s = time.perf_counter() - start_s
     if as_json:
-        typer.echo(json.dumps(lasso.as_json(), indent=2))
-        return
+        answer = question.as_json(search_s) | solution.as_json()
+        typer.echo(json.dumps(answer, indent=2))
+    else:
+        _print(solution)
+
+
+def _print(solution: Solution) -> None:
+    lasso = solution.lasso
     for title, actions in (("prefix", lasso.prefix), ("loop", lasso.suffix)):
         typer.echo(title)
         for action in actions:
             typer.echo(f"  {action.name:<24} {action.cost_ms / 1000:6.1f} s")
     typer.echo(f"prefix {lasso.prefix_cost_ms / 1000:.1f} s, lap {lasso.lap_cost_ms / 1000:.1f} s")
+    what = f"{solution.objective} {solution.cost_ms / 1000:.1f} s"
+    if solution.is_optimal:
+        typer.echo(f"{what}, optimal ({solution.engine})")
+    elif solution.bound_ms:
+        over = 100 * (solution.cost_ms / solution.bound_ms - 1)
+        typer.echo(f"{what}, at most {over:.1f} % over the best ({solution.engine})")
+    else:
+        typer.echo(f"{what}; how good that is, is not known ({solution.engine})")
 
 
-def _plan(path: Path, supposed: Supposition | None = None) -> tuple[Mission, Planner, Lasso]:
-    """A mission and its plan, from the start or from a supposed state."""
-    from companion.acting.task_state import TaskState
-    from companion.app import flight_times, route_map
-    from companion.planning.planner import Planner
+@dataclass(frozen=True)
+class _Question:
+    """A planner, and the state to plan from."""
 
-    mission = load(path)
-    planner = Planner(mission, flight_times(mission, route_map(mission)))
-    task = TaskState(planner)
-    if supposed is not None:
-        task.facts, task.withdrawn = supposed.facts(planner), supposed.withdrawn(planner)
-    return mission, planner, planner.plan(*task.problem())
+    planner: Planner
+    problem: Problem
+    histories: list[list[Letter]]
+
+    @classmethod
+    def read(cls, path: Path, supposed: Supposition | None = None) -> _Question:
+        """From a mission's first state, or from a supposed one."""
+        from companion.acting.task_state import TaskState
+        from companion.app import flight_times, route_map
+        from companion.planning.planner import Planner
+
+        mission = load(path)
+        planner = Planner(mission, flight_times(mission, route_map(mission)), time.perf_counter)
+        task = TaskState(planner)
+        if supposed is not None:
+            task.facts, task.withdrawn = supposed.facts(planner), supposed.withdrawn(planner)
+        return cls(planner, *task.problem())
+
+    def as_json(self, search_s: float) -> dict[str, Any]:
+        """What was asked, and what it took to answer."""
+        planner, problem = self.planner, self.problem
+        seconds = {
+            "translate": planner.translating_s,
+            "ground": planner.grounding_s,
+            "search": search_s,
+        }
+        return {
+            "version": FORMAT_VERSION,
+            "mission": planner.mission.name,
+            "times_ms": {name: round(1000 * passed, 3) for name, passed in seconds.items()},
+            "automata": [
+                {
+                    "conjunct": conjunct.name,
+                    "formula": str(conjunct.formula),
+                    "states": conjunct.automaton.states,
+                    "transitions": len(conjunct.automaton.transitions),
+                    "marks": conjunct.automaton.marks,
+                }
+                for conjunct in planner.conjuncts
+            ],
+            "state": {
+                "facts": sorted(problem.facts - planner.model.beliefs),
+                "withdrawn": sorted(problem.withdrawn),
+                "automata": [sorted(states) for states in problem.automaton_states],
+            },
+        }

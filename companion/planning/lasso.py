@@ -135,6 +135,18 @@ class Solution:
         """Whether it is proved that no lasso is better."""
         return self.cost_ms <= self.bound_ms
 
+    def as_json(self) -> dict[str, object]:
+        """The lasso and its quality, as `companion plan --json` gives them."""
+        return {
+            **self.lasso.as_json(),
+            "objective": self.objective.value,
+            "cost_s": self.cost_ms / 1000,
+            "bound_s": self.bound_ms / 1000 if self.bound_ms else None,
+            "optimal": self.is_optimal,
+            "engine": self.engine,
+            "reason": None,
+        }
+
 
 def word(problem: Problem, lasso: Lasso) -> tuple[list[Letter], list[Letter]]:
     """The letters that a lasso appends to the history: of the prefix, and of one lap."""
