@@ -28,6 +28,7 @@ from companion.motion.sight import Points, Sight, enters
 
 ENTRY_M = 1.0  # how far from the nearest free cell a route may begin (tracking error)
 
+_EDGE = 1e-6  # cells; nearer to the edge of a cell a leg might touch the next one
 _TAUT = 0.1  # cells; a route is taut when cutting it again gains less
 
 
@@ -103,11 +104,12 @@ class RouteMap:
         if entry is None:
             return math.inf
         field, cell = entry
-        point, goal = self._point(start), self._point(self._sites[site].position)
+        goal = self._sites[site].position[:2]
         if field.cost[cell] == 0:
-            return float(np.linalg.norm(goal - point)) * self._grid.cell_m
-        hops = np.linalg.norm(point - _centre(cell)) + np.linalg.norm(goal - np.floor(goal) - 0.5)
-        return float(field.cost[cell] + hops) * self._grid.cell_m
+            return math.dist(start, goal)
+        first = math.dist(start, self._grid.centre(*cell))
+        last = math.dist(goal, self._grid.centre(*self._grid.cell(goal)))
+        return first + float(field.cost[cell]) * self._grid.cell_m + last
 
     def route_from_motion(self, start: Ned, stop: Ned, site: str) -> Route | None:
         """A route whose first leg leads to where the vehicle can stop, straight ahead.
@@ -189,11 +191,14 @@ class RouteMap:
         field = self._field(site)
         if field is None:
             return None
+        own_cell = self._grid.cell(start)
+        if self._is_plain(start, own_cell, site) and math.isfinite(field.cost[own_cell]):
+            return field, own_cell
         point = self._point(start)
         is_free = self._free_sight.is_clear(point, point)
         sight = self._free_sight if is_free else self._open_sight
         reach = ENTRY_M / self._grid.cell_m
-        own = np.array(self._grid.cell(start))
+        own = np.array(own_cell)
         low = np.maximum(np.floor(own - reach), 0).astype(int)
         high = np.maximum(np.ceil(own + reach) + 1, 0).astype(int)
         cells = low + np.argwhere(np.isfinite(field.cost[low[0] : high[0], low[1] : high[1]]))
@@ -205,6 +210,26 @@ class RouteMap:
             return None
         row, col = cells[np.argmin(np.where(usable, away, np.inf))].tolist()
         return field, (row, col)
+
+    def _is_plain(self, start: NorthEast, cell: Cell, site: str) -> bool:
+        """Whether a start is well inside a free cell, and at no border of a region.
+
+        Its leg to the centre of the cell is then clear, and enters no region that it was not in.
+        Most starts are plain, and the test is quick.
+        """
+        if not self._is_free_cell(cell):
+            return False
+        cell_m = self._grid.cell_m
+        row, col = ((x - o) / cell_m for x, o in zip(start, self._grid.origin, strict=True))
+        if not (_EDGE < row - cell[0] < 1 - _EDGE and _EDGE < col - cell[1] < 1 - _EDGE):
+            return False
+        north, east = start
+        for name, other in self._sites.items():
+            if other.is_exclusive and name != site:
+                outside_m = math.hypot(other.position[0] - north, other.position[1] - east)
+                if -_EDGE <= outside_m - other.radius_m <= cell_m:
+                    return False
+        return True
 
     def _pulled_tight(self, path: Points, site: str) -> Points:
         """The path with its detours cut off, from both ends in turn, until it is as good as taut.

@@ -8,7 +8,7 @@ the facts that hold among those that can change.
 
 from __future__ import annotations
 
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
@@ -153,21 +153,27 @@ class TransitionSystem:
 
     def _without_constants(self, step: Step) -> Step:
         """A possible action: of its condition only what can change is left."""
-        return step._replace(
-            requires=step.requires & self.changing,
-            forbids=step.forbids & self.changing,
-            adds=step.adds & self.changing,
-            conditional=tuple(
+        changing = self.changing
+        return Step(
+            step.action,
+            step.requires & changing,
+            step.forbids & changing,
+            step.adds & changing,
+            step.deletes,
+            step.cost_ms,
+            tuple(
                 MaskedEffect(
-                    effect.requires & self.changing,
-                    effect.forbids & self.changing,
-                    effect.adds & self.changing,
+                    effect.requires & changing,
+                    effect.forbids & changing,
+                    effect.adds & changing,
                     effect.deletes,
                 )
                 for effect in step.conditional
-                if not effect.requires & ~(self.changing | self.constant)
+                if not effect.requires & ~(changing | self.constant)
                 and not effect.forbids & self.constant
-            ),
+            )
+            if step.conditional
+            else (),
         )
 
 
@@ -216,9 +222,10 @@ def _relaxed(steps: Sequence[Step], facts: int, blocked: int) -> tuple[list[Step
 
 def _indexed(steps: Sequence[Step]) -> tuple[list[Step], dict[int, list[Step]]]:
     """The actions without a precondition, and the others by their most selective fact."""
-    count: Counter[int] = Counter()
+    count: dict[int, int] = defaultdict(int)
     for step in steps:
-        count.update(_bits(step.requires))
+        for bit in _bits(step.requires):
+            count[bit] += 1
     always: list[Step] = []
     steps_of: dict[int, list[Step]] = defaultdict(list)
     for step in steps:
