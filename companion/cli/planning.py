@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from companion.cli.arguments import MissionFile, load
-from companion.planning.explain import NoPlan
-from companion.planning.lasso import Objective
+from companion.planning.objective import Objective
 
 if TYPE_CHECKING:
     from companion.planning.lasso import Letter, Problem, Solution
@@ -61,6 +60,7 @@ def plan(
 
     The options ask "what if", e.g. --at A --set targetFound.
     """
+    from companion.planning.explain import NoPlan
     from companion.planning.supposition import Supposition
 
     supposed = Supposition(at, tuple(holds or ()), tuple(fails or ()), tuple(without or ()))

@@ -13,11 +13,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from enum import StrEnum
 
 from companion.ltl.automaton import BuchiAutomaton
 from companion.ltl.formula import Formula
 from companion.planning.domain import WAIT, Action, Fact
+from companion.planning.objective import Objective as Objective
 
 Letter = frozenset[Fact]
 """The facts that hold at one position."""
@@ -97,21 +97,6 @@ def _step(action: Action) -> Mapping[str, object]:
         "arguments": arguments.split(", ") if arguments else [],
         "cost_s": action.cost_ms / 1000,
     }
-
-
-class Objective(StrEnum):
-    """What the best lasso is.
-
-    LAP: the shortest lap, and to it the shortest prefix; a mission that loops for ever pays the
-    lap for ever. SUM: the least cost of prefix and one lap together, which is what a classical
-    planner minimises on the paper's compilation. BOTTLENECK: the least worst time between two
-    fulfilments of the same recurring part of the task (after Smith, Tumova, Belta and Rus,
-    Optimal path planning for surveillance with temporal-logic constraints, IJRR 2011).
-    """
-
-    LAP = "lap"
-    SUM = "sum"
-    BOTTLENECK = "bottleneck"
 
 
 @dataclass(frozen=True)

@@ -33,7 +33,9 @@ def test_the_first_plan_is_reported_with_its_number() -> None:
     (report,) = rig.reports
     assert (report.kind, report.text) == ("plan", "plan: move(H, A), (wait)^w")
     assert report.data["number"] == 0
-    assert report.data["loop"] == [{"action": "wait", "cost_s": 0.1}]
+    assert report.data["loop"] == [
+        {"action": "wait", "skill": "wait", "arguments": [], "cost_s": 0.1}
+    ]
 
 
 def test_no_first_plan_is_an_error() -> None:

@@ -1,0 +1,20 @@
+"""What is the best plan? Kept apart from the rest, which takes long to import."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+
+class Objective(StrEnum):
+    """What the best lasso is.
+
+    LAP: the shortest lap, and to it the shortest prefix; a mission that loops for ever pays the
+    lap for ever. SUM: the least cost of prefix and one lap together, which is what a classical
+    planner minimises on the paper's compilation. BOTTLENECK: the least worst time between two
+    fulfilments of the same recurring part of the task (after Smith, Tumova, Belta and Rus,
+    Optimal path planning for surveillance with temporal-logic constraints, IJRR 2011).
+    """
+
+    LAP = "lap"
+    SUM = "sum"
+    BOTTLENECK = "bottleneck"
