@@ -9,7 +9,7 @@ from __future__ import annotations
 from companion.errors import FormulaError
 from companion.ltl.formula import Formula, Operator, conjuncts
 from companion.ltl.parser import parse
-from companion.mission.model import Atom, Literal
+from companion.mission.model import Atom, Conditional, Literal
 
 
 def parse_literals(text: str) -> tuple[Literal, ...]:
@@ -22,6 +22,29 @@ def parse_literals(text: str) -> tuple[Literal, ...]:
         FormulaError: not a formula, or one with other operators than & and !.
     """
     return tuple(_literal(part, text) for part in conjuncts(parse(text)))
+
+
+def parse_effect(text: str) -> tuple[tuple[Literal, ...], tuple[Conditional, ...]]:
+    """Read an effect: facts joined by &, and (condition -> effect) in parentheses.
+
+    >>> plain, conditional = parse_effect("free & !has(x) & (lit & !late -> delivered(x))")
+    >>> len(plain), [len(c.condition) for c in conditional]
+    (2, [2])
+
+    Raises:
+        FormulaError: not a formula, or one with other operators than &, ! and ->.
+    """
+    plain: list[Literal] = []
+    conditional: list[Conditional] = []
+    for part in conjuncts(parse(text)):
+        if part.operator is Operator.IMPLIES:
+            condition, effect = (
+                tuple(_literal(fact, text) for fact in conjuncts(side)) for side in part.operands
+            )
+            conditional.append(Conditional(condition, effect))
+        else:
+            plain.append(_literal(part, text))
+    return tuple(plain), tuple(conditional)
 
 
 def parse_fact(text: str) -> Atom:

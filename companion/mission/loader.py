@@ -17,12 +17,13 @@ from companion.documents import Document, did_you_mean, validate
 from companion.documents.yaml_tree import MAX_BYTES
 from companion.errors import FormulaError, MissionError
 from companion.geometry import ned_from_enu
-from companion.ltl.formula import Formula, Operator
+from companion.ltl.formula import Formula, Operator, eventually
 from companion.ltl.parser import parse
 from companion.maps import read_map
 from companion.mission.conditions import parse_condition
-from companion.mission.literals import parse_fact
+from companion.mission.literals import parse_fact, parse_literals
 from companion.mission.model import Atom, Event, Limits, Mission, Otherwise, Place, Skill
+from companion.mission.pddl_domain import with_domain
 from companion.mission.schema import MissionFile
 from companion.mission.sites import check_limits, check_places
 from companion.mission.skills import build_skills
@@ -30,6 +31,8 @@ from companion.mission.vocabulary import Vocabulary
 from companion.motion.grid import OccupancyGrid
 
 CLEARANCE_M = 0.6  # vehicle radius 0.35 m and 0.25 m margin for tracking error and map cells
+GOAL = "goal"  # name of the conjunct that a plain goal makes
+_TASK_HINT = "add task: {NAME: FORMULA}, what must hold, or goal: FACTS, what must hold once"
 RESERVED_PLACE = "here"  # the planner's name for where an interrupted move leaves the vehicle
 
 
@@ -41,6 +44,7 @@ def load_mission(path: Path) -> Mission:
     """
     text = _read(path)
     file, document = validate(text, str(path), MissionFile)
+    file = with_domain(file, document, path.parent)
     _check_names(file, document)
     limits = _limits(file)
     check_limits(limits, document)
@@ -51,7 +55,7 @@ def load_mission(path: Path) -> Mission:
     grid = _grid(path.parent / file.map, document)
     check_places(places, limits, grid, CLEARANCE_M, document)
     events = _events(file, document)
-    vocabulary = Vocabulary(places, events)
+    vocabulary = Vocabulary(places, events, file.objects)
     skills = build_skills(file, document, vocabulary)
     facts = _initially(file, document, vocabulary)
     _check_reachable_names(skills, events, facts, document)
@@ -114,10 +118,17 @@ def _check_names(file: MissionFile, document: Document) -> None:
                 document.key_at("events", name),
                 "this word has a meaning of its own in formulas; choose another name",
             )
+    for index, name in enumerate(file.objects):
+        if name in file.places or name in file.objects[:index]:
+            raise MissionError(
+                f"{name} is twice among the places and objects",
+                document.where("objects", index),
+                "an object is a thing that is no place; remove one of the two",
+            )
     for name, members in file.sets.items():
         for index, member in enumerate(members):
             where = document.where("sets", name, index)
-            if member not in file.places:
+            if member not in file.places and member not in file.objects:
                 listing = f"places are {', '.join(file.places)}."
                 hint = f"{listing} {did_you_mean(member, file.places)}".rstrip()
                 raise MissionError(f"unknown place {member} in the set {name}", where, hint)
@@ -176,7 +187,7 @@ def _initially(file: MissionFile, document: Document, vocabulary: Vocabulary) ->
             )
         facts.append(fact)
     if not any(fact.name == "at" for fact in facts):
-        hint = f"add the place where it starts, e.g. at({next(iter(file.places))})"
+        hint = f"add to initially the place where it starts, e.g. at({next(iter(file.places))})"
         raise MissionError("no fact says where the vehicle is", document.where("initially"), hint)
     return facts
 
@@ -205,9 +216,22 @@ def _check_reachable_names(
 
 
 def _task(file: MissionFile, document: Document, vocabulary: Vocabulary) -> dict[str, Formula]:
+    if file.goal is None and not file.task:
+        raise MissionError("the mission has neither a task nor a goal", hint=_TASK_HINT)
+    if file.goal is not None and GOAL in file.task:
+        raise MissionError(
+            "a line of the task is called goal, and there is a goal",
+            document.key_at("task", GOAL),
+            "choose another name for the line",
+        )
     task = {}
     for name, text in file.task.items():
         with document.locating("task", name):
             task[name] = parse(text)
             vocabulary.check(text)
+    if file.goal is not None:
+        with document.locating("goal"):
+            parse_literals(file.goal)
+            vocabulary.check(file.goal)
+        task[GOAL] = eventually(parse(file.goal))
     return task

@@ -109,6 +109,14 @@ class Literal:
 
 
 @dataclass(frozen=True, slots=True)
+class Conditional:
+    """An effect that only comes if a condition holds before the skill."""
+
+    condition: tuple[Literal, ...]
+    effect: tuple[Literal, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Fly:
     """Primitive: fly to the place bound to the parameter `place`."""
 
@@ -151,6 +159,8 @@ class Skill:
         precondition: conjunction of literals over the parameters.
         assumes: beliefs that are taken for true until the skill fails.
         effect: literals that hold afterwards.
+        conditional: further effects, each under a condition.
+        distinct: groups of parameters that are bound to different members.
         cost_s: constant cost in seconds; None means flight time on the map.
         tries: instantiations of a symbol before the skill fails (MAX_TRY, Fig. 6).
         timeout_s: longest time the refinement may take; None for no limit.
@@ -165,6 +175,8 @@ class Skill:
     execute: Execution
     tries: int
     timeout_s: float | None
+    conditional: tuple[Conditional, ...] = ()
+    distinct: tuple[tuple[str, ...], ...] = ()
 
 
 class Otherwise(Enum):
@@ -180,7 +192,8 @@ class Mission:
     """Everything the mission file says.
 
     Attributes:
-        task: named conjuncts, in the order of the file.
+        sets: members of each set: places, and objects that are no places.
+        task: named conjuncts, in the order of the file; a plain goal is the conjunct `goal`.
         initially: facts that hold at the start, beliefs left out; all others are false.
         grid: what the vehicle is told of the map beforehand.
     """

@@ -103,6 +103,10 @@ class SkillEntry(Entry):
         dict[Name, Name],
         Field(description="Parameter name: the set that it ranges over, e.g. {to: Place}."),
     ] = {}
+    distinct: Annotated[
+        list[Annotated[list[Name], Field(min_length=2)]],
+        Field(description="Groups of parameters that are bound to different members: [[a, b]]."),
+    ] = []
     precondition: Annotated[
         Text | None,
         BeforeValidator(_given, json_schema_input_type=Text),
@@ -114,8 +118,13 @@ class SkillEntry(Entry):
         Field(description="Beliefs: facts taken for true until the skill fails, one or a list."),
     ] = []
     effect: Annotated[
-        Text, Field(description="Facts that hold afterwards, e.g. at(to) & !at(from).")
-    ]
+        Text | None,
+        BeforeValidator(_given, json_schema_input_type=Text),
+        Field(
+            description="Facts that hold afterwards, e.g. at(to) & !at(from); with a condition in "
+            "parentheses: free & (lit -> seen). A skill of a PDDL domain has it there."
+        ),
+    ] = None
     cost: Annotated[
         Literal["flight_time"] | float | None,
         BeforeValidator(_given, json_schema_input_type=Literal["flight_time"] | float),
@@ -171,10 +180,33 @@ class MissionFile(Entry):
         dict[Name, PlaceEntry],
         Field(min_length=1, description="Name: {east_m, north_m, up_m, radius_m}."),
     ]
+    objects: Annotated[
+        list[Name],
+        Field(description="Names of things that are no places, e.g. parcels: [p1, p2]."),
+    ] = []
     sets: Annotated[
         dict[Name, Annotated[list[Name], Field(min_length=1)]],
-        Field(description="Name: [places]; what the parameters of skills range over."),
+        Field(
+            description="Name: [members]; what the parameters of skills range over. Members are "
+            "places or objects."
+        ),
     ] = {}
+    domain: Annotated[
+        Text | None,
+        BeforeValidator(_given, json_schema_input_type=Text),
+        Field(
+            description="PDDL domain file, relative to this file: its actions are skills, its "
+            "types sets. What each action does in the world still stands under skills."
+        ),
+    ] = None
+    problem: Annotated[
+        Text | None,
+        BeforeValidator(_given, json_schema_input_type=Text),
+        Field(
+            description="PDDL problem file, relative to this file: objects, facts that hold at the "
+            "start, and a goal."
+        ),
+    ] = None
     components: Annotated[
         dict[Name, Annotated[int, Field(ge=1, le=255)]],
         Field(description="Name: MAVLink component id (1 to 255) that commands are sent to."),
@@ -190,18 +222,23 @@ class MissionFile(Entry):
     initially: Annotated[
         list[Text],
         Field(
-            min_length=1,
             description="Facts that hold at the start, the place of the vehicle among them, "
             "e.g. [at(Home)]; all others are false, but for beliefs.",
         ),
-    ]
+    ] = []
     task: Annotated[
         dict[Name, Text],
+        Field(description="Name: formula in linear temporal logic. All of them must hold."),
+    ] = {}
+    goal: Annotated[
+        Text | None,
+        BeforeValidator(_given, json_schema_input_type=Text),
         Field(
-            min_length=1,
-            description="Name: formula in linear temporal logic. All of them must hold.",
+            description="Facts that have to hold together once, joined by &, ! for not, e.g. "
+            "delivered(p1) & delivered(p2): a task that needs no temporal logic. With a task both "
+            "must be fulfilled."
         ),
-    ]
+    ] = None
     otherwise: Annotated[
         Literal["return_home", "land", "hold"],
         Field(description="What to do when no plan exists: return_home, land or hold."),

@@ -14,7 +14,7 @@ from typing import TypeVar
 from companion.documents import Document, did_you_mean
 from companion.errors import MissionError
 from companion.mission.execution import parse_execution
-from companion.mission.literals import parse_fact, parse_literals
+from companion.mission.literals import parse_effect, parse_fact, parse_literals
 from companion.mission.model import Atom, Execution, Fly, Skill
 from companion.mission.schema import MissionFile, SkillEntry
 from companion.mission.vocabulary import Domain, Vocabulary
@@ -70,11 +70,22 @@ class _Builder:
             else ()
         )
         assumes = self._assumes(domains)
-        effect = self._facts(entry.effect, domains, parse_literals, "effect")
-        self._refuse_events([literal.atom for literal in effect], "effect")
+        if entry.effect is None:
+            raise MissionError(
+                f"{self.name} has no effect",
+                self.document.key_at("skills", self.name),
+                "add effect: FACTS, what holds afterwards; a skill without one changes nothing",
+            )
+        effect, conditional = self._facts(entry.effect, domains, parse_effect, "effect")
+        changed = [*effect, *(literal for when in conditional for literal in when.effect)]
+        self._refuse_events([literal.atom for literal in changed], "effect")
+        self._refuse_unknown_parameters()
         with self.document.locating("skills", self.name, "execute"):
             execute = parse_execution(entry.execute, list(domains), self.file.components)
-        mentioned = [*(literal.atom for literal in (*precondition, *effect)), *assumes]
+        self._refuse_flights_to_objects(execute, domains)
+        conditions = [literal for when in conditional for literal in when.condition]
+        literals = (*precondition, *changed, *conditions)
+        mentioned = [*(literal.atom for literal in literals), *assumes]
         self._refuse_unused(mentioned, execute)
         return Skill(
             name=self.name,
@@ -86,6 +97,8 @@ class _Builder:
             execute=execute,
             tries=entry.tries,
             timeout_s=entry.timeout_s,
+            conditional=conditional,
+            distinct=tuple(map(tuple, entry.distinct)),
         )
 
     def _domains(self) -> Mapping[str, Domain]:
@@ -102,6 +115,26 @@ class _Builder:
                     f"choose another name: at({parameter}) would have two meanings",
                 )
         return {p: tuple(self.file.sets[s]) for p, s in self.entry.parameters.items()}
+
+    def _refuse_unknown_parameters(self) -> None:
+        for group, names in enumerate(self.entry.distinct):
+            for index, name in enumerate(names):
+                if name not in self.entry.parameters:
+                    raise MissionError(
+                        f"{self.name} has no parameter {name}",
+                        self.document.where("skills", self.name, "distinct", group, index),
+                        f"its parameters are {', '.join(self.entry.parameters)}",
+                    )
+
+    def _refuse_flights_to_objects(self, execute: Execution, domains: Mapping[str, Domain]) -> None:
+        if isinstance(execute, Fly):
+            for member in domains[execute.place]:
+                if member not in self.file.places:
+                    raise MissionError(
+                        f"{self.name} cannot fly to {member}, which is no place",
+                        self.document.where("skills", self.name, "execute"),
+                        f"places are {', '.join(self.file.places)}",
+                    )
 
     def _facts(
         self,

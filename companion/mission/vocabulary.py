@@ -16,7 +16,7 @@ from companion.mission.literals import atom_of
 from companion.mission.model import Atom
 
 Domain = tuple[str, ...]
-"""The places that one argument of a predicate may be."""
+"""The places or objects that one argument of a predicate may be."""
 
 _SHOWN = 20  # names listed in a message
 
@@ -27,10 +27,14 @@ class Vocabulary:
     Args:
         places: names of all places.
         events: names of all events.
+        objects: names of things that are no places.
     """
 
-    def __init__(self, places: Iterable[str], events: Iterable[str]) -> None:
+    def __init__(
+        self, places: Iterable[str], events: Iterable[str], objects: Iterable[str] = ()
+    ) -> None:
         self._places = tuple(places)
+        self._objects = tuple(objects)
         self._uses: dict[str, list[tuple[Domain, ...]]] = {"at": [(self._places,)]}
         self._uses |= {event: [()] for event in events}
 
@@ -42,25 +46,28 @@ class Vocabulary:
             domains: the skill's parameters and what they range over.
 
         Raises:
-            FormulaError: an argument is neither a parameter nor a place, or a known predicate
-                has another number of arguments.
+            FormulaError: an argument is neither a parameter nor a place or object, a known
+                predicate has another number of arguments, or `at` one that is no place.
         """
         for fact, offset, length in occurrences(text):
             atom = atom_of(fact)
             for argument in atom.arguments:
-                if argument not in domains and argument not in self._places:
-                    known = [*domains, *self._places]
-                    hint = f"parameters and places are {_listing(known)}."
-                    raise FormulaError(
-                        f"{argument} in {fact} is neither a parameter nor a place",
-                        text,
-                        offset,
-                        length,
-                        f"{hint} {did_you_mean(argument, known)}".rstrip(),
-                    )
+                known = [*domains, *self._places, *self._objects]
+                if argument not in known:
+                    kinds = "parameters, places and objects"
+                    if not self._objects:
+                        kinds = "parameters and places"
+                    what = f"{argument} in {fact} is neither a parameter nor a place"
+                    hint = f"{kinds} are {_listing(known)}. {did_you_mean(argument, known)}"
+                    raise FormulaError(what, text, offset, length, hint.rstrip())
             if atom.name in self._uses:
                 self._check_arity(atom, text, offset, length)
             use = tuple(domains.get(argument, (argument,)) for argument in atom.arguments)
+            strange = [m for domain in use for m in domain if m not in self._places]
+            if atom.name == "at" and strange:
+                hint = f"the vehicle can be at {_listing(self._places)}"
+                what = f"{fact} speaks of {strange[0]}, which is no place"
+                raise FormulaError(what, text, offset, length, hint)
             self._uses.setdefault(atom.name, []).append(use)
 
     def check(self, text: str) -> None:
@@ -107,8 +114,10 @@ class Vocabulary:
         return did_you_mean(atom.ground({}), facts)
 
     def _domain_listing(self, atom: Atom) -> str:
-        if any(argument not in self._places for argument in atom.arguments):
-            return self._place_listing()
+        things = (*self._places, *self._objects)
+        if any(argument not in things for argument in atom.arguments):
+            listing = f"places are {_listing(self._places)}"
+            return listing + (f"; objects are {_listing(self._objects)}" if self._objects else "")
         allowed = (
             dict.fromkeys(p for use in self._uses[atom.name] for p in use[i])
             for i in range(len(atom.arguments))
@@ -117,9 +126,6 @@ class Vocabulary:
             f"argument {i} of {atom.name} is one of {_listing(places)}"
             for i, places in enumerate(allowed, start=1)
         )
-
-    def _place_listing(self) -> str:
-        return f"places are {_listing(self._places)}"
 
 
 def _listing(names: Iterable[str]) -> str:

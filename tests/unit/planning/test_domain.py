@@ -172,7 +172,8 @@ def test_where_a_skill_starts(precondition: str, origin: str | None) -> None:
 def test_a_flight_that_starts_anywhere_costs_what_it_says() -> None:
     """Without at(from) nobody knows how far it is: only a written cost makes sense."""
     jump = replace(move(precondition="ready"), cost_s=6.0)
-    found = actions(mission("F at(A)", skills=[jump]))["move(A, B)"]
+    asked = mission("F at(A)", skills=[jump], initially=["at(H)", "ready"])
+    found = actions(asked)["move(A, B)"]
     assert found.cost_ms == 6000
 
 

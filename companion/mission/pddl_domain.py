@@ -1,0 +1,291 @@
+"""What does a PDDL domain say of a mission? Its actions as skills, its types as sets.
+
+The domain and problem files are read by unified-planning and written in the mission's own
+terms, as if the author had: facts such as `in(p1, Home)`, effects such as
+`free & (wants(c, x) -> delivered(x))`. So they are checked, and errors are explained, in the
+same way. What an action does in the world (`execute`) stands in the mission file.
+
+PDDL does not tell upper from lower case; a name that the mission file has is spelled as there,
+all others in lower case. `-` becomes `_`. Preconditions are conjunctions of facts and negated
+facts, and parameters that differ; effects may be conditional and universal. Numbers other than
+the total cost, durations, and disjunctions are refused.
+
+Source: McDermott et al., PDDL, 1998; the paper, last point of Section III-C.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from companion.documents import Document, did_you_mean
+from companion.errors import MissionError
+from companion.mission.schema import MissionFile, SkillEntry
+
+if TYPE_CHECKING:
+    from unified_planning.model import Action, Effect, FNode, Problem, Type
+
+INSTALL = "pip install 'mav-companion[planners]'"
+MAX_BYTES = 100_000
+OF_THE_DOMAIN = ("parameters", "precondition", "effect", "distinct")
+"""Keys that a skill of a PDDL domain has there."""
+
+Binding = Mapping[str, str]
+"""What stands for the variables of a universal effect."""
+
+
+def with_domain(file: MissionFile, document: Document, folder: Path) -> MissionFile:
+    """The mission file with what its PDDL files say.
+
+    Raises:
+        MissionError: a file cannot be read, uses what is not supported, or contradicts the
+            mission file.
+    """
+    if file.domain is None:
+        if file.problem is None:
+            return file
+        raise MissionError(
+            "a problem without a domain", document.key_at("problem"), "add domain: FILE.pddl"
+        )
+    problem = _parsed(folder, file, document)
+    return _Import(file, document, problem).merged()
+
+
+def _parsed(folder: Path, file: MissionFile, document: Document) -> Problem:
+    try:
+        from unified_planning.exceptions import UPException
+        from unified_planning.io import PDDLReader
+    except ImportError:
+        hint = f"install it: {INSTALL}"
+        where = document.where("domain")
+        raise MissionError("PDDL needs unified-planning", where, hint) from None
+    names = [name for name in (file.domain, file.problem) if name is not None]
+    texts = [_text(folder / name, document, key) for name, key in zip(names, KEYS, strict=False)]
+    try:
+        return PDDLReader().parse_problem_string(*texts)
+    except RecursionError:
+        reason = "it is nested too deeply"
+    except (UPException, SyntaxError, ValueError, KeyError, AssertionError) as error:
+        reason = " ".join(str(error).split()) or type(error).__name__
+    except Exception as error:
+        if not type(error).__module__.startswith("pyparsing"):
+            raise
+        reason = str(error)
+    raise MissionError(
+        f"{' and '.join(names)} cannot be read as PDDL: {reason[:300]}",
+        document.where("domain"),
+        "the reader knows PDDL 2.1 with :strips, :typing, :negative-preconditions, :equality, "
+        ":conditional-effects, :universal-preconditions and :action-costs",
+    )
+
+
+KEYS = ("domain", "problem")
+
+
+def _text(path: Path, document: Document, key: str) -> str:
+    try:
+        with path.open("rb") as stream:
+            data = stream.read(MAX_BYTES + 1)
+        if len(data) > MAX_BYTES:
+            raise MissionError(f"{path.name} has more than {MAX_BYTES} bytes", document.where(key))
+        return data.decode("utf-8")
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise MissionError(f"{path} cannot be read: {reason}", document.where(key)) from error
+
+
+@dataclass(frozen=True)
+class _Import:
+    """A parsed PDDL problem in the words of a mission file."""
+
+    file: MissionFile
+    document: Document
+    problem: Problem
+
+    def merged(self) -> MissionFile:
+        """The mission file with all of it."""
+        file = self.file
+        skills = {self._skill_name(action): action for action in self.problem.actions}
+        self._refuse_unknown(skills)
+        named = [self._member(thing.name) for thing in self.problem.all_objects]
+        known = {*file.places, *file.objects}
+        facts = [fact for fact in self._initially() if fact not in file.initially]
+        goal = self._goal() if file.goal is None and not file.task else file.goal
+        return file.model_copy(
+            update={
+                "objects": [*file.objects, *(name for name in named if name not in known)],
+                "sets": {**file.sets, **self._sets()},
+                "skills": {name: self._skill(name, action) for name, action in skills.items()},
+                "initially": [*file.initially, *facts],
+                "goal": goal,
+            }
+        )
+
+    def _refuse_unknown(self, skills: Mapping[str, Action]) -> None:
+        for name in self.file.skills:
+            if name not in skills:
+                raise MissionError(
+                    f"the domain has no action {name}",
+                    self.document.key_at("skills", name),
+                    f"its actions are {', '.join(skills)}. {did_you_mean(name, skills)}".rstrip(),
+                )
+
+    def _skill(self, name: str, action: Action) -> SkillEntry:
+        entry = self.file.skills.get(name)
+        if entry is None:
+            raise MissionError(
+                f"nothing says what the action {name} does in the world",
+                self.document.where("domain"),
+                f"add to skills: {name}: {{execute: ...}}",
+            )
+        for key in OF_THE_DOMAIN:
+            if key in entry.model_fields_set:
+                raise MissionError(
+                    f"{key} of {name} stands in the domain already",
+                    self.document.key_at("skills", name, key),
+                    "remove one of the two",
+                )
+        precondition, distinct = self._precondition(name, action)
+        effects = [self._effect(name, effect) for effect in action.effects]
+        cost = entry.cost if entry.cost is not None else self._cost(name, action)
+        return entry.model_copy(
+            update={
+                "parameters": {
+                    self._plain(p.name): self._set_name(p.type) for p in action.parameters
+                },
+                "precondition": " & ".join(precondition) or None,
+                "distinct": distinct,
+                "effect": " & ".join(itertools.chain(*effects)) or None,
+                "cost": cost,
+            }
+        )
+
+    def _precondition(self, name: str, action: Action) -> tuple[list[str], list[list[str]]]:
+        facts: list[str] = []
+        distinct: list[list[str]] = []
+        for part in itertools.chain(*map(_conjuncts, action.preconditions)):
+            if part.is_not() and part.arg(0).is_equals():
+                distinct.append([self._argument(a, {}) for a in part.arg(0).args])
+            else:
+                facts.append(self._literal(part, {}, f"the precondition of {name}"))
+        return facts, distinct
+
+    def _effect(self, name: str, effect: Effect) -> Iterator[str]:
+        """The facts of one effect, for every choice of its variables."""
+        where = f"an effect of {name}"
+        if not effect.value.is_bool_constant():
+            raise self._unsupported(where, str(effect))
+        domains = [self._members(variable.type) for variable in effect.forall]
+        for members in itertools.product(*domains):
+            binding = dict(zip((v.name for v in effect.forall), members, strict=True))
+            fact = self._literal(effect.fluent, binding, where)
+            text = fact if effect.value.is_true() else f"!{fact}"
+            if effect.is_conditional():
+                condition = [
+                    self._literal(part, binding, where) for part in _conjuncts(effect.condition)
+                ]
+                text = f"({' & '.join(condition)} -> {text})"
+            yield text
+
+    def _cost(self, name: str, action: Action) -> float | None:
+        for metric in self.problem.quality_metrics:
+            if not metric.is_minimize_action_costs():
+                if "total-cost" in str(metric):
+                    continue  # no action has a cost
+                raise self._unsupported("the metric", str(metric))
+            cost = metric.get_action_cost(action)
+            if cost is None or (cost.is_constant() and not cost.constant_value()):
+                return None
+            if not cost.is_constant():
+                raise MissionError(
+                    f"the cost of {name} depends on its parameters: {cost}",
+                    self.document.where("skills", name),
+                    "write cost: flight_time, or seconds, in the mission file",
+                )
+            return float(cost.constant_value())
+        return None
+
+    def _initially(self) -> Iterable[str]:
+        for fluent, value in self.problem.explicit_initial_values.items():
+            if value.is_true():
+                yield self._fact(fluent, {})
+
+    def _goal(self) -> str | None:
+        parts = itertools.chain(*map(_conjuncts, self.problem.goals))
+        return " & ".join(self._literal(part, {}, "the goal") for part in parts) or None
+
+    def _sets(self) -> dict[str, list[str]]:
+        """The types that have members; those that have none must be sets of the mission file."""
+        sets: dict[str, list[str]] = {}
+        for kind in self.problem.user_types:
+            name = self._set_name(kind)
+            members = [self._member(thing.name) for thing in self.problem.objects(kind)]
+            if members and name in self.file.sets:
+                raise MissionError(
+                    f"{name} is a type with members in PDDL, and a set here",
+                    self.document.key_at("sets", name),
+                    "remove one of the two",
+                )
+            if members:
+                sets[name] = members
+        return sets
+
+    def _members(self, kind: Type) -> list[str]:
+        """The members of a type, which the mission file has where PDDL has none."""
+        members = [self._member(thing.name) for thing in self.problem.objects(kind)]
+        return members or self.file.sets.get(self._set_name(kind), [])
+
+    def _literal(self, node: FNode, binding: Binding, where: str) -> str:
+        is_negative = node.is_not()
+        atom = node.arg(0) if is_negative else node
+        if not atom.is_fluent_exp() or not atom.type.is_bool_type():
+            raise self._unsupported(where, str(node))
+        return f"!{self._fact(atom, binding)}" if is_negative else self._fact(atom, binding)
+
+    def _fact(self, atom: FNode, binding: Binding) -> str:
+        name = self._spelled(atom.fluent().name, self.file.events)
+        arguments = ", ".join(self._argument(argument, binding) for argument in atom.args)
+        return f"{name}({arguments})" if arguments else name
+
+    def _argument(self, node: FNode, binding: Binding) -> str:
+        if node.is_variable_exp():
+            return binding[node.variable().name]
+        if node.is_parameter_exp():
+            return self._plain(node.parameter().name)
+        return self._member(node.object().name)
+
+    def _member(self, name: str) -> str:
+        return self._spelled(name, {**self.file.places, **dict.fromkeys(self.file.objects)})
+
+    def _set_name(self, kind: Type) -> str:
+        return self._spelled(kind.name, self.file.sets)
+
+    def _skill_name(self, action: Action) -> str:
+        return self._spelled(action.name, self.file.skills)
+
+    def _spelled(self, name: str, known: Iterable[str]) -> str:
+        """A name as the mission file has it, if it has it."""
+        plain = self._plain(name)
+        return next((other for other in known if other.lower() == plain.lower()), plain)
+
+    def _plain(self, name: str) -> str:
+        return name.replace("-", "_")
+
+    def _unsupported(self, where: str, what: str) -> MissionError:
+        return MissionError(
+            f"{where} in the PDDL files is not supported: {what[:200]}",
+            self.document.where("domain"),
+            "conditions are facts and negated facts joined by and; effects may be conditional",
+        )
+
+
+def _conjuncts(node: Any) -> Iterator[FNode]:
+    """The parts of a conjunction; none of true."""
+    if node.is_and():
+        for part in node.args:
+            yield from _conjuncts(part)
+    elif not node.is_true():
+        yield node

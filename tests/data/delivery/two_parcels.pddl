@@ -1,0 +1,5 @@
+(define (problem two-parcels)
+  (:domain delivery)
+  (:objects Home - depot A B - customer p1 p2 - parcel)
+  (:init (at Home) (free) (in p1 Home) (in p2 Home) (wants A p1) (wants B p2))
+  (:goal (and (delivered p1) (delivered p2))))
