@@ -33,6 +33,9 @@ MAX_BYTES = 100_000
 OF_THE_DOMAIN = ("parameters", "precondition", "effect", "distinct")
 """Keys that a skill of a PDDL domain has there."""
 
+KEYS = ("domain", "problem")
+TOTAL_COST = "total-cost"
+
 Binding = Mapping[str, str]
 """What stands for the variables of a universal effect."""
 
@@ -80,9 +83,6 @@ def _parsed(folder: Path, file: MissionFile, document: Document) -> Problem:
         "the reader knows PDDL 2.1 with :strips, :typing, :negative-preconditions, :equality, "
         ":conditional-effects, :universal-preconditions and :action-costs",
     )
-
-
-KEYS = ("domain", "problem")
 
 
 def _text(path: Path, document: Document, key: str) -> str:
@@ -149,7 +149,7 @@ class _Import:
                     "remove one of the two",
                 )
         precondition, distinct = self._precondition(name, action)
-        effects = [self._effect(name, effect) for effect in action.effects]
+        effects = [self._effect(name, effect) for effect in action.effects if not _is_cost(effect)]
         cost = entry.cost if entry.cost is not None else self._cost(name, action)
         return entry.model_copy(
             update={
@@ -191,22 +191,21 @@ class _Import:
             yield text
 
     def _cost(self, name: str, action: Action) -> float | None:
+        """What an action adds to the total cost; where a metric names it, the reader moved it."""
+        costs = [effect.value for effect in action.effects if _is_cost(effect)]
         for metric in self.problem.quality_metrics:
-            if not metric.is_minimize_action_costs():
-                if "total-cost" in str(metric):
-                    continue  # no action has a cost
+            if metric.is_minimize_action_costs():
+                costs += [cost for cost in [metric.get_action_cost(action)] if cost is not None]
+            elif TOTAL_COST not in str(metric):
                 raise self._unsupported("the metric", str(metric))
-            cost = metric.get_action_cost(action)
-            if cost is None or (cost.is_constant() and not cost.constant_value()):
-                return None
+        for cost in costs:
             if not cost.is_constant():
                 raise MissionError(
                     f"the cost of {name} depends on its parameters: {cost}",
                     self.document.where("skills", name),
                     "write cost: flight_time, or seconds, in the mission file",
                 )
-            return float(cost.constant_value())
-        return None
+        return sum(float(cost.constant_value()) for cost in costs) or None
 
     def _initially(self) -> Iterable[str]:
         for fluent, value in self.problem.explicit_initial_values.items():
@@ -280,6 +279,10 @@ class _Import:
             self.document.where("domain"),
             "conditions are facts and negated facts joined by and; effects may be conditional",
         )
+
+
+def _is_cost(effect: Effect) -> bool:
+    return bool(effect.is_increase()) and effect.fluent.fluent().name == TOTAL_COST
 
 
 def _conjuncts(node: Any) -> Iterator[FNode]:

@@ -89,10 +89,12 @@ def test_sets_of_the_mission_file_may_have_the_members(spoil: Spoil) -> None:
     assert mission.sets["customer"] == ("A",)
 
 
-def test_costs_of_the_domain(spoil: Spoil) -> None:
+@pytest.mark.parametrize("has_metric", [False, True])
+def test_costs_of_the_domain(spoil: Spoil, has_metric: bool) -> None:
     spoil("delivery.pddl", "(:action move", "(:functions (total-cost) - number) (:action move")
-    goal = "(delivered p1) (delivered p2)))"
-    spoil("two_parcels.pddl", goal, f"{goal} (:metric minimize (total-cost))")
+    if has_metric:
+        goal = "(delivered p1) (delivered p2))"
+        spoil("two_parcels.pddl", goal, f"{goal}) (:metric minimize (total-cost)")
     spoil("delivery.yaml", 'USER_2)", cost: 5', 'USER_2)"')
     mission = spoil(
         "delivery.pddl",
