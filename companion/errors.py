@@ -54,6 +54,9 @@ class MissionError(CompanionError):
         super().__init__("\n".join([head, *(f"    {line}" for line in hint.splitlines())]))
 
 
+_SHOWN = 80  # characters of a long formula before and after the offending token
+
+
 class FormulaError(MissionError):
     """A formula that cannot be read; shows the text with a caret under the offending token.
 
@@ -79,9 +82,16 @@ class FormulaError(MissionError):
         self.offset = offset
         self.length = length
         self.advice = hint
-        line_start = text.rfind("\n", 0, offset) + 1
-        line = text[line_start:].split("\n", 1)[0]
-        caret = " " * (offset - line_start) + "^" * max(1, length)
+        start = text.rfind("\n", 0, offset) + 1
+        end = text.find("\n", offset)
+        line = text[start:end] if end >= 0 else text[start:]
+        at, width = offset - start, max(1, min(length, _SHOWN))
+        if len(line) > 2 * _SHOWN:  # an excerpt
+            first = max(0, at - _SHOWN)
+            before, after = "... " * (first > 0), " ..." * (at + _SHOWN < len(line))
+            line = before + line[first : at + _SHOWN] + after
+            at += len(before) - first
+        caret = " " * at + "^" * width
         super().__init__(what, where, "\n".join(filter(None, [line, f"{caret}  {hint}".rstrip()])))
 
     def located(self, where: Location) -> FormulaError:
