@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import re
+import sys
 from pathlib import Path
 
 import pytest
+from commands import Companion, Ended
 from hypothesis import settings
 
 from companion.app import route_map
+from companion.cli import main
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
 from companion.motion.routes import RouteMap
@@ -26,3 +30,22 @@ def surveillance() -> Mission:
 @pytest.fixture(scope="session")
 def surveillance_routes(surveillance: Mission) -> RouteMap:
     return route_map(surveillance)
+
+
+@pytest.fixture
+def companion(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> Companion:
+    """Runs `companion ARGUMENTS` in this process."""
+    monkeypatch.setenv("COLUMNS", "200")
+    monkeypatch.setenv("COMPANION_LOG_DIR", str(tmp_path / "runs"))
+    monkeypatch.delenv("COMPANION_CONNECT", raising=False)
+
+    def run(*arguments: object) -> Ended:
+        monkeypatch.setattr(sys, "argv", ["companion", *map(str, arguments)])
+        with pytest.raises(SystemExit) as end:
+            main()
+        captured = (re.sub(r"\x1b\[[\d;]*m", "", text) for text in capsys.readouterr())
+        return Ended(int(end.value.code or 0), *captured)
+
+    return run

@@ -1,14 +1,18 @@
 """The best lasso by definition: the whole product, one node after the other, nothing left out.
 
 Shares no code with the planner's search: sets in place of bits, the automata as they are, and
-Dijkstra's algorithm over (node, marks met) from every node. For small problems.
+Dijkstra's algorithm over (node, marks met) from every node. For small problems. `shortest_tour`
+is the same question where only the order of sites is asked for.
+
+Source: Held and Karp, A dynamic programming approach to sequencing problems, 1962.
 """
 
 from __future__ import annotations
 
 import heapq
 import itertools
-from collections.abc import Iterable
+import operator
+from collections.abc import Iterable, Mapping, Sequence
 
 from companion.planning.lasso import Problem
 
@@ -80,6 +84,88 @@ def best_sum(asked: Problem) -> int | None:
     """The least cost of prefix and lap together."""
     reached, rounds = arrivals(asked), laps(asked)
     return min((lap + reached[node] for node, lap in rounds.items()), default=None)
+
+
+def best_wait(asked: Problem, unit_ms: int) -> int | None:
+    """The least worst time between two meetings of the same mark.
+
+    Args:
+        unit_ms: all costs are multiples of this.
+    """
+    graph = edges(asked)
+    marks = sum(c.automaton.marks for c in asked.conjuncts)
+    longest = best_lap_and_prefix(asked)  # on any lap no wait is longer than the lap
+    if longest is None:
+        return None
+    low, high = 0, longest[0] // unit_ms  # impossible, possible
+    while high - low > 1:
+        middle = (low + high) // 2
+        if _can_go_on(graph, marks, middle * unit_ms):
+            high = middle
+        else:
+            low = middle
+    return high * unit_ms
+
+
+def _can_go_on(
+    graph: Mapping[Node, list[tuple[Node, int, int, int]]], marks: int, limit_ms: int
+) -> bool:
+    """Whether a run can go on for ever with no mark unmet for longer than a limit."""
+    following: dict[tuple[Node, tuple[int, ...]], list[tuple[Node, tuple[int, ...]]]] = {}
+    todo = [(node, (0,) * marks) for node in graph]
+    while todo:
+        node, waits = state = todo.pop()
+        if state in following:
+            continue
+        following[state] = [
+            (target, tuple(0 if met >> m & 1 else wait + cost for m, wait in enumerate(waits)))
+            for target, _, cost, met in graph[node]
+            if max(waits) + cost <= limit_ms
+        ]
+        todo += following[state]
+    while dead := [state for state, after in following.items() if not after]:
+        for state in dead:
+            del following[state]
+        following = {s: [t for t in after if t in following] for s, after in following.items()}
+    return bool(following)
+
+
+def shortest_tour(sites: Sequence[str], legs: Mapping[tuple[str, str], int]) -> int:
+    """The shortest closed walk over all sites, by dynamic programming over sets of sites.
+
+    Args:
+        legs: cost of the direct way between places, which may lead over other places.
+    """
+    ways = _shortest_ways(legs)
+    first, *others = sites
+    if not others:
+        return min(ways[first, p] + ways[p, first] for p, q in ways if p != first and q == first)
+    far = 1 + len(sites) * max(ways.values())
+    into = [[ways[a, b] if a != b else far for a in others] for b in others]
+    begun = [ways[first, b] for b in others]
+    best: list[list[int]] = [[]]  # for each set of sites, by the last of them
+    for visited in range(1, 1 << len(others)):
+        best.append(
+            [
+                far
+                if not visited >> last & 1
+                else begun[last]
+                if visited == 1 << last
+                else min(map(operator.add, best[visited ^ 1 << last], into[last]))
+                for last in range(len(others))
+            ]
+        )
+    return min(map(operator.add, best[-1], (ways[a, first] for a in others)))
+
+
+def _shortest_ways(legs: Mapping[tuple[str, str], int]) -> dict[tuple[str, str], int]:
+    """Floyd and Warshall's algorithm; every place has to be reachable from every other."""
+    places = sorted({place for pair in legs for place in pair})
+    ways = {pair: legs.get(pair, 1 << 40) for pair in itertools.permutations(places, 2)}
+    for via, a, b in itertools.product(places, repeat=3):
+        if a != b and via not in (a, b):
+            ways[a, b] = min(ways[a, b], ways[a, via] + ways[via, b])
+    return ways
 
 
 def _dijkstra(

@@ -14,44 +14,16 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+from commands import Companion
 from ports import free_instance
 
-from companion.cli import main
 from sitl.link.server import Server
 
 MISSIONS = Path(__file__).parents[1] / "missions"
 SURVEILLANCE = MISSIONS / "surveillance.yaml"
 
 
-class Ended(NamedTuple):
-    """How a command ended."""
-
-    code: int
-    out: str
-    err: str
-
-
-Companion = Callable[..., Ended]
 Spoil = Callable[[str, str], Path]
-
-
-@pytest.fixture
-def companion(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> Companion:
-    """Runs `companion ARGUMENTS` in this process."""
-    monkeypatch.setenv("COLUMNS", "200")
-    monkeypatch.setenv("COMPANION_LOG_DIR", str(tmp_path / "runs"))
-    monkeypatch.delenv("COMPANION_CONNECT", raising=False)
-
-    def run(*arguments: object) -> Ended:
-        monkeypatch.setattr(sys, "argv", ["companion", *map(str, arguments)])
-        with pytest.raises(SystemExit) as end:
-            main()
-        captured = (re.sub(r"\x1b\[[\d;]*m", "", text) for text in capsys.readouterr())
-        return Ended(int(end.value.code or 0), *captured)
-
-    return run
 
 
 @pytest.fixture
@@ -87,8 +59,11 @@ def free_port() -> int:
 
 OPTIONS = {
     "check": [],
-    "plan": ["--at", "--set", "--unset", "--without", "--json"],
-    "ltl": ["--format", "--state-based"],
+    "plan": [
+        *("--at", "--set", "--unset", "--without", "--objective"),
+        *("--engine", "--encoding", "--timeout", "--pddl", "--json"),
+    ],
+    "ltl": ["--format", "--state-based", "--monolithic", "--batch", "--exclusive"],
     "run": ["--connect", "--accept-weak-failsafes", "--timeout", "--log-dir"],
     "sim": ["--scenario", "--speed", "--seed", "--instance", "--timeout", "--log-dir"],
 }
@@ -300,14 +275,3 @@ def test_plan_says_why_there_is_none(companion: Companion) -> None:
     assert ended.code == 3
     assert "upload cannot hold" in ended.err
     assert "with canUpload(r1) or canUpload(r2) or canUpload(r3)" in ended.err
-
-
-def test_ltl_prints_an_automaton_in_each_form(companion: Companion) -> None:
-    formula = "patrolling(A, B)"
-    assert companion("ltl", formula).out.startswith("HOA: v1\n")
-    assert companion("ltl", formula, "--format", "dot").out.startswith("digraph")
-    stats = companion("ltl", formula, "--format", "stats").out
-    assert re.search(r"^states +1$", stats, re.MULTILINE)
-    assert re.search(r"^marks +2$", stats, re.MULTILINE)
-    by_states = companion("ltl", formula, "--state-based").out
-    assert "state-acc" in by_states and "acc-name: Buchi\n" in by_states

@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+import re
+import time
+from collections.abc import Iterable
+from dataclasses import astuple, dataclass, replace
 from enum import StrEnum
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+
+from companion.errors import FormulaError, Location, MissionError
+
+if TYPE_CHECKING:
+    from companion.ltl.automaton import BuchiAutomaton
+    from companion.ltl.formula import Formula
 
 
 class Form(StrEnum):
@@ -17,30 +26,166 @@ class Form(StrEnum):
     STATS = "stats"
 
 
+COLUMNS = (
+    "states",
+    "transitions",
+    "marks",
+    "propositions",
+    "deterministic",
+    "complete",
+    "milliseconds",
+    "formula",
+)
+"""What --format stats prints of each automaton; --batch puts a column `line` before them."""
+
+
 def ltl(
-    formula: Annotated[str, typer.Argument(help="e.g. 'G (F at(A) | targetFound)'")],
+    formula: Annotated[
+        str | None, typer.Argument(metavar="FORMULA", help="e.g. 'G (F at(A) | targetFound)'")
+    ] = None,
     form: Annotated[
-        Form, typer.Option("--format", help="HOA v1, Graphviz, or how large it is.")
+        Form, typer.Option("--format", help="HOA v1, a drawing for Graphviz, or a table.")
     ] = Form.HOA,
     by_states: Annotated[
         bool, typer.Option("--state-based", help="Accept by states and not by transitions.")
     ] = False,
+    monolithic: Annotated[
+        bool, typer.Option("--monolithic", help="One automaton for the whole formula.")
+    ] = False,
+    batch: Annotated[
+        typer.FileText | None,
+        typer.Option(
+            metavar="FILE",
+            encoding="utf-8-sig",
+            errors="replace",  # the parser points to what could not be read
+            help="Formulas from a file, one a line; - is standard input.",
+        ),
+    ] = None,
+    exclusive: Annotated[
+        str, typer.Option(metavar="NAMES", help="At most one of them holds at a time.")
+    ] = "",
 ) -> None:
-    """Prints the Büchi automaton of a formula; mission patterns such as visit(A, B) are known."""
-    from companion.ltl.automaton import state_based, statistics
-    from companion.ltl.dot import to_dot
-    from companion.ltl.hoa import to_hoa
-    from companion.ltl.parser import parse
-    from companion.ltl.translate import translate
+    """Prints the Büchi automata of a formula of linear temporal logic.
 
-    automaton = translate(parse(formula))
-    if by_states:
-        automaton = state_based(automaton)
-    match form:
-        case Form.HOA:
-            typer.echo(to_hoa(automaton, marks_on_states=by_states).rstrip())
-        case Form.DOT:
-            typer.echo(to_dot(automaton).rstrip())
-        case Form.STATS:
-            for name, value in asdict(statistics(automaton)).items():
-                typer.echo(f"{name.replace('_', ' '):<18} {value}")
+    A formula is split at & and at G over &, as the planner does it, and each conjunct gets its own
+    automaton. A formula is made of propositions such as targetFound or at(A), of true, false, ( ),
+    ! & | -> <->, of X (next), F (eventually), G (always), U (until), R (release), W (weak until),
+    and of mission patterns such as patrolling(A, B).
+
+    \b
+    Examples:
+      companion ltl 'G (F at(A) | targetFound)'
+      companion ltl 'patrolling(A, B, C)' --format stats
+      companion ltl 'F at(A) & F at(B)' --monolithic --exclusive 'at(A), at(B)'
+      companion ltl 'F at(A)' --format dot | dot -Tsvg > automaton.svg
+      companion ltl --batch formulas.txt --format stats > sizes.tsv
+
+    In a file, blank lines and lines that begin with # are skipped; the name of each automaton
+    begins with file and line. A formula that cannot be read, or whose automaton is too large, is
+    reported with its place; all others are printed, and the command ends with exit code 2.
+    """
+    if (formula is None) == (batch is None):
+        raise typer.BadParameter("give either a formula or --batch FILE", param_hint="FORMULA")
+    request = _Request(form, by_states, monolithic, _propositions(exclusive))
+    if form is Form.STATS:
+        _print_row(COLUMNS if batch is None else ("line", *COLUMNS))
+    if formula is not None:
+        request.print_automata(formula)
+    if batch is not None:
+        _print_all(batch, "<stdin>" if batch.name == "-" else batch.name, request)
+
+
+def _propositions(names: str) -> frozenset[str]:
+    """The propositions of a list such as `at(A), ok(A, B)`."""
+    from companion.ltl.parser import atom
+
+    comma_outside_brackets = r",(?![^(]*\))"
+    found = set()
+    for name in re.split(comma_outside_brackets, names) if names else ():
+        try:
+            found.add(atom(name).atom)
+        except FormulaError as error:
+            what = f"{name.strip()!r} is not a proposition such as at(A)"
+            raise typer.BadParameter(what, param_hint="--exclusive") from error
+    return frozenset(found)
+
+
+@dataclass(frozen=True, slots=True)
+class _Request:
+    """What the options ask for."""
+
+    form: Form
+    by_states: bool
+    monolithic: bool
+    exclusive: frozenset[str]
+
+    def print_automata(self, text: str, line: Location | None = None) -> None:
+        """All automata of a formula, or none. Raises FormulaError and TranslationLimit.
+
+        Args:
+            line: where the formula comes from; said with each automaton.
+        """
+        from companion.ltl.formula import conjuncts
+        from companion.ltl.parser import parse
+
+        formula = parse(text)
+        parts = (formula,) if self.monolithic else conjuncts(formula)
+        for automaton, milliseconds in [self._translated(part) for part in parts]:
+            self._print(automaton, milliseconds, line)
+
+    def _translated(self, formula: Formula) -> tuple[BuchiAutomaton, float]:
+        """An automaton, and the milliseconds that it took."""
+        from companion.ltl.automaton import state_based
+        from companion.ltl.translate import translate
+
+        keywords: dict[str, Any] = {"exclusive": self.exclusive} if self.exclusive else {}
+        began_s = time.perf_counter()
+        automaton = translate(formula, **keywords)
+        if self.by_states:
+            automaton = state_based(automaton)
+        return automaton, 1000 * (time.perf_counter() - began_s)
+
+    def _print(self, automaton: BuchiAutomaton, milliseconds: float, line: Location | None) -> None:
+        from companion.ltl.automaton import statistics
+        from companion.ltl.dot import to_dot
+        from companion.ltl.hoa import to_hoa
+
+        if self.form is Form.STATS:
+            *counts, is_deterministic, is_complete = astuple(statistics(automaton))
+            verdicts = ["yes" if x else "no" for x in (is_deterministic, is_complete)]
+            cells = [*counts, *verdicts, f"{milliseconds:.2f}", automaton.name]
+            _print_row(cells if line is None else [line.line, *cells])
+            return
+        if line is not None:
+            automaton = replace(automaton, name=f"{line.path}:{line.line}: {automaton.name}")
+        if self.form is Form.DOT:
+            typer.echo(to_dot(automaton), nl=False)
+        else:
+            typer.echo(to_hoa(automaton, marks_on_states=self.by_states), nl=False)
+
+
+def _print_row(cells: Iterable[object]) -> None:
+    typer.echo("\t".join(map(str, cells)))
+
+
+def _print_all(lines: Iterable[str], path: str, request: _Request) -> None:
+    """One formula a line. Raises MissionError at the end if any of them had no automaton."""
+    from companion.ltl.budget import TranslationLimit
+
+    tried = failed = 0
+    for number, line in enumerate(lines, 1):
+        text = line.rstrip()
+        start = len(text) - len(text.lstrip())
+        if not text or text[start] == "#":
+            continue
+        tried += 1
+        try:
+            request.print_automata(text, Location(path, number, start + 1))
+        except FormulaError as error:
+            failed += 1
+            typer.echo(str(error.located(Location(path, number, error.offset + 1))), err=True)
+        except TranslationLimit as error:
+            failed += 1
+            typer.echo(str(error.located(Location(path, number, start + 1))), err=True)
+    if failed:
+        raise MissionError(f"{failed} of {tried} formulas in {path} have no automaton")

@@ -11,13 +11,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from companion.cli.arguments import MissionFile, load
-from companion.planning.objective import Objective
+from companion.errors import CompanionError
+from companion.planning.objective import Encoding, Objective
 
 if TYPE_CHECKING:
     from companion.planning.lasso import Letter, Problem, Solution
     from companion.planning.planner import Planner
     from companion.planning.supposition import Supposition
 
+BUILT_IN = "built-in"
 FORMAT_VERSION = 1
 """Of the JSON that `plan --json` prints."""
 
@@ -26,7 +28,7 @@ def check(mission: MissionFile) -> None:
     """Reads, translates and plans a mission; needs no vehicle."""
     question = _Question.read(mission)
     planner = question.planner
-    *_, solution = planner.solutions(question.problem, question.histories)
+    solution = question.answer()
     typer.echo(f"mission    {planner.mission.name}: places {' '.join(planner.mission.places)}")
     for conjunct in planner.conjuncts:
         typer.echo(f"task       {conjunct.name}: {conjunct.automaton.states} states")
@@ -54,20 +56,45 @@ def plan(
             "both; or the least worst time between two fulfilments of a recurring part."
         ),
     ] = Objective.LAP,
+    engine: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME",
+            help="Who plans: built-in, or an engine of unified-planning such as fast-downward "
+            "or pyperplan (with --encoding v5).",
+        ),
+    ] = BUILT_IN,
+    encoding: Annotated[
+        Encoding,
+        typer.Option(
+            help="How engines and --pddl are told: v1 as in the paper, one automaton; v4 one "
+            "automaton for each conjunct; v5 the same without conditional effects."
+        ),
+    ] = Encoding.V4,
+    timeout: Annotated[
+        float, typer.Option(help="Seconds that an engine may take.", min=0.1)
+    ] = 60.0,
+    pddl: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Write the problem there as PDDL; do not plan."),
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Prints the plan: a prefix that is flown once and a loop that is flown for ever.
 
-    The options ask "what if", e.g. --at A --set targetFound.
+    --at, --set, --unset and --without ask "what if", e.g. --at A --set targetFound.
     """
     from companion.planning.explain import NoPlan
     from companion.planning.supposition import Supposition
 
     supposed = Supposition(at, tuple(holds or ()), tuple(fails or ()), tuple(without or ()))
     question = _Question.read(mission, supposed)
+    if pddl is not None:
+        question.write(pddl, encoding, objective)
+        return
     start_s = time.perf_counter()
     try:
-        *_, solution = question.planner.solutions(question.problem, question.histories, objective)
+        solution = question.answer(objective, engine, encoding, timeout)
     except NoPlan as reason:
         if as_json:
             nothing = {"prefix": None, "loop": None, "reason": reason.explanation.as_json()}
@@ -119,6 +146,44 @@ class _Question:
         if supposed is not None:
             task.facts, task.withdrawn = supposed.facts(planner), supposed.withdrawn(planner)
         return cls(planner, *task.problem())
+
+    def answer(
+        self,
+        objective: Objective = Objective.LAP,
+        engine: str = BUILT_IN,
+        encoding: Encoding = Encoding.V4,
+        timeout_s: float = 60.0,
+    ) -> Solution:
+        """The best solution of the built-in search, or what an engine finds."""
+        planner, problem, histories = self.planner, self.problem, self.histories
+        if engine != BUILT_IN:
+            from companion.planning.engines import solve_with
+
+            solution = solve_with(problem, histories, engine, encoding, objective, timeout_s)
+            if solution is not None:
+                return solution
+        *_, best = planner.solutions(problem, histories, objective)  # or says why there is none
+        if engine != BUILT_IN:
+            raise CompanionError(f"{engine} says that there is no plan, but there is: {best.lasso}")
+        return best
+
+    def write(self, folder: Path, encoding: Encoding, objective: Objective) -> None:
+        """The problem as PDDL, two files."""
+        from companion.planning.compilation.encode import encode
+        from companion.planning.compilation.monolithic import monolithic
+        from companion.planning.compilation.pddl import to_pddl
+
+        problem = self.problem
+        if encoding is Encoding.V1:
+            problem = monolithic(problem, self.histories)
+        texts = to_pddl(encode(problem, encoding, objective))
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            for name, text in zip(("domain.pddl", "problem.pddl"), texts, strict=True):
+                (folder / name).write_text(text, encoding="utf-8")
+                typer.echo(str(folder / name))
+        except OSError as error:
+            raise CompanionError(f"cannot write to {folder}: {error.strerror or error}") from error
 
     def as_json(self, search_s: float) -> dict[str, Any]:
         """What was asked, and what it took to answer."""

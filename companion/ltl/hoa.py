@@ -1,13 +1,13 @@
 """How do other tools read our automata? Text in the Hanoi Omega-Automata format, version 1.
 
 Generalized Büchi acceptance, marks on transitions or on states; explicit labels; one line a state
-and a transition.
+and a transition. Texts of several automata may follow each other: that is a stream of automata.
 Source: https://adl.github.io/hoaf/.
 """
 
 from __future__ import annotations
 
-from companion.ltl.automaton import BuchiAutomaton, Label
+from companion.ltl.automaton import BuchiAutomaton, Label, statistics
 
 
 def to_hoa(automaton: BuchiAutomaton, marks_on_states: bool = False) -> str:
@@ -31,6 +31,7 @@ def to_hoa(automaton: BuchiAutomaton, marks_on_states: bool = False) -> str:
         f"acc-name: {_acceptance_name(automaton.marks)}",
         f"Acceptance: {automaton.marks} {_acceptance(automaton.marks)}",
         f"properties: trans-labels explicit-labels {'state' if marks_on_states else 'trans'}-acc",
+        *_verdicts(automaton),
         "--BODY--",
     ]
     for state, leaving in enumerate(automaton.outgoing):
@@ -43,6 +44,14 @@ def to_hoa(automaton: BuchiAutomaton, marks_on_states: bool = False) -> str:
             line = f"[{_cube(transition.label, number_of)}] {transition.target}"
             lines.append(line if marks_on_states else line + _marks(transition.marks))
     return "\n".join([*lines, "--END--", ""])
+
+
+def _verdicts(automaton: BuchiAutomaton) -> list[str]:
+    """Properties that tools need not find out themselves; one that is not named may hold or not."""
+    figures = statistics(automaton)
+    held = {"deterministic": figures.is_deterministic, "complete": figures.is_complete}
+    names = [name for name, is_held in held.items() if is_held]
+    return [" ".join(["properties:", *names])] if names else []
 
 
 def _marks(marks: frozenset[int]) -> str:

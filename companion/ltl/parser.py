@@ -2,7 +2,7 @@
 
 The grammar is in `grammar.lark`. A mission pattern, e.g. `patrolling(A, B)`, is read as the
 formula that it stands for (`patterns.py`). Nothing here recurses: the parser is LALR and builds
-the tree from below.
+the tree from below. A text beyond the limits below is refused before it is read.
 
 >>> parse("visit(A, B)") is parse("F at(A) & F at(B)")
 True
@@ -37,7 +37,7 @@ class _Builder(Transformer[Token, Formula]):
                 index, what = misfit
                 token = name if index is None else arguments[index]
                 raise _error_at(token, what, f"write {pattern.signature}")
-            return parse(pattern.expansion(arguments))
+            return _read(pattern.expansion(arguments))
         for argument in arguments:
             if argument.type in (_FACT, "NUMBER"):
                 what = f"an argument of {name} cannot be {argument}"
@@ -93,6 +93,27 @@ def _parser() -> Lark:
     )
 
 
+def _read(text: str) -> Formula:
+    formula: Formula = _parser().parse(text)  # type: ignore[assignment]
+    return formula
+
+
+MAX_CHARACTERS = 250_000
+MAX_ARGUMENTS = 10_000
+"""Limits of a text, for time and memory: each argument of a pattern is read several times."""
+
+
+def _check_length(text: str) -> None:
+    for count, limit, what in (
+        (len(text), MAX_CHARACTERS, "characters"),
+        (text.count(","), MAX_ARGUMENTS, "arguments"),
+    ):
+        if count > limit:
+            message = f"a formula has at most {limit:,} {what}, this one has {count:,}"
+            excerpt = f"{text[:40]} ..."
+            raise FormulaError(message, excerpt, 0, len(excerpt), "split it into several formulas")
+
+
 def parse(text: str) -> Formula:
     """The formula of a text. Raises FormulaError with the offending token underlined.
 
@@ -102,15 +123,15 @@ def parse(text: str) -> Formula:
         G F at(A) U
                    ^  expected a proposition such as at(A), true, false, ( or one of ! X F G
     """
+    _check_length(text)
     try:
-        formula: Formula = _parser().parse(text)  # type: ignore[assignment]
+        return _read(text)
     except UnexpectedCharacters as error:
         raise _meaningless(text, error.pos_in_stream or 0) from None
     except UnexpectedToken as error:
         raise _explained(error, text) from None
     except FormulaError as error:
         raise FormulaError(error.what, text, error.offset, error.length, error.advice) from None
-    return formula
 
 
 def occurrences(text: str) -> list[tuple[str, int, int]]:

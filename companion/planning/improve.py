@@ -61,8 +61,10 @@ class Tour:
             to_hits: cost from each node to each hit, (H, V).
             from_hits: cost from each hit to each node, (H, V).
         """
-        least: Costs = self._detours(to_hits, from_hits).min(axis=0)
-        return self.cost_ms + least
+        costs: Costs = self.cost_ms + self._detours(to_hits, from_hits).min(axis=0)
+        if len(self._order) == 1:  # at the only hit the way there and back is empty
+            costs = np.where(costs == 0, self.cost_ms, costs)
+        return costs
 
     def cycle(self) -> list[int]:
         """The hits of the round, from any of them on."""

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from companion.ltl.automaton import BuchiAutomaton
 from companion.ltl.formula import Formula
 from companion.planning.domain import WAIT, Action, Fact
-from companion.planning.objective import Objective as Objective
+from companion.planning.objective import Objective
 
 Letter = frozenset[Fact]
 """The facts that hold at one position."""

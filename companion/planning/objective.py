@@ -1,4 +1,4 @@
-"""What is the best plan? Kept apart from the rest, which takes long to import."""
+"""What may be asked of a planner? Kept apart from the rest, which takes long to import."""
 
 from __future__ import annotations
 
@@ -18,3 +18,15 @@ class Objective(StrEnum):
     LAP = "lap"
     SUM = "sum"
     BOTTLENECK = "bottleneck"
+
+
+class Encoding(StrEnum):
+    """How a problem is said to a classical planner.
+
+    V1: the paper's compilation (Figs. 2-4) with one automaton for the whole task. V4: one automaton
+    for each conjunct. V5: as V4, without conditional effects and negation.
+    """
+
+    V1 = "v1"
+    V4 = "v4"
+    V5 = "v5"

@@ -17,7 +17,8 @@ from companion.planning.check import fault
 from companion.planning.domain import Fact, FlightTime, departures, ground
 from companion.planning.effort import IN_FLIGHT, ON_THE_GROUND, Effort
 from companion.planning.explain import NoPlan, why_no_plan
-from companion.planning.lasso import Conjunct, Lasso, Letter, Objective, Problem, Solution
+from companion.planning.lasso import Conjunct, Lasso, Letter, Problem, Solution
+from companion.planning.objective import Objective
 from companion.planning.search import Search
 
 

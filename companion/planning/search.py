@@ -27,8 +27,9 @@ from scipy.sparse.csgraph import connected_components
 from companion.planning.domain import Action
 from companion.planning.effort import ON_THE_GROUND, Effort
 from companion.planning.errands import Errands
-from companion.planning.lasso import Lasso, Objective, Problem, Solution
+from companion.planning.lasso import Lasso, Problem, Solution
 from companion.planning.loops import Loops, loops_of
+from companion.planning.objective import Objective
 from companion.planning.product import Product, Restrictions
 from companion.planning.rounds import FAR
 from companion.planning.system import Vocabulary

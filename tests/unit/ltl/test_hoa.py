@@ -6,10 +6,12 @@ import re
 
 import pytest
 
-from companion.ltl.automaton import BuchiAutomaton, Label, Transition
+from companion.ltl.automaton import BuchiAutomaton, Label, Transition, state_based
 from companion.ltl.hoa import to_hoa
 from companion.ltl.parser import parse
 from companion.ltl.translate import translate
+
+ANY = Label(frozenset(), frozenset())
 
 SEARCH = """\
 HOA: v1
@@ -20,6 +22,7 @@ AP: 2 "at(A)" "targetFound"
 acc-name: Buchi
 Acceptance: 1 Inf(0)
 properties: trans-labels explicit-labels trans-acc
+properties: deterministic complete
 --BODY--
 State: 0
 [1] 0 {0}
@@ -94,6 +97,54 @@ def test_acceptance(text: str, name: str, acceptance: str) -> None:
     lines = to_hoa(translate(parse(text))).splitlines()
     assert f"acc-name: {name}" in lines
     assert f"Acceptance: {acceptance}" in lines
+
+
+@pytest.mark.parametrize(
+    ("text", "verdicts"),
+    [
+        ("G F a", "deterministic complete"),
+        ("G a", "deterministic"),
+        ("false", "deterministic"),
+        ("true", "deterministic complete"),
+        ("F G a", ""),
+    ],
+)
+def test_determinism_and_completeness_are_told(text: str, verdicts: str) -> None:
+    lines = [
+        line.removeprefix("properties: ")
+        for line in to_hoa(translate(parse(text))).splitlines()
+        if line.startswith("properties: ")
+    ]
+    assert lines == ["trans-labels explicit-labels trans-acc", *[verdicts] * bool(verdicts)]
+
+
+def test_a_nondeterministic_automaton_may_be_complete() -> None:
+    loops = [Transition(0, ANY, target, frozenset()) for target in (0, 1)]
+    both = BuchiAutomaton(2, frozenset({0}), (*loops, Transition(1, ANY, 1, frozenset())), 0)
+    assert "\nproperties: complete\n" in to_hoa(both)
+
+
+STRING = r'"(?:\\.|[^\\"])*"'
+INT, IDENTIFIER = r"(?:0|[1-9]\d*)", r"[a-zA-Z_][\w-]*"
+ACC = rf"(?: \{{{INT}(?: {INT})*\}})?"
+AUTOMATON = re.compile(
+    rf"HOA: v1\nname: {STRING}\nStates: {INT}\n(?:Start: {INT}\n)*AP: {INT}(?: {STRING})*\n"
+    rf"acc-name: (?:all|Buchi|generalized-Buchi {INT})\n"
+    rf"Acceptance: {INT} (?:t|Inf\({INT}\)(?:&Inf\({INT}\))*)\n"
+    rf"(?:properties:(?: {IDENTIFIER})+\n)+--BODY--\n"
+    rf"(?:State: {INT}{ACC}\n(?:\[(?:t|!?{INT}(?:&!?{INT})*)\] {INT}{ACC}\n)*)*--END--\n"
+)
+"""The grammar of the format, as far as we use it, with its own tokens."""
+
+
+def test_a_stream_follows_the_grammar_of_the_format() -> None:
+    texts = ["G F a & F G at(B)", "false", "true", "a U (b & X !c)", "G a", "F ok(A, B)"]
+    automata = [translate(parse(text)) for text in texts]
+    odd = BuchiAutomaton(1, frozenset({0}), (), 0, 'C:\\"x"\\')
+    parts = [to_hoa(x) for x in (*automata, odd)]
+    parts += [to_hoa(state_based(x), marks_on_states=True) for x in automata]
+    found = AUTOMATON.findall("".join(parts))
+    assert found == parts
 
 
 def test_quotes_in_names_are_escaped() -> None:

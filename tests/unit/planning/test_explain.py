@@ -1,24 +1,32 @@
-"""Why there is no plan: a smallest set of conjuncts in conflict, and the belief to blame."""
+"""Why there is no plan: the conjuncts in conflict, the facts out of reach, the belief to blame."""
 
 from __future__ import annotations
 
 import itertools
+import json
 from dataclasses import replace
 
 import pytest
-from synthetic import at_the_start, command, mission, planner
+from synthetic import at_the_start, command, event, mission, planner
 
-from companion.planning.explain import why_no_plan
+from companion.planning.explain import Explanation, NoPlan, why_no_plan
 from companion.planning.lasso import Problem
 from companion.planning.planner import Planner
-from companion.planning.search import find_lasso
+from companion.planning.search import Search, find_lasso
 
 
-def why(made: Planner, withdrawn: frozenset[str] = frozenset()) -> str:
+def explained(made: Planner, withdrawn: frozenset[str] = frozenset()) -> Explanation:
     problem, _ = at_the_start(made)
     problem = replace(problem, facts=problem.facts - withdrawn, withdrawn=withdrawn)
     assert find_lasso(problem) is None
-    return why_no_plan(problem)
+    return why_no_plan(problem, Search().is_solvable)
+
+
+def why(made: Planner, withdrawn: frozenset[str] = frozenset()) -> str:
+    return str(explained(made, withdrawn))
+
+
+# -- Conjuncts -------------------------------------------------------------------------------------
 
 
 def test_one_conjunct_that_cannot_hold_is_named_with_its_formula() -> None:
@@ -37,28 +45,6 @@ def test_conjuncts_that_only_conflict_together_are_named_together() -> None:
 def test_a_line_with_two_parts_is_named_once() -> None:
     text = why(planner(mission({"line": "F at(A) & G !at(A)"})))
     assert text.startswith("no plan: line cannot hold together from here.")
-
-
-def test_the_belief_that_would_help_is_named_and_the_other_is_not() -> None:
-    made = planner(mission("F done", skills=[command("do", "at(H)", "done")]))
-    withdrawn = frozenset({"can_do", "trans_ok(A, B)"})
-    assert why(made, withdrawn).splitlines()[2:] == [
-        "  withdrawn: can_do, trans_ok(A, B)",
-        "  with can_do there would be a plan",
-    ]
-
-
-def test_each_belief_that_would_help_by_itself_is_named() -> None:
-    skills = [command("one", "at(H)", "done"), command("two", "at(H)", "done")]
-    made = planner(mission("F done", skills=skills))
-    text = why(made, frozenset({"can_one", "can_two"}))
-    assert text.endswith("  with can_one or can_two there would be a plan")
-
-
-def test_no_belief_is_blamed_where_it_takes_two() -> None:
-    made = planner(mission("F done", skills=[command("do", "at(A)", "done")], places="HA"))
-    text = why(made, frozenset({"can_do", "trans_ok(H, A)"}))
-    assert text.endswith("  withdrawn: can_do, trans_ok(H, A)")
 
 
 CONFLICTS = [
@@ -90,3 +76,133 @@ def test_the_named_conjuncts_conflict_and_every_smaller_set_has_a_plan(
     assert find_lasso(only(problem, named)) is None
     for smaller in itertools.combinations(sorted(named), len(named) - 1):
         assert find_lasso(only(problem, set(smaller))) is not None
+
+
+# -- Beliefs ---------------------------------------------------------------------------------------
+
+
+def test_the_belief_that_would_help_is_named_and_the_other_is_not() -> None:
+    made = planner(mission("F done", skills=[command("do", "at(H)", "done")]))
+    withdrawn = frozenset({"can_do", "trans_ok(A, B)"})
+    assert why(made, withdrawn).splitlines()[2:] == [
+        "  done can never become true: that needs can_do",
+        "  withdrawn: can_do, trans_ok(A, B)",
+        "  with can_do there would be a plan",
+    ]
+
+
+def test_each_belief_that_would_help_by_itself_is_named() -> None:
+    skills = [command("one", "at(H)", "done"), command("two", "at(H)", "done")]
+    made = planner(mission("F done", skills=skills))
+    text = why(made, frozenset({"can_one", "can_two"}))
+    assert text.endswith("  with can_one or can_two there would be a plan")
+
+
+def test_no_belief_is_blamed_where_it_takes_two() -> None:
+    made = planner(mission("F done", skills=[command("do", "at(A)", "done")], places="HA"))
+    text = why(made, frozenset({"can_do", "trans_ok(H, A)"}))
+    assert text.endswith("  withdrawn: can_do, trans_ok(H, A)")
+
+
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_exactly_the_beliefs_that_would_help_are_restoring(count: int) -> None:
+    skills = [command(f"do{i}", "at(H)", "done") for i in range(count)]
+    made = planner(mission("F done & G F at(H)", skills=skills))
+    withdrawn = frozenset({*(f"can_do{i}" for i in range(count)), "trans_ok(A, B)"})
+    found = explained(made, withdrawn)
+    assert found.withdrawn == tuple(sorted(withdrawn))
+    problem, _ = at_the_start(made)
+    for belief in withdrawn:
+        facts = problem.facts - withdrawn | {belief}
+        assert (find_lasso(replace(problem, facts=facts)) is not None) == (
+            belief in found.restoring
+        )
+
+
+def test_without_a_withdrawn_belief_none_is_mentioned() -> None:
+    found = explained(planner(mission("F gone")))
+    assert (found.withdrawn, found.restoring) == ((), ())
+    assert "withdrawn" not in str(found)
+
+
+# -- Facts out of reach ----------------------------------------------------------------------------
+
+
+def test_a_fact_is_out_of_reach_for_what_its_skill_needs() -> None:
+    """As the paper's upload, when all sites have refused."""
+    skills = [command("upload", "at(A) & found", "reported")]
+    made = planner(mission("F reported", skills=skills, events=[event("found")]))
+    (fact,) = explained(made).unreachable
+    assert (fact.fact, fact.needs) == ("reported", (frozenset({"found"}),))
+    assert str(fact) == "reported can never become true: that needs found"
+    (fact,) = explained(made, frozenset({"can_upload"})).unreachable
+    assert str(fact) == "reported can never become true: that needs can_upload and found"
+
+
+def test_every_way_to_make_a_fact_true_is_told_with_what_it_lacks() -> None:
+    skills = [
+        command("by_hand", "hand", "done"),
+        command("by_foot", "foot & at(A)", "done"),
+        command("again", "hand", "done"),
+    ]
+    events = [event("hand"), event("foot")]
+    (fact,) = explained(planner(mission("F done", skills=skills, events=events))).unreachable
+    assert fact.needs == (frozenset({"hand"}), frozenset({"foot"}))
+    assert str(fact).endswith("that needs hand or foot")
+
+
+def test_of_many_ways_some_are_listed_and_all_are_kept() -> None:
+    skills = [command(f"do{i}", f"tool{i}", "done") for i in range(9)]
+    events = [event(f"tool{i}") for i in range(9)]
+    (fact,) = explained(planner(mission("F done", skills=skills, events=events))).unreachable
+    assert len(fact.needs) == 9
+    assert str(fact).endswith("or tool5 or ...")
+
+
+def test_a_place_that_no_way_leads_to_is_out_of_reach() -> None:
+    made = planner(mission({"go": "F at(A)", "stay": "G !at(C)"}, places="HA"))
+    found = explained(made, frozenset({"trans_ok(H, A)"}))
+    assert [str(fact) for fact in found.unreachable] == [
+        "at(A) can never become true: that needs trans_ok(H, A)"
+    ]
+    assert found.restoring == ("trans_ok(H, A)",)
+
+
+def test_a_fact_that_no_skill_makes_true_is_not_said_to_need_anything() -> None:
+    assert explained(planner(mission("F gone"))).unreachable == ()
+
+
+def test_a_fact_that_is_reachable_is_not_blamed_for_a_conflict_of_lines() -> None:
+    task = {"stay": "G at(H)", "go": "F at(A)"}
+    assert explained(planner(mission(task))).unreachable == ()
+
+
+def test_facts_of_lines_that_do_not_conflict_are_left_alone() -> None:
+    skills = [command("do", "tool", "done")]
+    task = {"stay": "G at(H)", "go": "F at(A)", "work": "F at(H) & G !done"}
+    made = planner(mission(task, skills=skills, events=[event("tool")]))
+    assert explained(made).unreachable == ()
+
+
+# -- For programs ----------------------------------------------------------------------------------
+
+
+def test_as_json_has_all_of_it() -> None:
+    skills = [command("upload", "at(A) & found", "reported")]
+    task = {"report": "F reported", "go": "F at(B)"}
+    made = planner(mission(task, skills=skills, events=[event("found")]))
+    found = explained(made, frozenset({"can_upload"})).as_json()
+    assert found == {
+        "conflict": [{"name": "report", "formula": "F reported"}],
+        "unreachable": [{"fact": "reported", "needs": [["can_upload", "found"]]}],
+        "withdrawn": ["can_upload"],
+        "restoring": [],
+    }
+    assert json.loads(json.dumps(found)) == found
+
+
+def test_the_error_carries_its_explanation_and_says_it() -> None:
+    found = explained(planner(mission("F gone")))
+    error = NoPlan(found)
+    assert error.explanation is found
+    assert str(error) == str(found)

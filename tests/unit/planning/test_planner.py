@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import pytest
+from reference_search import best_lap_and_prefix
 from synthetic import at_the_start, command, event, mission, planner
 
 from companion.errors import CompanionError, NoPlanError
-from companion.planning import planner as module
-from companion.planning.lasso import Lasso
+from companion.ltl.automaton import successors
+from companion.planning.check import fault
+from companion.planning.explain import NoPlan
+from companion.planning.lasso import Lasso, Solution
+from companion.planning.objective import Objective
+from companion.planning.planner import Planner
+from companion.planning.search import Search
 
 AT_H = frozenset({"at(H)"})
 
@@ -40,11 +46,13 @@ def test_between_two_problems_only_the_initial_state_differs() -> None:
     assert later.conjuncts is first.conjuncts
 
 
-def test_en_route_the_departures_come_first_with_their_beliefs() -> None:
+def test_en_route_the_departures_come_last_with_their_beliefs() -> None:
+    """So the mission's own actions keep their places from plan to plan."""
     made = planner(mission("F at(A)"))
     problem = made.problem(frozenset({"at(here)"}), (), is_en_route=True)
-    assert problem.actions[3:] == made.model.actions
-    assert [a.name for a in problem.actions[:3]] == [
+    own = len(made.model.actions)
+    assert problem.actions[:own] == made.model.actions
+    assert [a.name for a in problem.actions[own:]] == [
         "move(here, H)",
         "move(here, A)",
         "move(here, B)",
@@ -52,21 +60,97 @@ def test_en_route_the_departures_come_first_with_their_beliefs() -> None:
     assert "trans_ok(here, A)" in problem.facts
 
 
+def test_a_withdrawn_belief_about_here_is_not_held() -> None:
+    made = planner(mission("F at(A)"))
+    withdrawn = frozenset({"trans_ok(here, A)", "trans_ok(H, A)"})
+    assert made.problem(AT_H, (), withdrawn).withdrawn == {"trans_ok(H, A)"}
+    problem = made.problem(frozenset({"at(here)"}), (), withdrawn, is_en_route=True)
+    assert problem.withdrawn == withdrawn
+    assert not problem.facts & withdrawn
+
+
 def test_a_plan() -> None:
     made = planner(mission("F at(A) & F at(B)"))
     assert str(made.plan(*at_the_start(made))) == "move(H, A), move(A, B), (wait)^w"
 
 
+TASKS = [
+    "F at(A) & F at(B)",
+    "G F at(A) & G F at(B) & G F at(H)",
+    "F (at(A) & F (at(B) & F at(H)))",
+    "G (at(A) -> X !at(A) U at(B)) & G F at(A)",
+    "G (F at(A) | found) & G (found -> F at(H))",
+    "(!at(B) U at(A)) & F at(B)",
+]
+
+
+@pytest.mark.parametrize("task", TASKS)
+@pytest.mark.parametrize("flown", ["", "A", "AB", "ABHA"])
+@pytest.mark.parametrize("found", [False, True])
+def test_interrupted_on_the_way_it_plans_from_there_and_forgets_nothing(
+    task: str, flown: str, found: bool
+) -> None:
+    """What was flown and what is planned are one word, and it satisfies the task."""
+    made = planner(mission(task, events=[event("found")]))
+    events = frozenset({"found"} if found else ())
+    letters = [frozenset({f"at({place})"}) | made.model.beliefs for place in f"H{flown}"]
+    states = [c.automaton.initial for c in made.conjuncts]
+    for letter in letters:
+        states = [
+            successors(c.automaton, s, letter) for c, s in zip(made.conjuncts, states, strict=True)
+        ]
+    here = frozenset({"at(here)"}) | events
+    problem = made.problem(here, tuple(states), is_en_route=True)
+    histories = [letters for _ in made.conjuncts]
+    best = made.plan(problem, histories)
+    assert best_lap_and_prefix(problem) == (best.lap_cost_ms, best.prefix_cost_ms)
+    for lasso in (best, made.replan(problem, histories)):
+        assert fault(problem, lasso, histories) is None
+        assert not lasso.prefix or lasso.prefix[0].name.startswith("move(here, ")
+        assert not any("here" in action.name for action in (*lasso.prefix[1:], *lasso.suffix))
+
+
+def test_a_replan_is_the_first_plan_and_a_plan_the_best(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = planner(mission("F at(A)", places="HA"))
+    go, back, wait = made.model.actions
+    plans = [Lasso((go, back, go), (wait,)), Lasso((go,), (wait,))]
+    offered = [Solution(plan, Objective.LAP, 100, 100, "test") for plan in plans]
+    monkeypatch.setattr(Search, "solutions", lambda *args: iter(offered))
+    assert made.replan(*at_the_start(made)) == plans[0]
+    assert made.plan(*at_the_start(made)) == plans[1]
+    assert list(made.solutions(*at_the_start(made))) == offered
+
+
+def test_the_objective_is_passed_on() -> None:
+    made = planner(mission("G F (at(A) & X at(H)) | G F at(B)"))
+    by_sum = list(made.solutions(*at_the_start(made), Objective.SUM))[-1]
+    by_lap = list(made.solutions(*at_the_start(made)))[-1]
+    assert (by_sum.objective, by_lap.objective) == (Objective.SUM, Objective.LAP)
+    assert by_lap.cost_ms == 100 < by_sum.lasso.lap_cost_ms + by_sum.lasso.prefix_cost_ms
+
+
 def test_no_plan_is_explained() -> None:
     made = planner(mission({"stay": "G at(H)", "go": "F at(A)"}))
-    with pytest.raises(NoPlanError, match="stay, go cannot hold together"):
-        made.plan(*at_the_start(made))
+    for ask in (made.plan, made.replan):
+        with pytest.raises(NoPlanError, match="stay, go cannot hold together") as caught:
+            ask(*at_the_start(made))
+        assert isinstance(caught.value, NoPlan)
+        assert [c.name for c in caught.value.explanation.conflict] == ["stay", "go"]
 
 
 def test_a_wrong_plan_is_never_handed_out(monkeypatch: pytest.MonkeyPatch) -> None:
     """The independent check comes after the search, whatever the search does."""
     made = planner(mission("F done", skills=[command("do", "at(H)", "done")]))
     wait = made.model.actions[-1]
-    monkeypatch.setattr(module, "find_lasso", lambda problem: Lasso((), (wait,)))
-    with pytest.raises(CompanionError, match=r"wrong plan.*does not satisfy task"):
-        made.plan(*at_the_start(made))
+    wrong = Solution(Lasso((), (wait,)), Objective.LAP, 100, 100, "test")
+    monkeypatch.setattr(Search, "solutions", lambda *args: iter([wrong]))
+    for ask in (made.plan, made.replan):
+        with pytest.raises(CompanionError, match=r"wrong plan.*does not satisfy task"):
+            ask(*at_the_start(made))
+
+
+def test_what_it_takes_is_measured_by_the_clock_it_is_given() -> None:
+    ticks = iter([10.0, 10.5, 13.0])
+    made = Planner(mission("F at(A)"), lambda origin, goal: 4.0, lambda: next(ticks))
+    assert (made.grounding_s, made.translating_s) == (0.5, 2.5)
+    assert planner(mission("F at(A)")).translating_s == 0.0

@@ -2,104 +2,191 @@
 
 from __future__ import annotations
 
-import itertools
+from dataclasses import replace
 
+import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-from synthetic import at_the_start, command, event, mission, planner
+import reference_search as reference
+from problems import action, asking, problem, unit_legs
+from synthetic import command, event, mission, planner
 
-from companion.planning import product as module
+from companion.planning.domain import WAIT
 from companion.planning.lasso import Problem
-from companion.planning.product import Product, SearchLimit
+from companion.planning.product import MIN_ERRANDS, Product, Restrictions, SearchLimit
 from companion.planning.search import find_lasso
+from companion.planning.system import Vocabulary
 
 FORMULAS = ["F at(A)", "G F at(A) & G F at(B)", "X at(A)", "at(H) U at(B)", "F G at(A)"]
+AT_H = frozenset({"at(H)"})
 
 
-def problem(formula: str) -> Problem:
-    return at_the_start(planner(mission(formula)))[0]
+def on_the_map(task: str) -> Problem:
+    return problem("HAB", unit_legs("HAB"), task)
 
 
-Node = tuple[frozenset[str], tuple[int, ...]]
-
-
-def naive(asked: Problem) -> set[tuple[Node, Node, int, int]]:
-    """Every edge (from, to, action, marks) by the definition, with sets in place of bits."""
-    automata = [c.automaton for c in asked.conjuncts]
-    offsets = list(itertools.accumulate((a.marks for a in automata), initial=0))[:-1]
-    edges: set[tuple[Node, Node, int, int]] = set()
-    todo: list[Node] = [(asked.facts, zs) for zs in itertools.product(*asked.automaton_states)]
-    seen = set(todo)
-    while todo:
-        facts, states = node = todo.pop()
-        applicable = [(i, a) for i, a in enumerate(asked.actions) if a.is_applicable(facts)]
-        for number, action in applicable:
-            after = action.apply(facts)
-            reads = [
-                [t for t in a.outgoing[z] if t.label.matches(after)]
-                for a, z in zip(automata, states, strict=True)
-            ]
-            for steps in itertools.product(*reads):
-                target = (after, tuple(t.target for t in steps))
-                marks = {o + m for t, o in zip(steps, offsets, strict=True) for m in t.marks}
-                edges.add((node, target, number, sum(1 << m for m in marks)))
-                todo += [target] if target not in seen else []
-                seen.add(target)
-    return edges
+def product(asked: Problem, max_edges: int = 100_000) -> Product:
+    return Product(asked, Vocabulary(asked.actions), Restrictions(), max_edges)
 
 
 @pytest.mark.parametrize("formula", FORMULAS)
 def test_its_edges_are_those_of_the_definition(formula: str) -> None:
-    asked = problem(formula)
-    product, expected = Product(asked), naive(asked)
-    assert sum(map(len, product.edges)) == len(expected)
-    found = sorted((e.action, e.marks, e.cost_ms) for edges in product.edges for e in edges)
-    assert found == sorted((a, marks, asked.actions[a].cost_ms) for _, _, a, marks in expected)
-    nodes = {node for node, _, _, _ in expected} | {target for _, target, _, _ in expected}
-    assert len(product.edges) == len(nodes)
+    """Nothing is constant here. A node here also says what was met on the way into it."""
+    asked = on_the_map(formula)
+    made, expected = product(asked), reference.edges(asked)
+    assert len(set(made.twins)) == len(expected)
+    entered = {
+        (target, marks) for leaving in expected.values() for target, _, _, marks in leaving
+    } | {(root, 0) for root in reference.roots(asked)}
+    assert made.nodes == len(entered)
+    found = sorted(
+        (action, cost, made.marks[target])
+        for node in set(made.twins)
+        for target, cost, action in made.edges(node)
+    )
+    assert found == sorted(
+        (action, cost, marks) for leaving in expected.values() for _, action, cost, marks in leaving
+    )
+
+
+def test_twins_differ_in_their_marks_alone() -> None:
+    made = product(on_the_map("G F at(A) & G F at(B)"))
+    for node, twin in enumerate(made.twins):
+        assert made.twins[twin] == twin <= node
+        assert list(made.edges(node)) == list(made.edges(twin))
+        assert node == twin or made.marks[node] != made.marks[twin]
 
 
 def test_the_marks_of_all_automata_are_asked_for() -> None:
-    asked = problem("G F at(A) & G F at(B) & G F at(H)")
-    product = Product(asked)
-    assert product.all_marks == 0b111
-    met = {e.marks for edges in product.edges for e in edges}
-    assert {0b001, 0b010, 0b100} <= met  # one for each place
+    made = product(on_the_map("G F at(A) & G F at(B) & G F at(H)"))
+    assert made.all_marks == 0b111
+    assert {0b001, 0b010, 0b100} <= set(made.marks)  # one for each place
 
 
-def test_edges_follow_the_order_of_the_actions() -> None:
-    product = Product(problem("G F at(A) & G F at(B)"))
-    for edges in product.edges:
-        assert [e.action for e in edges] == sorted(e.action for e in edges)
+def test_edges_follow_the_order_of_the_actions_and_fit_the_matrix() -> None:
+    made = product(on_the_map("G F at(A) & G F at(B)"))
+    matrix = made.graph().toarray()
+    assert np.count_nonzero(matrix) == len(made.targets)
+    for node in range(made.nodes):
+        edges = list(made.edges(node))
+        assert [action for _, _, action in edges] == sorted(action for _, _, action in edges)
+        assert all(matrix[node, target] == cost for target, cost, _ in edges)
+
+
+def test_of_equal_effects_the_cheapest_action_is_kept_and_of_equal_costs_the_first() -> None:
+    several = [action(f"do{i}", "", "done", cost_s) for i, cost_s in enumerate([3, 1, 2, 1])]
+    made = product(asking("F done", several, [()]))
+    assert {action for _, _, action in made.edges(made.roots[0])} == {1}
+
+
+# -- What is left out ------------------------------------------------------------------------------
+
+
+def test_constants_are_taken_out_of_the_automata() -> None:
+    """Before a target is found the paper's mission is a patrol, afterwards it is not."""
+    task = "G (F at(A) | found) & G (F at(B) | found) & G (found -> F at(H))"
+    patrol = product(on_the_map("G F at(A) & G F at(B)"))
+    before = product(on_the_map(task))
+    assert (before.nodes, before.all_marks) == (patrol.nodes, patrol.all_marks)
+    asked = on_the_map(task)
+    after = product(asking(task, asked.actions, [AT_H | {"found"}]))
+    assert after.all_marks == 0b1
+    assert len(set(after.twins)) == 3  # the places
+
+
+@pytest.mark.parametrize("count", [MIN_ERRANDS - 1, MIN_ERRANDS])
+def test_many_errands_are_kept_out_of_the_product_and_few_are_not(count: int) -> None:
+    places = "HABCDE"[: count + 1]
+    task = " & ".join(f"F at({place})" for place in places[1:])
+    made = product(problem(places, unit_legs(places), task))
+    if count < MIN_ERRANDS:
+        assert made.errands == []
+        assert len(set(made.twins)) > 2**count
+    else:
+        assert len(made.errands) == count
+        assert made.nodes == len(places)
+        assert made.all_marks == 0
+
+
+def test_an_errand_is_done_where_its_letter_is_read() -> None:
+    places = "HABCD"
+    asked = problem(places, unit_legs(places), " & ".join(f"F at({p})" for p in places[1:]))
+    made = product(asked)
+    entered = {asked.actions[a].name: node for n in range(5) for node, _, a in made.edges(n)}
+    assert made.errands == [[entered[f"move(H, {place})"]] for place in places[1:]]
+
+
+def test_an_errand_that_is_done_is_not_asked_for_again() -> None:
+    places = "HABCD"
+    task = " & ".join(f"F at({place})" for place in places[1:])
+    asked = problem(places, unit_legs(places), task)
+    later = asking(task, asked.actions, [AT_H, {"at(B)"}, {"at(A)"}])
+    assert product(later).errands == []  # two are left, which are few
+    assert len(set(product(later).twins)) > len(places)
+
+
+# -- Ends ------------------------------------------------------------------------------------------
 
 
 def test_a_history_that_no_automaton_can_have_leaves_no_root() -> None:
     """When an event has broken the task, nothing can mend it."""
     made = planner(mission("G !found", events=[event("found")]))
     asked = made.problem(frozenset({"at(H)", "found"}), (frozenset(),))
-    assert Product(asked).roots == []
+    assert product(asked).roots == []
     assert find_lasso(asked) is None
 
 
-def test_the_search_is_given_up_at_its_limit(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "MAX_NODES", 2)
-    with pytest.raises(SearchLimit, match="among the first 2 product states"):
-        Product(problem("G F at(A) & G F at(B)"))
+def test_an_automaton_that_accepts_nothing_under_the_constants_leaves_no_root() -> None:
+    asked = on_the_map("F gone & G F at(A)")
+    assert product(asked).nodes == 0
+    assert find_lasso(asked) is None
 
 
-@given(st.lists(st.sampled_from(["p", "q", "r", "s"]), max_size=4, unique=True))
-def test_a_mask_stands_for_exactly_its_facts(names: list[str]) -> None:
-    product = Product(problem("F at(A)"))
-    each = [product.mask(frozenset({name})) for name in names]
-    assert all(mask.bit_count() == 1 for mask in each)
-    assert len(set(each)) == len(each)
-    assert product.mask(frozenset(names)) == sum(each)
+def test_without_actions_there_is_no_infinite_word() -> None:
+    asked = asking("G !gone", [], [AT_H])
+    assert product(asked).nodes == 1
+    assert len(product(asked).targets) == 0
+    assert find_lasso(asked) is None
+
+
+def test_without_a_task_every_run_will_do() -> None:
+    asked = replace(asking("true", [WAIT], [AT_H]), conjuncts=(), automaton_states=())
+    assert product(asked).nodes == 1
+    assert str(find_lasso(asked)) == "(wait)^w"
+
+
+def test_the_search_is_given_up_at_its_limit() -> None:
+    asked = on_the_map("G F at(A) & G F at(B)")
+    edges = len(product(asked).targets)
+    assert product(asked, edges).nodes
+    with pytest.raises(SearchLimit, match=f"among the first {edges - 1} steps"):
+        product(asked, edges - 1)
+
+
+def test_too_many_states_to_begin_with_are_not_even_listed() -> None:
+    """Each conjunct may be in two states after its history: there are 2^60 roots."""
+    task = " & ".join(f"F G (at(A) & x{i} | at(B) & !x{i})" for i in range(60))
+    toggles = [action(f"toggle{i}", "", "", 1.0, [(f"x{i}", f"!x{i}")]) for i in range(60)]
+    toggles += [action(f"set{i}", "", f"x{i}") for i in range(60)]
+    asked = on_the_map(task)
+    later = asking(task, [*asked.actions, *toggles], [AT_H, {"at(B)"}])
+    assert all(len(states) == 2 for states in later.automaton_states)
+    with pytest.raises(SearchLimit, match="more than 100000 states to begin with"):
+        product(later)
 
 
 def test_a_forbidden_fact_keeps_an_action_out() -> None:
     careful = command("report", "!low", "reported")
     made = planner(mission("F reported", skills=[careful], events=[event("low")]))
-    states = at_the_start(made)[0].automaton_states
-    assert find_lasso(made.problem(frozenset({"at(H)"}), states)) is not None
-    assert find_lasso(made.problem(frozenset({"at(H)", "low"}), states)) is None
+    (conjunct,) = made.conjuncts
+    states = (conjunct.automaton.initial,)
+    assert find_lasso(made.problem(AT_H, states)) is not None
+    assert find_lasso(made.problem(AT_H | {"low"}, states)) is None
+
+
+def test_automata_are_cut_down_once_for_the_same_constants() -> None:
+    asked = on_the_map("G (F at(A) | found)")
+    (conjunct,) = asked.conjuncts
+    kept = Restrictions()
+    before = kept.of(conjunct, {"at(A)": None, "found": False}.__getitem__)
+    after = kept.of(conjunct, {"at(A)": None, "found": True}.__getitem__)
+    assert kept.of(conjunct, {"at(A)": None, "found": False}.__getitem__) is before is not after

@@ -1,0 +1,96 @@
+"""What may the translation of a formula cost? Limits that say their name and never vary.
+
+A formula of one line can have an automaton that fills any machine. So whoever translates spends
+from a budget: elementary *steps*, which stand for time, and *bytes* that are kept to the end.
+Both are counted and not measured: a formula that is translated once is always translated, on a
+slow machine as on a fast one.
+
+A step is one pass of an inner loop, e.g. one union of two sets of bits, about 0.1 us. Ints of
+thousands of bits cost more, in proportion to their width:
+
+- before a loop, or once for each round of a nested one, call `spend(passes, width)`, so that an
+  exhausted budget is noticed before the loop has run;
+- call `keep(sets, width)` for what stays until the end: terms in a cache, edges, relations. What
+  one step makes and drops again needs no mention if something else bounds it.
+
+With the defaults no formula takes more than a few seconds and 512 MB for the whole process.
+A formula that is split into conjuncts has one budget for all of them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from companion.errors import Location, MissionError
+
+STEPS = 40_000_000
+BYTES = 200_000_000
+
+_BITS_A_STEP = 1024
+"""An operation on ints of this width takes one step more than one on small ints."""
+
+_BYTES_A_SET = 128
+"""A small int and its place in a list or a set, or an edge."""
+
+
+class TranslationLimit(MissionError):
+    """The automaton of a formula would be too large, or take too long to find.
+
+    Args:
+        limit: what there would be too much of, with its number, e.g. `10,000 states`.
+        where: the place of the formula in a file, once the caller knows it.
+    """
+
+    def __init__(self, limit: str, where: Location | None = None) -> None:
+        self.limit = limit
+        super().__init__(
+            f"the automaton would take more than {limit}",
+            where,
+            "split the task into conjuncts: each of them gets its own automaton",
+        )
+
+    def located(self, where: Location) -> TranslationLimit:
+        """The same error, placed in a file."""
+        return TranslationLimit(self.limit, where)
+
+
+@dataclass(slots=True)
+class Budget:
+    """What is left to spend on one formula.
+
+    >>> budget = Budget(steps=1000)
+    >>> budget.spend(900)
+    >>> budget.spend(1, width=200_000)
+    Traceback (most recent call last):
+    companion.ltl.budget.TranslationLimit: the automaton would take more than 1,000 steps of work
+        split the task into conjuncts: each of them gets its own automaton
+
+    Attributes:
+        steps: elementary steps that are allowed.
+        kept_bytes: bytes of memory that are allowed, roughly.
+    """
+
+    steps: int = STEPS
+    kept_bytes: int = BYTES
+    _spent: int = field(default=0, init=False)
+    _kept: int = field(default=0, init=False)
+
+    def spend(self, passes: int, width: int = 0) -> None:
+        """Take steps for passes of a loop over ints of `width` bits.
+
+        Raises:
+            TranslationLimit: there are not as many steps left.
+        """
+        self._spent += passes * (1 + width // _BITS_A_STEP)
+        if self._spent > self.steps:
+            raise TranslationLimit(f"{self.steps:,} steps of work")
+
+    def keep(self, sets: int, width: int = 0) -> None:
+        """Take memory for as many sets of `width` bits, or as many edges with such labels.
+
+        Raises:
+            TranslationLimit: there is not as much memory left.
+        """
+        self._kept += sets * (_BYTES_A_SET + width // 7)  # an int has 7.5 bits a byte
+        if self._kept > self.kept_bytes:
+            raise TranslationLimit(f"{self.kept_bytes // 1_000_000:,} MB of memory")

@@ -1,0 +1,67 @@
+"""What a classical planner is asked: propositional fluents, and actions over them with costs.
+
+Encodings make it (`paper.py`, `decomposed.py`), `pddl.py` writes it down, `engines.py` has it
+solved, and `decode.py` reads a plan for it back into a lasso. It knows of no planner.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from companion.planning.domain import Action, ConditionalEffect
+from companion.planning.objective import Encoding
+
+Fluent = str
+"""A fact of the task in its own spelling, or an auxiliary such as "currBA(2)"."""
+
+
+@dataclass(frozen=True, slots=True)
+class ClassicalAction:
+    """One action of the classical problem.
+
+    Attributes:
+        cost: in the problem's units; 0 for auxiliary actions.
+        stands_for: the action of the task that it performs; None for auxiliary actions.
+    """
+
+    name: str
+    requires: frozenset[Fluent] = frozenset()
+    forbids: frozenset[Fluent] = frozenset()
+    adds: frozenset[Fluent] = frozenset()
+    deletes: frozenset[Fluent] = frozenset()
+    conditional: tuple[ConditionalEffect, ...] = ()
+    cost: int = 0
+    stands_for: Action | None = None
+
+    def is_applicable(self, state: frozenset[Fluent]) -> bool:
+        """Whether the precondition holds."""
+        return self.requires <= state and not self.forbids & state
+
+    def apply(self, state: frozenset[Fluent]) -> frozenset[Fluent]:
+        """The state afterwards; what is both added and deleted is added, as in PDDL."""
+        met = [effect for effect in self.conditional if effect.is_met(state)]
+        deletes = self.deletes.union(*(effect.deletes for effect in met))
+        return (state - deletes).union(self.adds, *(effect.adds for effect in met))
+
+
+@dataclass(frozen=True)
+class ClassicalProblem:
+    """A classical planning problem; its goal is a set of fluents that have to hold.
+
+    Attributes:
+        loops: the auxiliary actions at which the loop of the lasso begins.
+        is_faithful: whether a plan of least cost is a lasso of least objective.
+    """
+
+    encoding: Encoding
+    fluents: tuple[Fluent, ...]
+    init: frozenset[Fluent]
+    goal: frozenset[Fluent]
+    actions: tuple[ClassicalAction, ...]
+    loops: frozenset[str]
+    is_faithful: bool
+
+    @property
+    def has_conditional_effects(self) -> bool:
+        """Whether a planner must know conditional effects to solve it."""
+        return any(action.conditional for action in self.actions)

@@ -1,0 +1,39 @@
+"""Which lasso does a plan of a classical problem stand for?
+
+The automata's moves and the book-keeping are stripped. What is done before the loop action is
+the prefix, what is done after it the loop. Whether the lasso is right is for `planning/check.py`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from companion.errors import CompanionError
+from companion.planning.compilation.classical import ClassicalProblem
+from companion.planning.lasso import Lasso
+
+
+def decode(classical: ClassicalProblem, names: Sequence[str]) -> Lasso:
+    """The lasso of a plan.
+
+    Args:
+        classical: what was solved.
+        names: the actions of the plan, as the classical problem names them.
+
+    Raises:
+        CompanionError: the plan has an unknown action, no loop, several, or an empty one.
+    """
+    known = {action.name: action for action in classical.actions}
+    unknown = next((name for name in names if name not in known), None)
+    if unknown is not None:
+        raise CompanionError(f"the plan has an action that the problem has not: {unknown}")
+    cuts = [index for index, name in enumerate(names) if name in classical.loops]
+    if len(cuts) != 1:
+        raise CompanionError(f"the plan begins {len(cuts)} loops, not one: {', '.join(names)}")
+    prefix, suffix = (
+        tuple(action for name in part if (action := known[name].stands_for) is not None)
+        for part in (names[: cuts[0]], names[cuts[0] :])
+    )
+    if not suffix:
+        raise CompanionError(f"the loop of the plan is empty: {', '.join(names)}")
+    return Lasso(prefix, suffix)

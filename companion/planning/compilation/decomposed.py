@@ -1,0 +1,259 @@
+"""Compilations with one automaton for each conjunct and generalized acceptance (v4, v5).
+
+One automaton for the whole task grows exponentially with the task, and its one acceptance set
+fixes in which order a lap meets its parts. Here each conjunct keeps its own small automaton, and
+a flag for each acceptance set says that the loop has met it, in whatever order.
+
+The turn goes round: the vehicle acts, the automata read what holds then, the vehicle acts. Of a
+nondeterministic automaton the planner chooses each transition and with it one run, so no set of
+states has to be tracked, and none to be collapsed where the loop begins. A word without a run
+leaves no transition to choose.
+
+Here is what both encodings have in common; `conditional.py` makes v4 of it and `strips.py` v5.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import combinations
+from typing import ClassVar
+
+from companion.ltl.automaton import BuchiAutomaton, Transition
+from companion.ltl.restriction import restricted
+from companion.planning.compilation.classical import ClassicalAction, ClassicalProblem, Fluent
+from companion.planning.compilation.grounded import Grounded
+from companion.planning.lasso import Problem
+from companion.planning.objective import Encoding, Objective
+
+ACT, BEFORE, LP_S, IN_LP, END_DONE = "actTurn", "inPrefix", "LpS", "inLp", "endDone"
+NOTHING: frozenset[Fluent] = frozenset()
+
+
+@dataclass(frozen=True)
+class Part:
+    """One automaton under the constants.
+
+    Attributes:
+        number: its place among the parts, for names.
+        states: where it may be.
+    """
+
+    number: int
+    automaton: BuchiAutomaton
+    states: tuple[int, ...]
+
+    def at(self, state: int) -> Fluent:
+        """It is in a state."""
+        return f"currBA({self.number}, {state})"
+
+    def req(self, state: int) -> Fluent:
+        """The loop begins in a state."""
+        return f"reqLp({self.number}, {state})"
+
+    def seen(self, mark: int) -> Fluent:
+        """The loop has met a mark."""
+        return f"seenBA({self.number}, {mark})"
+
+    @property
+    def turn(self) -> Fluent:
+        """It is to read the facts."""
+        return f"BAturn({self.number})"
+
+    @property
+    def start(self) -> Fluent:
+        """Its first state is to be chosen."""
+        return f"BAstart({self.number})"
+
+    @property
+    def end(self) -> Fluent:
+        """It is where the loop began."""
+        return f"endBA({self.number})"
+
+    @property
+    def is_deterministic(self) -> bool:
+        """Whether it is in one state, and a letter leads to at most one."""
+        return len(self.states) == 1 and not any(
+            a.label.positive.isdisjoint(b.label.negative)
+            and a.label.negative.isdisjoint(b.label.positive)
+            for leaving in self.automaton.outgoing
+            for a, b in combinations(leaving, 2)
+        )
+
+    @property
+    def marks(self) -> frozenset[Fluent]:
+        """The loop has met all its marks."""
+        return frozenset(map(self.seen, range(self.automaton.marks)))
+
+
+def parts(problem: Problem, task: Grounded) -> Iterator[Part]:
+    """The automata that are left under the constants; those that accept anything are not."""
+    found = zip(problem.conjuncts, problem.automaton_states, strict=True)
+    for number, (conjunct, whole) in enumerate(found):
+        rest = restricted(conjunct.automaton, task.constants(conjunct.automaton.propositions))
+        states = tuple(rest.states(whole))
+        if rest.everything.isdisjoint(states):
+            yield Part(number, rest.automaton, states)
+
+
+class Form:
+    """What both encodings have in common. Tokens, of which one is held, say whose turn it is."""
+
+    encoding: ClassVar[Encoding]
+
+    def __init__(self, task: Grounded, parts: tuple[Part, ...], objective: Objective) -> None:
+        self.task = task
+        self.parts = parts
+        self.weight, is_first = (
+            task.lap_weight(part.automaton for part in parts)
+            if objective is Objective.LAP
+            else (1, True)
+        )
+        self.is_faithful = is_first
+        self.choosing = [part for part in parts if not self.moves_together(part)]
+        self.marks = NOTHING.union(*(part.marks for part in parts))
+
+    def moves_together(self, part: Part) -> bool:
+        """Whether a part moves without a choice of the planner, in one action with others."""
+        raise NotImplementedError
+
+    def problem(self) -> ClassicalProblem:
+        """The whole classical problem."""
+        undecided = [part for part in self.parts if len(part.states) != 1]
+        starts = (*(part.start for part in undecided), ACT)
+        states = {part.at(part.states[0]) for part in self.parts if len(part.states) == 1}
+        init = self.all_facts(self.task.init) | {starts[0], BEFORE} | states
+        goal, closing = self.closing()
+        actions = (
+            *self.starting(undecided, starts),
+            *self.performing(),
+            *self.reading(),
+            *closing,
+        )
+        named = init.union(goal, *map(_named, actions))
+        return ClassicalProblem(
+            self.encoding,
+            tuple(sorted(named)),
+            init,
+            goal,
+            actions,
+            frozenset({"actLoop"}),
+            self.is_faithful,
+        )
+
+    def all_facts(self, facts: frozenset[Fluent]) -> frozenset[Fluent]:
+        """The fluents that hold exactly if just these facts do."""
+        return facts
+
+    def starting(
+        self, undecided: list[Part], tokens: tuple[Fluent, ...]
+    ) -> Iterator[ClassicalAction]:
+        """Where a run begins, if the history leaves several states; with none there is no way."""
+        for part, now, after in zip(undecided, tokens, tokens[1:], strict=False):
+            for state in part.states:
+                yield ClassicalAction(
+                    f"startBA({part.number}, {state})",
+                    requires=frozenset({now}),
+                    adds=frozenset({after, part.at(state)}),
+                    deletes=frozenset({now}),
+                )
+
+    def performing(self) -> Iterator[ClassicalAction]:
+        """The actions of the task, for the prefix and for the loop."""
+        after = self.turns()[0]
+        for action, origin in zip(self.task.actions, self.task.origins, strict=True):
+            plain = self.condition(
+                ClassicalAction(
+                    action.name,
+                    requires=action.requires | {ACT},
+                    forbids=action.forbids,
+                    adds=action.adds,
+                    deletes=action.deletes,
+                    conditional=action.conditional,
+                    cost=self.task.cost(action),
+                    stands_for=origin,
+                )
+            )
+            plain = passing(plain, ACT, after)
+            yield replace(plain, requires=plain.requires | {BEFORE})
+            yield replace(
+                plain,
+                name=f"loop {action.name}",
+                requires=plain.requires | {LP_S},
+                adds=plain.adds | {IN_LP},
+                cost=plain.cost * self.weight,
+            )
+
+    def turns(self) -> tuple[Fluent, ...]:
+        """Who reads after an action, one after the other, and then the vehicle again."""
+        return (*(part.turn for part in self.choosing), ACT)
+
+    def reading(self) -> Iterator[ClassicalAction]:
+        """The moves of the automata that the planner chooses."""
+        tokens = self.turns()
+        own = tokens[len(tokens) - 1 - len(self.choosing) :]
+        for part, now, after in zip(self.choosing, own, own[1:], strict=False):
+            for number, transition in enumerate(part.automaton.transitions):
+                yield from self._choice(part, number, transition, now, after)
+
+    def _choice(
+        self, part: Part, number: int, transition: Transition, now: Fluent, after: Fluent
+    ) -> Iterator[ClassicalAction]:
+        """A transition; of its marks the loop takes account."""
+        source, target = part.at(transition.source), part.at(transition.target)
+        move = self.condition(
+            ClassicalAction(
+                f"mvBA({part.number}, {number})",
+                requires=transition.label.positive | {now, source},
+                forbids=transition.label.negative,
+            )
+        )
+        move = replace(
+            move,
+            adds=frozenset({after, target}),
+            deletes=frozenset({now}) | (frozenset({source}) - {target}),
+        )
+        if not transition.marks:
+            yield move
+            return
+        yield replace(move, requires=move.requires | {BEFORE})
+        yield replace(
+            move,
+            name=f"loop {move.name}",
+            requires=move.requires | {LP_S},
+            adds=move.adds.union(map(part.seen, transition.marks)),
+        )
+
+    def condition(self, action: ClassicalAction) -> ClassicalAction:
+        """An action whose precondition and effects are as the encoding has them."""
+        return action
+
+    def closing(self) -> tuple[frozenset[Fluent], list[ClassicalAction]]:
+        """The goal, and the actions that remember where the loop begins and compare at its end."""
+        raise NotImplementedError
+
+    def remembered(self) -> Iterator[tuple[Fluent, tuple[tuple[Fluent, Fluent], ...]]]:
+        """What makes a loop close: a name, and its values with the fluent that remembers each.
+
+        A fact that is alone is either there or not; `not(p)` stands for the latter.
+        """
+        for facts in self.task.variables:
+            values = facts if len(facts) > 1 else (*facts, f"not({facts[0]})")
+            yield f"end({facts[0]})", tuple((value, f"req({value})") for value in values)
+        for part in self.parts:
+            if part.automaton.states > 1:
+                states = range(part.automaton.states)
+                yield part.end, tuple((part.at(z), part.req(z)) for z in states)
+
+
+def passing(action: ClassicalAction, now: Fluent, after: Fluent) -> ClassicalAction:
+    """An action that passes the turn on."""
+    if now == after:
+        return action
+    return replace(action, adds=action.adds | {after}, deletes=action.deletes | {now})
+
+
+def _named(action: ClassicalAction) -> frozenset[Fluent]:
+    """All fluents that an action mentions."""
+    names = action.requires | action.forbids | action.adds | action.deletes
+    return names.union(*(e.requires | e.forbids | e.adds | e.deletes for e in action.conditional))

@@ -1,0 +1,65 @@
+"""Which encoding makes a classical planning problem of a task?
+
+A plan of least cost is the best lasso, by the sum of prefix and one lap (each action at its own
+cost), or by the lap first and then the prefix (in the loop actions cost so much more that no
+prefix outweighs a shorter lap).
+"""
+
+from __future__ import annotations
+
+from companion.errors import CompanionError
+from companion.planning.compilation.classical import ClassicalProblem
+from companion.planning.compilation.conditional import Conditional
+from companion.planning.compilation.decomposed import parts
+from companion.planning.compilation.grounded import grounded
+from companion.planning.compilation.paper import encode_paper
+from companion.planning.compilation.strips import Strips
+from companion.planning.lasso import Problem
+from companion.planning.objective import Encoding, Objective
+
+AUXILIARY_FACTS = frozenset(
+    "BAstart BAturn LpS actTurn currBA deadBA end endBA endDone inLp inPrefix keepLp matchLp "
+    "mv1Done not nreq nxtBA req reqLp seenBA".split()
+)
+AUXILIARY_ACTIONS = frozenset("actEnd actLoop mvBA mvBA1 mvBA2 startBA".split())
+
+
+def encode(
+    problem: Problem, encoding: Encoding, objective: Objective = Objective.SUM
+) -> ClassicalProblem:
+    """A problem as a classical planning problem.
+
+    Args:
+        problem: for v1 with one state-based automaton, as `monolithic` makes it.
+        encoding: which.
+        objective: `LAP` or `SUM`.
+
+    Raises:
+        CompanionError: the encoding cannot express the objective or an action, or a fact or an
+            action has the name of an auxiliary one.
+    """
+    if objective is Objective.BOTTLENECK:
+        raise CompanionError(
+            "a classical planner cannot minimise the worst wait (bottleneck); "
+            "use the built-in engine, or the objective lap or sum"
+        )
+    _check_names(problem)
+    if encoding is Encoding.V1:
+        return encode_paper(problem, objective)
+    task = grounded(problem)
+    form = Conditional if encoding is Encoding.V4 else Strips
+    return form(task, tuple(parts(problem, task)), objective).problem()
+
+
+def _check_names(problem: Problem) -> None:
+    facts = problem.facts.union(*(a.adds | a.requires | a.forbids for a in problem.actions))
+    skills = frozenset(action.skill for action in problem.actions)
+    clashes = [
+        *(fact for fact in sorted(facts) if fact.partition("(")[0] in AUXILIARY_FACTS),
+        *sorted(skills & AUXILIARY_ACTIONS),
+    ]
+    if clashes:
+        raise CompanionError(
+            f"{clashes[0]} is what the compiled task calls something of its own; "
+            "give it another name in the mission"
+        )

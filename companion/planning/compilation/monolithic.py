@@ -1,0 +1,93 @@
+"""One automaton for a whole task, as the paper's compilation wants it.
+
+The paper translates the whole formula. That needs one history: where an event has restarted some
+conjuncts but not others, the automata of the conjuncts are multiplied instead, which accepts the
+same words. What cannot change is taken out of the automaton before its marks go to states.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import reduce
+
+from companion.ltl.automaton import BuchiAutomaton, Label, Transition, state_based, successors
+from companion.ltl.formula import Formula, Operator
+from companion.ltl.restriction import restricted
+from companion.ltl.translate import TranslationLimit, translate
+from companion.planning.compilation.grounded import Grounded, grounded
+from companion.planning.lasso import Conjunct, Letter, Problem
+
+MAX_STATES = 10_000
+
+
+def monolithic(
+    problem: Problem,
+    histories: Sequence[Sequence[Letter]],
+    translation: Callable[[Formula], BuchiAutomaton] = translate,
+) -> Problem:
+    """The same problem with one state-based automaton, good while its constants keep their values.
+
+    Args:
+        problem: what to plan.
+        histories: per conjunct, the letters that it has read, the present position's included.
+        translation: makes the automaton of the whole formula.
+
+    Raises:
+        TranslationLimit: the automaton would be too large.
+    """
+    task = grounded(problem)
+    formulas = tuple(conjunct.formula for conjunct in problem.conjuncts)
+    whole = Formula(Operator.AND, formulas) if len(formulas) > 1 else formulas[0]
+    if all(list(history) == list(histories[0]) for history in histories):
+        automaton = translation(whole)
+        states = automaton.initial
+        for letter in histories[0]:
+            states = successors(automaton, states, letter)
+        automaton = _rest(task, automaton, states)
+    else:
+        pairs = zip(problem.conjuncts, problem.automaton_states, strict=True)
+        automaton = reduce(_product, (_rest(task, c.automaton, states) for c, states in pairs))
+    automaton = state_based(automaton)
+    name = " & ".join(conjunct.name for conjunct in problem.conjuncts)
+    return replace(
+        problem,
+        conjuncts=(Conjunct(name, whole, automaton),),
+        automaton_states=(automaton.initial,),
+    )
+
+
+def _rest(task: Grounded, automaton: BuchiAutomaton, states: frozenset[int]) -> BuchiAutomaton:
+    """What is left of an automaton under the constants, initial where it may be now."""
+    rest = restricted(automaton, task.constants(automaton.propositions))
+    return replace(rest.automaton, initial=frozenset(rest.states(states)))
+
+
+def _product(left: BuchiAutomaton, right: BuchiAutomaton) -> BuchiAutomaton:
+    """Accepts what both accept; the marks of the right one are numbered after the left one's."""
+    pending = [(a, b) for a in sorted(left.initial) for b in sorted(right.initial)]
+    number_of = {pair: number for number, pair in enumerate(pending)}
+    initial = frozenset(number_of.values())
+    transitions = []
+    for a, b in pending:  # grows while it is read
+        for t in left.outgoing[a]:
+            for u in right.outgoing[b]:
+                label = Label(
+                    t.label.positive | u.label.positive, t.label.negative | u.label.negative
+                )
+                if label.positive & label.negative:
+                    continue
+                target = (t.target, u.target)
+                if target not in number_of:
+                    number_of[target] = len(pending)
+                    pending.append(target)
+                marks = t.marks.union(left.marks + mark for mark in u.marks)
+                transitions.append(Transition(number_of[a, b], label, number_of[target], marks))
+        if max(len(pending), len(transitions)) > 10 * MAX_STATES or len(pending) > MAX_STATES:
+            raise TranslationLimit(
+                f"one automaton for the whole task has more than {MAX_STATES} states; "
+                "use an encoding with one for each conjunct, v4 or v5"
+            )
+    name = f"({left.name}) & ({right.name})"
+    marks_count = left.marks + right.marks
+    return BuchiAutomaton(len(pending), initial, tuple(transitions), marks_count, name)

@@ -1,0 +1,292 @@
+"""Classical planners through unified-planning: they solve a compiled task (`compilation/`).
+
+Fast Downward is the default, pyperplan a second planner for encoding v5; any other engine that
+unified-planning knows goes by its name. The library and the planners are optional, and they are
+met here alone, when a plan is asked for. Planners are processes: this module is a door.
+
+A planner that runs in its own process is ended by unified-planning at the time limit. One that
+is Python code would go on for ever, so it gets a process from us.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from multiprocessing.connection import Connection
+from typing import Any
+
+from companion.errors import CompanionError
+from companion.planning.check import fault
+from companion.planning.compilation.classical import ClassicalProblem
+from companion.planning.compilation.decode import decode
+from companion.planning.compilation.encode import encode
+from companion.planning.compilation.monolithic import monolithic
+from companion.planning.compilation.pddl import naming
+from companion.planning.lasso import Letter, Problem, Solution
+from companion.planning.objective import Encoding, Objective
+
+FAST_DOWNWARD = "fast-downward"
+INSTALL = {
+    "fast-downward": "pip install 'mav-companion[planners]'",
+    "pyperplan": "pip install 'mav-companion[planners]'",
+    "symk": "pip install up-symk",
+    "enhsp": "pip install up-enhsp   (needs Java 17)",
+    "lpg": "pip install up-lpg",
+    "tamer": "pip install up-tamer",
+}
+"""What brings an engine, by the beginning of its name."""
+NO_COSTS = ("pyperplan",)
+"""Engines that take no costs of actions and look for a plan of few actions."""
+FAILURES = {
+    "MEMOUT": "ran out of memory; use another encoding, or the built-in search",
+    "UNSOLVABLE_INCOMPLETELY": "found no plan and cannot tell whether there is one; "
+    f"{FAST_DOWNWARD} can",
+}
+"""What an engine that gave no answer did, and what to do then."""
+
+
+class EngineError(CompanionError):
+    """A planner is missing, or gave no answer."""
+
+
+@dataclass(frozen=True)
+class _Setup:
+    """How an engine is called.
+
+    Attributes:
+        proves_cost: a plan has the least cost there is.
+        proves_absence: no plan found means that there is none, even if the engine does not say so.
+    """
+
+    parameters: dict[str, Any] = field(default_factory=dict)
+    proves_cost: bool = False
+    proves_absence: bool = False
+
+
+def _setup(classical: ClassicalProblem, engine: str, optimal: bool) -> _Setup:
+    if engine != FAST_DOWNWARD:
+        is_optimal = engine.endswith("-opt") and not engine.startswith(NO_COSTS)
+        return _Setup(proves_cost=is_optimal)
+    # Finding invariants of a large automaton takes longer than the search that they help.
+    options = ["--invariant-generation-max-time", "0"]
+    parameters: dict[str, Any] = {"fast_downward_translate_options": options}
+    if not optimal:
+        return _Setup(parameters | {"fast_downward_alias": "lama-first"})
+    heuristic = "hmax" if classical.has_conditional_effects else "lmcut"
+    search = {"fast_downward_search_config": f"astar({heuristic}())"}
+    return _Setup(parameters | search, proves_cost=True, proves_absence=True)
+
+
+def proves_cost(classical: ClassicalProblem, engine: str, optimal: bool) -> bool:
+    """Whether a plan of this engine has the least cost."""
+    return _setup(classical, engine, optimal).proves_cost
+
+
+def solve(
+    classical: ClassicalProblem, engine: str, timeout_s: float, optimal: bool
+) -> list[str] | None:
+    """A plan as the names of its actions; None if it is proved that there is none.
+
+    Args:
+        classical: what to solve.
+        engine: its name in unified-planning.
+        timeout_s: after this many seconds the engine is ended.
+        optimal: ask Fast Downward for a plan of least cost, else for any plan soon. Other engines
+            have a name for each.
+
+    Raises:
+        EngineError: the engine is missing, cannot take the problem, failed, or took too long.
+    """
+    setup = _setup(classical, engine, optimal)
+    status, names = _run(classical, engine, setup, timeout_s)
+    if status == "UNSOLVABLE_INCOMPLETELY" and engine == FAST_DOWNWARD and not optimal:
+        setup = _setup(classical, engine, optimal=True)  # gave up; this one is complete
+        status, names = _run(classical, engine, setup, timeout_s)
+    if names is not None:
+        return names
+    is_proved = status == "UNSOLVABLE_INCOMPLETELY" and setup.proves_absence
+    if is_proved or status == "UNSOLVABLE_PROVEN":
+        return None
+    what = FAILURES.get(status, f"failed ({status}); use another engine, or the built-in search")
+    if status == "TIMEOUT":
+        what = f"did not answer in {timeout_s:g} s; raise the limit, or use the built-in search"
+    raise EngineError(f"the engine {engine} {what}")
+
+
+def solve_with(
+    problem: Problem,
+    histories: Sequence[Sequence[Letter]],
+    engine: str,
+    encoding: Encoding,
+    objective: Objective,
+    timeout_s: float,
+) -> Solution | None:
+    """A checked lasso by way of a classical planner; None if the task cannot be done from here.
+
+    Args:
+        problem: from where to plan.
+        histories: per conjunct, the letters that it has read, the present position's included.
+        engine: its name in unified-planning.
+        encoding: how the task is compiled.
+        objective: `LAP` or `SUM`.
+        timeout_s: after this many seconds the engine is ended.
+
+    Raises:
+        EngineError: as `solve` does.
+        CompanionError: the encoding cannot express the task, or the engine made a wrong plan.
+    """
+    asked = monolithic(problem, histories) if encoding is Encoding.V1 else problem
+    classical = encode(asked, encoding, objective)
+    names = solve(classical, engine, timeout_s, optimal=True)
+    if names is None:
+        return None
+    lasso = decode(classical, names)
+    wrong = fault(problem, lasso, histories)
+    if wrong is not None:
+        raise CompanionError(f"the engine {engine} made a wrong plan, {lasso}: {wrong}")
+    cost_ms = lasso.lap_cost_ms
+    if objective is Objective.SUM:
+        cost_ms += lasso.prefix_cost_ms
+    is_best = classical.is_faithful and proves_cost(classical, engine, optimal=True)
+    return Solution(
+        lasso, objective, cost_ms, cost_ms if is_best else 0, f"{engine} {encoding.value}"
+    )
+
+
+def _run(
+    classical: ClassicalProblem, engine: str, setup: _Setup, timeout_s: float
+) -> tuple[str, list[str] | None]:
+    """What the engine says, and its plan."""
+    planner = _planner(engine, setup)
+    task = _task(classical, has_costs=not engine.startswith(NO_COSTS))
+    if not planner.supports(task.kind):
+        raise _unsupported(classical, engine, sorted(task.kind.features))
+    if hasattr(planner, "_get_cmd"):  # a program of its own, which is ended with its children
+        return _answer(planner, task, classical, timeout_s)
+    return _answer_of_child(classical, engine, setup, timeout_s)
+
+
+def _planner(engine: str, setup: _Setup) -> Any:
+    try:
+        from unified_planning.exceptions import UPException
+        from unified_planning.shortcuts import OneshotPlanner, get_environment
+    except ImportError as error:
+        raise EngineError(
+            f"the engine {engine} needs the package unified-planning; "
+            f"{INSTALL[FAST_DOWNWARD]}, or use the built-in engine"
+        ) from error
+    get_environment().credits_stream = None
+    factory = get_environment().factory
+    known = [e for e in factory.engines if "[" not in e and factory.engine(e).is_oneshot_planner()]
+    try:
+        return OneshotPlanner(name=engine, params=setup.parameters)
+    except (UPException, ImportError, AssertionError) as error:
+        line = next((text for name, text in INSTALL.items() if engine.startswith(name)), None)
+        raise EngineError(
+            f"the engine {engine} is not installed; {line}"
+            if line
+            else f"there is no engine {engine}; installed are: {', '.join(sorted(known))}"
+        ) from error
+
+
+def _unsupported(classical: ClassicalProblem, engine: str, features: list[str]) -> EngineError:
+    if classical.encoding is not Encoding.V5:
+        return EngineError(
+            f"the engine {engine} cannot take encoding {classical.encoding}, which has conditional "
+            "effects; use encoding v5"
+        )
+    return EngineError(
+        f"the engine {engine} cannot take plain problems with costs ({', '.join(features)}); "
+        f"use {FAST_DOWNWARD}"
+    )
+
+
+def _answer(
+    planner: Any, task: Any, classical: ClassicalProblem, timeout_s: float | None
+) -> tuple[str, list[str] | None]:
+    from unified_planning.exceptions import UPException
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of features that an engine has not, and we do not ask
+        try:
+            result = planner.solve(task, timeout=timeout_s)
+        except (UPException, OSError) as error:
+            raise EngineError(f"the engine {planner.name} failed: {error}") from error
+    if result.plan is None:
+        return result.status.name, None
+    name_of = {word: name for name, word in naming(classical).actions.items()}
+    return result.status.name, [name_of[step.action.name] for step in result.plan.actions]
+
+
+def _answer_of_child(
+    classical: ClassicalProblem, engine: str, setup: _Setup, timeout_s: float
+) -> tuple[str, list[str] | None]:
+    """The answer of an engine in a process that is killed at the time limit."""
+    context = multiprocessing.get_context("spawn")  # threads may be running, which rules out fork
+    here, there = context.Pipe(duplex=False)
+    child = context.Process(target=_child, args=(there, classical, engine, setup), daemon=True)
+    child.start()
+    there.close()
+    try:
+        if not here.poll(timeout_s):
+            return "TIMEOUT", None
+        answer: tuple[str, list[str] | None] = here.recv()
+        return answer
+    except EOFError:
+        return "INTERNAL_ERROR", None
+    finally:
+        child.kill()
+        child.join()
+
+
+def _child(pipe: Connection, classical: ClassicalProblem, engine: str, setup: _Setup) -> None:
+    task = _task(classical, has_costs=not engine.startswith(NO_COSTS))
+    try:
+        answer = _answer(_planner(engine, setup), task, classical, None)
+    except MemoryError:
+        answer = ("MEMOUT", None)
+    except EngineError:
+        answer = ("INTERNAL_ERROR", None)
+    pipe.send(answer)
+
+
+def _task(classical: ClassicalProblem, has_costs: bool) -> Any:
+    """The problem in unified-planning's terms; its reader of PDDL would take longer."""
+    from unified_planning.model import Fluent, InstantaneousAction, Problem
+    from unified_planning.model.metrics import MinimizeActionCosts
+    from unified_planning.shortcuts import And, BoolType, Int, Not
+
+    names = naming(classical)
+    task = Problem("task")
+    fluent_of = {}
+    for name, word in names.fluents.items():
+        fluent_of[name] = Fluent(word, BoolType())
+        task.add_fluent(fluent_of[name], default_initial_value=name in classical.init)
+    costs = {}
+    for action in classical.actions:
+        made = InstantaneousAction(names.actions[action.name])
+        for fluent in sorted(action.requires):
+            made.add_precondition(fluent_of[fluent])
+        for fluent in sorted(action.forbids):
+            made.add_precondition(Not(fluent_of[fluent]))
+        for fluent in sorted(action.deletes - action.adds):
+            made.add_effect(fluent_of[fluent], False)
+        for fluent in sorted(action.adds):
+            made.add_effect(fluent_of[fluent], True)
+        for effect in action.conditional:
+            positive = [fluent_of[fluent] for fluent in sorted(effect.requires)]
+            negative = [Not(fluent_of[fluent]) for fluent in sorted(effect.forbids)]
+            condition = And(*positive, *negative)
+            for fluent in sorted(effect.deletes - effect.adds):
+                made.add_effect(fluent_of[fluent], False, condition)
+            for fluent in sorted(effect.adds):
+                made.add_effect(fluent_of[fluent], True, condition)
+        task.add_action(made)
+        costs[made] = Int(action.cost)
+    for fluent in sorted(classical.goal):
+        task.add_goal(fluent_of[fluent])
+    if has_costs:
+        task.add_quality_metric(MinimizeActionCosts(costs))
+    return task

@@ -1,0 +1,115 @@
+"""How fast are routes, physics, MAVLink, and a whole flight?"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from statistics import median
+from time import perf_counter
+from typing import Any
+
+from scipy import ndimage
+
+from benches import MISSION, Row, timed
+from companion.acting.report import Report
+from companion.app import Companion, route_map
+from companion.geometry import Ned
+from companion.mavlink.framing import Endpoint, Message, dialect, split_frames
+from companion.mission.loader import load_mission
+from sitl.flight.controllers import Cascade, Target
+from sitl.flight.mixer import Motors
+from sitl.flight.physics import Physics
+from sitl.harness import fly_in_lockstep
+from sitl.link.routing import LinkName
+from sitl.simulation import DT_S, Simulation
+from sitl.world.scenario import PX4_HOME, read_scenario
+
+AUTOPILOT = 1  # component id
+
+
+@dataclass
+class Flight:
+    """A recorder that keeps what the other rows need of a flight."""
+
+    end_s: float = 0.0
+    frames: list[bytes] = field(default_factory=list)
+
+    def report(self, report: Report) -> None:
+        """Reports are not needed."""
+
+    def position(self, now_s: float, position: Ned) -> None:
+        """Positions are not needed."""
+
+    def packets(self, now_s: float, datagrams: list[bytes]) -> None:
+        """Keeps the frames of both directions."""
+        self.end_s = now_s
+        for datagram in datagrams:
+            self.frames += split_frames(datagram)
+
+
+def fields(runs: int) -> Iterator[Row]:
+    """A place's field of the way to it; the peer is the distance field of the same map."""
+    mission = load_mission(MISSION)
+    home = mission.places["Home"].position
+
+    def first_way_to(goal: str) -> float:
+        routes = route_map(mission)  # keeps the fields that it has found
+        return timed(lambda: routes.distance_m(home[:2], goal), 1)[0]
+
+    goals = [name for name in mission.places if name != "Home"]
+    ours = median(first_way_to(goals[i % len(goals)]) for i in range(runs))
+    free = ~mission.grid.occupied
+    peer = median(timed(lambda: ndimage.distance_transform_edt(free), runs))
+    yield Row("field of the way to a place", ours, "ms", "scipy's EDT", peer)
+
+
+def simulating(runs: int) -> Iterator[Row]:
+    """Physics and control of a vehicle that flies 2 m up; the peer is the physics alone."""
+    steps = 500 * runs
+    target = Target(position=(3.0, 4.0, -2.0), velocity=(None, None, None), yaw_rad=0.0)
+
+    def speed(command: Callable[[Physics, Cascade], Motors]) -> float:
+        physics, cascade = Physics(dt_s=DT_S, origin=PX4_HOME), Cascade()
+        start_s = perf_counter()
+        for _ in range(steps):
+            physics.step(command(physics, cascade))
+        return steps * DT_S / (perf_counter() - start_s)
+
+    hover = (0.5, 0.5, 0.5, 0.5)
+    peer = speed(lambda physics, cascade: hover)
+    ours = speed(lambda physics, cascade: cascade.step(physics.state, target, DT_S))
+    yield Row("physics and control", ours, "x real time", "physics alone", peer)
+
+
+def flying(runs: int) -> Iterator[Row]:
+    """The whole mission in lockstep, then MAVLink on the autopilot's frames of that flight."""
+    speeds = []
+    for _ in range(max(1, runs // 10)):
+        mission = load_mission(MISSION)
+        scenario, grid = read_scenario(MISSION.with_suffix(".sim.yaml"))
+        flight = Flight()
+        links = frozenset({LinkName.OFFBOARD})
+        start_s = perf_counter()
+        companion = Companion(mission, flight)
+        fly_in_lockstep(companion, Simulation(scenario, grid, seed=0, links=links))
+        speeds.append(flight.end_s / (perf_counter() - start_s))
+        if companion.failure is not None:
+            raise companion.failure
+    yield Row("simulator and companion in lockstep", median(speeds), "x real time")
+    yield from mavlink([f for f in flight.frames if f[6] == AUTOPILOT], runs)
+
+
+def mavlink(frames: list[bytes], runs: int) -> Iterator[Row]:
+    """Messages per second, one frame a datagram; the peer is pymavlink's own code."""
+    frames = frames[: 200 * runs]
+    endpoint = Endpoint(1, AUTOPILOT)
+    plain = dialect.MAVLink(None, srcSystem=1, srcComponent=AUTOPILOT)
+    messages: list[Message] = [m for frame in frames for m in endpoint.parse(frame)]
+
+    def rate(call: Callable[[Any], object], items: Sequence[object]) -> float:
+        return 1000 * len(items) / median(timed(lambda: [call(item) for item in items], 3))
+
+    peer = rate(lambda message: message.pack(plain), messages)
+    yield Row("pack MAVLink", rate(endpoint.pack, messages), "messages/s", "pymavlink", peer)
+    peer = rate(plain.parse_buffer, frames)
+    yield Row("parse MAVLink", rate(endpoint.parse, frames), "messages/s", "pymavlink", peer)

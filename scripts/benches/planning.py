@@ -1,0 +1,120 @@
+"""How fast are plans, and how good?"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from statistics import median
+from time import perf_counter
+
+import numpy as np
+
+from benches import MISSION, Row, timed
+from benches.worlds import Asked, at_the_start, patrol, straight, target_found
+from companion.acting.task_state import TaskState
+from companion.app import flight_times, route_map
+from companion.geometry import Ned
+from companion.mission.loader import load_mission
+from companion.mission.model import Mission
+from companion.motion.routes import RouteMap
+from companion.planning.engines import solve_with
+from companion.planning.lasso import Solution
+from companion.planning.objective import Encoding, Objective
+from companion.planning.planner import Planner
+
+ENGINE = "fast-downward"
+
+
+def loading(runs: int) -> Iterator[Row]:
+    """From the mission file to the first plan."""
+
+    def first_plan() -> None:
+        loaded = load_mission(MISSION)
+        planner = Planner(loaded, flight_times(loaded, route_map(loaded)))
+        planner.plan(*TaskState(planner).problem())
+
+    yield Row("load, ground and plan", median(timed(first_plan, max(1, runs // 4))), "ms")
+
+
+def replanning(runs: int) -> Iterator[Row]:
+    """The three plans of the paper's flight; the peer solves the same problems in the same run."""
+    mission = load_mission(MISSION)
+    routes = route_map(mission)
+    here = [mission.places["A"].position]
+    planner = Planner(mission, flight_times(mission, routes, lambda: here[0]))
+    actions = {action.name: action for action in planner.model.actions}
+    task = TaskState(planner)
+    yield from _phase("plan at the start", planner, [task.problem()] * runs)
+
+    task.begin(actions["move(Home, A)"])
+    task.complete(actions["move(Home, A)"])
+    task.begin(actions["move(A, B)"])
+    task.take(mission.events["targetFound"], True)
+    task.interrupt()
+    passed, problems = [], []
+    for here[0] in points_between(mission, routes, "A", "B", 4 * runs):
+        passed += timed(lambda: planner.replan(*task.problem()), 1)
+        problems.append(task.problem())
+    yield from _rows("replan en route, target found", passed, _peer_ms(problems[0]))
+
+    refused = TaskState(planner)
+    refused.facts = frozenset({"at(r1)", "targetFound"})
+    refused.withdraw(frozenset({"canUpload(r1)"}))
+    yield from _phase("replan at r1, refused", planner, [refused.problem()] * runs)
+
+
+def _phase(name: str, planner: Planner, problems: list[Asked]) -> Iterator[Row]:
+    passed = [ms for asked in problems for ms in timed(lambda a=asked: planner.replan(*a), 1)]
+    yield from _rows(name, passed, _peer_ms(problems[0]))
+
+
+def _rows(name: str, passed: list[float], peer_ms: float) -> Iterator[Row]:
+    yield Row(f"{name}, median", median(passed), "ms", f"{ENGINE} v4", peer_ms)
+    yield Row(f"{name}, p99", float(np.percentile(passed, 99)), "ms")
+
+
+def _peer_ms(asked: Asked) -> float:
+    """A classical planner on the decomposed compilation, its start and its translation included."""
+    (passed,) = timed(lambda: solve_with(*asked, ENGINE, Encoding.V4, Objective.SUM, 60.0), 1)
+    return passed
+
+
+def laps(runs: int) -> Iterator[Row]:
+    """Patrols over random places: how long a plan takes, and how far it may be from the best."""
+    seeds = range(max(1, runs // 10))
+    for sites in (10, 17) if runs >= 50 else (6,):
+        answers = [_answers(sites, 3, seed) for seed in seeds]
+        yield Row(f"best lap of {sites} sites", median(a[-1][0] for a in answers), "ms")
+    answers = [_answers(50, 3, seed) for seed in seeds]
+    yield Row("first plan for 50 sites", median(a[0][0] for a in answers), "ms")
+    yield Row("last plan for 50 sites", median(a[-1][0] for a in answers), "ms")
+    excess = [100 * (a[-1][1].cost_ms / a[-1][1].bound_ms - 1) for a in answers]
+    yield Row("its lap over the lower bound, worst", max(excess), "%")
+    replans = []
+    for seed in seeds:
+        mission = patrol(20, 20, seed)
+        planner = Planner(mission, straight(mission))
+        asked = target_found(planner, "s0")
+        replans += timed(lambda p=planner, a=asked: p.replan(*a), 1)
+    yield Row("replan en route, 20 sites, 20 upload sites", median(replans), "ms")
+
+
+def _answers(sites: int, upload_sites: int, seed: int) -> list[tuple[float, Solution]]:
+    """The solutions of a patrol with the milliseconds after which each came."""
+    mission = patrol(sites, upload_sites, seed)
+    planner = Planner(mission, straight(mission))
+    asked = at_the_start(planner)
+    start_s = perf_counter()
+    return [(1000 * (perf_counter() - start_s), s) for s in planner.solutions(*asked)]
+
+
+def points_between(
+    mission: Mission, routes: RouteMap, start: str, goal: str, count: int
+) -> Iterator[Ned]:
+    """Positions at even distances on the route from one place to another."""
+    route = routes.route(mission.places[start].position, goal)
+    assert route is not None
+    legs = np.linalg.norm(np.diff(route.waypoints, axis=0), axis=1)
+    along = np.concatenate([[0.0], np.cumsum(legs)])
+    for distance in np.linspace(0.0, along[-1], count + 2)[1:-1]:
+        north, east, down = (np.interp(distance, along, axis) for axis in route.waypoints.T)
+        yield (float(north), float(east), float(down))

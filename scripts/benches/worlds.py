@@ -1,0 +1,62 @@
+"""The surveillance mission with more sites, at random places of an open square."""
+
+from __future__ import annotations
+
+import math
+import random
+from dataclasses import replace
+
+from benches import MISSION
+from companion.acting.task_state import TaskState
+from companion.ltl.parser import parse
+from companion.mission.loader import load_mission
+from companion.mission.model import Mission, Place
+from companion.planning.domain import HERE, FlightTime
+from companion.planning.lasso import Letter, Problem
+from companion.planning.planner import Planner
+
+SIDE_M = 100.0
+SPEED_MPS = 2.0
+Asked = tuple[Problem, list[list[Letter]]]
+"""A problem, and what each conjunct has read."""
+
+
+def patrol(sites: int, upload_sites: int, seed: int) -> Mission:
+    """Search so many sites; report from one of so many others; fly home."""
+    searched = [f"s{i}" for i in range(sites)]
+    uploads = [f"r{i}" for i in range(upload_sites)]
+    names = ["Home", *searched, *uploads]
+    chance = random.Random(seed)
+    places = {
+        name: Place(name, (chance.uniform(0, SIDE_M), chance.uniform(0, SIDE_M), -2.0), 0.6)
+        for name in names
+    }
+    search = " & ".join(f"(F at({name}) | targetFound)" for name in searched)
+    mission = load_mission(MISSION)
+    return replace(
+        mission,
+        places=places,
+        sets={"Place": tuple(names), "UploadSite": tuple(uploads)},
+        task={**mission.task, "search": parse(f"G ({search})")},
+    )
+
+
+def straight(mission: Mission) -> FlightTime:
+    """Flight times as the crow flies; `here` is the middle of the square."""
+    positions = {name: place.position for name, place in mission.places.items()}
+    positions[HERE] = (SIDE_M / 2, SIDE_M / 2, -2.0)
+    return lambda origin, goal: math.dist(positions[origin], positions[goal]) / SPEED_MPS
+
+
+def at_the_start(planner: Planner) -> Asked:
+    """The first problem."""
+    return TaskState(planner).problem()
+
+
+def target_found(planner: Planner, goal: str) -> Asked:
+    """The target is found on the first flight, which leads to some place."""
+    task = TaskState(planner)
+    task.begin(next(a for a in planner.model.actions if a.name == f"move(Home, {goal})"))
+    task.take(planner.mission.events["targetFound"], True)
+    task.interrupt()
+    return task.problem()

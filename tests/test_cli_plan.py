@@ -1,0 +1,107 @@
+"""`companion plan` as a user meets it: what if, other objectives, other planners, PDDL, JSON."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from commands import Companion
+
+SURVEILLANCE = Path(__file__).parents[1] / "missions" / "surveillance.yaml"
+WITHOUT_SITES = [f"--without=canUpload(r{i})" for i in (1, 2, 3)]
+
+
+def test_json_says_what_was_asked_and_what_it_took(companion: Companion) -> None:
+    answer = json.loads(companion("plan", SURVEILLANCE, "--at", "A", "--json").out)
+    assert answer["version"] == 1
+    assert answer["mission"] == "surveillance"
+    assert answer["prefix"] == []
+    assert answer["loop"][0] | {"cost_s": 0} == {
+        "action": "move(A, B)",
+        "skill": "move",
+        "arguments": ["A", "B"],
+        "cost_s": 0,
+    }
+    assert answer["cost_s"] == answer["bound_s"] == answer["lap_cost_s"]
+    assert (answer["objective"], answer["optimal"], answer["engine"]) == ("lap", True, "built-in")
+    assert set(answer["times_ms"]) == {"translate", "ground", "search"}
+    assert [part["conjunct"] for part in answer["automata"]] == [
+        *["search"] * 3,
+        "upload",
+        "return",
+    ]
+    assert answer["state"]["facts"] == ["at(A)"]
+    assert len(answer["state"]["automata"]) == len(answer["automata"])
+    assert answer["reason"] is None
+
+
+def test_json_says_why_there_is_no_plan(companion: Companion) -> None:
+    ended = companion("plan", SURVEILLANCE, "--set", "targetFound", *WITHOUT_SITES, "--json")
+    assert ended.code == 3
+    answer = json.loads(ended.out)
+    assert (answer["prefix"], answer["loop"]) == (None, None)
+    assert [part["name"] for part in answer["reason"]["conflict"]] == ["upload"]
+    assert answer["reason"]["unreachable"][0]["fact"] == "targetReported"
+    assert answer["reason"]["restoring"] == [f"canUpload(r{i})" for i in (1, 2, 3)]
+    assert answer["state"]["withdrawn"] == answer["reason"]["withdrawn"]
+
+
+@pytest.mark.parametrize("objective", ["lap", "sum", "bottleneck"])
+def test_each_objective_is_said_and_proved(companion: Companion, objective: str) -> None:
+    ended = companion("plan", SURVEILLANCE, "--objective", objective)
+    assert ended.code == 0
+    assert f"{objective} " in ended.out
+    assert "optimal (built-in)" in ended.out
+
+
+@pytest.mark.parametrize(
+    ("engine", "encoding"), [("fast-downward", "v4"), ("fast-downward", "v5"), ("pyperplan", "v5")]
+)
+def test_another_planner(companion: Companion, engine: str, encoding: str) -> None:
+    chosen = ["--engine", engine, "--encoding", encoding, "--objective", "sum", "--json"]
+    answer = json.loads(companion("plan", SURVEILLANCE, *chosen).out)
+    best = json.loads(companion("plan", SURVEILLANCE, "--objective", "sum", "--json").out)
+    assert answer["engine"] == f"{engine} {encoding}"
+    if engine == "fast-downward":
+        assert answer["optimal"]
+        assert answer["cost_s"] == best["cost_s"]
+
+
+def test_a_planner_that_says_there_is_no_plan(companion: Companion) -> None:
+    """The reason is the built-in search's; it would also notice if the other one were wrong."""
+    state = ["--set", "targetFound", *WITHOUT_SITES]
+    ended = companion("plan", SURVEILLANCE, *state, "--engine", "fast-downward")
+    assert ended.code == 3
+    assert "upload cannot hold" in ended.err
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--engine", "nobody"], "there is no engine nobody; installed are: fast-downward"),
+        (["--engine", "pyperplan"], "use encoding v5"),
+        (["--engine", "symk"], "pip install up-symk"),
+        (["--engine", "fast-downward", "--objective", "bottleneck"], "cannot minimise the worst"),
+    ],
+)
+def test_a_planner_that_cannot(companion: Companion, options: list[str], message: str) -> None:
+    ended = companion("plan", SURVEILLANCE, *options)
+    assert ended.code == 1
+    assert message in ended.err
+
+
+@pytest.mark.parametrize("encoding", ["v1", "v4", "v5"])
+def test_pddl_is_written(companion: Companion, tmp_path: Path, encoding: str) -> None:
+    folder = tmp_path / "new" / "folder"
+    ended = companion("plan", SURVEILLANCE, "--pddl", folder, "--encoding", encoding)
+    assert ended.out.split() == [str(folder / "domain.pddl"), str(folder / "problem.pddl")]
+    assert "(define (domain" in (folder / "domain.pddl").read_text()
+    assert "(define (problem" in (folder / "problem.pddl").read_text()
+
+
+def test_pddl_where_nothing_can_be_written(companion: Companion, tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    ended = companion("plan", SURVEILLANCE, "--pddl", tmp_path / "file" / "below")
+    assert ended.code == 1
+    assert "cannot write to" in ended.err

@@ -1,0 +1,214 @@
+"""Planners that others wrote, on compiled tasks: the paper's three plans, small tasks, failures."""
+
+from __future__ import annotations
+
+import itertools
+import multiprocessing
+import sys
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import pytest
+from compiled import action, history, problem, unit_costs
+from fakes import DONE, failed
+from rig import Rig
+
+from companion.errors import CompanionError
+from companion.mission.model import Mission, Signal
+from companion.motion.routes import RouteMap
+from companion.planning.check import fault
+from companion.planning.compilation.encode import encode
+from companion.planning.domain import ConditionalEffect
+from companion.planning.engines import EngineError, solve, solve_with
+from companion.planning.lasso import Lasso, Letter, Problem
+from companion.planning.objective import Encoding, Objective
+from companion.planning.search import Search
+
+pytest.importorskip("up_fast_downward")
+
+V1, V4, V5 = Encoding
+TARGET = (Signal("NAMED_VALUE_INT", "target", "value"), 1.0)
+LIMIT_S = 60.0
+TASKS = [
+    "G (F at(A) & F at(B))",
+    "F (at(A) & F at(B))",
+    "at(H) U at(B)",
+    "G (at(A) -> X at(B)) & G F at(A)",
+    "F G at(A)",
+    "F G (at(A) | at(B)) & G F at(A) & G F at(B)",
+    "X (at(A) & X (at(B) & X G at(B)))",
+    "(!at(B)) U at(A) & F at(B)",
+    "(F G at(A)) | (F G at(B))",
+    "G F at(A) -> G F at(B)",
+]
+
+
+class Asked(NamedTuple):
+    """A problem as the planner was asked it, with its histories."""
+
+    problem: Problem
+    histories: list[list[Letter]]
+
+
+@pytest.fixture(scope="module")
+def phases(surveillance: Mission, surveillance_routes: RouteMap) -> list[Asked]:
+    """Section V: the start; a target on the way to B; r1 refuses the upload."""
+    rig = Rig(surveillance, surveillance_routes)
+    asked: list[Asked] = []
+    plan, replan = rig.planner.plan, rig.planner.replan
+
+    def noted(problem: Problem, histories: Sequence[Sequence[Letter]]) -> None:
+        asked.append(Asked(problem, [list(letters) for letters in histories]))
+
+    def noting_plan(problem: Problem, histories: Sequence[Sequence[Letter]]) -> Lasso:
+        noted(problem, histories)
+        return plan(problem, histories)
+
+    def noting_replan(problem: Problem, histories: Sequence[Sequence[Letter]]) -> Lasso:
+        noted(problem, histories)
+        return replan(problem, histories)
+
+    rig.planner.plan, rig.planner.replan = noting_plan, noting_replan  # type: ignore[method-assign]
+    rig.begin()
+    rig.vehicle.answers = [(2.0, failed("denied")), (1.0, DONE)]
+    rig.run_until("at A", times=2)
+    for _ in range(60):
+        rig.tick()
+    rig.tick(TARGET)
+    rig.run_to_the_end()
+    assert len(asked) == 3
+    return asked
+
+
+def best_ms(asked: Problem, objective: Objective) -> int:
+    *_, solution = Search().solutions(asked, objective)
+    return solution.cost_ms
+
+
+@pytest.mark.parametrize("objective", [Objective.SUM, Objective.LAP])
+@pytest.mark.parametrize("encoding", Encoding)
+@pytest.mark.parametrize("phase", range(3))
+def test_the_paper_s_three_plans(
+    phases: list[Asked], phase: int, encoding: Encoding, objective: Objective
+) -> None:
+    asked = phases[phase]
+    found = solve_with(*asked, "fast-downward", encoding, objective, LIMIT_S)
+    assert found is not None
+    assert fault(asked.problem, found.lasso, asked.histories) is None
+    assert found.engine == f"fast-downward {encoding}"
+    if encoding is V1:
+        assert not found.is_optimal
+        assert found.cost_ms >= best_ms(asked.problem, objective)
+    else:
+        assert found.is_optimal
+        assert found.cost_ms == best_ms(asked.problem, objective)
+
+
+@pytest.mark.parametrize("phase", range(3))
+def test_a_second_planner_agrees_that_there_is_a_plan(phases: list[Asked], phase: int) -> None:
+    found = solve_with(*phases[phase], "pyperplan", V5, Objective.SUM, LIMIT_S)
+    assert found is not None and not found.is_optimal
+    assert found.engine == "pyperplan v5"
+    assert found.cost_ms >= best_ms(phases[phase].problem, Objective.SUM)
+
+
+@pytest.mark.parametrize("encoding", Encoding)
+@pytest.mark.parametrize("task", TASKS)
+def test_small_tasks(task: str, encoding: Encoding) -> None:
+    costs = {p: 2.0 + i for i, p in enumerate(itertools.permutations("HAB", 2))}
+    asked = problem("HAB", costs, task)
+    found = solve_with(asked, history(asked), "fast-downward", encoding, Objective.SUM, LIMIT_S)
+    assert found is not None
+    if encoding is V1:
+        assert found.cost_ms >= best_ms(asked, Objective.SUM)
+    else:
+        assert found.cost_ms == found.bound_ms == best_ms(asked, Objective.SUM)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("task", TASKS)
+def test_small_tasks_by_a_second_planner(task: str) -> None:
+    asked = problem("HAB", unit_costs("HAB"), task)
+    assert solve_with(asked, history(asked), "pyperplan", V5, Objective.SUM, LIMIT_S) is not None
+
+
+# -- No plan, and no answer ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("encoding", Encoding)
+@pytest.mark.parametrize("task", ["G at(H) & F at(A)", "false"])
+def test_that_there_is_no_plan_is_proved(task: str, encoding: Encoding) -> None:
+    asked = problem("HA", unit_costs("HA"), task)
+    found = solve_with(asked, history(asked), "fast-downward", encoding, Objective.LAP, LIMIT_S)
+    assert found is None
+
+
+def test_any_plan_is_enough_where_time_is_short() -> None:
+    asked = problem("HAB", unit_costs("HAB"), "G F at(A) & G F at(B)")
+    classical = encode(asked, V4)
+    assert solve(classical, "fast-downward", LIMIT_S, optimal=False)
+    impossible = encode(problem("HA", unit_costs("HA"), "G at(H) & F at(A)"), V4)
+    assert solve(impossible, "fast-downward", LIMIT_S, optimal=False) is None
+
+
+def test_a_missing_library_is_named_with_what_brings_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in [n for n in sys.modules if n.startswith("unified_planning")]:
+        monkeypatch.setitem(sys.modules, name, None)
+    classical = encode(problem("HA", unit_costs("HA"), "G F at(A)"), V4)
+    with pytest.raises(EngineError, match=r"unified-planning; pip install 'mav-companion\[pl"):
+        solve(classical, "fast-downward", LIMIT_S, optimal=True)
+
+
+def test_a_missing_engine_is_named_with_what_brings_it() -> None:
+    classical = encode(problem("HA", unit_costs("HA"), "G F at(A)"), V4)
+    with pytest.raises(EngineError, match="lpg is not installed; pip install up-lpg"):
+        solve(classical, "lpg", LIMIT_S, optimal=True)
+    with pytest.raises(EngineError, match=r"no engine downwards; installed are: .*fast-downward"):
+        solve(classical, "downwards", LIMIT_S, optimal=True)
+    assert EngineError.exit_code == 1 and issubclass(EngineError, CompanionError)
+
+
+def test_an_engine_that_cannot_take_the_encoding_is_told_which_it_can() -> None:
+    classical = encode(problem("HA", unit_costs("HA"), "G F at(A) & G !at(B)"), V4)
+    with pytest.raises(EngineError, match=r"pyperplan cannot take encoding v4.*use encoding v5"):
+        solve(classical, "pyperplan", LIMIT_S, optimal=True)
+
+
+@pytest.mark.parametrize("engine", ["fast-downward", "pyperplan-opt"])
+def test_an_engine_that_takes_too_long_is_ended(engine: str) -> None:
+    places = "HABCDEFGIJKLMN"
+    costs = {pair: 2.0 + i % 17 for i, pair in enumerate(itertools.permutations(places, 2))}
+    task = " & ".join(f"G F at({place})" for place in places)
+    with pytest.raises(EngineError, match=f"{engine} did not answer in 2 s"):
+        solve(encode(problem(places, costs, task), V5), engine, 2.0, optimal=True)
+    assert not multiprocessing.active_children()
+
+
+def test_a_wrong_plan_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = problem("HA", unit_costs("HA"), "G F at(A)")
+    plan = ["actLoop", "loop wait", "mvBA", "actEnd"]
+    monkeypatch.setattr("companion.planning.engines.solve", lambda *_, **__: plan)
+    with pytest.raises(CompanionError, match="fast-downward made a wrong plan"):
+        solve_with(asked, history(asked), "fast-downward", V4, Objective.SUM, LIMIT_S)
+
+
+def test_nothing_is_printed(capfd: pytest.CaptureFixture[str]) -> None:
+    asked = problem("HA", unit_costs("HA"), "G F at(A)")
+    for engine in ("fast-downward", "pyperplan"):
+        assert solve_with(asked, history(asked), engine, V5, Objective.SUM, LIMIT_S)
+    assert capfd.readouterr().out == ""
+
+
+@pytest.mark.parametrize("encoding", [V1, V4])
+def test_conditional_effects_of_skills_reach_the_planner(encoding: Encoding) -> None:
+    lamp, none = frozenset({"lamp"}), frozenset[str]()
+    flips = (ConditionalEffect(lamp, none, none, lamp), ConditionalEffect(none, lamp, lamp, none))
+    asked = problem(
+        "HA",
+        unit_costs("HA"),
+        "G F lamp & G F !lamp & X !lamp",
+        extra=(action("switch", conditional=flips),),
+    )
+    found = solve_with(asked, history(asked), "fast-downward", encoding, Objective.LAP, LIMIT_S)
+    assert found is not None
+    assert [a.name for a in found.lasso.suffix] == ["switch", "switch"]

@@ -1,0 +1,138 @@
+"""What a component offers: rest, cycles or rounds, and only what has to be met is met."""
+
+from __future__ import annotations
+
+import random
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from problems import action, asking, problem, random_legs, unit_legs
+from reference_search import laps
+
+from companion.planning.domain import WAIT
+from companion.planning.effort import ON_THE_GROUND, Effort
+from companion.planning.lasso import Problem
+from companion.planning.loops import Cycles, Loops, RoundTrips, loops_of
+from companion.planning.product import Product, Restrictions
+from companion.planning.system import Vocabulary
+from companion.planning.ways import Ways
+
+ROUGH = Effort(edges=10**6, ways=1, additions=0)
+
+
+def offered(asked: Problem, effort: Effort = ON_THE_GROUND) -> tuple[Product, Loops]:
+    """The loops of the component with the most nodes that meets all marks: the patrol."""
+    made = Product(asked, Vocabulary(asked.actions), Restrictions())
+    ways = Ways(made)
+    reach = ways.out_of(range(made.nodes)) < 1 << 49
+    mutual = reach & reach.T
+    components = [np.flatnonzero(row) for row in mutual]
+    meeting = [c for c in components if _marks(made, c) == made.all_marks]
+    return made, loops_of(made, max(meeting, key=len), ways, effort)
+
+
+def _marks(made: Product, nodes: np.ndarray) -> int:
+    return int(np.bitwise_or.reduce(np.array(made.marks)[nodes]))
+
+
+@pytest.mark.parametrize(
+    ("task", "kind"),
+    [
+        ("G !at(A)", Cycles),
+        ("F at(A)", Cycles),
+        ("G F at(A)", RoundTrips),
+        ("G F at(A) & G F at(B)", RoundTrips),
+        (
+            "G (at(H) -> X at(A)) & G (at(A) -> X at(B)) & G (at(B) -> X at(H)) & G F at(B)",
+            RoundTrips,
+        ),
+    ],
+)
+def test_marks_decide_between_cycles_and_rounds(task: str, kind: type[Loops]) -> None:
+    _, loops = offered(problem("HAB", unit_legs("HAB"), task))
+    assert isinstance(loops, kind)
+
+
+def test_a_mark_that_comes_with_another_one_is_left_out() -> None:
+    """Whoever visits A again and again visits A or B again and again."""
+    _, one = offered(problem("HAB", unit_legs("HAB"), "G F at(A)"))
+    made, both = offered(problem("HAB", unit_legs("HAB"), "G F at(A) & G F (at(A) | at(B))"))
+    assert made.all_marks == 0b11
+    assert both.best_ms == one.best_ms == 100  # rest at A
+    assert both.wait_bound_ms == both.wait_ms == 100
+
+
+TASKS = [
+    "G !at(A)",
+    "G F at(A) & G F at(B)",
+    "G F (at(A) | at(B)) & G F (at(B) | at(C))",
+    "G (at(A) -> X !at(A)) & G F at(A)",
+]
+
+
+@pytest.mark.parametrize("task", TASKS)
+@pytest.mark.parametrize("seed", range(4))
+def test_every_loop_costs_what_it_says_and_the_best_is_the_shortest_there_is(
+    task: str, seed: int
+) -> None:
+    legs = random_legs(random.Random(seed), "HABC", is_symmetric=False)
+    asked = problem("HABC", legs, task)
+    made, loops = offered(asked)
+    costs = loops.costs(loops.nodes)
+    assert loops.best_ms == loops.bound_ms == costs.min() == min(laps(asked).values())
+    every = set(laps(asked).values())
+    for node, cost in zip(loops.nodes.tolist(), costs.tolist(), strict=True):
+        walked = loops.walk(node)
+        assert cost in every
+        assert cost == sum(stride.cost_ms for stride in walked)
+        assert walked[-1].node == node
+        met = [made.marks[stride.node] for stride in walked]
+        assert int(np.bitwise_or.reduce(met)) == made.all_marks
+
+
+@pytest.mark.parametrize("task", TASKS)
+def test_with_hardly_any_effort_a_loop_is_still_a_loop_and_nothing_is_proved(task: str) -> None:
+    legs = random_legs(random.Random(7), "HABC", is_symmetric=False)
+    asked = problem("HABC", legs, task)
+    _, exact = offered(asked)
+    made, rough = offered(asked, ROUGH)
+    rough.improve()
+    assert rough.is_final
+    assert rough.bound_ms <= exact.best_ms <= rough.best_ms
+    for node in rough.nodes.tolist():
+        met = [made.marks[stride.node] for stride in rough.walk(node)]
+        assert int(np.bitwise_or.reduce(met)) == made.all_marks
+
+
+def test_rest_is_found_without_looking_for_cycles() -> None:
+    """Where resting is as short as anything, no cycle can be shorter."""
+    _, loops = offered(problem("HABC", unit_legs("HABC"), "G !gone"), ROUGH)
+    assert loops.best_ms == loops.bound_ms == WAIT.cost_ms
+    assert all(len(loops.walk(node)) == 1 for node in loops.nodes.tolist())
+
+
+def test_where_rest_is_forbidden_a_cycle_is_found() -> None:
+    """The lamp has to change at every step; the cheaper way back is a detour."""
+    switches = [
+        action("on", "!lamp", "lamp", 1.0),
+        action("off", "lamp", "!lamp", 5.0),
+        action("dim", "lamp & !dim", "dim & !lamp", 1.0),
+        action("bright", "!lamp & dim", "lamp & !dim", 1.0),
+    ]
+    _, loops = offered(asking("G (lamp <-> X !lamp)", [*switches, WAIT], [()]))
+    assert isinstance(loops, Cycles)
+    assert loops.best_ms == loops.bound_ms == 2000
+
+
+def test_the_worst_wait_of_a_patrol_is_the_lap() -> None:
+    _, loops = offered(problem("HABC", unit_legs("HABC"), "G F at(A) & G F at(B) & G F at(C)"))
+    assert loops.wait_ms == loops.wait_bound_ms == loops.best_ms == 3000
+
+
+def test_the_worst_wait_is_bounded_where_a_part_can_be_met_in_two_places() -> None:
+    """A or B is met twice a lap and C once; without rest C is met again after a lap at best."""
+    legs = {("A", "C"): 4.0, ("C", "B"): 4.0, ("B", "A"): 2.0, ("H", "A"): 1.0}
+    asked = problem("HABC", legs, "G F (at(A) | at(B)) & G F at(C)")
+    _, loops = offered(replace(asked, actions=asked.actions[:-1]))
+    assert loops.best_ms == loops.wait_ms == loops.wait_bound_ms == 10_000
