@@ -1,4 +1,8 @@
-"""The measuring script runs and prints its rows; what it measures is nothing to assert."""
+"""The measuring script runs and prints its rows; what it measures is nothing to assert.
+
+README.md says `.venv/bin/python scripts/bench translating planning`; here all groups are measured,
+with few repetitions.
+"""
 
 from __future__ import annotations
 

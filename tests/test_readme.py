@@ -37,6 +37,7 @@ IN_REAL_TIME = (
 """Commands that are flown here for some seconds, side by side; the last one is the companion."""
 
 ELSEWHERE = {
+    ".venv/bin/python scripts/bench translating planning": "tests/test_bench.py",
     "scripts/fly --speed max": ".ci/run",
     "scripts/test": ".ci/run",
 }

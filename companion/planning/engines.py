@@ -4,17 +4,25 @@ Fast Downward is the default, pyperplan a second planner for encoding v5; any ot
 unified-planning knows goes by its name. The library and the planners are optional, and they are
 met here alone, when a plan is asked for. Planners are processes: this module is a door.
 
-A planner that runs in its own process is ended by unified-planning at the time limit. One that
-is Python code would go on for ever, so it gets a process from us.
+A planner may hang, crash, print, leave files (Fast Downward its output.sas, where it is called) and
+start processes. So each call has a child process of its own in a folder of its own. At the time
+limit, and when the caller is interrupted, the child ends what the planner has started. Children
+are forked from a server that has the library loaded, for that takes a second.
 """
 
 from __future__ import annotations
 
+import contextlib
+import importlib.util
 import multiprocessing
+import os
+import signal
+import tempfile
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
+from types import FrameType
 from typing import Any
 
 from companion.errors import CompanionError
@@ -45,10 +53,21 @@ FAILURES = {
     f"{FAST_DOWNWARD} can",
 }
 """What an engine that gave no answer did, and what to do then."""
+GRACE_S = 2.0
+"""What a child may take longer than its time, before it is killed from outside."""
+
+_server = multiprocessing.get_context("forkserver")
+_server.set_forkserver_preload(
+    ["unified_planning.shortcuts", "up_fast_downward", "up_pyperplan.engine"]
+)
 
 
 class EngineError(CompanionError):
     """A planner is missing, or gave no answer."""
+
+
+class _TimeIsOver(Exception):
+    """Raised in the child by its alarm."""
 
 
 @dataclass(frozen=True)
@@ -159,24 +178,39 @@ def _run(
     classical: ClassicalProblem, engine: str, setup: _Setup, timeout_s: float
 ) -> tuple[str, list[str] | None]:
     """What the engine says, and its plan."""
-    planner = _planner(engine, setup)
-    task = _task(classical, has_costs=not engine.startswith(NO_COSTS))
-    if not planner.supports(task.kind):
-        raise _unsupported(classical, engine, sorted(task.kind.features))
-    if hasattr(planner, "_get_cmd"):  # a program of its own, which is ended with its children
-        return _answer(planner, task, classical, timeout_s)
-    return _answer_of_child(classical, engine, setup, timeout_s)
-
-
-def _planner(engine: str, setup: _Setup) -> Any:
-    try:
-        from unified_planning.exceptions import UPException
-        from unified_planning.shortcuts import OneshotPlanner, get_environment
-    except ImportError as error:
+    if importlib.util.find_spec("unified_planning") is None:
         raise EngineError(
             f"the engine {engine} needs the package unified-planning; "
             f"{INSTALL[FAST_DOWNWARD]}, or use the built-in engine"
-        ) from error
+        )
+    here, there = _server.Pipe(duplex=False)
+    with tempfile.TemporaryDirectory(prefix="companion-", ignore_cleanup_errors=True) as folder:
+        child = _server.Process(
+            target=_child, args=(there, folder, classical, engine, setup, timeout_s), daemon=True
+        )
+        child.start()
+        there.close()
+        try:
+            if not here.poll(timeout_s + GRACE_S):
+                return "TIMEOUT", None
+            answer: EngineError | tuple[str, list[str] | None] = here.recv()
+        except EOFError:
+            return "INTERNAL_ERROR", None
+        finally:
+            here.close()
+            child.terminate()  # it ends what the planner has started
+            child.join(GRACE_S)
+            child.kill()
+            child.join()
+    if isinstance(answer, EngineError):
+        raise answer
+    return answer
+
+
+def _planner(engine: str, setup: _Setup) -> Any:
+    from unified_planning.exceptions import UPException
+    from unified_planning.shortcuts import OneshotPlanner, get_environment
+
     get_environment().credits_stream = None
     factory = get_environment().factory
     known = [e for e in factory.engines if "[" not in e and factory.engine(e).is_oneshot_planner()]
@@ -203,53 +237,62 @@ def _unsupported(classical: ClassicalProblem, engine: str, features: list[str]) 
     )
 
 
-def _answer(
-    planner: Any, task: Any, classical: ClassicalProblem, timeout_s: float | None
-) -> tuple[str, list[str] | None]:
-    from unified_planning.exceptions import UPException
+def _child(
+    pipe: Connection,
+    folder: str,
+    classical: ClassicalProblem,
+    engine: str,
+    setup: _Setup,
+    timeout_s: float,
+) -> None:
+    """Runs in a process of its own: sends what the engine says, or an `EngineError`."""
+    os.setsid()  # Ctrl-C in the terminal is the parent's business
+    os.chdir(folder)
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 1)
+    os.dup2(nowhere, 2)
+    planners: list[Any] = []
 
+    def stop(number: int, frame: FrameType | None) -> None:
+        for planner in planners:
+            started = getattr(planner, "_process", None)  # in a session of its own
+            if started is not None:
+                with contextlib.suppress(ProcessLookupError):
+                    os.killpg(started.pid, signal.SIGKILL)
+        if number == signal.SIGTERM:
+            os._exit(1)
+        raise _TimeIsOver
+
+    signal.signal(signal.SIGTERM, stop)
+    signal.signal(signal.SIGALRM, stop)
+    signal.setitimer(signal.ITIMER_REAL, timeout_s)
+    answer: EngineError | tuple[str, list[str] | None]
+    try:
+        planners.append(_planner(engine, setup))
+        answer = _answer(planners[0], classical, engine)
+    except EngineError as error:
+        answer = error
+    except _TimeIsOver:
+        answer = ("TIMEOUT", None)
+    except MemoryError:
+        answer = ("MEMOUT", None)
+    except Exception as error:  # an engine may raise anything
+        answer = EngineError(f"the engine {engine} failed: {type(error).__name__}: {error}")
+    signal.setitimer(signal.ITIMER_REAL, 0)
+    pipe.send(answer)
+
+
+def _answer(planner: Any, classical: ClassicalProblem, engine: str) -> tuple[str, list[str] | None]:
+    task = _task(classical, has_costs=not engine.startswith(NO_COSTS))
+    if not planner.supports(task.kind):
+        raise _unsupported(classical, engine, sorted(task.kind.features))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of features that an engine has not, and we do not ask
-        try:
-            result = planner.solve(task, timeout=timeout_s)
-        except (UPException, OSError) as error:
-            raise EngineError(f"the engine {planner.name} failed: {error}") from error
+        result = planner.solve(task)
     if result.plan is None:
         return result.status.name, None
     name_of = {word: name for name, word in naming(classical).actions.items()}
     return result.status.name, [name_of[step.action.name] for step in result.plan.actions]
-
-
-def _answer_of_child(
-    classical: ClassicalProblem, engine: str, setup: _Setup, timeout_s: float
-) -> tuple[str, list[str] | None]:
-    """The answer of an engine in a process that is killed at the time limit."""
-    context = multiprocessing.get_context("spawn")  # threads may be running, which rules out fork
-    here, there = context.Pipe(duplex=False)
-    child = context.Process(target=_child, args=(there, classical, engine, setup), daemon=True)
-    child.start()
-    there.close()
-    try:
-        if not here.poll(timeout_s):
-            return "TIMEOUT", None
-        answer: tuple[str, list[str] | None] = here.recv()
-        return answer
-    except EOFError:
-        return "INTERNAL_ERROR", None
-    finally:
-        child.kill()
-        child.join()
-
-
-def _child(pipe: Connection, classical: ClassicalProblem, engine: str, setup: _Setup) -> None:
-    task = _task(classical, has_costs=not engine.startswith(NO_COSTS))
-    try:
-        answer = _answer(_planner(engine, setup), task, classical, None)
-    except MemoryError:
-        answer = ("MEMOUT", None)
-    except EngineError:
-        answer = ("INTERNAL_ERROR", None)
-    pipe.send(answer)
 
 
 def _task(classical: ClassicalProblem, has_costs: bool) -> Any:

@@ -6,6 +6,8 @@ import itertools
 import multiprocessing
 import sys
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 from typing import NamedTuple
 
 import pytest
@@ -152,8 +154,7 @@ def test_any_plan_is_enough_where_time_is_short() -> None:
 
 
 def test_a_missing_library_is_named_with_what_brings_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in [n for n in sys.modules if n.startswith("unified_planning")]:
-        monkeypatch.setitem(sys.modules, name, None)
+    monkeypatch.setitem(sys.modules, "unified_planning", None)
     classical = encode(problem("HA", unit_costs("HA"), "G F at(A)"), V4)
     with pytest.raises(EngineError, match=r"unified-planning; pip install 'mav-companion\[pl"):
         solve(classical, "fast-downward", LIMIT_S, optimal=True)
@@ -182,6 +183,24 @@ def test_an_engine_that_takes_too_long_is_ended(engine: str) -> None:
     with pytest.raises(EngineError, match=f"{engine} did not answer in 2 s"):
         solve(encode(problem(places, costs, task), V5), engine, 2.0, optimal=True)
     assert not multiprocessing.active_children()
+
+
+def test_calls_at_the_same_time_do_not_disturb_each_other(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Fast Downward hands its translation on in a file; it is never where the caller is."""
+    monkeypatch.chdir(tmp_path)
+    tasks = ["G F at(A)", "G F at(B)", "G F at(A) & G F at(B)", "F G at(A)"]
+    asked = [problem("HAB", unit_costs("HAB"), task) for task in tasks]
+
+    def found(one: Problem) -> int | None:
+        plan = solve_with(one, history(one), "fast-downward", V4, Objective.SUM, LIMIT_S)
+        return plan.cost_ms if plan is not None else None
+
+    with ThreadPoolExecutor(len(asked)) as pool:
+        costs = list(pool.map(found, asked))
+    assert costs == [best_ms(one, Objective.SUM) for one in asked]
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_wrong_plan_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
