@@ -94,7 +94,7 @@ def test_drawings_follow_each_other(ltl: Ltl) -> None:
 def test_exclusive_propositions_make_smaller_automata(ltl: Ltl) -> None:
     visits = ("visit(A, B, C)", "--monolithic", "--format", "stats")
     plain = table(ltl(*visits))[0]
-    exclusive = ltl(*visits, "--exclusive", "at(A), at(B), at(C), ok(A, B)").table[0]
+    exclusive = table(ltl(*visits, "--exclusive", "at(A), at(B), at(C), ok(A, B)"))[0]
     assert int(exclusive["transitions"]) < int(plain["transitions"])
     assert int(exclusive["states"]) <= int(plain["states"])
 

@@ -7,7 +7,7 @@ import time
 from collections.abc import Iterable
 from dataclasses import astuple, dataclass, replace
 from enum import StrEnum
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -15,6 +15,7 @@ from companion.errors import FormulaError, Location, MissionError
 
 if TYPE_CHECKING:
     from companion.ltl.automaton import BuchiAutomaton
+    from companion.ltl.budget import Budget
     from companion.ltl.formula import Formula
 
 
@@ -125,22 +126,22 @@ class _Request:
         Args:
             line: where the formula comes from; said with each automaton.
         """
+        from companion.ltl.budget import Budget
         from companion.ltl.formula import conjuncts
         from companion.ltl.parser import parse
 
-        formula = parse(text)
+        formula, budget = parse(text), Budget()
         parts = (formula,) if self.monolithic else conjuncts(formula)
-        for automaton, milliseconds in [self._translated(part) for part in parts]:
+        for automaton, milliseconds in [self._translated(part, budget) for part in parts]:
             self._print(automaton, milliseconds, line)
 
-    def _translated(self, formula: Formula) -> tuple[BuchiAutomaton, float]:
+    def _translated(self, formula: Formula, budget: Budget) -> tuple[BuchiAutomaton, float]:
         """An automaton, and the milliseconds that it took."""
-        from companion.ltl.automaton import state_based
+        from companion.ltl.state_based import state_based
         from companion.ltl.translate import translate
 
-        keywords: dict[str, Any] = {"exclusive": self.exclusive} if self.exclusive else {}
         began_s = time.perf_counter()
-        automaton = translate(formula, **keywords)
+        automaton = translate(formula, exclusive=self.exclusive, budget=budget)
         if self.by_states:
             automaton = state_based(automaton)
         return automaton, 1000 * (time.perf_counter() - began_s)

@@ -51,6 +51,8 @@ class BuchiAutomaton:
         states: how many; they are numbered from 0.
         marks: how many acceptance sets; they are numbered from 0.
         name: what it accepts, for people.
+        exclusive: propositions of which at most one holds at a time; what the automaton does with
+            letters that have two of them is left open.
     """
 
     states: int
@@ -58,6 +60,7 @@ class BuchiAutomaton:
     transitions: tuple[Transition, ...]
     marks: int
     name: str = ""
+    exclusive: frozenset[str] = frozenset()
 
     @cached_property
     def propositions(self) -> tuple[str, ...]:
@@ -182,96 +185,3 @@ def strong_components(graph: Sequence[Iterable[int]]) -> list[list[int]]:
                     lowest.update(dict.fromkeys(component, closed))
                     components.append(component)
     return components
-
-
-def degeneralised(automaton: BuchiAutomaton) -> BuchiAutomaton:
-    """An equivalent automaton with one acceptance set.
-
-    A state becomes (state, level): on level i the run waits for mark i. A transition climbs over
-    every mark that it carries; on passing the last it is accepting and starts again from the
-    bottom. Where a run changes its strongly connected component the level falls to 0, which
-    saves copies (Babiak et al., SPIN 2013). The levels fix the order in which the acceptance
-    sets are met, so laps planned on the result can be longer than necessary.
-
-    `state_based` moves the marks from transitions to states.
-    """
-    if automaton.marks == 1:
-        return automaton
-    component_of = _component_of(automaton)
-    number_of = {(state, 0): number for number, state in enumerate(sorted(automaton.initial))}
-    pending = list(number_of)
-    transitions: list[Transition] = []
-    for state, level in pending:  # grows while it is read
-        for transition in automaton.outgoing[state]:
-            climbed, is_accepting = _climb(level, transition.marks, automaton.marks)
-            if component_of[transition.target] != component_of[state]:
-                climbed = 0
-            target = (transition.target, climbed)
-            if target not in number_of:
-                number_of[target] = len(number_of)
-                pending.append(target)
-            transitions.append(
-                Transition(
-                    number_of[state, level],
-                    transition.label,
-                    number_of[target],
-                    frozenset({0} if is_accepting else ()),
-                )
-            )
-    initial = frozenset(range(len(automaton.initial)))
-    return BuchiAutomaton(len(number_of), initial, tuple(transitions), 1, automaton.name)
-
-
-def state_based(automaton: BuchiAutomaton) -> BuchiAutomaton:
-    """An equivalent automaton whose one acceptance set is a set of states.
-
-    The transitions of an accepting state carry mark 0, and no others do. Only transitions inside
-    a strongly connected component matter. A state accepts if all of them that leave it do; where
-    only some do, an accepting one leads to an accepting copy of its target.
-    """
-    single = degeneralised(automaton)
-    component_of = _component_of(single)
-    kept = [
-        [bool(t.marks) for t in leaving if component_of[t.target] == component_of[t.source]]
-        for leaving in single.outgoing
-    ]
-    accepts = [bool(marked) and all(marked) for marked in kept]
-    number_of = {(s, accepts[s]): number for number, s in enumerate(sorted(single.initial))}
-    pending = list(number_of)
-    transitions: list[Transition] = []
-    for state, is_accepting in pending:  # grows while it is read
-        source = number_of[state, is_accepting]
-        marks = frozenset({0} if is_accepting else ())
-        for transition in single.outgoing[state]:
-            after = transition.target
-            is_inside = component_of[after] == component_of[state]
-            is_owed = is_inside and bool(transition.marks) and not accepts[state]
-            target = (after, is_owed or accepts[after])
-            if target not in number_of:
-                number_of[target] = len(number_of)
-                pending.append(target)
-            transitions.append(Transition(source, transition.label, number_of[target], marks))
-    initial = frozenset(range(len(single.initial)))
-    return BuchiAutomaton(len(number_of), initial, tuple(transitions), 1, automaton.name)
-
-
-def _component_of(automaton: BuchiAutomaton) -> dict[int, int]:
-    """The strongly connected component of each state, by its number."""
-    graph = [[transition.target for transition in leaving] for leaving in automaton.outgoing]
-    return {
-        state: number
-        for number, component in enumerate(strong_components(graph))
-        for state in component
-    }
-
-
-def _climb(level: int, marks: frozenset[int], top: int) -> tuple[int, bool]:
-    """The level after a transition, and whether the top was passed."""
-    while level < top and level in marks:
-        level += 1
-    if level < top:
-        return level, False
-    level = 0
-    while level < top and level in marks:
-        level += 1
-    return (level if level < top else 0), True

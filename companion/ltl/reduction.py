@@ -18,13 +18,16 @@ Efficient Büchi automata from LTL formulae, CAV 2000.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import reduce
 from operator import or_
 from typing import NamedTuple
 
 from companion.ltl.automaton import strong_components
+
+MAX_COMPARISONS = 5_000_000
+"""Of edges with each other, and with nodes: about a second."""
 
 
 class Edge(NamedTuple):
@@ -48,6 +51,12 @@ class Graph:
     marks: int
 
     @property
+    def is_large(self) -> bool:
+        """Whether comparing its nodes and edges as cubes would take long."""
+        pairs = sum(len(leaving) ** 2 for leaving in self.edges)
+        return pairs + len(self.edges) * self.size[1] > MAX_COMPARISONS
+
+    @property
     def size(self) -> tuple[int, int, int]:
         """Nodes, edges, marks."""
         return (len(self.edges), sum(map(len, self.edges)), self.marks)
@@ -67,20 +76,31 @@ def _settled(graph: Graph) -> Graph:
     return smaller
 
 
-def minimal(sets: Iterable[int]) -> list[int]:
+def minimal(
+    sets: Iterable[int], spend: Callable[[int], None] = lambda comparisons: None
+) -> list[int]:
     """The sets, as bits of an int, that have no other of the sets as a subset; smallest first.
+
+    Args:
+        spend: told how many comparisons come next.
 
     >>> minimal([0b111, 0b001, 0b110, 0b001])
     [1, 6]
     """
     kept: list[int] = []
+    with_lowest: dict[int, list[int]] = defaultdict(list)  # the kept ones, by their lowest bit
     for bits in sorted(sets, key=int.bit_count):
-        if not any(other & bits == other for other in kept):
+        if not bits:
+            return [0]
+        candidates = [with_lowest[index] for index in indices(bits) if index in with_lowest]
+        spend(1 + sum(map(len, candidates)))
+        if not any(other & bits == other for group in candidates for other in group):
             kept.append(bits)
+            with_lowest[(bits & -bits).bit_length() - 1].append(bits)
     return kept
 
 
-def pruned(graph: Graph) -> Graph:
+def pruned(graph: Graph, in_passing: bool = False) -> Graph:
     """Without nodes that accept nothing, and without marks that say nothing.
 
     Within a component a mark says nothing if every edge has it, or if some other mark is only
@@ -91,13 +111,16 @@ def pruned(graph: Graph) -> Graph:
     component_of: dict[int, int] = {}
     essential: list[list[int] | None] = []  # for each component; None if it only rejects
     alive: set[int] = set()
+    accepting: set[int] = set()
     for component in strong_components([[e.target for e in leaving] for leaving in graph.edges]):
         component_of.update(dict.fromkeys(component, len(essential)))
         leaving = [edge for node in component for edge in graph.edges[node]]
         inside = [e.marks for e in leaving if component_of.get(e.target) == len(essential)]
         is_accepting = bool(inside) and reduce(or_, inside) == every_mark
         only_rejects = bool(inside) and not is_accepting
-        essential.append(None if only_rejects else _essential_marks(inside, graph.marks))
+        essential.append(None if only_rejects else essential_marks(inside, graph.marks))
+        if is_accepting:
+            accepting.add(len(essential) - 1)
         if is_accepting or any(edge.target in alive for edge in leaving):
             alive.update(component)
     marks = max(1 if kept is None else len(kept) for kept in essential)
@@ -105,12 +128,13 @@ def pruned(graph: Graph) -> Graph:
     def renewed(edge: Edge, component: int) -> Edge:
         kept = essential[component]
         if kept is None or component_of[edge.target] != component:
-            return edge._replace(marks=0)
+            is_full = in_passing if component not in accepting else not in_passing
+            return edge._replace(marks=(1 << marks) - 1 if kept is not None and is_full else 0)
         padded = [*kept, *[-1] * (marks - len(kept))]  # a mark on every edge says nothing
         bits = sum(1 << i for i, mark in enumerate(padded) if edge.marks & mark or mark == -1)
         return edge._replace(marks=bits)
 
-    return _reachable(
+    return reachable(
         [
             [renewed(edge, component_of[node]) for edge in leaving if edge.target in alive]
             for node, leaving in enumerate(graph.edges)
@@ -119,20 +143,21 @@ def pruned(graph: Graph) -> Graph:
     )
 
 
-def _essential_marks(inside: list[int], marks: int) -> list[int]:
+def essential_marks(inside: list[int], marks: int) -> list[int]:
     """The marks (as bits) that matter in a component, given those of its edges."""
+    kinds = sorted(set(inside))
     where = {
-        sum(1 << i for i, edge_marks in enumerate(inside) if edge_marks >> mark & 1): 1 << mark
+        sum(1 << i for i, kind in enumerate(kinds) if kind >> mark & 1): 1 << mark
         for mark in reversed(range(marks))
     }
-    everywhere = (1 << len(inside)) - 1
+    everywhere = (1 << len(kinds)) - 1
     return sorted(where[places] for places in minimal(where) if places != everywhere)
 
 
-def _reachable(edges: list[list[Edge]], marks: int) -> Graph:
-    """The graph of what node 0 reaches, renumbered in the order in which it is met."""
-    number_of = {0: 0}
-    pending = [0]
+def reachable(edges: Sequence[Sequence[Edge]], marks: int, start: int = 0) -> Graph:
+    """The graph of what a node reaches, renumbered in the order in which it is met."""
+    number_of = {start: 0}
+    pending = [start]
     kept = []
     for node in pending:  # grows while it is read
         for edge in edges[node]:
@@ -194,7 +219,7 @@ def merged(graph: Graph) -> Graph:
             if not any(other != edge and _matches(other, edge, simulators) for other in candidates):
                 kept.append(edge)
         edges.append(kept)
-    return _reachable(edges, graph.marks)
+    return reachable(edges, graph.marks)
 
 
 def _matches(stronger: Edge, edge: Edge, simulators: list[int]) -> bool:

@@ -8,9 +8,11 @@ afterwards. The formula is not translated again; the automaton is cut down and r
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import combinations
 
 from companion.ltl.automaton import BuchiAutomaton, Label, Transition, statistics
 from companion.ltl.reduction import Edge, Graph, indices, merged, pruned, simulation
@@ -32,15 +34,15 @@ class Restriction:
     simulators: tuple[int, ...]
 
     def states(self, whole: frozenset[int]) -> list[int]:
-        """The states for a set of states of the whole automaton, without superfluous ones."""
+        """The states for a set of states of the whole automaton; of equal ones the first.
+
+        One that another simulates stays: its runs may close a loop sooner.
+        """
         found = sorted({self.state_of[state] for state in whole if state in self.state_of})
-        kept: list[int] = []
-        for state in found:
-            above = self.simulators[state]
-            others = [s for s in found if s != state and above >> s & 1]
-            if all(s > state and self.simulators[s] >> state & 1 for s in others):
-                kept.append(state)  # of states that are equal the first is kept
-        return kept
+        return [s for s in found if not any(self._are_equal(s, t) for t in found if t < s)]
+
+    def _are_equal(self, one: int, other: int) -> bool:
+        return bool(self.simulators[one] >> other & 1 and self.simulators[other] >> one & 1)
 
     @cached_property
     def everything(self) -> frozenset[int]:
@@ -87,14 +89,13 @@ def restricted(automaton: BuchiAutomaton, constants: Mapping[str, bool]) -> Rest
     # A root with an edge of its own label to each state keeps all of them reachable.
     first_tag = 2 * len(names)
     root = [Edge(1 << first_tag + 2 * state, 0, state + 1) for state in range(automaton.states)]
-    inner = [
-        [
-            Edge(bits(t.label), sum(1 << mark for mark in t.marks), t.target + 1)
-            for t in leaving
-            if is_possible(t.label)
-        ]
-        for leaving in automaton.outgoing
-    ]
+    inner = []
+    for leaving in automaton.outgoing:
+        labels: dict[tuple[int, int], set[int]] = defaultdict(set)
+        for t in leaving:
+            if is_possible(t.label):
+                labels[sum(1 << mark for mark in t.marks), t.target + 1].add(bits(t.label))
+        inner.append([Edge(label, *rest) for rest in labels for label in _joined(labels[rest])])
     graph = merged(pruned(Graph([root, *inner], automaton.marks)))
     state_of = {
         (edge.label.bit_length() - 1 - first_tag) // 2: edge.target - 1 for edge in graph.edges[0]
@@ -110,6 +111,18 @@ def restricted(automaton: BuchiAutomaton, constants: Mapping[str, bool]) -> Rest
     states = len(graph.edges) - 1
     reduced = BuchiAutomaton(states, frozenset(), transitions, graph.marks, automaton.name)
     return Restriction(reduced, state_of, simulators)
+
+
+def _joined(cubes: set[int]) -> list[int]:
+    """Fewer cubes that read the same: a & p and a & !p are a."""
+    joined = set(cubes)
+    for one, other in combinations(sorted(cubes), 2):
+        differ = one ^ other
+        low = differ & -differ
+        is_pair = differ == 3 * low and low.bit_length() % 2 == 1
+        if is_pair and (one & differ).bit_count() == 1 == (other & differ).bit_count():
+            return _joined((joined - {one, other}) | {one & other})
+    return sorted(joined)
 
 
 def _label(bits: int, names: list[str]) -> Label:

@@ -112,7 +112,7 @@ def _rewritten(node: Formula, until: _Side, release: _Side) -> Formula:
             return _chain(node, until, release)
         case Operator.AND:
             return _chain(node, release, until)
-        case Operator.NEXT if node.operands[0] in until.pure & release.pure:
+        case Operator.NEXT if node.operands[0] in until.pure and node.operands[0] in release.pure:
             return node.operands[0]  # X G F a = G F a
     return node
 
@@ -127,29 +127,81 @@ def _fixpoint(node: Formula, side: _Side, other: _Side) -> Formula:
     if right.operator is Operator.NEXT and (left is side.top or left.operator is Operator.NEXT):
         before = left if left is side.top else left.operands[0]
         return next_(side.make(before, right.operands[0]))  # X a U X b = X(a U b)
+    if side.is_far(node):
+        result = _far(node, side, other)
+        if result is not node:
+            return result
     if right.operator is side.join:  # a U (b | F c) = a U b | F c
-        return _split(node, side.pure, side, side.join)
+        stays = other.pure if _is_waiting(node, side) else ()
+        outside = [f for f in right.operands if f in side.pure and f not in stays]
+        return _split(node, outside, side, side.join)
     if right.operator is side.meet:  # a U (b & G F c) = a U b & G F c
-        return _split(node, side.pure & other.pure, side, side.meet)
-    if side.is_far(node) and other.is_far(right) and right.operands[1].operator is side.join:
-        # F G(a | G b) = F G a | F G b
-        body = right.operands[1].operands
-        universal = [f for f in body if f in other.pure]
-        if universal:
-            rest = _joined(side.join, [f for f in body if f not in other.pure])
-            parts = [side.far(other.far(rest)), *map(side.far, universal)]
-            return _joined(side.join, parts)
+        outside = [f for f in right.operands if f in side.pure and f in other.pure]
+        return _split(node, outside, side, side.meet)
     return node
 
 
-def _split(node: Formula, free: set[Formula], side: _Side, operator: Operator) -> Formula:
+def _split(node: Formula, outside: list[Formula], side: _Side, operator: Operator) -> Formula:
     """Takes operands that do not need it out of the reach of U."""
-    left, right = node.operands
-    outside = [f for f in right.operands if f in free]
     if not outside:
         return node
-    inside = [f for f in right.operands if f not in free]
+    left, right = node.operands
+    inside = [f for f in right.operands if f not in outside]
     return _joined(operator, [side.make(left, _joined(operator, inside)), *outside])
+
+
+def _far(node: Formula, side: _Side, other: _Side) -> Formula:
+    """Laws of `F right`."""
+    right = node.operands[1]
+    alternatives = right.operands if right.operator is side.join else (right,)
+    parts = [part for f in alternatives for part in _parted(f, side, other)]
+    if len(parts) > len(alternatives) or any(f not in alternatives for f in parts):
+        return side.far(_joined(side.join, parts))
+    return _once_for_all(node, side, other) if side.fixpoint is Operator.RELEASE else node
+
+
+def _parted(alternative: Formula, side: _Side, other: _Side) -> list[Formula]:
+    """What an alternative under F is there: X G a is G a, and G(b | G a) is G b | G a."""
+    body = alternative.operands[-1] if alternative.operands else alternative
+    if alternative.operator is Operator.NEXT and body in other.pure:
+        return [body]
+    if other.is_far(alternative) and body.operator is side.join:
+        universal = [f for f in body.operands if f in other.pure]
+        rest = _joined(side.join, [f for f in body.operands if f not in other.pure])
+        return [other.far(rest), *universal] if universal else [alternative]
+    return [alternative]
+
+
+def _once_for_all(node: Formula, always: _Side, eventually: _Side) -> Formula:
+    """G(t | F p & F q) = G(F p & F q) | G t | F(F p & F q & X G t).
+
+    What is eventual either holds for ever or fails for ever from some position on. So the
+    automaton need not keep track of what is owed as long as it may still have to be paid again.
+    It has fewer states from two operands on.
+    """
+    body = node.operands[1]
+    owed: dict[Formula, list[Formula]] = defaultdict(list)  # by the formula that pays
+    kept = []
+    for clause in body.operands if body.operator is Operator.AND else (body,):
+        ways = clause.operands if clause.operator is Operator.OR else (clause,)
+        eventual = [f for f in ways if f in eventually.pure]
+        if len(eventual) == 1 < len(ways):
+            (goal,) = eventual
+            way_out = _joined(Operator.OR, [f for f in ways if f is not goal])
+            owed[way_out] += goal.operands if goal.operator is Operator.AND else eventual
+        else:
+            kept.append(clause)
+    parts = []
+    for way_out, goals in owed.items():
+        if len(goals) == 1:
+            kept.append(_joined(Operator.OR, [way_out, *goals]))
+            continue
+        once = _joined(Operator.AND, [*goals, next_(always.far(way_out))])
+        recurring = always.far(_joined(Operator.AND, goals))
+        parts.append(_joined(Operator.OR, [recurring, always.far(way_out), eventually.far(once)]))
+    if kept:
+        parts.append(always.far(_joined(Operator.AND, kept)))
+    return _joined(Operator.AND, parts) if owed and len(parts) > bool(kept) else node
 
 
 def _chain(node: Formula, side: _Side, other: _Side) -> Formula:
@@ -171,7 +223,40 @@ def _chain(node: Formula, side: _Side, other: _Side) -> Formula:
         )
         if not is_absorbed:
             kept.append(part)
-    return _joined(operator, _grouped(kept, side, other))
+    kept = _grouped(_weakened(kept, side, other), side, other)
+    return _joined(operator, _gathered(kept, side, other))
+
+
+def _gathered(parts: list[Formula], side: _Side, other: _Side) -> list[Formula]:
+    """F a | G F b = F(a | G F b): a run waits for both in one state."""
+    waiting = next((f for f in parts if _is_waiting(f, side)), None)
+    ageless = [f for f in parts if f in side.pure and f in other.pure and f is not waiting]
+    if waiting is None or not ageless:
+        return parts
+    whole = side.far(_joined(side.join, [waiting.operands[1], *ageless]))
+    return [whole, *(f for f in parts if f is not waiting and f not in ageless)]
+
+
+def _is_waiting(formula: Formula, side: _Side) -> bool:
+    """Whether a formula is an F on the side of U; the dual of what is done then makes no sense."""
+    return side.fixpoint is Operator.UNTIL and side.is_far(formula)
+
+
+def _weakened(parts: list[Formula], side: _Side, other: _Side) -> list[Formula]:
+    """G a | a U b = b R (a | b), and G a | F(!a & F b) = (!a & F b) R (a | !a & F b)."""
+    found = {f.operands[1]: f for f in parts if other.is_far(f)}
+    for part in parts:
+        if part.operator is not side.fixpoint:
+            continue
+        before, event = part.operands
+        if before is side.top and event.operator is side.meet:
+            rest = [f for f in event.operands if f not in side.pure]
+            if len(rest) == 1 and rest[0].operator in (Operator.ATOM, Operator.NOT):
+                before = negate(rest[0])
+        if before in found:
+            weak = other.make(event, _joined(side.join, [before, event]))
+            return [weak if f is part else f for f in parts if f is not found[before]]
+    return parts
 
 
 def _grouped(parts: Iterable[Formula], side: _Side, other: _Side) -> list[Formula]:
@@ -180,6 +265,8 @@ def _grouped(parts: Iterable[Formula], side: _Side, other: _Side) -> list[Formul
     for part in parts:
         if other.is_far(part) and side.is_far(part.operands[1]):
             groups["far"].append(part)
+        elif part.operator is Operator.NEXT:
+            groups[Operator.NEXT].append(part)
         elif part.operator is side.fixpoint:
             groups[side.fixpoint, part.operands[0]].append(part)
         elif part.operator is other.fixpoint:
@@ -192,6 +279,8 @@ def _grouped(parts: Iterable[Formula], side: _Side, other: _Side) -> list[Formul
 def _together(group: list[Formula], side: _Side, other: _Side) -> Formula:
     """One formula for the disjunction of a group."""
     first = group[0]
+    if first.operator is Operator.NEXT:  # X a | X b = X(a | b)
+        return next_(_joined(side.join, [f.operands[0] for f in group]))
     if other.is_far(first) and side.is_far(first.operands[1]):  # G F a | G F b = G F(a | b)
         bodies = [f.operands[1].operands[1] for f in group]
         return other.far(side.far(_joined(side.join, bodies)))

@@ -1,40 +1,57 @@
 """Which automaton accepts exactly the words that satisfy a formula?
 
-A state is a set of obligations: formulas that must hold from the next position on. Expanding an
-obligation splits it into what must hold now and what is left for later; an until can be
-fulfilled now or postponed, and a run that postpones the same until for ever is wrong. So each
-until has its mark, on all transitions that do not postpone it. The formula is simplified before
-(`simplify.py`) and the automaton reduced afterwards (`reduction.py`).
+The formula is simplified (`simplify.py`), unfolded (`tableau.py`), and the automaton reduced. If
+the letters are few, labels become sets of letters (`letters.py`); this finds smaller automata in
+three ways, and the smallest is taken:
 
-A *term* is one way to meet a set of obligations, written as a set of bits in an int: literals
-that must hold now (two bits a proposition), obligations for the next position, untils postponed.
-A term that is a subset of another asks for less, so the other is superfluous.
+- reductions that look at each letter (`quotient.py`);
+- the minimal weak deterministic automaton, if the language has one (`obligations.py`);
+- of a conjunction, conjuncts that have such an automaton apart from the others.
 
-Source: Couvreur, On-the-fly verification of linear temporal logic, FM 1999; Giannakopoulou and
-Lerda, From states to transitions, FORTE 2002; Gastin and Oddoux, Fast LTL to Büchi automata
-translation, CAV 2001, for merging states and dropping transitions on the fly.
+Otherwise labels stay cubes (`reduction.py`).
 """
 
 from __future__ import annotations
 
-from functools import reduce
-from operator import or_
+from dataclasses import dataclass
+from functools import partial, reduce
 
-from companion.errors import CompanionError
-from companion.ltl.automaton import BuchiAutomaton, Label, Transition
-from companion.ltl.formula import TRUE, Formula, Operator, atoms, negation_normal_form
-from companion.ltl.reduction import Edge, Graph, indices, minimal, reduced
+from companion.ltl.automaton import BuchiAutomaton
+from companion.ltl.budget import Budget, TranslationLimit
+from companion.ltl.formula import (
+    FALSE,
+    TRUE,
+    Formula,
+    Operator,
+    atoms,
+    conjoin,
+    negate,
+    negation_normal_form,
+    release,
+)
+from companion.ltl.letters import Alphabet, automaton_of, with_cubes, with_letters
+from companion.ltl.obligations import conjoined, weak_deterministic
+from companion.ltl.quotient import is_deterministic, smallest
+from companion.ltl.reduction import Graph, pruned, reduced
 from companion.ltl.simplify import simplified
+from companion.ltl.tableau import unfolded
 
-Term = int
-"""A set of bits: literals, obligations, postponed untils. No bits: nothing is asked."""
+MAX_STATES = 10_000
+
+MAX_STATES_AGAIN = 100
+"""States up to which other automata of the same formula are made, to take the smallest."""
+
+EXTRA_STEPS = 12_000_000
+"""What may be spent on making an automaton smaller; then it is taken as it is."""
 
 
-class TranslationLimit(CompanionError):
-    """The automaton of a formula would be too large."""
-
-
-def translate(formula: Formula, max_states: int = 10_000) -> BuchiAutomaton:
+def translate(
+    formula: Formula,
+    *,
+    exclusive: frozenset[str] = frozenset(),
+    max_states: int = MAX_STATES,
+    budget: Budget | None = None,
+) -> BuchiAutomaton:
     """An automaton that accepts exactly the words that satisfy a formula.
 
     State 0 is its only initial state. From every other state some word is accepted.
@@ -44,156 +61,124 @@ def translate(formula: Formula, max_states: int = 10_000) -> BuchiAutomaton:
     >>> automaton.states, [(str(t.label), set(t.marks)) for t in automaton.transitions]
     (1, [('p', {0}), ('!p', set())])
 
+    Args:
+        exclusive: propositions of which at most one holds at a time; what the automaton does with
+            letters that have two of them is left open.
+        max_states: states, and transitions of one state, that may be made before reduction.
+        budget: what may be spent; a new one by default.
+
     Raises:
-        TranslationLimit: more than `max_states` states, or as many transitions of one state,
-            would be made before reduction.
+        TranslationLimit: `max_states` or the budget does not suffice.
     """
-    name = str(formula)
-    tableau = _Tableau(simplified(negation_normal_form(formula)), max_states, name)
-    graph = reduced(tableau.graph())
-    labels = {edge.label: tableau.label(edge.label) for leaving in graph.edges for edge in leaving}
-    transitions = tuple(
-        Transition(source, labels[edge.label], edge.target, frozenset(indices(edge.marks)))
-        for source, leaving in enumerate(graph.edges)
-        for edge in leaving
-    )
-    return BuchiAutomaton(len(graph.edges), frozenset({0}), transitions, graph.marks, name)
+    normal = negation_normal_form(formula)
+    alphabet = Alphabet(sorted(atoms(normal)), exclusive)
+    translator = _Translator(alphabet, max_states, budget or Budget(), Budget(EXTRA_STEPS))
+    return automaton_of(translator.cubes(simplified(normal)), alphabet, str(formula))
 
 
-class _Tableau:
-    """Expands sets of obligations, starting from one formula in negation normal form."""
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """A graph with sets of letters as labels; minimal if it is weak and deterministic."""
 
-    def __init__(self, formula: Formula, limit: int, name: str) -> None:
-        self._formula = formula
-        self._limit = limit
-        self._name = name
-        self._literals: list[Formula] = []  # the lowest bits: p, !p, q, !q, ...
-        for name in sorted(atoms(formula)):
-            proposition = Formula(Operator.ATOM, (), name)
-            self._literals += [proposition, Formula(Operator.NOT, (proposition,))]
-        self._bit_of = {literal: 1 << i for i, literal in enumerate(self._literals)}
-        self._literal_bits = (1 << len(self._literals)) - 1
-        self._next_of: dict[Formula, Term] = {}
-        self._obligation_of: dict[Term, Formula] = {}
-        self._postponed_of: dict[Formula, Term] = {}
-        self._terms_of: dict[Formula, list[Term]] = {}
+    graph: Graph
+    is_weak: bool
 
-    def graph(self) -> Graph:
-        """The automaton; sets of obligations with equal terms are one state."""
-        number_of: dict[tuple[Term, ...], int] = {}
-        state_of: dict[Term, int] = {}
-        pending: list[tuple[Term, ...]] = []
 
-        def state(obligations: Term) -> int:
-            if obligations not in state_of:
-                terms = tuple(sorted(self._expand_all(obligations)))
-                state_of[obligations] = number_of.setdefault(terms, len(number_of))
-                if state_of[obligations] == len(pending):
-                    pending.append(terms)
-                    self._check(len(pending), "states")
-            return state_of[obligations]
+@dataclass(frozen=True, slots=True)
+class _Translator:
+    """Makes graphs of simplified formulas over one alphabet.
 
-        state(self._obligations(self._formula))
-        edges = []
-        for terms in pending:  # grows while it is read
-            edges.append([(term, state(self._left_for_later(term))) for term in terms])
-        marks = {bit: 1 << i for i, bit in enumerate(self._postponed_of.values())}
-        return Graph(
-            [
-                [
-                    Edge(
-                        term & self._literal_bits,
-                        sum(mark for bit, mark in marks.items() if not term & bit),
-                        target,
-                    )
-                    for term, target in leaving
-                ]
-                for leaving in edges
-            ],
-            len(marks),
-        )
+    Attributes:
+        budget: for what must be done.
+        extra: for what need not be done.
+    """
 
-    def label(self, bits: Term) -> Label:
-        """The literals of a term."""
-        literals = [self._literals[i] for i in indices(bits & self._literal_bits)]
-        return Label(
-            frozenset(f.atom for f in literals if f.operator is Operator.ATOM),
-            frozenset(f.operands[0].atom for f in literals if f.operator is Operator.NOT),
-        )
+    alphabet: Alphabet
+    max_states: int
+    budget: Budget
+    extra: Budget
 
-    def _expand_all(self, obligations: Term) -> list[Term]:
-        terms = [0]
-        for index in indices(obligations):
-            terms = self._product(terms, self._expand(self._obligation_of[1 << index]))
-        return terms
+    def cubes(self, formula: Formula) -> Graph:
+        """The smallest graph that is found, with cubes as labels."""
+        if self.alphabet.is_small:
+            return with_cubes(self._smallest(formula), self.alphabet, self.budget)
+        rough = self._unfolded(formula, self.budget)
+        self.budget.keep(3 * rough.size[1])  # they are all there at once in several forms
+        return pruned(rough) if rough.is_large else reduced(rough)
 
-    def _expand(self, formula: Formula) -> list[Term]:
-        """The terms of a formula, those of its operands first."""
-        pending = [formula]
-        while pending:
-            node = pending[-1]
-            needed = () if node.operator in (Operator.NEXT, Operator.NOT) else node.operands
-            missing = [operand for operand in needed if operand not in self._terms_of]
-            if not missing:
-                self._terms_of[pending.pop()] = self._terms(node)
-            pending += missing
-        return self._terms_of[formula]
+    def _unfolded(self, formula: Formula, budget: Budget) -> Graph:
+        names, exclusive = self.alphabet.names, self.alphabet.exclusive
+        return unfolded(formula, names, exclusive, self.max_states, budget)
 
-    def _terms(self, node: Formula) -> list[Term]:
-        """The terms of a formula whose operands have theirs: the expansion laws of LTL."""
-        match node.operator, node.operands:
-            case Operator.TRUE, _:
-                return [0]
-            case Operator.FALSE, _:
-                return []
-            case Operator.NEXT, (operand,):
-                return [self._obligations(operand)]
-            case Operator.AND, operands:
-                return reduce(self._product, (self._terms_of[operand] for operand in operands))
-            case Operator.OR, operands:
-                return minimal({t for operand in operands for t in self._terms_of[operand]})
-            case Operator.UNTIL, (before, event):
-                postpone = self._obligations(node) | self._postponed(node)
-                later = self._product(self._terms_of[before], [postpone])
-                return minimal({*self._terms_of[event], *later})
-            case Operator.RELEASE, (event, kept):
-                ways = minimal({*self._terms_of[event], self._obligations(node)})
-                return self._product(self._terms_of[kept], ways)
-        return [self._bit_of[node]]
+    def _smallest(self, formula: Formula) -> Graph:
+        """Conjuncts that share no proposition are translated apart and multiplied."""
+        graphs = [self._parted(group) for group in self._independent(formula)]
+        whole = reduce(partial(conjoined, budget=self.budget), graphs)
+        if len(graphs) == 1 or all(map(is_deterministic, graphs)):
+            return pruned(whole)  # there is nothing more to merge
+        return smallest(whole, self.extra)
 
-    def _product(self, left: list[Term], right: list[Term]) -> list[Term]:
-        """The terms that meet a term of either side, without contradictory ones."""
-        even = self._literal_bits // 3  # ...010101, the propositions without their negations
-        met = {a | b for a in left for b in right}
-        possible = {term for term in met if not term & term >> 1 & even}
-        self._check(len(possible), "transitions of one state")
-        return minimal(possible)
+    def _independent(self, formula: Formula) -> list[Formula]:
+        """Formulas whose conjunction is the given one, and that share no proposition."""
+        groups: list[tuple[frozenset[str], list[Formula]]] = []
+        for part in _conjuncts(formula):
+            names, together = atoms(part), [part]
+            if names & self.alphabet.exclusive:
+                names |= self.alphabet.exclusive
+            for group in [known for known in groups if known[0] & names]:
+                groups.remove(group)
+                names, together = names | group[0], group[1] + together
+            groups.append((names, together))
+        return [simplified(conjoin(*together)) for _, together in groups]
 
-    def _obligations(self, formula: Formula) -> Term:
-        """The bits of a formula as an obligation, one for each conjunct."""
-        if formula.operator is Operator.AND:
-            return reduce(or_, map(self._obligations, formula.operands))
-        if formula is TRUE:
-            return 0
-        if formula not in self._next_of:
-            self._next_of[formula] = self._new_bit()
-            self._obligation_of[self._next_of[formula]] = formula
-        return self._next_of[formula]
+    def _parted(self, formula: Formula) -> Graph:
+        """The smaller graph: of all conjuncts, or with those that are obligations apart."""
+        whole = self._whole(formula)
+        parts = _conjuncts(formula)
+        if whole.is_weak or len(parts) == 1 or not 1 < len(whole.graph.edges) <= MAX_STATES_AGAIN:
+            return whole.graph
+        is_weak = {part: self._whole(part).is_weak for part in parts}
+        groups = [[part for part in parts if is_weak[part] is kind] for kind in (True, False)]
+        if not all(groups):
+            return whole.graph
+        weak, other = (self._whole(simplified(conjoin(*group))).graph for group in groups)
+        product = smallest(conjoined(weak, other, self.budget), self.extra)
+        return min(whole.graph, product, key=lambda graph: len(graph.edges))
 
-    def _postponed(self, formula: Formula) -> Term:
-        if formula not in self._postponed_of:
-            self._postponed_of[formula] = self._new_bit()
-        return self._postponed_of[formula]
+    def _whole(self, formula: Formula) -> _Found:
+        """A graph of a formula as it stands: minimal and deterministic, or reduced."""
+        rough = with_letters(self._unfolded(formula, self.budget), self.alphabet, self.budget)
+        graph = smallest(rough, self.extra)
+        if len(graph.edges) == 1:
+            return _Found(graph, not graph.marks)
+        if len(graph.edges) <= MAX_STATES_AGAIN:
+            weak = self._weak(formula, graph)
+            if weak and len(weak.edges) <= len(graph.edges):
+                return _Found(weak, True)
+        return _Found(graph, False)
 
-    def _new_bit(self) -> Term:
-        return 1 << len(self._literals) + len(self._next_of) + len(self._postponed_of)
+    def _weak(self, formula: Formula, graph: Graph) -> Graph | None:
+        """The minimal weak deterministic automaton of a formula, if there is one."""
 
-    def _left_for_later(self, term: Term) -> Term:
-        return term & ~(self._literal_bits | sum(self._postponed_of.values()))
+        def complement() -> Graph:
+            opposite = simplified(negation_normal_form(negate(formula)))
+            rough = with_letters(self._unfolded(opposite, self.extra), self.alphabet, self.extra)
+            return smallest(rough, self.extra)
 
-    def _check(self, size: int, what: str) -> None:
-        if size > self._limit:
-            raise TranslationLimit(
-                f"the automaton of {self._name[:200]} has more than {self._limit} {what}; "
-                "split the task into conjuncts: each of them gets its own automaton"
-            )
+        try:
+            weak = weak_deterministic(graph, self.alphabet.every, complement, self.extra)
+        except TranslationLimit:
+            return None
+        return weak and pruned(weak)
+
+
+def _conjuncts(formula: Formula) -> list[Formula]:
+    """The conjuncts of a simplified formula, split at & and at G over &."""
+    parts: list[Formula] = []
+    for part in formula.operands if formula.operator is Operator.AND else (formula,):
+        event, kept = part.operands if part.operator is Operator.RELEASE else (TRUE, part)
+        if event is FALSE and kept.operator is Operator.AND:
+            parts += [release(FALSE, operand) for operand in kept.operands]
+        else:
+            parts.append(part)
+    return [simplified(part) for part in parts]

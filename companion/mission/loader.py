@@ -10,7 +10,7 @@ Whether the task can be fulfilled is a question for the planner.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 
 from companion.documents import Document, did_you_mean, validate
@@ -33,6 +33,7 @@ from companion.motion.grid import OccupancyGrid
 CLEARANCE_M = 0.6  # vehicle radius 0.35 m and 0.25 m margin for tracking error and map cells
 GOAL = "goal"  # name of the conjunct that a plain goal makes
 _TASK_HINT = "add task: {NAME: FORMULA}, what must hold, or goal: FACTS, what must hold once"
+_SHOWN = 20  # names listed in a message
 RESERVED_PLACE = "here"  # the planner's name for where an interrupted move leaves the vehicle
 
 
@@ -44,7 +45,7 @@ def load_mission(path: Path) -> Mission:
     """
     text = _read(path)
     file, document = validate(text, str(path), MissionFile)
-    file = with_domain(file, document, path.parent)
+    file, declared = with_domain(file, document, path.parent)
     _check_names(file, document)
     limits = _limits(file)
     check_limits(limits, document)
@@ -55,10 +56,10 @@ def load_mission(path: Path) -> Mission:
     grid = _grid(path.parent / file.map, document)
     check_places(places, limits, grid, CLEARANCE_M, document)
     events = _events(file, document)
-    vocabulary = Vocabulary(places, events, file.objects)
+    vocabulary = Vocabulary(places, events, file.objects, declared)
     skills = build_skills(file, document, vocabulary)
     facts = _initially(file, document, vocabulary)
-    _check_reachable_names(skills, events, facts, document)
+    _check_reachable_names(skills, {*events, *declared, *(f.name for f in facts)}, document)
     sets = {name: tuple(members) for name, members in file.sets.items()}
     return Mission(
         name=file.name,
@@ -118,24 +119,37 @@ def _check_names(file: MissionFile, document: Document) -> None:
                 document.key_at("events", name),
                 "this word has a meaning of its own in formulas; choose another name",
             )
+    things = dict.fromkeys(file.places)
     for index, name in enumerate(file.objects):
-        if name in file.places or name in file.objects[:index]:
+        if name in things:
             raise MissionError(
                 f"{name} is twice among the places and objects",
                 document.where("objects", index),
                 "an object is a thing that is no place; remove one of the two",
             )
+        things[name] = None
     for name, members in file.sets.items():
+        seen: set[str] = set()
         for index, member in enumerate(members):
-            where = document.where("sets", name, index)
-            if member not in file.places and member not in file.objects:
-                listing = f"places are {', '.join(file.places)}."
-                hint = f"{listing} {did_you_mean(member, file.places)}".rstrip()
-                raise MissionError(f"unknown place {member} in the set {name}", where, hint)
-            if member in members[:index]:
+            if member not in things:
+                kinds = "place or object" if file.objects else "place"
+                raise MissionError(
+                    f"unknown {kinds} {member} in the set {name}",
+                    document.where("sets", name, index),
+                    f"{kinds.replace(' or ', 's and ')}s are {_listing(things)}. "
+                    f"{did_you_mean(member, things)}".rstrip(),
+                )
+            if member in seen:
+                where = document.where("sets", name, index)
                 raise MissionError(
                     f"{member} is twice in the set {name}", where, "remove one of them"
                 )
+            seen.add(member)
+
+
+def _listing(names: Iterable[str]) -> str:
+    listed = list(names)
+    return ", ".join(listed[:_SHOWN]) + (", ..." if len(listed) > _SHOWN else "")
 
 
 def _operator(name: str) -> Operator | None:
@@ -160,12 +174,12 @@ def _events(file: MissionFile, document: Document) -> dict[str, Event]:
                 "a latched fact stays true for ever: remove one of the two",
             )
         for index, conjunct in enumerate(entry.restarts):
-            if conjunct not in file.task:
+            lines = [*file.task, *([GOAL] if file.goal is not None else [])]
+            if conjunct not in lines:
                 raise MissionError(
                     f"{name} restarts {conjunct}, which the task does not have",
                     document.where("events", name, "restarts", index),
-                    f"the task has {', '.join(file.task)}. "
-                    f"{did_you_mean(conjunct, file.task)}".rstrip(),
+                    f"the task has {', '.join(lines)}. {did_you_mean(conjunct, lines)}".rstrip(),
                 )
         restarts = frozenset(entry.restarts)
         events[name] = Event(name, when, until, entry.latch, entry.for_s, restarts)
@@ -193,23 +207,28 @@ def _initially(file: MissionFile, document: Document, vocabulary: Vocabulary) ->
 
 
 def _check_reachable_names(
-    skills: Mapping[str, Skill],
-    events: Mapping[str, Event],
-    facts: list[Atom],
-    document: Document,
+    skills: Mapping[str, Skill], given: Collection[str], document: Document
 ) -> None:
-    """A misspelt precondition would be a fact of its own that nothing ever makes true."""
-    sources = {*events, *(fact.name for fact in facts)}
+    """A misspelt condition would be a fact of its own that nothing ever makes true.
+
+    Args:
+        given: names of facts that need no skill: events, what holds at the start, what PDDL
+            declares.
+    """
+    sources = {*given}
     for skill in skills.values():
         sources |= {atom.name for atom in skill.assumes}
-        sources |= {literal.atom.name for literal in skill.effect if literal.is_positive}
+        effects = (skill.effect, *(when.effect for when in skill.conditional))
+        sources |= {x.atom.name for effect in effects for x in effect if x.is_positive}
     for skill in skills.values():
-        for literal in skill.precondition:
+        conditions = [(literal, "precondition") for literal in skill.precondition]
+        conditions += [(x, "effect") for when in skill.conditional for x in when.condition]
+        for literal, key in conditions:
             name = literal.atom.name
             if name not in sources:
                 raise MissionError(
                     f"nothing ever makes {name} true",
-                    document.where("skills", skill.name, "precondition"),
+                    document.where("skills", skill.name, key),
                     "it is no event, no effect, no belief and not listed in initially. "
                     f"{did_you_mean(name, sorted(sources))}".rstrip(),
                 )
@@ -217,7 +236,9 @@ def _check_reachable_names(
 
 def _task(file: MissionFile, document: Document, vocabulary: Vocabulary) -> dict[str, Formula]:
     if file.goal is None and not file.task:
-        raise MissionError("the mission has neither a task nor a goal", hint=_TASK_HINT)
+        raise MissionError(
+            "the mission has neither a task nor a goal", document.where(), _TASK_HINT
+        )
     if file.goal is not None and GOAL in file.task:
         raise MissionError(
             "a line of the task is called goal, and there is a goal",

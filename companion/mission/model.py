@@ -160,7 +160,7 @@ class Skill:
         assumes: beliefs that are taken for true until the skill fails.
         effect: literals that hold afterwards.
         conditional: further effects, each under a condition.
-        distinct: groups of parameters that are bound to different members.
+        distinct: groups of parameters, places and objects, no two of which are the same.
         cost_s: constant cost in seconds; None means flight time on the map.
         tries: instantiations of a symbol before the skill fails (MAX_TRY, Fig. 6).
         timeout_s: longest time the refinement may take; None for no limit.

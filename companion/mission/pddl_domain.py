@@ -7,8 +7,9 @@ same way. What an action does in the world (`execute`) stands in the mission fil
 
 PDDL does not tell upper from lower case; a name that the mission file has is spelled as there,
 all others in lower case. `-` becomes `_`. Preconditions are conjunctions of facts and negated
-facts, and parameters that differ; effects may be conditional and universal. Numbers other than
-the total cost, durations, and disjunctions are refused.
+facts, and parameters that differ; effects may be conditional and universal. What cannot be said
+in a mission (numbers other than the total cost, durations, disjunctions, ...) is refused, never
+left out.
 
 Source: McDermott et al., PDDL, 1998; the paper, last point of Section III-C.
 """
@@ -16,17 +17,21 @@ Source: McDermott et al., PDDL, 1998; the paper, last point of Section III-C.
 from __future__ import annotations
 
 import itertools
+import math
+import re
+import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from companion.documents import Document, did_you_mean
-from companion.errors import MissionError
+from companion.errors import FormulaError, Location, MissionError
+from companion.mission.literals import parse_fact
 from companion.mission.schema import MissionFile, SkillEntry
 
 if TYPE_CHECKING:
-    from unified_planning.model import Action, Effect, FNode, Problem, Type
+    from unified_planning.model import Action, Effect, FNode, Problem, Type, Variable
 
 INSTALL = "pip install 'mav-companion[planners]'"
 MAX_BYTES = 100_000
@@ -35,13 +40,48 @@ OF_THE_DOMAIN = ("parameters", "precondition", "effect", "distinct")
 
 KEYS = ("domain", "problem")
 TOTAL_COST = "total-cost"
+MAX_EXPANSION = 1_000  # conditions or effects that one forall may stand for
+
+_FEATURES = (
+    "it needs :strips, :typing, :negative-preconditions, :equality, :conditional-effects, "
+    ":universal-preconditions or :action-costs, and its sections in the order :requirements, "
+    ":types, :constants, :predicates, :functions, :action"
+)
+_FOREIGN = {
+    "TIMED_EFFECTS": "facts that change at a time",
+    "CONTINUOUS_TIME": "actions with durations",
+    "PROCESSES": "processes",
+    "EVENTS": "events (they stand in the mission file)",
+    "TRAJECTORY_CONSTRAINTS": "constraints (write them as lines of the task)",
+    "STATE_INVARIANTS": "constraints (write them as lines of the task)",
+    "HIERARCHICAL": "tasks and methods",
+    "CONTINGENT": "unknown facts and observations",
+}
+"""Features of unified-planning that a mission has no word for."""
+
+_PLACE = re.compile(
+    r"[.,]? *(?:\(at char \d+\), \(|(?:error )?(?:in expression )?(?:found )?(?:from|at)? *)"
+    r"line: ?(\d+), col:? ?(\d+)",
+    re.IGNORECASE,
+)
+_UNCLEAR = (
+    (re.compile(r"^UP\w+\((['\"])(.*?)\1?\)?$"), r"\2"),  # an error of the reader inside another
+    (re.compile(r"W:\([^)]*\)"), "a name"),
+    (re.compile(r"! Different elements .*"), ""),
+)
+"""The reader's own words, and ours."""
 
 Binding = Mapping[str, str]
 """What stands for the variables of a universal effect."""
 
+Predicates = Mapping[str, tuple[tuple[str, ...], ...]]
+"""Name: what each argument may be."""
 
-def with_domain(file: MissionFile, document: Document, folder: Path) -> MissionFile:
-    """The mission file with what its PDDL files say.
+
+def with_domain(
+    file: MissionFile, document: Document, folder: Path
+) -> tuple[MissionFile, Predicates]:
+    """The mission file with what its PDDL files say, and the predicates that they declare.
 
     Raises:
         MissionError: a file cannot be read, uses what is not supported, or contradicts the
@@ -49,17 +89,18 @@ def with_domain(file: MissionFile, document: Document, folder: Path) -> MissionF
     """
     if file.domain is None:
         if file.problem is None:
-            return file
+            return file, {}
         raise MissionError(
             "a problem without a domain", document.key_at("problem"), "add domain: FILE.pddl"
         )
     problem = _parsed(folder, file, document)
-    return _Import(file, document, problem).merged()
+    imported = _Import(file, document, problem)
+    return imported.merged(), imported.predicates()
 
 
 def _parsed(folder: Path, file: MissionFile, document: Document) -> Problem:
     try:
-        from unified_planning.exceptions import UPException
+        from unified_planning.environment import get_environment
         from unified_planning.io import PDDLReader
     except ImportError:
         hint = f"install it: {INSTALL}"
@@ -67,22 +108,40 @@ def _parsed(folder: Path, file: MissionFile, document: Document) -> Problem:
         raise MissionError("PDDL needs unified-planning", where, hint) from None
     names = [name for name in (file.domain, file.problem) if name is not None]
     texts = [_text(folder / name, document, key) for name, key in zip(names, KEYS, strict=False)]
-    try:
-        return PDDLReader().parse_problem_string(*texts)
-    except RecursionError:
-        reason = "it is nested too deeply"
-    except (UPException, SyntaxError, ValueError, KeyError, AssertionError) as error:
-        reason = " ".join(str(error).split()) or type(error).__name__
-    except Exception as error:
-        if not type(error).__module__.startswith("pyparsing"):
-            raise
-        reason = str(error)
-    raise MissionError(
-        f"{' and '.join(names)} cannot be read as PDDL: {reason[:300]}",
-        document.where("domain"),
-        "the reader knows PDDL 2.1 with :strips, :typing, :negative-preconditions, :equality, "
-        ":conditional-effects, :universal-preconditions and :action-costs",
-    )
+    # In PDDL a type and an object may have the same name. Variables of forall exist in the
+    # reader's global environment alone.
+    get_environment().error_used_name = False
+    for last, (name, key) in enumerate(zip(names, KEYS, strict=False)):
+        try:  # the domain alone first, so that an error is known to be in one file
+            with warnings.catch_warnings(action="ignore"):
+                problem = PDDLReader().parse_problem_string(*texts[: last + 1])
+            features = problem.kind.features
+        except Exception as error:  # the reader checks little and fails in any way on bad input
+            reason, place = _reason(error)
+            where = Location(str(folder / name), *place) if place else document.where(key)
+            what = f"{name} cannot be read as PDDL: {reason[:300]}"
+            raise MissionError(what, where, _FEATURES) from error
+        for feature, words in _FOREIGN.items():
+            if feature in features:
+                what = f"{name} has {words}, which are not supported"
+                raise MissionError(what, document.where(key), _FEATURES)
+    return problem
+
+
+def _reason(error: Exception) -> tuple[str, tuple[int, int] | None]:
+    """What the reader found, in one line, and at which line and column if it says so."""
+    if isinstance(error, RecursionError):
+        return "it is nested too deeply", None
+    if isinstance(error, KeyError):
+        return f"there is no type {error.args[0]}", None
+    if isinstance(error, TypeError | IndexError | AttributeError | AssertionError):
+        return "an expression has too few parts, or brackets in the wrong place", None
+    text = " ".join(str(error).split()) or type(error).__name__
+    place = _PLACE.search(text)
+    reason = text[: place.start()] if place else text
+    for words, ours in _UNCLEAR:
+        reason = words.sub(ours, reason)
+    return reason, (int(place[1]), int(place[2])) if place else None
 
 
 def _text(path: Path, document: Document, key: str) -> str:
@@ -108,6 +167,7 @@ class _Import:
     def merged(self) -> MissionFile:
         """The mission file with all of it."""
         file = self.file
+        self._refuse_one_name_for_two()
         skills = {self._skill_name(action): action for action in self.problem.actions}
         self._refuse_unknown(skills)
         named = [self._member(thing.name) for thing in self.problem.all_objects]
@@ -123,6 +183,50 @@ class _Import:
                 "goal": goal,
             }
         )
+
+    def predicates(self) -> Predicates:
+        """The predicates of which a fact may exist."""
+        declared: dict[str, tuple[tuple[str, ...], ...]] = {}
+        for fluent in self.problem.fluents:
+            name = self._spelled(fluent.name, self.file.events)
+            domains = tuple(tuple(self._members(p.type)) for p in fluent.signature)
+            if fluent.type.is_bool_type() and all(domains):
+                self._refuse_predicate(name, len(domains))
+                declared[name] = domains
+        return declared
+
+    def _refuse_predicate(self, name: str, arity: int) -> None:
+        """Words of the formula language, and `at` with another meaning."""
+        try:
+            parse_fact(f"{name}(a)" if arity else name)
+        except FormulaError:
+            raise MissionError(
+                f"the predicate {name} of the domain has a meaning of its own in formulas",
+                self.document.where("domain"),
+                "choose another name in the PDDL files",
+            ) from None
+        if name == "at" and arity != 1:
+            raise MissionError(
+                f"the predicate at of the domain has {arity} arguments",
+                self.document.where("domain"),
+                "at(PLACE) says where the vehicle is; give it the place alone, and facts about "
+                "other things another name, e.g. in(parcel, place)",
+            )
+
+    def _refuse_one_name_for_two(self) -> None:
+        problem = self.problem
+        kinds = (problem.actions, problem.fluents, problem.user_types, problem.all_objects)
+        for things in (*kinds, *(action.parameters for action in problem.actions)):
+            names: dict[str, str] = {}
+            for thing in things:
+                plain = self._plain(thing.name)
+                if plain in names:
+                    raise MissionError(
+                        f"{names[plain]} and {thing.name} of the PDDL files are both {plain} here",
+                        self.document.where("domain"),
+                        "choose names that differ in more than - and _",
+                    )
+                names[plain] = thing.name
 
     def _refuse_unknown(self, skills: Mapping[str, Action]) -> None:
         for name in self.file.skills:
@@ -148,6 +252,7 @@ class _Import:
                     self.document.key_at("skills", name, key),
                     "remove one of the two",
                 )
+        self._refuse_empty_types(name, action)
         precondition, distinct = self._precondition(name, action)
         effects = [self._effect(name, effect) for effect in action.effects if not _is_cost(effect)]
         cost = entry.cost if entry.cost is not None else self._cost(name, action)
@@ -163,14 +268,25 @@ class _Import:
             }
         )
 
+    def _refuse_empty_types(self, name: str, action: Action) -> None:
+        for parameter in action.parameters:
+            if not self._members(parameter.type):
+                kind = self._set_name(parameter.type)
+                raise MissionError(
+                    f"no object has the type {kind}, which {name} needs",
+                    self.document.where("skills", name),
+                    f"add objects to the PDDL problem, or a set here: sets: {{{kind}: [...]}}",
+                )
+
     def _precondition(self, name: str, action: Action) -> tuple[list[str], list[list[str]]]:
         facts: list[str] = []
         distinct: list[list[str]] = []
-        for part in itertools.chain(*map(_conjuncts, action.preconditions)):
-            if part.is_not() and part.arg(0).is_equals():
-                distinct.append([self._argument(a, {}) for a in part.arg(0).args])
-            else:
-                facts.append(self._literal(part, {}, f"the precondition of {name}"))
+        for condition in action.preconditions:
+            for part, binding in self._conjuncts(condition, {}):
+                if part.is_not() and part.arg(0).is_equals():
+                    distinct.append([self._argument(a, binding) for a in part.arg(0).args])
+                else:
+                    facts.append(self._literal(part, binding, f"the precondition of {name}"))
         return facts, distinct
 
     def _effect(self, name: str, effect: Effect) -> Iterator[str]:
@@ -178,14 +294,13 @@ class _Import:
         where = f"an effect of {name}"
         if not effect.value.is_bool_constant():
             raise self._unsupported(where, str(effect))
-        domains = [self._members(variable.type) for variable in effect.forall]
-        for members in itertools.product(*domains):
-            binding = dict(zip((v.name for v in effect.forall), members, strict=True))
+        for binding in self._bindings(effect.forall, {}):
             fact = self._literal(effect.fluent, binding, where)
             text = fact if effect.value.is_true() else f"!{fact}"
             if effect.is_conditional():
                 condition = [
-                    self._literal(part, binding, where) for part in _conjuncts(effect.condition)
+                    self._literal(part, inner, where)
+                    for part, inner in self._conjuncts(effect.condition, binding)
                 ]
                 text = f"({' & '.join(condition)} -> {text})"
             yield text
@@ -196,6 +311,8 @@ class _Import:
         for metric in self.problem.quality_metrics:
             if metric.is_minimize_action_costs():
                 costs += [cost for cost in [metric.get_action_cost(action)] if cost is not None]
+            elif metric.is_minimize_sequential_plan_length():  # every action costs 1
+                costs.append(self.problem.environment.expression_manager.Int(1))
             elif TOTAL_COST not in str(metric):
                 raise self._unsupported("the metric", str(metric))
         for cost in costs:
@@ -213,8 +330,32 @@ class _Import:
                 yield self._fact(fluent, {})
 
     def _goal(self) -> str | None:
-        parts = itertools.chain(*map(_conjuncts, self.problem.goals))
-        return " & ".join(self._literal(part, {}, "the goal") for part in parts) or None
+        parts = itertools.chain(*(self._conjuncts(goal, {}) for goal in self.problem.goals))
+        return " & ".join(self._literal(*part, "the goal") for part in parts) or None
+
+    def _conjuncts(self, node: FNode, binding: Binding) -> Iterator[tuple[FNode, Binding]]:
+        """The parts of a conjunction, a universal one written out; none of true."""
+        if node.is_and():
+            for part in node.args:
+                yield from self._conjuncts(part, binding)
+        elif node.is_forall():
+            for inner in self._bindings(node.variables(), binding):
+                yield from self._conjuncts(node.arg(0), inner)
+        elif not node.is_true():
+            yield node, binding
+
+    def _bindings(self, variables: Iterable[Variable], outer: Binding) -> Iterator[Binding]:
+        """Every choice for the variables of a forall."""
+        names = [variable.name for variable in variables]
+        domains = [self._members(variable.type) for variable in variables]
+        if math.prod(map(len, domains)) > MAX_EXPANSION:
+            raise MissionError(
+                f"a forall over {', '.join(names)} stands for more than {MAX_EXPANSION} parts",
+                self.document.where("domain"),
+                "use fewer variables in one forall, or types with fewer objects",
+            )
+        for members in itertools.product(*domains):
+            yield {**outer, **dict(zip(names, members, strict=True))}
 
     def _sets(self) -> dict[str, list[str]]:
         """The types that have members; those that have none must be sets of the mission file."""
@@ -277,18 +418,9 @@ class _Import:
         return MissionError(
             f"{where} in the PDDL files is not supported: {what[:200]}",
             self.document.where("domain"),
-            "conditions are facts and negated facts joined by and; effects may be conditional",
+            "a condition is made of facts, (not FACT), (not (= A B)) in preconditions, and, forall",
         )
 
 
 def _is_cost(effect: Effect) -> bool:
     return bool(effect.is_increase()) and effect.fluent.fluent().name == TOTAL_COST
-
-
-def _conjuncts(node: Any) -> Iterator[FNode]:
-    """The parts of a conjunction; none of true."""
-    if node.is_and():
-        for part in node.args:
-            yield from _conjuncts(part)
-    elif not node.is_true():
-        yield node

@@ -20,6 +20,7 @@ from companion.mission.schema import MissionFile, SkillEntry
 from companion.mission.vocabulary import Domain, Vocabulary
 
 MAX_INSTANCES = 10_000  # grounded actions of all skills; 100 places give `move` that many
+MAX_CONDITIONAL = 50_000  # conditional effects of all grounded actions
 DEFAULT_COST_S = 1.0
 WAIT = "wait"  # the planner's own action, one step of rest
 
@@ -33,17 +34,23 @@ def build_skills(file: MissionFile, document: Document, vocabulary: Vocabulary) 
         MissionError: at the first skill that cannot be used.
     """
     skills: dict[str, Skill] = {}
-    instances = 0
+    instances = effects = 0
     for name, entry in file.skills.items():
         skills[name] = _Builder(name, entry, file, document, vocabulary).build()
-        instances += math.prod(len(file.sets[s]) for s in entry.parameters.values())
-        if instances > MAX_INSTANCES:
-            raise MissionError(
-                f"with {name} the skills have {instances} instances, at most {MAX_INSTANCES} "
-                "can be planned with",
-                document.key_at("skills", name),
-                "give the skill fewer parameters, or smaller sets",
-            )
+        own = math.prod(len(file.sets[s]) for s in entry.parameters.values())
+        instances += own
+        effects += own * len(skills[name].conditional)
+        for count, limit, what in (
+            (instances, MAX_INSTANCES, "instances"),
+            (effects, MAX_CONDITIONAL, "conditional effects"),
+        ):
+            if count > limit:
+                raise MissionError(
+                    f"with {name} the skills have {count} {what}, at most {limit} "
+                    "can be planned with",
+                    document.key_at("skills", name),
+                    "give the skill fewer parameters, or smaller sets",
+                )
     return skills
 
 
@@ -79,7 +86,7 @@ class _Builder:
         effect, conditional = self._facts(entry.effect, domains, parse_effect, "effect")
         changed = [*effect, *(literal for when in conditional for literal in when.effect)]
         self._refuse_events([literal.atom for literal in changed], "effect")
-        self._refuse_unknown_parameters()
+        self._refuse_unknown_distinct()
         with self.document.locating("skills", self.name, "execute"):
             execute = parse_execution(entry.execute, list(domains), self.file.components)
         self._refuse_flights_to_objects(execute, domains)
@@ -108,22 +115,25 @@ class _Builder:
                 listing = ", ".join(self.file.sets) or "none yet"
                 hint = f"sets are {listing}. {did_you_mean(set_name, self.file.sets)}".rstrip()
                 raise MissionError(f"unknown set {set_name}", self.document.where(*keys), hint)
-            if parameter in self.file.places:
-                raise MissionError(
-                    f"the parameter {parameter} has the name of a place",
-                    self.document.key_at(*keys),
-                    f"choose another name: at({parameter}) would have two meanings",
-                )
+            for kind, names in (("a place", self.file.places), ("an object", self.file.objects)):
+                if parameter in names:
+                    raise MissionError(
+                        f"the parameter {parameter} has the name of {kind}",
+                        self.document.key_at(*keys),
+                        f"choose another name: facts about {parameter} would have two meanings",
+                    )
         return {p: tuple(self.file.sets[s]) for p, s in self.entry.parameters.items()}
 
-    def _refuse_unknown_parameters(self) -> None:
+    def _refuse_unknown_distinct(self) -> None:
+        known = [*self.entry.parameters, *self.file.places, *self.file.objects]
         for group, names in enumerate(self.entry.distinct):
             for index, name in enumerate(names):
-                if name not in self.entry.parameters:
+                if name not in known:
                     raise MissionError(
                         f"{self.name} has no parameter {name}",
                         self.document.where("skills", self.name, "distinct", group, index),
-                        f"its parameters are {', '.join(self.entry.parameters)}",
+                        f"its parameters are {', '.join(self.entry.parameters)}; places and "
+                        f"objects may stand here too. {did_you_mean(name, known)}".rstrip(),
                     )
 
     def _refuse_flights_to_objects(self, execute: Execution, domains: Mapping[str, Domain]) -> None:

@@ -1,8 +1,9 @@
 """Which facts exist in a mission, and which was meant when one does not?
 
-A fact exists if it is an event, or if some skill names its predicate with arguments from the
-same sets. `at(p)` exists for every place. Facts are not enumerated: a predicate keeps the sets
-that its arguments range over, so a mission with many places costs nothing here.
+A fact exists if it is an event, if some skill names its predicate with arguments from the same
+sets, or if a PDDL domain declares it. `at(p)` exists for every place. Facts are not enumerated: a
+predicate keeps the sets that its arguments range over, so a mission with many places costs
+nothing here.
 """
 
 from __future__ import annotations
@@ -28,15 +29,22 @@ class Vocabulary:
         places: names of all places.
         events: names of all events.
         objects: names of things that are no places.
+        declared: predicates with what each argument may be, besides those that skills name.
     """
 
     def __init__(
-        self, places: Iterable[str], events: Iterable[str], objects: Iterable[str] = ()
+        self,
+        places: Iterable[str],
+        events: Iterable[str],
+        objects: Iterable[str] = (),
+        declared: Mapping[str, tuple[Domain, ...]] | None = None,
     ) -> None:
         self._places = tuple(places)
         self._objects = tuple(objects)
         self._uses: dict[str, list[tuple[Domain, ...]]] = {"at": [(self._places,)]}
         self._uses |= {event: [()] for event in events}
+        for name, domains in (declared or {}).items():
+            self._uses.setdefault(name, [domains])
 
     def learn(self, text: str, domains: Mapping[str, Domain]) -> None:
         """Add the facts of a skill's text, where new predicates may appear.

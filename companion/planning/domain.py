@@ -121,40 +121,14 @@ class TaskModel:
 
 def ground(mission: Mission, flight_time: FlightTime) -> TaskModel:
     """The task model of a mission. A move whose flight time is infinite does not exist."""
-    static = _static_predicates(mission)
     actions = [
         action
         for skill in mission.skills.values()
         for binding in _bindings(mission, skill)
-        if _is_possible(skill, binding, static, mission.initially)
-        and (action := _instance(skill, binding, flight_time)) is not None
+        if (action := _instance(skill, binding, flight_time)) is not None
     ]
     beliefs = frozenset().union(*(a.assumes for a in actions))
     return TaskModel((*actions, WAIT), beliefs)
-
-
-def _static_predicates(mission: Mission) -> frozenset[str]:
-    """Names of facts that keep the value they have at the start."""
-    names = {literal.atom.name for s in mission.skills.values() for literal in s.precondition}
-    for skill in mission.skills.values():
-        changed = (
-            *skill.effect,
-            *(literal for when in skill.conditional for literal in when.effect),
-        )
-        names -= {literal.atom.name for literal in changed}
-        names -= {atom.name for atom in skill.assumes}
-    return frozenset(names - mission.events.keys() - {"at"})
-
-
-def _is_possible(
-    skill: Skill, binding: dict[str, str], static: frozenset[str], initially: frozenset[Fact]
-) -> bool:
-    """Whether what never changes allows an instance of a skill."""
-    return all(
-        (literal.atom.ground(binding) in initially) == literal.is_positive
-        for literal in skill.precondition
-        if literal.atom.name in static
-    )
 
 
 def departures(mission: Mission, flight_time: FlightTime) -> tuple[Action, ...]:
@@ -197,7 +171,7 @@ def _bindings(
     ]
     for values in itertools.product(*domains):
         binding = dict(zip(names, values, strict=True))
-        if all(len({binding[p] for p in group}) == len(group) for group in skill.distinct):
+        if all(len({binding.get(p, p) for p in g}) == len(g) for g in skill.distinct):
             yield binding
 
 

@@ -11,11 +11,11 @@ them in its first lap is not made use of.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
+from companion.planning.effort import Effort
 from companion.planning.improve import Tour
+from companion.planning.product import Product, SearchLimit
 from companion.planning.rounds import FAR, Costs, Rounds, work
 from companion.planning.ways import Stride, Ways
 
@@ -24,23 +24,27 @@ class Errands:
     """The ways from the start over all errands to a loop.
 
     Args:
-        places: for each errand the nodes that do it.
+        product: with the errands.
         ways: of the product.
-        roots: where the way begins.
         loop_costs: what a loop from each node is worth, (nodes,); FAR where none begins.
-        additions: of which an exact answer may cost at most so many.
+        effort: how much the answer may cost.
+
+    Raises:
+        SearchLimit: there are too many nodes that do errands.
     """
 
     def __init__(
         self,
-        places: Sequence[Sequence[int]],
+        product: Product,
         ways: Ways,
-        roots: Sequence[int],
         loop_costs: Costs,
-        additions: int,
+        effort: Effort,
     ) -> None:
+        places, roots = product.errands, product.roots
         self._ways = ways
         self._hits = sorted(set().union(*places))
+        if len(self._hits) * len(product.targets) > effort.ways:
+            raise SearchLimit(f"no plan found: {len(self._hits)} product states to visit")
         self._loop_costs = loop_costs
         to_hits = ways.to(self._hits)
         self._to_hits = to_hits
@@ -60,9 +64,9 @@ class Errands:
         for column, nodes in enumerate(places):
             marks[[self._hits.index(node) for node in nodes], column] = True
         marks[size, -1] = True
-        is_small = work(marks) <= additions
+        is_small = work(marks) <= effort.additions
         self._rounds: Rounds | Tour = (Rounds if is_small else Tour)(between, marks)
-        self.is_final = is_small
+        self.is_final = self.is_exact = is_small
 
     @property
     def cost_ms(self) -> int:

@@ -122,7 +122,7 @@ def _unreachable(problem: Problem, conflict: tuple[Conjunct, ...]) -> tuple[Unre
     for fact in sorted(mentioned - reached):
         makers = [action for action in problem.actions if fact in _added(action)]
         needs = tuple(dict.fromkeys(action.requires - reached for action in makers))
-        if makers and all(needs):
+        if makers:
             found.append(Unreachable(fact, needs))
     return tuple(found)
 

@@ -38,12 +38,15 @@ class Loops(Protocol):
         """No loop is shorter."""
 
     @property
-    def wait_ms(self) -> int:
-        """On the shortest known loop, the longest time between two hits of the same mark."""
+    def is_exact(self) -> bool:
+        """Whether `costs` are those of the shortest loops."""
 
     @property
     def wait_bound_ms(self) -> int:
         """On no loop is that shorter."""
+
+    def wait_ms(self, strides: list[Stride]) -> int:
+        """The longest time between two hits of the same mark on one of the loops."""
 
     @property
     def is_final(self) -> bool:
@@ -102,15 +105,18 @@ class Cycles:
         ]
         self.bound_ms = self.wait_bound_ms = min(cost for cost, _, _ in edges)
         self._rest = {node: cost for cost, node, target in edges if target == node}
-        self.best_ms = self.wait_ms = min(self._rest.values(), default=FAR)
+        self.best_ms = min(self._rest.values(), default=FAR)
         if self.best_ms > self.bound_ms:
             looked_at = nodes[np.argsort(ways.arrivals[nodes], kind="stable")[:most]]
-            costs = self.costs(looked_at)
-            self.best_ms = int(costs.min())
-            shortest = self.walk(int(looked_at[costs.argmin()]))
-            self.wait_ms = max(stride.cost_ms for stride in shortest)
+            self.best_ms = min(self.best_ms, int(self.costs(looked_at).min()))
             if len(nodes) <= most:
                 self.bound_ms = self.best_ms
+
+        self.is_exact = self.best_ms == self.bound_ms
+
+    def wait_ms(self, strides: list[Stride]) -> int:
+        """See `Loops`."""
+        return max(stride.cost_ms for stride in strides)
 
     def costs(self, nodes: NDArray[np.intp]) -> Costs:
         """See `Loops`."""
@@ -173,12 +179,14 @@ class RoundTrips:
         """See `Loops`."""
         return self._rounds.bound_ms if self._has_all_hits else 0
 
-    @property
-    def wait_ms(self) -> int:
+    def wait_ms(self, strides: list[Stride]) -> int:
         """See `Loops`."""
-        costs = self.costs(np.array(self._hits))
-        strides = self.walk(self._hits[int(costs.argmin())])
         return max(_longest_wait_ms(strides, hits) for hits in self._hits_of)
+
+    @property
+    def is_exact(self) -> bool:
+        """See `Loops`."""
+        return self._has_all_hits and isinstance(self._rounds, Rounds)
 
     @property
     def wait_bound_ms(self) -> int:

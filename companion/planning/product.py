@@ -151,7 +151,7 @@ class Product:
         for state, automata, _ in todo:  # grows while it is read
             cheapest: dict[int, tuple[int, int]] = {}
             for after, action, cost_ms in moves_of(state):
-                for following, marks in self._read(after, automata):
+                for following, marks in self._read(after, automata, max_edges):
                     node = (after, following, marks)
                     number = number_of.get(node)
                     if number is None:
@@ -178,13 +178,17 @@ class Product:
         self.actions = np.array(actions, np.int32)
         return [facts for facts, _, _ in todo]
 
-    def _read(self, facts: int, states: tuple[int, ...]) -> list[tuple[tuple[int, ...], int]]:
+    def _read(
+        self, facts: int, states: tuple[int, ...], most: int
+    ) -> list[tuple[tuple[int, ...], int]]:
         """All joint moves of the automata on the label of some facts, with their marks."""
         joint = self._joint.get((facts, states))
         if joint is None:
             joint = [((), 0)]
             for reader, state in zip(self._readers, states, strict=True):
                 moves = reader.moves(state, facts)
+                if len(joint) * len(moves) > most:
+                    raise SearchLimit(f"no plan found: more than {most} runs of the automata")
                 joint = [((*zs, z), marks | m) for zs, marks in joint for z, m in moves]
             self._joint[facts, states] = joint
         return joint

@@ -145,22 +145,19 @@ def _direct(offers: list[Loops], ways: Ways, objective: Objective) -> _Plan:
     for loops in offers:
         order = np.lexsort((ways.twins[loops.nodes], ways.arrivals[loops.nodes]))
         nodes = loops.nodes[order]
-        wait_ms = loops.wait_ms if objective is Objective.BOTTLENECK else 0
         for start in range(0, len(nodes), loops.at_once):
             some = nodes[start : start + loops.at_once]
             arrivals = ways.arrivals[some]
-            if _rank(objective, int(arrivals[0]), loops.best_ms, wait_ms) > best[:2]:
+            if _rank(objective, int(arrivals[0]), loops.best_ms) > best[:2]:
                 break
             for node, arrival, cost in zip(some, arrivals, loops.costs(some), strict=True):
-                wait_here_ms = wait_ms if cost == loops.best_ms else FAR
-                rank = (
-                    *_rank(objective, int(arrival), int(cost), wait_here_ms),
-                    int(ways.twins[node]),
-                )
+                rank = (*_rank(objective, int(arrival), int(cost)), int(ways.twins[node]))
                 if rank < best:
                     best, chosen, entry = rank, loops, int(node)
-    bound_ms = _bound_ms(offers, ways, objective, best[0])
-    return _Plan(ways.arrival(entry), chosen.walk(entry), best[0], bound_ms, True)
+    suffix = chosen.walk(entry)
+    cost_ms = chosen.wait_ms(suffix) if objective is Objective.BOTTLENECK else best[0]
+    bound_ms = _bound_ms(offers, ways, objective, cost_ms, is_exact=True)
+    return _Plan(ways.arrival(entry), suffix, cost_ms, bound_ms, True)
 
 
 def _over_errands(
@@ -181,15 +178,18 @@ def _over_errands(
             if offer.rank <= level:
                 by_twin[twin] = offer.rank if is_sum else 0
         loop_costs = by_twin[ways.twins]
-        errands = Errands(product.errands, ways, product.roots, loop_costs, effort.additions)
+        errands = Errands(product, ways, loop_costs, effort)
         if is_second:
             errands.improve()
         if errands.cost_ms < FAR:
             prefix, entry = errands.walk()
             _, node, loops = offered[int(ways.twins[entry])]
+            suffix = loops.walk(node)
             cost_ms = errands.cost_ms if is_sum else level
-            bound_ms = _bound_ms(offers, ways, objective, cost_ms)
-            return _Plan(prefix, loops.walk(node), cost_ms, bound_ms, errands.is_final)
+            if objective is Objective.BOTTLENECK:
+                cost_ms = loops.wait_ms(suffix)
+            bound_ms = _bound_ms(offers, ways, objective, cost_ms, errands.is_exact)
+            return _Plan(prefix, suffix, cost_ms, bound_ms, errands.is_final)
     return None
 
 
@@ -205,36 +205,31 @@ def _offered(offers: list[Loops], ways: Ways, objective: Objective) -> dict[int,
     """The best loop to enter at each twin; unless prefixes count, only loops that are best."""
     found: dict[int, _Offer] = {}
     for loops in offers:
-        wait_ms = loops.wait_ms if objective is Objective.BOTTLENECK else 0
         for node, cost in zip(loops.nodes, loops.costs(loops.nodes), strict=True):
             if objective is Objective.SUM or cost == loops.best_ms:
-                rank, _ = _rank(objective, 0, int(cost), wait_ms)
+                rank, _ = _rank(objective, 0, int(cost))
                 twin = int(ways.twins[node])
                 if twin not in found or (rank, node) < found[twin][:2]:
                     found[twin] = _Offer(rank, int(node), loops)
     return found
 
 
-def _rank(objective: Objective, prefix_ms: int, lap_ms: int, wait_ms: int) -> tuple[int, int]:
-    """The objective of a loop that is entered at some node, then the prefix."""
-    match objective:
-        case Objective.LAP:
-            return lap_ms, prefix_ms
-        case Objective.SUM:
-            return prefix_ms + lap_ms, prefix_ms
-        case Objective.BOTTLENECK:
-            return wait_ms, prefix_ms
+def _rank(objective: Objective, prefix_ms: int, lap_ms: int) -> tuple[int, int]:
+    """The smaller the better: what is minimised, then the prefix."""
+    cost_ms = prefix_ms + lap_ms if objective is Objective.SUM else lap_ms
+    return cost_ms, prefix_ms
 
 
-def _bound_ms(offers: list[Loops], ways: Ways, objective: Objective, cost_ms: int) -> int:
-    """What no lasso can be better than."""
+def _bound_ms(
+    offers: list[Loops], ways: Ways, objective: Objective, cost_ms: int, is_exact: bool
+) -> int:
+    """What no lasso can be better than; `is_exact` if the prefix is the best one."""
     if objective is Objective.BOTTLENECK:
         return min(cost_ms, *(loops.wait_bound_ms for loops in offers))
-    if all(loops.bound_ms == loops.best_ms for loops in offers):
+    if objective is Objective.SUM and is_exact and all(loops.is_exact for loops in offers):
         return cost_ms
-    nearest = (int(ways.arrivals[loops.nodes].min()) for loops in offers)
     bounds = (
-        _rank(objective, prefix_ms, loops.bound_ms, 0)[0]
-        for prefix_ms, loops in zip(nearest, offers, strict=True)
+        _rank(objective, int(ways.arrivals[loops.nodes].min()), loops.bound_ms)[0]
+        for loops in offers
     )
     return min(cost_ms, *bounds)

@@ -11,12 +11,11 @@ from collections.abc import Iterator
 from statistics import median, quantiles
 from typing import NamedTuple
 
-from companion.ltl.state_based import state_based
-
 from benches import ROOT, Row, timed
 from companion.ltl.automaton import BuchiAutomaton
 from companion.ltl.formula import conjuncts
 from companion.ltl.parser import parse
+from companion.ltl.state_based import state_based
 from companion.ltl.translate import translate
 
 TABLE = ROOT / "tests" / "data" / "formulas.tsv"

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from oracle import Sample, accepted, random_words, satisfying, small_words
 
-from companion.ltl.automaton import degeneralised, state_based, successors
+from companion.ltl.automaton import successors
 from companion.ltl.formula import (
     FALSE,
     TRUE,
@@ -24,6 +24,7 @@ from companion.ltl.formula import (
 from companion.ltl.parser import parse
 from companion.ltl.semantics import Letter, holds
 from companion.ltl.simplify import simplified
+from companion.ltl.state_based import state_based
 from companion.ltl.translate import translate
 
 NAMES = ("a", "at(B)", "ok(B, C)")
@@ -88,10 +89,9 @@ SAMPLE = Sample(small_words(NAMES, 700) + random_words(NAMES, random.Random(1), 
 def test_an_automaton_accepts_what_satisfies_the_formula(formula: Formula) -> None:
     satisfied = satisfying(formula, SAMPLE)
     automaton, opposite = translate(formula), translate(negate(formula))
-    single, split = degeneralised(automaton), state_based(automaton)
-    assert single.marks == 1
+    split = state_based(automaton)
     assert split.has_state_acceptance
-    for form in (automaton, single, split):
+    for form in (automaton, split):
         assert accepted(form, SAMPLE) == satisfied
     assert accepted(opposite, SAMPLE) == SAMPLE.everyone ^ satisfied
 

@@ -11,10 +11,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import reduce
 
-from companion.ltl.automaton import BuchiAutomaton, Label, Transition, state_based, successors
+from companion.ltl.automaton import BuchiAutomaton, Label, Transition, successors
+from companion.ltl.budget import TranslationLimit
 from companion.ltl.formula import Formula, Operator
 from companion.ltl.restriction import restricted
-from companion.ltl.translate import TranslationLimit, translate
+from companion.ltl.state_based import state_based
+from companion.ltl.translate import translate
 from companion.planning.compilation.grounded import Grounded, grounded
 from companion.planning.lasso import Conjunct, Letter, Problem
 
@@ -84,10 +86,7 @@ def _product(left: BuchiAutomaton, right: BuchiAutomaton) -> BuchiAutomaton:
                 marks = t.marks.union(left.marks + mark for mark in u.marks)
                 transitions.append(Transition(number_of[a, b], label, number_of[target], marks))
         if max(len(pending), len(transitions)) > 10 * MAX_STATES or len(pending) > MAX_STATES:
-            raise TranslationLimit(
-                f"one automaton for the whole task has more than {MAX_STATES} states; "
-                "use an encoding with one for each conjunct, v4 or v5"
-            )
+            raise TranslationLimit(f"{MAX_STATES:,} states for the whole task; use v4 or v5")
     name = f"({left.name}) & ({right.name})"
     marks_count = left.marks + right.marks
     return BuchiAutomaton(len(pending), initial, tuple(transitions), marks_count, name)

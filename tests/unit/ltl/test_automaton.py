@@ -14,7 +14,6 @@ from companion.ltl.automaton import (
     Label,
     Statistics,
     Transition,
-    degeneralised,
     statistics,
     strong_components,
     successors,
@@ -50,19 +49,6 @@ def test_successors_follow_every_run() -> None:
     assert successors(automaton, frozenset({0}), frozenset({"a"})) == {0, 1}
     assert successors(automaton, frozenset({0, 1}), frozenset()) == {0, 2}
     assert successors(automaton, frozenset({2}), frozenset()) == frozenset()
-
-
-def test_one_acceptance_set_costs_at_most_a_level_for_each_mark() -> None:
-    automaton = translate(parse("G F a & G F b & G F c"))
-    single = degeneralised(automaton)
-    assert (automaton.states, automaton.marks) == (1, 3)
-    assert (single.states, single.marks) == (3, 1)
-
-
-def test_without_acceptance_sets_every_transition_accepts() -> None:
-    single = degeneralised(translate(parse("G a")))
-    assert single.marks == 1
-    assert all(transition.marks == {0} for transition in single.transitions)
 
 
 GRAPHS = st.integers(1, 12).flatmap(

@@ -6,9 +6,10 @@ import re
 
 import pytest
 
-from companion.ltl.automaton import BuchiAutomaton, Label, Transition, state_based
+from companion.ltl.automaton import BuchiAutomaton, Label, Transition
 from companion.ltl.dot import to_dot
 from companion.ltl.parser import parse
+from companion.ltl.state_based import state_based
 from companion.ltl.translate import translate
 
 QUOTED = r'"((?:[^"\\]|\\.)*)"'

@@ -6,9 +6,10 @@ import re
 
 import pytest
 
-from companion.ltl.automaton import BuchiAutomaton, Label, Transition, state_based
+from companion.ltl.automaton import BuchiAutomaton, Label, Transition
 from companion.ltl.hoa import to_hoa
 from companion.ltl.parser import parse
+from companion.ltl.state_based import state_based
 from companion.ltl.translate import translate
 
 ANY = Label(frozenset(), frozenset())
@@ -25,8 +26,8 @@ properties: trans-labels explicit-labels trans-acc
 properties: deterministic complete
 --BODY--
 State: 0
-[1] 0 {0}
-[0&!1] 0 {0}
+[0] 0 {0}
+[!0&1] 0 {0}
 [!0&!1] 1
 State: 1
 [0] 0 {0}

@@ -13,9 +13,9 @@ from pathlib import Path
 import pytest
 from oracle import accepted, satisfying, words_for
 
-from companion.ltl.automaton import degeneralised, state_based
 from companion.ltl.formula import negate
 from companion.ltl.parser import parse
+from companion.ltl.state_based import state_based
 from companion.ltl.translate import translate
 
 TABLE = Path(__file__).parents[2] / "data" / "formulas.tsv"
@@ -48,9 +48,8 @@ def test_the_automata_accept_what_satisfies_the_formula(name: str, text: str) ->
     violated = sample.everyone ^ satisfied
     assert satisfied.bit_count() >= 20
     assert violated.bit_count() >= 20 or (name in VALID and not violated)
-    single, by_states = degeneralised(automaton), state_based(automaton)
-    assert single.marks == 1
+    by_states = state_based(automaton)
     assert by_states.has_state_acceptance
-    for form in {id(form): form for form in (automaton, single, by_states)}.values():
+    for form in (automaton, by_states):
         assert accepted(form, sample) == satisfied
     assert accepted(opposite, sample) == violated

@@ -15,8 +15,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from companion.errors import CompanionError
-from companion.ltl.automaton import BuchiAutomaton, Label, Transition, state_based, statistics
+from companion.ltl.automaton import BuchiAutomaton, Label, Transition, statistics
 from companion.ltl.parser import parse
+from companion.ltl.state_based import state_based
 from companion.ltl.translate import translate
 from companion.planning.compilation.classical import ClassicalAction, ClassicalProblem
 from companion.planning.compilation.conditional import unread

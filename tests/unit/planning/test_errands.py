@@ -7,11 +7,13 @@ import random
 
 import pytest
 from problems import action, asking, histories, problem, random_legs, unit_legs
+from reference_search import best_lap_and_prefix
 
 from companion.planning.check import fault
 from companion.planning.domain import WAIT
 from companion.planning.effort import ON_THE_GROUND, Effort
 from companion.planning.lasso import Problem, Solution
+from companion.planning.objective import Objective
 from companion.planning.search import Search
 
 ANY_ORDER = Effort(edges=ON_THE_GROUND.edges, ways=ON_THE_GROUND.ways, additions=0)
@@ -47,6 +49,18 @@ def test_the_errands_come_before_a_loop_that_is_best_elsewhere() -> None:
     assert found.lasso.prefix_cost_ms == 5000
 
 
+@pytest.mark.parametrize("objective", Objective)
+def test_a_loop_that_is_out_of_reach_after_the_errands_is_not_taken(objective: Objective) -> None:
+    """X and Y are nearest to each other, but from A to D the way leads only to P and Q."""
+    legs = {(a, b): 1.0 for a, b in itertools.permutations("HABCD", 2) if b != "H"}
+    legs |= {("H", "X"): 1.0, ("X", "Y"): 0.3, ("Y", "X"): 0.3}
+    legs |= {("D", "P"): 1.0, ("P", "Q"): 2.0, ("Q", "P"): 2.0}
+    task = " & ".join(f"F at({p})" for p in "ABCD")
+    task += " & G F (at(X) | at(P)) & G F (at(Y) | at(Q))"
+    *_, found = Search().solutions(problem("HABCDXYPQ", legs, task), objective)
+    assert {a.name for a in found.lasso.suffix} == {"move(P, Q)", "move(Q, P)"}
+
+
 def test_where_no_way_leads_back_the_order_is_the_only_one() -> None:
     """A river: whoever has passed a site never comes back to it."""
     places = "HDBEACGF"
@@ -71,6 +85,8 @@ def test_an_errand_that_cannot_be_done_leaves_no_plan() -> None:
     asked = problem("HABC", unit_legs("HABC"), "F at(A) & F at(B) & F at(C) & F at(H) & F lit")
     assert list(Search().solutions(asked)) == []
     switch = action("switch", "at(C) & key", "lit")
+    both = problem("HABC", unit_legs("HABC"), "F at(A) & F at(B) & F at(C) & F (at(A) & at(B))")
+    assert list(Search().solutions(both)) == []
     never = problem("HABC", unit_legs("HABC"), "F at(A) & F at(B) & F at(C) & F lit", [switch])
     assert list(Search().solutions(never)) == []
 
@@ -79,6 +95,17 @@ def test_what_holds_already_has_been_met() -> None:
     """The present position has been read, so one more step there is not asked for."""
     asked = asking("F a & F b & F c & F d & F e", [WAIT], [{"a", "b", "c", "d", "e"}])
     assert str(best(asked).lasso) == "(wait)^w"
+
+
+def test_what_held_at_the_start_may_have_to_be_met_again() -> None:
+    """After X the present position does not count, and without rest it takes a flight to return."""
+    legs = random_legs(random.Random(2), "HABC", is_symmetric=False)
+    task = "X F at(H) & F at(A) & F at(B) & F at(C)"
+    moves = problem("HABC", legs, task).actions[:-1]
+    asked = asking(task, [*moves, action("rest", "at(C)", cost_s=0.1)], [{"at(H)"}])
+    lasso = best(asked).lasso
+    assert (lasso.lap_cost_ms, lasso.prefix_cost_ms) == best_lap_and_prefix(asked)
+    assert any(a.name.endswith(", H)") for a in lasso.prefix)
 
 
 def test_one_step_may_do_several_errands() -> None:

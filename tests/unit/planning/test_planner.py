@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 from reference_search import best_lap_and_prefix
 from synthetic import at_the_start, command, event, mission, planner
@@ -9,8 +11,9 @@ from synthetic import at_the_start, command, event, mission, planner
 from companion.errors import CompanionError, NoPlanError
 from companion.ltl.automaton import successors
 from companion.planning.check import fault
+from companion.planning.effort import IN_FLIGHT, ON_THE_GROUND, Effort
 from companion.planning.explain import NoPlan
-from companion.planning.lasso import Lasso, Solution
+from companion.planning.lasso import Lasso, Problem, Solution
 from companion.planning.objective import Objective
 from companion.planning.planner import Planner
 from companion.planning.search import Search
@@ -119,6 +122,24 @@ def test_a_replan_is_the_first_plan_and_a_plan_the_best(monkeypatch: pytest.Monk
     assert made.replan(*at_the_start(made)) == plans[0]
     assert made.plan(*at_the_start(made)) == plans[1]
     assert list(made.solutions(*at_the_start(made))) == offered
+
+
+def test_in_flight_less_is_tried_than_on_the_ground(monkeypatch: pytest.MonkeyPatch) -> None:
+    tried = []
+    solutions = Search.solutions
+
+    def spied(search: Search, problem: Problem, objective: Objective, effort: Effort) -> Any:
+        tried.append(effort)
+        return solutions(search, problem, objective, effort)
+
+    monkeypatch.setattr(Search, "solutions", spied)
+    made = planner(mission("F at(A)"))
+    made.plan(*at_the_start(made))
+    made.replan(*at_the_start(made))
+    assert tried == [ON_THE_GROUND, IN_FLIGHT]
+    assert IN_FLIGHT.edges < ON_THE_GROUND.edges
+    assert IN_FLIGHT.ways < ON_THE_GROUND.ways
+    assert IN_FLIGHT.additions < ON_THE_GROUND.additions
 
 
 def test_the_objective_is_passed_on() -> None:

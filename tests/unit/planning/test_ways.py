@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import itertools
 import random
+from types import SimpleNamespace
+from typing import cast
 
 import networkx
+import numpy as np
 import pytest
 from problems import action, asking, problem, random_legs, unit_legs
+from scipy.sparse import csr_array
 
 from companion.planning.lasso import Problem
 from companion.planning.product import Product, Restrictions
@@ -92,6 +96,23 @@ def test_a_node_is_arrived_at_or_a_twin_of_it(task: str) -> None:
         starts = [r for r in made.roots if not walked or _follows(made, r, walked[0])]
         assert starts
         assert cost_of(made, starts[0], walked) == ways.arrivals[node]
+
+
+def test_a_twin_that_is_found_later_may_be_nearer() -> None:
+    """Nodes 1 and 2 are twins, 2 is reached at less cost; 3 follows both."""
+    edges = [[(1, 500, 0), (2, 300, 1)], [(3, 100, 2)], [(3, 100, 2)], []]
+    cells = [(a, b, cost) for a, leaving in enumerate(edges) for b, cost, _ in leaving]
+    rows, columns, costs = zip(*cells, strict=True)
+    stand_in = SimpleNamespace(
+        nodes=4,
+        roots=[0],
+        twins=[0, 1, 1, 3],
+        edges=edges.__getitem__,
+        graph=lambda: csr_array((np.array(costs, float), (rows, columns)), shape=(4, 4)),
+    )
+    ways = Ways(cast(Product, stand_in))
+    assert ways.arrivals.tolist() == [0, 300, 300, 400]
+    assert ways.arrival(1) == ways.arrival(2) == [Stride(1, 300, 2)]
 
 
 def _follows(made: Product, root: int, stride: Stride) -> bool:

@@ -1,0 +1,138 @@
+"""Automata are as small as those of the best translators, on tests/data/formulas.tsv.
+
+The table has the states that other tools need for each formula; `timeout` where they gave up.
+"""
+
+from __future__ import annotations
+
+import csv
+import random
+import time
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+from oracle import Sample, accepted, random_words, satisfying
+
+from companion.ltl.formula import atoms, conjuncts
+from companion.ltl.parser import parse
+from companion.ltl.state_based import state_based
+from companion.ltl.translate import translate
+
+TABLE = Path(__file__).parents[2] / "data" / "formulas.tsv"
+
+
+class Entry(NamedTuple):
+    """A formula, the states that other tools need, and those that we need."""
+
+    group: str
+    name: str
+    spot: int | None
+    spot_by_states: int | None
+    ltl2ba: int | None
+    generalized: int
+    by_states: int
+    seconds: float
+
+
+@cache
+def entries() -> tuple[Entry, ...]:
+    return tuple(_measured())
+
+
+def _measured() -> Iterator[Entry]:
+    with TABLE.open(encoding="utf-8", newline="") as stream:
+        rows = [row for row in csv.reader(stream, delimiter="\t") if not row[0].startswith("#")]
+    for group, name, text, *figures in rows:
+        if group == "paper":
+            continue
+        spot, spot_by_states, _, ltl2ba = (int(n) if n.isdigit() else None for n in figures)
+        began_s = time.perf_counter()
+        automaton = translate(parse(text))
+        by_states = state_based(automaton)
+        seconds = time.perf_counter() - began_s
+        yield Entry(
+            group,
+            name,
+            spot,
+            spot_by_states,
+            ltl2ba,
+            automaton.states,
+            by_states.states,
+            seconds,
+        )
+
+
+def test_by_states_literature_is_within_a_twentieth_of_spot() -> None:
+    rows = [e for e in entries() if e.group in ("dac", "eh", "sb")]
+    assert len(rows) == 55 + 12 + 27
+    spot = sum(e.spot_by_states or 0 for e in rows)
+    assert sum(e.by_states for e in rows) <= 1.05 * spot == 1.05 * 340
+
+
+def test_by_states_missions_are_smaller_than_spot_s() -> None:
+    rows = [e for e in entries() if e.group.startswith("mission") and e.spot_by_states]
+    assert len(rows) >= 118
+    assert sum(e.by_states for e in rows) < sum(e.spot_by_states or 0 for e in rows)
+
+
+def test_no_formula_has_more_states_than_with_ltl2ba() -> None:
+    assert not [e for e in entries() if e.ltl2ba is not None and e.by_states > e.ltl2ba]
+
+
+def test_generalized_automata_are_within_a_twentieth_of_spot() -> None:
+    rows = [e for e in entries() if e.spot is not None]
+    assert sum(e.generalized for e in rows) <= 1.05 * sum(e.spot or 0 for e in rows)
+
+
+def test_no_formula_takes_long() -> None:
+    """Half of them 20 ms, 19 of 20 half a second, on a machine with nothing else to do."""
+    passed = sorted(e.seconds for e in entries())
+    assert passed[len(passed) // 2] < 3 * 0.02
+    assert passed[len(passed) * 19 // 20] < 3 * 0.5
+    assert passed[-1] < 10
+
+
+def paper(sites: int) -> str:
+    """The paper's formula (Section V) for some number of sites."""
+    found = " & ".join(f"(F p{i} | ptf)" for i in range(sites))
+    return f"G ({found}) & G ((ptf | ptr) -> F ptr) & G (ptr -> X ph)"
+
+
+@pytest.mark.parametrize(("sites", "most"), [(3, 30), (4, 49), (5, 84)])
+def test_the_paper_s_formula_as_one_automaton(sites: int, most: int) -> None:
+    """Spot needs 56, 136 and 320 states, LTL2BA 76, 184 and 432."""
+    assert state_based(translate(parse(paper(sites)))).states <= most
+
+
+def test_at_most_one_place_at_a_time() -> None:
+    """The same language over letters that have at most one place."""
+    formula = parse(paper(4))
+    places = frozenset(f"p{i}" for i in range(4))
+    small = state_based(translate(formula, exclusive=places))
+    assert small.states <= state_based(translate(formula)).states
+    names = sorted(atoms(formula))
+    words = [
+        (prefix, loop)
+        for prefix, loop in random_words(names, random.Random(3), 4000)
+        if all(len(letter & places) <= 1 for letter in (*prefix, *loop))
+    ]
+    assert len(words) > 200
+    sample = Sample(words)
+    assert accepted(small, sample) == satisfying(formula, sample)
+
+
+@pytest.mark.slow
+def test_ten_exclusive_places_in_one_automaton() -> None:
+    places = frozenset(f"p{i}" for i in range(10))
+    assert state_based(translate(parse(paper(10)), exclusive=places)).states <= 2100
+
+
+def test_fifty_sites_as_conjuncts_in_a_second() -> None:
+    began_s = time.perf_counter()
+    automata = [translate(part) for part in conjuncts(parse(paper(50)))]
+    assert time.perf_counter() - began_s < 3 * 1.0
+    assert len(automata) == 52
+    assert max(automaton.states for automaton in automata) <= 3
