@@ -92,6 +92,7 @@ def minimal(
     for bits in sorted(sets, key=int.bit_count):
         if not bits:
             return [0]
+        spend(bits.bit_count())
         candidates = [with_lowest[index] for index in indices(bits) if index in with_lowest]
         spend(1 + sum(map(len, candidates)))
         if not any(other & bits == other for group in candidates for other in group):

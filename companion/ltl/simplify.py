@@ -16,7 +16,10 @@ from collections import defaultdict
 from collections.abc import Hashable, Iterable
 from dataclasses import dataclass, field
 
+from companion.ltl.budget import Budget
 from companion.ltl.formula import FALSE, TRUE, Formula, Operator, negate, next_
+
+_STEPS, _STEPS_AN_OPERAND = 100, 15  # of a budget, for one law
 
 _NEUTRAL = {Operator.AND: TRUE, Operator.OR: FALSE}
 
@@ -67,8 +70,11 @@ class _Side:
             self.pure.add(node)
 
 
-def simplified(formula: Formula) -> Formula:
+def simplified(formula: Formula, budget: Budget | None = None) -> Formula:
     """An equivalent formula in negation normal form, given one in negation normal form.
+
+    Raises:
+        TranslationLimit: the budget is spent; without one there is no limit.
 
     >>> from companion.ltl.formula import negation_normal_form
     >>> from companion.ltl.parser import parse
@@ -89,6 +95,8 @@ def simplified(formula: Formula) -> Formula:
             pending += missing
             continue
         rebuilt = Formula(node.operator, tuple(final[f] for f in node.operands), node.atom)
+        if budget is not None:
+            budget.spend(_STEPS + _STEPS_AN_OPERAND * len(node.operands))
         result = _rewritten(rebuilt, until, release) if rebuilt is node else rebuilt
         if result is node:
             final[node] = node

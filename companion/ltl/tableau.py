@@ -91,7 +91,7 @@ class _Tableau:
         for terms in pending:  # grows while it is read
             edges.append([(term, state(term & ~self._not_later)) for term in terms])
         marks = {bit: 1 << i for i, bit in enumerate(self._postponed_of.values())}
-        self._budget.spend(sum(map(len, edges)) * (1 + len(marks)))
+        self._budget.spend(sum(map(len, edges)) * (1 + len(marks)), self._width)
         return Graph(
             [
                 [

@@ -41,6 +41,9 @@ MAX_STATES = 10_000
 MAX_STATES_AGAIN = 100
 """States up to which other automata of the same formula are made, to take the smallest."""
 
+LEAST_STEPS = 15_000
+"""What the smallest formula takes; it counts where one budget is for thousands of conjuncts."""
+
 EXTRA_STEPS = 12_000_000
 """What may be spent on making an automaton smaller; then it is taken as it is."""
 
@@ -72,8 +75,10 @@ def translate(
     """
     normal = negation_normal_form(formula)
     alphabet = Alphabet(sorted(atoms(normal)), exclusive)
-    translator = _Translator(alphabet, max_states, budget or Budget(), Budget(EXTRA_STEPS))
-    return automaton_of(translator.cubes(simplified(normal)), alphabet, str(formula))
+    budget = budget or Budget()
+    budget.spend(LEAST_STEPS)
+    translator = _Translator(alphabet, max_states, budget, Budget(EXTRA_STEPS))
+    return automaton_of(translator.cubes(simplified(normal, budget)), alphabet, str(formula))
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,7 +126,7 @@ class _Translator:
     def _independent(self, formula: Formula) -> list[Formula]:
         """Formulas whose conjunction is the given one, and that share no proposition."""
         groups: list[tuple[frozenset[str], list[Formula]]] = []
-        for part in _conjuncts(formula):
+        for part in _conjuncts(formula, self.budget):
             names, together = atoms(part), [part]
             if names & self.alphabet.exclusive:
                 names |= self.alphabet.exclusive
@@ -129,19 +134,21 @@ class _Translator:
                 groups.remove(group)
                 names, together = names | group[0], group[1] + together
             groups.append((names, together))
-        return [simplified(conjoin(*together)) for _, together in groups]
+        return [simplified(conjoin(*together), self.budget) for _, together in groups]
 
     def _parted(self, formula: Formula) -> Graph:
         """The smaller graph: of all conjuncts, or with those that are obligations apart."""
         whole = self._whole(formula)
-        parts = _conjuncts(formula)
+        parts = _conjuncts(formula, self.budget)
         if whole.is_weak or len(parts) == 1 or not 1 < len(whole.graph.edges) <= MAX_STATES_AGAIN:
             return whole.graph
         is_weak = {part: self._whole(part).is_weak for part in parts}
         groups = [[part for part in parts if is_weak[part] is kind] for kind in (True, False)]
         if not all(groups):
             return whole.graph
-        weak, other = (self._whole(simplified(conjoin(*group))).graph for group in groups)
+        weak, other = (
+            self._whole(simplified(conjoin(*group), self.budget)).graph for group in groups
+        )
         product = smallest(conjoined(weak, other, self.budget), self.extra)
         return min(whole.graph, product, key=lambda graph: len(graph.edges))
 
@@ -161,7 +168,7 @@ class _Translator:
         """The minimal weak deterministic automaton of a formula, if there is one."""
 
         def complement() -> Graph:
-            opposite = simplified(negation_normal_form(negate(formula)))
+            opposite = simplified(negation_normal_form(negate(formula)), self.extra)
             rough = with_letters(self._unfolded(opposite, self.extra), self.alphabet, self.extra)
             return smallest(rough, self.extra)
 
@@ -172,7 +179,7 @@ class _Translator:
         return weak and pruned(weak)
 
 
-def _conjuncts(formula: Formula) -> list[Formula]:
+def _conjuncts(formula: Formula, budget: Budget) -> list[Formula]:
     """The conjuncts of a simplified formula, split at & and at G over &."""
     parts: list[Formula] = []
     for part in formula.operands if formula.operator is Operator.AND else (formula,):
@@ -181,4 +188,4 @@ def _conjuncts(formula: Formula) -> list[Formula]:
             parts += [release(FALSE, operand) for operand in kept.operands]
         else:
             parts.append(part)
-    return [simplified(part) for part in parts]
+    return [simplified(part, budget) for part in parts]

@@ -17,11 +17,10 @@ Source: McDermott et al., PDDL, 1998; the paper, last point of Section III-C.
 from __future__ import annotations
 
 import itertools
-import math
 import re
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -34,13 +33,13 @@ if TYPE_CHECKING:
     from unified_planning.model import Action, Effect, FNode, Problem, Type, Variable
 
 INSTALL = "pip install 'mav-companion[planners]'"
-MAX_BYTES = 100_000
+MAX_BYTES = 65_536  # as of a mission file
 OF_THE_DOMAIN = ("parameters", "precondition", "effect", "distinct")
 """Keys that a skill of a PDDL domain has there."""
 
 KEYS = ("domain", "problem")
 TOTAL_COST = "total-cost"
-MAX_EXPANSION = 1_000  # conditions or effects that one forall may stand for
+MAX_EXPANSION = 10_000  # choices for the variables of all forall together
 
 _FEATURES = (
     "it needs :strips, :typing, :negative-preconditions, :equality, :conditional-effects, "
@@ -163,6 +162,7 @@ class _Import:
     file: MissionFile
     document: Document
     problem: Problem
+    expanded: Iterator[int] = field(default_factory=itertools.count)
 
     def merged(self) -> MissionFile:
         """The mission file with all of it."""
@@ -348,13 +348,13 @@ class _Import:
         """Every choice for the variables of a forall."""
         names = [variable.name for variable in variables]
         domains = [self._members(variable.type) for variable in variables]
-        if math.prod(map(len, domains)) > MAX_EXPANSION:
-            raise MissionError(
-                f"a forall over {', '.join(names)} stands for more than {MAX_EXPANSION} parts",
-                self.document.where("domain"),
-                "use fewer variables in one forall, or types with fewer objects",
-            )
         for members in itertools.product(*domains):
+            if next(self.expanded) == MAX_EXPANSION:
+                raise MissionError(
+                    f"written out, the forall have more than {MAX_EXPANSION} parts in all",
+                    self.document.where("domain"),
+                    "use fewer variables under forall, or types with fewer objects",
+                )
             yield {**outer, **dict(zip(names, members, strict=True))}
 
     def _sets(self) -> dict[str, list[str]]:

@@ -105,7 +105,10 @@ class SkillEntry(Entry):
     ] = {}
     distinct: Annotated[
         list[Annotated[list[Name], Field(min_length=2)]],
-        Field(description="Groups of parameters that are bound to different members: [[a, b]]."),
+        Field(
+            description="Groups of which no two are the same: parameters, places or objects, e.g. "
+            "[[from, to]] or [[to, Home]]."
+        ),
     ] = []
     precondition: Annotated[
         Text | None,
@@ -121,8 +124,9 @@ class SkillEntry(Entry):
         Text | None,
         BeforeValidator(_given, json_schema_input_type=Text),
         Field(
-            description="Facts that hold afterwards, e.g. at(to) & !at(from); with a condition in "
-            "parentheses: free & (lit -> seen). A skill of a PDDL domain has it there."
+            description="Facts that hold afterwards (! no longer), e.g. at(to) & !at(from). An "
+            "effect with a condition stands in parentheses: free & (has(p) & lit -> seen(p)); the "
+            "condition is about the facts before. A skill of a PDDL domain has its effect there."
         ),
     ] = None
     cost: Annotated[
@@ -182,7 +186,10 @@ class MissionFile(Entry):
     ]
     objects: Annotated[
         list[Name],
-        Field(description="Names of things that are no places, e.g. parcels: [p1, p2]."),
+        Field(
+            description="Names of things that are no places, e.g. [p1, p2] for two parcels. Facts "
+            "may speak of them, e.g. delivered(p1); the vehicle cannot be at them."
+        ),
     ] = []
     sets: Annotated[
         dict[Name, Annotated[list[Name], Field(min_length=1)]],
@@ -196,15 +203,18 @@ class MissionFile(Entry):
         BeforeValidator(_given, json_schema_input_type=Text),
         Field(
             description="PDDL domain file, relative to this file: its actions are skills, its "
-            "types sets. What each action does in the world still stands under skills."
+            "types sets, its predicate at(place) is where the vehicle is. Under skills stands for "
+            "each action what it does in the world: execute, and if need be assumes, cost, tries, "
+            "timeout_s. In names, upper case is as here, and - becomes _."
         ),
     ] = None
     problem: Annotated[
         Text | None,
         BeforeValidator(_given, json_schema_input_type=Text),
         Field(
-            description="PDDL problem file, relative to this file: objects, facts that hold at the "
-            "start, and a goal."
+            description="PDDL problem file, relative to this file: objects (those with the name "
+            "of a place are that place), facts that hold at the start, and the goal, if neither "
+            "goal nor task stands here."
         ),
     ] = None
     components: Annotated[
@@ -228,7 +238,10 @@ class MissionFile(Entry):
     ] = []
     task: Annotated[
         dict[Name, Text],
-        Field(description="Name: formula in linear temporal logic. All of them must hold."),
+        Field(
+            description="Name: formula in linear temporal logic, e.g. G F at(A). All of them must "
+            "hold. May be left out if there is a goal."
+        ),
     ] = {}
     goal: Annotated[
         Text | None,
@@ -250,4 +263,5 @@ def json_schema() -> dict[str, Any]:
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         **MissionFile.model_json_schema(),
+        "anyOf": [{"required": [key]} for key in ("task", "goal", "problem")],
     }

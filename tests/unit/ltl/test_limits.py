@@ -113,7 +113,7 @@ def cases() -> list[object]:
             name,
             options,
             id=f"{name}, {'whole' if options else 'split'}",
-            marks=[] if name in QUICK else [pytest.mark.slow],
+            marks=[] if name in QUICK else [pytest.mark.long],
         )
         for name, options in named
     ]

@@ -32,7 +32,7 @@ def published() -> list[object]:
     with TABLE.open(encoding="utf-8", newline="") as stream:
         rows = [row for row in csv.reader(stream, delimiter="\t") if not row[0].startswith("#")]
     return [
-        pytest.param(name, text, id=name, marks=[pytest.mark.slow] if name in LARGE else [])
+        pytest.param(name, text, id=name, marks=[pytest.mark.long] if name in LARGE else [])
         for group, name, text, *_ in rows
         if group != "paper" or int(name.removeprefix("paper-")) <= 4
     ]

@@ -124,7 +124,7 @@ def test_at_most_one_place_at_a_time() -> None:
     assert accepted(small, sample) == satisfying(formula, sample)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_ten_exclusive_places_in_one_automaton() -> None:
     places = frozenset(f"p{i}" for i in range(10))
     assert state_based(translate(parse(paper(10)), exclusive=places)).states <= 2100

@@ -127,7 +127,7 @@ def test_small_tasks(task: str, encoding: Encoding) -> None:
         assert found.cost_ms == found.bound_ms == best_ms(asked, Objective.SUM)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("task", TASKS)
 def test_small_tasks_by_a_second_planner(task: str) -> None:
     asked = problem("HAB", unit_costs("HAB"), task)
