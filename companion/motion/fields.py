@@ -58,7 +58,7 @@ class Field:
 
 
 class MoveGraph:
-    """The moves between free cells, listed by the cell where they arrive.
+    """The moves between free cells, numbered by the cell where they arrive.
 
     Args:
         free: (rows, cols) bool; everything outside is not free.
@@ -81,7 +81,10 @@ class MoveGraph:
                 exists &= is_free(*cell)
             self._exists[:, i] = exists.ravel()
         flat = np.arange(rows * cols, dtype=np.int32)[:, None]
-        self._origin = flat + (_OFFSETS @ (cols, 1)).astype(np.int32)
+        self._origins = (flat + (_OFFSETS @ (cols, 1)).astype(np.int32))[self._exists]
+        self._lengths = np.broadcast_to(_LENGTHS, self._exists.shape)[self._exists]
+        ends = np.cumsum(np.count_nonzero(self._exists, axis=1), dtype=np.int32)
+        self._first = np.concatenate([np.zeros(1, dtype=np.int32), ends])
 
     def entering(self, centre: npt.NDArray[np.float64], radius: float) -> npt.NDArray[np.int_]:
         """Moves that come into a disc from outside.
@@ -95,11 +98,12 @@ class MoveGraph:
         """
         low = np.maximum(np.floor(centre - radius).astype(int) - _REACH, 0)
         high = np.minimum(np.ceil(centre + radius).astype(int) + _REACH, self._shape)
-        near = low + np.argwhere(np.ones(np.maximum(high - low, 0)))[:, None]
-        arrive = near + 0.5
-        cell, move = np.nonzero(enters(arrive + _OFFSETS, arrive, centre, radius))
-        flat = near[cell, 0, 0] * self._shape[1] + near[cell, 0, 1]
-        return np.asarray(flat * len(_MOVES) + move)
+        near = low + np.argwhere(np.ones(np.maximum(high - low, 0)))
+        exists = self._exists[near @ (self._shape[1], 1)]
+        numbers = self._first[near @ (self._shape[1], 1)][:, None] + np.cumsum(exists, axis=1) - 1
+        arrive = near[:, None] + 0.5
+        enter = exists & enters(arrive + _OFFSETS, arrive, centre, radius)
+        return np.asarray(numbers[enter])
 
     def field(self, goal: Cell, without: npt.NDArray[np.int_]) -> Field:
         """The way to a free cell from everywhere.
@@ -108,20 +112,13 @@ class MoveGraph:
             goal: the cell where the ways end.
             without: (n,) numbers of moves that no way may use.
         """
-        exists = self._exists.copy()
-        exists.ravel()[without] = False
-        row_ends = np.cumsum(np.count_nonzero(exists, axis=1), dtype=np.int32)
-        reversed_moves = sparse.csr_array(
-            (
-                np.broadcast_to(_LENGTHS, exists.shape)[exists],
-                self._origin[exists],
-                np.concatenate([np.zeros(1, dtype=np.int32), row_ends]),
-            ),
-            shape=(exists.shape[0], exists.shape[0]),
-        )
+        lengths = self._lengths.copy()
+        lengths[without] = np.inf
+        cells = len(self._exists)
         cost, onward = csgraph.dijkstra(
-            reversed_moves,
+            sparse.csr_array((lengths, self._origins, self._first), shape=(cells, cells)),
             indices=goal[0] * self._shape[1] + goal[1],
             return_predecessors=True,
+            limit=np.finfo(np.float64).max,  # a move of infinite length leads nowhere
         )
         return Field(cost.reshape(self._shape), onward)

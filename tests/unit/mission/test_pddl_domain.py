@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
+import re
 import shutil
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from companion.acting.task_state import TaskState
 from companion.errors import MissionError
 from companion.ltl.parser import parse
 from companion.mission.loader import load_mission
 from companion.mission.model import Fly, Mission
+from companion.planning.domain import ground
 from companion.planning.planner import Planner
 
 ROOT = Path(__file__).parents[3]
 EXAMPLE = ROOT / "tests" / "data" / "delivery"
 Spoil = Callable[[str, str, str], Mission]
+DOMAIN, PROBLEM = "delivery.pddl", "two_parcels.pddl"
 
 
 @pytest.fixture(scope="module")
@@ -26,11 +32,17 @@ def delivery() -> Mission:
 
 
 @pytest.fixture
-def spoil(tmp_path: Path) -> Spoil:
-    """Loads a copy of the example in which one text of one file is replaced."""
-    folder = tmp_path / "tests" / "data" / "delivery"
-    shutil.copytree(EXAMPLE, folder)
+def folder(tmp_path: Path) -> Path:
+    """A copy of the example."""
+    copy = tmp_path / "tests" / "data" / "delivery"
+    shutil.copytree(EXAMPLE, copy)
     shutil.copytree(ROOT / "missions" / "maps", tmp_path / "missions" / "maps")
+    return copy
+
+
+@pytest.fixture
+def spoil(folder: Path) -> Spoil:
+    """Loads a copy of the example in which one text of one file is replaced."""
 
     def load(name: str, old: str, new: str) -> Mission:
         text = (folder / name).read_text(encoding="utf-8")
@@ -104,6 +116,66 @@ def test_costs_of_the_domain(spoil: Spoil, has_metric: bool) -> None:
     assert mission.skills["drop"].cost_s == 7
 
 
+def test_without_a_number_every_action_costs_one(spoil: Spoil) -> None:
+    """Where all costs are 1, the reader calls the metric the length of the plan."""
+    spoil(DOMAIN, "(:action move", "(:functions (total-cost) - number) (:action move")
+    spoil(PROBLEM, "(delivered p2))", "(delivered p2))) (:metric minimize (total-cost)")
+    spoil("delivery.yaml", ", cost: 5, timeout_s: 15}\n  hand", ", timeout_s: 15}\n  hand")
+    one = "(increase (total-cost) 1)"
+    spoil(DOMAIN, "(not (at ?from))", f"(not (at ?from)) {one}")
+    spoil(DOMAIN, "(not (in ?x ?p)) (not (free))", f"(not (in ?x ?p)) (not (free)) {one}")
+    spoil(DOMAIN, "(not (has ?x)) (in ?x ?p)", f"(not (has ?x)) (in ?x ?p) {one}")
+    mission = spoil(DOMAIN, "(delivered ?x) (not (has ?x)) (free)))", f"(free))) {one}")
+    assert mission.skills["drop"].cost_s == 1
+
+
+def test_a_universal_goal_is_written_out(spoil: Spoil) -> None:
+    universal = "(forall (?x - parcel) (delivered ?x))"
+    mission = spoil(PROBLEM, "(and (delivered p1) (delivered p2))", universal)
+    assert mission.task == {"goal": parse("F (delivered(p1) & delivered(p2))")}
+
+
+def test_a_universal_precondition_is_written_out(spoil: Spoil) -> None:
+    universal = ":precondition (and (at ?c) (forall (?x - parcel) (not (in ?x ?c))))"
+    mission = spoil(DOMAIN, ":precondition (at ?c)", universal)
+    found = {a.name: a for a in ground(mission, lambda a, b: 1.0).actions}["hand_over(A)"]
+    assert found.forbids == {"in(p1, A)", "in(p2, A)"}
+
+
+def test_a_parameter_may_differ_from_a_constant(spoil: Spoil) -> None:
+    spoil(PROBLEM, "Home - depot ", "")
+    spoil(DOMAIN, "(:predicates", "(:constants Home - depot) (:predicates")
+    mission = spoil(DOMAIN, "(not (= ?from ?to))", "(not (= ?to Home))")
+    moves = [a.name for a in ground(mission, lambda a, b: 1.0).actions if a.skill == "move"]
+    assert moves == ["move(Home, A)", "move(Home, B)", "move(A, B)", "move(B, A)"]
+
+
+def test_facts_exist_as_they_are_declared(spoil: Spoil) -> None:
+    """`lit` is in no action; parcels are picked up anywhere, though none may be at A by a skill."""
+    mission = spoil(PROBLEM, "(free)", "(free) (lit A)")
+    assert "lit(A)" in mission.initially
+    mission = spoil("delivery.yaml", "problem: ", "task: {dark: G !lit(B)}\nproblem: ")
+    assert mission.task == {"dark": parse("G !lit(B)")}
+    with pytest.raises(MissionError, match=r"unknown fact lit\(p1\)"):
+        spoil("delivery.yaml", "lit(B)", "lit(p1)")
+
+
+def test_a_condition_may_be_about_what_never_holds(spoil: Spoil) -> None:
+    """A declared predicate is no misspelling, whatever the problem says."""
+    mission = spoil(DOMAIN, ":precondition (at ?c)", ":precondition (and (at ?c) (not (lit ?c)))")
+    assert len(mission.skills["hand_over"].precondition) == 2
+
+
+def test_an_object_may_have_the_name_of_a_type(spoil: Spoil) -> None:
+    assert "depot" in spoil(PROBLEM, "p1 p2 - parcel", "p1 p2 depot - parcel").sets["parcel"]
+
+
+def test_without_the_reader(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "unified_planning.io", None)
+    with pytest.raises(MissionError, match=r"pip install 'mav-companion\[planners\]'"):
+        load_mission(EXAMPLE / "delivery.yaml")
+
+
 SPOILT = [
     ("delivery.yaml", "  pick_up:", "  pick:", "the domain has no action pick"),
     ("delivery.yaml", "cost: flight_time", "effect: at(to)", "effect of move stands in the domain"),
@@ -112,11 +184,142 @@ SPOILT = [
     ("delivery.pddl", "(at ?p - place)", "(at ?p - foo)", "cannot be read as PDDL"),
     ("delivery.pddl", "(define", "((define", "cannot be read as PDDL"),
     ("delivery.pddl", "(define", "(" * 50_000, "cannot be read as PDDL"),
-    ("delivery.pddl", "(define", " " * 200_000, "has more than 100000 bytes"),
+    ("delivery.pddl", "(define", " " * 200_000, "has more than 65536 bytes"),
     ("delivery.pddl", ":precondition (at ?c)", ":precondition (or (at ?c) (free))", "supported"),
     ("two_parcels.pddl", "(at Home) ", "", "no fact says where the vehicle is"),
     ("two_parcels.pddl", "A B - customer", "A X - customer", "cannot be read as PDDL"),
+    (PROBLEM, "p1 p2 - parcel", "p1 p2 - box", "there is no type box"),
+    (PROBLEM, "p1 p2 - parcel", "p1 p2 p-3 p_3 - parcel", "p-3 and p_3 of the PDDL files are both"),
+    (PROBLEM, "(and (delivered p1)", "(or (delivered p1)", "the goal in the PDDL files is not"),
+    (PROBLEM, "(and (delivered p1) (delivered p2))", "(and)", "neither a task nor a goal"),
+    (PROBLEM, "(:goal", ";", "two_parcels.pddl cannot be read as PDDL"),
+    (DOMAIN, "(not (= ?from ?to))", "(= ?from ?to)", "is not supported: (from == to)"),
+    (DOMAIN, "(wants ?c ?x))\n", "(not (= ?x ?x)))", "an effect of hand_over"),
+    (DOMAIN, "(lit ?p - place)", "(visit ?p - place)", "the predicate visit of the domain has a"),
+    (DOMAIN, "(lit ?p - place)", "(true)", "the predicate true of the domain has a meaning"),
+    (DOMAIN, "?c - customer)\n    :pre", "?p1 - customer)\n    :pre", "Undefined name found: c"),
 ]
+
+FOREIGN = [
+    (DOMAIN, "(:requirements :strips", "(:requirements :contingent :strips", "unknown facts"),
+    (DOMAIN, "(:requirements :strips", "(:requirements :hierarchy :strips", "tasks and methods"),
+    (PROBLEM, "(free)", "(free) (at 5 (lit A))", "facts that change at a time"),
+    (PROBLEM, "(delivered p2))", "(delivered p2))) (:constraints (always (free))", "constraints"),
+    (DOMAIN, "(free))))))", "(free))))) (:event e :parameters () :effect (free)))", "events"),
+    (DOMAIN, "(free))))))", "(free))))) (:process e :parameters () :effect (free)))", "processes"),
+    (
+        DOMAIN,
+        "(free))))))",
+        "(free))))) (:durative-action e :parameters () :duration (= ?duration 3) "
+        ":effect (at end (free))))",
+        "actions with durations",
+    ),
+]
+
+
+@pytest.mark.parametrize(("name", "old", "new", "words"), FOREIGN)
+def test_nothing_is_left_out_in_silence(
+    spoil: Spoil, name: str, old: str, new: str, words: str
+) -> None:
+    with pytest.raises(MissionError, match=f"{name} has {words}.*not supported"):
+        spoil(name, old, new)
+
+
+def test_numbers_are_refused(spoil: Spoil) -> None:
+    spoil(DOMAIN, "(:action move", "(:functions (fuel) - number) (:action move")
+    with pytest.raises(MissionError, match="an effect of move in the PDDL files is not supported"):
+        spoil(DOMAIN, "(not (at ?from))", "(not (at ?from)) (decrease (fuel) 1)")
+
+
+def test_a_type_that_an_action_needs_has_members(spoil: Spoil) -> None:
+    spoil(DOMAIN, "(:types place", "(:types truck place")
+    with pytest.raises(MissionError, match="no object has the type truck, which drop needs"):
+        spoil(DOMAIN, "drop\n    :parameters (", "drop\n    :parameters (?t - truck ")
+
+
+def test_a_parameter_has_a_name_of_its_own(spoil: Spoil) -> None:
+    """p1 in an effect that is written out would be the parameter and the parcel."""
+    spoil(DOMAIN, "(wants ?c ?x)", "(wants ?p1 ?x)")
+    spoil(DOMAIN, ":precondition (at ?c)", ":precondition (at ?p1)")
+    with pytest.raises(MissionError, match="the parameter p1 has the name of an object"):
+        spoil(DOMAIN, "(?c - customer)\n", "(?p1 - customer)\n")
+
+
+def test_at_has_one_argument(folder: Path) -> None:
+    (folder / DOMAIN).write_text(
+        "(define (domain d) (:types parcel place depot - place customer - place)"
+        " (:predicates (at ?x - parcel ?p - place) (free) (has ?x - parcel)"
+        " (in ?x - parcel ?p - place) (wants ?c - customer ?x - parcel) (delivered ?x - parcel))"
+        " (:action move :parameters (?x - parcel ?to - place)"
+        " :precondition (has ?x) :effect (at ?x ?to)))",
+        encoding="utf-8",
+    )
+    problem = (folder / PROBLEM).read_text(encoding="utf-8")
+    (folder / PROBLEM).write_text(problem.replace("(at Home)", "(at p1 Home)"), encoding="utf-8")
+    mission = (folder / "delivery.yaml").read_text(encoding="utf-8")
+    start, end = mission.index("  pick_up:"), len(mission)
+    (folder / "delivery.yaml").write_text(mission[:start] + mission[end:], encoding="utf-8")
+    with pytest.raises(MissionError, match="the predicate at of the domain has 2 arguments"):
+        load_mission(folder / "delivery.yaml")
+
+
+def test_a_mistake_is_located_in_its_file(spoil: Spoil) -> None:
+    with pytest.raises(MissionError, match="Found invalid expression: p3") as caught:
+        spoil(PROBLEM, "(in p2 Home)", "(in p3 Home)")
+    assert caught.value.where is not None
+    assert caught.value.where.path.endswith(PROBLEM)
+    assert (caught.value.where.line, caught.value.where.column) == (3, 44)
+
+
+@pytest.mark.parametrize(
+    "text", ["", "(", ")", "()", "(" * 60_000, "(define (domain d))", "\0", "ä"]
+)
+def test_a_text_that_is_no_domain(folder: Path, text: str) -> None:
+    (folder / DOMAIN).write_text(text, encoding="utf-8")
+    with pytest.raises(MissionError):
+        load_mission(folder / "delivery.yaml")
+
+
+def test_forall_has_a_limit(spoil: Spoil) -> None:
+    """Counted while it is written out: 4 parcels and 9 variables have 262,144 choices."""
+    spoil(PROBLEM, "p1 p2 - parcel", "p1 p2 p3 p4 - parcel")
+    deep = "(delivered ?x)"
+    for variables in ("?a ?b ?x", "?d ?e ?f", "?g ?h ?i"):
+        deep = f"(forall ({variables} - parcel) {deep})"
+    with pytest.raises(MissionError, match="more than 10000 parts"):
+        spoil(PROBLEM, "(and (delivered p1) (delivered p2))", deep)
+
+
+def _tokens(name: str) -> list[str]:
+    text = re.sub(";.*", "", (EXAMPLE / name).read_text(encoding="utf-8"))
+    return re.findall(r"[()]|[^\s()]+", text)
+
+
+TOKENS = [*_tokens(DOMAIN), *_tokens(PROBLEM), "or", "exists", "=", "#t", "5", "increase"]
+
+
+@settings(max_examples=40)
+@given(
+    st.sampled_from([DOMAIN, PROBLEM]),
+    st.lists(st.tuples(st.integers(0, 250), st.none() | st.sampled_from(TOKENS)), max_size=3),
+)
+def test_any_spoilt_text_is_a_mission_or_a_mission_error(
+    tmp_path_factory: pytest.TempPathFactory, name: str, spoilt: list[tuple[int, str | None]]
+) -> None:
+    """The reader itself raises whatever it likes: IndexError, TypeError, AttributeError, ..."""
+    folder = tmp_path_factory.mktemp("spoilt")
+    for path in EXAMPLE.iterdir():
+        text = path.read_text(encoding="utf-8").replace("../../../missions", str(ROOT / "missions"))
+        (folder / path.name).write_text(text, encoding="utf-8")
+    tokens = _tokens(name)
+    for position, token in spoilt:
+        tokens[position % len(tokens)] = token or ""
+    (folder / name).write_text(" ".join(tokens), encoding="utf-8")
+    try:
+        mission = load_mission(folder / "delivery.yaml")
+    except MissionError:
+        return
+    assert ground(mission, lambda a, b: 1.0).actions
 
 
 @pytest.mark.parametrize(("name", "old", "new", "message"), SPOILT)
