@@ -22,6 +22,7 @@ from companion.planning.planner import Planner
 
 ROOT = Path(__file__).parents[3]
 EXAMPLE = ROOT / "tests" / "data" / "delivery"
+Edit = Callable[[str, str, str], None]
 Spoil = Callable[[str, str, str], Mission]
 DOMAIN, PROBLEM = "delivery.pddl", "two_parcels.pddl"
 
@@ -41,13 +42,23 @@ def folder(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def spoil(folder: Path) -> Spoil:
-    """Loads a copy of the example in which one text of one file is replaced."""
+def edit(folder: Path) -> Edit:
+    """Replaces one text of one file of the copy."""
 
-    def load(name: str, old: str, new: str) -> Mission:
+    def replace(name: str, old: str, new: str) -> None:
         text = (folder / name).read_text(encoding="utf-8")
         assert old in text
         (folder / name).write_text(text.replace(old, new), encoding="utf-8")
+
+    return replace
+
+
+@pytest.fixture
+def spoil(folder: Path, edit: Edit) -> Spoil:
+    """Loads the copy after one more replacement."""
+
+    def load(name: str, old: str, new: str) -> Mission:
+        edit(name, old, new)
         return load_mission(folder / "delivery.yaml")
 
     return load
@@ -102,12 +113,12 @@ def test_sets_of_the_mission_file_may_have_the_members(spoil: Spoil) -> None:
 
 
 @pytest.mark.parametrize("has_metric", [False, True])
-def test_costs_of_the_domain(spoil: Spoil, has_metric: bool) -> None:
-    spoil("delivery.pddl", "(:action move", "(:functions (total-cost) - number) (:action move")
+def test_costs_of_the_domain(edit: Edit, spoil: Spoil, has_metric: bool) -> None:
+    edit("delivery.pddl", "(:action move", "(:functions (total-cost) - number) (:action move")
     if has_metric:
         goal = "(delivered p1) (delivered p2))"
-        spoil("two_parcels.pddl", goal, f"{goal}) (:metric minimize (total-cost)")
-    spoil("delivery.yaml", 'USER_2)", cost: 5', 'USER_2)"')
+        edit("two_parcels.pddl", goal, f"{goal}) (:metric minimize (total-cost)")
+    edit("delivery.yaml", 'USER_2)", cost: 5', 'USER_2)"')
     mission = spoil(
         "delivery.pddl",
         ":effect (and (free) (not (has ?x)) (in ?x ?p))",
@@ -116,15 +127,15 @@ def test_costs_of_the_domain(spoil: Spoil, has_metric: bool) -> None:
     assert mission.skills["drop"].cost_s == 7
 
 
-def test_without_a_number_every_action_costs_one(spoil: Spoil) -> None:
+def test_without_a_number_every_action_costs_one(edit: Edit, spoil: Spoil) -> None:
     """Where all costs are 1, the reader calls the metric the length of the plan."""
-    spoil(DOMAIN, "(:action move", "(:functions (total-cost) - number) (:action move")
-    spoil(PROBLEM, "(delivered p2))", "(delivered p2))) (:metric minimize (total-cost)")
-    spoil("delivery.yaml", ", cost: 5, timeout_s: 15}\n  hand", ", timeout_s: 15}\n  hand")
+    edit(DOMAIN, "(:action move", "(:functions (total-cost) - number) (:action move")
+    edit(PROBLEM, "(delivered p2))", "(delivered p2))) (:metric minimize (total-cost)")
+    edit("delivery.yaml", ", cost: 5, timeout_s: 15}\n  hand", ", timeout_s: 15}\n  hand")
     one = "(increase (total-cost) 1)"
-    spoil(DOMAIN, "(not (at ?from))", f"(not (at ?from)) {one}")
-    spoil(DOMAIN, "(not (in ?x ?p)) (not (free))", f"(not (in ?x ?p)) (not (free)) {one}")
-    spoil(DOMAIN, "(not (has ?x)) (in ?x ?p)", f"(not (has ?x)) (in ?x ?p) {one}")
+    edit(DOMAIN, "(not (at ?from))", f"(not (at ?from)) {one}")
+    edit(DOMAIN, "(not (in ?x ?p)) (not (free))", f"(not (in ?x ?p)) (not (free)) {one}")
+    edit(DOMAIN, "(not (has ?x)) (in ?x ?p)", f"(not (has ?x)) (in ?x ?p) {one}")
     mission = spoil(DOMAIN, "(delivered ?x) (not (has ?x)) (free)))", f"(free))) {one}")
     assert mission.skills["drop"].cost_s == 1
 
@@ -142,9 +153,9 @@ def test_a_universal_precondition_is_written_out(spoil: Spoil) -> None:
     assert found.forbids == {"in(p1, A)", "in(p2, A)"}
 
 
-def test_a_parameter_may_differ_from_a_constant(spoil: Spoil) -> None:
-    spoil(PROBLEM, "Home - depot ", "")
-    spoil(DOMAIN, "(:predicates", "(:constants Home - depot) (:predicates")
+def test_a_parameter_may_differ_from_a_constant(edit: Edit, spoil: Spoil) -> None:
+    edit(PROBLEM, "Home - depot ", "")
+    edit(DOMAIN, "(:predicates", "(:constants Home - depot) (:predicates")
     mission = spoil(DOMAIN, "(not (= ?from ?to))", "(not (= ?to Home))")
     moves = [a.name for a in ground(mission, lambda a, b: 1.0).actions if a.skill == "move"]
     assert moves == ["move(Home, A)", "move(Home, B)", "move(A, B)", "move(B, A)"]
@@ -194,7 +205,12 @@ SPOILT = [
     (PROBLEM, "(and (delivered p1) (delivered p2))", "(and)", "neither a task nor a goal"),
     (PROBLEM, "(:goal", ";", "two_parcels.pddl cannot be read as PDDL"),
     (DOMAIN, "(not (= ?from ?to))", "(= ?from ?to)", "is not supported: (from == to)"),
-    (DOMAIN, "(wants ?c ?x))\n", "(not (= ?x ?x)))", "an effect of hand_over"),
+    (
+        DOMAIN,
+        "(and (has ?x) (wants ?c ?x))",
+        "(or (has ?x) (wants ?c ?x))",
+        "an effect of hand_over",
+    ),
     (DOMAIN, "(lit ?p - place)", "(visit ?p - place)", "the predicate visit of the domain has a"),
     (DOMAIN, "(lit ?p - place)", "(true)", "the predicate true of the domain has a meaning"),
     (DOMAIN, "?c - customer)\n    :pre", "?p1 - customer)\n    :pre", "Undefined name found: c"),
@@ -206,7 +222,6 @@ FOREIGN = [
     (PROBLEM, "(free)", "(free) (at 5 (lit A))", "facts that change at a time"),
     (PROBLEM, "(delivered p2))", "(delivered p2))) (:constraints (always (free))", "constraints"),
     (DOMAIN, "(free))))))", "(free))))) (:event e :parameters () :effect (free)))", "events"),
-    (DOMAIN, "(free))))))", "(free))))) (:process e :parameters () :effect (free)))", "processes"),
     (
         DOMAIN,
         "(free))))))",
@@ -225,29 +240,29 @@ def test_nothing_is_left_out_in_silence(
         spoil(name, old, new)
 
 
-def test_numbers_are_refused(spoil: Spoil) -> None:
-    spoil(DOMAIN, "(:action move", "(:functions (fuel) - number) (:action move")
+def test_numbers_are_refused(edit: Edit, spoil: Spoil) -> None:
+    edit(DOMAIN, "(:action move", "(:functions (fuel) - number) (:action move")
     with pytest.raises(MissionError, match="an effect of move in the PDDL files is not supported"):
         spoil(DOMAIN, "(not (at ?from))", "(not (at ?from)) (decrease (fuel) 1)")
 
 
-def test_a_type_that_an_action_needs_has_members(spoil: Spoil) -> None:
-    spoil(DOMAIN, "(:types place", "(:types truck place")
+def test_a_type_that_an_action_needs_has_members(edit: Edit, spoil: Spoil) -> None:
+    edit(DOMAIN, "(:types place", "(:types truck place")
     with pytest.raises(MissionError, match="no object has the type truck, which drop needs"):
         spoil(DOMAIN, "drop\n    :parameters (", "drop\n    :parameters (?t - truck ")
 
 
-def test_a_parameter_has_a_name_of_its_own(spoil: Spoil) -> None:
+def test_a_parameter_has_a_name_of_its_own(edit: Edit, spoil: Spoil) -> None:
     """p1 in an effect that is written out would be the parameter and the parcel."""
-    spoil(DOMAIN, "(wants ?c ?x)", "(wants ?p1 ?x)")
-    spoil(DOMAIN, ":precondition (at ?c)", ":precondition (at ?p1)")
+    edit(DOMAIN, "(wants ?c ?x)", "(wants ?p1 ?x)")
+    edit(DOMAIN, ":precondition (at ?c)", ":precondition (at ?p1)")
     with pytest.raises(MissionError, match="the parameter p1 has the name of an object"):
         spoil(DOMAIN, "(?c - customer)\n", "(?p1 - customer)\n")
 
 
 def test_at_has_one_argument(folder: Path) -> None:
     (folder / DOMAIN).write_text(
-        "(define (domain d) (:types parcel place depot - place customer - place)"
+        "(define (domain d) (:types parcel place - object depot customer - place)"
         " (:predicates (at ?x - parcel ?p - place) (free) (has ?x - parcel)"
         " (in ?x - parcel ?p - place) (wants ?c - customer ?x - parcel) (delivered ?x - parcel))"
         " (:action move :parameters (?x - parcel ?to - place)"
@@ -268,7 +283,7 @@ def test_a_mistake_is_located_in_its_file(spoil: Spoil) -> None:
         spoil(PROBLEM, "(in p2 Home)", "(in p3 Home)")
     assert caught.value.where is not None
     assert caught.value.where.path.endswith(PROBLEM)
-    assert (caught.value.where.line, caught.value.where.column) == (3, 44)
+    assert (caught.value.where.line, caught.value.where.column) == (4, 44)
 
 
 @pytest.mark.parametrize(
@@ -280,9 +295,9 @@ def test_a_text_that_is_no_domain(folder: Path, text: str) -> None:
         load_mission(folder / "delivery.yaml")
 
 
-def test_forall_has_a_limit(spoil: Spoil) -> None:
+def test_forall_has_a_limit(edit: Edit, spoil: Spoil) -> None:
     """Counted while it is written out: 4 parcels and 9 variables have 262,144 choices."""
-    spoil(PROBLEM, "p1 p2 - parcel", "p1 p2 p3 p4 - parcel")
+    edit(PROBLEM, "p1 p2 - parcel", "p1 p2 p3 p4 - parcel")
     deep = "(delivered ?x)"
     for variables in ("?a ?b ?x", "?d ?e ?f", "?g ?h ?i"):
         deep = f"(forall ({variables} - parcel) {deep})"
@@ -298,7 +313,7 @@ def _tokens(name: str) -> list[str]:
 TOKENS = [*_tokens(DOMAIN), *_tokens(PROBLEM), "or", "exists", "=", "#t", "5", "increase"]
 
 
-@settings(max_examples=40)
+@settings(max_examples=25)
 @given(
     st.sampled_from([DOMAIN, PROBLEM]),
     st.lists(st.tuples(st.integers(0, 250), st.none() | st.sampled_from(TOKENS)), max_size=3),
