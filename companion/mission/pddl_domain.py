@@ -7,9 +7,8 @@ same way. What an action does in the world (`execute`) stands in the mission fil
 
 PDDL does not tell upper from lower case; a name that the mission file has is spelled as there,
 all others in lower case. `-` becomes `_`. Preconditions are conjunctions of facts and negated
-facts, and parameters that differ; effects may be conditional and universal. What cannot be said
-in a mission (numbers other than the total cost, durations, disjunctions, ...) is refused, never
-left out.
+facts, and parameters that differ; effects may be conditional and universal. What a mission cannot
+say (numbers other than the total cost, durations, disjunctions, ...) is refused, never left out.
 
 Source: McDermott et al., PDDL, 1998; the paper, last point of Section III-C.
 """
@@ -34,10 +33,8 @@ if TYPE_CHECKING:
 
 INSTALL = "pip install 'mav-companion[planners]'"
 MAX_BYTES = 65_536  # as of a mission file
-OF_THE_DOMAIN = ("parameters", "precondition", "effect", "distinct")
-"""Keys that a skill of a PDDL domain has there."""
-
-KEYS = ("domain", "problem")
+OF_THE_DOMAIN = ("parameters", "precondition", "effect", "distinct")  # and not of the mission
+_KEYS = ("domain", "problem")
 TOTAL_COST = "total-cost"
 MAX_EXPANSION = 10_000  # choices for the variables of all forall together
 
@@ -63,12 +60,7 @@ _PLACE = re.compile(
     r"line: ?(\d+), col:? ?(\d+)",
     re.IGNORECASE,
 )
-_UNCLEAR = (
-    (re.compile(r"^UP\w+\((['\"])(.*?)\1?\)?$"), r"\2"),  # an error of the reader inside another
-    (re.compile(r"W:\([^)]*\)"), "a name"),
-    (re.compile(r"! Different elements .*"), ""),
-)
-"""The reader's own words, and ours."""
+_QUOTED = re.compile(r"^UP\w+\((['\"])(.*?)\1?\)?$")  # an error of the reader inside another
 
 Binding = Mapping[str, str]
 """What stands for the variables of a universal effect."""
@@ -92,8 +84,7 @@ def with_domain(
         raise MissionError(
             "a problem without a domain", document.key_at("problem"), "add domain: FILE.pddl"
         )
-    problem = _parsed(folder, file, document)
-    imported = _Import(file, document, problem)
+    imported = _Import(file, document, _parsed(folder, file, document))
     return imported.merged(), imported.predicates()
 
 
@@ -102,15 +93,13 @@ def _parsed(folder: Path, file: MissionFile, document: Document) -> Problem:
         from unified_planning.environment import get_environment
         from unified_planning.io import PDDLReader
     except ImportError:
-        hint = f"install it: {INSTALL}"
-        where = document.where("domain")
-        raise MissionError("PDDL needs unified-planning", where, hint) from None
+        what, hint = "PDDL needs unified-planning", f"install it: {INSTALL}"
+        raise MissionError(what, document.where("domain"), hint) from None
     names = [name for name in (file.domain, file.problem) if name is not None]
-    texts = [_text(folder / name, document, key) for name, key in zip(names, KEYS, strict=False)]
-    # In PDDL a type and an object may have the same name. Variables of forall exist in the
-    # reader's global environment alone.
+    texts = [_text(folder / name, document, key) for name, key in zip(names, _KEYS, strict=False)]
+    # A type and an object may share a name. The reader needs its global environment for forall.
     get_environment().error_used_name = False
-    for last, (name, key) in enumerate(zip(names, KEYS, strict=False)):
+    for last, (name, key) in enumerate(zip(names, _KEYS, strict=False)):
         try:  # the domain alone first, so that an error is known to be in one file
             with warnings.catch_warnings(action="ignore"):
                 problem = PDDLReader().parse_problem_string(*texts[: last + 1])
@@ -137,9 +126,7 @@ def _reason(error: Exception) -> tuple[str, tuple[int, int] | None]:
         return "an expression has too few parts, or brackets in the wrong place", None
     text = " ".join(str(error).split()) or type(error).__name__
     place = _PLACE.search(text)
-    reason = text[: place.start()] if place else text
-    for words, ours in _UNCLEAR:
-        reason = words.sub(ours, reason)
+    reason = _QUOTED.sub(r"\2", text[: place.start()] if place else text)
     return reason, (int(place[1]), int(place[2])) if place else None
 
 
@@ -168,18 +155,20 @@ class _Import:
         """The mission file with all of it."""
         file = self.file
         self._refuse_one_name_for_two()
-        skills = {self._skill_name(action): action for action in self.problem.actions}
+        actions = self.problem.actions
+        skills = {self._spelled(action.name, file.skills): action for action in actions}
         self._refuse_unknown(skills)
         named = [self._member(thing.name) for thing in self.problem.all_objects]
         known = {*file.places, *file.objects}
-        facts = [fact for fact in self._initially() if fact not in file.initially]
+        start = self.problem.explicit_initial_values.items()
+        facts = [self._fact(fluent, {}) for fluent, value in start if value.is_true()]
         goal = self._goal() if file.goal is None and not file.task else file.goal
         return file.model_copy(
             update={
                 "objects": [*file.objects, *(name for name in named if name not in known)],
                 "sets": {**file.sets, **self._sets()},
                 "skills": {name: self._skill(name, action) for name, action in skills.items()},
-                "initially": [*file.initially, *facts],
+                "initially": list(dict.fromkeys([*file.initially, *facts])),
                 "goal": goal,
             }
         )
@@ -209,17 +198,16 @@ class _Import:
             raise MissionError(
                 f"the predicate at of the domain has {arity} arguments",
                 self.document.where("domain"),
-                "at(PLACE) says where the vehicle is; give it the place alone, and facts about "
-                "other things another name, e.g. in(parcel, place)",
+                "at(PLACE) says where the vehicle is; give facts about other things another name",
             )
 
     def _refuse_one_name_for_two(self) -> None:
-        problem = self.problem
-        kinds = (problem.actions, problem.fluents, problem.user_types, problem.all_objects)
-        for things in (*kinds, *(action.parameters for action in problem.actions)):
+        pddl = self.problem
+        kinds = (pddl.actions, pddl.fluents, pddl.user_types, pddl.all_objects)
+        for things in (*kinds, *(action.parameters for action in pddl.actions)):
             names: dict[str, str] = {}
             for thing in things:
-                plain = self._plain(thing.name)
+                plain = _plain(thing.name)
                 if plain in names:
                     raise MissionError(
                         f"{names[plain]} and {thing.name} of the PDDL files are both {plain} here",
@@ -258,9 +246,7 @@ class _Import:
         cost = entry.cost if entry.cost is not None else self._cost(name, action)
         return entry.model_copy(
             update={
-                "parameters": {
-                    self._plain(p.name): self._set_name(p.type) for p in action.parameters
-                },
+                "parameters": {_plain(p.name): self._set_name(p.type) for p in action.parameters},
                 "precondition": " & ".join(precondition) or None,
                 "distinct": distinct,
                 "effect": " & ".join(itertools.chain(*effects)) or None,
@@ -297,13 +283,9 @@ class _Import:
         for binding in self._bindings(effect.forall, {}):
             fact = self._literal(effect.fluent, binding, where)
             text = fact if effect.value.is_true() else f"!{fact}"
-            if effect.is_conditional():
-                condition = [
-                    self._literal(part, inner, where)
-                    for part, inner in self._conjuncts(effect.condition, binding)
-                ]
-                text = f"({' & '.join(condition)} -> {text})"
-            yield text
+            parts = self._conjuncts(effect.condition, binding)
+            condition = " & ".join(self._literal(*part, where) for part in parts)
+            yield f"({condition} -> {text})" if condition else text
 
     def _cost(self, name: str, action: Action) -> float | None:
         """What an action adds to the total cost; where a metric names it, the reader moved it."""
@@ -324,13 +306,8 @@ class _Import:
                 )
         return sum(float(cost.constant_value()) for cost in costs) or None
 
-    def _initially(self) -> Iterable[str]:
-        for fluent, value in self.problem.explicit_initial_values.items():
-            if value.is_true():
-                yield self._fact(fluent, {})
-
     def _goal(self) -> str | None:
-        parts = itertools.chain(*(self._conjuncts(goal, {}) for goal in self.problem.goals))
+        parts = (part for goal in self.problem.goals for part in self._conjuncts(goal, {}))
         return " & ".join(self._literal(*part, "the goal") for part in parts) or None
 
     def _conjuncts(self, node: FNode, binding: Binding) -> Iterator[tuple[FNode, Binding]]:
@@ -364,11 +341,9 @@ class _Import:
             name = self._set_name(kind)
             members = [self._member(thing.name) for thing in self.problem.objects(kind)]
             if members and name in self.file.sets:
-                raise MissionError(
-                    f"{name} is a type with members in PDDL, and a set here",
-                    self.document.key_at("sets", name),
-                    "remove one of the two",
-                )
+                what = f"{name} is a type with members in PDDL, and a set here"
+                where = self.document.key_at("sets", name)
+                raise MissionError(what, where, "remove one of the two")
             if members:
                 sets[name] = members
         return sets
@@ -394,7 +369,7 @@ class _Import:
         if node.is_variable_exp():
             return binding[node.variable().name]
         if node.is_parameter_exp():
-            return self._plain(node.parameter().name)
+            return _plain(node.parameter().name)
         return self._member(node.object().name)
 
     def _member(self, name: str) -> str:
@@ -403,16 +378,10 @@ class _Import:
     def _set_name(self, kind: Type) -> str:
         return self._spelled(kind.name, self.file.sets)
 
-    def _skill_name(self, action: Action) -> str:
-        return self._spelled(action.name, self.file.skills)
-
     def _spelled(self, name: str, known: Iterable[str]) -> str:
         """A name as the mission file has it, if it has it."""
-        plain = self._plain(name)
+        plain = _plain(name)
         return next((other for other in known if other.lower() == plain.lower()), plain)
-
-    def _plain(self, name: str) -> str:
-        return name.replace("-", "_")
 
     def _unsupported(self, where: str, what: str) -> MissionError:
         return MissionError(
@@ -422,5 +391,10 @@ class _Import:
         )
 
 
+def _plain(name: str) -> str:
+    return name.replace("-", "_")
+
+
 def _is_cost(effect: Effect) -> bool:
-    return bool(effect.is_increase()) and effect.fluent.fluent().name == TOTAL_COST
+    is_constant = effect.is_increase() and not effect.is_conditional() and not effect.forall
+    return bool(is_constant) and effect.fluent.fluent().name == TOTAL_COST

@@ -62,6 +62,11 @@ def _facts_of(planner: Planner) -> frozenset[Fact]:
         planner.mission.initially,
         planner.mission.events,
         *(a.requires | a.forbids | a.adds | a.deletes for a in actions),
+        *(
+            effect.requires | effect.forbids | effect.adds | effect.deletes
+            for action in actions
+            for effect in action.conditional
+        ),
     )
 
 

@@ -162,7 +162,7 @@ def test_a_parameter_may_differ_from_a_constant(edit: Edit, spoil: Spoil) -> Non
 
 
 def test_facts_exist_as_they_are_declared(spoil: Spoil) -> None:
-    """`lit` is in no action; parcels are picked up anywhere, though none may be at A by a skill."""
+    """No action speaks of `lit`."""
     mission = spoil(PROBLEM, "(free)", "(free) (lit A)")
     assert "lit(A)" in mission.initially
     mission = spoil("delivery.yaml", "problem: ", "task: {dark: G !lit(B)}\nproblem: ")
@@ -244,6 +244,13 @@ def test_numbers_are_refused(edit: Edit, spoil: Spoil) -> None:
     edit(DOMAIN, "(:action move", "(:functions (fuel) - number) (:action move")
     with pytest.raises(MissionError, match="an effect of move in the PDDL files is not supported"):
         spoil(DOMAIN, "(not (at ?from))", "(not (at ?from)) (decrease (fuel) 1)")
+
+
+def test_a_cost_under_a_condition_is_refused(edit: Edit, spoil: Spoil) -> None:
+    edit(DOMAIN, "(:action move", "(:functions (total-cost) - number) (:action move")
+    sometimes = "(when (lit ?to) (increase (total-cost) 1))"
+    with pytest.raises(MissionError, match="an effect of move in the PDDL files is not supported"):
+        spoil(DOMAIN, "(not (at ?from))", f"(not (at ?from)) {sometimes}")
 
 
 def test_a_type_that_an_action_needs_has_members(edit: Edit, spoil: Spoil) -> None:

@@ -67,6 +67,38 @@ def test_parameters_that_differ(load: Load, parcels: str) -> None:
     ]
 
 
+def test_a_skill_and_a_place_that_differ(load: Load, parcels: str) -> None:
+    text = parcels.replace("  load:\n", "  load:\n    distinct: [[r, no]]\n")
+    loads = [name for name in actions(load(text)) if name.startswith("load")]
+    assert loads == ["load(p1, A)", "load(p2, A)"]
+
+
+def test_a_condition_may_wait_for_an_effect_under_a_condition(load: Load, parcels: str) -> None:
+    """Nothing but the conditional effect of `load` makes `shaken` true."""
+    mission = load(parcels.replace("at(r) & in(x, r)", "at(r) & in(x, r) & !shaken(x)"))
+    assert actions(mission)["load(p1, A)"].forbids == {"shaken(p1)"}
+
+
+def test_an_event_may_restart_the_goal(load: Load, parcels: str) -> None:
+    mission = load(parcels.replace("    latch: true\n", "    latch: true\n    restarts: [goal]\n"))
+    assert mission.events["found"].restarts == {"goal"}
+
+
+def test_instances_and_their_conditional_effects_are_counted_first(
+    load: Load, parcels: str
+) -> None:
+    """Before anything is grounded: 200^3 instances would not fit into memory."""
+    many = ", ".join(f"q{i}" for i in range(200))
+    text = parcels.replace("objects: [p1, p2]", f"objects: [p1, p2, {many}]")
+    text = text.replace("Parcel: [p1, p2]", f"Parcel: [p1, p2, {many}]")
+    effects = " & ".join(f"(has(q{i}) -> shaken(x))" for i in range(130))
+    with pytest.raises(MissionError, match="have 52924 conditional effects, at most 50000"):
+        load(text.replace("has(x) & !in(x, r) &", f"has(x) & !in(x, r) & {effects} &"))
+    text = text.replace("{x: Parcel, r: Site}", "{x: Parcel, y: Parcel, z: Parcel, r: Site}")
+    with pytest.raises(MissionError, match="have 16484827 instances, at most 10000"):
+        load(text.replace("at(r) & in(x, r)", "at(r) & in(x, r) & !has(y) & !has(z)"))
+
+
 SPOILT = [
     ("objects: [p1, p2]", "objects: [p1, §p1]", "p1 is twice among the places and objects"),
     ("objects: [p1, p2]", "objects: [p1, §A]", "A is twice among the places and objects"),
@@ -77,6 +109,9 @@ SPOILT = [
     ("goal: has(p1)", "task: {§goal: F has(p1)}\ngoal: has(p1)", "a line of the task is called"),
     ("-> shaken(x)", "-> §F shaken(x)", "neither a fact nor the negation"),
     ("-> shaken(x)", "-> low & shaken(x)", "low is an event, so the skill load cannot set it"),
+    ("(fragile(x) & !low", "§(fragil(x) & !low", "nothing ever makes fragil true"),
+    ("{x: Parcel, r: Site}", "{x: Parcel, r: Site, §p1: Site}", "p1 has the name of an object"),
+    ("    latch: true", "    latch: true\n    restarts: [§gaol]", "found restarts gaol"),
     ("    execute: wait(2)", "    execute: §fly(x)", "load cannot fly to p1, which is no place"),
     ("at(r) & in(x, r)", "§at(x) & in(x, r)", "at(x) speaks of p1, which is no place"),
     ("    execute: wait(2)", "    distinct: [[x, §z]]\n    execute: wait(2)", "no parameter z"),
