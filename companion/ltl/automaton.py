@@ -121,20 +121,31 @@ def _overlap(labels: Sequence[Label]) -> bool:
 
 
 def _match_every_letter(labels: Sequence[Label]) -> bool:
-    """Whether each letter matches some label, by splitting the letters at one proposition."""
-    pending = [list(labels)]
+    """Whether each letter matches some label.
+
+    Letters that match a single literal are set aside; then they are split at a proposition.
+    """
+    pending = [
+        [
+            frozenset([(p, True) for p in x.positive] + [(p, False) for p in x.negative])
+            for x in labels
+        ]
+    ]
     while pending:
         cubes = pending.pop()
-        if not cubes:
-            return False
-        literals = cubes[0].positive | cubes[0].negative
-        if not literals:
+        literals = frozenset().union(*(cube for cube in cubes if len(cube) == 1))
+        negated = frozenset((name, not sign) for name, sign in literals)
+        if frozenset() in cubes or literals & negated:
             continue
-        chosen = frozenset({min(literals)})
-        pending += [
-            [Label(x.positive - chosen, x.negative) for x in cubes if not chosen & x.negative],
-            [Label(x.positive, x.negative - chosen) for x in cubes if not chosen & x.positive],
-        ]
+        if literals:
+            pending.append([cube - negated for cube in cubes if cube.isdisjoint(literals)])
+        elif cubes:
+            name, sign = min(
+                cubes[0]
+            )  # without it that cube reads nothing: this is looked at first
+            pending += [[*cubes, frozenset({(name, side)})] for side in (not sign, sign)]
+        else:
+            return False
     return True
 
 

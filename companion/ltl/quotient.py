@@ -33,23 +33,27 @@ def smallest(graph: Graph, budget: Budget) -> Graph:
 
     Edges between components may have any marks, and no choice is best for all automata.
     """
-    found: list[Graph] = []
-    for in_passing in (True, False):
-        start = pruned(graph, in_passing)
-        if not found or 1 < len(found[0].edges) <= MAX_STATES_TWICE:
-            found.append(start)
-            for relation in (equals, simulators):
-                try:
-                    found.append(_reduced(found[-1], in_passing, partial(relation, budget=budget)))
-                except TranslationLimit:
-                    break
-    return min(reversed(found), key=lambda known: known.size)  # of equals the most reduced
+    first = _simulated(graph, False, budget)
+    if not 1 < len(first.edges) <= MAX_STATES_TWICE:
+        return first
+    second = _simulated(graph, True, budget)
+    return first if first.size <= second.size else pruned(second)
 
 
-def _reduced(graph: Graph, marks_in_passing: bool, relation: Relation) -> Graph:
+def _simulated(graph: Graph, departures_marked: bool, budget: Budget) -> Graph:
+    best = pruned(graph, departures_marked)
+    try:
+        for relation in (equals, simulators):
+            best = _reduced(best, departures_marked, partial(relation, budget=budget))
+    except TranslationLimit:
+        pass  # what was found so far is right as well
+    return best
+
+
+def _reduced(graph: Graph, departures_marked: bool, relation: Relation) -> Graph:
     while True:
-        smaller = pruned(merged(graph, relation), marks_in_passing)
-        smaller = pruned(merged_backwards(smaller, (), relation), marks_in_passing)
+        smaller = pruned(merged(graph, relation), departures_marked)
+        smaller = pruned(merged_backwards(smaller, (), relation), departures_marked)
         if smaller.size == graph.size:
             return smaller  # its labels are sharper
         graph = smaller

@@ -89,24 +89,28 @@ def minimal(
     """
     kept: list[int] = []
     with_lowest: dict[int, list[int]] = defaultdict(list)  # the kept ones, by their lowest bit
+    every_lowest = 0
     for bits in sorted(sets, key=int.bit_count):
         if not bits:
             return [0]
-        spend(bits.bit_count())
-        candidates = [with_lowest[index] for index in indices(bits) if index in with_lowest]
-        spend(1 + sum(map(len, candidates)))
+        candidates = [with_lowest[index] for index in indices(bits & every_lowest)]
+        spend(1 + len(candidates) + sum(map(len, candidates)))
         if not any(other & bits == other for group in candidates for other in group):
             kept.append(bits)
             with_lowest[(bits & -bits).bit_length() - 1].append(bits)
+            every_lowest |= bits & -bits
     return kept
 
 
-def pruned(graph: Graph, in_passing: bool = False) -> Graph:
+def pruned(graph: Graph, departures_marked: bool = False) -> Graph:
     """Without nodes that accept nothing, and without marks that say nothing.
 
     Within a component a mark says nothing if every edge has it, or if some other mark is only
-    found where it is found. A component with loops that cannot accept keeps none, and neither
-    do edges between components.
+    found where it is found. A component with loops that cannot accept keeps none.
+
+    Args:
+        departures_marked: whether edges that leave a component which can accept have all marks;
+            the language does not depend on the marks of edges between components.
     """
     every_mark = (1 << graph.marks) - 1
     component_of: dict[int, int] = {}
@@ -129,8 +133,8 @@ def pruned(graph: Graph, in_passing: bool = False) -> Graph:
     def renewed(edge: Edge, component: int) -> Edge:
         kept = essential[component]
         if kept is None or component_of[edge.target] != component:
-            is_full = in_passing if component not in accepting else not in_passing
-            return edge._replace(marks=(1 << marks) - 1 if kept is not None and is_full else 0)
+            is_marked = departures_marked and component in accepting
+            return edge._replace(marks=(1 << marks) - 1 if is_marked else 0)
         padded = [*kept, *[-1] * (marks - len(kept))]  # a mark on every edge says nothing
         bits = sum(1 << i for i, mark in enumerate(padded) if edge.marks & mark or mark == -1)
         return edge._replace(marks=bits)

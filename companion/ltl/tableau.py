@@ -113,18 +113,21 @@ class _Tableau:
         Those that have no bit in common are expanded apart: their terms need no comparison, and
         the terms of the few sets of those that do come back in many states.
         """
-        groups: dict[int, tuple[Term, Term]] = {}  # bits of the terms, obligations
-        owner: dict[int, int] = {}  # the group of a bit
+        groups: list[tuple[Term, Term]] = []  # bits of the terms, obligations
+        known = 0
         for index in indices(obligations):
             group = 1 << index
             bits = reduce(or_, self._expand(self._obligation_of[group]), 0)
-            for number in {owner[i] for i in indices(bits) if i in owner}:
-                also_bits, also = groups.pop(number)
-                bits, group = bits | also_bits, group | also
-            groups[index] = (bits, group)
-            owner.update(dict.fromkeys(indices(bits), index))
-        each = (self._expand_group(group) for _, group in groups.values())
-        return reduce(self._product, each, [0])
+            if bits & known:
+                self._budget.spend(len(groups), self._width)
+                touched = [pair for pair in groups if pair[0] & bits]
+                groups = [pair for pair in groups if not pair[0] & bits]
+                bits, group = (
+                    reduce(or_, column) for column in zip((bits, group), *touched, strict=True)
+                )
+            groups.append((bits, group))
+            known |= bits
+        return reduce(self._product, (self._expand_group(group) for _, group in groups), [0])
 
     def _expand_group(self, obligations: Term) -> list[Term]:
         if obligations not in self._terms_of_group:

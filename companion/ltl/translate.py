@@ -13,7 +13,7 @@ Otherwise labels stay cubes (`reduction.py`).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial, reduce
 
 from companion.ltl.automaton import BuchiAutomaton
@@ -45,6 +45,7 @@ LEAST_STEPS = 15_000
 """What the smallest formula takes; it counts where one budget is for thousands of conjuncts."""
 
 EXTRA_STEPS = 12_000_000
+EXTRA_BYTES = 100_000_000
 """What may be spent on making an automaton smaller; then it is taken as it is."""
 
 
@@ -77,7 +78,7 @@ def translate(
     alphabet = Alphabet(sorted(atoms(normal)), exclusive)
     budget = budget or Budget()
     budget.spend(LEAST_STEPS)
-    translator = _Translator(alphabet, max_states, budget, Budget(EXTRA_STEPS))
+    translator = _Translator(alphabet, max_states, budget, Budget(EXTRA_STEPS, EXTRA_BYTES))
     return automaton_of(translator.cubes(simplified(normal, budget)), alphabet, str(formula))
 
 
@@ -139,18 +140,24 @@ class _Translator:
     def _parted(self, formula: Formula) -> Graph:
         """The smaller graph: of all conjuncts, or with those that are obligations apart."""
         whole = self._whole(formula)
-        parts = _conjuncts(formula, self.budget)
-        if whole.is_weak or len(parts) == 1 or not 1 < len(whole.graph.edges) <= MAX_STATES_AGAIN:
+        if whole.is_weak or not 1 < len(whole.graph.edges) <= MAX_STATES_AGAIN:
             return whole.graph
-        is_weak = {part: self._whole(part).is_weak for part in parts}
-        groups = [[part for part in parts if is_weak[part] is kind] for kind in (True, False)]
+        try:
+            product = replace(self, budget=self.extra)._product(_conjuncts(formula, self.extra))
+        except TranslationLimit:
+            return whole.graph
+        return min(whole.graph, product or whole.graph, key=lambda graph: len(graph.edges))
+
+    def _product(self, parts: list[Formula]) -> Graph | None:
+        """The graph of obligations and of other conjuncts; None if all are of one kind."""
+        is_weak = {part: self._whole(part).is_weak for part in parts} if parts[1:] else {}
+        groups = [[part for part in is_weak if is_weak[part] is kind] for kind in (True, False)]
         if not all(groups):
-            return whole.graph
+            return None
         weak, other = (
             self._whole(simplified(conjoin(*group), self.budget)).graph for group in groups
         )
-        product = smallest(conjoined(weak, other, self.budget), self.extra)
-        return min(whole.graph, product, key=lambda graph: len(graph.edges))
+        return smallest(conjoined(weak, other, self.budget), self.extra)
 
     def _whole(self, formula: Formula) -> _Found:
         """A graph of a formula as it stands: minimal and deterministic, or reduced."""
