@@ -19,7 +19,7 @@ from dataclasses import dataclass, field
 from companion.ltl.budget import Budget
 from companion.ltl.formula import FALSE, TRUE, Formula, Operator, negate, next_
 
-_STEPS, _STEPS_AN_OPERAND = 100, 15  # of a budget, for one law
+_STEPS, _STEPS_AN_OPERAND = 100, 25  # of a budget, for one law
 
 _NEUTRAL = {Operator.AND: TRUE, Operator.OR: FALSE}
 

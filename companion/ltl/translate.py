@@ -41,7 +41,7 @@ MAX_STATES = 10_000
 MAX_STATES_AGAIN = 100
 """States up to which other automata of the same formula are made, to take the smallest."""
 
-LEAST_STEPS = 15_000
+LEAST_STEPS = 25_000
 """What the smallest formula takes; it counts where one budget is for thousands of conjuncts."""
 
 EXTRA_STEPS = 12_000_000
