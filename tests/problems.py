@@ -14,8 +14,10 @@ from companion.ltl.parser import parse
 from companion.ltl.translate import translate
 from companion.mission.literals import parse_literals
 from companion.mission.model import Fly, Wait
+from companion.planning.builtin.search import Search
 from companion.planning.domain import WAIT, Action, ConditionalEffect, Fact
 from companion.planning.lasso import Conjunct, Lasso, Letter, Problem
+from companion.planning.objective import Objective
 
 Legs = Mapping[tuple[str, str], float]
 """Seconds of flight between places; a pair that is not there has no way."""
@@ -140,6 +142,14 @@ def surveillance(sites: int, legs: Legs) -> Problem:
 def histories(asked: Problem) -> list[list[Letter]]:
     """At the beginning each conjunct has read the present position and nothing else."""
     return [[asked.facts] for _ in asked.conjuncts]
+
+
+def find_lasso(asked: Problem, objective: Objective = Objective.LAP) -> Lasso | None:
+    """The best lasso that is found, or None if the task cannot be done from here."""
+    lasso = None
+    for solution in Search().solutions(asked, objective):
+        lasso = solution.lasso
+    return lasso
 
 
 def names(lasso: Lasso | None) -> tuple[list[str], list[str]]:

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from companion.planning.rounds import FAR, Costs
+from companion.planning.builtin.rounds import FAR, Costs
 
 Marks = NDArray[np.bool_]
 

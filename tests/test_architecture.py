@@ -50,8 +50,8 @@ SPOILERS = {
     ),
     "The simulator shares with the companion only what both sides speak and read": Spoiler(
         "sitl/world/payload.py",
-        "companion.planning.search",
-        "sitl.world.payload -> companion.planning.search",
+        "companion.planning.builtin.search",
+        "sitl.world.payload -> companion.planning.builtin.search",
     ),
     "Those who plan and act do not speak MAVLink": Spoiler(
         "companion/acting/report.py",

@@ -110,7 +110,7 @@ def test_a_quick_command_succeeds(command: str, start: Start) -> None:
     assert printed
 
 
-@pytest.mark.slow
+@pytest.mark.alone
 @pytest.mark.parametrize("together", IN_REAL_TIME)
 def test_a_command_flies_and_lands_on_ctrl_c(together: tuple[str, ...], start: Start) -> None:
     """As they stand, but on ports of their own."""

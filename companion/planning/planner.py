@@ -13,13 +13,13 @@ from companion.errors import CompanionError
 from companion.ltl.formula import atoms, conjuncts
 from companion.ltl.translate import translate
 from companion.mission.model import Mission
+from companion.planning.builtin.search import Search
 from companion.planning.check import fault
 from companion.planning.domain import Fact, FlightTime, departures, ground
 from companion.planning.effort import IN_FLIGHT, ON_THE_GROUND, Effort
 from companion.planning.explain import NoPlan, why_no_plan
 from companion.planning.lasso import Conjunct, Lasso, Letter, Problem, Solution
 from companion.planning.objective import Objective
-from companion.planning.search import Search
 
 
 class Planner:

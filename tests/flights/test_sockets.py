@@ -25,7 +25,7 @@ from test_mavsdk_client import first, mavsdk
 
 from sitl.link.server import PORTS
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.alone
 
 SURVEILLANCE = Path(__file__).parents[2] / "missions" / "surveillance.yaml"
 STORED = Path(__file__).parents[1] / "data" / "surveillance.events.txt"

@@ -25,11 +25,11 @@ from hypothesis import strategies as st
 from problems import action, asking, histories, problem, random_legs, surveillance
 from reference_search import best_lap_and_prefix, best_sum, best_wait, shortest_tour
 
+from companion.planning.builtin.search import Search
 from companion.planning.check import fault
 from companion.planning.effort import ON_THE_GROUND, Effort
 from companion.planning.lasso import Problem, Solution, word
 from companion.planning.objective import Objective
-from companion.planning.search import Search
 
 NOTHING_EXACT = Effort(edges=ON_THE_GROUND.edges, ways=ON_THE_GROUND.ways, additions=0)
 HARDLY_ANYTHING = Effort(edges=ON_THE_GROUND.edges, ways=200, additions=0)
@@ -272,6 +272,7 @@ def seconds_and_solutions(asked: Problem) -> tuple[list[float], list[Solution]]:
     return times, found
 
 
+@pytest.mark.alone
 def test_laps_over_up_to_10_sites_are_the_shortest_on_100_maps() -> None:
     taken_s = []
     for seed in range(100):
@@ -285,6 +286,7 @@ def test_laps_over_up_to_10_sites_are_the_shortest_on_100_maps() -> None:
     assert statistics.median(taken_s) < 3 * 0.1
 
 
+@pytest.mark.alone
 def test_laps_over_17_sites_are_the_shortest() -> None:
     taken_s = []
     for seed in range(3):
@@ -296,6 +298,7 @@ def test_laps_over_17_sites_are_the_shortest() -> None:
     assert statistics.median(taken_s) < 3 * 0.5
 
 
+@pytest.mark.alone
 def test_over_50_sites_a_plan_comes_at_once_and_a_good_one_soon() -> None:
     first_s, last_s = [], []
     for seed in range(0, 10, 2):
@@ -373,7 +376,7 @@ PLANS = """
 import random
 from problems import problem, random_legs, surveillance
 from companion.planning.lasso import Objective
-from companion.planning.search import Search
+from companion.planning.builtin.search import Search
 
 def plans():
     for sites in (3, 7, 19):

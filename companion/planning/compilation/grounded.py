@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from companion.ltl.automaton import BuchiAutomaton
+from companion.planning.builtin.system import TransitionSystem, Vocabulary
 from companion.planning.domain import Action, ConditionalEffect, Fact
 from companion.planning.lasso import Conjunct, Problem
-from companion.planning.system import TransitionSystem, Vocabulary
 
 LARGEST_COST = 2**31 - 1
 """Fast Downward adds up costs in 32 bits."""

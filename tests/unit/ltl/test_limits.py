@@ -15,6 +15,8 @@ import pytest
 
 from companion.ltl.budget import Budget, TranslationLimit
 
+pytestmark = pytest.mark.alone
+
 DEPTH = 20_000
 ATOMS = 5_000
 

@@ -19,6 +19,7 @@ from companion.ltl.automaton import BuchiAutomaton, Label, Transition, statistic
 from companion.ltl.parser import parse
 from companion.ltl.state_based import state_based
 from companion.ltl.translate import translate
+from companion.planning.builtin.search import Search
 from companion.planning.compilation.classical import ClassicalAction, ClassicalProblem
 from companion.planning.compilation.conditional import unread
 from companion.planning.compilation.decode import decode
@@ -28,7 +29,6 @@ from companion.planning.compilation.monolithic import monolithic
 from companion.planning.domain import WAIT, ConditionalEffect
 from companion.planning.lasso import Conjunct, Lasso, Problem
 from companion.planning.objective import Encoding, Objective
-from companion.planning.search import Search
 
 TASKS = [
     "G F at(A) & G F at(B)",

@@ -18,13 +18,13 @@ from rig import Rig
 from companion.errors import CompanionError
 from companion.mission.model import Mission, Signal
 from companion.motion.routes import RouteMap
+from companion.planning.builtin.search import Search
 from companion.planning.check import fault
 from companion.planning.compilation.encode import encode
 from companion.planning.domain import ConditionalEffect
 from companion.planning.engines import EngineError, solve, solve_with
 from companion.planning.lasso import Lasso, Letter, Problem
 from companion.planning.objective import Encoding, Objective
-from companion.planning.search import Search
 
 pytest.importorskip("up_fast_downward")
 

@@ -9,12 +9,12 @@ import pytest
 from problems import action, asking, histories, problem, random_legs, unit_legs
 from reference_search import best_lap_and_prefix
 
+from companion.planning.builtin.search import Search
 from companion.planning.check import fault
 from companion.planning.domain import WAIT
 from companion.planning.effort import ON_THE_GROUND, Effort
 from companion.planning.lasso import Problem, Solution
 from companion.planning.objective import Objective
-from companion.planning.search import Search
 
 ANY_ORDER = Effort(edges=ON_THE_GROUND.edges, ways=ON_THE_GROUND.ways, additions=0)
 

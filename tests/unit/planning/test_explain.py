@@ -7,12 +7,13 @@ import json
 from dataclasses import replace
 
 import pytest
+from problems import find_lasso
 from synthetic import at_the_start, command, event, mission, planner
 
+from companion.planning.builtin.search import Search
 from companion.planning.explain import Explanation, NoPlan, why_no_plan
 from companion.planning.lasso import Problem
 from companion.planning.planner import Planner
-from companion.planning.search import Search, find_lasso
 
 
 def explained(made: Planner, withdrawn: frozenset[str] = frozenset()) -> Explanation:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from reference_rounds import Marks, cost_of, shortest, ways_of
 
-from companion.planning.improve import Tour
-from companion.planning.rounds import Costs, Rounds
+from companion.planning.builtin.improve import Tour
+from companion.planning.builtin.rounds import Costs, Rounds
 
 SEEDS = range(8)
 KINDS = ("symmetric", "with wind", "several marks to a hit")

@@ -11,13 +11,13 @@ import pytest
 from problems import action, asking, problem, random_legs, unit_legs
 from reference_search import laps
 
+from companion.planning.builtin.loops import Cycles, Loops, RoundTrips, loops_of
+from companion.planning.builtin.product import Product, Restrictions
+from companion.planning.builtin.system import Vocabulary
+from companion.planning.builtin.ways import Ways
 from companion.planning.domain import WAIT
 from companion.planning.effort import ON_THE_GROUND, Effort
 from companion.planning.lasso import Problem
-from companion.planning.loops import Cycles, Loops, RoundTrips, loops_of
-from companion.planning.product import Product, Restrictions
-from companion.planning.system import Vocabulary
-from companion.planning.ways import Ways
 
 ROUGH = Effort(edges=10**6, ways=1, additions=0)
 

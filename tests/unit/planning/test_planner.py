@@ -10,13 +10,13 @@ from synthetic import at_the_start, command, event, mission, planner
 
 from companion.errors import CompanionError, NoPlanError
 from companion.ltl.automaton import successors
+from companion.planning.builtin.search import Search
 from companion.planning.check import fault
 from companion.planning.effort import IN_FLIGHT, ON_THE_GROUND, Effort
 from companion.planning.explain import NoPlan
 from companion.planning.lasso import Lasso, Problem, Solution
 from companion.planning.objective import Objective
 from companion.planning.planner import Planner
-from companion.planning.search import Search
 
 AT_H = frozenset({"at(H)"})
 

@@ -7,14 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import reference_search as reference
-from problems import action, asking, problem, unit_legs
+from problems import action, asking, find_lasso, problem, unit_legs
 from synthetic import command, event, mission, planner
 
+from companion.planning.builtin.product import MIN_ERRANDS, Product, Restrictions, SearchLimit
+from companion.planning.builtin.system import Vocabulary
 from companion.planning.domain import WAIT
 from companion.planning.lasso import Problem
-from companion.planning.product import MIN_ERRANDS, Product, Restrictions, SearchLimit
-from companion.planning.search import find_lasso
-from companion.planning.system import Vocabulary
 
 FORMULAS = ["F at(A)", "G F at(A) & G F at(B)", "X at(A)", "at(H) U at(B)", "F G at(A)"]
 AT_H = frozenset({"at(H)"})

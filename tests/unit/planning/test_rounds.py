@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from reference_rounds import Marks, best_round, cost_of, shortest, ways_of
 
-from companion.planning.rounds import Costs, Rounds, work
+from companion.planning.builtin.rounds import Costs, Rounds, work
 
 
 @st.composite

@@ -11,15 +11,15 @@ from dataclasses import replace
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from problems import action, asking, histories, names, problem, unit_legs
+from problems import action, asking, find_lasso, histories, names, problem, unit_legs
 
+from companion.planning.builtin.product import SearchLimit
+from companion.planning.builtin.search import Search
 from companion.planning.check import fault
 from companion.planning.domain import WAIT, Action
 from companion.planning.effort import ON_THE_GROUND
 from companion.planning.lasso import Lasso, Problem
 from companion.planning.objective import Objective
-from companion.planning.product import SearchLimit
-from companion.planning.search import Search, find_lasso
 
 
 def test_a_safe_rest_needs_nothing_but_rest() -> None:

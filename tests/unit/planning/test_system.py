@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from problems import action, move
 
+from companion.planning.builtin.system import TransitionSystem, Vocabulary
 from companion.planning.domain import WAIT, Action, ConditionalEffect
-from companion.planning.system import TransitionSystem, Vocabulary
 
 FACTS = ("p", "q", "r", "s", "t")
 SOME = st.frozensets(st.sampled_from(FACTS), max_size=2)

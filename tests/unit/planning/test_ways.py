@@ -13,11 +13,11 @@ import pytest
 from problems import action, asking, problem, random_legs, unit_legs
 from scipy.sparse import csr_array
 
+from companion.planning.builtin.product import Product, Restrictions
+from companion.planning.builtin.rounds import FAR
+from companion.planning.builtin.system import Vocabulary
+from companion.planning.builtin.ways import Stride, Ways
 from companion.planning.lasso import Problem
-from companion.planning.product import Product, Restrictions
-from companion.planning.rounds import FAR
-from companion.planning.system import Vocabulary
-from companion.planning.ways import Stride, Ways
 
 TASKS = [
     "G F at(A) & G F at(B)",

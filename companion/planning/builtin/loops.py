@@ -12,11 +12,11 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from companion.planning.builtin.improve import Tour
+from companion.planning.builtin.product import Product
+from companion.planning.builtin.rounds import FAR, Costs, Rounds, work
+from companion.planning.builtin.ways import Stride, Ways
 from companion.planning.effort import Effort
-from companion.planning.improve import Tour
-from companion.planning.product import Product
-from companion.planning.rounds import FAR, Costs, Rounds, work
-from companion.planning.ways import Stride, Ways
 
 _CHUNK = 4_000_000  # additions at once; bounds memory
 _MOST = 400  # hits that are ever looked at

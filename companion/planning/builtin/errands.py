@@ -13,11 +13,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from companion.planning.builtin.improve import Tour
+from companion.planning.builtin.product import Product, SearchLimit
+from companion.planning.builtin.rounds import FAR, Costs, Rounds, work
+from companion.planning.builtin.ways import Stride, Ways
 from companion.planning.effort import Effort
-from companion.planning.improve import Tour
-from companion.planning.product import Product, SearchLimit
-from companion.planning.rounds import FAR, Costs, Rounds, work
-from companion.planning.ways import Stride, Ways
 
 
 class Errands:

@@ -26,9 +26,9 @@ from scipy.sparse import csr_array
 from companion.errors import NoPlanError
 from companion.ltl.automaton import BuchiAutomaton
 from companion.ltl.restriction import Restriction, restricted
+from companion.planning.builtin.system import TransitionSystem, Vocabulary
 from companion.planning.effort import ON_THE_GROUND
 from companion.planning.lasso import Conjunct, Problem
-from companion.planning.system import TransitionSystem, Vocabulary
 
 MIN_ERRANDS = 4
 """Things to be met once that are kept out of the product, if there are so many: each of them

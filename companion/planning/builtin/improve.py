@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import minimum_spanning_tree
 
-from companion.planning.rounds import FAR, Costs
+from companion.planning.builtin.rounds import FAR, Costs
 
 Marks = NDArray[np.bool_]
 

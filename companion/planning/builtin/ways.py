@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.sparse.csgraph import dijkstra
 
-from companion.planning.product import Product
-from companion.planning.rounds import FAR, Costs
+from companion.planning.builtin.product import Product
+from companion.planning.builtin.rounds import FAR, Costs
 
 
 class Stride(NamedTuple):

@@ -24,16 +24,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
+from companion.planning.builtin.errands import Errands
+from companion.planning.builtin.loops import Loops, loops_of
+from companion.planning.builtin.product import Product, Restrictions
+from companion.planning.builtin.rounds import FAR
+from companion.planning.builtin.system import Vocabulary
+from companion.planning.builtin.ways import Stride, Ways
 from companion.planning.domain import Action
 from companion.planning.effort import ON_THE_GROUND, Effort
-from companion.planning.errands import Errands
 from companion.planning.lasso import Lasso, Problem, Solution
-from companion.planning.loops import Loops, loops_of
 from companion.planning.objective import Objective
-from companion.planning.product import Product, Restrictions
-from companion.planning.rounds import FAR
-from companion.planning.system import Vocabulary
-from companion.planning.ways import Stride, Ways
 
 ENGINE = "built-in"
 
@@ -98,18 +98,6 @@ class Search:
                 yield Solution(lasso, objective, plan.cost_ms, plan.bound_ms, ENGINE)
             if is_last:
                 return
-
-
-def find_lasso(problem: Problem, objective: Objective = Objective.LAP) -> Lasso | None:
-    """The best lasso that is found, or None if the task cannot be done from here.
-
-    Raises:
-        SearchLimit: the product has too many states to search.
-    """
-    lasso = None
-    for solution in Search().solutions(problem, objective):
-        lasso = solution.lasso
-    return lasso
 
 
 def _accepting_components(product: Product) -> list[NDArray[np.intp]]:
