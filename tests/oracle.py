@@ -221,9 +221,11 @@ def words_for(
 
 def small_words(names: Sequence[str], limit: int) -> list[Lasso]:
     """All words of few positions over some propositions, as long as there are not too many."""
+    if 2 ** len(names) > limit:
+        return []
     letters = [
         frozenset(name for name, is_in in zip(names, choice, strict=True) if is_in)
-        for choice in product((False, True), repeat=min(len(names), limit.bit_length()))
+        for choice in product((False, True), repeat=len(names))
     ]
     found: list[Lasso] = []
     for length in count(1):
