@@ -21,7 +21,13 @@ from enum import IntEnum
 
 from companion.geometry import Ned
 from sitl.autopilot.arming import Readiness, objection
-from sitl.autopilot.failsafes import BatteryLevel, Conditions, FailsafeState, battery_level
+from sitl.autopilot.failsafes import (
+    Action,
+    BatteryLevel,
+    Conditions,
+    FailsafeState,
+    battery_level,
+)
 from sitl.autopilot.landing import LandDetector
 from sitl.autopilot.modes import FLIGHT_MODES, FlightMode, Hold, Need, Situation, heading
 from sitl.autopilot.parameters import Parameters
@@ -46,7 +52,7 @@ class Severity(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Notice:
-    """A line for people, at most 50 characters."""
+    """A line for people."""
 
     severity: Severity
     text: str
@@ -70,7 +76,9 @@ class Autopilot:
         is_armed: the motors turn.
         is_crashed: the vehicle has hit something and will not fly again.
         mode: flown now; differs from `intended_mode` during a failsafe.
-        home: where the vehicle was armed last; before that, where it started.
+        home: where the vehicle was armed last, or what was set since; before, where it started.
+        cruise_mps: speed of automatic modes, if MAV_CMD_DO_CHANGE_SPEED has set one.
+        position_age_s: time since the position was last measured.
         target: what the control cascade follows, None while disarmed.
         motors: the newest commands.
         notices: for people, oldest first; whoever sends them empties the list.
@@ -82,6 +90,8 @@ class Autopilot:
         self.is_crashed = False
         self.mode = self.intended_mode = "AUTO.LOITER"
         self.home: Ned = state.position
+        self.position_age_s = 0.0
+        self.cruise_mps: float | None = None
         self.target: Target | None = None
         self.motors = STOPPED
         self.battery = battery_level(state.charge, parameters)
@@ -91,7 +101,8 @@ class Autopilot:
         self._failsafe = FailsafeState()
         self._cascade = Cascade()
         self._setpoint: Target | None = None
-        self._setpoint_s = -math.inf
+        self._setpoint_s = self._ground_station_s = -math.inf
+        self._refusal: str | None = None
         self._takeoff_down_m = self._lowest_takeoff()
         self._flying: FlightMode = Hold.start(self._situation())
         self._armed_s = self._landed_s = state.time_s
@@ -108,12 +119,14 @@ class Autopilot:
     @property
     def is_failsafe(self) -> bool:
         """A failsafe acts."""
-        return self._failsafe.active is not None
+        return self._failsafe.mode is not None or self._failsafe.stops_motors
 
     def objection(self) -> str | None:
         """Why arming would be refused now, None if it would not."""
         mode = self.intended_mode
-        return objection(Readiness(mode, self._missing(mode), self.battery, self.is_crashed))
+        return objection(
+            Readiness(mode, self._missing(mode), self._conditions(), self.is_crashed, self._refusal)
+        )
 
     # What can be asked for. Each answers whether it was granted; a refusal leaves a notice.
 
@@ -200,6 +213,25 @@ class Autopilot:
         self._setpoint = setpoint
         self._setpoint_s = self._state.time_s
 
+    def hear_ground_station(self) -> None:
+        """A heartbeat of a ground station has come in."""
+        self._ground_station_s = self._state.time_s
+
+    def refuse_arming(self, reason: str | None) -> None:
+        """From now on arming is refused for a reason; None allows it again."""
+        self._refusal = reason
+
+    def tell_objection(self) -> None:
+        """Tell people why arming would be refused."""
+        reason = self.objection()
+        if reason is not None:
+            self._tell(Severity.WARNING, f"Preflight Fail: {reason}")
+
+    def terminate(self) -> None:
+        """Stop the motors wherever the vehicle is (MAV_CMD_DO_FLIGHTTERMINATION)."""
+        if self.is_armed:
+            self._stop("Flight termination active")
+
     def crash(self, text: str) -> None:
         """The vehicle has hit something: stop for good."""
         if self.is_crashed:
@@ -252,21 +284,44 @@ class Autopilot:
         if not self.is_armed:
             return
         now_s = self._state.time_s
-        previous = self._failsafe.active
-        self._failsafe.update(
-            Conditions(self.intended_mode, now_s - self._setpoint_s, self.battery, self.parameters),
-            now_s,
-        )
-        active = self._failsafe.active
-        if active and active != previous:
-            self._tell(Severity.CRITICAL, f"Failsafe activated: {active.cause.value}")
-        mode = self._failsafe.mode(now_s, self.parameters["COM_FAIL_ACT_T"]) or self.intended_mode
+        before = self._failsafe.active, self._failsafe.is_waiting
+        self._failsafe.update(self._conditions(), now_s)
+        if (self._failsafe.active, self._failsafe.is_waiting) != before:
+            self._tell_failsafe()
+        if self._failsafe.stops_motors:
+            self._stop("Disarmed by failsafe")
+            return
+        mode = self._failsafe.mode or self.intended_mode
         if mode != self.mode:
             self._enter(mode)
         elif follower := self._flying.successor(self._situation()):
             self.mode = self.intended_mode = "AUTO.LOITER"
             self._flying = follower
         self._disarm_by_itself(now_s)
+
+    def _tell_failsafe(self) -> None:
+        active = self._failsafe.active
+        if active is None:
+            return
+        if self._failsafe.is_waiting:
+            hold_s = self.parameters["COM_FAIL_ACT_T"]
+            text = f"Failsafe activated: entering Hold for {hold_s:.0f} seconds"
+        elif active.action is Action.WARN:
+            text = f"Failsafe warning: {active.cause.value}"
+        else:
+            text = f"Failsafe activated: {active.cause.value}"
+        self._tell(Severity.CRITICAL, text)
+
+    def _conditions(self) -> Conditions:
+        now_s = self._state.time_s
+        return Conditions(
+            self.intended_mode,
+            now_s - self._setpoint_s,
+            self.battery,
+            self.parameters,
+            now_s - self._ground_station_s,
+            self.position_age_s,
+        )
 
     def _watch_battery(self) -> None:
         level = battery_level(self._state.charge, self.parameters)
@@ -304,8 +359,9 @@ class Autopilot:
         age_s = self._state.time_s - self._setpoint_s
         has_setpoints = age_s <= self.parameters["COM_OF_LOSS_T"]
         need = FLIGHT_MODES[mode].need
-        is_met = need is Need.NOTHING or (need is Need.SETPOINTS and has_setpoints)
-        return "" if is_met else need.value
+        if not (need is Need.NOTHING or (need is Need.SETPOINTS and has_setpoints)):
+            return str(need.value)
+        return "GPS fix too low" if self._conditions().is_position_lost else ""
 
     def _lowest_takeoff(self) -> float:
         home = self.home if self.is_armed else self._state.position

@@ -1,27 +1,36 @@
-"""Which failsafe does the autopilot's situation call for, and which mode does it fly?
+"""Which failsafe does the autopilot's situation call for, and what does it do?
 
 PX4's rules, as a real PX4 was seen to follow them:
 
 1. A failsafe never changes the mode that was asked for; it flies another one while it lasts. So
    PX4 returns to OFFBOARD by itself when the stream of setpoints comes back.
-2. Setpoint loss acts at once (COM_OBL_RC_ACT). It is noticed a little after COM_OF_LOSS_T.
-3. A low battery warns. Critical and emergency act by COM_LOW_BAT_ACT, after holding for
-   COM_FAIL_ACT_T; a rise from critical to emergency does not start that time again.
-4. Asking for another mode during a failsafe takes the vehicle over; a further failsafe acts again.
+2. The most severe action wins: `Action` is in order.
+3. An action worse than holding waits for COM_FAIL_ACT_T in a hold, so that a pilot can take over;
+   a rise from one action to a worse one does not start that time again. A mode that lost what it
+   needs (setpoints, position) falls back at once.
+4. Some failsafes end with their condition (a link that returns); others only with a change of the
+   mode or a disarming (battery, geofence).
+5. Asking for another mode during a failsafe takes the vehicle over; a further or worse failsafe
+   acts again.
+6. An action that needs a position becomes a blind descent without one.
 
-A new failsafe is a new line in `FAILSAFES`. Source: PX4 user guide, "Safety Configuration";
-timings measured on PX4 1.16. Left out: loss of the ground station, geofence, wind.
+A new failsafe is a new line in `FAILSAFES`. Source: PX4 1.16, src/modules/commander/failsafe, and
+user guide, "Safety Configuration"; timings measured. Left out: failsafes of a remote control
+(there is none), of wind, flight time, motors and sensors other than GPS.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import Enum, IntEnum
 
 from sitl.autopilot.parameters import Parameters
 
 LOSS_NOTICED_S = 0.03  # PX4 was seen to change the mode 9 to 94 ms after COM_OF_LOSS_T
+LINK_SILENT_S = 2.5  # PX4 calls a ground station lost this long after its last heartbeat
+POSITION_LOST_S = 5.0  # EKF2_NOAID_TOUT: dead reckoning is trusted this long
+TERMINATION_BREAKER = 121212  # CBRK_FLIGHTTERM: the motors are not stopped in the air
 
 
 class BatteryLevel(IntEnum):
@@ -33,12 +42,39 @@ class BatteryLevel(IntEnum):
     EMERGENCY = 4
 
 
+class Action(IntEnum):
+    """What a failsafe does, the most severe last."""
+
+    WARN = 1
+    POSITION = 2
+    ALTITUDE = 3
+    HOLD = 4
+    RETURN = 5
+    LAND = 6
+    DESCEND = 7
+    DISARM = 8
+    TERMINATE = 9
+
+
+_MODES = {
+    Action.POSITION: "POSCTL",
+    Action.ALTITUDE: "ALTCTL",
+    Action.HOLD: "AUTO.LOITER",
+    Action.RETURN: "AUTO.RTL",
+    Action.LAND: "AUTO.LAND",
+    Action.DESCEND: "DESCEND",
+}
+"""Action -> the mode that is flown; none while only warning, or once the motors stop."""
+
+
 class Cause(Enum):
     """Why a failsafe acts; the value is how people are told."""
 
     OFFBOARD_LOST = "no offboard signal"
-    BATTERY_CRITICAL = "critical battery"
-    BATTERY_EMERGENCY = "emergency battery level"
+    GROUND_STATION_LOST = "connection to ground control lost"
+    BATTERY = "battery"
+    GEOFENCE = "geofence violated"
+    POSITION_LOST = "no valid position"
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,38 +84,23 @@ class Conditions:
     Attributes:
         intended_mode: the mode that was asked for.
         setpoint_age_s: time since the last valid offboard setpoint, inf before the first.
+        ground_station_age_s: time since the last heartbeat of a ground station.
+        position_age_s: time since the position was last measured.
+        is_fence_breached: the vehicle is outside the geofence.
     """
 
     intended_mode: str
     setpoint_age_s: float
     battery: BatteryLevel
     parameters: Parameters
+    ground_station_age_s: float = 0.0
+    position_age_s: float = 0.0
+    is_fence_breached: bool = False
 
-
-@dataclass(frozen=True, slots=True)
-class Failsafe:
-    """A mode to fly instead of the intended one; `holds_first` for COM_FAIL_ACT_T."""
-
-    cause: Cause
-    mode: str
-    holds_first: bool
-
-
-_OFFBOARD_LOSS_MODES = {0: "POSCTL", 3: "AUTO.RTL", 4: "AUTO.LAND", 5: "AUTO.LOITER"}
-"""COM_OBL_RC_ACT -> mode. The others need a pilot or drop the vehicle: landing stands for them."""
-
-_BATTERY_MODES = {
-    (2, BatteryLevel.CRITICAL): "AUTO.LAND",
-    (2, BatteryLevel.EMERGENCY): "AUTO.LAND",
-    (3, BatteryLevel.CRITICAL): "AUTO.RTL",
-    (3, BatteryLevel.EMERGENCY): "AUTO.LAND",
-}
-"""COM_LOW_BAT_ACT and level -> mode; 0 only warns."""
-
-_BATTERY_CAUSES = {
-    BatteryLevel.CRITICAL: Cause.BATTERY_CRITICAL,
-    BatteryLevel.EMERGENCY: Cause.BATTERY_EMERGENCY,
-}
+    @property
+    def is_position_lost(self) -> bool:
+        """The estimate of the position is not to be trusted."""
+        return self.position_age_s > POSITION_LOST_S
 
 
 def battery_level(charge: float, parameters: Parameters) -> BatteryLevel:
@@ -92,52 +113,195 @@ def battery_level(charge: float, parameters: Parameters) -> BatteryLevel:
     return next((level for name, level in thresholds if charge < parameters[name]), BatteryLevel.OK)
 
 
-def _battery(now: Conditions) -> Failsafe | None:
-    mode = _BATTERY_MODES.get((int(now.parameters["COM_LOW_BAT_ACT"]), now.battery))
-    return Failsafe(_BATTERY_CAUSES[now.battery], mode, holds_first=True) if mode else None
+def _termination(parameters: Parameters) -> Action:
+    """Flight termination, or a landing while its circuit breaker is set."""
+    is_broken = parameters["CBRK_FLIGHTTERM"] == TERMINATION_BREAKER
+    return Action.LAND if is_broken else Action.TERMINATE
 
 
-def _offboard_loss(now: Conditions) -> Failsafe | None:
+def _chosen(parameters: Parameters, name: str, actions: Mapping[int, Action]) -> Action | None:
+    action = actions.get(int(parameters[name]))
+    return _termination(parameters) if action is Action.TERMINATE else action
+
+
+_OFFBOARD_LOSS = {
+    0: Action.POSITION,
+    1: Action.ALTITUDE,
+    2: Action.ALTITUDE,  # MANUAL: without a pilot no other than ALTCTL
+    3: Action.RETURN,
+    4: Action.LAND,
+    5: Action.HOLD,
+    6: Action.TERMINATE,
+    7: Action.DISARM,
+}
+"""COM_OBL_RC_ACT; a remote control, which would be asked first, does not exist here."""
+
+_LINK_LOSS = {
+    1: Action.HOLD,
+    2: Action.RETURN,
+    3: Action.LAND,
+    5: Action.TERMINATE,
+    6: Action.DISARM,
+}
+"""NAV_DLL_ACT; 0 is off."""
+
+_BREACH = {
+    1: Action.WARN,
+    2: Action.HOLD,
+    3: Action.RETURN,
+    4: Action.TERMINATE,
+    5: Action.LAND,
+}
+"""GF_ACTION; 0 is off."""
+
+_BATTERY = {
+    (2, BatteryLevel.CRITICAL): Action.LAND,
+    (2, BatteryLevel.EMERGENCY): Action.LAND,
+    (3, BatteryLevel.CRITICAL): Action.RETURN,
+    (3, BatteryLevel.EMERGENCY): Action.LAND,
+}
+"""COM_LOW_BAT_ACT and level; 0 only warns."""
+
+_EXCEPTIONS = {"AUTO.MISSION": 1, "AUTO.LOITER": 2, "OFFBOARD": 4}
+"""Bits of COM_DLL_EXCEPT: modes that need no ground station."""
+
+_NEEDS_NO_POSITION = frozenset({"ALTCTL", "MANUAL", "STABILIZED", "ACRO"})
+
+
+def _offboard_loss(now: Conditions) -> Action | None:
     limit_s = now.parameters["COM_OF_LOSS_T"] + LOSS_NOTICED_S
     if now.intended_mode != "OFFBOARD" or now.setpoint_age_s <= limit_s:
         return None
-    mode = _OFFBOARD_LOSS_MODES.get(int(now.parameters["COM_OBL_RC_ACT"]), "AUTO.LAND")
-    return Failsafe(Cause.OFFBOARD_LOST, mode, holds_first=False)
+    return _chosen(now.parameters, "COM_OBL_RC_ACT", _OFFBOARD_LOSS) or Action.LAND
 
 
-FAILSAFES: tuple[Callable[[Conditions], Failsafe | None], ...] = (_battery, _offboard_loss)
-"""The most severe first; the first that applies acts."""
+def _ground_station_loss(now: Conditions) -> Action | None:
+    limit_s = now.parameters["COM_DL_LOSS_T"] + LINK_SILENT_S
+    excepted = int(now.parameters["COM_DLL_EXCEPT"]) & _EXCEPTIONS.get(now.intended_mode, 0)
+    if now.ground_station_age_s <= limit_s or excepted:
+        return None
+    return _chosen(now.parameters, "NAV_DLL_ACT", _LINK_LOSS)
+
+
+def _battery(now: Conditions) -> Action | None:
+    return _BATTERY.get((int(now.parameters["COM_LOW_BAT_ACT"]), now.battery))
+
+
+def _breach(now: Conditions) -> Action | None:
+    if not now.is_fence_breached:
+        return None
+    return _chosen(now.parameters, "GF_ACTION", _BREACH)
+
+
+def _position_loss(now: Conditions) -> Action | None:
+    if not now.is_position_lost or now.intended_mode in _NEEDS_NO_POSITION:
+        return None
+    is_auto = now.intended_mode.startswith("AUTO.")
+    return Action.DESCEND if is_auto or now.parameters["COM_POSCTL_NAVL"] == 1 else Action.ALTITUDE
+
+
+@dataclass(frozen=True, slots=True)
+class Failsafe:
+    """A line of `FAILSAFES`.
+
+    Attributes:
+        action: what the conditions call for, None for nothing.
+        waits: an action worse than holding comes after COM_FAIL_ACT_T.
+        is_kept: acts until the mode is changed, even if its condition ends.
+    """
+
+    cause: Cause
+    action: Callable[[Conditions], Action | None]
+    waits: bool
+    is_kept: bool
+
+
+FAILSAFES = (
+    Failsafe(Cause.BATTERY, _battery, waits=True, is_kept=True),
+    Failsafe(Cause.GEOFENCE, _breach, waits=True, is_kept=True),
+    Failsafe(Cause.GROUND_STATION_LOST, _ground_station_loss, waits=True, is_kept=False),
+    Failsafe(Cause.POSITION_LOST, _position_loss, waits=False, is_kept=False),
+    Failsafe(Cause.OFFBOARD_LOST, _offboard_loss, waits=False, is_kept=False),
+)
+"""Of equal actions the first is told."""
+
+
+@dataclass(frozen=True, slots=True)
+class Active:
+    """The failsafe that acts: its cause and its action, which may still be waited for."""
+
+    cause: Cause
+    action: Action
+    waits: bool
 
 
 class FailsafeState:
-    """The failsafe that acts now; one flight of one vehicle.
+    """The failsafes of one flight.
 
     Attributes:
-        active: None while the intended mode is flown.
+        active: the most severe one, None while the intended mode is flown.
+        is_waiting: it still holds, COM_FAIL_ACT_T is not over.
     """
 
     def __init__(self) -> None:
-        self.active: Failsafe | None = None
-        self._holding_since_s: float | None = None
-        self._taken_over: set[Cause] = set()
+        self.active: Active | None = None
+        self.is_waiting = False
+        self._kept: dict[Cause, Action] = {}
+        self._taken_over: dict[Cause, Action] = {}
+        self._waiting_since_s: float | None = None
+        self._is_position_lost = False
 
-    def update(self, conditions: Conditions, now_s: float) -> None:
+    def update(self, now: Conditions, now_s: float) -> None:
         """Look at the conditions again."""
-        demanded = (failsafe(conditions) for failsafe in FAILSAFES)
-        self.active = next((f for f in demanded if f and f.cause not in self._taken_over), None)
-        if self.active is None or not self.active.holds_first:
-            self._holding_since_s = None
-        elif self._holding_since_s is None:
-            self._holding_since_s = now_s
+        self._is_position_lost = now.is_position_lost
+        calling = [
+            Active(failsafe.cause, action, failsafe.waits)
+            for failsafe in FAILSAFES
+            if (action := self._called_for(failsafe, now)) is not None
+        ]
+        self.active = max(calling, key=lambda active: active.action, default=None)
+        waits = [active for active in calling if active.waits and active.action > Action.HOLD]
+        if not waits:
+            self._waiting_since_s = None
+        elif self._waiting_since_s is None:
+            self._waiting_since_s = now_s
+        self.is_waiting = (
+            self.active is not None
+            and self.active.waits
+            and self._waiting_since_s is not None
+            and now_s - self._waiting_since_s < now.parameters["COM_FAIL_ACT_T"]
+        )
 
-    def mode(self, now_s: float, hold_s: float) -> str | None:
+    @property
+    def mode(self) -> str | None:
         """The mode to fly instead of the intended one, None if that one is flown."""
         if self.active is None:
             return None
-        since = self._holding_since_s
-        return "AUTO.LOITER" if since is not None and now_s - since < hold_s else self.active.mode
+        action = Action.HOLD if self.is_waiting else self.active.action
+        if self._is_position_lost and Action.HOLD <= action <= Action.LAND:
+            action = Action.DESCEND
+        return _MODES.get(action)
+
+    @property
+    def stops_motors(self) -> bool:
+        """The action is to stop the motors, wherever the vehicle is."""
+        return self.active is not None and self.active.action >= Action.DISARM
 
     def take_over(self) -> None:
-        """The pilot asked for a mode: what acts now shall not act again in this flight."""
-        if self.active and self.active.cause is not Cause.OFFBOARD_LOST:
-            self._taken_over.add(self.active.cause)
+        """A mode was asked for: what acts now shall not act again, unless it gets worse."""
+        if self.active and self.active.waits:
+            self._taken_over |= self._kept | {self.active.cause: self.active.action}
+        self._kept.clear()
+
+    def _called_for(self, failsafe: Failsafe, now: Conditions) -> Action | None:
+        action = failsafe.action(now)
+        allowed = self._taken_over.get(failsafe.cause)
+        if action is None and failsafe.cause in self._taken_over:
+            del self._taken_over[failsafe.cause]  # once it is over, the next one acts again
+        if action is not None and allowed is not None and action <= allowed:
+            action = None
+        if failsafe.is_kept:
+            called = [each for each in (action, self._kept.get(failsafe.cause)) if each is not None]
+            if called:
+                self._kept[failsafe.cause] = action = max(called)
+        return action

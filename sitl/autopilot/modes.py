@@ -10,6 +10,8 @@ how it starts. A new mode is a new line there.
     AUTO.RTL      climb, fly home, land there
     AUTO.LAND     descend over the present position
     POSCTL        without a pilot's sticks: hold horizontally, sink at 0.5 m/s (seen on PX4)
+    ALTCTL        the same, but level: without a position it drifts with the wind
+    DESCEND       land without a position, level; shown as AUTO.LAND
 
 Sources: PX4 user guide, "Flight Modes (Multicopter)"; PX4, src/modules/navigator/rtl.cpp (height
 of the return) and mission_block.cpp (where a vehicle can stop). The autopilot decides when a mode
@@ -194,6 +196,30 @@ class SinkWithoutPilot(_Endless):
         )
 
 
+@dataclass(slots=True)
+class Descend(_Endless):
+    """Goes down level, wherever the wind takes it: nothing else is possible without a position."""
+
+    yaw_rad: float
+    down_parameter: str | None = None
+
+    @classmethod
+    def without_pilot(cls, now: Situation) -> Descend:
+        """Altitude control with nobody at the sticks."""
+        return cls(heading(now.state))
+
+    @classmethod
+    def to_land(cls, now: Situation) -> Descend:
+        """A blind landing."""
+        return cls(heading(now.state), "MPC_LAND_SPEED")
+
+    def target(self, now: Situation) -> Target:
+        """Down, level."""
+        name = self.down_parameter
+        speed = now.parameters[name] if name else SINK_WITHOUT_PILOT_MPS
+        return Target((None, None, None), (None, None, speed), yaw_rad=self.yaw_rad)
+
+
 class Need(Enum):
     """What a mode needs before it may be flown; the value says what is missing."""
 
@@ -226,10 +252,11 @@ FLIGHT_MODES: dict[str, ModeEntry] = {
     "AUTO.LAND": ModeEntry(Need.NOTHING, Land.start, may_arm=False),
     "AUTO.MISSION": ModeEntry(Need.MISSION, Hold.start),
     "POSCTL": ModeEntry(Need.PILOT, SinkWithoutPilot.start),
-    "ALTCTL": ModeEntry(Need.PILOT, SinkWithoutPilot.start),
-    "MANUAL": ModeEntry(Need.PILOT, SinkWithoutPilot.start),
-    "STABILIZED": ModeEntry(Need.PILOT, SinkWithoutPilot.start),
-    "ACRO": ModeEntry(Need.PILOT, SinkWithoutPilot.start),
+    "ALTCTL": ModeEntry(Need.PILOT, Descend.without_pilot),
+    "MANUAL": ModeEntry(Need.PILOT, Descend.without_pilot),
+    "STABILIZED": ModeEntry(Need.PILOT, Descend.without_pilot),
+    "ACRO": ModeEntry(Need.PILOT, Descend.without_pilot),
+    "DESCEND": ModeEntry(Need.NOTHING, Descend.to_land, may_arm=False),
 }
 
 

@@ -22,6 +22,7 @@ from sitl.results import Result
 FORCE = 21196  # magic number of MAV_CMD_COMPONENT_ARM_DISARM
 CHANGE_MODE = 1  # MAV_DO_REPOSITION_FLAGS_CHANGE_MODE
 RELATIVE_FRAMES = (3, 6)  # MAV_FRAME_GLOBAL_RELATIVE_ALT(_INT)
+UINT16_MAX = 2**16 - 1
 INT_UNKNOWN = 2**31 - 1  # COMMAND_INT's x or y: not given
 
 
@@ -44,6 +45,12 @@ class Commanded(Protocol):
     """What the commands act on: one link of the autopilot."""
 
     vehicle: Vehicle
+
+    def send(self, message: Message) -> None:
+        """Send a message on this link."""
+
+    def interval_us(self, message_id: int) -> int:
+        """Interval of a stream, 0 for what is not sent by itself."""
 
     def request_message(self, message_id: int) -> bool:
         """Send a message once; False if there is none with that id."""
@@ -129,6 +136,62 @@ def _set_message_interval(on: Commanded, request: Request) -> Result:
     return Result.ACCEPTED if is_set else Result.FAILED
 
 
+def _get_message_interval(on: Commanded, request: Request) -> Result:
+    number = _id(request)
+    if not 0 <= number <= UINT16_MAX:
+        return Result.DENIED
+    interval_us = on.interval_us(number)
+    on.send(dialect.MAVLink_message_interval_message(number, interval_us))
+    return Result.ACCEPTED
+
+
+def _answer_with(message_id: int) -> Callable[[Commanded, Request], Result]:
+    """An older command that asks for one message."""
+
+    def handler(on: Commanded, request: Request) -> Result:
+        return Result.ACCEPTED if on.request_message(message_id) else Result.DENIED
+
+    return handler
+
+
+def _accepted(on: Commanded, request: Request) -> Result:
+    """Nothing to do: what is asked for is so already."""
+    return Result.ACCEPTED
+
+
+def _run_prearm_checks(on: Commanded, request: Request) -> Result:
+    autopilot = on.vehicle.autopilot
+    if autopilot.is_armed:
+        return Result.TEMPORARILY_REJECTED
+    autopilot.tell_objection()
+    return Result.ACCEPTED
+
+
+def _set_home(on: Commanded, request: Request) -> Result:
+    vehicle, (current, _, _, _, lat_deg, lon_deg, altitude_m) = on.vehicle, request.parameters
+    if current == 1:
+        vehicle.autopilot.home = vehicle.state.position
+        return Result.ACCEPTED
+    if not (abs(lat_deg) <= 90 and abs(lon_deg) <= 180 and math.isfinite(altitude_m)):
+        return Result.DENIED
+    vehicle.autopilot.home = vehicle.origin.to_local(lat_deg, lon_deg, altitude_m)
+    return Result.ACCEPTED
+
+
+def _change_speed(on: Commanded, request: Request) -> Result:
+    _, speed_mps, *_ = request.parameters
+    if not math.isfinite(speed_mps) or speed_mps == 0:
+        return Result.DENIED
+    on.vehicle.autopilot.cruise_mps = speed_mps if speed_mps > 0 else None
+    return Result.ACCEPTED
+
+
+def _terminate(on: Commanded, request: Request) -> Result:
+    if request.parameters[0] > 0.5:
+        on.vehicle.autopilot.terminate()
+    return Result.ACCEPTED
+
+
 def _id(request: Request) -> int:
     value = request.parameters[0]
     return int(value) if math.isfinite(value) else -1
@@ -141,7 +204,17 @@ COMMANDS: dict[int, Callable[[Commanded, Request], Result]] = {
     dialect.MAV_CMD_NAV_LAND: _mode("AUTO.LAND"),
     dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH: _mode("AUTO.RTL"),
     dialect.MAV_CMD_DO_REPOSITION: _reposition,
+    dialect.MAV_CMD_DO_CHANGE_SPEED: _change_speed,
+    dialect.MAV_CMD_DO_SET_HOME: _set_home,
+    dialect.MAV_CMD_DO_FLIGHTTERMINATION: _terminate,
+    dialect.MAV_CMD_RUN_PREARM_CHECKS: _run_prearm_checks,
+    dialect.MAV_CMD_GET_HOME_POSITION: _answer_with(dialect.MAVLINK_MSG_ID_HOME_POSITION),
+    dialect.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES: _answer_with(
+        dialect.MAVLINK_MSG_ID_AUTOPILOT_VERSION
+    ),
+    dialect.MAV_CMD_REQUEST_PROTOCOL_VERSION: _accepted,  # the dialect lacks PROTOCOL_VERSION
     dialect.MAV_CMD_SET_MESSAGE_INTERVAL: _set_message_interval,
+    dialect.MAV_CMD_GET_MESSAGE_INTERVAL: _get_message_interval,
     dialect.MAV_CMD_REQUEST_MESSAGE: _request_message,
 }
 """MAV_CMD -> what to do."""

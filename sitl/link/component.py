@@ -10,22 +10,23 @@ Left out so far: missions (an empty list is served), MAVLink FTP, events.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from itertools import islice
 from typing import ClassVar
 
 from companion.mavlink.framing import Endpoint, Message, dialect, source
-from companion.mavlink.parameters import decode, encode
 from companion.mavlink.px4_modes import mode_name
+from companion.mavlink.statustext import chunks
 from sitl.autopilot.modes import FLIGHT_MODES, heading
-from sitl.autopilot.parameters import PARAMETERS, index_of, name_at
-from sitl.link import setpoints
+from sitl.link import parameters, setpoints
 from sitl.link.commands import ACCEPTED_FIRST, execute, request_from
 from sitl.link.messages import MESSAGES, Vehicle, message_name, status
-from sitl.link.routing import LinkName, Router, is_for
+from sitl.link.routing import MAV_TYPE_GCS, LinkName, Router, is_for
 from sitl.link.streams import Streams
 from sitl.results import Result
 
 AUTOPILOT = 1  # MAV_COMP_ID_AUTOPILOT1
+LISTED_PER_STEP = 5  # of a parameter list: 140 take 0.1 s
 Outgoing = list[tuple[LinkName, bytes]]
 
 
@@ -38,11 +39,17 @@ class Link:
         self.frames: list[bytes] = []
         self.streams = Streams(name, vehicle.state.time_s)
         self.later: list[Message] = []
+        self.listing: Iterator[Message] = iter(())
         self._endpoint = Endpoint(system, AUTOPILOT)
 
     def send(self, message: Message) -> None:
         """Pack a message for this link."""
         self.frames.append(self._endpoint.pack(message))
+
+    def send_if(self, message: Message | None) -> None:
+        """Pack a message, if there is one."""
+        if message is not None:
+            self.send(message)
 
     def request_message(self, message_id: int) -> bool:
         """Send a message once; False if there is none with that id."""
@@ -50,6 +57,11 @@ class Link:
             return False
         self.later.append(MESSAGES[name](self.vehicle))
         return True
+
+    def interval_us(self, message_id: int) -> int:
+        """Interval of a stream, 0 for what is not sent by itself."""
+        name = message_name(message_id)
+        return self.streams.interval_us(name) if name else 0
 
     def set_interval(self, message_id: int, interval_us: float) -> bool:
         """Change a stream's interval; False if it is not streamed."""
@@ -76,6 +88,7 @@ class AutopilotComponent:
         self._router = router
         self._links = {name: Link(name, system, vehicle) for name in LinkName if name in links}
         self._told = status(vehicle.autopilot)
+        self._texts = 0
 
     def receive(self, name: LinkName, message: Message) -> None:
         """Handle a message that came in on a link."""
@@ -92,6 +105,8 @@ class AutopilotComponent:
             for message in link.later:
                 link.send(message)
             link.later.clear()
+            for message in islice(link.listing, LISTED_PER_STEP):
+                link.send(message)
             if now != self._told:
                 link.send(MESSAGES["HEARTBEAT"](vehicle))
             for name in link.streams.due(vehicle.state.time_s):
@@ -110,10 +125,11 @@ class AutopilotComponent:
     def _send_notices(self) -> None:
         notices = self._vehicle.autopilot.notices
         for notice in notices:
-            message = dialect.MAVLink_statustext_message(notice.severity, notice.text.encode())
-            for link in self._links.values():
-                if self._router.has_ground_station(link.name):
-                    link.send(message)
+            self._texts += 1
+            for message in chunks(notice.severity, notice.text, self._texts):
+                for link in self._links.values():
+                    if self._router.has_ground_station(link.name):
+                        link.send(message)
         notices.clear()
 
     def _command(self, link: Link, message: Message) -> None:
@@ -139,7 +155,10 @@ class AutopilotComponent:
             self._vehicle.autopilot.set_mode(mode)
 
     def _setpoint(self, link: Link, message: Message) -> None:
-        target = setpoints.target_from(message, heading(self._vehicle.state))
+        vehicle = self._vehicle
+        target = setpoints.target_from(
+            message, heading(vehicle.state), vehicle.origin, vehicle.autopilot.home[2]
+        )
         if target is not None:
             self._vehicle.autopilot.accept_setpoint(target)
 
@@ -153,42 +172,29 @@ class AutopilotComponent:
         if message.tc1 == 0:
             link.send(dialect.MAVLink_timesync_message(self._vehicle.boot_us * 1000, message.ts1))
 
+    def _heartbeat(self, link: Link, message: Message) -> None:
+        if message.type == MAV_TYPE_GCS:
+            self._vehicle.autopilot.hear_ground_station()
+
     def _param_list(self, link: Link, message: Message) -> None:
-        for name in PARAMETERS:
-            self._send_parameter(link, name)
+        link.listing = parameters.listed(self._vehicle.autopilot.parameters)
 
     def _param_read(self, link: Link, message: Message) -> None:
-        name = name_at(message.param_index) if message.param_index >= 0 else message.param_id
-        if name in PARAMETERS:
-            self._send_parameter(link, name)
+        link.send_if(parameters.read(message, self._vehicle.autopilot.parameters))
 
     def _param_set(self, link: Link, message: Message) -> None:
-        """Unknown names are met with silence, another type leaves the value as it is (PX4)."""
-        name = message.param_id
-        if name not in PARAMETERS:
-            return
-        if message.param_type == PARAMETERS[name][0]:
-            value = decode(message.param_value, message.param_type)
-            self._vehicle.autopilot.parameters.set(name, value)
-        self._send_parameter(link, name)
-
-    def _send_parameter(self, link: Link, name: str) -> None:
-        param_type, _ = PARAMETERS[name]
-        value = encode(self._vehicle.autopilot.parameters[name], param_type)
-        link.send(
-            dialect.MAVLink_param_value_message(
-                name.encode(), value, param_type, len(PARAMETERS), index_of(name)
-            )
-        )
+        link.send_if(parameters.write(message, self._vehicle.autopilot.parameters))
 
     def _mission_list(self, link: Link, message: Message) -> None:
         link.send(dialect.MAVLink_mission_count_message(*source(message), 0, message.mission_type))
 
     SERVICES: ClassVar[dict[str, Callable[[AutopilotComponent, Link, Message], None]]] = {
+        "HEARTBEAT": _heartbeat,
         "COMMAND_LONG": _command,
         "COMMAND_INT": _command,
         "SET_MODE": _set_mode,
         "SET_POSITION_TARGET_LOCAL_NED": _setpoint,
+        "SET_POSITION_TARGET_GLOBAL_INT": _setpoint,
         "PING": _ping,
         "TIMESYNC": _timesync,
         "PARAM_REQUEST_LIST": _param_list,

@@ -37,6 +37,7 @@ _PREARM_CHECK = 0x10000000
 CAPABILITIES = 2 | 4 | 8 | 16 | 128 | 8192
 PX4_VERSION = 0x01100000  # 1.16.0, development: the PX4 whose behaviour this is
 STANDBY, ACTIVE, CRITICAL = 3, 4, 5  # MAV_STATE
+_SHOWN_AS = {"DESCEND": "AUTO.LAND"}  # MAVLink has no mode of this name
 
 
 @dataclass(slots=True)
@@ -60,9 +61,10 @@ class Vehicle:
 
 def status(autopilot: Autopilot) -> tuple[bool, str, int]:
     """Armed, mode and MAV_STATE: a change of any of them is told at once."""
+    mode = _SHOWN_AS.get(autopilot.mode, autopilot.mode)
     if not autopilot.is_armed:
-        return (False, autopilot.mode, STANDBY)
-    return (True, autopilot.mode, CRITICAL if autopilot.is_failsafe else ACTIVE)
+        return (False, mode, STANDBY)
+    return (True, mode, CRITICAL if autopilot.is_failsafe else ACTIVE)
 
 
 def heartbeat(v: Vehicle) -> Message:

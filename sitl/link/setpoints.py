@@ -1,34 +1,48 @@
-"""Is a SET_POSITION_TARGET_LOCAL_NED a setpoint, and which one?
+"""Is a SET_POSITION_TARGET_LOCAL_NED or _GLOBAL_INT a setpoint, and which one?
 
-PX4 takes frame 1 (MAV_FRAME_LOCAL_NED), and frame 8 (MAV_FRAME_BODY_NED) for velocity alone. Other
-frames, a mask that ignores everything and numbers that are not finite are dropped: they count as a
-lost setpoint (seen on PX4). Source: POSITION_TARGET_TYPEMASK in common.xml.
+PX4 takes frame 1 (MAV_FRAME_LOCAL_NED), and frame 8 (MAV_FRAME_BODY_NED) for velocity alone; of a
+global setpoint the altitude above the sea (frames 0, 5) or above home (3, 6). Other frames, a mask
+that ignores everything and numbers that are not finite are dropped: they count as a lost setpoint
+(seen on PX4). Source: POSITION_TARGET_TYPEMASK in common.xml.
 """
 
 from __future__ import annotations
 
 import math
 
+from companion.geometry import GlobalOrigin, Ned
 from companion.mavlink.framing import Message
 from sitl.flight.controllers import Target
 
 LOCAL_NED, BODY_NED = 1, 8
+LOCAL_FRAMES = (LOCAL_NED, BODY_NED)
+ABOVE_SEA, ABOVE_HOME = (0, 5), (3, 6)
+GLOBAL_FRAMES = ABOVE_SEA + ABOVE_HOME
 FORCE_SET, YAW_IGNORE, YAW_RATE_IGNORE = 512, 1024, 2048
 Triple = tuple[float | None, float | None, float | None]
 
 
-def target_from(message: Message, heading_rad: float) -> Target | None:
+def target_from(
+    message: Message, heading_rad: float, origin: GlobalOrigin, home_down_m: float
+) -> Target | None:
     """The setpoint in a message.
 
     Args:
-        message: SET_POSITION_TARGET_LOCAL_NED.
+        message: SET_POSITION_TARGET_LOCAL_NED or SET_POSITION_TARGET_GLOBAL_INT.
         heading_rad: of the vehicle now, for a velocity along its own axes.
+        origin: of the local frame.
+        home_down_m: height of home, local NED down.
 
     Returns:
         None for a message that PX4 would drop.
     """
     mask = message.type_mask
-    position = _unmasked((message.x, message.y, message.z), mask)
+    is_global = message.get_type() == "SET_POSITION_TARGET_GLOBAL_INT"
+    if is_global:
+        here = _local(message, origin, home_down_m)
+    else:
+        here = (message.x, message.y, message.z)
+    position = _unmasked(here, mask)
     velocity = _unmasked((message.vx, message.vy, message.vz), mask >> 3)
     acceleration = _unmasked((message.afx, message.afy, message.afz), mask >> 6)
     yaw = None if mask & YAW_IGNORE else message.yaw
@@ -37,14 +51,22 @@ def target_from(message: Message, heading_rad: float) -> Target | None:
     turning = [v for v in (yaw, yaw_rate) if v is not None]
     if not given or mask & FORCE_SET or not all(map(math.isfinite, (*given, *turning))):
         return None
+    if message.coordinate_frame not in (GLOBAL_FRAMES if is_global else LOCAL_FRAMES):
+        return None
     if message.coordinate_frame == BODY_NED:
         if any(v is not None for v in position) or None in velocity:
             return None
         velocity = _turned(velocity, heading_rad)
-    elif message.coordinate_frame != LOCAL_NED:
-        return None
     north, east, down = (v or 0.0 for v in acceleration)
     return Target(position, velocity, (north, east, down), yaw, yaw_rate)
+
+
+def _local(message: Message, origin: GlobalOrigin, home_down_m: float) -> Ned:
+    north_m, east_m, down_m = origin.to_local(
+        message.lat_int / 1e7, message.lon_int / 1e7, message.alt
+    )
+    above_home = message.coordinate_frame in ABOVE_HOME
+    return (north_m, east_m, home_down_m - message.alt if above_home else down_m)
 
 
 def _unmasked(values: tuple[float, float, float], mask: int) -> Triple:

@@ -84,3 +84,7 @@ class Streams:
             self._queue.append((now_s + interval_s, _IDS[name], name))
         heapq.heapify(self._queue)
         return True
+
+    def interval_us(self, name: str) -> int:
+        """Interval of a message, 0 if it is not sent by itself."""
+        return round(1e6 * self._intervals_s.get(name, 0.0))

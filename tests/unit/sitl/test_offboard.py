@@ -143,3 +143,21 @@ def test_velocity_in_the_body_frame_follows_the_heading() -> None:
     )
     north, east, _ = wire.simulation.flight.velocity
     assert (north, east) == pytest.approx((0.0, 1.0), abs=0.1)
+
+
+@pytest.mark.parametrize(("frame", "is_taken"), [(5, True), (6, True), (0, True), (11, False)])
+def test_a_global_setpoint_is_the_same_place(frame: int, is_taken: bool) -> None:
+    wire = hovering()
+    origin = Scenario().home
+    latitude, longitude, altitude = origin.to_global((4.0, 2.0, -5.0))
+    height = 5.0 if frame == 6 else altitude
+    wire.run(
+        6.0,
+        send=lambda: dialect.MAVLink_set_position_target_global_int_message(
+            0, 1, 1, frame, 0xDF8, round(latitude * 1e7), round(longitude * 1e7), height,
+            *(0.0,) * 8,
+        ),
+    )  # fmt: skip
+    expected = (4.0, 2.0, -5.0) if is_taken else (0.0, 0.0, -3.0)
+    assert wire.simulation.flight.position == pytest.approx(expected, abs=0.2)
+    assert wire.simulation.mode == ("OFFBOARD" if is_taken else "AUTO.LOITER")

@@ -1,5 +1,7 @@
 """What clients ask of the autopilot besides flying: streams, parameters, requests, forwarding."""
 
+import struct
+
 import pytest
 from wire import Wire, companion_heartbeat, gcs_heartbeat
 
@@ -175,10 +177,33 @@ def test_a_wrong_type_or_nan_leaves_the_value() -> None:
 def test_the_list_is_complete_and_indexed() -> None:
     wire = Wire()
     wire.send(dialect.MAVLink_param_request_list_message(1, 0))
-    listed = [h.message for h in wire.named("PARAM_VALUE")]
+    wire.run(0.2)
+    first, *listed = (h.message for h in wire.named("PARAM_VALUE"))
+    assert (first.param_id, first.param_index, first.param_type) == ("_HASH_CHECK", 65535, 5)
     assert [m.param_id for m in listed] == sorted(PARAMETERS)
     assert [m.param_index for m in listed] == list(range(len(PARAMETERS)))
     assert {m.param_count for m in listed} == {len(PARAMETERS)}
+
+
+def test_the_checksum_is_that_of_what_was_listed_and_follows_every_change() -> None:
+    """As a ground station computes it from the list: CRC-32 without inversions."""
+    wire = Wire()
+    wire.send(dialect.MAVLink_param_request_list_message(1, 1))
+    wire.run(0.2)
+    checksum = 0
+    for told in [h.message for h in wire.named("PARAM_VALUE")][1:]:
+        if told.param_id not in ("COM_FLIGHT_UUID", "LND_FLIGHT_T_HI", "LND_FLIGHT_T_LO"):
+            for byte in told.param_id.encode() + struct.pack("<f", told.param_value):
+                checksum ^= byte
+                for _ in range(8):
+                    checksum = checksum >> 1 ^ (0xEDB88320 if checksum & 1 else 0)
+    read = dialect.MAVLink_param_request_read_message(1, 1, b"_HASH_CHECK", -1)
+    wire.send(read)
+    before = wire.last("PARAM_VALUE").param_value
+    assert struct.pack("<f", before) == struct.pack("<I", checksum)
+    set_parameter(wire, "MIS_TAKEOFF_ALT", 6.0, REAL32)
+    wire.send(read)
+    assert wire.last("PARAM_VALUE").param_value != before
 
 
 def test_ping_timesync_and_the_empty_mission() -> None:

@@ -1,0 +1,71 @@
+"""How does the autopilot answer the parameter protocol?
+
+PX4's way: integers travel byte by byte, unknown names are met with silence, a value of another
+type changes nothing and the present one is told, a list is spread over time so that no buffer
+overflows. `_HASH_CHECK` is a checksum of all names and values, by which QGroundControl saves
+itself the list.
+
+Sources: https://mavlink.io/en/services/parameter.html; PX4, mavlink_parameters.cpp and
+param_hash_check; answers of a PX4 that were seen.
+"""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections.abc import Iterator
+
+from companion.mavlink.framing import Message, dialect
+from companion.mavlink.parameters import INT32, decode, encode
+from sitl.autopilot.parameters import PARAMETERS, Parameters, index_of, name_at
+
+HASH_CHECK = "_HASH_CHECK"
+HASH_INDEX = 65535
+UINT32 = 5  # MAV_PARAM_TYPE_UINT32
+VOLATILE = frozenset({"COM_FLIGHT_UUID", "LND_FLIGHT_T_HI", "LND_FLIGHT_T_LO"})
+"""Counters that change by themselves; they are no part of the checksum."""
+
+
+def checksum(parameters: Parameters) -> int:
+    """CRC-32 without inversions over each name and its value's four bytes, in order."""
+    inverted = 0xFFFFFFFF
+    for name, (param_type, _) in PARAMETERS.items():
+        if name not in VOLATILE:
+            value = parameters[name]
+            raw = struct.pack("<i", int(value)) if param_type == INT32 else struct.pack("<f", value)
+            inverted = zlib.crc32(name.encode() + raw, inverted)
+    return inverted ^ 0xFFFFFFFF
+
+
+def value_of(name: str, parameters: Parameters) -> Message:
+    """PARAM_VALUE of a known parameter, or of the checksum."""
+    if name == HASH_CHECK:
+        value, param_type, index = float(checksum(parameters)), UINT32, HASH_INDEX
+    else:
+        value, param_type, index = parameters[name], PARAMETERS[name][0], index_of(name)
+    return dialect.MAVLink_param_value_message(
+        name.encode(), encode(value, param_type), param_type, len(PARAMETERS), index
+    )
+
+
+def listed(parameters: Parameters) -> Iterator[Message]:
+    """The answer to PARAM_REQUEST_LIST: the checksum first, then all in order."""
+    for name in (HASH_CHECK, *PARAMETERS):
+        yield value_of(name, parameters)
+
+
+def read(request: Message, parameters: Parameters) -> Message | None:
+    """The answer to PARAM_REQUEST_READ; None for a parameter that does not exist."""
+    index = request.param_index
+    name = name_at(index) if index >= 0 else request.param_id
+    return value_of(name, parameters) if name in PARAMETERS or name == HASH_CHECK else None
+
+
+def write(request: Message, parameters: Parameters) -> Message | None:
+    """Do what PARAM_SET asks; the answer is the value from now on."""
+    name = request.param_id
+    if name not in PARAMETERS:
+        return None
+    if request.param_type == PARAMETERS[name][0]:
+        parameters.set(name, decode(request.param_value, request.param_type))
+    return value_of(name, parameters)

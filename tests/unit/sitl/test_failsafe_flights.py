@@ -1,0 +1,141 @@
+"""Each failsafe three times: switched off nothing happens; on, it acts; cleared, as PX4 recovers.
+
+Offboard loss is in test_offboard.py and the battery in test_autopilot.py; the table by itself in
+test_failsafes.py.
+"""
+
+from collections.abc import Callable
+
+import pytest
+from wire import Wire, gcs_heartbeat
+
+from companion.mavlink.framing import dialect
+from sitl.world.scenario import Scenario
+
+LAND, HOLD, RETURN = "AUTO.LAND", "AUTO.LOITER", "AUTO.RTL"
+
+
+def hovering(**parameters: float) -> Wire:
+    wire = Wire(Scenario(parameters=parameters))
+    wire.send(gcs_heartbeat())
+    wire.fly_offboard(5.0, 0.0, -3.0)
+    return wire
+
+
+def fly_on(wire: Wire, seconds: float, also: Callable[[], object] | None = None) -> None:
+    """With setpoints at 50 Hz, and perhaps another message each second."""
+    for _ in range(round(seconds)):
+        if also:
+            wire.send(also())
+        wire.run(1.0, send=lambda: wire.setpoint(5.0, 0.0, -3.0))
+
+
+# -- the ground station ----------------------------------------------------------------------------
+
+
+def test_the_loss_of_the_ground_station_is_ignored_by_default() -> None:
+    wire = hovering()
+    fly_on(wire, 15.0)
+    assert wire.simulation.mode == "OFFBOARD"
+
+
+@pytest.mark.parametrize(("action", "then"), [(1, HOLD), (2, RETURN), (3, LAND)])
+def test_the_loss_of_the_ground_station(action: int, then: str) -> None:
+    wire = hovering(NAV_DLL_ACT=action)
+    wire.send(gcs_heartbeat())
+    lost_s = wire.now_s
+    fly_on(wire, 19.0)
+    (held_s, held), *others = wire.mode_changes()[-2 if then != HOLD else -1 :]
+    assert held == HOLD
+    assert held_s - lost_s == pytest.approx(12.85, abs=0.4)  # seen on PX4
+    if then != HOLD:
+        ((acted_s, acted),) = others
+        assert acted == then
+        assert acted_s - held_s == pytest.approx(5.0, abs=0.1)  # COM_FAIL_ACT_T
+    assert wire.last("HEARTBEAT").system_status == 5
+
+
+def test_the_ground_station_returns_and_so_does_the_mode() -> None:
+    wire = hovering(NAV_DLL_ACT=1)
+    fly_on(wire, 15.0)
+    assert wire.simulation.mode == HOLD
+    fly_on(wire, 2.0, gcs_heartbeat)
+    assert wire.simulation.mode == "OFFBOARD"
+    assert wire.last("HEARTBEAT").system_status == 4
+
+
+def test_with_that_failsafe_on_arming_needs_a_ground_station() -> None:
+    wire = Wire(Scenario(parameters={"NAV_DLL_ACT": 1}))
+    assert wire.arm() == [1]
+    wire.send(gcs_heartbeat())
+    assert wire.arm() == [0]
+
+
+# -- the position ----------------------------------------------------------------------------------
+
+
+def test_position_loss_in_offboard_descends_level_and_recovers() -> None:
+    """Seen on PX4: ALTCTL 5 to 6 s after the last fix; landed, it may not be armed again."""
+    wire = hovering()
+    autopilot = wire.simulation._autopilot
+    autopilot.position_age_s = 4.9
+    fly_on(wire, 1.0)
+    assert wire.simulation.mode == "OFFBOARD"
+    autopilot.position_age_s = 5.1
+    fly_on(wire, 1.0)
+    assert wire.simulation.mode == "ALTCTL"
+    assert wire.simulation.flight.velocity[2] == pytest.approx(0.5, abs=0.1)
+    autopilot.position_age_s = 0.0
+    fly_on(wire, 1.0)
+    assert wire.simulation.mode == "OFFBOARD"
+
+
+def test_without_a_position_it_lands_disarms_and_is_not_armed_again() -> None:
+    wire = hovering()
+    wire.simulation._autopilot.position_age_s = 9.0
+    wire.run_until(lambda: not wire.simulation.is_armed, 20.0)
+    assert wire.set_mode(HOLD) == [0, 0]
+    assert wire.arm() == [1]
+    assert "Arming denied: GPS fix too low" in wire.texts()
+
+
+def test_without_a_position_a_hold_becomes_a_blind_landing() -> None:
+    wire = hovering()
+    wire.set_mode(HOLD)
+    wire.simulation._autopilot.position_age_s = 9.0
+    wire.run(1.0)
+    assert wire.mode_changes()[-1][1] == LAND
+    assert wire.set_mode("AUTO.RTL") == [0, 1]  # refused: it needs a position
+
+
+# -- termination, refusals -------------------------------------------------------------------------
+
+
+def test_offboard_loss_may_stop_the_motors() -> None:
+    wire = hovering(COM_OBL_RC_ACT=7)
+    wire.run(1.2)
+    assert not wire.simulation.is_armed
+
+
+def test_flight_termination_by_command() -> None:
+    wire = hovering()
+    assert wire.command(dialect.MAV_CMD_DO_FLIGHTTERMINATION, 0.0) == [0]
+    assert wire.simulation.is_armed
+    assert wire.command(dialect.MAV_CMD_DO_FLIGHTTERMINATION, 1.0) == [0]
+    assert not wire.simulation.is_armed
+
+
+def test_arming_is_refused_with_a_reason_until_it_is_allowed_again() -> None:
+    wire = Wire()
+    wire.send(gcs_heartbeat())
+    reason = "the propellers are not mounted, says the person who looks after the propellers"
+    wire.simulation._autopilot.refuse_arming(reason)
+    assert wire.arm() == [1]
+    wire.run(1.1)
+    assert not wire.last("SYS_STATUS").onboard_control_sensors_health & 0x10000000
+    told = [h.message for h in wire.named("STATUSTEXT")]
+    assert [m.chunk_seq for m in told] == [0, 1]
+    assert len({m.id for m in told} - {0}) == 1
+    assert "".join(m.text for m in told) == f"Arming denied: {reason}"
+    wire.simulation._autopilot.refuse_arming(None)
+    assert wire.arm() == [0]
