@@ -18,8 +18,8 @@ from sitl.autopilot.parameters import Parameters
 from sitl.flight.physics import FlightState, Physics
 from sitl.link.component import AUTOPILOT, AutopilotComponent, Outgoing
 from sitl.link.devices import DetectorDevice, Device, PayloadDevice, Sent
-from sitl.link.messages import Vehicle
 from sitl.link.routing import LinkName, Router
+from sitl.link.vehicle import Vehicle
 from sitl.world.collision import CollisionWatch, is_wreck
 from sitl.world.detector import Detector
 from sitl.world.payload import Payload

@@ -16,10 +16,10 @@ Source: PX4 1.16, src/modules/commander, and what a PX4 was seen to do. Time is 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 
-from companion.geometry import Ned
+from companion.geometry import Ned, Quaternion
 from sitl.autopilot.arming import Readiness, objection
 from sitl.autopilot.failsafes import (
     Action,
@@ -32,7 +32,7 @@ from sitl.autopilot.landing import LandDetector
 from sitl.autopilot.modes import FLIGHT_MODES, FlightMode, Hold, Need, Situation, heading
 from sitl.autopilot.parameters import Parameters
 from sitl.flight.controllers import Cascade, Limits, Target
-from sitl.flight.mixer import Motors
+from sitl.flight.mixer import MAX_THRUST_N, Motors
 from sitl.flight.physics import FlightState
 
 COMMANDER_STEPS = 5  # modes and failsafes are decided every 5th step, 50 Hz at 4 ms
@@ -58,6 +58,15 @@ class Notice:
     text: str
 
 
+@dataclass(frozen=True, slots=True)
+class Flights:
+    """How often the vehicle was armed, and when last; 0 for never."""
+
+    count: int = 0
+    armed_s: float = 0.0
+    in_air_s: float = 0.0
+
+
 _BATTERY_NOTICES = {
     BatteryLevel.LOW: Notice(Severity.CRITICAL, "Low battery"),
     BatteryLevel.CRITICAL: Notice(Severity.CRITICAL, "Critical battery"),
@@ -81,6 +90,7 @@ class Autopilot:
         position_age_s: time since the position was last measured.
         target: what the control cascade follows, None while disarmed.
         motors: the newest commands.
+        flights: how often and when it was armed.
         notices: for people, oldest first; whoever sends them empties the list.
     """
 
@@ -96,6 +106,7 @@ class Autopilot:
         self.motors = STOPPED
         self.battery = battery_level(state.charge, parameters)
         self.notices: list[Notice] = []
+        self.flights = Flights()
         self._state = state
         self._landing = LandDetector()
         self._failsafe = FailsafeState()
@@ -121,6 +132,16 @@ class Autopilot:
         """A failsafe acts."""
         return self._failsafe.mode is not None or self._failsafe.stops_motors
 
+    @property
+    def is_position_lost(self) -> bool:
+        """There has been no position for too long."""
+        return self._conditions().is_position_lost
+
+    @property
+    def attitude_target(self) -> tuple[Quaternion, float]:
+        """The attitude that is wanted, body to NED, and the thrust as a share of the most."""
+        return self._cascade.attitude, self._cascade.thrust_n / (4 * MAX_THRUST_N)
+
     def objection(self) -> str | None:
         """Why arming would be refused now, None if it would not."""
         mode = self.intended_mode
@@ -140,6 +161,8 @@ class Autopilot:
             return False
         now_s, limit = self._state.time_s, self.parameters
         self.is_armed = True
+        self.flights = Flights(self.flights.count + 1, now_s)
+        self.parameters.set("COM_FLIGHT_UUID", self.flights.count)
         self.home = self._state.position
         self._cascade = Cascade(
             Limits(
@@ -276,6 +299,8 @@ class Autopilot:
         if was_landed != self.is_landed:
             self._has_flown = True
             self._landed_s = state.time_s
+            if was_landed and not self.flights.in_air_s:
+                self.flights = replace(self.flights, in_air_s=state.time_s)
             self._tell(Severity.INFO, "Landing detected" if self.is_landed else "Takeoff detected")
 
     def _command(self) -> None:

@@ -170,7 +170,12 @@ class RateLoop:
 
 
 class Cascade:
-    """The whole cascade for one vehicle; call `reset` when arming."""
+    """The whole cascade for one vehicle; call `reset` when arming.
+
+    Attributes:
+        attitude: that is wanted, body to NED.
+        thrust_n: that is wanted, N.
+    """
 
     def __init__(self, limits: Limits = Limits()) -> None:
         self._limits = limits
@@ -185,8 +190,8 @@ class Cascade:
         self._yaw = yaw_rad
         self._yaw_rate = 0.0
         self._until_position = 0
-        self._attitude = quaternion_from_yaw(yaw_rad)
-        self._thrust_n = MASS_KG * GRAVITY_MPS2
+        self.attitude = quaternion_from_yaw(yaw_rad)
+        self.thrust_n = MASS_KG * GRAVITY_MPS2
 
     def idle(self) -> Motors:
         """Motor commands of an armed vehicle that stands; nothing winds up meanwhile."""
@@ -201,7 +206,7 @@ class Cascade:
         self._until_position -= 1
         wanted = self._wanted_rates(state.attitude)
         roll, pitch, yaw = self._rate_loop.step(state.rates, wanted, dt_s)
-        mixed = mix(self._thrust_n, roll, pitch, yaw, state.voltage_v)
+        mixed = mix(self.thrust_n, roll, pitch, yaw, state.voltage_v)
         if not mixed.is_tilt_limited:
             self._rate_loop.integrate(state.rates, wanted, dt_s, range(2))
         if not mixed.is_yaw_limited:
@@ -209,7 +214,7 @@ class Cascade:
         return mixed.motors
 
     def _wanted_rates(self, q: Quaternion) -> Vector:
-        tilt_x, tilt_y, heading = tilt_and_heading(q, self._attitude)
+        tilt_x, tilt_y, heading = tilt_and_heading(q, self.attitude)
         # A turn about NED down has components on all three body axes.
         w, x, y, z = q
         turn, limit = self._yaw_rate, self._limits.yaw_rate_radps
@@ -228,13 +233,13 @@ class Cascade:
         else:
             self._yaw = wrap_angle(self._yaw + self._yaw_rate * dt_s)
         thrust = self._velocity_loop.step(state, target, dt_s)
-        self._attitude = attitude_from_thrust(thrust, self._yaw)
+        self.attitude = attitude_from_thrust(thrust, self._yaw)
         # Only the part of the wanted thrust along the present body axis is asked for, so that
         # height does not jump while the vehicle is still turning.
         w, x, y, z = state.attitude
         down = (2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y))
         along = -sum(t * d for t, d in zip(thrust, down, strict=True))
-        self._thrust_n = MASS_KG * max(along, 0.0)
+        self.thrust_n = MASS_KG * max(along, 0.0)
 
 
 def _approach_speed(distance_m: float, gain: float, braking_mps2: float) -> float:

@@ -16,7 +16,7 @@ from typing import Protocol
 from companion.mavlink.framing import Message, dialect
 from companion.mavlink.px4_modes import mode_from
 from sitl.autopilot.modes import FLIGHT_MODES
-from sitl.link.messages import Vehicle
+from sitl.link.vehicle import Vehicle
 from sitl.results import Result
 
 FORCE = 21196  # magic number of MAV_CMD_COMPONENT_ARM_DISARM

@@ -20,9 +20,11 @@ from companion.mavlink.statustext import chunks
 from sitl.autopilot.modes import FLIGHT_MODES, heading
 from sitl.link import parameters, setpoints
 from sitl.link.commands import ACCEPTED_FIRST, execute, request_from
-from sitl.link.messages import MESSAGES, Vehicle, message_name, status
+from sitl.link.messages import MESSAGES, message_name
 from sitl.link.routing import MAV_TYPE_GCS, LinkName, Router, is_for
 from sitl.link.streams import Streams
+from sitl.link.telemetry.system import status
+from sitl.link.vehicle import Vehicle
 from sitl.results import Result
 
 AUTOPILOT = 1  # MAV_COMP_ID_AUTOPILOT1

@@ -1,0 +1,130 @@
+"""How is the vehicle? Mode, health, battery, versions, clocks.
+
+Sources: common.xml; what a PX4 was seen to send; for SYS_STATUS what MAVSDK's health checks and
+MAVProxy's fence need.
+"""
+
+from __future__ import annotations
+
+import math
+
+from companion.mavlink.framing import Message, dialect
+from companion.mavlink.px4_modes import custom_mode
+from sitl.autopilot.autopilot import Autopilot
+from sitl.link.vehicle import Vehicle
+
+CELLS = 4
+FULL_VOLTAGES = 10  # length of BATTERY_STATUS.voltages
+UNKNOWN_16 = 65535
+
+_BASE_MODES = {"OFFBOARD": 0x11, "MANUAL": 0x41, "ACRO": 0x41}  # seen on PX4
+_BASE_MODE_AUTO, _BASE_MODE_STICKS, _ARMED = 0x1D, 0x51, 0x80
+
+# MAV_SYS_STATUS_SENSOR bits: gyro, accelerometer, magnetometer, pressure, GPS, motor outputs,
+# geofence, AHRS, battery.
+_SENSORS = 0x1 | 0x2 | 0x4 | 0x8 | 0x20 | 0x8000 | 0x100000 | 0x200000 | 0x2000000
+_GPS, _PREARM_CHECK = 0x20, 0x10000000
+# MAV_PROTOCOL_CAPABILITY bits: PARAM_FLOAT, MISSION_INT, COMMAND_INT, PARAM_ENCODE_BYTEWISE,
+# SET_POSITION_TARGET_LOCAL_NED, SET_POSITION_TARGET_GLOBAL_INT, MAVLINK2.
+CAPABILITIES = 2 | 4 | 8 | 16 | 128 | 256 | 8192
+PX4_VERSION = 0x011000C0  # 1.16.0: the PX4 whose behaviour this is
+STANDBY, ACTIVE, CRITICAL = 3, 4, 5  # MAV_STATE
+_SHOWN_AS = {"DESCEND": "AUTO.LAND"}  # MAVLink has no mode of this name
+
+
+def status(autopilot: Autopilot) -> tuple[bool, str, int]:
+    """Armed, mode and MAV_STATE: a change of any of them is told at once."""
+    mode = _SHOWN_AS.get(autopilot.mode, autopilot.mode)
+    if not autopilot.is_armed:
+        return (False, mode, STANDBY)
+    return (True, mode, CRITICAL if autopilot.is_failsafe else ACTIVE)
+
+
+def heartbeat(v: Vehicle) -> Message:
+    """HEARTBEAT of a PX4 quadrotor."""
+    is_armed, mode, state = status(v.autopilot)
+    other = _BASE_MODE_AUTO if mode.startswith("AUTO.") else _BASE_MODE_STICKS
+    base = _BASE_MODES.get(mode, other) | (_ARMED if is_armed else 0)
+    return dialect.MAVLink_heartbeat_message(2, 12, base, custom_mode(mode), state, 3)
+
+
+def sys_status(v: Vehicle) -> Message:
+    """SYS_STATUS: sensors, battery."""
+    ready = _PREARM_CHECK if v.autopilot.objection() is None else 0
+    blind = _GPS if v.autopilot.is_position_lost else 0
+    return dialect.MAVLink_sys_status_message(
+        _SENSORS | _PREARM_CHECK,
+        _SENSORS | _PREARM_CHECK,
+        _SENSORS & ~blind | ready,
+        0,
+        round(v.state.voltage_v * 1e3),
+        round(v.state.current_a * 1e2),
+        _percent(v.state.charge),
+        *(0,) * 6,
+    )
+
+
+def battery_status(v: Vehicle) -> Message:
+    """BATTERY_STATUS of the one lithium polymer pack."""
+    cell_mv = round(v.state.voltage_v / CELLS * 1e3)
+    return dialect.MAVLink_battery_status_message(
+        id=0,
+        battery_function=1,
+        type=1,
+        temperature=32767,
+        voltages=[cell_mv] * CELLS + [UNKNOWN_16] * (FULL_VOLTAGES - CELLS),
+        current_battery=round(v.state.current_a * 1e2),
+        current_consumed=-1,
+        energy_consumed=-1,
+        battery_remaining=_percent(v.state.charge),
+        charge_state=int(v.autopilot.battery),
+    )
+
+
+_LANDED_STATES = {"AUTO.TAKEOFF": 3, "AUTO.LAND": 4, "DESCEND": 4}
+
+
+def extended_sys_state(v: Vehicle) -> Message:
+    """EXTENDED_SYS_STATE: 1 on the ground, 2 in the air, 3 taking off, 4 landing."""
+    landed = 1 if v.autopilot.is_landed else _LANDED_STATES.get(v.autopilot.mode, 2)
+    return dialect.MAVLink_extended_sys_state_message(0, landed)
+
+
+def mission_current(v: Vehicle) -> Message:
+    """MISSION_CURRENT: no mission."""
+    return dialect.MAVLink_mission_current_message(seq=0, total=0, mission_state=1)
+
+
+def autopilot_version(v: Vehicle) -> Message:
+    """AUTOPILOT_VERSION: what is really served, and which PX4 this behaves like."""
+    nothing = (0,) * 8
+    return dialect.MAVLink_autopilot_version_message(
+        CAPABILITIES, PX4_VERSION, PX4_VERSION, 0, 1, nothing, nothing, nothing, 0, 0, 1
+    )
+
+
+def system_time(v: Vehicle) -> Message:
+    """SYSTEM_TIME; the simulated world has no calendar, so Unix time is 0, unknown."""
+    return dialect.MAVLink_system_time_message(0, v.boot_ms)
+
+
+def flight_information(v: Vehicle) -> Message:
+    """FLIGHT_INFORMATION: of the flight under way, or of the last one; times since start."""
+    flights = v.autopilot.flights
+    return dialect.MAVLink_flight_information_message(
+        v.boot_ms, round(flights.armed_s * 1e6), round(flights.in_air_s * 1e6), flights.count
+    )
+
+
+def ping(v: Vehicle) -> Message:
+    """PING to everybody, numbered by the second."""
+    return dialect.MAVLink_ping_message(v.boot_us, int(v.state.time_s), 0, 0)
+
+
+def timesync(v: Vehicle) -> Message:
+    """TIMESYNC: a question, to which clients answer."""
+    return dialect.MAVLink_timesync_message(0, v.boot_us * 1000)
+
+
+def _percent(charge: float) -> int:
+    return min(100, max(0, math.ceil(charge * 100)))
