@@ -394,7 +394,12 @@ class Autopilot:
 
     def _situation(self) -> Situation:
         return Situation(
-            self._state, self.home, self._setpoint, self._takeoff_down_m, self.parameters
+            self._state,
+            self.home,
+            self._setpoint,
+            self._takeoff_down_m,
+            self.cruise_mps or self.parameters["MPC_XY_CRUISE"],
+            self.parameters,
         )
 
     def _tell(self, severity: Severity, text: str) -> None:

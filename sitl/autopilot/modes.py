@@ -43,12 +43,14 @@ class Situation:
         home: where the vehicle was armed, local NED.
         setpoint: the newest valid offboard setpoint, None before the first.
         takeoff_down_m: the height that was asked for, as local NED down.
+        cruise_mps: horizontal speed between places.
     """
 
     state: FlightState
     home: Ned
     setpoint: Target | None
     takeoff_down_m: float
+    cruise_mps: float
     parameters: Parameters
 
 
@@ -90,7 +92,7 @@ class Hold(_Endless):
 
     def target(self, now: Situation) -> Target:
         """The point."""
-        return Target(self.point, (0.0, 0.0, 0.0), yaw_rad=self.yaw_rad)
+        return Target(self.point, (0.0, 0.0, 0.0), yaw_rad=self.yaw_rad, speed_mps=now.cruise_mps)
 
 
 @dataclass(slots=True)
@@ -141,16 +143,18 @@ class Land(_Endless):
 class _Leg(Enum):
     CLIMB = "climb"
     HOME = "fly home"
+    WAIT = "descend to RTL_DESCEND_ALT and wait there"
     LAND = "land"
 
 
 @dataclass(slots=True)
 class Return(_Endless):
-    """Climbs, flies home, lands."""
+    """Climbs, flies home, waits there for RTL_LAND_DELAY (negative: for good), lands."""
 
     climb: Ned
     yaw_rad: float
     leg: _Leg = _Leg.CLIMB
+    waiting_since_s: float | None = None
 
     @classmethod
     def start(cls, now: Situation) -> Return:
@@ -166,11 +170,26 @@ class Return(_Endless):
             self.leg = _Leg.HOME
         is_home = horizontal_distance(position, home) < now.parameters["NAV_ACC_RAD"]
         if self.leg is _Leg.HOME and is_home:
+            self.leg = _Leg.WAIT
+        if self.leg is _Leg.WAIT and self._has_waited(now):
             self.leg = _Leg.LAND
         if self.leg is _Leg.LAND:
             return Land(home[0], home[1], self.yaw_rad).target(now)
+        if self.leg is _Leg.WAIT:
+            down = max(self.climb[2], home[2] - now.parameters["RTL_DESCEND_ALT"])
+            return Target((home[0], home[1], down), (0.0, 0.0, 0.0), yaw_rad=self.yaw_rad)
         at = self.climb if self.leg is _Leg.CLIMB else (home[0], home[1], self.climb[2])
-        return Target(at, (0.0, 0.0, 0.0), yaw_rad=self.yaw_rad)
+        return Target(at, (0.0, 0.0, 0.0), yaw_rad=self.yaw_rad, speed_mps=now.cruise_mps)
+
+    def _has_waited(self, now: Situation) -> bool:
+        delay_s = now.parameters["RTL_LAND_DELAY"]
+        down = now.home[2] - now.parameters["RTL_DESCEND_ALT"]
+        if self.waiting_since_s is None and now.state.position[2] > down - REACHED_M:
+            self.waiting_since_s = now.state.time_s
+        if delay_s <= 0:
+            return delay_s == 0
+        since = self.waiting_since_s
+        return since is not None and now.state.time_s - since >= delay_s
 
 
 @dataclass(slots=True)

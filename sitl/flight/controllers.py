@@ -64,6 +64,7 @@ class Target:
         acceleration: NED, m/s^2: feed-forward, or the setpoint where neither is given.
         yaw_rad: heading; None holds the last one.
         yaw_rate_radps: feed-forward with a heading, turns the held heading without one.
+        speed_mps: no faster than this horizontally; None is as fast as the limits allow.
     """
 
     position: Maybe
@@ -71,6 +72,7 @@ class Target:
     acceleration: Vector = (0.0, 0.0, 0.0)
     yaw_rad: float | None = None
     yaw_rate_radps: float | None = None
+    speed_mps: float | None = None
 
 
 class VelocityLoop:
@@ -125,9 +127,11 @@ class VelocityLoop:
         north = gain * offset[0] + (target.velocity[0] or 0.0)
         east = gain * offset[1] + (target.velocity[1] or 0.0)
         down = _clamp(climb + (target.velocity[2] or 0.0), -limits.climb_mps, limits.descent_mps)
-        speed = math.hypot(north, east)
-        if speed > limits.speed_mps:
-            north, east = north * limits.speed_mps / speed, east * limits.speed_mps / speed
+        speed, most = math.hypot(north, east), limits.speed_mps
+        if target.speed_mps is not None:
+            most = min(most, target.speed_mps)
+        if speed > most:
+            north, east = north * most / speed, east * most / speed
         n, e, d = (
             0.0 if position is None and velocity is None else wanted - now
             for position, velocity, wanted, now in zip(

@@ -181,3 +181,29 @@ def test_reposition_with_nothing_given_stops_where_it_is() -> None:
     wire.run(3.0)
     assert pause == [ACCEPTED]
     assert wire.simulation.flight.position == pytest.approx(here, abs=0.3)
+
+
+@pytest.mark.parametrize(("speed_mps", "flown_mps"), [(None, 5.0), (2.0, 2.0), (-1.0, 5.0)])
+def test_places_are_flown_to_at_cruise_speed(speed_mps: float | None, flown_mps: float) -> None:
+    wire = airborne()
+    if speed_mps is not None:
+        wire.command(dialect.MAV_CMD_DO_CHANGE_SPEED, 1, 3.0, -1)
+        wire.command(dialect.MAV_CMD_DO_CHANGE_SPEED, 1, speed_mps, -1)
+    latitude, longitude, _ = Scenario().home.to_global((100.0, 0.0, 0.0))
+    wire.command(dialect.MAV_CMD_DO_REPOSITION, -1, 1, 0, NAN, latitude, longitude, NAN)
+    wire.run(6.0)
+    assert wire.simulation.flight.velocity[0] == pytest.approx(flown_mps, abs=0.1)
+
+
+@pytest.mark.parametrize("delay_s", [0.0, 8.0, -1.0])
+def test_a_return_waits_at_home_before_it_lands(delay_s: float) -> None:
+    wire = Wire(Scenario(parameters={"RTL_LAND_DELAY": delay_s, "RTL_RETURN_ALT": 12.0}))
+    wire.fly_offboard(15.0, 0.0, -3.0)
+    wire.set_mode("AUTO.RTL")
+    at_home_s = wire.run_until(lambda: wire.simulation.flight.position[0] < 2.0, 30.0)
+    assert at_home_s > 5.0
+    wire.run(6.0)
+    height = -wire.simulation.flight.position[2]
+    assert height < 7.0 if delay_s == 0 else height == pytest.approx(10.0, abs=0.2)
+    wire.run(25.0)
+    assert wire.simulation.is_armed == (delay_s < 0)
