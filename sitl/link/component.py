@@ -18,7 +18,7 @@ from companion.mavlink.framing import Endpoint, Message, dialect, source
 from companion.mavlink.px4_modes import mode_name
 from companion.mavlink.statustext import chunks
 from sitl.autopilot.modes import FLIGHT_MODES, heading
-from sitl.link import parameters, setpoints
+from sitl.link import ftp, parameters, setpoints
 from sitl.link.commands import ACCEPTED_FIRST, execute, request_from
 from sitl.link.messages import MESSAGES, message_name
 from sitl.link.routing import MAV_TYPE_GCS, LinkName, Router, is_for
@@ -174,6 +174,9 @@ class AutopilotComponent:
         if message.tc1 == 0:
             link.send(dialect.MAVLink_timesync_message(self._vehicle.boot_us * 1000, message.ts1))
 
+    def _ftp(self, link: Link, message: Message) -> None:
+        link.send(ftp.refusal(message))
+
     def _heartbeat(self, link: Link, message: Message) -> None:
         if message.type == MAV_TYPE_GCS:
             self._vehicle.autopilot.hear_ground_station()
@@ -197,6 +200,7 @@ class AutopilotComponent:
         "SET_MODE": _set_mode,
         "SET_POSITION_TARGET_LOCAL_NED": _setpoint,
         "SET_POSITION_TARGET_GLOBAL_INT": _setpoint,
+        "FILE_TRANSFER_PROTOCOL": _ftp,
         "PING": _ping,
         "TIMESYNC": _timesync,
         "PARAM_REQUEST_LIST": _param_list,

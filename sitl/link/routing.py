@@ -43,7 +43,7 @@ def is_for(address: tuple[int, int], message: Message) -> bool:
 
 
 class Router:
-    """Remembers who was heard where.
+    """Remembers who was heard where: each component, and component 0 for its whole system.
 
     Args:
         links: those with somebody at the other end.
@@ -57,7 +57,8 @@ class Router:
 
     def hear(self, origin: LinkName, message: Message) -> None:
         """Learn from a message that came in."""
-        self._heard.setdefault(origin, set()).add(source(message))
+        system, component = source(message)
+        self._heard.setdefault(origin, set()).update([(system, component), (system, 0)])
         if message.get_type() == "HEARTBEAT" and message.type == MAV_TYPE_GCS:
             self._with_gcs |= {origin, *self._heard}
 
@@ -76,10 +77,5 @@ class Router:
         ]
 
     def _leads_to(self, link: LinkName, wanted: tuple[int, int]) -> bool:
-        system, component = wanted
-        if system == 0:
-            return True
-        return any(
-            heard_system == system and component in (0, heard_component)
-            for heard_system, heard_component in self._heard[link]
-        )
+        system, _ = wanted
+        return system == 0 or wanted in self._heard[link]

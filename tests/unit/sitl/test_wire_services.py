@@ -261,3 +261,15 @@ def test_equal_inputs_give_equal_bytes() -> None:
 def test_links_without_a_peer_get_nothing() -> None:
     simulation = Simulation(Scenario(), None, seed=0, links=frozenset({LinkName.OFFBOARD}))
     assert {link for link, _ in simulation.step(1.0, [])} == {LinkName.OFFBOARD}
+
+
+def test_ftp_is_refused_at_once_and_to_whom_asked() -> None:
+    wire = Wire(address=(255, 190))
+    payload = struct.pack("<HBBBBBxI", 41, 7, 4, 3, 0, 0, 99) + b"abc"
+    wire.send(
+        dialect.MAVLink_file_transfer_protocol_message(0, 1, 1, list(payload.ljust(251, b"\0")))
+    )
+    answer = wire.last("FILE_TRANSFER_PROTOCOL")
+    assert (answer.target_system, answer.target_component) == (255, 190)
+    told = struct.unpack_from("<HBBBBBxIB", bytes(answer.payload))
+    assert told == (42, 7, 129, 1, 4, 0, 99, 10)  # sequence + 1, NAK, FileNotFound
