@@ -160,14 +160,16 @@ def test_places_speeds_and_modes(run: Run) -> None:
         latitude, longitude, altitude = PX4_HOME.to_global((200.0, 0.0, -7.0))
         await within(client.action.goto_location(latitude, longitude, altitude, 90.0))
         await client.velocity(lambda n, e, d: n > 2.8)
+        await within(client.action.set_return_to_launch_altitude(8.0))
+        assert await within(client.action.get_return_to_launch_altitude()) == 8.0
+        await within(client.action.return_to_launch())
+        await client.velocity(lambda n, e, d: n < 0)
         await within(client.action.hold())
         await client.velocity(lambda n, e, d: abs(n) < 0.1)
         stopped = await within(client.telemetry.position_velocity_ned())
         assert 1.0 < stopped.position.north_m < 190.0
         with pytest.raises(Exception, match="DENIED"):
             await within(client.action.disarm())
-        await within(client.action.set_return_to_launch_altitude(8.0))
-        assert await within(client.action.get_return_to_launch_altitude()) == 8.0
         await client.land()
         landed = await within(client.telemetry.position_velocity_ned())
         assert landed.position.north_m == pytest.approx(stopped.position.north_m, abs=0.5)
