@@ -16,6 +16,7 @@ Source: PX4 1.16, src/modules/commander, and what a PX4 was seen to do. Time is 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum
 
@@ -28,7 +29,10 @@ from sitl.autopilot.failsafes import (
     FailsafeState,
     battery_level,
 )
+from sitl.autopilot.geofence import Area, Geofence
 from sitl.autopilot.landing import LandDetector
+from sitl.autopilot.mission import Mission
+from sitl.autopilot.mission_items import Item
 from sitl.autopilot.modes import FLIGHT_MODES, FlightMode, Hold, Need, Situation, heading
 from sitl.autopilot.parameters import Parameters
 from sitl.flight.controllers import Cascade, Limits, Target
@@ -91,6 +95,8 @@ class Autopilot:
         target: what the control cascade follows, None while disarmed.
         motors: the newest commands.
         flights: how often and when it was armed.
+        mission: what AUTO.MISSION flies.
+        fence: where the vehicle may be.
         notices: for people, oldest first; whoever sends them empties the list.
     """
 
@@ -107,6 +113,8 @@ class Autopilot:
         self.battery = battery_level(state.charge, parameters)
         self.notices: list[Notice] = []
         self.flights = Flights()
+        self.mission = Mission()
+        self.fence = Geofence()
         self._state = state
         self._landing = LandDetector()
         self._failsafe = FailsafeState()
@@ -240,6 +248,24 @@ class Autopilot:
         """A heartbeat of a ground station has come in."""
         self._ground_station_s = self._state.time_s
 
+    def load_mission(self, items: Sequence[Item], current: int | None) -> None:
+        """Replace the mission; `current` is the item to begin with, None keeps the index."""
+        self.mission.load(items, current, self._state.time_s)
+
+    def load_fence(self, areas: Sequence[Area]) -> None:
+        """Replace the geofence; an area that is violated already is left out."""
+        points = [self.home] if self.is_landed else [self.home, self._state.position]
+        if self.fence.load(areas, points):
+            self._tell(Severity.CRITICAL, "Geofence invalid, doesn't contain Home position")
+
+    def start_mission(self, index: int | None) -> bool:
+        """Fly the mission, from an item if one is given; arms."""
+        if not self.set_mode("AUTO.MISSION") or not self.arm():
+            return False
+        if index is not None:
+            self.mission.set_current(index)
+        return True
+
     def refuse_arming(self, reason: str | None) -> None:
         """From now on arming is refused for a reason; None allows it again."""
         self._refusal = reason
@@ -320,8 +346,10 @@ class Autopilot:
         if mode != self.mode:
             self._enter(mode)
         elif follower := self._flying.successor(self._situation()):
-            self.mode = self.intended_mode = "AUTO.LOITER"
-            self._flying = follower
+            self.mode = self.intended_mode = follower.mode
+            self._flying = follower.flying
+            if follower.text:
+                self._tell(Severity.INFO, follower.text)
         self._disarm_by_itself(now_s)
 
     def _tell_failsafe(self) -> None:
@@ -372,6 +400,7 @@ class Autopilot:
         self._failsafe = FailsafeState()
         if self.intended_mode in _DONE_WHEN_DISARMED:
             self.intended_mode = "AUTO.LOITER"
+        self.mission.disarmed()
         self._enter(self.intended_mode)
         self._tell(Severity.INFO, text)
 
@@ -384,7 +413,13 @@ class Autopilot:
         age_s = self._state.time_s - self._setpoint_s
         has_setpoints = age_s <= self.parameters["COM_OF_LOSS_T"]
         need = FLIGHT_MODES[mode].need
-        if not (need is Need.NOTHING or (need is Need.SETPOINTS and has_setpoints)):
+        is_met = {
+            Need.NOTHING: True,
+            Need.SETPOINTS: has_setpoints,
+            Need.MISSION: self.mission.is_ready(self._state.time_s),
+            Need.PILOT: False,
+        }
+        if not is_met[need]:
             return str(need.value)
         return "GPS fix too low" if self._conditions().is_position_lost else ""
 
@@ -399,6 +434,8 @@ class Autopilot:
             self._setpoint,
             self._takeoff_down_m,
             self.cruise_mps or self.parameters["MPC_XY_CRUISE"],
+            self.is_landed,
+            self.mission,
             self.parameters,
         )
 

@@ -7,6 +7,7 @@ how it starts. A new mode is a new line there.
     OFFBOARD      follow the companion's setpoint
     AUTO.TAKEOFF  climb over the present position, then AUTO.LOITER
     AUTO.LOITER   stop and hold
+    AUTO.MISSION  fly the mission's items (mission.py)
     AUTO.RTL      climb, fly home, land there
     AUTO.LAND     descend over the present position
     POSCTL        without a pilot's sticks: hold horizontally, sink at 0.5 m/s (seen on PX4)
@@ -44,6 +45,8 @@ class Situation:
         setpoint: the newest valid offboard setpoint, None before the first.
         takeoff_down_m: the height that was asked for, as local NED down.
         cruise_mps: horizontal speed between places.
+        is_landed: the vehicle rests on the ground.
+        mission: what AUTO.MISSION flies.
     """
 
     state: FlightState
@@ -51,7 +54,16 @@ class Situation:
     setpoint: Target | None
     takeoff_down_m: float
     cruise_mps: float
+    is_landed: bool
+    mission: Plan
     parameters: Parameters
+
+
+class Plan(Protocol):
+    """What a mode is made of that knows more than the vehicle's situation."""
+
+    def start(self, now: Situation) -> FlightMode:
+        """The mode in flight."""
 
 
 class FlightMode(Protocol):
@@ -60,12 +72,21 @@ class FlightMode(Protocol):
     def target(self, now: Situation) -> Target:
         """What the control cascade shall follow in this step."""
 
-    def successor(self, now: Situation) -> Hold | None:
-        """The hold that follows once the mode has done its work, None until then."""
+    def successor(self, now: Situation) -> Succession | None:
+        """What follows once the mode has done its work, None until then; asked at 50 Hz."""
+
+
+@dataclass(frozen=True, slots=True)
+class Succession:
+    """A mode that follows by itself, and what people are told of it."""
+
+    mode: str
+    flying: FlightMode
+    text: str = ""
 
 
 class _Endless:
-    def successor(self, now: Situation) -> Hold | None:
+    def successor(self, now: Situation) -> Succession | None:
         """Nothing follows by itself."""
         return None
 
@@ -114,10 +135,10 @@ class Takeoff:
         speed = min(now.parameters["MPC_TKO_SPEED"], now.state.position[2] - down)
         return Target((north, east, None), (0.0, 0.0, -speed), yaw_rad=self.yaw_rad)
 
-    def successor(self, now: Situation) -> Hold | None:
+    def successor(self, now: Situation) -> Succession | None:
         """Holds at the height that was asked for."""
         is_reached = abs(now.state.position[2] - self.point[2]) < REACHED_M
-        return Hold(self.point, self.yaw_rad) if is_reached else None
+        return Succession("AUTO.LOITER", Hold(self.point, self.yaw_rad)) if is_reached else None
 
 
 @dataclass(slots=True)
@@ -269,7 +290,7 @@ FLIGHT_MODES: dict[str, ModeEntry] = {
     "AUTO.LOITER": ModeEntry(Need.NOTHING, Hold.start),
     "AUTO.RTL": ModeEntry(Need.NOTHING, Return.start, may_arm=False),
     "AUTO.LAND": ModeEntry(Need.NOTHING, Land.start, may_arm=False),
-    "AUTO.MISSION": ModeEntry(Need.MISSION, Hold.start),
+    "AUTO.MISSION": ModeEntry(Need.MISSION, lambda now: now.mission.start(now)),
     "POSCTL": ModeEntry(Need.PILOT, SinkWithoutPilot.start),
     "ALTCTL": ModeEntry(Need.PILOT, Descend.without_pilot),
     "MANUAL": ModeEntry(Need.PILOT, Descend.without_pilot),

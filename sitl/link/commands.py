@@ -186,6 +186,14 @@ def _change_speed(on: Commanded, request: Request) -> Result:
     return Result.ACCEPTED
 
 
+def _mission_start(on: Commanded, request: Request) -> Result:
+    vehicle, (first, *_) = on.vehicle, request.parameters
+    mission = vehicle.autopilot.mission
+    if not (mission.is_ready(vehicle.state.time_s) and -1 <= first < len(mission.items)):
+        return Result.DENIED
+    return _granted(vehicle.autopilot.start_mission(int(first) if first >= 0 else None))
+
+
 def _terminate(on: Commanded, request: Request) -> Result:
     if request.parameters[0] > 0.5:
         on.vehicle.autopilot.terminate()
@@ -204,6 +212,7 @@ COMMANDS: dict[int, Callable[[Commanded, Request], Result]] = {
     dialect.MAV_CMD_NAV_LAND: _mode("AUTO.LAND"),
     dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH: _mode("AUTO.RTL"),
     dialect.MAV_CMD_DO_REPOSITION: _reposition,
+    dialect.MAV_CMD_MISSION_START: _mission_start,
     dialect.MAV_CMD_DO_CHANGE_SPEED: _change_speed,
     dialect.MAV_CMD_DO_SET_HOME: _set_home,
     dialect.MAV_CMD_DO_FLIGHTTERMINATION: _terminate,

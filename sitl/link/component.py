@@ -5,7 +5,7 @@ the component also sends what is due on each link: streams, HEARTBEAT at once wh
 system status changed, the second answer to DO_SET_MODE, and notices as STATUSTEXT.
 
 Sources: the services of https://mavlink.io/en/services/; PX4's answers as they were seen.
-Left out so far: missions (an empty list is served), MAVLink FTP, events.
+Left out so far: MAVLink FTP, events.
 """
 
 from __future__ import annotations
@@ -21,6 +21,9 @@ from sitl.autopilot.modes import FLIGHT_MODES, heading
 from sitl.link import ftp, parameters, setpoints
 from sitl.link.commands import ACCEPTED_FIRST, execute, request_from
 from sitl.link.messages import MESSAGES, message_name
+from sitl.link.mission_items import Kind, WireItem, areas_from, item_from
+from sitl.link.missions import Missions
+from sitl.link.progress import Progress
 from sitl.link.routing import MAV_TYPE_GCS, LinkName, Router, is_for
 from sitl.link.streams import Streams
 from sitl.link.telemetry.system import status
@@ -91,6 +94,10 @@ class AutopilotComponent:
         self._links = {name: Link(name, system, vehicle) for name in LinkName if name in links}
         self._told = status(vehicle.autopilot)
         self._texts = 0
+        self._progress = Progress()
+        self._missions: Missions = Missions(
+            self._take_plan, lambda: vehicle.autopilot.mission.current
+        )
 
     def receive(self, name: LinkName, message: Message) -> None:
         """Handle a message that came in on a link."""
@@ -103,7 +110,12 @@ class AutopilotComponent:
         """What leaves now."""
         vehicle = self._vehicle
         now = status(vehicle.autopilot)
+        for origin, message in self._missions.due(vehicle.state.time_s):
+            self._links[origin].send(message)
+        progress = self._progress.due(vehicle)
         for link in self._links.values():
+            for message in progress:
+                link.send(message)
             for message in link.later:
                 link.send(message)
             link.later.clear()
@@ -190,8 +202,25 @@ class AutopilotComponent:
     def _param_set(self, link: Link, message: Message) -> None:
         link.send_if(parameters.write(message, self._vehicle.autopilot.parameters))
 
-    def _mission_list(self, link: Link, message: Message) -> None:
-        link.send(dialect.MAVLink_mission_count_message(*source(message), 0, message.mission_type))
+    def _mission(self, link: Link, message: Message) -> None:
+        for answer in self._missions.receive(link.name, message, self._vehicle.state.time_s):
+            link.send(answer)
+
+    def _mission_set_current(self, link: Link, message: Message) -> None:
+        vehicle = self._vehicle
+        if not self._missions.is_busy and vehicle.autopilot.mission.set_current(message.seq):
+            link.send(MESSAGES["MISSION_CURRENT"](vehicle))
+
+    def _take_plan(self, kind: Kind, items: tuple[WireItem, ...], current: int | None) -> bool:
+        autopilot, origin = self._vehicle.autopilot, self._vehicle.origin
+        if kind is Kind.MISSION:
+            autopilot.load_mission([item_from(item, origin) for item in items], current)
+        elif kind is Kind.FENCE:
+            areas = areas_from(items, origin)
+            if areas is None:
+                return False
+            autopilot.load_fence(areas)
+        return True
 
     SERVICES: ClassVar[dict[str, Callable[[AutopilotComponent, Link, Message], None]]] = {
         "HEARTBEAT": _heartbeat,
@@ -206,6 +235,7 @@ class AutopilotComponent:
         "PARAM_REQUEST_LIST": _param_list,
         "PARAM_REQUEST_READ": _param_read,
         "PARAM_SET": _param_set,
-        "MISSION_REQUEST_LIST": _mission_list,
+        "MISSION_SET_CURRENT": _mission_set_current,
+        **dict.fromkeys(Missions.HANDLERS, _mission),
     }
     """Message -> what answers it."""

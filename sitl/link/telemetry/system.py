@@ -91,8 +91,14 @@ def extended_sys_state(v: Vehicle) -> Message:
 
 
 def mission_current(v: Vehicle) -> Message:
-    """MISSION_CURRENT: no mission."""
-    return dialect.MAVLink_mission_current_message(seq=0, total=0, mission_state=1)
+    """MISSION_CURRENT: the item that is flown now or next."""
+    mission, mode = v.autopilot.mission, v.autopilot.mode
+    return dialect.MAVLink_mission_current_message(
+        seq=mission.current,
+        total=len(mission.items) or UNKNOWN_16,
+        mission_state=mission.state(mode, v.state.time_s),
+        mission_mode=1 if mission.is_active(mode) else 2,
+    )
 
 
 def autopilot_version(v: Vehicle) -> Message:

@@ -1,0 +1,88 @@
+"""Is the vehicle where its geofence allows it to be?
+
+A fence is a set of areas, polygons and circles, each of which must be kept to: inside those of
+inclusion, outside those of exclusion. Besides, GF_MAX_HOR_DIST and GF_MAX_VER_DIST limit the
+distance from home; 0 is no limit. As in PX4, an area that home or a flying vehicle already
+violates is not taken up.
+
+Source: PX4 1.16, src/modules/navigator/geofence.cpp. Left out: a prediction of the path
+(GF_PREDICT), the fence return point, which PX4 stores and does not use.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from companion.geometry import Ned, NorthEast, horizontal_distance, is_in_polygon
+from sitl.autopilot.parameters import Parameters
+
+
+@dataclass(frozen=True, slots=True)
+class Polygon:
+    """A simple polygon of three or more corners."""
+
+    corners: tuple[NorthEast, ...]
+
+    def contains(self, point: Sequence[float]) -> bool:
+        """Whether a point lies inside, seen from above."""
+        return is_in_polygon(point, self.corners)
+
+
+@dataclass(frozen=True, slots=True)
+class Circle:
+    """A circle."""
+
+    centre: NorthEast
+    radius_m: float
+
+    def contains(self, point: Sequence[float]) -> bool:
+        """Whether a point lies inside, seen from above."""
+        return horizontal_distance(point, self.centre) < self.radius_m
+
+
+@dataclass(frozen=True, slots=True)
+class Area:
+    """A part of a fence: to stay in, or to stay out of."""
+
+    shape: Polygon | Circle
+    is_inclusion: bool
+
+    def allows(self, point: Sequence[float]) -> bool:
+        """Whether a point keeps to this area."""
+        return self.shape.contains(point) == self.is_inclusion
+
+
+class Geofence:
+    """The fence of one vehicle.
+
+    Attributes:
+        areas: those in force.
+    """
+
+    def __init__(self) -> None:
+        self.areas: tuple[Area, ...] = ()
+
+    def load(self, areas: Iterable[Area], kept_to: Iterable[Ned]) -> int:
+        """Replace all areas.
+
+        Args:
+            areas: the new ones.
+            kept_to: points that every area must allow.
+
+        Returns:
+            How many areas do not, and are left out.
+        """
+        areas, points = tuple(areas), tuple(kept_to)
+        self.areas = tuple(area for area in areas if all(map(area.allows, points)))
+        return len(areas) - len(self.areas)
+
+    def is_breached(self, position: Ned, home: Ned, parameters: Parameters) -> bool:
+        """Whether a position is outside the fence or too far from home."""
+        most_away_m = parameters["GF_MAX_HOR_DIST"]
+        if most_away_m > 0 and horizontal_distance(position, home) >= most_away_m:
+            return True
+        most_above_m = parameters["GF_MAX_VER_DIST"]
+        if most_above_m > 0 and home[2] - position[2] >= most_above_m:
+            return True
+        return not all(area.allows(position) for area in self.areas)

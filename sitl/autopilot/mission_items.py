@@ -1,0 +1,90 @@
+"""What is a mission made of?
+
+An `Item` is one of PX4's mission items with its place already in local NED. Only those named in
+`Command` change the flight; every other one (cameras, gimbals, regions of interest) is passed over
+as soon as its turn comes. What was not given, NaN on the wire, is None here.
+
+Source: MAV_CMD in common.xml; PX4, src/modules/navigator/mission_base.cpp.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+
+from companion.geometry import Ned, NorthEast, wrap_angle
+
+MANY_JUMPS = 65535  # a negative count of repetitions: PX4 keeps it in 16 bits
+
+
+class Command(IntEnum):
+    """The items that change the flight; the values are MAV_CMD."""
+
+    WAYPOINT = 16
+    LOITER_UNLIMITED = 17
+    LOITER_TIME = 19
+    RETURN_TO_LAUNCH = 20
+    LAND = 21
+    TAKEOFF = 22
+    DELAY = 93
+    DO_JUMP = 177
+    DO_CHANGE_SPEED = 178
+
+
+@dataclass(frozen=True, slots=True)
+class Item:
+    """One item of a mission.
+
+    Attributes:
+        command: MAV_CMD; may be one that is passed over.
+        parameters: param1 to param4; finite, None where not given.
+        place: local north and east, None for wherever the vehicle is.
+        up_m: height above home or above the local origin, None for the present one.
+        is_above_home: which of the two.
+        goes_on: autocontinue: the next item follows by itself.
+    """
+
+    command: int
+    parameters: tuple[float | None, float | None, float | None, float | None] = (None,) * 4
+    place: NorthEast | None = None
+    up_m: float | None = None
+    is_above_home: bool = True
+    goes_on: bool = True
+
+    def parameter(self, number: int, default: float = 0.0) -> float:
+        """One of param1 to param4, or what stands for it."""
+        value = self.parameters[number - 1]
+        return default if value is None else value
+
+    def point(self, here: Ned, home: Ned) -> Ned:
+        """The place in local NED."""
+        north, east = self.place or here[:2]
+        if self.up_m is None:
+            return (north, east, here[2])
+        return (north, east, (home[2] if self.is_above_home else 0.0) - self.up_m)
+
+    @property
+    def yaw_rad(self) -> float | None:
+        """The heading that is asked for at a waypoint."""
+        yaw_deg = self.parameters[3]
+        return None if yaw_deg is None else wrap_angle(math.radians(yaw_deg))
+
+    @property
+    def jumps_to(self) -> int:
+        """The item that a DO_JUMP leads to."""
+        return int(self.parameter(1, -1.0))
+
+    @property
+    def repetitions(self) -> int:
+        """How often a DO_JUMP jumps."""
+        count = self.parameter(2)
+        return MANY_JUMPS if count < 0 else int(min(count, MANY_JUMPS))
+
+
+def speed_before(items: Sequence[Item], index: int) -> float | None:
+    """The speed in m/s that is in force when an item's turn comes, None for the default."""
+    changes = [item for item in items[:index] if item.command == Command.DO_CHANGE_SPEED]
+    speed_mps = changes[-1].parameter(2) if changes else 0.0
+    return speed_mps if speed_mps > 0 else None

@@ -1,0 +1,202 @@
+"""What does a MISSION_ITEM_INT mean, and may the autopilot have it?
+
+A `WireItem` is an item as it was sent, free of the two forms it may come in: places in degrees,
+frames without `_INT`, None for NaN (or INT32_MAX: "not given"). It is what a download returns.
+`verdict` says what PX4 answers to it; `item_from` and `areas_from` turn it into what the autopilot
+flies and keeps to.
+
+Source: https://mavlink.io/en/services/mission.html; PX4 1.16, src/modules/mavlink/
+mavlink_mission.cpp: which command is taken in which frame. Left out: commands of VTOLs.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+
+from companion.geometry import GlobalOrigin, NorthEast
+from companion.mavlink.framing import Message, dialect
+from sitl.autopilot.geofence import Area, Circle, Polygon
+from sitl.autopilot.mission_items import Item
+
+GLOBAL, MISSION, RELATIVE = 0, 2, 3  # MAV_FRAME
+WITHOUT_INT = {5: GLOBAL, 6: RELATIVE}
+WITH_INT = {GLOBAL: 5, RELATIVE: 6}
+INT32_MIN, INT32_MAX = -(2**31), 2**31 - 1
+
+
+class Kind(IntEnum):
+    """MAV_MISSION_TYPE."""
+
+    MISSION = 0
+    FENCE = 1
+    RALLY = 2
+
+
+@dataclass(frozen=True, slots=True)
+class WireItem:
+    """An item as it was sent.
+
+    Attributes:
+        frame: GLOBAL, RELATIVE or MISSION; any other is refused.
+        parameters: param1 to param4.
+        x: latitude in degrees, or param5 in the frame MISSION.
+        y: longitude in degrees, or param6.
+        z: altitude in metres, or param7.
+    """
+
+    command: int
+    frame: int
+    parameters: tuple[float | None, float | None, float | None, float | None]
+    x: float | None
+    y: float | None
+    z: float | None
+    autocontinue: bool
+
+    @property
+    def is_global(self) -> bool:
+        """It has a place on the earth."""
+        return self.frame in (GLOBAL, RELATIVE)
+
+
+def wire_item(message: Message) -> WireItem:
+    """The item in a MISSION_ITEM_INT or MISSION_ITEM."""
+    frame, x, y = message.frame, message.x, message.y
+    if message.get_type() == "MISSION_ITEM_INT":
+        frame = WITHOUT_INT.get(frame, frame)
+        scale = 1.0 if frame == MISSION else 1e7
+        x, y = (math.nan if value == INT32_MAX else value / scale for value in (x, y))
+    first, second, third, fourth = (
+        _given(value) for value in (message.param1, message.param2, message.param3, message.param4)
+    )
+    return WireItem(
+        message.command,
+        frame,
+        (first, second, third, fourth),
+        _given(x),
+        _given(y),
+        _given(message.z),
+        bool(message.autocontinue),
+    )
+
+
+def int_message(
+    item: WireItem, seq: int, target: tuple[int, int], kind: Kind, is_current: bool
+) -> Message:
+    """MISSION_ITEM_INT."""
+    scale = 1e7 if item.is_global else 1.0
+    x, y = (INT32_MAX if v is None else _int32(v * scale) for v in (item.x, item.y))
+    frame = WITH_INT.get(item.frame, item.frame)
+    return dialect.MAVLink_mission_item_int_message(
+        *target, seq, frame, *_rest(item, is_current), x, y, _or_nan(item.z), kind
+    )
+
+
+def float_message(
+    item: WireItem, seq: int, target: tuple[int, int], kind: Kind, is_current: bool
+) -> Message:
+    """MISSION_ITEM, for those who ask with MISSION_REQUEST."""
+    x, y, z = map(_or_nan, (item.x, item.y, item.z))
+    return dialect.MAVLink_mission_item_message(
+        *target, seq, item.frame, *_rest(item, is_current), x, y, z, kind
+    )
+
+
+_PLACES = frozenset({16, 17, 19, 21, 22, 80, 195, 201})
+_ACTIONS = (
+    frozenset({20, 80, 93, 112, 114, 177, 178, 179, 187, 189, 196, 197, 200, 201, 203, 204, 205})
+    | frozenset({206, 211, 214, 260, 530, 531, 532, 534, 1000, 1001, 2000, 2001, 2003, 2500, 2501})
+    | frozenset({42600})
+)
+_RETURN_POINT, _RALLY_POINT = 5000, 5100
+_POLYGONS = {5001: True, 5002: False}
+_CIRCLES = {5003: True, 5004: False}
+"""MAV_CMD -> an area of inclusion."""
+
+COMMANDS: dict[tuple[Kind, bool], frozenset[int]] = {
+    (Kind.MISSION, True): _PLACES,
+    (Kind.MISSION, False): _ACTIONS,
+    (Kind.FENCE, True): frozenset({_RETURN_POINT, *_POLYGONS, *_CIRCLES}),
+    (Kind.RALLY, True): frozenset({_RALLY_POINT}),
+}
+"""Kind of plan, and whether the item has a place -> MAV_CMDs that are taken."""
+
+
+def verdict(kind: Kind, item: WireItem) -> int:
+    """MAV_MISSION_RESULT of an item."""
+    if not (item.is_global or item.frame == MISSION):
+        return int(dialect.MAV_MISSION_UNSUPPORTED_FRAME)
+    if item.command not in COMMANDS.get((kind, item.is_global), frozenset()):
+        return int(dialect.MAV_MISSION_UNSUPPORTED)
+    if item.is_global:
+        needs_place = kind is not Kind.MISSION
+        if not _is_angle(item.x, 90.0, needs_place):
+            return int(dialect.MAV_MISSION_INVALID_PARAM5_X)
+        if not _is_angle(item.y, 180.0, needs_place):
+            return int(dialect.MAV_MISSION_INVALID_PARAM6_Y)
+    first = item.parameters[0] or 0.0
+    if item.command in _POLYGONS and first < 3:
+        return int(dialect.MAV_MISSION_ERROR)  # too few corners
+    if item.command in _CIRCLES and first <= 0:
+        return int(dialect.MAV_MISSION_INVALID_PARAM1)
+    return int(dialect.MAV_MISSION_ACCEPTED)
+
+
+def item_from(item: WireItem, origin: GlobalOrigin) -> Item:
+    """An accepted item of a mission, as the autopilot flies it."""
+    is_above_home = item.frame == RELATIVE
+    up_m = item.z if is_above_home or item.z is None else item.z - origin.altitude_m
+    place = _place(item, origin) if item.is_global else None
+    return Item(item.command, item.parameters, place, up_m, is_above_home, item.autocontinue)
+
+
+def areas_from(items: Sequence[WireItem], origin: GlobalOrigin) -> list[Area] | None:
+    """The areas of a fence of accepted items, None if a polygon is not complete."""
+    areas: list[Area] = []
+    at = 0
+    while at < len(items):
+        item, places = items[at], 1
+        if item.command in _POLYGONS:
+            places = round(item.parameters[0] or 0.0)
+            corners = tuple(_place(corner, origin) for corner in items[at : at + places])
+            if {(each.command, each.parameters[0]) for each in items[at : at + places]} != {
+                (item.command, item.parameters[0])
+            } or len(corners) < places:
+                return None
+            known = tuple(corner for corner in corners if corner is not None)
+            areas.append(Area(Polygon(known), _POLYGONS[item.command]))
+        elif item.command in _CIRCLES and (centre := _place(item, origin)) is not None:
+            circle = Circle(centre, item.parameters[0] or 0.0)
+            areas.append(Area(circle, _CIRCLES[item.command]))
+        at += places
+    return areas
+
+
+def _place(item: WireItem, origin: GlobalOrigin) -> NorthEast | None:
+    if item.x is None or item.y is None:
+        return None
+    return origin.to_local(item.x, item.y, 0.0)[:2]
+
+
+def _rest(item: WireItem, is_current: bool) -> tuple[float, ...]:
+    """The fields from command to param4, in the order of both messages."""
+    parameters = map(_or_nan, item.parameters)
+    return (item.command, int(is_current), int(item.autocontinue), *parameters)
+
+
+def _is_angle(value: float | None, limit_deg: float, is_needed: bool) -> bool:
+    return not is_needed if value is None else abs(value) <= limit_deg
+
+
+def _given(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _or_nan(value: float | None) -> float:
+    return math.nan if value is None else value
+
+
+def _int32(value: float) -> int:
+    return max(INT32_MIN, min(INT32_MAX, round(value)))
