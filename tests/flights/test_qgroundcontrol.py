@@ -3,6 +3,7 @@
 import pytest
 from qgroundcontrol import QGroundControl
 
+from companion.mavlink.framing import dialect
 from companion.mavlink.parameters import INT32, REAL32
 
 HOME = (47.397742, 8.545594, 488.0)
@@ -66,3 +67,42 @@ def test_a_guided_flight(qgc: QGroundControl) -> None:
 @pytest.mark.parametrize("mode", ["AUTO.LOITER", "AUTO.LAND", "AUTO.RTL", "OFFBOARD", "POSCTL"])
 def test_modes_on_the_ground(qgc: QGroundControl, mode: str) -> None:
     qgc.set_mode(mode)
+
+
+def test_a_mission_is_planned_uploaded_loaded_and_flown(qgc: QGroundControl) -> None:
+    latitude, longitude, _ = HOME
+    takeoff, waypoint, home = (
+        dialect.MAV_CMD_NAV_TAKEOFF,
+        dialect.MAV_CMD_NAV_WAYPOINT,
+        dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH,
+    )
+    items = [
+        (takeoff, 3, (0.0, 0.0, 0.0, float("nan"), latitude, longitude, 5.0)),
+        (waypoint, 3, (0.0, 0.0, 0.0, float("nan"), latitude + 0.0001, longitude, 5.0)),
+        (waypoint, 3, (0.0, 0.0, 0.0, float("nan"), latitude, longitude + 0.0001, 6.0)),
+        (home, 2, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)),
+    ]
+    qgc.save_plan(0, items)
+    loaded = qgc.load_plan(0)
+    assert [m.command for m in loaded] == [command for command, _, _ in items]
+    assert [m.x for m in loaded[:3]] == [round(p[4] * 1e7) for _, _, p in items[:3]]
+    qgc.set_mode("AUTO.MISSION")
+    qgc.arm()
+    qgc.run(60.0)
+    reached = [h.message.seq for h in qgc.wire.named("MISSION_ITEM_REACHED")]
+    assert list(dict.fromkeys(reached))[:3] == [0, 1, 2]
+    qgc.run(60.0)
+    assert not qgc.wire.last("HEARTBEAT").base_mode & 0x80
+
+
+def test_fence_and_rally_points_are_uploaded_and_loaded(qgc: QGroundControl) -> None:
+    latitude, longitude, _ = HOME
+    corners = [(-1, -1), (-1, 1), (1, 1), (1, -1)]
+    fence = [
+        (5001, 0, (4.0, 0.0, 0.0, 0.0, latitude + n * 1e-3, longitude + e * 1e-3, 0.0))
+        for n, e in corners
+    ]
+    qgc.save_plan(1, fence)
+    assert [m.command for m in qgc.load_plan(1)] == [5001] * 4
+    qgc.save_plan(2, [(5100, 3, (0.0, 0.0, 0.0, 0.0, latitude, longitude, 10.0))])
+    assert [m.command for m in qgc.load_plan(2)] == [5100]
