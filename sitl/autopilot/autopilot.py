@@ -18,22 +18,17 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from enum import IntEnum
 
 from companion.geometry import Ned, Quaternion
 from sitl.autopilot.arming import Readiness, objection
-from sitl.autopilot.failsafes import (
-    Action,
-    BatteryLevel,
-    Conditions,
-    FailsafeState,
-    battery_level,
-)
+from sitl.autopilot.failsafe_state import FailsafeState
+from sitl.autopilot.failsafes import Conditions, battery_level
 from sitl.autopilot.geofence import Area, Geofence
 from sitl.autopilot.landing import LandDetector
 from sitl.autopilot.mission import Mission
 from sitl.autopilot.mission_items import Item
 from sitl.autopilot.modes import FLIGHT_MODES, FlightMode, Hold, Need, Situation, heading
+from sitl.autopilot.notices import BATTERY_NOTICES, Notice, Severity, failsafe_notices
 from sitl.autopilot.parameters import Parameters
 from sitl.flight.controllers import Cascade, Limits, Target
 from sitl.flight.mixer import MAX_THRUST_N, Motors
@@ -45,23 +40,6 @@ CLIMB_M = 0.1  # a target this far above the vehicle wants it to leave the groun
 _DONE_WHEN_DISARMED = ("AUTO.TAKEOFF", "AUTO.RTL", "AUTO.LAND")
 
 
-class Severity(IntEnum):
-    """Of a notice; the values are MAV_SEVERITY."""
-
-    EMERGENCY = 0
-    CRITICAL = 2
-    WARNING = 4
-    INFO = 6
-
-
-@dataclass(frozen=True, slots=True)
-class Notice:
-    """A line for people."""
-
-    severity: Severity
-    text: str
-
-
 @dataclass(frozen=True, slots=True)
 class Flights:
     """How often the vehicle was armed, and when last; 0 for never."""
@@ -69,13 +47,6 @@ class Flights:
     count: int = 0
     armed_s: float = 0.0
     in_air_s: float = 0.0
-
-
-_BATTERY_NOTICES = {
-    BatteryLevel.LOW: Notice(Severity.CRITICAL, "Low battery"),
-    BatteryLevel.CRITICAL: Notice(Severity.CRITICAL, "Critical battery"),
-    BatteryLevel.EMERGENCY: Notice(Severity.EMERGENCY, "Emergency battery level"),
-}
 
 
 class Autopilot:
@@ -149,6 +120,11 @@ class Autopilot:
     def attitude_target(self) -> tuple[Quaternion, float]:
         """The attitude that is wanted, body to NED, and the thrust as a share of the most."""
         return self._cascade.attitude, self._cascade.thrust_n / (4 * MAX_THRUST_N)
+
+    @property
+    def is_fence_breached(self) -> bool:
+        """The vehicle is where its geofence does not allow it to be."""
+        return self.fence.is_breached(self._state.position, self.home, self.parameters)
 
     def objection(self) -> str | None:
         """Why arming would be refused now, None if it would not."""
@@ -337,8 +313,9 @@ class Autopilot:
         now_s = self._state.time_s
         before = self._failsafe.active, self._failsafe.is_waiting
         self._failsafe.update(self._conditions(), now_s)
-        if (self._failsafe.active, self._failsafe.is_waiting) != before:
-            self._tell_failsafe()
+        active = self._failsafe.active, self._failsafe.is_waiting
+        if active != before:
+            self.notices += failsafe_notices(self._failsafe, self.parameters)
         if self._failsafe.stops_motors:
             self._stop("Disarmed by failsafe")
             return
@@ -352,19 +329,6 @@ class Autopilot:
                 self._tell(Severity.INFO, follower.text)
         self._disarm_by_itself(now_s)
 
-    def _tell_failsafe(self) -> None:
-        active = self._failsafe.active
-        if active is None:
-            return
-        if self._failsafe.is_waiting:
-            hold_s = self.parameters["COM_FAIL_ACT_T"]
-            text = f"Failsafe activated: entering Hold for {hold_s:.0f} seconds"
-        elif active.action is Action.WARN:
-            text = f"Failsafe warning: {active.cause.value}"
-        else:
-            text = f"Failsafe activated: {active.cause.value}"
-        self._tell(Severity.CRITICAL, text)
-
     def _conditions(self) -> Conditions:
         now_s = self._state.time_s
         return Conditions(
@@ -374,12 +338,13 @@ class Autopilot:
             self.parameters,
             now_s - self._ground_station_s,
             self.position_age_s,
+            self.is_fence_breached,
         )
 
     def _watch_battery(self) -> None:
         level = battery_level(self._state.charge, self.parameters)
         if level > self.battery:
-            self.notices.append(_BATTERY_NOTICES[level])
+            self.notices.append(BATTERY_NOTICES[level])
         self.battery = level
 
     def _disarm_by_itself(self, now_s: float) -> None:

@@ -23,7 +23,7 @@ _BASE_MODE_AUTO, _BASE_MODE_STICKS, _ARMED = 0x1D, 0x51, 0x80
 # MAV_SYS_STATUS_SENSOR bits: gyro, accelerometer, magnetometer, pressure, GPS, motor outputs,
 # geofence, AHRS, battery.
 _SENSORS = 0x1 | 0x2 | 0x4 | 0x8 | 0x20 | 0x8000 | 0x100000 | 0x200000 | 0x2000000
-_GPS, _PREARM_CHECK = 0x20, 0x10000000
+_GPS, _GEOFENCE, _PREARM_CHECK = 0x20, 0x100000, 0x10000000
 # MAV_PROTOCOL_CAPABILITY bits: PARAM_FLOAT, MISSION_INT, COMMAND_INT, PARAM_ENCODE_BYTEWISE,
 # SET_POSITION_TARGET_LOCAL_NED, SET_POSITION_TARGET_GLOBAL_INT, MAVLINK2.
 CAPABILITIES = 2 | 4 | 8 | 16 | 128 | 256 | 8192 | 16384 | 32768
@@ -51,11 +51,13 @@ def heartbeat(v: Vehicle) -> Message:
 def sys_status(v: Vehicle) -> Message:
     """SYS_STATUS: sensors, battery."""
     ready = _PREARM_CHECK if v.autopilot.objection() is None else 0
-    blind = _GPS if v.autopilot.is_position_lost else 0
+    unhealthy = (_GPS if v.autopilot.is_position_lost else 0) | (
+        _GEOFENCE if v.autopilot.is_fence_breached else 0
+    )
     return dialect.MAVLink_sys_status_message(
         _SENSORS | _PREARM_CHECK,
         _SENSORS | _PREARM_CHECK,
-        _SENSORS & ~blind | ready,
+        _SENSORS & ~unhealthy | ready,
         0,
         round(v.state.voltage_v * 1e3),
         round(v.state.current_a * 1e2),

@@ -108,6 +108,64 @@ def test_without_a_position_a_hold_becomes_a_blind_landing() -> None:
     assert wire.set_mode("AUTO.RTL") == [0, 1]  # refused: it needs a position
 
 
+# -- the geofence ----------------------------------------------------------------------------------
+
+
+def fly_out(wire: Wire) -> None:
+    """On to 20 m north, across the fence at 10 m."""
+    wire.run_until(
+        lambda: wire.simulation.flight.position[0] > 10.1 or wire.simulation.mode != "OFFBOARD",
+        20.0,
+        send=lambda: wire.setpoint(20.0, 0.0, -3.0),
+    )
+
+
+def test_without_a_geofence_the_vehicle_goes_where_it_is_told() -> None:
+    wire = hovering()
+    wire.run(8.0, send=lambda: wire.setpoint(20.0, 0.0, -3.0))
+    assert wire.simulation.mode == "OFFBOARD"
+    assert wire.simulation.flight.position[0] == pytest.approx(20.0, abs=0.3)
+
+
+@pytest.mark.parametrize(("action", "then"), [(1, "OFFBOARD"), (2, HOLD), (3, RETURN), (5, LAND)])
+def test_leaving_the_geofence(action: int, then: str) -> None:
+    wire = hovering(GF_MAX_HOR_DIST=10, GF_ACTION=action)
+    fly_out(wire)
+    wire.run(1.0, send=lambda: wire.setpoint(20.0, 0.0, -3.0))
+    assert wire.simulation.mode == ("OFFBOARD" if action == 1 else HOLD)
+    assert not wire.last("SYS_STATUS").onboard_control_sensors_health & 0x100000
+    wire.run(5.0, send=lambda: wire.setpoint(20.0, 0.0, -3.0))
+    assert wire.simulation.mode == then
+    told = "warning" if action == 1 else "activated"
+    assert any(text.startswith(f"Failsafe {told}") for text in wire.texts())
+
+
+def test_back_inside_the_geofence_the_pilot_gives_a_mode_and_has_the_vehicle() -> None:
+    wire = hovering(GF_MAX_HOR_DIST=10, GF_ACTION=3, RTL_RETURN_ALT=3)
+    fly_out(wire)
+    wire.run(2.0)
+    wire.run_until(lambda: wire.simulation.flight.position[0] < 9.0, 30.0)
+    assert wire.simulation.mode == RETURN
+    wire.set_mode(HOLD)
+    wire.run(2.0)
+    assert wire.simulation.mode == HOLD
+    assert wire.last("HEARTBEAT").system_status == 4
+
+
+def test_too_high_is_outside_too() -> None:
+    wire = hovering(GF_MAX_VER_DIST=4, GF_ACTION=2)
+    wire.run(4.0, send=lambda: wire.setpoint(5.0, 0.0, -8.0))
+    assert wire.simulation.mode == HOLD
+
+
+def test_outside_the_geofence_it_is_not_armed() -> None:
+    wire = Wire(Scenario(parameters={"GF_MAX_HOR_DIST": 0.01}))
+    wire.send(gcs_heartbeat())
+    wire.command(dialect.MAV_CMD_DO_SET_HOME, 0, 0, 0, 0, 47.4, 8.5, 488.0)
+    assert wire.arm() == [1]
+    assert "Arming denied: geofence violation" in wire.texts()
+
+
 # -- termination, refusals -------------------------------------------------------------------------
 
 

@@ -6,13 +6,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from sitl.autopilot.failsafe_state import FailsafeState
 from sitl.autopilot.failsafes import (
     FAILSAFES,
     Action,
     BatteryLevel,
     Cause,
     Conditions,
-    FailsafeState,
     battery_level,
 )
 from sitl.autopilot.parameters import Parameters
