@@ -3,7 +3,8 @@
 Positions are shifted to the mission's frame, whose origin is the home position: the autopilot's
 local frame may begin elsewhere. The shift is the first HOME_POSITION heard, and is kept: PX4 moves
 home to where it arms, and the walls of the map do not move with it.
-Numbers that are not finite, and values that mean "not known", are never taken over.
+Numbers that are not finite, and values that mean "not known", are never taken over; nor is a
+message that a newer one of its kind has overtaken on the way.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from collections.abc import Callable
 from companion.geometry import Ned
 from companion.mavlink.framing import Message, dialect
 from companion.mavlink.px4_modes import mode_name
+from companion.mavlink.sequence import Order
 from companion.vehicle.port import Mode, VehicleState
 
 KNOWN_MODES = {mode.value: mode for mode in Mode}
@@ -37,7 +39,7 @@ class Telemetry:
         self.texts: deque[str] = deque(maxlen=MAX_TEXTS)
         self.heartbeat_s = -math.inf
         self.mode: Mode | None = None
-        self._sequence: int | None = None
+        self._order = Order()
         self.is_armed = False
         self.is_failsafe = False
         self._is_landed: bool | None = None
@@ -80,28 +82,17 @@ class Telemetry:
 
     def take(self, now_s: float, message: Message) -> None:
         """Takes over a message of the autopilot."""
-        handler = _HANDLERS.get(message.get_type())
-        if handler is not None:
+        kind = message.get_type()
+        handler = _HANDLERS.get(kind)
+        is_overtaken = self._order.is_overtaken(now_s, kind, message.get_seq())
+        if handler is not None and (not is_overtaken or kind == "STATUSTEXT"):
             handler(self, now_s, message)
 
     def _on_heartbeat(self, now_s: float, message: Message) -> None:
-        if self._is_overtaken(message.get_seq()):
-            return
         self.heartbeat_s = now_s
         self.is_armed = bool(message.base_mode & dialect.MAV_MODE_FLAG_SAFETY_ARMED)
         self.is_failsafe = message.system_status >= dialect.MAV_STATE_CRITICAL
         self.mode = KNOWN_MODES.get(mode_name(message.custom_mode) or "", Mode.OTHER)
-
-    def _is_overtaken(self, sequence: int) -> bool:
-        """Whether a heartbeat is older than the newest one: a mode of the past is no news.
-
-        Sequence numbers count to 255 and begin again; a restarted autopilot looks old for at most
-        half a round.
-        """
-        is_old = self._sequence is not None and (sequence - self._sequence) % 256 > 128
-        if not is_old:
-            self._sequence = sequence
-        return is_old
 
     def _on_position(self, now_s: float, message: Message) -> None:
         position = (message.x, message.y, message.z)

@@ -26,7 +26,8 @@ def heard(autopilot: Autopilot, now_s: float = 0.0) -> Telemetry:
     return telemetry
 
 
-def say(telemetry: Telemetry, message: object, now_s: float = 0.0) -> None:
+def say(telemetry: Telemetry, message: object, now_s: float = 1.0) -> None:
+    """One more message, after a pause."""
     take(telemetry, [Endpoint(1, 1).pack(message)], now_s)
 
 

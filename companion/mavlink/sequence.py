@@ -1,0 +1,47 @@
+"""Has a newer message of this kind been heard before this one?
+
+UDP may deliver datagrams in another order, and an old position or mode is no news. Every MAVLink
+message of a component on a link carries a sequence number that begins again after 255. All of
+them together are counted on from one message to the next, so that also messages that come once a
+second, with hundreds of others in between, can be compared.
+"""
+
+from __future__ import annotations
+
+import math
+
+ROUND = 256
+SILENCE_S = 0.25  # after a longer pause the next message is taken for a new one
+
+
+class Order:
+    """The order in which one component has sent what comes in on one link.
+
+    >>> order = Order()
+    >>> [order.is_overtaken(0.0, "HEARTBEAT", number) for number in (254, 0, 255, 0)]
+    [False, False, True, False]
+    """
+
+    def __init__(self) -> None:
+        self._newest = 0
+        self._heard_s = -math.inf
+        self._of_kind: dict[str, int] = {}
+
+    def is_overtaken(self, now_s: float, kind: str, number: int) -> bool:
+        """Take a message; whether a newer one of its kind has come before it.
+
+        Args:
+            now_s: when it arrived.
+            kind: its type.
+            number: its sequence number, 0 to 255.
+        """
+        ahead = (number - self._newest) % ROUND
+        if ahead >= ROUND // 2 and now_s - self._heard_s < SILENCE_S:
+            ahead -= ROUND
+        count = self._newest + ahead
+        self._newest = max(self._newest, count)
+        self._heard_s = now_s
+        if count < self._of_kind.get(kind, count):
+            return True
+        self._of_kind[kind] = count
+        return False
