@@ -27,7 +27,7 @@ from sitl.autopilot.mission_legs import LEGS, NEEDS_HEIGHT, Climb, Leg
 from sitl.autopilot.modes import Hold, Return, Situation, Succession, heading
 from sitl.flight.controllers import Target
 
-CHECKED_S = 0.1  # PX4 was seen to refuse a mission 0.01 s after its upload, and not after 2 s
+CHECKED_S = 0.02  # PX4 was seen to refuse a mission 0.01 s after its upload
 MAX_JUMPS = 10  # DO_JUMP after DO_JUMP; PX4 gives up then
 _ACTIVE_MODES = frozenset({"AUTO.MISSION", "AUTO.TAKEOFF", "AUTO.LAND"})
 
