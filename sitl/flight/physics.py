@@ -28,6 +28,7 @@ from sitl.flight.attitude import quaternion_from_euler
 from sitl.flight.mixer import MASS_KG, Motors
 
 M_PER_FT = 0.3048
+CAPACITY_AH = 5.0
 LEG_M = 0.12
 LEG_SPRING_N_PER_M = 4 * 1500.0
 STANDING_M = LEG_M - MASS_KG * 9.81 / LEG_SPRING_N_PER_M
@@ -54,7 +55,7 @@ class FlightState:
         specific_force: body, m/s^2: what an accelerometer measures, -9.8 on z at rest.
         motor_speed_radps: PX4's quad-x order.
         voltage_v: at the battery's terminals.
-        current_a: out of the battery.
+        current_a: out of the battery, negative into it.
         charge: remaining, 0 to 1.
         is_on_ground: a leg touches.
     """
@@ -70,6 +71,25 @@ class FlightState:
     current_a: float
     charge: float
     is_on_ground: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Battery:
+    """What the battery's gauge says.
+
+    Attributes:
+        consumed_mah: drawn since the start, less what was charged.
+        consumed_j: its energy at the terminals.
+        mean_current_a: of the last 20 s, which the battery's RC pair knows.
+        remaining_s: until empty at the mean current, None while nothing drains.
+        is_charging: the current flows into the battery.
+    """
+
+    consumed_mah: float
+    consumed_j: float
+    mean_current_a: float
+    remaining_s: float | None
+    is_charging: bool
 
 
 class Physics:
@@ -89,7 +109,10 @@ class Physics:
 
     Attributes:
         state: after the last step.
-        is_draining: whether the charge goes down (PX4's simulator drains only while armed).
+        is_draining: whether the vehicle's own current takes charge away (in PX4's simulator only
+            while it is armed); a charger's current always gives some.
+        charging_a: current of a charger on the ground. It is constant until the terminals reach
+            16.8 V, then falls while the voltage is constant, until the battery is full.
     """
 
     def __init__(
@@ -109,7 +132,7 @@ class Physics:
         self._dt_s = dt_s
         self._steps = 0
         self._place(origin, start, yaw_rad)
-        self._fdm["battery/charge-at-start"] = charge
+        self._fdm["battery/charge"] = self._full_charge = charge
         if not self._fdm.run_ic():
             raise RuntimeError("JSBSim refuses the initial conditions")
         self._stir(turbulence_mps, seed)
@@ -135,6 +158,32 @@ class Physics:
         """The air's mean velocity over the ground from now on, NED, m/s."""
         for axis, speed in zip(("north", "east", "down"), wind, strict=True):
             self._fdm[f"atmosphere/wind-{axis}-fps"] = speed / M_PER_FT
+
+    def set_charge(self, charge: float) -> None:
+        """The battery's state of charge jumps, 0 to 1; nothing counts as consumed by it."""
+        self._full_charge += charge - self._charge()
+        self._fdm["battery/charge"] = charge
+
+    def battery(self) -> Battery:
+        """What the battery's gauge says now."""
+        charge, mean_current_a = self._charge(), self._mean_current()
+        drains = self.is_draining and self._current() > 0 and mean_current_a > 0
+        return Battery(
+            (self._full_charge - charge) * CAPACITY_AH * 1e3,
+            self._energy(),
+            mean_current_a,
+            charge * CAPACITY_AH * 3600 / mean_current_a if drains else None,
+            self._current() < 0,
+        )
+
+    @property
+    def charging_a(self) -> float:
+        """The current that a charger gives the vehicle, 0 without one."""
+        return self._fdm["battery/charging-a"]
+
+    @charging_a.setter
+    def charging_a(self, value: float) -> None:
+        self._fdm["battery/charging-a"] = value
 
     @property
     def is_draining(self) -> bool:
@@ -176,11 +225,9 @@ class Physics:
             for i in ("rotational", "translational")
         ]
         self._charge, self._voltage, self._current, self._wow = readers(
-            "battery/charge",
-            "battery/voltage-v",
-            "battery/current-a",
-            "gear/wow",
+            "battery/charge", "battery/voltage-v", "battery/current-a", "gear/wow"
         )
+        self._energy, self._mean_current = readers("battery/energy-j", "battery/rc-current-a")
         self._north, self._east, self._height = readers(
             "position/from-start-neu-n-ft", "position/from-start-neu-e-ft", "position/h-agl-ft"
         )
