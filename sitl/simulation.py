@@ -4,18 +4,22 @@ No socket, no clock: the caller says what time it is and carries the datagrams, 
 time (server.py) or in lockstep with the companion in one process (harness.py). Equal arguments
 and datagrams give equal answers.
 
-Within a step of 4 ms: autopilot, physics, world, then what each component has to say.
+Within a step of 4 ms: autopilot, physics, world, then what each component has to say. The autopilot
+and what it tells know the estimate alone; the world and its devices know the truth.
 """
 
 from __future__ import annotations
 
+import random
 from dataclasses import replace
 
 from companion.mavlink.framing import Endpoint, Message, source
 from companion.motion.grid import OccupancyGrid
 from sitl.autopilot.autopilot import Autopilot
 from sitl.autopilot.parameters import Parameters
+from sitl.flight.estimate import Estimator
 from sitl.flight.physics import FlightState, Physics
+from sitl.flight.sensors import Sensors
 from sitl.link.component import AUTOPILOT, AutopilotComponent, Outgoing
 from sitl.link.devices import DetectorDevice, Device, PayloadDevice, Sent
 from sitl.link.routing import LinkName, Router
@@ -36,7 +40,7 @@ class Simulation:
     Args:
         scenario: the world.
         grid: its true map, None without walls.
-        seed: of everything random (gusts).
+        seed: of everything random (gusts, sensors, the estimate).
         instance: the system id is 1 + instance.
         links: those with somebody at the other end; nothing is packed for the others.
     """
@@ -61,7 +65,9 @@ class Simulation:
             turbulence_mps=scenario.turbulence_mps,
             seed=seed,
         )
-        state = self._physics.state
+        self._truth = state = self._physics.state
+        self._estimator = Estimator(random.Random(f"estimate {seed}"))
+        self._sensors = Sensors(scenario.home, random.Random(f"sensors {seed}"), state)
         parameters = Parameters({**scenario.parameters, "MAV_SYS_ID": system})
         self._autopilot = Autopilot(parameters, state)
         self._vehicle = Vehicle(self._autopilot, state, scenario.home)
@@ -78,7 +84,7 @@ class Simulation:
     @property
     def flight(self) -> FlightState:
         """The true state of the vehicle."""
-        return self._vehicle.state
+        return self._truth
 
     @property
     def is_armed(self) -> bool:
@@ -125,15 +131,17 @@ class Simulation:
         out += [(to, frame) for to in self._router.destinations(message, link)]
         self._component.receive(link, message)
         for device in self._devices:
-            self._route(device.receive(message, self._vehicle.state), out)
+            self._route(device.receive(message, self._truth), out)
 
     def _advance(self, out: Outgoing) -> None:
         autopilot, physics = self._autopilot, self._physics
         motors = autopilot.step(self._vehicle.state, DT_S)
         if physics.is_draining != autopilot.is_armed:
             physics.is_draining = autopilot.is_armed  # as PX4's simulator
-        state = self._lie(self.flight) if self._is_wreck else physics.step(motors)
-        self._vehicle.state = state
+        state = self._lie(self._truth) if self._is_wreck else physics.step(motors)
+        self._truth = state
+        self._vehicle.state = self._estimator.step(state, state.time_s)
+        self._sensors.step(state, self._estimator.gps, self._estimator.fix_error)
         if not self._is_wreck and self._steps % COLLISION_STEPS == 0:
             self._look_for_damage(state)
         out += self._component.step()

@@ -1,0 +1,201 @@
+"""What do the sensors read? GPS, inertial unit and barometer, with noise, at their own rates.
+
+In: the true state each step, and what the estimator knows of GPS. Out: the newest `readings`, held
+between samples as a driver's topic holds them. They are for the messages that show raw sensors
+(HIGHRES_IMU, GPS_RAW_INT, SCALED_PRESSURE); nothing is flown by them.
+
+Noise is white: that of PX4's simulated sensors (SensorGpsSim, SensorBaroSim, the IMU of its iris
+model: a density times the root of the rate). The wandering part of GPS is the estimator's
+`fix_error`, so that belief and receiver agree. Left out: biases, temperature drift, vibration, the
+magnetometer.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from dataclasses import dataclass
+
+from companion.geometry import GlobalOrigin, Ned
+from sitl.flight.estimate import GpsState
+from sitl.flight.physics import FlightState
+
+GPS_HZ, IMU_HZ, BAROMETER_HZ = 8.0, 50.0, 50.0
+EARLY_S = 1e-6  # sums of intervals are not exact
+
+# International Standard Atmosphere up to 11 km: p = p0 (T / T0)^5.25588, T = T0 - 6.5 K/km.
+SEA_PRESSURE_PA, SEA_TEMPERATURE_K, LAPSE_K_PER_M = 101325.0, 288.15, 0.0065
+PRESSURE_EXPONENT = 5.25588
+CELSIUS_ZERO_K = 273.15
+
+
+@dataclass(frozen=True, slots=True)
+class Noise:
+    """Standard deviations of one sample."""
+
+    gps_horizontal_m: float = 0.2
+    gps_vertical_m: float = 0.5
+    gps_speed_mps: float = 0.06
+    acceleration_mps2: float = 0.00186 * math.sqrt(IMU_HZ)
+    rate_radps: float = 0.000187 * math.sqrt(IMU_HZ)
+    pressure_pa: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Fix:
+    """What the GPS receiver reports.
+
+    Attributes:
+        time_s: of the sample.
+        is_3d: there is a position; without one it is the last.
+        latitude_deg: WGS 84.
+        longitude_deg: WGS 84.
+        altitude_m: above mean sea level.
+        velocity: NED, m/s.
+        satellites: used.
+    """
+
+    time_s: float
+    is_3d: bool
+    latitude_deg: float
+    longitude_deg: float
+    altitude_m: float
+    velocity: Ned
+    satellites: int
+
+
+@dataclass(frozen=True, slots=True)
+class Inertial:
+    """Accelerometer (m/s^2) and gyroscope (rad/s), body."""
+
+    time_s: float
+    specific_force: tuple[float, float, float]
+    rates: tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Barometer:
+    """Static pressure, the height above the sea that it stands for, temperature of the air."""
+
+    time_s: float
+    pressure_pa: float
+    altitude_m: float
+    temperature_degc: float
+
+
+@dataclass(frozen=True, slots=True)
+class Readings:
+    """The newest sample of each sensor."""
+
+    gps: Fix
+    imu: Inertial
+    barometer: Barometer
+
+
+class Sensors:
+    """The sensors of one vehicle.
+
+    Args:
+        origin: where local NED lies.
+        rng: of the noise.
+        state: at the start; everything is sampled once.
+        noise: of each sensor.
+
+    Attributes:
+        readings: the newest.
+    """
+
+    def __init__(
+        self,
+        origin: GlobalOrigin,
+        rng: random.Random,
+        state: FlightState,
+        noise: Noise = Noise(),
+    ) -> None:
+        self._origin, self._gauss, self._noise = origin, rng.gauss, noise
+        self._gps_s = state.time_s + 1 / GPS_HZ
+        self._imu_s = self._due_s = state.time_s + 1 / IMU_HZ
+        self._barometer_s = state.time_s + 1 / BAROMETER_HZ
+        self._gps = self._locate(state, GpsState(), (0.0, 0.0))
+        self._imu = self._feel(state)
+        self._barometer = self._weigh_air(state)
+        self.readings = Readings(self._gps, self._imu, self._barometer)
+
+    def step(self, truth: FlightState, gps: GpsState, fix_error: tuple[float, float]) -> None:
+        """Sample what is due.
+
+        Args:
+            truth: the true state now.
+            gps: how good GPS is.
+            fix_error: north and east, the slowly wandering part.
+        """
+        now_s = truth.time_s + EARLY_S
+        if now_s < self._due_s:
+            return
+        if now_s >= self._gps_s:
+            self._gps_s += 1 / GPS_HZ
+            self._gps = self._locate(truth, gps, fix_error)
+        if now_s >= self._imu_s:
+            self._imu_s += 1 / IMU_HZ
+            self._imu = self._feel(truth)
+        if now_s >= self._barometer_s:
+            self._barometer_s += 1 / BAROMETER_HZ
+            self._barometer = self._weigh_air(truth)
+        self._due_s = min(self._gps_s, self._imu_s, self._barometer_s)
+        self.readings = Readings(self._gps, self._imu, self._barometer)
+
+    def _locate(self, truth: FlightState, gps: GpsState, fix_error: tuple[float, float]) -> Fix:
+        if gps.is_lost:
+            last = self._gps
+            return Fix(
+                truth.time_s,
+                False,
+                *(last.latitude_deg, last.longitude_deg, last.altitude_m),
+                (0.0, 0.0, 0.0),
+                0,
+            )
+        gauss, noise = self._gauss, self._noise
+        north, east, down = truth.position
+        latitude_deg, longitude_deg, altitude_m = self._origin.to_global(
+            (
+                north + fix_error[0] + gauss(0.0, noise.gps_horizontal_m),
+                east + fix_error[1] + gauss(0.0, noise.gps_horizontal_m),
+                down + gauss(0.0, noise.gps_vertical_m),
+            )
+        )
+        v_n, v_e, v_d = truth.velocity
+        speed = noise.gps_speed_mps
+        velocity = (v_n + gauss(0.0, speed), v_e + gauss(0.0, speed), v_d + gauss(0.0, speed))
+        return Fix(
+            truth.time_s, True, latitude_deg, longitude_deg, altitude_m, velocity, gps.satellites
+        )
+
+    def _feel(self, truth: FlightState) -> Inertial:
+        gauss = self._gauss
+        force, rate = self._noise.acceleration_mps2, self._noise.rate_radps
+        f_x, f_y, f_z = truth.specific_force
+        p, q, r = truth.rates
+        return Inertial(
+            truth.time_s,
+            (f_x + gauss(0.0, force), f_y + gauss(0.0, force), f_z + gauss(0.0, force)),
+            (p + gauss(0.0, rate), q + gauss(0.0, rate), r + gauss(0.0, rate)),
+        )
+
+    def _weigh_air(self, truth: FlightState) -> Barometer:
+        altitude_m = self._origin.altitude_m - truth.position[2]
+        kelvin = SEA_TEMPERATURE_K - LAPSE_K_PER_M * altitude_m
+        pressure = SEA_PRESSURE_PA * (kelvin / SEA_TEMPERATURE_K) ** PRESSURE_EXPONENT
+        pressure += self._gauss(0.0, self._noise.pressure_pa)
+        return Barometer(
+            truth.time_s, pressure, pressure_altitude_m(pressure), kelvin - CELSIUS_ZERO_K
+        )
+
+
+def pressure_altitude_m(pressure_pa: float) -> float:
+    """Height in the International Standard Atmosphere.
+
+    >>> round(pressure_altitude_m(101325.0)), round(pressure_altitude_m(95460.8))
+    (0, 500)
+    """
+    ratio = math.pow(pressure_pa / SEA_PRESSURE_PA, 1 / PRESSURE_EXPONENT)
+    return SEA_TEMPERATURE_K / LAPSE_K_PER_M * (1 - ratio)

@@ -1,0 +1,118 @@
+"""What the autopilot believes: exact with good GPS, bounded with noise, growing without GPS."""
+
+from __future__ import annotations
+
+import math
+import random
+from dataclasses import replace
+from statistics import fmean
+
+import pytest
+
+from companion.geometry import GlobalOrigin
+from sitl.flight.estimate import VELOCITY_WALK, WANDER_S, Estimator, GpsState
+from sitl.flight.physics import FlightState, Physics
+
+TRUTH = Physics(origin=GlobalOrigin(47.4, 8.5, 0.0), start=(3.0, -2.0, -5.0)).state
+
+
+def believe(estimator: Estimator, seconds: float, dt_s: float = 0.1) -> FlightState:
+    start_s = estimator.position_lost_s
+    belief = estimator.step(TRUTH, start_s)
+    for i in range(1, round(seconds / dt_s) + 1):
+        belief = estimator.step(TRUTH, start_s + i * dt_s)
+    return belief
+
+
+def test_good_gps_is_the_truth_itself() -> None:
+    estimator = Estimator(random.Random(1))
+    assert all(estimator.step(TRUTH, 0.004 * i) is TRUTH for i in range(100))
+
+
+def test_noise_wanders_with_its_deviation_and_its_correlation() -> None:
+    """A Gauss-Markov process: variance s^2, correlation exp(-t / tau)."""
+    estimator = Estimator(random.Random(3), GpsState(noise_m=0.5))
+    errors = []
+    for i in range(100_000):  # 30 000 s are 500 correlation times
+        errors.append(estimator.step(TRUTH, 0.3 * i).position[0] - TRUTH.position[0])
+    variance = fmean(e * e for e in errors)
+    # The relative deviation of the variance is sqrt(2 tau / T) = 6 %.
+    assert math.sqrt(variance) == pytest.approx(0.5, rel=0.1)
+    for lag_s in (6.0, 30.0, 60.0):
+        lag = round(lag_s / 0.3)
+        correlation = fmean(a * b for a, b in zip(errors, errors[lag:], strict=False)) / variance
+        assert correlation == pytest.approx(math.exp(-lag_s / WANDER_S), abs=0.1)
+
+
+def test_the_step_length_does_not_matter() -> None:
+    def deviation(dt_s: float) -> float:
+        ends = []
+        for seed in range(600):
+            estimator = Estimator(random.Random(seed), GpsState())
+            estimator.gps = GpsState(noise_m=1.0)
+            ends.append(believe(estimator, 20.0, dt_s).position[1] - TRUTH.position[1])
+        return math.sqrt(fmean(e * e for e in ends))
+
+    expected = math.sqrt(1 - math.exp(-2 * 20.0 / WANDER_S))
+    assert deviation(0.5) == pytest.approx(expected, rel=0.1)
+    assert deviation(4.0) == pytest.approx(expected, rel=0.1)
+
+
+@pytest.mark.parametrize("seconds", [5.0, 20.0])
+def test_dead_reckoning_drifts_as_an_integrated_random_walk(seconds: float) -> None:
+    drifts, speeds = [], []
+    for seed in range(600):
+        estimator = Estimator(random.Random(seed), GpsState(is_lost=True))
+        belief = believe(estimator, seconds)
+        drifts += [b - t for b, t in zip(belief.position[:2], TRUTH.position[:2], strict=True)]
+        speeds += [b - t for b, t in zip(belief.velocity[:2], TRUTH.velocity[:2], strict=True)]
+        assert estimator.position_lost_s == pytest.approx(seconds)
+    assert math.sqrt(fmean(d * d for d in drifts)) == pytest.approx(
+        VELOCITY_WALK * math.sqrt(seconds**3 / 3), rel=0.1
+    )
+    assert math.sqrt(fmean(s * s for s in speeds)) == pytest.approx(
+        VELOCITY_WALK * math.sqrt(seconds), rel=0.1
+    )
+    assert abs(fmean(drifts)) < 0.15 * VELOCITY_WALK * math.sqrt(seconds**3 / 3)
+
+
+def test_height_and_attitude_stay_true_without_gps() -> None:
+    estimator = Estimator(random.Random(1), GpsState(is_lost=True, noise_m=2.0))
+    belief = believe(estimator, 30.0)
+    assert math.dist(belief.position, TRUTH.position) > 0.5
+    assert belief == replace(
+        TRUTH,
+        position=(*belief.position[:2], TRUTH.position[2]),
+        velocity=(*belief.velocity[:2], TRUTH.velocity[2]),
+    )
+
+
+def test_a_fix_after_a_loss_takes_the_belief_back() -> None:
+    estimator = Estimator(random.Random(1))
+    assert estimator.step(TRUTH, 0.0) is TRUTH
+    estimator.gps = GpsState(is_lost=True)
+    first = estimator.step(TRUTH, 0.004)
+    assert math.dist(first.position, TRUTH.position) < 1e-3  # no jump at the loss
+    lost = estimator.step(TRUTH, 10.0)
+    assert lost.velocity != TRUTH.velocity
+    estimator.gps = GpsState()
+    assert estimator.step(TRUTH, 10.004) is TRUTH
+    assert estimator.position_lost_s == 0.0
+
+
+def test_noise_that_ends_fades_to_the_truth() -> None:
+    estimator = Estimator(random.Random(1), GpsState(noise_m=1.0))
+    estimator.step(TRUTH, 0.0)
+    before = math.hypot(*estimator.error)
+    estimator.gps = GpsState()
+    estimator.step(TRUTH, WANDER_S)
+    assert math.hypot(*estimator.error) == pytest.approx(before / math.e)
+    assert estimator.step(TRUTH, 20 * WANDER_S) is TRUTH
+
+
+def test_the_same_seed_is_the_same_error() -> None:
+    def track(seed: int) -> list[FlightState]:
+        estimator = Estimator(random.Random(seed), GpsState(noise_m=0.5))
+        return [estimator.step(TRUTH, 0.1 * i) for i in range(50)]
+
+    assert track(5) == track(5) != track(6)
