@@ -70,7 +70,9 @@ class Simulation:
         self._sensors = Sensors(scenario.home, random.Random(f"sensors {seed}"), state)
         parameters = Parameters({**scenario.parameters, "MAV_SYS_ID": system})
         self._autopilot = Autopilot(parameters, state)
-        self._vehicle = Vehicle(self._autopilot, state, scenario.home)
+        self._vehicle = Vehicle(
+            self._autopilot, state, scenario.home, self._sensors, self._physics.battery
+        )
         self._devices = _devices(system, scenario, state)
         addresses = [(system, AUTOPILOT), *(device.address for device in self._devices)]
         self._local = frozenset(addresses)
@@ -141,6 +143,7 @@ class Simulation:
         state = self._lie(self._truth) if self._is_wreck else physics.step(motors)
         self._truth = state
         self._vehicle.state = self._estimator.step(state, state.time_s)
+        autopilot.position_age_s = self._estimator.position_lost_s
         self._sensors.step(state, self._estimator.gps, self._estimator.fix_error)
         if not self._is_wreck and self._steps % COLLISION_STEPS == 0:
             self._look_for_damage(state)

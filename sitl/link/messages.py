@@ -36,6 +36,7 @@ MESSAGES: dict[str, Callable[[Vehicle], Message]] = {
     "ODOMETRY": motion.odometry,
     "GPS_RAW_INT": sensors.gps_raw_int,
     "HIGHRES_IMU": sensors.highres_imu,
+    "SCALED_PRESSURE": sensors.scaled_pressure,
     "DISTANCE_SENSOR": sensors.distance_sensor,
     "ESTIMATOR_STATUS": sensors.estimator_status,
     "VIBRATION": sensors.vibration,

@@ -27,6 +27,7 @@ RATES_HZ: dict[str, tuple[float, float]] = {
     "ALTITUDE": (1, 10),
     "VFR_HUD": (4, 10),
     "HIGHRES_IMU": (0, 50),
+    "SCALED_PRESSURE": (1, 1),
     "SYSTEM_TIME": (0, 1),
     "TIMESYNC": (0, 10),
     "PING": (0.1, 1),

@@ -2,20 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from companion.geometry import GlobalOrigin
 from sitl.autopilot.autopilot import Autopilot
-from sitl.flight.physics import FlightState
+from sitl.flight.physics import Battery, FlightState
+from sitl.flight.sensors import Sensors
 
 
 @dataclass(slots=True)
 class Vehicle:
-    """What the messages are made of; `state` is replaced every step."""
+    """What the messages are made of.
+
+    Attributes:
+        state: as the autopilot believes it is; replaced every step.
+        origin: of the local frame.
+        battery: reads the gauge.
+    """
 
     autopilot: Autopilot
     state: FlightState
     origin: GlobalOrigin
+    sensors: Sensors
+    battery: Callable[[], Battery]
 
     @property
     def boot_ms(self) -> int:

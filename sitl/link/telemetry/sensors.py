@@ -11,31 +11,51 @@ from companion.mavlink.framing import Message, dialect
 from sitl.link.vehicle import Vehicle
 
 NAN = math.nan
+UNKNOWN_16 = 65535
+NO_FIX, FIX_3D = 1, 3  # GPS_FIX_TYPE
+IMU_AND_BAROMETER = 0x3F | 0x200 | 0x800 | 0x1000  # HIGHRES_IMU.fields_updated
 
 
 def gps_raw_int(v: Vehicle) -> Message:
-    """GPS_RAW_INT: a 3D fix of ten satellites."""
-    lat, lon, alt = v.origin.to_global(v.state.position)
-    north, east, _ = v.state.velocity
+    """GPS_RAW_INT: what the receiver reports."""
+    gps = v.sensors.readings.gps
+    north, east, _ = gps.velocity
     course_deg = math.degrees(math.atan2(east, north)) % 360
     return dialect.MAVLink_gps_raw_int_message(
         v.boot_us,
-        3,
-        round(lat * 1e7),
-        round(lon * 1e7),
-        round(alt * 1e3),
-        90,
-        180,
+        FIX_3D if gps.is_3d else NO_FIX,
+        round(gps.latitude_deg * 1e7),
+        round(gps.longitude_deg * 1e7),
+        round(gps.altitude_m * 1e3),
+        90 if gps.is_3d else UNKNOWN_16,
+        180 if gps.is_3d else UNKNOWN_16,
         round(math.hypot(north, east) * 1e2),
         round(course_deg * 1e2) % 36000,
-        10,
+        gps.satellites,
     )
 
 
 def highres_imu(v: Vehicle) -> Message:
-    """HIGHRES_IMU: accelerometer and gyroscope; the other fields are marked as not updated."""
+    """HIGHRES_IMU; the magnetometer and the airspeed sensor are marked as not updated."""
+    imu, air = v.sensors.readings.imu, v.sensors.readings.barometer
     return dialect.MAVLink_highres_imu_message(
-        v.boot_us, *v.state.specific_force, *v.state.rates, *(NAN,) * 7, 0x3F
+        v.boot_us,
+        *imu.specific_force,
+        *imu.rates,
+        *(NAN, NAN, NAN),
+        air.pressure_pa / 100,
+        NAN,
+        air.altitude_m,
+        air.temperature_degc,
+        IMU_AND_BAROMETER,
+    )
+
+
+def scaled_pressure(v: Vehicle) -> Message:
+    """SCALED_PRESSURE, hPa and centidegrees."""
+    air = v.sensors.readings.barometer
+    return dialect.MAVLink_scaled_pressure_message(
+        v.boot_ms, air.pressure_pa / 100, 0.0, round(air.temperature_degc * 100)
     )
 
 

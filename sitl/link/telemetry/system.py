@@ -14,6 +14,7 @@ from sitl.autopilot.autopilot import Autopilot
 from sitl.link.vehicle import Vehicle
 
 CELLS = 4
+CHARGING = 7  # MAV_BATTERY_CHARGE_STATE
 FULL_VOLTAGES = 10  # length of BATTERY_STATUS.voltages
 UNKNOWN_16 = 65535
 
@@ -68,6 +69,7 @@ def sys_status(v: Vehicle) -> Message:
 
 def battery_status(v: Vehicle) -> Message:
     """BATTERY_STATUS of the one lithium polymer pack."""
+    gauge = v.battery()
     cell_mv = round(v.state.voltage_v / CELLS * 1e3)
     return dialect.MAVLink_battery_status_message(
         id=0,
@@ -76,10 +78,11 @@ def battery_status(v: Vehicle) -> Message:
         temperature=32767,
         voltages=[cell_mv] * CELLS + [UNKNOWN_16] * (FULL_VOLTAGES - CELLS),
         current_battery=round(v.state.current_a * 1e2),
-        current_consumed=-1,
-        energy_consumed=-1,
+        current_consumed=round(gauge.consumed_mah),
+        energy_consumed=round(gauge.consumed_j / 100),
         battery_remaining=_percent(v.state.charge),
-        charge_state=int(v.autopilot.battery),
+        time_remaining=round(gauge.remaining_s or 0),
+        charge_state=CHARGING if gauge.is_charging else int(v.autopilot.battery),
     )
 
 

@@ -10,6 +10,7 @@ import pytest
 from wire import Wire, gcs_heartbeat
 
 from companion.mavlink.framing import dialect
+from sitl.flight.estimate import GpsState
 from sitl.world.scenario import Scenario
 
 LAND, HOLD, RETURN = "AUTO.LAND", "AUTO.LOITER", "AUTO.RTL"
@@ -74,26 +75,42 @@ def test_with_that_failsafe_on_arming_needs_a_ground_station() -> None:
 # -- the position ----------------------------------------------------------------------------------
 
 
+def lose_gps(wire: Wire, is_lost: bool = True) -> None:
+    wire.simulation._estimator.gps = GpsState(is_lost, satellites=0 if is_lost else 10)
+
+
 def test_position_loss_in_offboard_descends_level_and_recovers() -> None:
-    """Seen on PX4: ALTCTL 5 to 6 s after the last fix; landed, it may not be armed again."""
+    """Seen on PX4: ALTCTL 5 to 6 s after the last fix, then it sinks."""
     wire = hovering()
-    autopilot = wire.simulation._autopilot
-    autopilot.position_age_s = 4.9
-    fly_on(wire, 1.0)
-    assert wire.simulation.mode == "OFFBOARD"
-    autopilot.position_age_s = 5.1
-    fly_on(wire, 1.0)
-    assert wire.simulation.mode == "ALTCTL"
+    lose_gps(wire)
+    lost_s = wire.now_s
+    fly_on(wire, 7.0)
+    (acted_s, mode) = wire.mode_changes()[-1]
+    assert mode == "ALTCTL"
+    assert 5.0 <= acted_s - lost_s <= 6.0
     assert wire.simulation.flight.velocity[2] == pytest.approx(0.5, abs=0.1)
-    autopilot.position_age_s = 0.0
+    assert wire.last("GPS_RAW_INT").fix_type == 1
+    assert not wire.last("SYS_STATUS").onboard_control_sensors_health & 0x20
+    lose_gps(wire, False)
     fly_on(wire, 1.0)
     assert wire.simulation.mode == "OFFBOARD"
+    assert wire.last("GPS_RAW_INT").fix_type == 3
+
+
+def test_a_short_loss_of_the_position_changes_nothing() -> None:
+    wire = hovering()
+    lose_gps(wire)
+    fly_on(wire, 4.0)
+    lose_gps(wire, False)
+    fly_on(wire, 3.0)
+    assert wire.simulation.mode == "OFFBOARD"
+    assert wire.simulation.flight.position == pytest.approx((5.0, 0.0, -3.0), abs=0.2)
 
 
 def test_without_a_position_it_lands_disarms_and_is_not_armed_again() -> None:
     wire = hovering()
-    wire.simulation._autopilot.position_age_s = 9.0
-    wire.run_until(lambda: not wire.simulation.is_armed, 20.0)
+    lose_gps(wire)
+    wire.run_until(lambda: not wire.simulation.is_armed, 30.0)
     assert wire.set_mode(HOLD) == [0, 0]
     assert wire.arm() == [1]
     assert "Arming denied: GPS fix too low" in wire.texts()
@@ -102,8 +119,8 @@ def test_without_a_position_it_lands_disarms_and_is_not_armed_again() -> None:
 def test_without_a_position_a_hold_becomes_a_blind_landing() -> None:
     wire = hovering()
     wire.set_mode(HOLD)
-    wire.simulation._autopilot.position_age_s = 9.0
-    wire.run(1.0)
+    lose_gps(wire)
+    wire.run(6.0)
     assert wire.mode_changes()[-1][1] == LAND
     assert wire.set_mode("AUTO.RTL") == [0, 1]  # refused: it needs a position
 
