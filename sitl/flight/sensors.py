@@ -20,7 +20,7 @@ from companion.geometry import GlobalOrigin, Ned
 from sitl.flight.estimate import GpsState
 from sitl.flight.physics import FlightState
 
-GPS_HZ, IMU_HZ, BAROMETER_HZ = 8.0, 50.0, 50.0
+GPS_HZ, IMU_HZ, BAROMETER_HZ = 8.0, 50.0, 20.0
 EARLY_S = 1e-6  # sums of intervals are not exact
 
 # International Standard Atmosphere up to 11 km: p = p0 (T / T0)^5.25588, T = T0 - 6.5 K/km.
