@@ -9,7 +9,8 @@ before horizontal motion; integrators stand still while their loop is limited.
 
 Source: PX4's controller diagrams and mc_pos_control, mc_att_control, mc_rate_control.
 Unlike PX4, gains are in SI (N m, m/s^2) and the speed towards a far position follows a braking
-parabola, so that a distant setpoint does not overshoot.
+parabola, so that a distant setpoint does not overshoot (PX4: 0.3 m of 10 m, 1.2 m of 30 m). Speeds
+and times of such steps are otherwise PX4's.
 """
 
 from __future__ import annotations
