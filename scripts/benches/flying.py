@@ -2,6 +2,12 @@
 
 from __future__ import annotations
 
+import math
+import os
+import socket
+import subprocess
+import sys
+import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from statistics import median
@@ -10,7 +16,7 @@ from typing import Any
 
 from scipy import ndimage
 
-from benches import MISSION, Row, timed
+from benches import MISSION, ROOT, Row, timed
 from companion.acting.report import Report
 from companion.app import Companion, route_map
 from companion.geometry import Ned
@@ -21,10 +27,12 @@ from sitl.flight.mixer import Motors
 from sitl.flight.physics import Physics
 from sitl.harness import fly_in_lockstep
 from sitl.link.routing import LinkName
+from sitl.link.server import HOST, PORTS
 from sitl.simulation import DT_S, Simulation
 from sitl.world.scenario import PX4_HOME, read_scenario
 
 AUTOPILOT = 1  # component id
+INSTANCE = 97  # of the simulator at real time, away from any that runs
 
 
 @dataclass
@@ -97,6 +105,53 @@ def flying(runs: int) -> Iterator[Row]:
             raise companion.failure
     yield Row("simulator and companion in lockstep", median(speeds), "x real time")
     yield from mavlink([f for f in flight.frames if f[6] == AUTOPILOT], runs)
+
+
+def serving(runs: int) -> Iterator[Row]:
+    """`python -m sitl` at real time in flight, telemetry on both links: its share of a core.
+
+    What it takes to start is measured with a simulator of its own and left out.
+    """
+    seconds = min(10.0, 0.5 * runs)
+    share = (cpu_of_a_simulator(seconds) - cpu_of_a_simulator(0.0)) / seconds
+    yield Row("sitl at real time", 100 * share, "% of a core")
+
+
+def cpu_of_a_simulator(flown_s: float) -> float:
+    """CPU seconds of a simulator that takes off, if it is to fly for some time, and is ended."""
+    command = [sys.executable, "-m", "sitl", "-i", str(INSTANCE)]
+    sitl = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE)
+    assert sitl.stdout is not None
+    with sitl.stdout as lines, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as udp:
+        lines.readline(), lines.readline()  # the ports are open
+        if flown_s > 0:
+            take_off(udp)
+            time.sleep(flown_s)
+        sitl.terminate()
+        _, _, used = os.wait4(sitl.pid, 0)
+    return used.ru_utime + used.ru_stime
+
+
+def take_off(udp: socket.socket) -> None:
+    """Has the simulator on the instance's port armed and climbing.
+
+    Raises:
+        RuntimeError: it did not arm within 5 s.
+    """
+    port, _ = PORTS[LinkName.OFFBOARD]
+    system = 1 + INSTANCE
+    station = Endpoint(255, 190)
+    takeoff, arm = dialect.MAV_CMD_NAV_TAKEOFF, dialect.MAV_CMD_COMPONENT_ARM_DISARM
+    for command, parameters in ((takeoff, (0, 0, 0, *(math.nan,) * 4)), (arm, (1, *(0,) * 6))):
+        message = dialect.MAVLink_command_long_message(system, AUTOPILOT, command, 0, *parameters)
+        udp.sendto(station.pack(message), (HOST, port + INSTANCE))
+    udp.settimeout(5.0)
+    deadline_s = time.monotonic() + 5.0
+    while time.monotonic() < deadline_s:
+        for message in station.parse(udp.recv(65535)):
+            if message.get_type() == "HEARTBEAT" and message.base_mode & 0x80:
+                return
+    raise RuntimeError("the simulator did not arm")
 
 
 def mavlink(frames: list[bytes], runs: int) -> Iterator[Row]:
