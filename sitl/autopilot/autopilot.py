@@ -230,9 +230,11 @@ class Autopilot:
 
     def load_fence(self, areas: Sequence[Area]) -> None:
         """Replace the geofence; an area that is violated already is left out."""
-        points = [self.home] if self.is_landed else [self.home, self._state.position]
-        if self.fence.load(areas, points):
-            self._tell(Severity.CRITICAL, "Geofence invalid, doesn't contain Home position")
+        kept_to = {"Home position": self.home}
+        if self.parameters["GF_ACTION"] and not self.is_landed:
+            kept_to["current vehicle position"] = self._state.position
+        for name in self.fence.load(areas, kept_to):
+            self._tell(Severity.CRITICAL, f"Geofence invalid, doesn't contain {name}")
 
     def start_mission(self, index: int | None) -> bool:
         """Fly the mission, from an item if one is given; arms."""

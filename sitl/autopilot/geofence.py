@@ -11,7 +11,7 @@ Source: PX4 1.16, src/modules/navigator/geofence.cpp. Left out: a prediction of 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from companion.geometry import Ned, NorthEast, horizontal_distance, is_in_polygon
@@ -63,19 +63,19 @@ class Geofence:
     def __init__(self) -> None:
         self.areas: tuple[Area, ...] = ()
 
-    def load(self, areas: Iterable[Area], kept_to: Iterable[Ned]) -> int:
+    def load(self, areas: Sequence[Area], kept_to: Mapping[str, Ned]) -> list[str]:
         """Replace all areas.
 
         Args:
             areas: the new ones.
-            kept_to: points that every area must allow.
+            kept_to: points that every area must allow, by name.
 
         Returns:
-            How many areas do not, and are left out.
+            The points that an area does not allow; that area is left out.
         """
-        areas, points = tuple(areas), tuple(kept_to)
+        points = kept_to.values()
         self.areas = tuple(area for area in areas if all(map(area.allows, points)))
-        return len(areas) - len(self.areas)
+        return [n for area in areas for n, point in kept_to.items() if not area.allows(point)]
 
     def is_breached(self, position: Ned, home: Ned, parameters: Parameters) -> bool:
         """Whether a position is outside the fence or too far from home."""

@@ -50,7 +50,7 @@ def test_a_polygon_holds_what_it_winds_round(
     corners = star(radii)
     assume(not is_near_edge(point, corners))
     fence = Geofence()
-    fence.load([Area(Polygon(tuple(corners)), is_inclusion=True)], [])
+    fence.load([Area(Polygon(tuple(corners)), is_inclusion=True)], {})
     is_inside = round(turns(point, corners)) == 1
     assert fence.is_breached((*point, -5.0), HOME, Parameters()) is not is_inside
 
@@ -61,7 +61,7 @@ def test_a_circle_holds_what_is_nearer_than_its_radius(
 ) -> None:
     fence = Geofence()
     for is_inclusion in (True, False):
-        fence.load([Area(Circle(centre, radius_m), is_inclusion)], [])
+        fence.load([Area(Circle(centre, radius_m), is_inclusion)], {})
         is_inside = math.dist(centre, point) < radius_m
         assert fence.is_breached((*point, 0.0), HOME, Parameters()) is (is_inside != is_inclusion)
 
@@ -70,7 +70,7 @@ def test_every_area_has_to_be_kept_to() -> None:
     fence = Geofence()
     big, small = Circle((0.0, 0.0), 50.0), Circle((40.0, 0.0), 50.0)
     island = Circle((20.0, 0.0), 5.0)
-    fence.load([Area(big, True), Area(small, True), Area(island, False)], [])
+    fence.load([Area(big, True), Area(small, True), Area(island, False)], {})
     breached = [fence.is_breached((n, 0.0, -5.0), HOME, Parameters()) for n in range(-60, 100, 5)]
     kept = [n for n, is_out in zip(range(-60, 100, 5), breached, strict=True) if not is_out]
     assert kept == [-5, 0, 5, 10, 15, 25, 30, 35, 40, 45]
@@ -131,3 +131,19 @@ def test_a_fence_around_somewhere_else_is_not_taken_up() -> None:
     wire.run(0.1)
     assert wire.simulation._autopilot.fence.areas == ()
     assert "Geofence invalid, doesn't contain Home position" in wire.texts()
+
+
+def test_in_flight_a_fence_must_hold_the_vehicle_too() -> None:
+    wire = Wire()
+    wire.send(gcs_heartbeat())
+    wire.fly_offboard(30.0, 0.0, -5.0)
+    fences = [
+        place(5003, (0.0, 0.0, 0.0), 20.0, kind=1),
+        place(5003, (0.0, 0.0, 0.0), 60.0, kind=1),
+    ]
+    assert upload(wire, fences, kind=1) == ACCEPTED
+    wire.run(0.02)
+    (area,) = wire.simulation._autopilot.fence.areas
+    assert area.shape.radius_m == 60.0
+    assert "Geofence invalid, doesn't contain current vehicle position" in "".join(wire.texts())
+    assert wire.simulation.mode == "OFFBOARD"
