@@ -26,7 +26,7 @@ from companion.vehicle.gate import Envelope, admit
 from companion.vehicle.goals import APPROACHES
 from companion.vehicle.parameters import ParameterReader
 from companion.vehicle.port import Goal, Mode, Outcome, Progress, Setpoint, VehicleState
-from companion.vehicle.telemetry import Telemetry
+from companion.vehicle.telemetry import TELEMETRY, Telemetry
 
 COMPONENT = dialect.MAV_COMP_ID_ONBOARD_COMPUTER
 AUTOPILOT = dialect.MAV_COMP_ID_AUTOPILOT1
@@ -39,6 +39,9 @@ ASK_AGAIN_S = 2.0
 ALL_BUT_YAW_RATE = dialect.POSITION_TARGET_TYPEMASK_YAW_RATE_IGNORE
 NOT_KNOWN = {("BATTERY_STATUS", "battery_remaining"): -1, ("SYS_STATUS", "battery_remaining"): -1}
 """Values that mean "not known"; they are never handed on as numbers."""
+
+PROTOCOL = frozenset({"COMMAND_LONG", "COMMAND_INT", "COMMAND_ACK", "PARAM_VALUE"})
+"""Messages of the services that are spoken here."""
 
 
 @dataclass
@@ -78,6 +81,11 @@ class MavlinkVehicle:
         self._signals: dict[str, list[Signal]] = {}
         for signal in signals:
             self._signals.setdefault(signal.message, []).append(signal)
+        self._wanted = frozenset(
+            number
+            for number, kind in dialect.mavlink_map.items()
+            if kind.msgname in PROTOCOL | TELEMETRY | self._signals.keys()
+        )
         self._endpoint = Endpoint(0, COMPONENT)
         self._telemetry = Telemetry()
         self._commands = CommandSender()
@@ -96,7 +104,7 @@ class MavlinkVehicle:
         self._now_s = now_s
         self._readings = []
         for datagram in datagrams:
-            for message in self._endpoint.parse(datagram):
+            for message in self._endpoint.parse(datagram, self._wanted):
                 self._take(message)
         return self._readings
 

@@ -133,3 +133,6 @@ _HANDLERS: dict[str, Callable[[Telemetry, float, Message], None]] = {
     "BATTERY_STATUS": Telemetry._on_battery,
     "STATUSTEXT": Telemetry._on_text,
 }
+
+TELEMETRY = frozenset(_HANDLERS)
+"""Messages that make up the state."""
