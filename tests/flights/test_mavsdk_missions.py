@@ -28,13 +28,28 @@ __all__ = ["port"]
 pytestmark = pytest.mark.alone
 
 
-async def connected(port: int, act: Callable[[Any], Awaitable[None]]) -> None:
+Make = Callable[[type], Any]
+"""A plugin of MAVSDK for the vehicle."""
+
+
+async def connected(port: int, act: Callable[[Make], Awaitable[None]]) -> None:
+    """Plugins end before their client and in this thread: MAVSDK aborts otherwise, now and then."""
     kind = mavsdk.ComponentType.GROUND_STATION
     async with mavsdk.Mavsdk(mavsdk.Configuration.create_with_component_type(kind)) as client:
         await client.add_any_connection(f"udpin://127.0.0.1:{port}")
         system = await client.first_autopilot(timeout_s=10)
         assert system is not None, "no autopilot seen"
-        await act(system)
+        made: list[Any] = []
+
+        def make(plugin: type) -> Any:
+            made.append(plugin(system))
+            return made[-1]
+
+        try:
+            await act(make)
+        finally:
+            for plugin in made:
+                plugin.destroy()
 
 
 def degrees(north_m: float, east_m: float) -> tuple[float, float]:
@@ -65,8 +80,8 @@ def fields(item: Any) -> tuple[Any, ...]:
     return (item.seq, item.frame, item.command, item.param2, yaw, item.x, item.y, item.z)
 
 
-async def transfer_raw(system: Any) -> None:
-    plugin = MissionRawAsync(system)
+async def transfer_raw(make: Make) -> None:
+    plugin = make(MissionRawAsync)
     items = [raw(0, 22, 0, 0, 5), *(raw(i, 16, 3.0 * i, -2.0 * i, 5.0 + i) for i in range(1, 80))]
     await within(plugin.upload_mission(items))
     back = await within(plugin.download_mission())
@@ -97,8 +112,8 @@ def waypoint(north_m: float, east_m: float, up_m: float, **others: Any) -> Any:
     return MissionItem(lat_deg, lon_deg, up_m, **asked)
 
 
-async def fly_mission(system: Any) -> None:
-    mission, action, telemetry = MissionAsync(system), ActionAsync(system), TelemetryAsync(system)
+async def fly_mission(make: Make) -> None:
+    mission, action, telemetry = map(make, (MissionAsync, ActionAsync, TelemetryAsync))
     await first(telemetry.subscribe_health_all_ok(), bool)
     items = [
         waypoint(8, 0, 5, gimbal_pitch_deg=-30.0, gimbal_yaw_deg=0.0),
@@ -126,22 +141,22 @@ async def fly_mission(system: Any) -> None:
     await within(mission.clear_mission())
 
 
-async def transfer_fence(system: Any) -> None:
-    plugin = GeofenceAsync(system)
+async def transfer_fence(make: Make) -> None:
+    plugin, reader = make(GeofenceAsync), make(MissionRawAsync)
     corners = [geofence.Point(*degrees(n, e)) for n, e in [(-50, -50), (-50, 50), (50, 50)]]
     polygon = geofence.Polygon(corners, geofence.FenceType.INCLUSION)
     island = geofence.Point(*degrees(0, 20))
     circle = geofence.Circle(island, 5.0, geofence.FenceType.EXCLUSION)
     await within(plugin.upload_geofence(geofence.GeofenceData([polygon], [circle])))
-    stored = await within(MissionRawAsync(system).download_geofence())
+    stored = await within(reader.download_geofence())
     assert [(i.command, i.param1, i.mission_type) for i in stored] == [
         *[(5001, 3.0, 1)] * 3,
         (5004, 5.0, 1),
     ]
     await within(plugin.clear_geofence())
-    assert await within(MissionRawAsync(system).download_geofence()) == []
+    assert await within(reader.download_geofence()) == []
 
 
 @pytest.mark.parametrize("act", [transfer_raw, fly_mission, transfer_fence])
-def test_mavsdk_is_content(port: int, act: Callable[[Any], Awaitable[None]]) -> None:
+def test_mavsdk_is_content(port: int, act: Callable[[Make], Awaitable[None]]) -> None:
     asyncio.run(connected(port, act))
