@@ -164,14 +164,19 @@ class RateLoop:
             RATE_P[2] * (wanted[2] - r) + integral[2] - RATE_D[2] * (r - last[2]) / dt_s,
         )
 
-    def integrate(self, rates: Vector, wanted: Vector, dt_s: float, axes: range) -> None:
-        """Let the integrals of these axes follow their error; not while the mixer is limited."""
-        for i in axes:
-            self._integral[i] = _clamp(
-                self._integral[i] + RATE_I[i] * (wanted[i] - rates[i]) * dt_s,
-                -MAX_RATE_INTEGRAL_NM,
-                MAX_RATE_INTEGRAL_NM,
-            )
+    def integrate(
+        self, rates: Vector, wanted: Vector, dt_s: float, *, is_tilting: bool, is_turning: bool
+    ) -> None:
+        """Let the integrals follow their error; not of axes where the mixer is limited."""
+        integral, most = self._integral, MAX_RATE_INTEGRAL_NM
+        if is_tilting:
+            roll = integral[0] + RATE_I[0] * (wanted[0] - rates[0]) * dt_s
+            pitch = integral[1] + RATE_I[1] * (wanted[1] - rates[1]) * dt_s
+            integral[0] = _clamp(roll, -most, most)
+            integral[1] = _clamp(pitch, -most, most)
+        if is_turning:
+            yaw = integral[2] + RATE_I[2] * (wanted[2] - rates[2]) * dt_s
+            integral[2] = _clamp(yaw, -most, most)
 
 
 class Cascade:
@@ -212,10 +217,13 @@ class Cascade:
         wanted = self._wanted_rates(state.attitude)
         roll, pitch, yaw = self._rate_loop.step(state.rates, wanted, dt_s)
         mixed = mix(self.thrust_n, roll, pitch, yaw, state.voltage_v)
-        if not mixed.is_tilt_limited:
-            self._rate_loop.integrate(state.rates, wanted, dt_s, range(2))
-        if not mixed.is_yaw_limited:
-            self._rate_loop.integrate(state.rates, wanted, dt_s, range(2, 3))
+        self._rate_loop.integrate(
+            state.rates,
+            wanted,
+            dt_s,
+            is_tilting=not mixed.is_tilt_limited,
+            is_turning=not mixed.is_yaw_limited,
+        )
         return mixed.motors
 
     def _wanted_rates(self, q: Quaternion) -> Vector:
