@@ -1,7 +1,7 @@
-"""Writes missions/mission.schema.json from the model of a mission file.
+"""Writes missions/*.schema.json from the models of mission and scenario files.
 
-Editors with a YAML language server complete and check missions from it. Run it after a change of
-companion/mission/schema.py; a test compares the file with the model.
+Editors with a YAML language server complete and check the files from them. Run it after a change
+of companion/mission/schema.py or sitl/world/schema.py; tests compare the files with the models.
 
 Usage: python scripts/make_schema.py
 """
@@ -11,16 +11,17 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from companion.mission.schema import json_schema
+from companion.mission import schema as mission
+from sitl.world import schema as scenario
 
-TARGET = Path(__file__).parent.parent / "missions" / "mission.schema.json"
-
-
-def schema_text() -> str:
-    """The file's content."""
-    return json.dumps(json_schema(), indent=2) + "\n"
+FOLDER = Path(__file__).parent.parent / "missions"
+SCHEMAS = {
+    "mission.schema.json": mission.json_schema,
+    "scenario.schema.json": scenario.json_schema,
+}
 
 
 if __name__ == "__main__":
-    TARGET.write_text(schema_text(), encoding="utf-8")
-    print(f"wrote {TARGET}")
+    for name, schema in SCHEMAS.items():
+        (FOLDER / name).write_text(json.dumps(schema(), indent=2) + "\n", encoding="utf-8")
+        print(f"wrote {FOLDER / name}")

@@ -105,18 +105,36 @@ def simulate(
         GlobalOrigin | None,
         typer.Option(parser=parse_home, metavar="LAT,LON,ALT", help="Where the vehicle starts."),
     ] = None,
-    seed: Annotated[int, typer.Option(help="Of gusts.")] = 0,
+    seed: Annotated[int, typer.Option(help="Of everything random: gusts, noise.")] = 0,
+    quiet: Annotated[bool, typer.Option(help="Do not tell what happens in the world.")] = False,
+    check: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Check a scenario, fly nothing.")
+    ] = None,
 ) -> None:
-    """Simulate one PX4-like vehicle on PX4's UDP ports."""
+    """Simulate one PX4-like vehicle on PX4's UDP ports.
+
+    A ground station finds it on UDP 14550, a companion or MAVSDK on UDP 14540 + instance.
+    What happens in the world (target, obstacles, wind, faults) stands in a scenario file; each
+    event is told in a line when it happens.
+    """
     try:
-        _simulate(scenario, speed, instance, home, seed)
+        if check:
+            happenings = read_scenario(check)[0].happenings
+            typer.echo(f"{check}: a good scenario, {len(happenings)} events")
+            return
+        _simulate(scenario, speed, instance, home, seed, quiet)
     except CompanionError as error:
         typer.echo(str(error), err=True)
         raise typer.Exit(error.exit_code) from error
 
 
 def _simulate(
-    path: Path | None, speed: float, instance: int, home: GlobalOrigin | None, seed: int
+    path: Path | None,
+    speed: float,
+    instance: int,
+    home: GlobalOrigin | None,
+    seed: int,
+    is_quiet: bool,
 ) -> None:
     fallback = home or default_home(dict(os.environ))
     world, grid = read_scenario(path, fallback) if path else (Scenario(home=fallback), None)
@@ -135,9 +153,14 @@ def _simulate(
         )
         sys.stdout.flush()
         clock = ScaledClock(speed, time.monotonic())
+        told = 0
         while not stop.is_set:
             datagrams = server.receive(PERIOD_S)
             server.send(simulation.step(clock.advance(time.monotonic()), datagrams))
+            for time_s, text in simulation.happened[told:]:
+                told += 1
+                if not is_quiet:
+                    print(f"sitl: {time_s:.2f} s: {text}", flush=True)
 
 
 def main(arguments: list[str] | None = None) -> Any:

@@ -1,26 +1,33 @@
-"""How do the payload and the target detector speak MAVLink?
+"""How do the payload, the target detector and the lidar speak MAVLink?
 
 Each is a component of its own on board, beside the autopilot: own component id, own sequence
-numbers, own HEARTBEAT at 1 Hz. The detector reports NAMED_VALUE_INT "target" at 2 Hz. What they
+numbers, own HEARTBEAT at 1 Hz. The detector reports NAMED_VALUE_INT "target" at 2 Hz, the lidar
+OBSTACLE_DISTANCE at 10 Hz. A command that a component does not know is UNSUPPORTED. What they
 decide is in sitl/world; here it becomes messages. They send to whoever listens; routing.py says
 where that is.
 """
 
 from __future__ import annotations
 
+import math
 from typing import Protocol
 
-from companion.geometry import Ned
+from companion.geometry import euler_from_quaternion
 from companion.mavlink.framing import Endpoint, Message, dialect, source
 from sitl.flight.physics import FlightState
 from sitl.link.routing import target
 from sitl.results import Result
 from sitl.world.detector import Detector
-from sitl.world.payload import Asker, Payload
+from sitl.world.lidar import BEAMS, Lidar
+from sitl.world.payload import Payload, Reply
 
 HEARTBEAT_S = 1.0
 REPORT_S = 0.5
+SCAN_S = 0.1
+NEAREST_CM = 5
 TARGET_NAME = b"target"
+_COMMANDS = ("COMMAND_LONG", "COMMAND_INT")
+_LASER, _BODY_FRD = 0, 12
 _ONBOARD_CONTROLLER, _NO_AUTOPILOT, _ACTIVE = 18, 8, 4
 
 Sent = tuple[Message, bytes]
@@ -56,6 +63,21 @@ class _Voice:
         self._next_s[every_s] = next_s + every_s
         return True
 
+    def acknowledge(self, command: int, reply: Reply) -> Sent:
+        return self.say(
+            dialect.MAVLink_command_ack_message(
+                command, reply.result, reply.progress, 0, *reply.asker
+            )
+        )
+
+    def refuse(self, message: Message, address: tuple[int, int]) -> list[Sent]:
+        """Answer any command as one who knows none."""
+        if message.get_type() not in _COMMANDS or target(message) != address:
+            return []
+        return [
+            self.acknowledge(message.command, Reply(source(message), Result.UNSUPPORTED)),
+        ]
+
     def heartbeat(self, now_s: float) -> list[Sent]:
         if not self.is_due(HEARTBEAT_S, now_s):
             return []
@@ -72,17 +94,16 @@ class DetectorDevice:
     """The target detector as a component."""
 
     def __init__(self, system: int, detector: Detector) -> None:
-        self.address = (system, detector.sighting.component)
+        self.address = (system, detector.component)
         self._detector = detector
         self._voice = _Voice(self.address)
 
     def receive(self, message: Message, state: FlightState) -> list[Sent]:
-        """Listens to nobody."""
-        return []
+        """Knows no command."""
+        return self._voice.refuse(message, self.address)
 
     def step(self, state: FlightState) -> list[Sent]:
         """HEARTBEAT and the report."""
-        self._detector.update(state.position)
         sent = self._voice.heartbeat(state.time_s)
         if self._voice.is_due(REPORT_S, state.time_s):
             report = dialect.MAVLink_named_value_int_message(
@@ -102,21 +123,59 @@ class PayloadDevice:
 
     def receive(self, message: Message, state: FlightState) -> list[Sent]:
         """A COMMAND_LONG or COMMAND_INT."""
-        if message.get_type() not in ("COMMAND_LONG", "COMMAND_INT"):
+        if message.get_type() not in _COMMANDS or target(message) != self.address:
             return []
-        if target(message) != self.address:
-            return []
-        position: Ned = state.position
-        answer = self._payload.ask(source(message), message.command, position, state.time_s)
-        return [self._acknowledge(message.command, answer, source(message))]
+        reply = self._payload.ask(
+            source(message),
+            message.command,
+            state.position,
+            state.time_s,
+            is_repeated=getattr(message, "confirmation", 0) > 0,
+        )
+        return [self._voice.acknowledge(message.command, reply)] if reply else []
 
     def step(self, state: FlightState) -> list[Sent]:
-        """HEARTBEAT and the final answer."""
+        """HEARTBEAT, progress and the final answer."""
         sent = self._voice.heartbeat(state.time_s)
-        if finished := self._payload.finished(state.time_s):
-            asker, answer = finished
-            sent.append(self._acknowledge(self._payload.script.command, answer, asker))
+        if reply := self._payload.step(state.time_s):
+            sent.append(self._voice.acknowledge(self._payload.script.command, reply))
         return sent
 
-    def _acknowledge(self, command: int, answer: Result, asker: Asker) -> Sent:
-        return self._voice.say(dialect.MAVLink_command_ack_message(command, answer, 0, 0, *asker))
+
+class LidarDevice:
+    """The lidar as a component."""
+
+    def __init__(self, system: int, lidar: Lidar) -> None:
+        self.address = (system, lidar.spec.component)
+        self._lidar = lidar
+        self._voice = _Voice(self.address)
+
+    def receive(self, message: Message, state: FlightState) -> list[Sent]:
+        """Knows no command."""
+        return self._voice.refuse(message, self.address)
+
+    def step(self, state: FlightState) -> list[Sent]:
+        """HEARTBEAT and the scan."""
+        sent = self._voice.heartbeat(state.time_s)
+        if self._voice.is_due(SCAN_S, state.time_s):
+            heading_rad = euler_from_quaternion(state.attitude)[2]
+            scan_m = self._lidar.scan(state.position[:2], heading_rad)
+            sent.append(self._voice.say(self._report(scan_m, state.time_s)))
+        return sent
+
+    def _report(self, scan_m: list[float], now_s: float) -> Message:
+        far_cm = round(100 * self._lidar.spec.range_m)
+        return dialect.MAVLink_obstacle_distance_message(
+            round(now_s * 1e6),
+            _LASER,
+            [
+                far_cm + 1 if math.isinf(d) else min(far_cm, max(NEAREST_CM, round(100 * d)))
+                for d in scan_m
+            ],
+            360 // BEAMS,
+            NEAREST_CM,
+            far_cm,
+            360 / BEAMS,
+            0.0,
+            _BODY_FRD,
+        )

@@ -21,19 +21,23 @@ class CollisionWatch:
 
     Args:
         grid: the true map; None is a world without walls.
+
+    Attributes:
+        grid: may be replaced when the map changes.
+        count: of collisions so far.
     """
 
     def __init__(self, grid: OccupancyGrid | None) -> None:
         self.count = 0
-        self._grid = grid
+        self.grid = grid
         self._is_touching = False
 
     def update(self, position: Ned) -> bool:
         """Take a position; true when a collision begins there."""
-        if self._grid is None:
+        if self.grid is None:
             return False
         was_touching = self._is_touching
-        self._is_touching = self._grid.clearance_m(position[:2]) < VEHICLE_RADIUS_M
+        self._is_touching = self.grid.clearance_m(position[:2]) < VEHICLE_RADIUS_M
         has_begun = self._is_touching and not was_touching
         self.count += has_begun
         return has_begun

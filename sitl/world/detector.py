@@ -1,8 +1,8 @@
-"""Does the target detector see the target?
+"""How often was the vehicle in a circle, and does the target detector see the target?
 
-It does from the moment when the vehicle enters a circle for the n-th time. Being there at the
-start is no entry. A visit ends once the vehicle is clearly outside, so that a vehicle that holds
-on the edge does not visit twice.
+A visit begins when the vehicle enters the circle. Being there at the start is no entry. A visit
+ends once the vehicle is clearly outside, so that a vehicle that holds on the edge does not visit
+twice. The detector sees what the scenario's events tell it to see.
 """
 
 from __future__ import annotations
@@ -15,44 +15,50 @@ LEAVING_MARGIN_M = 0.5
 
 
 @dataclass(frozen=True, slots=True)
-class Sighting:
-    """Where and when the target is seen.
+class Circle:
+    """A place on the ground."""
 
-    Attributes:
-        component: MAVLink component id of the detector.
-        centre: of the circle.
-        visit: which entry into the circle shows the target, from 1.
-    """
-
-    component: int
     centre: NorthEast
     radius_m: float
-    visit: int
+
+    def holds(self, position: Ned) -> bool:
+        """Whether a position lies in or above the circle."""
+        return horizontal_distance(position, self.centre) <= self.radius_m
 
 
-class Detector:
+class Visits:
     """Counts the visits.
 
     Args:
-        sighting: what to wait for.
+        circle: what is visited.
         start: where the vehicle is at first.
+
+    Attributes:
+        count: visits begun so far.
     """
 
-    def __init__(self, sighting: Sighting, start: Ned) -> None:
-        self.sighting = sighting
-        self._visits = 0
-        self._is_inside = horizontal_distance(start, sighting.centre) <= sighting.radius_m
-
-    @property
-    def sees_target(self) -> bool:
-        """The target has been found."""
-        return self._visits >= self.sighting.visit
+    def __init__(self, circle: Circle, start: Ned) -> None:
+        self._circle = circle
+        self._is_inside = circle.holds(start)
+        self.count = 0
 
     def update(self, position: Ned) -> None:
         """Take the vehicle's position."""
-        away_m = horizontal_distance(position, self.sighting.centre)
-        if not self._is_inside and away_m <= self.sighting.radius_m:
+        away_m = horizontal_distance(position, self._circle.centre)
+        if not self._is_inside and away_m <= self._circle.radius_m:
             self._is_inside = True
-            self._visits += 1
-        elif away_m > self.sighting.radius_m + LEAVING_MARGIN_M:
+            self.count += 1
+        elif away_m > self._circle.radius_m + LEAVING_MARGIN_M:
             self._is_inside = False
+
+
+@dataclass(slots=True)
+class Detector:
+    """The target detector.
+
+    Attributes:
+        component: its MAVLink component id.
+    """
+
+    component: int
+    sees_target: bool = False

@@ -14,6 +14,10 @@ are degrees clockwise from north; inside, everything is local NED and radians.
       command: MAV_CMD_USER_1
       answers:
         - {east_m: 9, north_m: 4, radius_m: 1, result: FAILED, after_s: 2}
+    obstacles:
+      - {name: crate, circle: {east_m: 6, north_m: 6, radius_m: 0.5}, present: false}
+    happens:
+      - {at_s: 30, obstacle: {name: crate, present: true}}
 
 `read_scenario` is a door: it opens the file and its map. The rest is pure.
 """
@@ -29,14 +33,17 @@ from companion.documents import Document, did_you_mean, validate
 from companion.errors import MissionError
 from companion.geometry import GlobalOrigin, Ned, ned_from_enu
 from companion.maps import read_map
-from companion.mavlink.framing import dialect
 from companion.mavlink.parameters import INT32, encode
 from companion.motion.grid import OccupancyGrid
 from sitl.autopilot.parameters import PARAMETERS
 from sitl.results import Result
 from sitl.world.collision import VEHICLE_RADIUS_M
-from sitl.world.detector import Sighting
-from sitl.world.payload import PayloadScript, Site
+from sitl.world.detector import Circle
+from sitl.world.happenings import AtPlace, Happening
+from sitl.world.lidar import LidarSpec
+from sitl.world.obstacles import Obstacle, TrueMap
+from sitl.world.payload import Answer, PayloadScript, Site
+from sitl.world.reading import command_number, read_happenings, read_obstacles
 from sitl.world.schema import PayloadModel, ScenarioModel
 
 PX4_HOME = GlobalOrigin(47.397742, 8.545594, 488.0)  # PX4's default in SITL: Irchelpark, Zurich
@@ -53,6 +60,10 @@ class Scenario:
         wind: the air's velocity, NED.
         charge: of the battery at the start, 0 to 1.
         parameters: values that differ from the airframe's.
+        detector: component id of the target detector; None is no detector.
+        lidar: None is no lidar.
+        pads: charging pads, each with its current in amperes.
+        happenings: in the order of the file.
         map_path: None is a world without walls.
     """
 
@@ -63,8 +74,12 @@ class Scenario:
     turbulence_mps: float = 0.0
     charge: float = 1.0
     parameters: Mapping[str, float] = field(default_factory=dict)
-    sighting: Sighting | None = None
+    detector: int | None = None
     payload: PayloadScript | None = None
+    lidar: LidarSpec | None = None
+    obstacles: tuple[Obstacle, ...] = ()
+    pads: tuple[tuple[Circle, float], ...] = ()
+    happenings: tuple[Happening, ...] = ()
     map_path: Path | None = None
 
 
@@ -89,9 +104,10 @@ def read_scenario(
     if scenario.map_path is None:
         return scenario, None
     grid = read_map(scenario.map_path)
-    if grid.clearance_m(scenario.start[:2]) < VEHICLE_RADIUS_M:
+    now = TrueMap(grid, scenario.obstacles).grid
+    if now and now.clearance_m(scenario.start[:2]) < VEHICLE_RADIUS_M:
         raise MissionError(
-            "the start lies in a wall, too near one, or off the map",
+            "the start lies in a wall or an obstacle, too near one, or off the map",
             document.where("start"),
             f"the vehicle needs {VEHICLE_RADIUS_M} m around it",
         )
@@ -111,14 +127,14 @@ def _parse(text: str, path: Path, default_home: GlobalOrigin) -> tuple[Scenario,
     model, document = validate(text, str(path), ScenarioModel)
     for name, value in model.parameters.items():
         _check_parameter(name, value, document)
-    if model.target and model.payload and model.target.component == model.payload.component:
-        raise MissionError(
-            f"target and payload have the same component id {model.payload.component}",
-            document.where("payload", "component"),
-            "each component on board needs an id of its own",
-        )
+    _check_components(model, document)
     start, home, wind = model.start, model.home, model.wind
     seen = model.target.seen if model.target else None
+    sighting = (
+        AtPlace(Circle((seen.north_m, seen.east_m), seen.radius_m), seen.visit) if seen else None
+    )
+    first = (Happening(sighting, (("target", "seen"),), "target: seen"),) if sighting else ()
+    lidar = model.lidar
     scenario = Scenario(
         home=GlobalOrigin(home.latitude_deg, home.longitude_deg, home.altitude_m)
         if home
@@ -129,15 +145,36 @@ def _parse(text: str, path: Path, default_home: GlobalOrigin) -> tuple[Scenario,
         turbulence_mps=wind.turbulence_mps,
         charge=model.battery.charge,
         parameters=dict(model.parameters),
-        sighting=Sighting(
-            model.target.component, (seen.north_m, seen.east_m), seen.radius_m, seen.visit
-        )
-        if model.target and seen
-        else None,
+        detector=model.target.component if model.target else None,
         payload=_payload(model.payload, document) if model.payload else None,
+        lidar=LidarSpec(lidar.component, lidar.range_m, lidar.noise_m)
+        if lidar
+        else (LidarSpec() if model.map else None),
+        obstacles=read_obstacles(model, document),
+        pads=tuple(
+            (Circle((pad.north_m, pad.east_m), pad.radius_m), pad.current_a) for pad in model.pads
+        ),
+        happenings=first + read_happenings(model, document),
         map_path=path.parent / model.map if model.map else None,
     )
     return scenario, document
+
+
+def _check_components(model: ScenarioModel, document: Document) -> None:
+    owners: dict[int, str] = {}
+    for name, part in (
+        ("target", model.target),
+        ("payload", model.payload),
+        ("lidar", model.lidar),
+    ):
+        if part and part.component in owners:
+            raise MissionError(
+                f"{owners[part.component]} and {name} have the same component id {part.component}",
+                document.where(name, "component"),
+                "each component on board needs an id of its own",
+            )
+        if part:
+            owners[part.component] = name
 
 
 def _check_parameter(name: str, value: float, document: Document) -> None:
@@ -159,16 +196,9 @@ def _check_parameter(name: str, value: float, document: Document) -> None:
 
 
 def _payload(model: PayloadModel, document: Document) -> PayloadScript:
-    command = getattr(dialect, model.command, None)
-    if not model.command.startswith("MAV_CMD_") or not isinstance(command, int):
-        commands = [name for name in vars(dialect) if name.startswith("MAV_CMD_")]
-        raise MissionError(
-            f"MAVLink has no command {model.command}",
-            document.where("payload", "command"),
-            did_you_mean(model.command, commands),
-        )
+    command = command_number(model.command, document, "payload", "command")
     sites = tuple(
-        Site((site.north_m, site.east_m), site.radius_m, Result[site.result], site.after_s)
+        Site((site.north_m, site.east_m), site.radius_m, Answer(Result[site.result], site.after_s))
         for site in model.answers
     )
     return PayloadScript(model.component, command, sites, Result[model.otherwise])

@@ -11,8 +11,10 @@ from companion.errors import MissionError
 from companion.geometry import GlobalOrigin
 from companion.mavlink.framing import dialect
 from sitl.results import Result
-from sitl.world.detector import Sighting
-from sitl.world.payload import PayloadScript, Site
+from sitl.world.detector import Circle
+from sitl.world.happenings import AtPlace, Happening
+from sitl.world.lidar import LidarSpec
+from sitl.world.payload import Answer, PayloadScript, Site
 from sitl.world.scenario import PX4_HOME, Scenario, parse_scenario, read_scenario
 
 FULL = """\
@@ -47,11 +49,15 @@ def test_every_key_is_read_into_local_ned() -> None:
         turbulence_mps=0.5,
         charge=0.8,
         parameters={"COM_OBL_RC_ACT": 4, "MIS_TAKEOFF_ALT": 3.5},
-        sighting=Sighting(30, (13.0, 5.0), 0.8, 2),
+        detector=30,
+        lidar=LidarSpec(),
+        happenings=(
+            Happening(AtPlace(Circle((13.0, 5.0), 0.8), 2), (("target", "seen"),), "target: seen"),
+        ),
         payload=PayloadScript(
             25,
             dialect.MAV_CMD_USER_1,
-            (Site((4.0, 9.0), 1.0, Result.FAILED, 2.0),),
+            (Site((4.0, 9.0), 1.0, Answer(Result.FAILED, 2.0)),),
             Result.ACCEPTED,
         ),
         map_path=Path("missions/maps/hall.yaml"),

@@ -11,8 +11,8 @@ from companion.motion.grid import OccupancyGrid
 from sitl.link.routing import LinkName
 from sitl.results import Result
 from sitl.world.collision import CollisionWatch
-from sitl.world.detector import LEAVING_MARGIN_M, Detector, Sighting
-from sitl.world.payload import Payload, PayloadScript, Site
+from sitl.world.detector import LEAVING_MARGIN_M, Circle, Visits
+from sitl.world.payload import Answer, Payload, PayloadScript, Reply, Site
 from sitl.world.scenario import Scenario
 
 AWAY, INSIDE = (10.0, 0.0, -2.0), (0.2, 0.0, -2.0)
@@ -21,40 +21,38 @@ OPERATOR, OTHER = (1, 191), (255, 190)
 
 
 @pytest.mark.parametrize("visit", [1, 2, 3])
-def test_the_target_is_seen_on_the_nth_visit_and_from_then_on(visit: int) -> None:
-    detector = Detector(Sighting(26, (0.0, 0.0), 1.0, visit), AWAY)
-    for n in range(1, 5):
-        detector.update(INSIDE)
-        detector.update(INSIDE)
-        assert detector.sees_target is (n >= visit)
-        detector.update(AWAY)
-        assert detector.sees_target is (n >= visit)
+def test_staying_is_one_visit_and_leaving_ends_it(visit: int) -> None:
+    visits = Visits(Circle((0.0, 0.0), 1.0), AWAY)
+    for _ in range(visit):
+        for position in (INSIDE, INSIDE, AWAY):
+            visits.update(position)
+    assert visits.count == visit
 
 
 def test_being_there_at_the_start_is_no_visit() -> None:
-    detector = Detector(Sighting(26, (0.0, 0.0), 1.0, 1), INSIDE)
-    detector.update(INSIDE)
-    assert not detector.sees_target
-    detector.update(AWAY)
-    detector.update(INSIDE)
-    assert detector.sees_target
+    visits = Visits(Circle((0.0, 0.0), 1.0), INSIDE)
+    counts = []
+    for position in (INSIDE, AWAY, INSIDE):
+        visits.update(position)
+        counts.append(visits.count)
+    assert counts == [0, 0, 1]
 
 
 @given(st.lists(st.floats(0.0, 1.0 + LEAVING_MARGIN_M)))
 def test_wavering_on_the_edge_is_one_visit(distances_m: list[float]) -> None:
-    detector = Detector(Sighting(26, (0.0, 0.0), 1.0, 2), AWAY)
-    detector.update(INSIDE)
+    visits = Visits(Circle((0.0, 0.0), 1.0), AWAY)
+    visits.update(INSIDE)
     for away_m in distances_m:
-        detector.update((away_m, 0.0, -2.0))
-    assert not detector.sees_target
+        visits.update((away_m, 0.0, -2.0))
+    assert visits.count == 1
 
 
 SCRIPT = PayloadScript(
     25,
     USER_1,
     (
-        Site((0.0, 0.0), 1.0, Result.FAILED, 2.0),
-        Site((0.0, 0.0), 3.0, Result.ACCEPTED, 0.5),
+        Site((0.0, 0.0), 1.0, Answer(Result.FAILED, 2.0)),
+        Site((0.0, 0.0), 3.0, Answer(Result.ACCEPTED, 0.5)),
     ),
     Result.DENIED,
 )
@@ -68,27 +66,30 @@ def test_the_first_circle_that_holds_the_vehicle_answers(
     north_m: float, result: Result, after_s: float
 ) -> None:
     payload = Payload(SCRIPT)
-    assert payload.ask(OPERATOR, USER_1, (north_m, 0, 0), 10.0) is Result.IN_PROGRESS
-    assert payload.finished(10.0 + after_s - 0.01) is None
-    assert payload.finished(10.0 + after_s) == (OPERATOR, result)
-    assert payload.finished(10.0 + after_s) is None
+    assert payload.ask(OPERATOR, USER_1, (north_m, 0, 0), 10.0) == Reply(
+        OPERATOR, Result.IN_PROGRESS
+    )
+    assert payload.step(10.0 + after_s - 0.01) is None
+    assert payload.step(10.0 + after_s) == Reply(OPERATOR, result)
+    assert payload.step(10.0 + after_s) is None
 
 
 def test_a_repeated_command_is_one_command_and_a_second_asker_waits() -> None:
     payload = Payload(SCRIPT)
     payload.ask(OPERATOR, USER_1, (2.0, 0, 0), 0.0)
-    assert payload.ask(OPERATOR, USER_1, (2.0, 0, 0), 0.4) is Result.IN_PROGRESS
-    assert payload.ask(OTHER, USER_1, (2.0, 0, 0), 0.4) is Result.TEMPORARILY_REJECTED
-    assert payload.finished(0.5) == (OPERATOR, Result.ACCEPTED)
-    assert payload.ask(OTHER, USER_1, (2.0, 0, 0), 0.6) is Result.IN_PROGRESS
+    assert payload.ask(OPERATOR, USER_1, (2.0, 0, 0), 0.4) == Reply(OPERATOR, Result.IN_PROGRESS)
+    assert payload.ask(OTHER, USER_1, (2.0, 0, 0), 0.4) == Reply(OTHER, Result.TEMPORARILY_REJECTED)
+    assert payload.step(0.5) == Reply(OPERATOR, Result.ACCEPTED)
+    assert payload.ask(OTHER, USER_1, (2.0, 0, 0), 0.6) == Reply(OTHER, Result.IN_PROGRESS)
 
 
 def test_the_payload_knows_one_command() -> None:
-    assert Payload(SCRIPT).ask(OPERATOR, USER_1 + 1, (0, 0, 0), 0.0) is Result.UNSUPPORTED
+    reply = Payload(SCRIPT).ask(OPERATOR, USER_1 + 1, (0, 0, 0), 0.0)
+    assert reply == Reply(OPERATOR, Result.UNSUPPORTED)
 
 
 def test_devices_are_components_of_their_own_on_both_links() -> None:
-    wire = Wire(Scenario(sighting=Sighting(26, (0.0, 50.0), 1.0, 1), payload=SCRIPT))
+    wire = Wire(Scenario(detector=26, payload=SCRIPT))
     wire.send(companion_heartbeat())
     wire.run(4.99)
     for link in LinkName:

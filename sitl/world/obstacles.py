@@ -1,0 +1,80 @@
+"""Which cells of the true map are occupied now?
+
+The map file plus the obstacles that are present. A cell that an obstacle touches is occupied. The
+grid and its distance field are made anew only when an obstacle appears or disappears.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from companion.geometry import NorthEast
+from companion.motion.grid import OccupancyGrid
+
+
+@dataclass(frozen=True, slots=True)
+class Obstacle:
+    """All points within `radius_m` of a box; a circle is the box that is one point.
+
+    Attributes:
+        south_west: corner of the box.
+        north_east: the opposite corner.
+    """
+
+    name: str
+    south_west: NorthEast
+    north_east: NorthEast
+    radius_m: float
+    is_present: bool
+
+
+class TrueMap:
+    """The walls and the obstacles.
+
+    Args:
+        walls: of the map file.
+        obstacles: all that may ever be there.
+
+    Attributes:
+        grid: as it is now.
+    """
+
+    def __init__(self, walls: OccupancyGrid | None, obstacles: Iterable[Obstacle]) -> None:
+        self._walls = walls
+        self._obstacles = {obstacle.name: obstacle for obstacle in obstacles}
+        self._present = {name for name, o in self._obstacles.items() if o.is_present}
+        self.grid = self._draw()
+
+    def place(self, name: str, is_present: bool) -> bool:
+        """Put an obstacle there or take it away; true if the grid is another one now."""
+        if (name in self._present) == is_present:
+            return False
+        (self._present.add if is_present else self._present.discard)(name)
+        self.grid = self._draw()
+        return True
+
+    def _draw(self) -> OccupancyGrid | None:
+        walls = self._walls
+        if walls is None or not self._present:
+            return walls
+        occupied = walls.occupied.copy()
+        for name in self._present:
+            occupied |= _touched(self._obstacles[name], walls)
+        return OccupancyGrid(occupied, walls.cell_m, walls.origin)
+
+
+def _touched(obstacle: Obstacle, grid: OccupancyGrid) -> npt.NDArray[np.bool_]:
+    """The cells with a point in the obstacle: squares and box are apart by their gaps."""
+    gaps = []
+    for axis in (0, 1):
+        low = grid.origin[axis] + np.arange(grid.occupied.shape[axis]) * grid.cell_m
+        gap = np.maximum(
+            obstacle.south_west[axis] - (low + grid.cell_m), low - obstacle.north_east[axis]
+        )
+        gaps.append(np.maximum(gap, 0.0))
+    touched = np.hypot(gaps[0][:, None], gaps[1][None, :]) <= obstacle.radius_m
+    return np.asarray(touched, dtype=np.bool_)

@@ -1,0 +1,152 @@
+"""What do the obstacles and happenings of a scenario file mean, and can they be?
+
+Turns their models (schema.py) into the simulator's types. What contradicts itself or can never
+happen is refused with its place in the file.
+"""
+
+from __future__ import annotations
+
+from companion.documents import Document, did_you_mean
+from companion.errors import MissionError
+from companion.mavlink.framing import dialect
+from sitl.world.detector import Circle
+from sitl.world.happenings import EFFECTS, AtPlace, AtTime, Happening, OnCommand
+from sitl.world.obstacles import Obstacle
+from sitl.world.schema import HappeningModel, ObstacleModel, ScenarioModel
+
+AUTOPILOT = 1
+TRIGGERS = ("at_s", "place", "command")
+
+
+def command_number(name: str, document: Document, *keys: str | int) -> int:
+    """The number of a MAV_CMD that stands at some place of the file."""
+    number = getattr(dialect, name, None)
+    if not name.startswith("MAV_CMD_") or not isinstance(number, int):
+        commands = [known for known in vars(dialect) if known.startswith("MAV_CMD_")]
+        raise MissionError(
+            f"MAVLink has no command {name}", document.where(*keys), did_you_mean(name, commands)
+        )
+    return number
+
+
+def read_obstacles(model: ScenarioModel, document: Document) -> tuple[Obstacle, ...]:
+    """The obstacles; each has a name and a shape of its own."""
+    if model.obstacles and model.map is None:
+        raise MissionError(
+            "obstacles need a map", document.where("obstacles"), "say which with the key map"
+        )
+    names: set[str] = set()
+    for i, entry in enumerate(model.obstacles):
+        if entry.name in names:
+            raise MissionError(
+                f"there are two obstacles {entry.name}", document.where("obstacles", i, "name")
+            )
+        names.add(entry.name)
+    return tuple(_obstacle(entry, document, i) for i, entry in enumerate(model.obstacles))
+
+
+def _obstacle(entry: ObstacleModel, document: Document, i: int) -> Obstacle:
+    if entry.circle and not entry.box:
+        centre = (entry.circle.north_m, entry.circle.east_m)
+        return Obstacle(entry.name, centre, centre, entry.circle.radius_m, entry.present)
+    if entry.box and not entry.circle:
+        (west, east), (south, north) = entry.box.east_m, entry.box.north_m
+        if west >= east or south >= north:
+            raise MissionError(
+                f"the box of {entry.name} has no inside",
+                document.where("obstacles", i, "box"),
+                "[from, to] with from < to",
+            )
+        return Obstacle(entry.name, (south, west), (north, east), 0.0, entry.present)
+    raise MissionError(
+        f"the obstacle {entry.name} has no shape, or two",
+        document.where("obstacles", i),
+        "give it a circle or a box",
+    )
+
+
+def read_happenings(model: ScenarioModel, document: Document) -> tuple[Happening, ...]:
+    """What happens, in the order of the file."""
+    return tuple(_happening(entry, model, document, i) for i, entry in enumerate(model.happens))
+
+
+def _happening(
+    entry: HappeningModel, model: ScenarioModel, document: Document, i: int
+) -> Happening:
+    where = document.where("happens", i)
+    given = [name for name in TRIGGERS if getattr(entry, name) is not None]
+    if len(given) != 1:
+        raise MissionError(
+            f"what happens has {len(given)} triggers instead of one",
+            where,
+            "one of at_s, place and command says when",
+        )
+    if not entry.command and (entry.nth or entry.component):
+        raise MissionError("nth and component need a command", where)
+    kinds = [kind for kind in EFFECTS if getattr(entry, kind) is not None]
+    if not kinds:
+        raise MissionError("nothing happens here", where, f"say what: {', '.join(EFFECTS)}")
+    _check_effects(entry, model, document, i)
+    text = "; ".join(f"{kind}: {_words(getattr(entry, kind))}" for kind in kinds)
+    return Happening(
+        _trigger(entry, model, document, i),
+        tuple((kind, getattr(entry, kind)) for kind in kinds),
+        text,
+        entry.after_s,
+    )
+
+
+def _trigger(
+    entry: HappeningModel, model: ScenarioModel, document: Document, i: int
+) -> AtTime | AtPlace | OnCommand:
+    if entry.at_s is not None:
+        return AtTime(entry.at_s)
+    if place := entry.place:
+        return AtPlace(Circle((place.north_m, place.east_m), place.radius_m), place.visit)
+    number = command_number(entry.command or "", document, "happens", i, "command")
+    on_board = {AUTOPILOT, *_components(model)}
+    if entry.component is not None and entry.component not in on_board:
+        raise MissionError(
+            f"there is no component {entry.component} on board, so this can never happen",
+            document.where("happens", i, "component"),
+            f"on board are {', '.join(map(str, sorted(on_board)))}",
+        )
+    return OnCommand(number, entry.nth or 1, entry.component)
+
+
+def _components(model: ScenarioModel) -> list[int]:
+    default = [196] if model.map and not model.lidar else []
+    parts = (model.target, model.payload, model.lidar)
+    return default + [part.component for part in parts if part]
+
+
+def _check_effects(entry: HappeningModel, model: ScenarioModel, document: Document, i: int) -> None:
+    for kind in ("target", "payload"):
+        if getattr(entry, kind) and not getattr(model, kind):
+            raise MissionError(
+                f"there is no {kind} in this scenario",
+                document.where("happens", i, kind),
+                f"describe it with the key {kind}",
+            )
+    names = [obstacle.name for obstacle in model.obstacles]
+    if entry.obstacle and entry.obstacle.name not in names:
+        raise MissionError(
+            f"there is no obstacle {entry.obstacle.name}",
+            document.where("happens", i, "obstacle", "name"),
+            did_you_mean(entry.obstacle.name, names),
+        )
+    arming = entry.arming
+    if arming and (arming.refused is None) == (arming.allowed is None):
+        raise MissionError(
+            "arming is either refused or allowed", document.where("happens", i, "arming")
+        )
+    if entry.gps and entry.gps.lost is None and entry.gps.noise_m is None:
+        raise MissionError("gps needs lost or noise_m", document.where("happens", i, "gps"))
+
+
+def _words(value: object) -> str:
+    """A value as the file has it."""
+    if isinstance(value, str):
+        return value
+    given = value.model_dump(exclude_unset=True)  # type: ignore[attr-defined]
+    return ", ".join(f"{key} {word}" for key, word in given.items()) or "default"

@@ -1,0 +1,93 @@
+"""The lidar against a fine ray march and closed forms, and on the wire."""
+
+import math
+from random import Random
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from wire import Wire, companion_heartbeat
+
+from companion.motion.grid import OccupancyGrid
+from sitl.world.lidar import BEAMS, STEP_RAD, Lidar, LidarSpec
+from sitl.world.scenario import Scenario
+
+MARCH_M = 0.01
+
+
+def room(seed: int) -> OccupancyGrid:
+    """6 m by 8 m with scattered pillars, free around its middle (0, 0)."""
+    occupied = np.random.default_rng(seed).random((60, 80)) < 0.03
+    occupied[26:34, 36:44] = False
+    return OccupancyGrid(occupied, 0.1, (-3.0, -4.0))
+
+
+def is_free(grid: OccupancyGrid, north: float, east: float) -> bool:
+    row, col = grid.cell((north, east))
+    return grid.contains(row, col) and not grid.occupied[row, col]
+
+
+@settings(deadline=None, max_examples=6)
+@given(st.integers(0, 10**6), st.floats(-0.3, 0.3), st.floats(-0.3, 0.3), st.floats(-4.0, 4.0))
+def test_every_beam_is_free_up_to_its_hit(
+    seed: int, north: float, east: float, yaw_rad: float
+) -> None:
+    """A ray march finds nothing before the hit, and an obstacle right behind it."""
+    grid = room(seed)
+    scan = Lidar(LidarSpec(), grid, Random(0)).scan((north, east), yaw_rad)
+    for i, hit_m in enumerate(scan):
+        dn, de = math.cos(yaw_rad + i * STEP_RAD), math.sin(yaw_rad + i * STEP_RAD)
+        for step in range(int((hit_m - 1e-6) / MARCH_M)):
+            t = step * MARCH_M
+            assert is_free(grid, north + t * dn, east + t * de)
+        behind = hit_m + 1e-9
+        assert not is_free(grid, north + behind * dn, east + behind * de)
+
+
+def test_an_empty_hall_is_seen_as_its_walls_are() -> None:
+    """10 m by 10 m: along a beam the nearer of the two walls that it approaches."""
+    grid = OccupancyGrid(np.zeros((100, 100), dtype=np.bool_), 0.1, (-5.0, -5.0))
+    scan = Lidar(LidarSpec(), grid, Random(0)).scan((1.0, -2.0), 0.3)
+    for i, seen_m in enumerate(scan):
+        dn, de = math.cos(0.3 + i * STEP_RAD), math.sin(0.3 + i * STEP_RAD)
+        north_m = ((5.0 if dn > 0 else -5.0) - 1.0) / dn
+        east_m = ((5.0 if de > 0 else -5.0) + 2.0) / de
+        assert seen_m == pytest.approx(min(north_m, east_m), abs=1e-9)
+
+
+def test_nothing_is_seen_beyond_the_range_or_without_walls() -> None:
+    grid = OccupancyGrid(np.zeros((100, 100), dtype=np.bool_), 0.1, (-5.0, -5.0))
+    near = Lidar(LidarSpec(range_m=4.9), grid, Random(0)).scan((0.0, 0.0), 0.0)
+    none = Lidar(LidarSpec(), None, Random(0)).scan((0.0, 0.0), 0.0)
+    assert near == none == [math.inf] * BEAMS
+
+
+def test_noise_has_its_deviation_and_comes_from_the_seed() -> None:
+    grid = OccupancyGrid(np.zeros((100, 100), dtype=np.bool_), 0.1, (-5.0, -5.0))
+    exact = Lidar(LidarSpec(), grid, Random(0)).scan((0.0, 0.0), 0.0)
+    first, again = (Lidar(LidarSpec(noise_m=0.05), grid, Random(7)) for _ in range(2))
+    errors = []
+    for _ in range(30):
+        scan = first.scan((0.0, 0.0), 0.0)
+        assert scan == again.scan((0.0, 0.0), 0.0)
+        errors += [seen - true for seen, true in zip(scan, exact, strict=True)]
+    assert np.std(errors) == pytest.approx(0.05, rel=0.1)
+    assert np.mean(errors) == pytest.approx(0.0, abs=0.005)
+
+
+def test_the_scan_is_told_in_the_body_frame_at_10_hz() -> None:
+    """A wall 5 m to the north lies to the left of a vehicle that looks east: beam 54 of 72."""
+    occupied = np.zeros((400, 400), dtype=np.bool_)
+    occupied[250:252, :] = True
+    grid = OccupancyGrid(occupied, 0.1, (-20.0, -20.0))
+    wire = Wire(Scenario(yaw_rad=math.pi / 2, lidar=LidarSpec()), grid)
+    wire.send(companion_heartbeat())
+    wire.run(1.999)
+    scans = [heard.message for heard in wire.named("OBSTACLE_DISTANCE")]
+    assert len(scans) == 20
+    scan = scans[-1]
+    assert (scan.get_srcComponent(), scan.frame, scan.increment) == (196, 12, 5)
+    assert (scan.max_distance, len(scan.distances)) == (1200, BEAMS)
+    assert scan.distances[54] == pytest.approx(500, abs=2)
+    assert scan.distances[18] == 1201
