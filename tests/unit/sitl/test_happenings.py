@@ -135,3 +135,13 @@ def test_mistakes_are_placed_and_explained(event: str, part: str) -> None:
 def test_checked_in_schema_is_the_generated_one() -> None:
     """If this fails: python scripts/make_schema.py."""
     assert json.loads((MISSIONS / "scenario.schema.json").read_text()) == json_schema()
+
+
+def test_the_example_of_the_documentation_flies() -> None:
+    page = (MISSIONS.parent / "docs" / "scenario.md").read_text()
+    text = page.split("```yaml\n")[1].split("```")[0]
+    grid = OccupancyGrid(np.zeros((400, 400), dtype=np.bool_), 0.1, (-20.0, -20.0))
+    wire = Wire(parse_scenario(text, MISSIONS / "example.sim.yaml"), grid)
+    wire.run(2.1)
+    happened = [(1.0, "wind: east_mps 2.0"), (2.0, "obstacle: name crate, present True")]
+    assert wire.simulation.happened == happened
