@@ -4,7 +4,8 @@ No socket, no clock: the caller says what time it is and carries the datagrams, 
 time (server.py) or in lockstep with the companion in one process (harness.py). Equal arguments
 and datagrams give equal answers.
 
-Within a step of 4 ms: autopilot, physics, world, then what each component has to say.
+Within a step of 4 ms: autopilot, physics, world, then what each component has to say. The autopilot
+and what it tells know the estimate alone; the world and its devices know the truth.
 """
 
 from __future__ import annotations
@@ -12,26 +13,21 @@ from __future__ import annotations
 from dataclasses import replace
 from random import Random
 
-from companion.geometry import Ned
 from companion.mavlink.framing import Endpoint, Message, source
 from companion.motion.grid import OccupancyGrid
 from sitl.autopilot.autopilot import Autopilot
 from sitl.autopilot.parameters import Parameters
+from sitl.flight.estimate import Estimator
 from sitl.flight.physics import FlightState, Physics
+from sitl.flight.sensors import Sensors
 from sitl.link.component import AUTOPILOT, AutopilotComponent, Outgoing
 from sitl.link.devices import DetectorDevice, Device, LidarDevice, PayloadDevice, Sent
-from sitl.link.messages import Vehicle
 from sitl.link.routing import LinkName, Router, target
-from sitl.world.collision import CollisionWatch, is_wreck
-from sitl.world.detector import Detector
-from sitl.world.happenings import EFFECTS, Schedule
-from sitl.world.lidar import Lidar
-from sitl.world.obstacles import TrueMap
-from sitl.world.payload import Answer, Payload
+from sitl.link.vehicle import Vehicle
 from sitl.world.scenario import Scenario
+from sitl.world.world import World
 
 DT_S = 0.004
-COLLISION_STEPS = 5  # walls are looked for every 20 ms
 ALL_LINKS = frozenset(LinkName)
 
 
@@ -40,8 +36,8 @@ class Simulation:
 
     Args:
         scenario: the world.
-        grid: its true map, None without walls.
-        seed: of everything random (gusts).
+        grid: its map, None without walls.
+        seed: of everything random (gusts, sensors, the estimate).
         instance: the system id is 1 + instance.
         links: those with somebody at the other end; nothing is packed for the others.
 
@@ -58,7 +54,7 @@ class Simulation:
         instance: int = 0,
         links: frozenset[LinkName] = ALL_LINKS,
     ) -> None:
-        system = 1 + instance
+        self._system = system = 1 + instance
         self._physics = Physics(
             dt_s=DT_S,
             origin=scenario.home,
@@ -69,39 +65,35 @@ class Simulation:
             turbulence_mps=scenario.turbulence_mps,
             seed=seed,
         )
-        state = self._physics.state
+        self._truth = state = self._physics.state
+        self._estimator = Estimator(Random(f"estimate {seed}"))
+        self._sensors = Sensors(scenario.home, Random(f"sensors {seed}"), state)
         parameters = Parameters({**scenario.parameters, "MAV_SYS_ID": system})
         self._autopilot = Autopilot(parameters, state)
-        self._vehicle = Vehicle(self._autopilot, state, scenario.home)
-        self._map = TrueMap(grid, scenario.obstacles)
-        self._detector = Detector(scenario.detector) if scenario.detector else None
-        self._payload = Payload(scenario.payload) if scenario.payload else None
-        self._lidar = (
-            Lidar(scenario.lidar, self._map.grid, Random(f"lidar {seed}"))
-            if scenario.lidar
-            else None
+        self._vehicle = Vehicle(
+            self._autopilot, state, scenario.home, self._sensors, self._physics.battery
         )
-        self._devices = self._make_devices(system)
-        self._schedule = Schedule(scenario.happenings, state.position)
-        self._pads = scenario.pads
-        self._system = system
-        self.wanted_charge: float | None = None
-        self.gps_is_lost, self.gps_noise_m = False, 0.0
-        self.arming_refused: str | None = None
-        self.happened: list[tuple[float, str]] = []
+        self._world = World(
+            scenario,
+            grid,
+            self._physics,
+            self._estimator,
+            self._autopilot,
+            Random(f"lidar {seed}"),
+        )
+        self.happened = self._world.happened
+        self._devices = _devices(system, self._world)
         addresses = [(system, AUTOPILOT), *(device.address for device in self._devices)]
         self._local = frozenset(addresses)
         self._router = Router(links, self._local)
         self._component = AutopilotComponent(system, self._vehicle, links, self._router)
         self._ears = {link: Endpoint(system, AUTOPILOT) for link in links}
-        self._walls = CollisionWatch(self._map.grid)
-        self._is_wreck = False
         self._steps = 0
 
     @property
     def flight(self) -> FlightState:
         """The true state of the vehicle."""
-        return self._vehicle.state
+        return self._truth
 
     @property
     def is_armed(self) -> bool:
@@ -116,7 +108,7 @@ class Simulation:
     @property
     def collisions(self) -> int:
         """How often the vehicle hit a wall."""
-        return self._walls.count
+        return self._world.walls.count
 
     def step(self, now_s: float, datagrams: list[tuple[LinkName, bytes]]) -> Outgoing:
         """Take what has arrived, then go on to a time.
@@ -150,96 +142,41 @@ class Simulation:
             self._hear_command(message)
         self._component.receive(link, message)
         for device in self._devices:
-            self._route(device.receive(message, self._vehicle.state), out)
+            self._route(device.receive(message, self._truth), out)
+
+    def _hear_command(self, message: Message) -> None:
+        system, component = target(message)
+        if system in (0, self._system) and not getattr(message, "confirmation", 0):
+            self._world.hear_command(message.command, component, self._truth.time_s)
 
     def _advance(self, out: Outgoing) -> None:
-        autopilot, physics = self._autopilot, self._physics
-        motors = autopilot.step(self._vehicle.state, DT_S)
-        if physics.is_draining != autopilot.is_armed:
-            physics.is_draining = autopilot.is_armed  # as PX4's simulator
-        state = self._lie(self.flight) if self._is_wreck else physics.step(motors)
-        self._vehicle.state = state
-        for happening in self._schedule.step(state.position, state.time_s):
-            self.happened.append((state.time_s, happening.text))
-            for kind, value in happening.effects:
-                EFFECTS[kind](self, value)
-        if not self._is_wreck and self._steps % COLLISION_STEPS == 0:
-            self._look_for_damage(state)
+        motors = self._autopilot.step(self._vehicle.state, DT_S)
+        state = self._lie() if self._world.is_wreck else self._physics.step(motors)
+        self._truth = state
+        self._vehicle.state = self._estimator.step(state, state.time_s)
+        self._autopilot.position_age_s = self._estimator.position_lost_s
+        self._sensors.step(state, self._estimator.gps, self._estimator.fix_error)
+        self._world.step(state)
         out += self._component.step()
         for device in self._devices:
             self._route(device.step(state), out)
 
-    def _look_for_damage(self, state: FlightState) -> None:
-        if self._walls.update(state.position):
-            self._autopilot.crash("Collision with a wall")
-        if is_wreck(state):
-            self._is_wreck = True
-            self._autopilot.crash("Crash detected")
-
-    def _lie(self, state: FlightState) -> FlightState:
+    def _lie(self) -> FlightState:
         """A wreck: nothing but time goes on."""
         still = (0.0, 0.0, 0.0)
-        return replace(state, time_s=self._steps * DT_S, velocity=still, rates=still)
+        return replace(self._truth, time_s=self._steps * DT_S, velocity=still, rates=still)
 
     def _route(self, sent: list[Sent], out: Outgoing) -> None:
         for message, frame in sent:
             out += [(to, frame) for to in self._router.destinations(message, None)]
 
-    def _hear_command(self, message: Message) -> None:
-        system, component = target(message)
-        if system in (0, self._system) and not getattr(message, "confirmation", 0):
-            self._schedule.hear(message.command, component, self.flight.time_s)
 
-    def _make_devices(self, system: int) -> list[Device]:
-        devices: list[Device] = []
-        if self._detector:
-            devices.append(DetectorDevice(system, self._detector))
-        if self._payload:
-            devices.append(PayloadDevice(system, self._payload))
-        if self._lidar:
-            devices.append(LidarDevice(system, self._lidar))
-        return devices
-
-    # What a scenario can do to the world; see sitl/world/happenings.py.
-
-    def show_target(self, is_seen: bool) -> None:
-        """The detector sees the target from now on, or does not."""
-        if self._detector:
-            self._detector.sees_target = is_seen
-
-    def set_payload_answer(self, answer: Answer) -> None:
-        """The payload's answer from now on, everywhere."""
-        if self._payload:
-            self._payload.override = answer
-
-    def set_wind(self, wind: Ned) -> None:
-        """The air's mean velocity, NED."""
-        self._physics.set_wind(wind)
-
-    def place_obstacle(self, name: str, is_present: bool) -> None:
-        """Put an obstacle there or take it away."""
-        if self._map.place(name, is_present):
-            self._walls.grid = self._map.grid
-            if self._lidar:
-                self._lidar.see(self._map.grid)
-
-    def set_charge(self, charge: float) -> None:
-        """The battery's state of charge, 0 to 1."""
-        self.wanted_charge = charge
-
-    def set_gps(self, is_lost: bool | None, noise_m: float | None) -> None:
-        """How good GPS is; None leaves it as it is."""
-        self.gps_is_lost = self.gps_is_lost if is_lost is None else is_lost
-        self.gps_noise_m = self.gps_noise_m if noise_m is None else noise_m
-
-    def refuse_arming(self, reason: str | None) -> None:
-        """Arming is refused for this reason; None allows it."""
-        self.arming_refused = reason
-
-    @property
-    def charging_a(self) -> float:
-        """The current of the charging pad that the disarmed vehicle stands on; 0 without."""
-        if self.is_armed or not self.flight.is_on_ground:
-            return 0.0
-        currents = (a for circle, a in self._pads if circle.holds(self.flight.position))
-        return next(currents, 0.0)
+def _devices(system: int, world: World) -> list[Device]:
+    devices: list[Device] = []
+    if world.detector:
+        devices.append(DetectorDevice(system, world.detector))
+    if world.payload:
+        devices.append(PayloadDevice(system, world.payload))
+    if world.lidar:
+        devices.append(LidarDevice(system, world.lidar))
+    return devices

@@ -21,7 +21,7 @@ from sitl.world.payload import Answer
 TIME_ROUNDING_S = 1e-9
 
 
-class World(Protocol):
+class Actuators(Protocol):
     """What can be changed while the vehicle flies."""
 
     def show_target(self, is_seen: bool) -> None:
@@ -46,7 +46,7 @@ class World(Protocol):
         """Arming is refused for this reason; None allows it."""
 
 
-EFFECTS: Mapping[str, Callable[[World, Any], None]] = {
+EFFECTS: Mapping[str, Callable[[Actuators, Any], None]] = {
     "target": lambda world, value: world.show_target(value == "seen"),
     "payload": lambda world, value: world.set_payload_answer(
         Answer(Result[value.result], value.after_s, value.silent, value.progress)

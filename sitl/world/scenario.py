@@ -59,6 +59,7 @@ class Scenario:
         yaw_rad: where it looks at first.
         wind: the air's velocity, NED.
         charge: of the battery at the start, 0 to 1.
+        drains_always: the battery drains while disarmed too.
         parameters: values that differ from the airframe's.
         detector: component id of the target detector; None is no detector.
         lidar: None is no lidar.
@@ -73,6 +74,7 @@ class Scenario:
     wind: Ned = (0.0, 0.0, 0.0)
     turbulence_mps: float = 0.0
     charge: float = 1.0
+    drains_always: bool = False
     parameters: Mapping[str, float] = field(default_factory=dict)
     detector: int | None = None
     payload: PayloadScript | None = None
@@ -144,6 +146,7 @@ def _parse(text: str, path: Path, default_home: GlobalOrigin) -> tuple[Scenario,
         wind=ned_from_enu(wind.east_mps, wind.north_mps, 0.0),
         turbulence_mps=wind.turbulence_mps,
         charge=model.battery.charge,
+        drains_always=model.battery.drains == "always",
         parameters=dict(model.parameters),
         detector=model.target.component if model.target else None,
         payload=_payload(model.payload, document) if model.payload else None,

@@ -45,6 +45,9 @@ class BatteryModel(_Strict):
     """The battery at the start."""
 
     charge: Annotated[float, Field(ge=0, le=1, description="state of charge, 0 to 1")] = 1.0
+    drains: Annotated[
+        Literal["armed", "always"], Field(description="when; in PX4's simulator while armed")
+    ] = "armed"
 
 
 class CircleModel(_Strict):
