@@ -22,6 +22,7 @@ from sitl.results import Result
 FORCE = 21196  # magic number of MAV_CMD_COMPONENT_ARM_DISARM
 CHANGE_MODE = 1  # MAV_DO_REPOSITION_FLAGS_CHANGE_MODE
 RELATIVE_FRAMES = (3, 6)  # MAV_FRAME_GLOBAL_RELATIVE_ALT(_INT)
+HIGHEST_HOME_M = 100_000.0
 UINT16_MAX = 2**16 - 1
 INT_UNKNOWN = 2**31 - 1  # COMMAND_INT's x or y: not given
 
@@ -172,7 +173,7 @@ def _set_home(on: Commanded, request: Request) -> Result:
     if current == 1:
         vehicle.autopilot.home = vehicle.state.position
         return Result.ACCEPTED
-    if not (abs(lat_deg) <= 90 and abs(lon_deg) <= 180 and math.isfinite(altitude_m)):
+    if not (abs(lat_deg) <= 90 and abs(lon_deg) <= 180 and abs(altitude_m) <= HIGHEST_HOME_M):
         return Result.DENIED
     vehicle.autopilot.home = vehicle.origin.to_local(lat_deg, lon_deg, altitude_m)
     return Result.ACCEPTED
