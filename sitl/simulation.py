@@ -28,6 +28,7 @@ from sitl.world.scenario import Scenario
 from sitl.world.world import World
 
 DT_S = 0.004
+DEVICE_STEPS = 5  # devices speak every 20 ms
 ALL_LINKS = frozenset(LinkName)
 
 
@@ -158,8 +159,9 @@ class Simulation:
         self._sensors.step(state, self._estimator.gps, self._estimator.fix_error)
         self._world.step(state)
         out += self._component.step()
-        for device in self._devices:
-            self._route(device.step(state), out)
+        if self._steps % DEVICE_STEPS == 0:
+            for device in self._devices:
+                self._route(device.step(state), out)
 
     def _lie(self) -> FlightState:
         """A wreck: nothing but time goes on."""

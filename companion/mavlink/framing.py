@@ -101,6 +101,9 @@ def source(message: Message) -> tuple[int, int]:
 
 def split_frames(datagram: bytes) -> list[bytes]:
     """The frames of a datagram, by their headers; what is no frame is left out."""
+    size = len(datagram)
+    if size >= 12 and datagram[0] == 0xFD and datagram[1] == size - 12 and not datagram[2]:
+        return [datagram]  # as nearly always: one frame, unsigned
     frames: list[bytes] = []
     at = 0
     while at + 8 <= len(datagram):

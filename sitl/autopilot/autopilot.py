@@ -34,7 +34,7 @@ from sitl.flight.controllers import Cascade, Limits, Target
 from sitl.flight.mixer import MAX_THRUST_N, Motors
 from sitl.flight.physics import FlightState
 
-COMMANDER_STEPS = 5  # modes and failsafes are decided every 5th step, 50 Hz at 4 ms
+COMMANDER_STEPS = 5  # modes, failsafes and targets are decided every 5th step, 50 Hz at 4 ms
 STOPPED: Motors = (0.0, 0.0, 0.0, 0.0)
 CLIMB_M = 0.1  # a target this far above the vehicle wants it to leave the ground
 _DONE_WHEN_DISARMED = ("AUTO.TAKEOFF", "AUTO.RTL", "AUTO.LAND")
@@ -98,6 +98,7 @@ class Autopilot:
         self._armed_s = self._landed_s = state.time_s
         self._has_flown = False
         self._until_commander = 0
+        self._climbs = False
 
     # What can be read.
 
@@ -160,6 +161,7 @@ class Autopilot:
         self._armed_s = self._landed_s = now_s
         self._has_flown = False
         self._takeoff_down_m = min(self._takeoff_down_m, self._lowest_takeoff())
+        self._until_commander = 0
         self._enter(self.intended_mode)
         self._tell(Severity.INFO, "Armed by external command")
         return True
@@ -281,13 +283,13 @@ class Autopilot:
         if self._until_commander == 0:
             self._until_commander = COMMANDER_STEPS
             self._command()
+            self.target = self._flying.target(self._situation()) if self.is_armed else None
+            self._climbs = self.target is not None and _wants_to_climb(self.target, state)
         self._until_commander -= 1
-        self.target = self._flying.target(self._situation()) if self.is_armed else None
-        climbs = self.target is not None and _wants_to_climb(self.target, state)
-        self._detect_landing(state, climbs, dt_s)
+        self._detect_landing(state, self._climbs, dt_s)
         if self.target is None:
             self.motors = STOPPED
-        elif self._is_spinning_up or (self._landing.is_touching and not climbs):
+        elif self._is_spinning_up or (self._landing.is_touching and not self._climbs):
             self.motors = self._cascade.idle()
         else:
             self.motors = self._cascade.step(state, self.target, dt_s)

@@ -38,10 +38,10 @@ Outgoing = list[tuple[LinkName, bytes]]
 class Link:
     """The autopilot's end of one link: its sequence numbers and its streams."""
 
-    def __init__(self, name: LinkName, system: int, vehicle: Vehicle) -> None:
+    def __init__(self, name: LinkName, system: int, vehicle: Vehicle, out: Outgoing) -> None:
         self.name = name
         self.vehicle = vehicle
-        self.frames: list[bytes] = []
+        self._out = out
         self.streams = Streams(name, vehicle.state.time_s)
         self.later: list[Message] = []
         self.listing: Iterator[Message] = iter(())
@@ -49,7 +49,7 @@ class Link:
 
     def send(self, message: Message) -> None:
         """Pack a message for this link."""
-        self.frames.append(self._endpoint.pack(message))
+        self._out.append((self.name, self._endpoint.pack(message)))
 
     def send_if(self, message: Message | None) -> None:
         """Pack a message, if there is one."""
@@ -91,7 +91,10 @@ class AutopilotComponent:
         self.address = (system, AUTOPILOT)
         self._vehicle = vehicle
         self._router = router
-        self._links = {name: Link(name, system, vehicle) for name in LinkName if name in links}
+        self._out: Outgoing = []
+        self._links = {
+            name: Link(name, system, vehicle, self._out) for name in LinkName if name in links
+        }
         self._told = status(vehicle.autopilot)
         self._texts = 0
         self._progress = Progress()
@@ -116,9 +119,10 @@ class AutopilotComponent:
         for link in self._links.values():
             for message in progress:
                 link.send(message)
-            for message in link.later:
-                link.send(message)
-            link.later.clear()
+            if link.later:
+                for message in link.later:
+                    link.send(message)
+                link.later.clear()
             for message in islice(link.listing, LISTED_PER_STEP):
                 link.send(message)
             if now != self._told:
@@ -131,13 +135,14 @@ class AutopilotComponent:
 
     def flush(self) -> Outgoing:
         """Take what has been packed since the last time."""
-        out = [(link.name, frame) for link in self._links.values() for frame in link.frames]
-        for link in self._links.values():
-            link.frames.clear()
+        out = self._out.copy()
+        self._out.clear()
         return out
 
     def _send_notices(self) -> None:
         notices = self._vehicle.autopilot.notices
+        if not notices:
+            return
         for notice in notices:
             self._texts += 1
             for message in chunks(notice.severity, notice.text, self._texts):

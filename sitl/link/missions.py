@@ -110,8 +110,9 @@ class Missions:
 
     def due(self, now_s: float) -> list[tuple[LinkName, Message]]:
         """What has to be sent as time passes."""
-        for client in [c for c, d in self._downloads.items() if now_s - d.heard_s > SILENT_S]:
-            del self._downloads[client]
+        if self._downloads:
+            for client in [c for c, d in self._downloads.items() if now_s - d.heard_s > SILENT_S]:
+                del self._downloads[client]
         upload = self._upload
         if upload is None:
             return []
