@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 import socket
 import subprocess
 import sys
@@ -14,6 +13,7 @@ from statistics import median
 from time import perf_counter
 from typing import Any
 
+import psutil
 from scipy import ndimage
 
 from benches import MISSION, ROOT, Row, timed
@@ -108,28 +108,23 @@ def flying(runs: int) -> Iterator[Row]:
 
 
 def serving(runs: int) -> Iterator[Row]:
-    """`python -m sitl` at real time in flight, telemetry on both links: its share of a core.
-
-    What it takes to start is measured with a simulator of its own and left out.
-    """
+    """`python -m sitl` at real time in flight, telemetry on both links: its share of a core."""
     seconds = min(10.0, 0.5 * runs)
-    share = (cpu_of_a_simulator(seconds) - cpu_of_a_simulator(0.0)) / seconds
-    yield Row("sitl at real time", 100 * share, "% of a core")
-
-
-def cpu_of_a_simulator(flown_s: float) -> float:
-    """CPU seconds of a simulator that takes off, if it is to fly for some time, and is ended."""
     command = [sys.executable, "-m", "sitl", "-i", str(INSTANCE)]
-    sitl = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE)
-    assert sitl.stdout is not None
-    with sitl.stdout as lines, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as udp:
-        lines.readline(), lines.readline()  # the ports are open
-        if flown_s > 0:
-            take_off(udp)
-            time.sleep(flown_s)
+    with (
+        subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE) as sitl,
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as udp,
+    ):
+        assert sitl.stdout is not None
+        sitl.stdout.readline(), sitl.stdout.readline()  # the ports are open
+        take_off(udp)
+        process = psutil.Process(sitl.pid)
+        before = process.cpu_times()
+        time.sleep(seconds)
+        after = process.cpu_times()
         sitl.terminate()
-        _, _, used = os.wait4(sitl.pid, 0)
-    return used.ru_utime + used.ru_stime
+    used = after.user + after.system - before.user - before.system
+    yield Row("sitl at real time", 100 * used / seconds, "% of a core")
 
 
 def take_off(udp: socket.socket) -> None:

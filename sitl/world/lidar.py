@@ -103,9 +103,9 @@ def cast(free: list[list[float]], y: float, x: float, angle_rad: float, far: flo
         if not (0 <= row < rows and 0 <= col < cols):
             return t
         leap = free[row][col]
-        if leap > 1.0:
+        if leap > 1.0:  # never beyond the first wall, and so never off the grid
             t += leap
-            row, col = math.floor(y + t * dy), math.floor(x + t * dx)
+            row, col = int(y + t * dy), int(x + t * dx)
             continue
         if leap == -math.inf:
             return t

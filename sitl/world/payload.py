@@ -3,9 +3,10 @@
 A script: inside a circle a result after a time, elsewhere another one. The rules are those of the
 command protocol (https://mavlink.io/en/services/command.html): a long command is answered
 IN_PROGRESS at once and again when it is repeated; a second asker is TEMPORARILY_REJECTED until the
-first is done; an unknown command is UNSUPPORTED. A command that is repeated after its final answer,
-because that was lost, is answered the same again and not done twice. An event of the scenario may
-replace the script by one answer, or by silence.
+first is done; an unknown command is UNSUPPORTED. A command that is repeated soon after its final
+answer, because that was lost, is answered the same again and not done twice; later it is a command
+of its own whose first sending was lost. An event of the scenario may replace the script by one
+answer, or by silence.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from sitl.results import Result
 
 DEFAULT_AFTER_S = 1.0
 PROGRESS_S = 1.0
+REPEATED_WITHIN_S = 3.0  # longer than any client waits before it asks again
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +101,7 @@ class Payload:
         self.override: Answer | None = None
         self._job: _Job | None = None
         self._last: Reply | None = None
+        self._last_s = 0.0
 
     def ask(
         self, asker: Asker, command: int, position: Ned, now_s: float, *, is_repeated: bool = False
@@ -110,7 +113,8 @@ class Payload:
         if command != self.script.command:
             return Reply(asker, Result.UNSUPPORTED)
         if self._job is None:
-            if is_repeated and self._last and self._last.asker == asker:
+            is_recent = now_s <= self._last_s + REPEATED_WITHIN_S
+            if is_repeated and is_recent and self._last and self._last.asker == asker:
                 return self._last
             self._job = _Job(asker, answer, now_s, now_s)
         if self._job.asker != asker:
@@ -124,7 +128,7 @@ class Payload:
             return None
         if now_s >= job.start_s + job.answer.after_s:
             self._job = None
-            self._last = Reply(job.asker, job.answer.result)
+            self._last, self._last_s = Reply(job.asker, job.answer.result), now_s
             return None if self.override and self.override.is_silent else self._last
         if job.answer.tells_progress and now_s >= job.told_s + PROGRESS_S:
             job.told_s += PROGRESS_S

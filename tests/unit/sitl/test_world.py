@@ -83,6 +83,19 @@ def test_a_repeated_command_is_one_command_and_a_second_asker_waits() -> None:
     assert payload.ask(OTHER, USER_1, (2.0, 0, 0), 0.6) == Reply(OTHER, Result.IN_PROGRESS)
 
 
+def test_a_repetition_is_answered_the_same_soon_after_the_answer_and_done_anew_later() -> None:
+    """Its first sending may have been lost: the confirmation count alone tells them not apart."""
+    payload = Payload(SCRIPT)
+    payload.ask(OPERATOR, USER_1, (9.0, 0, 0), 0.0)
+    denied = payload.step(1.0)
+    assert denied == Reply(OPERATOR, Result.DENIED)
+    assert payload.ask(OPERATOR, USER_1, (2.0, 0, 0), 4.0, is_repeated=True) == denied
+    assert payload.ask(OPERATOR, USER_1, (2.0, 0, 0), 4.1, is_repeated=True) == Reply(
+        OPERATOR, Result.IN_PROGRESS
+    )
+    assert payload.step(4.6) == Reply(OPERATOR, Result.ACCEPTED)
+
+
 def test_the_payload_knows_one_command() -> None:
     reply = Payload(SCRIPT).ask(OPERATOR, USER_1 + 1, (0, 0, 0), 0.0)
     assert reply == Reply(OPERATOR, Result.UNSUPPORTED)
