@@ -7,6 +7,7 @@ Euclidean transform between cell centres (scipy.ndimage), computed once per map.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -40,8 +41,8 @@ class OccupancyGrid:
     def cell(self, position: NorthEast) -> tuple[int, int]:
         """Row and column of the cell that holds a position; may lie outside the grid."""
         return (
-            int(np.floor((position[0] - self.origin[0]) / self.cell_m)),
-            int(np.floor((position[1] - self.origin[1]) / self.cell_m)),
+            math.floor((position[0] - self.origin[0]) / self.cell_m),
+            math.floor((position[1] - self.origin[1]) / self.cell_m),
         )
 
     def centre(self, row: int, col: int) -> NorthEast:

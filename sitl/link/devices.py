@@ -9,8 +9,10 @@ where that is.
 
 from __future__ import annotations
 
-import math
 from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
 
 from companion.geometry import euler_from_quaternion
 from companion.mavlink.framing import Endpoint, Message, dialect, source
@@ -163,15 +165,15 @@ class LidarDevice:
             sent.append(self._voice.say(self._report(scan_m, state.time_s)))
         return sent
 
-    def _report(self, scan_m: list[float], now_s: float) -> Message:
+    def _report(self, scan_m: npt.NDArray[np.float64], now_s: float) -> Message:
         far_cm = round(100 * self._lidar.spec.range_m)
+        scan_cm = np.where(
+            np.isinf(scan_m), far_cm + 1, np.clip(np.rint(100 * scan_m), NEAREST_CM, far_cm)
+        )
         return dialect.MAVLink_obstacle_distance_message(
             round(now_s * 1e6),
             _LASER,
-            [
-                far_cm + 1 if math.isinf(d) else min(far_cm, max(NEAREST_CM, round(100 * d)))
-                for d in scan_m
-            ],
+            scan_cm.astype(int).tolist(),
             360 // BEAMS,
             NEAREST_CM,
             far_cm,

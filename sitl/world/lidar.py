@@ -4,9 +4,8 @@ A level scanner in the vehicle's centre: 72 beams, 5 degrees apart, the first on
 then clockwise. It turns with the heading; tilt is left out. Walls have no upper end, and off the
 map is a wall, as for collisions.
 
-A beam is exact up to rounding: where the distance field says that nothing is near, it leaps;
-elsewhere it goes from cell to cell (Amanatides and Woo, "A fast voxel traversal algorithm", 1987),
-so that a grazed corner is not missed.
+A beam is exact up to rounding, and hits a corner that it grazes: the faces between free and
+occupied cells are straight lines along rows and columns, and every beam is cut with all of them.
 """
 
 from __future__ import annotations
@@ -15,11 +14,18 @@ import math
 from dataclasses import dataclass
 from random import Random
 
+import numpy as np
+import numpy.typing as npt
+
 from companion.geometry import NorthEast
 from companion.motion.grid import OccupancyGrid
 
 BEAMS = 72
 STEP_RAD = 2 * math.pi / BEAMS
+_AHEAD = np.array([math.cos(i * STEP_RAD) for i in range(BEAMS)])
+_RIGHT = np.array([math.sin(i * STEP_RAD) for i in range(BEAMS)])
+
+Floats = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,64 +61,68 @@ class Lidar:
     def see(self, grid: OccupancyGrid | None) -> None:
         """The true map from now on."""
         self._grid = grid
-        # From any point of a cell to any point of an obstacle: centre to centre, less half a
-        # diagonal at either end. Lists, because numpy is slow for single cells.
-        self._free: list[list[float]] = []
         if grid is not None:
-            leaps = grid.distance_m / grid.cell_m - math.sqrt(2)
-            leaps[grid.occupied] = -math.inf
-            self._free = leaps.tolist()
+            walls = np.pad(grid.occupied, 1, constant_values=True)
+            self._row_faces, self._column_faces = _faces(walls), _faces(walls.T)
 
-    def scan(self, position: NorthEast, yaw_rad: float) -> list[float]:
-        """Distance along each beam, metres; inf where nothing is within range."""
-        if self._grid is None:
-            return [math.inf] * BEAMS
-        cell_m, (north_m, east_m) = self._grid.cell_m, self._grid.origin
-        y, x = (position[0] - north_m) / cell_m, (position[1] - east_m) / cell_m
-        far = self.spec.range_m / cell_m
-        distances_m = [
-            cast(self._free, y, x, yaw_rad + i * STEP_RAD, far) * cell_m for i in range(BEAMS)
-        ]
+    def scan(self, position: NorthEast, yaw_rad: float) -> Floats:
+        """(BEAMS,) distance along each beam, metres; inf where nothing is within range."""
+        grid = self._grid
+        if grid is None:
+            return np.full(BEAMS, math.inf)
+        row, column = grid.cell(position)
+        if not grid.contains(row, column) or grid.occupied[row, column]:
+            return np.zeros(BEAMS)
+        north = (position[0] - grid.origin[0]) / grid.cell_m
+        east = (position[1] - grid.origin[1]) / grid.cell_m
+        c, s = math.cos(yaw_rad), math.sin(yaw_rad)
+        d_north, d_east = c * _AHEAD - s * _RIGHT, s * _AHEAD + c * _RIGHT
+        far = self.spec.range_m / grid.cell_m
+        way = np.minimum(
+            _hits(self._row_faces, far, north, east, d_north, d_east),
+            _hits(self._column_faces, far, east, north, d_east, d_north),
+        )
+        distances_m = np.where(way <= far, grid.cell_m * way, math.inf)
         if self.spec.noise_m > 0:
-            gauss, deviation = self._random.gauss, self.spec.noise_m
-            return [max(0.0, d + gauss(0.0, deviation)) for d in distances_m]
+            noise = [self._random.gauss(0.0, self.spec.noise_m) for _ in range(BEAMS)]
+            distances_m = np.maximum(0.0, distances_m + noise)
         return distances_m
 
 
-def cast(free: list[list[float]], y: float, x: float, angle_rad: float, far: float) -> float:
-    """Where a beam hits; everything in cells.
+def _faces(walls: npt.NDArray[np.bool_]) -> Floats:
+    """The borders between rows of which one is free, joined where they touch.
 
     Args:
-        free: how far one may go from anywhere in a cell without a hit; -inf is occupied.
-        y: start, rows northward.
-        x: start, columns eastward.
-        angle_rad: clockwise from north.
-        far: the beam's range.
+        walls: (rows + 2, columns + 2), with a rim of walls.
 
     Returns:
-        The way to the first occupied cell, or off the grid; inf beyond the range.
+        (n, 3) where each lies, begins and ends, in cells.
     """
-    dy, dx = math.cos(angle_rad), math.sin(angle_rad)
-    rows, cols = len(free), len(free[0])
-    per_row = 1 / dy if dy else math.inf
-    per_col = 1 / dx if dx else math.inf
-    up, right = (1 if dy > 0 else 0), (1 if dx > 0 else 0)
-    t = 0.0
-    row, col = math.floor(y), math.floor(x)
-    while t <= far:
-        if not (0 <= row < rows and 0 <= col < cols):
-            return t
-        leap = free[row][col]
-        if leap > 1.0:  # never beyond the first wall, and so never off the grid
-            t += leap
-            row, col = int(y + t * dy), int(x + t * dx)
-            continue
-        if leap == -math.inf:
-            return t
-        t_row = (row + up - y) * per_row if dy else math.inf
-        t_col = (col + right - x) * per_col if dx else math.inf
-        if t_row < t_col:
-            t, row = t_row, row + 2 * up - 1
-        else:
-            t, col = t_col, col + 2 * right - 1
-    return math.inf
+    is_border = walls[1:, 1:-1] != walls[:-1, 1:-1]
+    turns = np.diff(is_border.astype(np.int8), axis=1, prepend=0, append=0)
+    line, begin = np.nonzero(turns == 1)
+    _, end = np.nonzero(turns == -1)
+    return np.column_stack((line, begin, end)).astype(np.float64)
+
+
+def _hits(
+    faces: Floats, far: float, across: float, along: float, d_across: Floats, d_along: Floats
+) -> Floats:
+    """The way of each beam to its first face, inf without one; everything in cells.
+
+    Args:
+        faces: (n, 3) of one axis.
+        far: those farther away may be left out.
+        across: start, over the lines of the faces.
+        along: start, along the lines.
+        d_across: (BEAMS,) direction over the lines.
+        d_along: (BEAMS,) direction along the lines.
+    """
+    line, begin, end = faces.T
+    is_near = (abs(line - across) <= far) & (begin <= along + far) & (end >= along - far)
+    line, begin, end = faces[is_near].T[:, :, None]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        way = (line - across) / d_across
+        at = along + way * d_along
+        is_hit = (way >= 0) & (at >= begin) & (at <= end)
+    return np.min(way, axis=0, initial=math.inf, where=is_hit)  # type: ignore[no-any-return]
