@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import os
 import struct
-from collections.abc import Callable, Container
+from collections.abc import Callable, Container, Sequence
 from functools import cache
 from operator import attrgetter
 from typing import Any
@@ -45,10 +45,7 @@ class Endpoint:
     def pack(self, message: Message) -> bytes:
         """The frame of a message, from this component, with the next sequence number."""
         kind: Any = type(message)
-        if fields := _plain_fields(kind):
-            frame = self._frame(kind, kind.unpacker.pack(*fields(message)))
-        else:
-            frame = bytes(message.pack(self._mavlink))
+        frame = self._frame(kind, kind.unpacker.pack(*_values(kind)(message)))
         self._mavlink.seq = (self._mavlink.seq + 1) % 256
         return frame
 
@@ -83,10 +80,25 @@ class Endpoint:
 
 
 @cache
-def _plain_fields(kind: Any) -> Callable[[Message], tuple[Any, ...]] | None:
-    """A reader of a message's values in the order of the wire; None if some are arrays."""
-    names = kind.ordered_fieldnames
-    return attrgetter(*names) if len(names) > 1 and not any(kind.array_lengths) else None
+def _values(kind: Any) -> Callable[[Message], Sequence[Any]]:
+    """A reader of a message's values in the order of the wire, arrays laid out."""
+    types = dict(zip(kind.fieldnames, kind.fieldtypes, strict=True))
+    lengths = kind.lengths
+    names = [f"_{n}_raw" if types[n] == "char" else n for n in kind.ordered_fieldnames]
+    if max(lengths) == 1 and len(names) > 1:
+        return attrgetter(*names)
+
+    def laid_out(message: Message) -> list[Any]:
+        values: list[Any] = []
+        for name, length in zip(names, lengths, strict=True):
+            value = getattr(message, name)
+            if length == 1:
+                values.append(value)
+            else:
+                values += value
+        return values
+
+    return laid_out
 
 
 def _message_id(frame: bytes) -> int:
