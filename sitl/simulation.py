@@ -10,7 +10,6 @@ and what it tells know the estimate alone; the world and its devices know the tr
 
 from __future__ import annotations
 
-from dataclasses import replace
 from random import Random
 
 from companion.mavlink.framing import Endpoint, Message, source
@@ -166,7 +165,7 @@ class Simulation:
     def _lie(self) -> FlightState:
         """A wreck: nothing but time goes on."""
         still = (0.0, 0.0, 0.0)
-        return replace(self._truth, time_s=self._steps * DT_S, velocity=still, rates=still)
+        return self._truth._replace(time_s=self._steps * DT_S, velocity=still, rates=still)
 
     def _route(self, sent: list[Sent], out: Outgoing) -> None:
         for message, frame in sent:

@@ -40,7 +40,7 @@ class Flight:
     """A recorder that keeps what the other rows need of a flight."""
 
     end_s: float = 0.0
-    frames: list[bytes] = field(default_factory=list)
+    datagrams: list[bytes] = field(default_factory=list)
 
     def report(self, report: Report) -> None:
         """Reports are not needed."""
@@ -49,10 +49,9 @@ class Flight:
         """Positions are not needed."""
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
-        """Keeps the frames of both directions."""
+        """Keeps the datagrams of both directions."""
         self.end_s = now_s
-        for datagram in datagrams:
-            self.frames += split_frames(datagram)
+        self.datagrams += datagrams
 
 
 def fields(runs: int) -> Iterator[Row]:
@@ -104,7 +103,8 @@ def flying(runs: int) -> Iterator[Row]:
         if companion.failure is not None:
             raise companion.failure
     yield Row("simulator and companion in lockstep", median(speeds), "x real time")
-    yield from mavlink([f for f in flight.frames if f[6] == AUTOPILOT], runs)
+    frames = [frame for datagram in flight.datagrams for frame in split_frames(datagram)]
+    yield from mavlink([f for f in frames if f[6] == AUTOPILOT], runs)
 
 
 def serving(runs: int) -> Iterator[Row]:

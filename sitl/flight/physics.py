@@ -20,6 +20,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import resources
+from typing import NamedTuple
 
 import jsbsim
 
@@ -42,8 +43,7 @@ _EULER, _ADAMS_BASHFORTH_2, _ADAMS_BASHFORTH_3 = 1, 3, 4
 _DRYDEN = 3  # its Tustin twin (4) fits the spectra better, but bursts at low airspeed
 
 
-@dataclass(frozen=True, slots=True)
-class FlightState:
+class FlightState(NamedTuple):
     """The true state of the vehicle at one instant.
 
     Attributes:

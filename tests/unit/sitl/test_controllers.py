@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
 
 import pytest
 from hypothesis import given
@@ -213,7 +212,7 @@ def test_reset_forgets_the_last_flight() -> None:
     used.reset(0.5)
     target = Target(HIGH, STILL)
     # The rate loop's derivative needs one step to know the present rates.
-    state = replace(physics.state, rates=STILL)
+    state = physics.state._replace(rates=STILL)
     fresh.step(state, target, DT), used.step(state, target, DT)
     for cascade in (fresh, used):
         cascade.reset(0.5)

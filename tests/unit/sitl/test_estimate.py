@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import random
-from dataclasses import replace
 from statistics import fmean
 
 import pytest
@@ -80,8 +79,7 @@ def test_height_and_attitude_stay_true_without_gps() -> None:
     estimator = Estimator(random.Random(1), GpsState(is_lost=True, noise_m=2.0))
     belief = believe(estimator, 30.0)
     assert math.dist(belief.position, TRUTH.position) > 0.5
-    assert belief == replace(
-        TRUTH,
+    assert belief == TRUTH._replace(
         position=(*belief.position[:2], TRUTH.position[2]),
         velocity=(*belief.velocity[:2], TRUTH.velocity[2]),
     )

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import random
-from dataclasses import replace
 from itertools import pairwise
 from statistics import fmean, stdev
 
@@ -24,7 +23,7 @@ DT = 0.004
 
 
 def at(time_s: float) -> FlightState:
-    return replace(TRUTH, time_s=time_s)
+    return TRUTH._replace(time_s=time_s)
 
 
 def sample(
