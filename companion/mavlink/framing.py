@@ -20,10 +20,11 @@ os.environ.setdefault("MAVLINK20", "1")  # pymavlink starts in version 1 otherwi
 
 from pymavlink.dialects.v20 import common as dialect
 
-__all__ = ["Endpoint", "Message", "dialect", "source", "split_frames"]
+__all__ = ["Endpoint", "Message", "dialect", "source", "split_frames", "without_outdated"]
 
 _HEADER = struct.Struct("<6BHB")  # after the magic number
 _CHECKSUM = struct.Struct("<H")
+_MAGIC_1, _MAGIC_2 = 0xFE, 0xFD
 
 Message = Any
 """A pymavlink message; it never leaves the packages that speak MAVLink."""
@@ -102,7 +103,7 @@ def _values(kind: Any) -> Callable[[Message], Sequence[Any]]:
 
 
 def _message_id(frame: bytes) -> int:
-    is_second_version = frame[0] == 0xFD
+    is_second_version = frame[0] == _MAGIC_2
     return int.from_bytes(frame[7:10], "little") if is_second_version else frame[5]
 
 
@@ -114,15 +115,15 @@ def source(message: Message) -> tuple[int, int]:
 def split_frames(datagram: bytes) -> list[bytes]:
     """The frames of a datagram, by their headers; what is no frame is left out."""
     size = len(datagram)
-    if size >= 12 and datagram[0] == 0xFD and datagram[1] == size - 12 and not datagram[2]:
+    if size >= 12 and datagram[0] == _MAGIC_2 and datagram[1] == size - 12 and not datagram[2]:
         return [datagram]  # as nearly always: one frame, unsigned
     frames: list[bytes] = []
     at = 0
     while at + 8 <= len(datagram):
-        if datagram[at] == 0xFD:
+        if datagram[at] == _MAGIC_2:
             is_signed = datagram[at + 2] & dialect.MAVLINK_IFLAG_SIGNED
             size = 12 + datagram[at + 1] + (dialect.MAVLINK_SIGNATURE_BLOCK_LEN if is_signed else 0)
-        elif datagram[at] == 0xFE:
+        elif datagram[at] == _MAGIC_1:
             size = 8 + datagram[at + 1]
         else:
             at += 1
@@ -131,3 +132,26 @@ def split_frames(datagram: bytes) -> list[bytes]:
             frames.append(datagram[at : at + size])
         at += size
     return frames
+
+
+def without_outdated(frames: list[bytes], numbers: Container[int]) -> list[bytes]:
+    """The frames, but for those of some messages of which a newer one is among them.
+
+    Of a position that comes more often than it is looked at, only the newest needs to be decoded.
+
+    Args:
+        frames: of one link, as they arrived.
+        numbers: ids of those messages; MAVLink 1 frames are all kept.
+    """
+    newest: dict[bytes, int] = {}
+    outdated: set[int] = set()
+    for i, frame in enumerate(frames):
+        if frame[0] != _MAGIC_2 or _message_id(frame) not in numbers:
+            continue
+        other = newest.setdefault(sender_and_message := frame[5:10], i)
+        is_newer = (frame[4] - frames[other][4]) % 256 < 128  # sequence numbers
+        if other != i:
+            outdated.add(other if is_newer else i)
+        if is_newer:
+            newest[sender_and_message] = i
+    return [frame for i, frame in enumerate(frames) if i not in outdated]

@@ -20,7 +20,14 @@ import math
 from dataclasses import dataclass
 
 from companion.mavlink.commands import CommandSender, Parameters
-from companion.mavlink.framing import Endpoint, Message, dialect, source
+from companion.mavlink.framing import (
+    Endpoint,
+    Message,
+    dialect,
+    source,
+    split_frames,
+    without_outdated,
+)
 from companion.mission.model import Signal
 from companion.vehicle.gate import Envelope, admit
 from companion.vehicle.goals import APPROACHES
@@ -42,6 +49,9 @@ NOT_KNOWN = {("BATTERY_STATUS", "battery_remaining"): -1, ("SYS_STATUS", "batter
 
 PROTOCOL = frozenset({"COMMAND_LONG", "COMMAND_INT", "COMMAND_ACK", "PARAM_VALUE"})
 """Messages of the services that are spoken here."""
+
+CONTINUAL = frozenset({"ATTITUDE", "LOCAL_POSITION_NED"})
+"""Of those that arrive together only the newest is looked at."""
 
 
 @dataclass
@@ -81,11 +91,8 @@ class MavlinkVehicle:
         self._signals: dict[str, list[Signal]] = {}
         for signal in signals:
             self._signals.setdefault(signal.message, []).append(signal)
-        self._wanted = frozenset(
-            number
-            for number, kind in dialect.mavlink_map.items()
-            if kind.msgname in PROTOCOL | TELEMETRY | self._signals.keys()
-        )
+        self._wanted = _ids(PROTOCOL | TELEMETRY | self._signals.keys())
+        self._continual = _ids(CONTINUAL - self._signals.keys())
         self._endpoint = Endpoint(0, COMPONENT)
         self._telemetry = Telemetry()
         self._commands = CommandSender()
@@ -103,8 +110,9 @@ class MavlinkVehicle:
         """Takes what arrived; returns the signals in it, in order."""
         self._now_s = now_s
         self._readings = []
-        for datagram in datagrams:
-            for message in self._endpoint.parse(datagram, self._wanted):
+        frames = [frame for datagram in datagrams for frame in split_frames(datagram)]
+        for frame in without_outdated(frames, self._continual):
+            for message in self._endpoint.parse(frame, self._wanted):
                 self._take(message)
         return self._readings
 
@@ -302,6 +310,10 @@ class MavlinkVehicle:
         self._answers.append(
             dialect.MAVLink_command_ack_message(message.command, result, 0, 0, *source(message))
         )
+
+
+def _ids(names: frozenset[str]) -> frozenset[int]:
+    return frozenset(n for n, kind in dialect.mavlink_map.items() if kind.msgname in names)
 
 
 def _is_autopilot(message: Message) -> bool:
