@@ -120,7 +120,8 @@ def simulate(
     try:
         if check:
             happenings = read_scenario(check)[0].happenings
-            typer.echo(f"{check}: a good scenario, {len(happenings)} events")
+            plural = "" if len(happenings) == 1 else "s"
+            typer.echo(f"{check}: a good scenario, {len(happenings)} event{plural}")
             return
         _simulate(scenario, speed, instance, home, seed, quiet)
     except CompanionError as error:

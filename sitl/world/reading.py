@@ -104,7 +104,7 @@ def _trigger(
     if place := entry.place:
         return AtPlace(Circle((place.north_m, place.east_m), place.radius_m), place.visit)
     number = command_number(entry.command or "", document, "happens", i, "command")
-    on_board = {AUTOPILOT, *_components(model)}
+    on_board = {AUTOPILOT, *model.components.values()}
     if entry.component is not None and entry.component not in on_board:
         raise MissionError(
             f"there is no component {entry.component} on board, so this can never happen",
@@ -112,12 +112,6 @@ def _trigger(
             f"on board are {', '.join(map(str, sorted(on_board)))}",
         )
     return OnCommand(number, entry.nth or 1, entry.component)
-
-
-def _components(model: ScenarioModel) -> list[int]:
-    default = [196] if model.map and not model.lidar else []
-    parts = (model.target, model.payload, model.lidar)
-    return default + [part.component for part in parts if part]
 
 
 def _check_effects(entry: HappeningModel, model: ScenarioModel, document: Document, i: int) -> None:

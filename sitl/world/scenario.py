@@ -136,7 +136,7 @@ def _parse(text: str, path: Path, default_home: GlobalOrigin) -> tuple[Scenario,
         AtPlace(Circle((seen.north_m, seen.east_m), seen.radius_m), seen.visit) if seen else None
     )
     first = (Happening(sighting, (("target", "seen"),), "target: seen"),) if sighting else ()
-    lidar = model.lidar
+    lidar = model.lidar_on_board
     scenario = Scenario(
         home=GlobalOrigin(home.latitude_deg, home.longitude_deg, home.altitude_m)
         if home
@@ -150,9 +150,7 @@ def _parse(text: str, path: Path, default_home: GlobalOrigin) -> tuple[Scenario,
         parameters=dict(model.parameters),
         detector=model.target.component if model.target else None,
         payload=_payload(model.payload, document) if model.payload else None,
-        lidar=LidarSpec(lidar.component, lidar.range_m, lidar.noise_m)
-        if lidar
-        else (LidarSpec() if model.map else None),
+        lidar=LidarSpec(lidar.component, lidar.range_m, lidar.noise_m) if lidar else None,
         obstacles=read_obstacles(model, document),
         pads=tuple(
             (Circle((pad.north_m, pad.east_m), pad.radius_m), pad.current_a) for pad in model.pads
@@ -165,19 +163,14 @@ def _parse(text: str, path: Path, default_home: GlobalOrigin) -> tuple[Scenario,
 
 def _check_components(model: ScenarioModel, document: Document) -> None:
     owners: dict[int, str] = {}
-    for name, part in (
-        ("target", model.target),
-        ("payload", model.payload),
-        ("lidar", model.lidar),
-    ):
-        if part and part.component in owners:
+    for key, component in model.components.items():
+        if component in owners:
             raise MissionError(
-                f"{owners[part.component]} and {name} have the same component id {part.component}",
-                document.where(name, "component"),
+                f"{owners[component]} and {key} have the same component id {component}",
+                document.where(key if getattr(model, key) else owners[component], "component"),
                 "each component on board needs an id of its own",
             )
-        if part:
-            owners[part.component] = name
+        owners[component] = key
 
 
 def _check_parameter(name: str, value: float, document: Document) -> None:

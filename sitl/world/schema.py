@@ -17,195 +17,219 @@ class _Strict(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
+def _told(description: str, **limits: Any) -> Any:
+    return Field(description=description, **limits)
+
+
+East = Annotated[float, _told("metres east of home")]
+North = Annotated[float, _told("metres north of home")]
+EastSpeed = Annotated[float, _told("m/s towards east", ge=-30, le=30)]
+NorthSpeed = Annotated[float, _told("m/s towards north", ge=-30, le=30)]
+Component = Annotated[int, _told("its MAVLink component id", ge=2, le=255)]
+Charge = Annotated[float, _told("state of charge, 0 to 1", ge=0, le=1)]
+Result = Annotated[ResultName, _told("the MAV_RESULT of the final answer")]
+After = Annotated[float, _told("seconds until the final answer", ge=0)]
+
+
 class StartModel(_Strict):
     """Where the vehicle stands at first."""
 
-    east_m: float = 0.0
-    north_m: float = 0.0
-    heading_deg: Annotated[float, Field(description="clockwise from north")] = 0.0
+    east_m: East = 0.0
+    north_m: North = 0.0
+    heading_deg: Annotated[float, _told("clockwise from north")] = 0.0
 
 
 class HomeModel(_Strict):
     """Where the local frame's origin lies on the earth."""
 
-    latitude_deg: Annotated[float, Field(ge=-90, le=90)]
-    longitude_deg: Annotated[float, Field(ge=-180, le=180)]
-    altitude_m: Annotated[float, Field(description="above mean sea level")] = 488.0
+    latitude_deg: Annotated[float, _told("degrees north", ge=-90, le=90)]
+    longitude_deg: Annotated[float, _told("degrees east", ge=-180, le=180)]
+    altitude_m: Annotated[float, _told("above mean sea level")] = 488.0
 
 
 class WindModel(_Strict):
     """Where the air moves to, and how rough it is."""
 
-    east_mps: Annotated[float, Field(ge=-30, le=30)] = 0.0
-    north_mps: Annotated[float, Field(ge=-30, le=30)] = 0.0
-    turbulence_mps: Annotated[float, Field(ge=0, le=10)] = 0.0
+    east_mps: EastSpeed = 0.0
+    north_mps: NorthSpeed = 0.0
+    turbulence_mps: Annotated[
+        float,
+        _told("deviation of vertical gusts; horizontal ones are twice as strong", ge=0, le=10),
+    ] = 0.0
 
 
 class BatteryModel(_Strict):
     """The battery at the start."""
 
-    charge: Annotated[float, Field(ge=0, le=1, description="state of charge, 0 to 1")] = 1.0
-    drains: Annotated[
-        Literal["armed", "always"], Field(description="when; in PX4's simulator while armed")
-    ] = "armed"
+    charge: Charge = 1.0
+    drains: Annotated[Literal["armed", "always"], _told("when; in PX4's simulator while armed")] = (
+        "armed"
+    )
 
 
 class CircleModel(_Strict):
     """A circle on the ground."""
 
-    east_m: float
-    north_m: float
-    radius_m: Annotated[float, Field(gt=0)]
+    east_m: East
+    north_m: North
+    radius_m: Annotated[float, _told("metres", gt=0)]
 
 
-class SeenModel(CircleModel):
+class VisitModel(CircleModel):
     """A visit of the vehicle to a circle."""
 
-    visit: Annotated[
-        int, Field(ge=1, description="the vehicle's n-th visit to the circle, from 1")
-    ] = 1
+    visit: Annotated[int, _told("the vehicle's n-th visit to the circle, from 1", ge=1)] = 1
 
 
 class TargetModel(_Strict):
     """The target detector."""
 
-    component: Annotated[
-        int, Field(ge=2, le=255, description="MAVLink component id of the detector")
-    ] = 26
-    seen: Annotated[SeenModel | None, Field(description="when the target is seen first")] = None
+    component: Component = 26
+    seen: Annotated[VisitModel | None, _told("when the target is seen first")] = None
 
 
 class SiteModel(CircleModel):
     """What the payload answers inside a circle."""
 
-    result: ResultName
-    after_s: Annotated[float, Field(ge=0, description="seconds until the final answer")] = 1.0
+    result: Result
+    after_s: After = 1.0
 
 
 class PayloadModel(_Strict):
     """The payload."""
 
-    component: Annotated[
-        int, Field(ge=2, le=255, description="MAVLink component id of the payload")
-    ] = 25
-    command: Annotated[str, Field(description="a MAVLink command by name, such as MAV_CMD_USER_1")]
-    answers: tuple[SiteModel, ...] = ()
-    otherwise: ResultName = "DENIED"
+    component: Component = 25
+    command: Annotated[str, _told("a MAVLink command by name, such as MAV_CMD_USER_1")]
+    answers: Annotated[
+        tuple[SiteModel, ...], _told("the first circle that holds the vehicle answers")
+    ] = ()
+    otherwise: Annotated[ResultName, _told("the answer outside all circles")] = "DENIED"
 
 
 class LidarModel(_Strict):
     """The lidar."""
 
-    component: Annotated[
-        int, Field(ge=2, le=255, description="MAVLink component id of the lidar")
-    ] = 196
-    range_m: Annotated[float, Field(gt=0, le=600)] = 12.0
-    noise_m: Annotated[float, Field(ge=0, description="deviation of each distance")] = 0.0
+    component: Component = 196
+    range_m: Annotated[float, _told("farther walls are not seen", gt=0, le=600)] = 12.0
+    noise_m: Annotated[float, _told("deviation of each distance", ge=0)] = 0.0
 
 
 class BoxModel(_Strict):
     """A box with sides to the east and to the north."""
 
-    east_m: Annotated[tuple[float, float], Field(description="[from, to]")]
-    north_m: Annotated[tuple[float, float], Field(description="[from, to]")]
+    east_m: Annotated[tuple[float, float], _told("[from, to]")]
+    north_m: Annotated[tuple[float, float], _told("[from, to]")]
 
 
 class ObstacleModel(_Strict):
     """Something in the way that the mission's map does not show: a circle or a box."""
 
-    name: Annotated[str, Field(min_length=1)]
-    circle: CircleModel | None = None
-    box: BoxModel | None = None
-    present: Annotated[bool, Field(description="whether it is there at the start")] = True
+    name: Annotated[str, _told("for events", min_length=1)]
+    circle: Annotated[CircleModel | None, _told("its shape, if it is round")] = None
+    box: Annotated[BoxModel | None, _told("its shape, if it is a box")] = None
+    present: Annotated[bool, _told("whether it is there at the start")] = True
 
 
 class PadModel(CircleModel):
     """A charging pad: on it, landed and disarmed, the battery charges."""
 
-    current_a: Annotated[float, Field(gt=0, le=100)] = 5.0
+    current_a: Annotated[float, _told("amperes that the charger gives", gt=0, le=100)] = 5.0
 
 
 class PayloadEventModel(_Strict):
-    """What the payload answers from now on."""
+    """What the payload answers from now on, everywhere."""
 
-    result: ResultName = "ACCEPTED"
-    after_s: Annotated[float, Field(ge=0, description="seconds until the final answer")] = 1.0
-    silent: Annotated[bool, Field(description="nothing is answered at all")] = False
-    progress: Annotated[bool, Field(description="tell the progress each second")] = False
+    result: Result = "ACCEPTED"
+    after_s: After = 1.0
+    silent: Annotated[bool, _told("nothing is answered at all")] = False
+    progress: Annotated[bool, _told("tell the progress each second")] = False
 
 
 class WindEventModel(_Strict):
     """Where the air moves to from now on."""
 
-    east_mps: Annotated[float, Field(ge=-30, le=30)] = 0.0
-    north_mps: Annotated[float, Field(ge=-30, le=30)] = 0.0
+    east_mps: EastSpeed = 0.0
+    north_mps: NorthSpeed = 0.0
 
 
 class ObstacleEventModel(_Strict):
     """An obstacle appears or disappears."""
 
-    name: str
-    present: bool
+    name: Annotated[str, _told("of one of the obstacles")]
+    present: Annotated[bool, _told("true: it appears; false: it disappears")]
 
 
 class BatteryEventModel(_Strict):
     """The battery's charge jumps."""
 
-    charge: Annotated[float, Field(ge=0, le=1, description="state of charge, 0 to 1")]
+    charge: Charge
 
 
 class GpsEventModel(_Strict):
     """How good GPS is from now on; what is left out stays."""
 
-    lost: bool | None = None
-    noise_m: Annotated[float | None, Field(ge=0, description="deviation, metres")] = None
+    lost: Annotated[bool | None, _told("there is no fix")] = None
+    noise_m: Annotated[float | None, _told("deviation of the fix, metres", ge=0)] = None
 
 
 class ArmingEventModel(_Strict):
     """Whether the autopilot lets itself be armed."""
 
-    refused: Annotated[str | None, Field(min_length=1, description="why, as it is told")] = None
-    allowed: Literal[True] | None = None
+    refused: Annotated[str | None, _told("why, as it is told", min_length=1)] = None
+    allowed: Annotated[Literal[True] | None, _told("the refusal ends")] = None
 
 
 class HappeningModel(_Strict):
     """One trigger (at_s, place or command) and what happens then, once."""
 
-    at_s: Annotated[float | None, Field(ge=0, description="simulated seconds")] = None
-    place: SeenModel | None = None
-    command: Annotated[str | None, Field(description="MAV_CMD_... that arrives on board")] = None
-    nth: Annotated[int | None, Field(ge=1, description="the n-th such command")] = None
-    component: Annotated[int | None, Field(ge=1, le=255, description="to whom")] = None
-    after_s: Annotated[float, Field(ge=0, description="seconds after the trigger")] = 0.0
-    target: Literal["seen", "lost"] | None = None
-    payload: PayloadEventModel | None = None
-    wind: WindEventModel | None = None
-    obstacle: ObstacleEventModel | None = None
-    battery: BatteryEventModel | None = None
-    gps: GpsEventModel | None = None
-    arming: ArmingEventModel | None = None
+    at_s: Annotated[float | None, _told("trigger: simulated seconds", ge=0)] = None
+    place: Annotated[VisitModel | None, _told("trigger: a visit to a circle")] = None
+    command: Annotated[str | None, _told("trigger: MAV_CMD_... that arrives on board")] = None
+    nth: Annotated[int | None, _told("the n-th such command", ge=1)] = None
+    component: Annotated[int | None, _told("to whom the command goes", ge=1, le=255)] = None
+    after_s: Annotated[float, _told("seconds after the trigger", ge=0)] = 0.0
+    target: Annotated[
+        Literal["seen", "lost"] | None, _told("the detector sees the target, or no more")
+    ] = None
+    payload: Annotated[PayloadEventModel | None, _told("what it answers from now on")] = None
+    wind: Annotated[WindEventModel | None, _told("where the air moves to from now on")] = None
+    obstacle: Annotated[ObstacleEventModel | None, _told("one appears or disappears")] = None
+    battery: Annotated[BatteryEventModel | None, _told("its charge jumps")] = None
+    gps: Annotated[GpsEventModel | None, _told("it is lost, found or noisy")] = None
+    arming: Annotated[ArmingEventModel | None, _told("it is refused, or allowed again")] = None
 
 
 class ScenarioModel(_Strict):
     """The whole file."""
 
-    version: Literal[1]
-    map: Annotated[
-        str | None, Field(description="ROS map_server YAML file, relative to this file")
-    ] = None
-    start: StartModel = StartModel()
-    home: HomeModel | None = None
-    wind: WindModel = WindModel()
-    battery: BatteryModel = BatteryModel()
-    parameters: dict[str, float] = {}
-    target: TargetModel | None = None
-    payload: PayloadModel | None = None
-    lidar: Annotated[
-        LidarModel | None, Field(description="there by default where there is a map")
-    ] = None
-    obstacles: tuple[ObstacleModel, ...] = ()
-    pads: Annotated[tuple[PadModel, ...], Field(description="charging pads")] = ()
-    happens: Annotated[tuple[HappeningModel, ...], Field(description="what happens when")] = ()
+    version: Annotated[Literal[1], _told("of this format")]
+    map: Annotated[str | None, _told("ROS map_server YAML file, relative to this file")] = None
+    start: Annotated[StartModel, _told("where the vehicle stands at first")] = StartModel()
+    home: Annotated[HomeModel | None, _told("where on the earth home lies")] = None
+    wind: Annotated[WindModel, _told("where the air moves to, and its gusts")] = WindModel()
+    battery: Annotated[BatteryModel, _told("how full it is at the start")] = BatteryModel()
+    parameters: Annotated[
+        dict[str, float], _told("of the autopilot, by PX4's names, where they differ")
+    ] = {}
+    target: Annotated[TargetModel | None, _told("a target detector on board")] = None
+    payload: Annotated[PayloadModel | None, _told("a payload on board")] = None
+    lidar: Annotated[LidarModel | None, _told("there by default where there is a map")] = None
+    obstacles: Annotated[
+        tuple[ObstacleModel, ...], _told("what the mission's map does not show")
+    ] = ()
+    pads: Annotated[tuple[PadModel, ...], _told("charging pads")] = ()
+    happens: Annotated[tuple[HappeningModel, ...], _told("what happens when, each once")] = ()
+
+    @property
+    def lidar_on_board(self) -> LidarModel | None:
+        """The lidar: what the file says, or by default one where there is a map."""
+        return self.lidar or (LidarModel() if self.map else None)
+
+    @property
+    def components(self) -> dict[str, int]:
+        """Key of each component on board beside the autopilot -> its MAVLink component id."""
+        parts = {"target": self.target, "payload": self.payload, "lidar": self.lidar_on_board}
+        return {key: part.component for key, part in parts.items() if part}
 
 
 def json_schema() -> dict[str, Any]:

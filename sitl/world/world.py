@@ -38,7 +38,7 @@ class World:
         rng: of the lidar's noise.
 
     Attributes:
-        happened: time and text of each happening so far.
+        happened: time and text of each happening so far, damage included.
         is_wreck: the vehicle has fallen over or hit the ground with its body.
     """
 
@@ -96,10 +96,14 @@ class World:
 
     def _look_for_damage(self, state: FlightState) -> None:
         if self.walls.update(state.position):
-            self._autopilot.crash("Collision with a wall")
+            self._break(state, "Collision with a wall")
         if is_wreck(state):
             self.is_wreck = True
-            self._autopilot.crash("Crash detected")
+            self._break(state, "Crash detected")
+
+    def _break(self, state: FlightState, text: str) -> None:
+        self.happened.append((state.time_s, text))
+        self._autopilot.crash(text)
 
     # What a scenario can do; see happenings.py.
 

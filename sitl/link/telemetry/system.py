@@ -61,7 +61,7 @@ def sys_status(v: Vehicle) -> Message:
         _SENSORS & ~unhealthy | ready,
         0,
         round(v.state.voltage_v * 1e3),
-        round(v.state.current_a * 1e2),
+        _centiamperes(v.state.current_a),
         _percent(v.state.charge),
         *(0,) * 6,
     )
@@ -77,7 +77,7 @@ def battery_status(v: Vehicle) -> Message:
         type=1,
         temperature=32767,
         voltages=[cell_mv] * CELLS + [UNKNOWN_16] * (FULL_VOLTAGES - CELLS),
-        current_battery=round(v.state.current_a * 1e2),
+        current_battery=_centiamperes(v.state.current_a),
         current_consumed=round(gauge.consumed_mah),
         energy_consumed=round(gauge.consumed_j / 100),
         battery_remaining=_percent(v.state.charge),
@@ -135,6 +135,12 @@ def ping(v: Vehicle) -> Message:
 def timesync(v: Vehicle) -> Message:
     """TIMESYNC: a question, to which clients answer."""
     return dialect.MAVLink_timesync_message(0, v.boot_us * 1000)
+
+
+def _centiamperes(current_a: float) -> int:
+    """Out of the battery; -1 would mean that the current is not known."""
+    value = round(current_a * 1e2)
+    return value if value != -1 else 0
 
 
 def _percent(charge: float) -> int:
