@@ -1,4 +1,4 @@
-"""Every command of README.md works: it is run here, or a file is named that runs it.
+"""Every command of README.md and docs/ works: it is run here, or a file is named that runs it.
 
 A command is a line of a block that is fenced as sh or console (there, after `$ `).
 """
@@ -18,7 +18,9 @@ import pytest
 from ports import free_instance
 
 ROOT = Path(__file__).parents[1]
-README = (ROOT / "README.md").read_text(encoding="utf-8")
+PAGES = {
+    page: page.read_text(encoding="utf-8") for page in [ROOT / "README.md", *ROOT.glob("docs/*.md")]
+}
 SCRIPTS = Path(sysconfig.get_path("scripts"))
 """Where `companion` and `sitl` are installed."""
 
@@ -35,6 +37,14 @@ IN_REAL_TIME = (
     ),
 )
 """Commands that are flown here for some seconds, side by side; the last one is the companion."""
+
+SIMULATORS = (
+    "sitl",
+    "sitl --scenario missions/surveillance.sim.yaml --speed 2",
+    "sitl -i 1",
+    "sitl --home 48.14,11.57,520 --seed 7 --quiet",
+)
+"""Commands that run until they are stopped."""
 
 ELSEWHERE = {
     ".venv/bin/python scripts/bench translating planning": "tests/test_bench.py",
@@ -62,12 +72,14 @@ def is_quick(command: str) -> bool:
     match shlex.split(command):
         case ["companion" | "sitl", *_, "--help"] | ["companion", "check" | "plan" | "ltl", *_]:
             return True
+        case ["sitl", "--check", _]:
+            return True
         case ["companion", "sim", *_]:
             return "--speed max" in command
     return False
 
 
-COMMANDS = commands(README)
+COMMANDS = list(dict.fromkeys(c for text in PAGES.values() for c in commands(text)))
 QUICK = [command for command in COMMANDS if is_quick(command)]
 
 
@@ -79,7 +91,7 @@ def test_commands_are_found() -> None:
 
 
 def test_commands_stand_in_blocks_that_say_so() -> None:
-    kinds = set(re.findall(r"^```(\S+)$", README, re.MULTILINE))
+    kinds = {kind for text in PAGES.values() for kind in re.findall(r"^```(\S+)$", text, re.M)}
     assert not kinds & {"bash", "shell", "zsh"}, "fence commands as sh or console"
 
 
@@ -134,6 +146,20 @@ def test_a_command_flies_and_lands_on_ctrl_c(together: tuple[str, ...], start: S
             process.communicate()
 
 
+@pytest.mark.alone
+@pytest.mark.parametrize("command", SIMULATORS)
+def test_a_simulator_starts_and_stops(command: str, start: Start) -> None:
+    sitl = start(on_ports_of(free_instance(), command.removesuffix(" -i 1")))
+    assert sitl.stdout is not None
+    try:
+        assert sitl.stdout.readline().startswith("sitl: vehicle ")
+        sitl.send_signal(signal.SIGINT)
+        assert sitl.wait(timeout=30) == 0
+    finally:
+        sitl.kill()
+        sitl.communicate()
+
+
 def on_ports_of(instance: int, command: str) -> str:
     """A command on the ports of an instance of the simulator."""
     if "14540" in command:
@@ -144,11 +170,21 @@ def on_ports_of(instance: int, command: str) -> str:
 def test_every_command_is_covered() -> None:
     ours = [c for c in COMMANDS if shlex.split(c)[0] not in FOREIGN]
     flown = [command for together in IN_REAL_TIME for command in together]
-    assert set(ours) == {*QUICK, *flown, *ELSEWHERE}, "let a test run each command, and no other"
+    assert set(ours) == {*QUICK, *flown, *SIMULATORS, *ELSEWHERE}, (
+        "let a test run each command, and no other"
+    )
     for command, name in ELSEWHERE.items():
         assert command in (ROOT / name).read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("link", sorted(set(re.findall(r"\]\((?!https?:)([^)#]+)", README))))
-def test_a_link_leads_to_a_file(link: str) -> None:
-    assert (ROOT / link).exists()
+def links() -> list[tuple[Path, str]]:
+    return [
+        (page, link)
+        for page, text in PAGES.items()
+        for link in sorted(set(re.findall(r"\]\((?!https?:)([^)#]+)", text)))
+    ]
+
+
+@pytest.mark.parametrize(("page", "link"), links(), ids=str)
+def test_a_link_leads_to_a_file(page: Path, link: str) -> None:
+    assert (page.parent / link).exists()

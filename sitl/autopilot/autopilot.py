@@ -1,13 +1,12 @@
 """What does the autopilot do with the vehicle? Armed or not, which mode, which motor commands.
 
 In: the vehicle's state each step, and what the link asks for (arm, change the mode, a setpoint).
-Out: four motor commands, and notices for people. Its rules are PX4's:
+Out: a target for the motors (motor_control.py), and notices for people. Its rules are PX4's:
 
 1. The intended mode is what was asked for; a failsafe flies another mode while it lasts.
 2. Disarmed, every mode may be chosen; arming is refused where the mode lacks what it needs.
 3. In the air, a mode that lacks what it needs is refused and the present one is kept.
-4. Motors idle for COM_SPOOLUP_TIME after arming, and on the ground until the mode wants to climb.
-5. COM_DISARM_LAND after a landing, or COM_DISARM_PRFLT after arming without a take-off, it
+4. COM_DISARM_LAND after a landing, or COM_DISARM_PRFLT after arming without a take-off, it
    disarms by itself; a finished take-off, return or landing then leaves AUTO.LOITER.
 
 Source: PX4 1.16, src/modules/commander, and what a PX4 was seen to do. Time is the state's own.
@@ -19,24 +18,22 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from companion.geometry import Ned, Quaternion
+from companion.geometry import Ned
 from sitl.autopilot.arming import Readiness, objection
 from sitl.autopilot.failsafe_state import FailsafeState
 from sitl.autopilot.failsafes import Conditions, battery_level
 from sitl.autopilot.geofence import Area, Geofence
-from sitl.autopilot.landing import LandDetector
 from sitl.autopilot.mission import Mission
 from sitl.autopilot.mission_items import Item
-from sitl.autopilot.modes import FLIGHT_MODES, FlightMode, Hold, Need, Situation, heading
+from sitl.autopilot.modes import FLIGHT_MODES, FlightMode, Hold, Need, Situation
+from sitl.autopilot.motor_control import MotorControl
 from sitl.autopilot.notices import BATTERY_NOTICES, Notice, Severity, failsafe_notices
 from sitl.autopilot.parameters import Parameters
-from sitl.flight.controllers import Cascade, Limits, Target
-from sitl.flight.mixer import MAX_THRUST_N, Motors
+from sitl.flight.controllers import Target
+from sitl.flight.mixer import Motors
 from sitl.flight.physics import FlightState
 
 COMMANDER_STEPS = 5  # modes, failsafes and targets are decided every 5th step, 50 Hz at 4 ms
-STOPPED: Motors = (0.0, 0.0, 0.0, 0.0)
-CLIMB_M = 0.1  # a target this far above the vehicle wants it to leave the ground
 _DONE_WHEN_DISARMED = ("AUTO.TAKEOFF", "AUTO.RTL", "AUTO.LAND")
 
 
@@ -63,8 +60,7 @@ class Autopilot:
         home: where the vehicle was armed last, or what was set since; before, where it started.
         cruise_mps: speed of automatic modes, if MAV_CMD_DO_CHANGE_SPEED has set one.
         position_age_s: time since the position was last measured.
-        target: what the control cascade follows, None while disarmed.
-        motors: the newest commands.
+        control: of the motors.
         flights: how often and when it was armed.
         mission: what AUTO.MISSION flies.
         fence: where the vehicle may be.
@@ -79,33 +75,29 @@ class Autopilot:
         self.home: Ned = state.position
         self.position_age_s = 0.0
         self.cruise_mps: float | None = None
-        self.target: Target | None = None
-        self.motors = STOPPED
+        self.control = MotorControl(parameters)
         self.battery = battery_level(state.charge, parameters)
         self.notices: list[Notice] = []
         self.flights = Flights()
         self.mission = Mission()
         self.fence = Geofence()
         self._state = state
-        self._landing = LandDetector()
         self._failsafe = FailsafeState()
-        self._cascade = Cascade()
         self._setpoint: Target | None = None
         self._setpoint_s = self._ground_station_s = -math.inf
         self._refusal: str | None = None
         self._takeoff_down_m = self._lowest_takeoff()
         self._flying: FlightMode = Hold.start(self._situation())
-        self._armed_s = self._landed_s = state.time_s
+        self._landed_s = state.time_s
         self._has_flown = False
         self._until_commander = 0
-        self._climbs = False
 
     # What can be read.
 
     @property
     def is_landed(self) -> bool:
         """The vehicle rests on the ground."""
-        return self._landing.is_landed
+        return self.control.is_landed
 
     @property
     def is_failsafe(self) -> bool:
@@ -116,11 +108,6 @@ class Autopilot:
     def is_position_lost(self) -> bool:
         """There has been no position for too long."""
         return self._conditions().is_position_lost
-
-    @property
-    def attitude_target(self) -> tuple[Quaternion, float]:
-        """The attitude that is wanted, body to NED, and the thrust as a share of the most."""
-        return self._cascade.attitude, self._cascade.thrust_n / (4 * MAX_THRUST_N)
 
     @property
     def is_fence_breached(self) -> bool:
@@ -144,21 +131,14 @@ class Autopilot:
         if reason is not None and not is_forced:
             self._tell(Severity.CRITICAL, f"Arming denied: {reason}")
             return False
-        now_s, limit = self._state.time_s, self.parameters
+        now_s = self._state.time_s
         self.is_armed = True
         self.flights = Flights(self.flights.count + 1, now_s)
         self.parameters.set("COM_FLIGHT_UUID", self.flights.count)
         self.home = self._state.position
-        self._cascade = Cascade(
-            Limits(
-                speed_mps=limit["MPC_XY_VEL_MAX"],
-                climb_mps=limit["MPC_Z_VEL_MAX_UP"],
-                descent_mps=limit["MPC_Z_VEL_MAX_DN"],
-            )
-        )
-        self._cascade.reset(heading(self._state))
+        self.control.arm(self._state)
         self._failsafe = FailsafeState()
-        self._armed_s = self._landed_s = now_s
+        self._landed_s = now_s
         self._has_flown = False
         self._takeoff_down_m = min(self._takeoff_down_m, self._lowest_takeoff())
         self._until_commander = 0
@@ -283,31 +263,22 @@ class Autopilot:
         if self._until_commander == 0:
             self._until_commander = COMMANDER_STEPS
             self._command()
-            self.target = self._flying.target(self._situation()) if self.is_armed else None
-            self._climbs = self.target is not None and _wants_to_climb(self.target, state)
+            target = self._flying.target(self._situation()) if self.is_armed else None
+            self.control.aim(target, state)
         self._until_commander -= 1
-        self._detect_landing(state, self._climbs, dt_s)
-        if self.target is None:
-            self.motors = STOPPED
-        elif self._is_spinning_up or (self._landing.is_touching and not self._climbs):
-            self.motors = self._cascade.idle()
-        else:
-            self.motors = self._cascade.step(state, self.target, dt_s)
-        return self.motors
-
-    @property
-    def _is_spinning_up(self) -> bool:
-        return self._state.time_s - self._armed_s < self.parameters["COM_SPOOLUP_TIME"]
-
-    def _detect_landing(self, state: FlightState, climbs: bool, dt_s: float) -> None:
         was_landed = self.is_landed
-        self._landing.update(state, climbs, self.parameters["LNDMC_Z_VEL_MAX"], dt_s)
+        motors = self.control.step(state, dt_s)
         if was_landed != self.is_landed:
-            self._has_flown = True
-            self._landed_s = state.time_s
-            if was_landed and not self.flights.in_air_s:
-                self.flights = replace(self.flights, in_air_s=state.time_s)
-            self._tell(Severity.INFO, "Landing detected" if self.is_landed else "Takeoff detected")
+            self._note_landing(was_landed)
+        return motors
+
+    def _note_landing(self, was_landed: bool) -> None:
+        now_s = self._state.time_s
+        self._has_flown = True
+        self._landed_s = now_s
+        if was_landed and not self.flights.in_air_s:
+            self.flights = replace(self.flights, in_air_s=now_s)
+        self._tell(Severity.INFO, "Takeoff detected" if was_landed else "Landing detected")
 
     def _command(self) -> None:
         """Decide on failsafes, modes and disarming."""
@@ -365,7 +336,7 @@ class Autopilot:
 
     def _stop(self, text: str) -> None:
         self.is_armed = False
-        self.target = None
+        self.control.aim(None, self._state)
         self._failsafe = FailsafeState()
         if self.intended_mode in _DONE_WHEN_DISARMED:
             self.intended_mode = "AUTO.LOITER"
@@ -410,11 +381,3 @@ class Autopilot:
 
     def _tell(self, severity: Severity, text: str) -> None:
         self.notices.append(Notice(severity, text))
-
-
-def _wants_to_climb(target: Target, state: FlightState) -> bool:
-    if target.position[2] is not None:
-        return target.position[2] < state.position[2] - CLIMB_M
-    if target.velocity[2] is not None:
-        return target.velocity[2] < 0
-    return target.acceleration[2] < 0
