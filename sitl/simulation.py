@@ -27,7 +27,7 @@ from sitl.world.scenario import Scenario
 from sitl.world.world import World
 
 DT_S = 0.004
-DEVICE_STEPS = 5  # devices speak every 20 ms
+WORLD_STEPS = 5  # the world acts, and devices speak, every 20 ms
 ALL_LINKS = frozenset(LinkName)
 
 
@@ -156,9 +156,11 @@ class Simulation:
         self._vehicle.state = self._estimator.step(state, state.time_s)
         self._autopilot.position_age_s = self._estimator.position_lost_s
         self._sensors.step(state, self._estimator.gps, self._estimator.fix_error)
-        self._world.step(state)
+        is_worlds_turn = self._steps % WORLD_STEPS == 0
+        if is_worlds_turn:
+            self._world.step(state)
         out += self._component.step()
-        if self._steps % DEVICE_STEPS == 0:
+        if is_worlds_turn:
             for device in self._devices:
                 self._route(device.step(state), out)
 

@@ -20,7 +20,7 @@ os.environ.setdefault("MAVLINK20", "1")  # pymavlink starts in version 1 otherwi
 
 from pymavlink.dialects.v20 import common as dialect
 
-__all__ = ["Endpoint", "Message", "dialect", "source", "split_frames", "without_outdated"]
+__all__ = ["Endpoint", "Message", "choose", "dialect", "source", "split_frames"]
 
 _HEADER = struct.Struct("<6BHB")  # after the magic number
 _CHECKSUM = struct.Struct("<H")
@@ -61,22 +61,15 @@ class Endpoint:
         checksum = dialect.x25crc(body + kind.crc_extra.to_bytes(1, "little")).crc
         return b"\xfd" + body + _CHECKSUM.pack(checksum)
 
-    def parse(self, datagram: bytes, wanted: Container[int] | None = None) -> list[Message]:
-        """The intact, known messages of a datagram, in order; never raises.
-
-        Args:
-            datagram: as it arrived.
-            wanted: message ids; others are passed over, which is much quicker than decoding them.
-        """
+    def parse(self, datagram: bytes) -> list[Message]:
+        """The intact, known messages of a datagram, in order; never raises."""
         found = []
         for frame in split_frames(datagram):
-            number = _message_id(frame)
-            if number not in dialect.mavlink_map or (wanted is not None and number not in wanted):
-                continue
-            try:
-                found.append(self._mavlink.decode(bytearray(frame)))
-            except dialect.MAVError:
-                continue  # damaged
+            if _message_id(frame) in dialect.mavlink_map:
+                try:
+                    found.append(self._mavlink.decode(bytearray(frame)))
+                except dialect.MAVError:
+                    continue  # damaged
         return found
 
 
@@ -134,24 +127,30 @@ def split_frames(datagram: bytes) -> list[bytes]:
     return frames
 
 
-def without_outdated(frames: list[bytes], numbers: Container[int]) -> list[bytes]:
-    """The frames, but for those of some messages of which a newer one is among them.
-
-    Of a position that comes more often than it is looked at, only the newest needs to be decoded.
+def choose(
+    datagrams: list[bytes], wanted: Container[int], continual: Container[int]
+) -> list[bytes]:
+    """The frames that are worth decoding, in order: it takes longer than all the rest.
 
     Args:
-        frames: of one link, as they arrived.
-        numbers: ids of those messages; MAVLink 1 frames are all kept.
+        datagrams: of one link, as they arrived together.
+        wanted: ids of the messages that somebody reads.
+        continual: ids of those of which only the newest counts, as of positions that come more
+            often than they are looked at; MAVLink 1 frames are all kept.
     """
+    chosen: list[bytes] = []
     newest: dict[bytes, int] = {}
-    outdated: set[int] = set()
-    for i, frame in enumerate(frames):
-        if frame[0] != _MAGIC_2 or _message_id(frame) not in numbers:
+    for frame in (frame for datagram in datagrams for frame in split_frames(datagram)):
+        number = _message_id(frame)
+        if number not in wanted:
             continue
-        other = newest.setdefault(sender_and_message := frame[5:10], i)
-        is_newer = (frame[4] - frames[other][4]) % 256 < 128  # sequence numbers
-        if other != i:
-            outdated.add(other if is_newer else i)
-        if is_newer:
-            newest[sender_and_message] = i
-    return [frame for i, frame in enumerate(frames) if i not in outdated]
+        if number in continual and frame[0] == _MAGIC_2:
+            sender_and_message = frame[5:10]
+            other = newest.get(sender_and_message)
+            if other is not None:
+                if (frame[4] - chosen[other][4]) % 256 >= 128:  # sequence numbers
+                    continue
+                chosen[other] = b""
+            newest[sender_and_message] = len(chosen)
+        chosen.append(frame)
+    return [frame for frame in chosen if frame]

@@ -20,14 +20,7 @@ import math
 from dataclasses import dataclass
 
 from companion.mavlink.commands import CommandSender, Parameters
-from companion.mavlink.framing import (
-    Endpoint,
-    Message,
-    dialect,
-    source,
-    split_frames,
-    without_outdated,
-)
+from companion.mavlink.framing import Endpoint, Message, choose, dialect, source
 from companion.mission.model import Signal
 from companion.vehicle.gate import Envelope, admit
 from companion.vehicle.goals import APPROACHES
@@ -110,9 +103,8 @@ class MavlinkVehicle:
         """Takes what arrived; returns the signals in it, in order."""
         self._now_s = now_s
         self._readings = []
-        frames = [frame for datagram in datagrams for frame in split_frames(datagram)]
-        for frame in without_outdated(frames, self._continual):
-            for message in self._endpoint.parse(frame, self._wanted):
+        for frame in choose(datagrams, self._wanted, self._continual):
+            for message in self._endpoint.parse(frame):
                 self._take(message)
         return self._readings
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import Enum, IntEnum
+from typing import NamedTuple
 
 from sitl.autopilot.parameters import Parameters
 
@@ -55,8 +56,7 @@ class Cause(Enum):
     POSITION_LOST = "no valid position"
 
 
-@dataclass(frozen=True, slots=True)
-class Conditions:
+class Conditions(NamedTuple):
     """What the failsafes look at.
 
     Attributes:

@@ -25,7 +25,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from companion.geometry import Ned, euler_from_quaternion, horizontal_distance
 from sitl.autopilot.parameters import Parameters
@@ -36,8 +36,7 @@ SINK_WITHOUT_PILOT_MPS = 0.5
 REACHED_M = 0.3  # how near a height counts as reached
 
 
-@dataclass(frozen=True, slots=True)
-class Situation:
+class Situation(NamedTuple):
     """What a mode sees.
 
     Attributes:

@@ -90,19 +90,23 @@ class Lidar:
 
 
 def _faces(walls: npt.NDArray[np.bool_]) -> Floats:
-    """The borders between rows of which one is free, joined where they touch.
+    """The borders between a free row and a wall, joined where they touch.
 
     Args:
         walls: (rows + 2, columns + 2), with a rim of walls.
 
     Returns:
-        (n, 3) where each lies, begins and ends, in cells.
+        (n, 4) where each lies, begins and ends, in cells, and on which side its wall is: 1 or -1.
     """
-    is_border = walls[1:, 1:-1] != walls[:-1, 1:-1]
+    inner = walls[:, 1:-1].astype(np.int8)
+    return np.concatenate([_joined(np.diff(inner, axis=0) == side, side) for side in (1, -1)])
+
+
+def _joined(is_border: npt.NDArray[np.bool_], side: int) -> Floats:
     turns = np.diff(is_border.astype(np.int8), axis=1, prepend=0, append=0)
     line, begin = np.nonzero(turns == 1)
     _, end = np.nonzero(turns == -1)
-    return np.column_stack((line, begin, end)).astype(np.float64)
+    return np.column_stack((line, begin, end, np.full(len(line), side))).astype(np.float64)
 
 
 def _hits(
@@ -111,16 +115,17 @@ def _hits(
     """The way of each beam to its first face, inf without one; everything in cells.
 
     Args:
-        faces: (n, 3) of one axis.
+        faces: (n, 4) of one axis.
         far: those farther away may be left out.
         across: start, over the lines of the faces.
         along: start, along the lines.
         d_across: (BEAMS,) direction over the lines.
         d_along: (BEAMS,) direction along the lines.
     """
-    line, begin, end = faces.T
-    is_near = (abs(line - across) <= far) & (begin <= along + far) & (end >= along - far)
-    line, begin, end = faces[is_near].T[:, :, None]
+    line, begin, end, side = faces.T
+    depth = (line - across) * side
+    is_seen = (depth >= 0) & (depth <= far) & (begin <= along + far) & (end >= along - far)
+    line, begin, end = faces[is_seen].T[:3, :, None]
     with np.errstate(divide="ignore", invalid="ignore"):
         way = (line - across) / d_across
         at = along + way * d_along

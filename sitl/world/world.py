@@ -23,8 +23,6 @@ from sitl.world.obstacles import TrueMap
 from sitl.world.payload import Answer, Payload
 from sitl.world.scenario import Scenario
 
-LOOK_EVERY = 5  # steps: walls and pads are looked for every 20 ms
-
 
 class World:
     """The world of one vehicle; `happenings.Actuators` for its scenario.
@@ -62,7 +60,6 @@ class World:
         self._schedule = Schedule(scenario.happenings, physics.state.position)
         self._pads = scenario.pads
         self._drains_always = scenario.drains_always
-        self._until_look = 0
 
     def hear_command(self, command: int, component: int, now_s: float) -> None:
         """A command has arrived for a component on board, 0 for all."""
@@ -74,12 +71,9 @@ class World:
             self.happened.append((state.time_s, happening.text))
             for kind, value in happening.effects:
                 EFFECTS[kind](self, value)
-        self._until_look -= 1
-        if self._until_look < 0:
-            self._until_look = LOOK_EVERY - 1
-            self._feed(state)
-            if not self.is_wreck:
-                self._look_for_damage(state)
+        self._feed(state)
+        if not self.is_wreck:
+            self._look_for_damage(state)
 
     def _feed(self, state: FlightState) -> None:
         """What flows into the battery and out of it; in PX4's simulator it drains while armed."""

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.mavlink.framing import Endpoint, dialect, source, split_frames, without_outdated
+from companion.mavlink.framing import Endpoint, choose, dialect, source, split_frames
 
 STUBS = [b"", b"\xfd", b"\xfd\xff\x00", b"\xfe\xff", b"\xfd" + bytes(9), b"hello"]
 
@@ -158,23 +158,22 @@ def test_a_frame_that_is_cut_short_is_no_frame(kind: str) -> None:
         assert split_frames(frame(1) + whole[:length]) == [frame(1)]
 
 
-# -- what is outdated ------------------------------------------------------------------------------
+# -- what is worth decoding ------------------------------------------------------------------------
 
 
-def test_of_what_comes_often_only_the_newest_of_each_sender_is_kept() -> None:
+def test_of_what_comes_often_only_the_newest_of_each_sender_is_chosen() -> None:
     """Newest by sequence number, also where it wraps; other messages and other senders stay."""
     one, two = Endpoint(1, 1), Endpoint(2, 1)
     text = dialect.MAVLink_named_value_float_message(0, b"x", 1.0)
-    frames = []
+    often = {dialect.MAVLINK_MSG_ID_NAMED_VALUE_INT}
+    both = {*often, dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT}
     for number in range(300):
         first, second = one.pack(value(number)), one.pack(text)
         third, other = one.pack(value(number + 1)), two.pack(value(number + 7))
         frames = [third, first, second, other]
-        named_int = dialect.MAVLINK_MSG_ID_NAMED_VALUE_INT
-        assert without_outdated(frames, {named_int}) == [third, second, other]
-        assert without_outdated([first, third], {named_int}) == [third]
-        assert without_outdated(frames, set()) == frames
-    assert without_outdated([old_frame(1), old_frame(2)], {named_int}) == [
-        old_frame(1),
-        old_frame(2),
-    ]
+        assert choose(frames, both, often) == [third, second, other]
+        assert choose([first, third], both, often) == [third]
+        assert choose(frames, both, set()) == frames
+        assert choose(frames, often, set()) == [third, first, other]
+        assert choose([b"".join(frames)], both, often) == [third, second, other]
+    assert choose([old_frame(1), old_frame(2)], both, often) == [old_frame(1), old_frame(2)]
