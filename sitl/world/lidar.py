@@ -25,6 +25,8 @@ STEP_RAD = 2 * math.pi / BEAMS
 _AHEAD = np.array([math.cos(i * STEP_RAD) for i in range(BEAMS)])
 _RIGHT = np.array([math.sin(i * STEP_RAD) for i in range(BEAMS)])
 
+_NORTH, _EAST = 0, 1
+
 Floats = npt.NDArray[np.float64]
 
 
@@ -63,7 +65,7 @@ class Lidar:
         self._grid = grid
         if grid is not None:
             walls = np.pad(grid.occupied, 1, constant_values=True)
-            self._row_faces, self._column_faces = _faces(walls), _faces(walls.T)
+            self._faces = np.concatenate((_faces(walls, _NORTH), _faces(walls.T, _EAST)))
 
     def scan(self, position: NorthEast, yaw_rad: float) -> Floats:
         """(BEAMS,) distance along each beam, metres; inf where nothing is within range."""
@@ -73,15 +75,11 @@ class Lidar:
         row, column = grid.cell(position)
         if not grid.contains(row, column) or grid.occupied[row, column]:
             return np.zeros(BEAMS)
-        north = (position[0] - grid.origin[0]) / grid.cell_m
-        east = (position[1] - grid.origin[1]) / grid.cell_m
+        start = (np.array(position) - grid.origin) / grid.cell_m
         c, s = math.cos(yaw_rad), math.sin(yaw_rad)
-        d_north, d_east = c * _AHEAD - s * _RIGHT, s * _AHEAD + c * _RIGHT
+        beams = np.array((c * _AHEAD - s * _RIGHT, s * _AHEAD + c * _RIGHT))
         far = self.spec.range_m / grid.cell_m
-        way = np.minimum(
-            _hits(self._row_faces, far, north, east, d_north, d_east),
-            _hits(self._column_faces, far, east, north, d_east, d_north),
-        )
+        way = _hits(self._faces, start, beams, far)
         distances_m = np.where(way <= far, grid.cell_m * way, math.inf)
         if self.spec.noise_m > 0:
             noise = [self._random.gauss(0.0, self.spec.noise_m) for _ in range(BEAMS)]
@@ -89,45 +87,44 @@ class Lidar:
         return distances_m
 
 
-def _faces(walls: npt.NDArray[np.bool_]) -> Floats:
-    """The borders between a free row and a wall, joined where they touch.
+def _faces(walls: npt.NDArray[np.bool_], axis: int) -> Floats:
+    """The borders between a free line of cells and a wall, joined where they touch.
 
     Args:
-        walls: (rows + 2, columns + 2), with a rim of walls.
+        walls: (lines + 2, cells + 2), with a rim of walls.
+        axis: that the lines follow each other along.
 
     Returns:
-        (n, 4) where each lies, begins and ends, in cells, and on which side its wall is: 1 or -1.
+        (n, 5) the axis, where each lies, begins and ends, in cells, and on which side its wall
+        is, 1 or -1.
     """
-    inner = walls[:, 1:-1].astype(np.int8)
-    return np.concatenate([_joined(np.diff(inner, axis=0) == side, side) for side in (1, -1)])
+    found = []
+    steps = np.diff(walls[:, 1:-1].astype(np.int8), axis=0)
+    for side in (1, -1):
+        turns = np.diff((steps == side).astype(np.int8), axis=1, prepend=0, append=0)
+        line, begin = np.nonzero(turns == 1)
+        _, end = np.nonzero(turns == -1)
+        found += [(axis, *where, side) for where in zip(line, begin, end, strict=True)]
+    return np.array(found, dtype=np.float64).reshape(-1, 5)
 
 
-def _joined(is_border: npt.NDArray[np.bool_], side: int) -> Floats:
-    turns = np.diff(is_border.astype(np.int8), axis=1, prepend=0, append=0)
-    line, begin = np.nonzero(turns == 1)
-    _, end = np.nonzero(turns == -1)
-    return np.column_stack((line, begin, end, np.full(len(line), side))).astype(np.float64)
-
-
-def _hits(
-    faces: Floats, far: float, across: float, along: float, d_across: Floats, d_along: Floats
-) -> Floats:
+def _hits(faces: Floats, start: Floats, beams: Floats, far: float) -> Floats:
     """The way of each beam to its first face, inf without one; everything in cells.
 
     Args:
-        faces: (n, 4) of one axis.
-        far: those farther away may be left out.
-        across: start, over the lines of the faces.
-        along: start, along the lines.
-        d_across: (BEAMS,) direction over the lines.
-        d_along: (BEAMS,) direction along the lines.
+        faces: as from `_faces`.
+        start: (2,) north and east.
+        beams: (2, BEAMS) directions.
+        far: faces farther away may be left out.
     """
-    line, begin, end, side = faces.T
+    axis, line, begin, end, side = faces.T
+    over = axis.astype(np.intp)
+    across, along = start[over], start[1 - over]
     depth = (line - across) * side
     is_seen = (depth >= 0) & (depth <= far) & (begin <= along + far) & (end >= along - far)
-    line, begin, end = faces[is_seen].T[:3, :, None]
+    over, line, begin, end = over[is_seen], line[is_seen], begin[is_seen], end[is_seen]
     with np.errstate(divide="ignore", invalid="ignore"):
-        way = (line - across) / d_across
-        at = along + way * d_along
-        is_hit = (way >= 0) & (at >= begin) & (at <= end)
+        way = (line - across[is_seen])[:, None] / beams[over]
+        at = along[is_seen][:, None] + way * beams[1 - over]
+        is_hit = (way >= 0) & (at >= begin[:, None]) & (at <= end[:, None])
     return np.min(way, axis=0, initial=math.inf, where=is_hit)  # type: ignore[no-any-return]
