@@ -41,7 +41,7 @@ def action(
         adds=frozenset(adds),
         deletes=frozenset(deletes),
         cost_ms=round(1000 * cost_s),
-        execute=Wait(cost_s),
+        execute=(Wait(cost_s),),
         tries=1,
         timeout_s=None,
         conditional=conditional,

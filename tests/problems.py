@@ -46,7 +46,7 @@ def action(
         adds=adds,
         deletes=deletes,
         cost_ms=round(1000 * cost_s),
-        execute=Wait(cost_s),
+        execute=(Wait(cost_s),),
         tries=1,
         timeout_s=None,
         conditional=tuple(
@@ -75,7 +75,7 @@ def move(origin: str, goal: str, cost_s: float) -> Action:
         adds=frozenset({f"at({goal})"}),
         deletes=frozenset({f"at({origin})"}),
         cost_ms=round(1000 * cost_s),
-        execute=Fly(goal),
+        execute=(Fly(goal),),
         tries=1,
         timeout_s=None,
     )

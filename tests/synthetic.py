@@ -61,7 +61,7 @@ def skill(
         assumes=tuple(parse_fact(text) for text in assumes),
         effect=parse_literals(effect) if effect else (),
         cost_s=cost_s,
-        execute=execute,
+        execute=(execute,),
         tries=tries,
         timeout_s=timeout_s,
     )

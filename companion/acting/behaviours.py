@@ -14,7 +14,7 @@ from py_trees.common import Status
 
 from companion.acting.flight import TICK_S, Flight
 from companion.geometry import distance
-from companion.mission.model import Command, Fly
+from companion.mission.model import Command
 from companion.motion.trajectory import Trajectory, run_out
 from companion.planning.domain import Action, Fact
 from companion.vehicle.port import Progress, Setpoint, VehicleState, hold_at
@@ -40,6 +40,8 @@ class AsPredicted(Behaviour):
 
     def update(self) -> Status:
         """FAILURE on the first difference, which replans."""
+        if self._flight.is_grounded:
+            return Status.SUCCESS  # what was begun on the ground is finished first
         facts = self._flight.task.facts
         wrong = [f for f, holds in self._predicted.items() if (f in facts) != holds]
         self.feedback_message = ", ".join(wrong)
@@ -82,8 +84,8 @@ class Effects(Behaviour):
         """Always SUCCESS."""
         flight, action = self._flight, self._action
         flight.task.complete(action)
-        if isinstance(action.execute, Fly):
-            flight.report("at", f"at {action.execute.place}", action=action.name)
+        if action.destination is not None and len(action.execute) == 1:
+            flight.report("at", f"at {action.destination}", action=action.name)
         elif action.assumes or action.adds:
             flight.report("done", f"{action.name} done", action=action.name)
         flight.failure = ""

@@ -46,6 +46,7 @@ class Executive:
         lasso: the present plan.
         failure: why the task has no plan; None while it has one.
         is_leaving: the present plan is a flight to a place, in want of one for the task.
+        needs_take_off: a new plan was made while the vehicle was on the ground by the old one.
 
     Args:
         planner: the mission's planner.
@@ -58,7 +59,7 @@ class Executive:
         self.replans = 0
         self.lasso: Lasso | None = None
         self.failure: NoPlanError | None = None
-        self.is_leaving = False
+        self.is_leaving = self.needs_take_off = False
         self._planner = planner
         self._flight = flight
         self._detector = detector
@@ -122,7 +123,7 @@ class Executive:
 
     def _departure(self, place: str) -> Action | None:
         moves = departures(self._planner.mission, self._planner.flight_time)
-        return next((a for a in moves if a.execute == Fly(place)), None)
+        return next((a for a in moves if a.execute == (Fly(place),)), None)
 
     def _replan(self) -> None:
         flight, task = self._flight, self._flight.task
@@ -155,6 +156,7 @@ class Executive:
         flight = self._flight
         flight.laps = flight.completed = 0
         flight.failure = ""
+        self.needs_take_off, flight.is_grounded = flight.is_grounded, False
         self.lasso = lasso
         self._predicted = {name: name in flight.task.facts for name in self._planner.mission.events}
         self._forget_what_is_done(lasso)

@@ -174,7 +174,8 @@ class Sortie:
             return Aborted(self._flight.vehicle.lost_authority)
         if self.phase in ON_THE_GROUND and (state.is_armed or not state.is_landed):
             return Aborted("the vehicle is armed or flying already; it is left alone")
-        if self.phase in (Phase.OFFBOARD, Phase.TASK, Phase.HOLDING) and not state.is_armed:
+        is_flying = self.phase in (Phase.OFFBOARD, Phase.TASK, Phase.HOLDING)
+        if is_flying and not state.is_armed and not self._flight.is_grounded:
             return Aborted("the vehicle was disarmed")
         return None
 
@@ -224,7 +225,10 @@ class Sortie:
 
     def _fly_task(self) -> None:
         status = self._executive.tick()
-        if status is TaskStatus.NO_PLAN:
+        if self._executive.needs_take_off and status is TaskStatus.RUNNING:
+            self._executive.needs_take_off = False
+            self._enter(Phase.ARMING)
+        elif status is TaskStatus.NO_PLAN:
             self._without_plan()
         elif status is TaskStatus.SATISFIED:
             self.failure = self._executive.failure  # set if this was only the way home

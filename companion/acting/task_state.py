@@ -15,7 +15,7 @@ The word of the flight (after Section III-A of the paper):
 from __future__ import annotations
 
 from companion.ltl.automaton import successors
-from companion.mission.model import Event, Fly
+from companion.mission.model import Event
 from companion.planning.domain import HERE, Action, Fact
 from companion.planning.lasso import Conjunct, Letter, Problem
 from companion.planning.planner import Planner
@@ -102,7 +102,7 @@ class TaskState:
 
     def interrupt(self) -> None:
         """Ends the action under way without its effect."""
-        if self.running is not None and isinstance(self.running.execute, Fly):
+        if self.running is not None and self.running.destination is not None:
             self.depart()
         self.running = None
 

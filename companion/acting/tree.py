@@ -11,6 +11,9 @@ Sequence (no memory)                        root
            +- Inverter - withdraw what the action assumed         Fig. 6, right branch
 
 refinement of a flight = Retry(tries) - Sequence: update_param | move_cmd    MAX_TRY(m)
+
+A refinement of several steps is a sequence of them; a step that is itself a skill is refined in
+turn, until all leaves are primitives.
 """
 
 from __future__ import annotations
@@ -21,6 +24,7 @@ from py_trees.behaviour import Behaviour
 from py_trees.composites import Selector, Sequence
 from py_trees.decorators import Inverter, Repeat, Retry
 
+from companion.acting import ground
 from companion.acting.behaviours import (
     AsPredicted,
     Effects,
@@ -31,9 +35,10 @@ from companion.acting.behaviours import (
     UpdateParam,
     Withdraw,
 )
+from companion.acting.deadline import Deadline
 from companion.acting.flight import Flight
-from companion.mission.model import Command, Fly, Wait
-from companion.planning.domain import Action, Fact
+from companion.mission.model import Charge, Command, Fly, Land, TakeOff, Wait
+from companion.planning.domain import Action, Fact, Refinement, Step
 from companion.planning.lasso import Lasso
 
 FOR_EVER = -1
@@ -61,7 +66,9 @@ def _action(flight: Flight, action: Action, ends_lap: bool = False) -> Behaviour
         "triple",
         [
             Precondition(flight, action),
-            _refinement(flight, action),
+            _refinement(
+                flight, Refinement("steps", action.execute, action.tries, action.timeout_s)
+            ),
             Effects(flight, action, ends_lap),
         ],
     )
@@ -70,18 +77,32 @@ def _action(flight: Flight, action: Action, ends_lap: bool = False) -> Behaviour
     return selector
 
 
-def _refinement(flight: Flight, action: Action) -> Behaviour:
-    match action.execute:
+def _refinement(flight: Flight, skill: Refinement) -> Behaviour:
+    """A single step is itself; several are a sequence, in time together."""
+    if len(skill.steps) == 1:
+        return _step(flight, skill.steps[0], skill.tries, skill.timeout_s)
+    steps = [_step(flight, step, skill.tries, None) for step in skill.steps]
+    sequence = _sequence(skill.name, steps)
+    return Deadline(flight, sequence, skill.timeout_s) if skill.timeout_s else sequence
+
+
+def _step(flight: Flight, step: Step, tries: int, timeout_s: float | None) -> Behaviour:
+    match step:
         case Fly(place):
-            steps = [
-                UpdateParam(flight, place),
-                MoveCommand(flight, place, action.timeout_s),
-            ]
-            return Retry(f"MAX_TRY({action.tries})", _sequence("move", steps), action.tries)
+            move = [UpdateParam(flight, place), MoveCommand(flight, place, timeout_s)]
+            return Retry(f"MAX_TRY({tries})", _sequence("move", move), tries)
         case Command():
-            return SendCommand(flight, action.execute, action.timeout_s)
+            return SendCommand(flight, step, timeout_s)
         case Wait(duration_s):
             return Rest(flight, duration_s)
+        case Land():
+            return ground.Land(flight, "land")
+        case TakeOff():
+            return ground.TakeOff(flight, "take off")
+        case Charge(percent):
+            return ground.Charge(flight, percent)
+        case Refinement():
+            return _refinement(flight, step)
 
 
 def _sequence(name: str, children: Many[Behaviour]) -> Behaviour:

@@ -128,6 +128,8 @@ class Document:
                 node = node.entries[str(key)].node
             elif isinstance(node, Listing) and isinstance(key, int) and key < len(node.items):
                 node = node.items[key]
+            elif isinstance(node, Scalar) and key == 0:
+                continue  # one text may stand where a list is expected
             else:
                 return node, False
         return node, True

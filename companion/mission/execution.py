@@ -1,6 +1,7 @@
-"""What does a skill do to the vehicle? Reads `execute` of a skill.
+"""What does a skill do to the vehicle? Reads a step of a skill's `execute`.
 
 fly(parameter)    command(component, MAV_CMD_NAME[, param1, ... param7])    wait(seconds)
+land()    charge(percent)    take_off()    another skill with its arguments
 """
 
 from __future__ import annotations
@@ -13,15 +14,28 @@ from dataclasses import dataclass
 from companion.documents import did_you_mean
 from companion.errors import FormulaError
 from companion.mission.conditions import command_number
-from companion.mission.model import Command, Execution, Fly, Wait
+from companion.mission.model import Charge, Command, Do, Execution, Fly, Land, TakeOff, Wait
 
 FLOAT32_MAX = 3.4028234e38  # MAVLink carries command parameters as IEEE 754 single precision
 FORMS = {
     "fly": "fly(parameter)",
     "command": "command(component, MAV_CMD_NAME, param1, ... param7)",
     "wait": "wait(seconds)",
+    "land": "land()",
+    "charge": "charge(percent)",
+    "take_off": "take_off()",
 }
 """What `execute` may be."""
+
+_COUNTS = {
+    "fly": (1, 1),
+    "command": (2, 9),
+    "wait": (1, 1),
+    "land": (0, 0),
+    "charge": (1, 1),
+    "take_off": (0, 0),
+}
+"""Fewest and most arguments."""
 
 _CALL = re.compile(r"\s*(?P<verb>\w+)\s*\((?P<arguments>[^()]*)\)\s*", re.ASCII)
 
@@ -39,14 +53,18 @@ class _Argument:
 
 
 def parse_execution(
-    text: str, parameters: Collection[str], components: Mapping[str, int]
+    text: str,
+    parameters: Collection[str],
+    components: Mapping[str, int],
+    skills: Collection[str] = (),
 ) -> Execution:
-    """Read a primitive.
+    """Read a step: a primitive, or another skill. What a skill's arguments are is not checked.
 
     Args:
         text: e.g. `fly(to)`.
         parameters: names of the skill's parameters.
         components: name -> MAVLink component id.
+        skills: names of skills that may be called.
 
     Raises:
         FormulaError: unknown primitive, parameter, component or command, or a wrong number.
@@ -56,11 +74,13 @@ def parse_execution(
     if match is None:
         raise FormulaError("not something to execute", text, 0, len(text), f"write {forms}")
     verb = match["verb"]
-    if verb not in FORMS:
-        hint = f"write {forms}. {did_you_mean(verb, FORMS)}".rstrip()
-        raise FormulaError(f"unknown primitive {verb}", text, match.start("verb"), len(verb), hint)
     arguments = list(_arguments(match))
-    least, most = {"fly": (1, 1), "command": (2, 9), "wait": (1, 1)}[verb]
+    if verb in skills:
+        return Do(verb, tuple(argument.word for argument in arguments))
+    if verb not in FORMS:
+        hint = f"write {forms}. {did_you_mean(verb, [*FORMS, *skills])}".rstrip()
+        raise FormulaError(f"unknown primitive {verb}", text, match.start("verb"), len(verb), hint)
+    least, most = _COUNTS[verb]
     if not least <= len(arguments) <= most:
         what = f"{verb} has {len(arguments)} arguments"
         raise FormulaError(what, text, match.start("verb"), len(verb), f"write {FORMS[verb]}")
@@ -68,6 +88,10 @@ def parse_execution(
         return _fly(arguments[0], parameters)
     if verb == "wait":
         return Wait(_duration_s(arguments[0]))
+    if verb == "charge":
+        return Charge(_percent(arguments[0]))
+    if verb in ("land", "take_off"):
+        return Land() if verb == "land" else TakeOff()
     return _command(arguments, components)
 
 
@@ -108,6 +132,13 @@ def _duration_s(argument: _Argument) -> float:
     if seconds < 0:
         raise argument.error("a time cannot be negative", "write seconds, 0 or more")
     return seconds
+
+
+def _percent(argument: _Argument) -> float:
+    percent = _number(argument)
+    if not 0 < percent <= 100:
+        raise argument.error("a battery has 0 to 100 percent", "write e.g. 90")
+    return percent
 
 
 def _number(argument: _Argument) -> float:

@@ -58,6 +58,7 @@ def load_mission(path: Path) -> Mission:
     events = _events(file, document)
     vocabulary = Vocabulary(places, events, file.objects, declared)
     skills = build_skills(file, document, vocabulary)
+    _check_restored(file, skills, document)
     facts = _initially(file, document, vocabulary)
     _check_reachable_names(skills, {*events, *declared, *(f.name for f in facts)}, document)
     sets = {name: tuple(members) for name, members in file.sets.items()}
@@ -181,9 +182,22 @@ def _events(file: MissionFile, document: Document) -> dict[str, Event]:
                     document.where("events", name, "restarts", index),
                     f"the task has {', '.join(lines)}. {did_you_mean(conjunct, lines)}".rstrip(),
                 )
-        restarts = frozenset(entry.restarts)
-        events[name] = Event(name, when, until, entry.latch, entry.for_s, restarts)
+        restarts, restores = frozenset(entry.restarts), frozenset(entry.restores)
+        events[name] = Event(name, when, until, entry.latch, entry.for_s, restarts, restores)
     return events
+
+
+def _check_restored(file: MissionFile, skills: Mapping[str, Skill], document: Document) -> None:
+    beliefs = sorted({atom.name for skill in skills.values() for atom in skill.assumes})
+    for name, entry in file.events.items():
+        for index, belief in enumerate(entry.restores):
+            if belief not in beliefs:
+                raise MissionError(
+                    f"{name} restores {belief}, which no skill assumes",
+                    document.where("events", name, "restores", index),
+                    f"beliefs are {_listing(beliefs) or 'none yet'}. "
+                    f"{did_you_mean(belief, beliefs)}".rstrip(),
+                )
 
 
 def _initially(file: MissionFile, document: Document, vocabulary: Vocabulary) -> list[Atom]:

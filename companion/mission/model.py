@@ -71,7 +71,8 @@ class Event:
 
     It becomes true when `when` has held for `for_s`; false when `until` (default: not `when`)
     has held for `for_s`, or never again if `latch`. When it becomes true, the conjuncts named in
-    `restarts` begin anew: what they still demanded from positions before is dropped.
+    `restarts` begin anew: what they still demanded from positions before is dropped; and
+    withdrawn beliefs with a predicate of `restores` are held again.
     """
 
     name: str
@@ -80,6 +81,7 @@ class Event:
     latch: bool
     for_s: float
     restarts: frozenset[str]
+    restores: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,7 +149,33 @@ class Wait:
     duration_s: float
 
 
-Execution = Fly | Command | Wait
+@dataclass(frozen=True, slots=True)
+class Land:
+    """Primitive: land where the vehicle is, and disarm."""
+
+
+@dataclass(frozen=True, slots=True)
+class TakeOff:
+    """Primitive: arm, climb to the altitude of the mission's take-off, go on in OFFBOARD."""
+
+
+@dataclass(frozen=True, slots=True)
+class Charge:
+    """Primitive: wait on the ground until the battery has so much, percent."""
+
+    percent: float
+
+
+@dataclass(frozen=True, slots=True)
+class Do:
+    """Another skill, which refines this one; arguments are parameters or constants."""
+
+    skill: str
+    arguments: tuple[str, ...]
+
+
+Primitive = Fly | Command | Wait | Land | TakeOff | Charge
+Execution = Primitive | Do
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,8 +190,11 @@ class Skill:
         conditional: further effects, each under a condition.
         distinct: groups of parameters, places and objects, no two of which are the same.
         cost_s: constant cost in seconds; None means flight time on the map.
+        execute: its refinement, one step after the other.
         tries: instantiations of a symbol before the skill fails (MAX_TRY, Fig. 6).
         timeout_s: longest time the refinement may take; None for no limit.
+        is_planned: whether the planner may use it; if not it only refines other skills.
+        retry_after_s: time after which a belief that its failure withdrew is held again.
     """
 
     name: str
@@ -172,11 +203,13 @@ class Skill:
     assumes: tuple[Atom, ...]
     effect: tuple[Literal, ...]
     cost_s: float | None
-    execute: Execution
+    execute: tuple[Execution, ...]
     tries: int
     timeout_s: float | None
     conditional: tuple[Conditional, ...] = ()
     distinct: tuple[tuple[str, ...], ...] = ()
+    is_planned: bool = True
+    retry_after_s: float | None = None
 
 
 class Otherwise(Enum):

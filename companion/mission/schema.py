@@ -89,6 +89,13 @@ class EventEntry(Entry):
             "they still demanded from before is dropped."
         ),
     ] = []
+    restores: Annotated[
+        list[Name],
+        Field(
+            description="Beliefs that are held again when the fact becomes true, by the name of "
+            "their predicate, e.g. [canUpload]: how an operator gives a skill another chance."
+        ),
+    ] = []
 
 
 def _listed(value: Any) -> Any:
@@ -138,12 +145,28 @@ class SkillEntry(Entry):
         ),
     ] = None
     execute: Annotated[
-        Text,
+        list[Text],
+        BeforeValidator(_listed, json_schema_input_type=Text | list[Text]),
         Field(
-            description="What the vehicle does: fly(parameter), command(component, MAV_CMD_NAME"
-            "[, param1, ...]) or wait(seconds)."
+            min_length=1,
+            description="What the vehicle does, one thing or a list, one after the other: "
+            "fly(parameter), command(component, MAV_CMD_NAME[, param1, ...]), wait(seconds), "
+            "land(), charge(percent), take_off(), or another skill with its arguments.",
         ),
     ]
+    planned: Annotated[
+        bool,
+        Field(description="false: the planner does not use it; it only refines other skills."),
+    ] = True
+    retry_after_s: Annotated[
+        float | None,
+        BeforeValidator(_given, json_schema_input_type=Annotated[float, Field(gt=0)]),
+        Field(
+            gt=0,
+            description="Seconds after which what the skill assumes is believed again after a "
+            "failure; without it not before an event restores it.",
+        ),
+    ] = None
     tries: Annotated[int, Field(ge=1, le=100, description="Tries before the skill has failed.")] = 1
     timeout_s: Annotated[
         float | None,

@@ -15,7 +15,7 @@ from companion.documents import Document, did_you_mean
 from companion.errors import MissionError
 from companion.mission.execution import parse_execution
 from companion.mission.literals import parse_effect, parse_fact, parse_literals
-from companion.mission.model import Atom, Execution, Fly, Skill
+from companion.mission.model import Atom, Do, Execution, Fly, Skill
 from companion.mission.schema import MissionFile, SkillEntry
 from companion.mission.vocabulary import Domain, Vocabulary
 
@@ -51,7 +51,50 @@ def build_skills(file: MissionFile, document: Document, vocabulary: Vocabulary) 
                     document.key_at("skills", name),
                     "give the skill fewer parameters, or smaller sets",
                 )
+    for name in skills:
+        _check_calls(name, skills, file, document)
     return skills
+
+
+def _check_calls(
+    name: str, skills: Mapping[str, Skill], file: MissionFile, document: Document
+) -> None:
+    """What a skill calls takes as many arguments, and leads back to itself nowhere."""
+    constants = {*file.places, *file.objects}
+    for index, step in enumerate(skills[name].execute):
+        if not isinstance(step, Do):
+            continue
+        where = document.where("skills", name, "execute", index)
+        wanted = [parameter for parameter, _ in skills[step.skill].parameters]
+        if len(wanted) != len(step.arguments):
+            raise MissionError(
+                f"{step.skill} is called with {len(step.arguments)} arguments",
+                where,
+                f"write {Atom(step.skill, tuple(wanted)).ground({})}",
+            )
+        known = {parameter for parameter, _ in skills[name].parameters} | constants
+        for argument in step.arguments:
+            if argument not in known:
+                raise MissionError(
+                    f"{argument} is no parameter of {name}, place or object",
+                    where,
+                    did_you_mean(argument, sorted(known)),
+                )
+        if name in _called(step.skill, skills, frozenset()):
+            raise MissionError(
+                f"{name} is refined into itself", where, "a refinement has to end in primitives"
+            )
+
+
+def _called(name: str, skills: Mapping[str, Skill], seen: frozenset[str]) -> frozenset[str]:
+    """A skill and all that refine it, directly or not."""
+    if name in seen:
+        return seen
+    seen |= {name}
+    for step in skills[name].execute:
+        if isinstance(step, Do):
+            seen |= _called(step.skill, skills, seen)
+    return seen
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,18 +120,19 @@ class _Builder:
             else ()
         )
         assumes = self._assumes(domains)
-        if entry.effect is None:
+        if entry.effect is None and entry.planned:
             raise MissionError(
                 f"{self.name} has no effect",
                 self.document.key_at("skills", self.name),
                 "add effect: FACTS, what holds afterwards; a skill without one changes nothing",
             )
-        effect, conditional = self._facts(entry.effect, domains, parse_effect, "effect")
+        effect, conditional = (
+            self._facts(entry.effect, domains, parse_effect, "effect") if entry.effect else ((), ())
+        )
         changed = [*effect, *(literal for when in conditional for literal in when.effect)]
         self._refuse_events([literal.atom for literal in changed], "effect")
         self._refuse_unknown_distinct()
-        with self.document.locating("skills", self.name, "execute"):
-            execute = parse_execution(entry.execute, list(domains), self.file.components)
+        execute = self._execute(domains)
         self._refuse_flights_to_objects(execute, domains)
         conditions = [literal for when in conditional for literal in when.condition]
         literals = (*precondition, *changed, *conditions)
@@ -106,7 +150,18 @@ class _Builder:
             timeout_s=entry.timeout_s,
             conditional=conditional,
             distinct=tuple(map(tuple, entry.distinct)),
+            is_planned=entry.planned,
+            retry_after_s=entry.retry_after_s,
         )
+
+    def _execute(self, domains: Mapping[str, Domain]) -> tuple[Execution, ...]:
+        steps = []
+        for index, text in enumerate(self.entry.execute):
+            with self.document.locating("skills", self.name, "execute", index):
+                steps.append(
+                    parse_execution(text, list(domains), self.file.components, self.file.skills)
+                )
+        return tuple(steps)
 
     def _domains(self) -> Mapping[str, Domain]:
         for parameter, set_name in self.entry.parameters.items():
@@ -136,9 +191,11 @@ class _Builder:
                         f"objects may stand here too. {did_you_mean(name, known)}".rstrip(),
                     )
 
-    def _refuse_flights_to_objects(self, execute: Execution, domains: Mapping[str, Domain]) -> None:
-        if isinstance(execute, Fly):
-            for member in domains[execute.place]:
+    def _refuse_flights_to_objects(
+        self, execute: tuple[Execution, ...], domains: Mapping[str, Domain]
+    ) -> None:
+        for step in execute:
+            for member in domains[step.place] if isinstance(step, Fly) else ():
                 if member not in self.file.places:
                     raise MissionError(
                         f"{self.name} cannot fly to {member}, which is no place",
@@ -177,9 +234,10 @@ class _Builder:
                     f"line {self.document.key_at('events', atom.name).line}",
                 )
 
-    def _refuse_unused(self, atoms: list[Atom], execute: Execution) -> None:
+    def _refuse_unused(self, atoms: list[Atom], execute: tuple[Execution, ...]) -> None:
         used = {argument for atom in atoms for argument in atom.arguments}
-        used |= {execute.place} if isinstance(execute, Fly) else set()
+        used |= {step.place for step in execute if isinstance(step, Fly)}
+        used |= {word for step in execute if isinstance(step, Do) for word in step.arguments}
         for parameter in self.entry.parameters:
             if parameter not in used:
                 raise MissionError(
@@ -188,12 +246,13 @@ class _Builder:
                     "use it in precondition, assumes, effect or execute, or remove it",
                 )
 
-    def _cost_s(self, execute: Execution) -> float | None:
+    def _cost_s(self, execute: tuple[Execution, ...]) -> float | None:
         cost = self.entry.cost
+        flies = any(isinstance(step, Fly) for step in execute)
         if cost is None:
-            return None if isinstance(execute, Fly) else DEFAULT_COST_S
+            return None if flies else DEFAULT_COST_S
         where = self.document.where("skills", self.name, "cost")
-        if cost == "flight_time" and not isinstance(execute, Fly):
+        if cost == "flight_time" and not flies:
             raise MissionError(
                 f"{self.name} does not fly, so it has no flight time", where, "write seconds"
             )

@@ -21,7 +21,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from companion.mission.model import Atom, Execution, Fly, Literal, Mission, Skill, Wait
+from companion.mission.model import Atom, Do, Fly, Literal, Mission, Primitive, Skill, Wait
 
 Fact = str
 """A ground atom in the formula language's spelling, e.g. "at(A)"."""
@@ -52,6 +52,19 @@ class ConditionalEffect:
 
 
 @dataclass(frozen=True, slots=True)
+class Refinement:
+    """What a skill that refines another one does, and how often and how long it is tried."""
+
+    name: str
+    steps: tuple[Step, ...]
+    tries: int
+    timeout_s: float | None
+
+
+Step = Primitive | Refinement
+
+
+@dataclass(frozen=True, slots=True)
 class Action:
     """A grounded skill.
 
@@ -61,8 +74,9 @@ class Action:
         forbids: facts that must not hold.
         assumes: the beliefs among `requires`; withdrawn when the action fails.
         cost_ms: milliseconds.
-        execute: what the vehicle does, with the place or numbers filled in.
+        execute: what the vehicle does, one step after the other, with places filled in.
         conditional: effects that depend on the facts before the action.
+        retry_after_s: time after which what it assumes is believed again; None is never.
     """
 
     name: str
@@ -73,10 +87,16 @@ class Action:
     adds: frozenset[Fact]
     deletes: frozenset[Fact]
     cost_ms: int
-    execute: Execution
+    execute: tuple[Step, ...]
     tries: int
     timeout_s: float | None
     conditional: tuple[ConditionalEffect, ...] = ()
+    retry_after_s: float | None = None
+
+    @property
+    def destination(self) -> str | None:
+        """The place that it flies to last; None if it flies nowhere."""
+        return _destination(self.execute)
 
     def is_applicable(self, facts: frozenset[Fact]) -> bool:
         """Whether the precondition holds."""
@@ -100,7 +120,7 @@ WAIT = Action(
     adds=frozenset(),
     deletes=frozenset(),
     cost_ms=UNIT_MS,
-    execute=Wait(REST_S),
+    execute=(Wait(REST_S),),
     tries=1,
     timeout_s=None,
 )
@@ -124,8 +144,9 @@ def ground(mission: Mission, flight_time: FlightTime) -> TaskModel:
     actions = [
         action
         for skill in mission.skills.values()
+        if skill.is_planned
         for binding in _bindings(mission, skill)
-        if (action := _instance(skill, binding, flight_time)) is not None
+        if (action := _instance(mission, skill, binding, flight_time)) is not None
     ]
     beliefs = frozenset().union(*(a.assumes for a in actions))
     return TaskModel((*actions, WAIT), beliefs)
@@ -141,9 +162,9 @@ def departures(mission: Mission, flight_time: FlightTime) -> tuple[Action, ...]:
     return tuple(
         action
         for skill in mission.skills.values()
-        if isinstance(skill.execute, Fly)
+        if skill.is_planned and _flies(mission, skill)
         for binding in _bindings(mission, skill, origin=HERE)
-        if (action := _instance(skill, binding, flight_time)) is not None
+        if (action := _instance(mission, skill, binding, flight_time)) is not None
     )
 
 
@@ -175,11 +196,62 @@ def _bindings(
             yield binding
 
 
-def _instance(skill: Skill, binding: dict[str, str], flight_time: FlightTime) -> Action | None:
-    execute: Execution = skill.execute
-    cost_s = skill.cost_s
-    if isinstance(execute, Fly):
-        goal = binding.get(execute.place, execute.place)
+def _flies(mission: Mission, skill: Skill) -> bool:
+    return any(
+        isinstance(step, Fly)
+        or (isinstance(step, Do) and _flies(mission, mission.skills[step.skill]))
+        for step in skill.execute
+    )
+
+
+def _beliefs(mission: Mission, skill: Skill, binding: dict[str, str]) -> frozenset[Fact]:
+    """What a skill and those that refine it assume."""
+    assumed = {atom.ground(binding) for atom in skill.assumes}
+    for step in skill.execute:
+        if isinstance(step, Do):
+            inner = mission.skills[step.skill]
+            assumed |= _beliefs(mission, inner, _own(inner, step, binding))
+    return frozenset(assumed)
+
+
+def _own(inner: Skill, call: Do, binding: dict[str, str]) -> dict[str, str]:
+    """The binding of a skill that is called under a binding of the caller's."""
+    names = (name for name, _ in inner.parameters)
+    return dict(zip(names, (binding.get(w, w) for w in call.arguments), strict=True))
+
+
+def _refined(mission: Mission, skill: Skill, binding: dict[str, str]) -> tuple[Step, ...]:
+    """The steps of a skill under a binding, down to primitives."""
+    steps: list[Step] = []
+    for step in skill.execute:
+        if isinstance(step, Fly):
+            steps.append(Fly(binding.get(step.place, step.place)))
+        elif isinstance(step, Do):
+            inner = mission.skills[step.skill]
+            own = _own(inner, step, binding)
+            name = Atom(inner.name, tuple(own)).ground(own)
+            below = _refined(mission, inner, own)
+            steps.append(Refinement(name, below, inner.tries, inner.timeout_s))
+        else:
+            steps.append(step)
+    return tuple(steps)
+
+
+def _destination(steps: tuple[Step, ...]) -> str | None:
+    for step in reversed(steps):
+        if isinstance(step, Fly):
+            return step.place
+        if isinstance(step, Refinement) and (place := _destination(step.steps)) is not None:
+            return place
+    return None
+
+
+def _instance(
+    mission: Mission, skill: Skill, binding: dict[str, str], flight_time: FlightTime
+) -> Action | None:
+    execute = _refined(mission, skill, binding)
+    goal, cost_s = _destination(execute), skill.cost_s
+    if goal is not None:
         origin = origin_parameter(skill)
         if origin is not None and binding[origin] == goal:
             return None  # a flight to where one is; resting is `wait`
@@ -187,10 +259,9 @@ def _instance(skill: Skill, binding: dict[str, str], flight_time: FlightTime) ->
             cost_s = flight_time(binding[origin], goal) if origin else 0.0
         if math.isinf(cost_s):
             return None
-        execute = Fly(goal)
     requires, forbids = _facts(skill.precondition, binding)
     adds, deletes = _facts(skill.effect, binding)
-    assumes = frozenset(atom.ground(binding) for atom in skill.assumes)
+    assumes = _beliefs(mission, skill, binding)
     if requires & forbids:
         return None
     return Action(
@@ -209,6 +280,7 @@ def _instance(skill: Skill, binding: dict[str, str], flight_time: FlightTime) ->
             ConditionalEffect(*_facts(when.condition, binding), *_facts(when.effect, binding))
             for when in skill.conditional
         ),
+        retry_after_s=skill.retry_after_s,
     )
 
 

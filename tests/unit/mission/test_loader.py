@@ -202,12 +202,12 @@ def test_skills(load: Load, good: str) -> None:
         Literal(Atom("at", ("to",)), True),
         Literal(Atom("at", ("from",)), False),
     )
-    assert (move.cost_s, move.execute, move.tries, move.timeout_s) == (None, Fly("to"), 3, None)
+    assert (move.cost_s, move.execute, move.tries, move.timeout_s) == (None, (Fly("to"),), 3, None)
     assert upload.precondition[1:] == (
         Literal(Atom("found", ()), True),
         Literal(Atom("low", ()), False),
     )
-    assert upload.execute == Command(25, 31010, "MAV_CMD_USER_1", (1.5, -2.0))
+    assert upload.execute == (Command(25, 31010, "MAV_CMD_USER_1", (1.5, -2.0)),)
     assert (upload.cost_s, upload.tries, upload.timeout_s) == (10, 1, 15)
 
 
@@ -219,7 +219,7 @@ def test_default_cost_is_flight_time_or_one_second(load: Load, good: str) -> Non
 
 def test_wait_is_something_to_execute(load: Load, good: str) -> None:
     text = good.replace("command(payload, MAV_CMD_USER_1, 1.5, -2)", "wait(2.5)")
-    assert load(text).skills["upload"].execute == Wait(2.5)
+    assert load(text).skills["upload"].execute == (Wait(2.5),)
 
 
 def test_beliefs_are_not_facts_of_the_start(load: Load, good: str) -> None:

@@ -76,7 +76,7 @@ def test_actions_are_skills(delivery: Mission) -> None:
     move, hand_over = delivery.skills["move"], delivery.skills["hand_over"]
     assert move.parameters == (("from", "place"), ("to", "place"))
     assert move.distinct == (("from", "to"),)
-    assert move.execute == Fly("to")
+    assert move.execute == (Fly("to"),)
     assert move.cost_s is None
     assert delivery.skills["drop"].cost_s == 5
     assert len(hand_over.conditional) == 2 * 3  # parcels, effects

@@ -52,7 +52,7 @@ def test_an_action_is_its_skill_with_the_parameters_filled_in() -> None:
         adds=frozenset({"at(A)"}),
         deletes=frozenset({"at(H)"}),
         cost_ms=4000,
-        execute=Fly("A"),
+        execute=(Fly("A"),),
         tries=5,
         timeout_s=30.0,
     )
@@ -79,7 +79,7 @@ def test_a_parameter_takes_every_member_of_its_set() -> None:
     assert {n for n in found if n.startswith("look")} == {"look(H)", "look(A)", "look(B)"}
     assert found["look(A)"].requires == {"at(A)"}
     assert found["look(A)"].adds == {"seen(A)"}
-    assert found["look(A)"].execute == Wait(2.0)
+    assert found["look(A)"].execute == (Wait(2.0),)
 
 
 def test_what_is_required_and_forbidden_at_once_does_not_exist() -> None:
@@ -118,7 +118,7 @@ def test_a_cost_that_is_written_down_counts() -> None:
 
 
 def test_a_command_keeps_its_numbers() -> None:
-    found = actions(mission("F at(A)", skills=[command("do")]))["do"].execute
+    (found,) = actions(mission("F at(A)", skills=[command("do")]))["do"].execute
     assert isinstance(found, Command)
     assert (found.component, found.command, found.parameters) == (25, 31010, (1.5, -2.0))
 

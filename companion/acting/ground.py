@@ -1,0 +1,100 @@
+"""The leaves that leave the air: landing, charging, taking off again.
+
+While the vehicle is on the ground by its own plan (`flight.is_grounded`), nothing interrupts the
+plan, and to be disarmed is no loss of control. A vehicle whose plan fails there takes off again
+before the next plan begins (`sortie.py`).
+"""
+
+from __future__ import annotations
+
+from py_trees.behaviour import Behaviour
+from py_trees.common import Status
+
+from companion.acting.flight import Flight
+from companion.vehicle.port import Goal, Progress
+
+NO_CHARGE_S = 120.0
+"""Time without one more percent after which a charger is given up."""
+
+
+class Reach(Behaviour):
+    """Works towards goals of the vehicle, one after the other."""
+
+    goals: tuple[Goal, ...] = ()
+
+    def __init__(self, flight: Flight, name: str) -> None:
+        super().__init__(name)
+        self._flight = flight
+
+    def initialise(self) -> None:
+        """Begins with the first goal."""
+        self._left = list(self.goals)
+        self._flight.is_grounded = True
+
+    def update(self) -> Status:
+        """SUCCESS when the last goal is reached."""
+        flight = self._flight
+        if self._left[0] is Goal.OFFBOARD:
+            flight.hold()
+        outcome = flight.vehicle.pursue(self._left[0])
+        if outcome.progress is Progress.FAILED:
+            flight.failure = outcome.reason
+            return Status.FAILURE
+        if outcome.progress is Progress.DONE:
+            self._left.pop(0)
+            flight.report("phase", f"{self.name} done") if not self._left else None
+        if self._left:
+            return Status.RUNNING
+        self.reached()
+        return Status.SUCCESS
+
+    def reached(self) -> None:
+        """The last goal is reached."""
+
+
+class Land(Reach):
+    """Lands where the vehicle is, and disarms."""
+
+    goals = (Goal.LANDED,)
+
+    def reached(self) -> None:
+        """The last setpoint is outdated: the vehicle will hold where it takes off."""
+        self._flight.setpoint = None
+
+
+class TakeOff(Reach):
+    """Arms, climbs, and takes the vehicle over in OFFBOARD."""
+
+    goals = (Goal.ARMED, Goal.AIRBORNE, Goal.OFFBOARD)
+
+    def reached(self) -> None:
+        """The plan may be interrupted again."""
+        self._flight.is_grounded = False
+
+
+class Charge(Behaviour):
+    """Waits until the battery has so much."""
+
+    def __init__(self, flight: Flight, percent: float) -> None:
+        super().__init__(f"charge {percent:g} %")
+        self._flight = flight
+        self._percent = percent
+
+    def initialise(self) -> None:
+        """Starts to watch."""
+        self._most = -1
+        self._since_s = self._flight.now_s
+
+    def update(self) -> Status:
+        """SUCCESS at the percentage; FAILURE if it does not rise any longer."""
+        flight, state = self._flight, self._flight.vehicle.state
+        percent = state.battery_percent if state else None
+        if percent is not None and percent >= self._percent:
+            return Status.SUCCESS
+        if percent is not None and percent > self._most:
+            self._most, self._since_s = percent, flight.now_s
+        if flight.now_s - self._since_s > NO_CHARGE_S:
+            known = "unknown" if percent is None else f"{percent} %"
+            flight.failure = f"the battery does not charge, it is at {known}"
+            return Status.FAILURE
+        return Status.RUNNING
