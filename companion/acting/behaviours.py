@@ -49,7 +49,10 @@ class AsPredicted(Behaviour):
 
 
 class Precondition(Behaviour):
-    """Green block: does the precondition hold? If so the present position is left."""
+    """Green block: does the precondition hold? If so the present position is left.
+
+    Before it, nothing of the action has begun: the moment for a better plan, if there may be one.
+    """
 
     def __init__(self, flight: Flight, action: Action) -> None:
         super().__init__(f"pre {action.name}")
@@ -59,9 +62,12 @@ class Precondition(Behaviour):
     def update(self) -> Status:
         """FAILURE if a fact is missing."""
         task = self._flight.task
+        if self._flight.may_do_better:
+            return Status.FAILURE
         if not self._action.is_applicable(task.all_facts):
             missing = sorted(self._action.requires - task.all_facts)
-            self._flight.failure = f"{', '.join(missing) or 'a forbidden fact'} does not allow it"
+            wanting = ", ".join(missing) or "a forbidden fact"
+            self._flight.failure = f"{self._action.name} cannot begin: {wanting}"
             return Status.FAILURE
         task.begin(self._action)
         return Status.SUCCESS
@@ -95,7 +101,10 @@ class Effects(Behaviour):
 
 
 class Withdraw(Behaviour):
-    """Right branch of Fig. 6: the skill has failed, so what it assumed is not believed."""
+    """Right branch of Fig. 6: the skill has failed, so what it assumed is not believed.
+
+    A skill that has not begun, because its precondition does not hold, disproves nothing.
+    """
 
     def __init__(self, flight: Flight, action: Action) -> None:
         super().__init__(f"withdraw {', '.join(sorted(action.assumes)) or 'nothing'}")
@@ -105,9 +114,12 @@ class Withdraw(Behaviour):
     def update(self) -> Status:
         """Always SUCCESS; the inverter above turns it into the FAILURE that replans."""
         flight, action = self._flight, self._action
+        if flight.task.running is not action:
+            return Status.SUCCESS
         flight.failure = f"{action.name} failed: {flight.failure}"
         flight.report("failed", flight.failure, action=action.name)
-        flight.task.withdraw(action.assumes)
+        retry_s = None if action.retry_after_s is None else flight.now_s + action.retry_after_s
+        flight.task.withdraw(action.assumes, retry_s)
         for belief in sorted(action.assumes):
             flight.report("withdrawn", f"belief {belief} withdrawn", belief=belief)
         return Status.SUCCESS

@@ -5,6 +5,9 @@ one of these was wrong: an event that matters to the plan has changed, or a skil
 and its belief was withdrawn. Then a new lasso is searched from the present state, with the
 history kept, and a new tree is built. The vehicle holds meanwhile.
 
+Plans change as little as possible. An event that matters, but leaves the rest of the plan the best
+one, changes nothing. A belief that comes back makes a new plan at the next completed skill.
+
 A plan that ends at rest satisfies the task when the rest is reached.
 """
 
@@ -25,6 +28,8 @@ from companion.planning.domain import WAIT, Action, Fact, departures
 from companion.planning.lasso import Lasso
 from companion.planning.planner import Planner
 
+COMPARED = 1000
+"""Actions of two plans after which they are taken for the same."""
 MAX_IDLE_REPLANS = 5
 """Replans without a completed skill between them after which the executive gives up."""
 
@@ -70,10 +75,15 @@ class Executive:
 
     def sense(self, readings: Sequence[tuple[Signal, float]]) -> None:
         """Takes readings off the wire and turns them into facts."""
-        flight = self._flight
+        flight, events = self._flight, self._planner.mission.events
+        restores: frozenset[str] = frozenset()
         for name, holds in self._detector.update(flight.now_s, readings):
-            flight.task.take(self._planner.mission.events[name], holds)
+            flight.task.take(events[name], holds)
             flight.report("event", _in_words(name, holds), event=name, holds=holds)
+            restores |= events[name].restores if holds else frozenset()
+        for belief in flight.task.restore(flight.now_s, restores):
+            flight.report("restored", f"belief {belief} restored", belief=belief)
+            flight.may_do_better = True
 
     def plan(self) -> None:
         """Makes the first plan.
@@ -90,6 +100,11 @@ class Executive:
         assert self._root is not None and self.lasso is not None
         flight, laps = self._flight, self._flight.laps
         self._forget_what_is_done(self.lasso)
+        if self._surprise() and not flight.is_grounded and self._is_still_best(self.lasso):
+            self._predict()
+        if flight.may_do_better and self.is_leaving:
+            self._replan()
+            return self.status
         self._root.tick_once()
         if self._root.status is Status.FAILURE:
             self._replan()
@@ -130,21 +145,25 @@ class Executive:
         self.stop()
         task.interrupt()
         self._count_idle()
-        reason = self._surprise() or flight.failure
-        self.replans += 1
+        reason = self._surprise() or flight.failure or "a belief came back"
+        flight.may_do_better = False
         try:
             if self._idle_replans > MAX_IDLE_REPLANS:
                 raise NoPlanError(f"no plan: {MAX_IDLE_REPLANS} plans in a row led nowhere")
             lasso = self._planner.replan(*task.problem())
         except NoPlanError as error:
+            self.replans += 1
             self.status = TaskStatus.NO_PLAN
             self.failure = error
             flight.report("replan", f"replan {self.replans}: {reason}: {error}", reason=reason)
             return
+        is_kept = self.lasso is not None and self._is_rest_of(self.lasso, lasso)
         self.failure, self.is_leaving = None, False
         self._adopt(lasso)
-        text = f"replan {self.replans}: {reason} -> {lasso}"
-        flight.report("replan", text, number=self.replans, reason=reason, **lasso.as_json())
+        if not is_kept:
+            self.replans += 1
+            text = f"replan {self.replans}: {reason} -> {lasso}"
+            flight.report("replan", text, number=self.replans, reason=reason, **lasso.as_json())
 
     def _count_idle(self) -> None:
         """Counts replans between which the task's word has not grown."""
@@ -158,9 +177,30 @@ class Executive:
         flight.failure = ""
         self.needs_take_off, flight.is_grounded = flight.is_grounded, False
         self.lasso = lasso
-        self._predicted = {name: name in flight.task.facts for name in self._planner.mission.events}
+        self._predict()
         self._forget_what_is_done(lasso)
         self._root = build(flight, lasso, self._predicted)
+
+    def _predict(self) -> None:
+        """The plan relies on the events' present values; the tree's leftmost branch looks here."""
+        facts = self._flight.task.facts
+        self._predicted.clear()
+        self._predicted.update({name: name in facts for name in self._planner.mission.events})
+
+    def _is_still_best(self, lasso: Lasso) -> bool:
+        """Whether a plan made now, as from the place left last, is the rest of the present one."""
+        task = self._flight.task
+        if task.running is None:
+            return False
+        try:
+            new = self._planner.replan(*task.problem())
+        except NoPlanError:
+            return False
+        return self._is_rest_of(lasso, new)
+
+    def _is_rest_of(self, lasso: Lasso, new: Lasso) -> bool:
+        """Whether a new plan is what is left of another one."""
+        return new.names(COMPARED) == lasso.names(COMPARED, self._flight.completed)
 
     def _forget_what_is_done(self, lasso: Lasso) -> None:
         """Predicts only events that the task, or a precondition still to come, mentions."""

@@ -26,6 +26,7 @@ class Flight:
         completed: skills of the present plan that were completed.
         laps: laps of the present plan's loop.
         failure: why the last skill failed.
+        may_do_better: a belief has come back, so that another plan may be better.
         is_grounded: the plan has landed the vehicle, and has not taken off again.
         reports: what happened and has not been collected yet.
     """
@@ -39,6 +40,7 @@ class Flight:
     completed: int = 0
     laps: int = 0
     failure: str = ""
+    may_do_better: bool = False
     is_grounded: bool = False
     reports: list[Report] = field(default_factory=list)
     setpoint: Setpoint | None = None

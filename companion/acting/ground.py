@@ -42,14 +42,14 @@ class Reach(Behaviour):
             return Status.FAILURE
         if outcome.progress is Progress.DONE:
             self._left.pop(0)
-            flight.report("phase", f"{self.name} done") if not self._left else None
         if self._left:
             return Status.RUNNING
-        self.reached()
+        flight.report("phase", self.reached())
         return Status.SUCCESS
 
-    def reached(self) -> None:
-        """The last goal is reached."""
+    def reached(self) -> str:
+        """What the last goal means for the flight, and how people are told."""
+        raise NotImplementedError
 
 
 class Land(Reach):
@@ -57,9 +57,10 @@ class Land(Reach):
 
     goals = (Goal.LANDED,)
 
-    def reached(self) -> None:
+    def reached(self) -> str:
         """The last setpoint is outdated: the vehicle will hold where it takes off."""
         self._flight.setpoint = None
+        return "landed on the way"
 
 
 class TakeOff(Reach):
@@ -67,9 +68,10 @@ class TakeOff(Reach):
 
     goals = (Goal.ARMED, Goal.AIRBORNE, Goal.OFFBOARD)
 
-    def reached(self) -> None:
+    def reached(self) -> str:
         """The plan may be interrupted again."""
         self._flight.is_grounded = False
+        return "in the air again"
 
 
 class Charge(Behaviour):
@@ -90,6 +92,7 @@ class Charge(Behaviour):
         flight, state = self._flight, self._flight.vehicle.state
         percent = state.battery_percent if state else None
         if percent is not None and percent >= self._percent:
+            flight.report("phase", f"charged to {percent} %")
             return Status.SUCCESS
         if percent is not None and percent > self._most:
             self._most, self._since_s = percent, flight.now_s

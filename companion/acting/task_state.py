@@ -14,6 +14,8 @@ The word of the flight (after Section III-A of the paper):
 
 from __future__ import annotations
 
+import math
+
 from companion.ltl.automaton import successors
 from companion.mission.model import Event
 from companion.planning.domain import HERE, Action, Fact
@@ -62,6 +64,7 @@ class TaskState:
         self._is_read = False
         self.facts: frozenset[Fact] = planner.mission.initially
         self.withdrawn: frozenset[Fact] = frozenset()
+        self._returns_s: dict[Fact, float] = {}
         self.positions = 0
         self.running: Action | None = None
 
@@ -110,9 +113,24 @@ class TaskState:
         """The vehicle is at no place."""
         self.facts = frozenset(f for f in self.facts if not f.startswith("at(")) | {AT_HERE}
 
-    def withdraw(self, beliefs: frozenset[Fact]) -> None:
-        """Gives up beliefs."""
+    def withdraw(self, beliefs: frozenset[Fact], retry_s: float | None = None) -> None:
+        """Gives up beliefs; from `retry_s` on, if given, they may be held again."""
         self.withdrawn |= beliefs
+        for belief in beliefs:
+            self._returns_s.pop(belief, None)
+            if retry_s is not None:
+                self._returns_s[belief] = retry_s
+
+    def restore(self, now_s: float, predicates: frozenset[str]) -> list[Fact]:
+        """Holds beliefs again whose time has come, or whose predicate is named; which ones."""
+        restored = sorted(
+            belief
+            for belief in self.withdrawn
+            if belief.partition("(")[0] in predicates
+            or self._returns_s.get(belief, math.inf) <= now_s
+        )
+        self.withdrawn -= set(restored)
+        return restored
 
     def take(self, event: Event, holds: bool) -> None:
         """Takes over an event that has changed."""

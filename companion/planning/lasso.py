@@ -11,6 +11,7 @@ A, and then away, before it may rest.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -73,6 +74,16 @@ class Lasso:
     def ends_at_rest(self) -> bool:
         """Whether nothing but rest is left after the prefix: the task is then done."""
         return all(a is WAIT for a in self.suffix)
+
+    def names(self, count: int, start: int = 0) -> list[str]:
+        """So many of its actions by name, without the first ones.
+
+        >>> lap = Lasso((), (WAIT,))
+        >>> lap.names(2, start=7)
+        ['wait', 'wait']
+        """
+        actions = itertools.chain(self.prefix, itertools.cycle(self.suffix))
+        return [a.name for a in itertools.islice(actions, start, start + count)]
 
     def __str__(self) -> str:
         prefix = ", ".join(a.name for a in self.prefix)

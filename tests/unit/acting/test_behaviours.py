@@ -102,14 +102,14 @@ def test_a_precondition_that_does_not_hold_names_what_is_missing() -> None:
     rig = a_rig()
     rig.task.withdraw(frozenset({"trans_ok(A, B)"}))
     assert tick(rig, Precondition(rig.flight, action(rig, "move(A, B)"))) is Status.FAILURE
-    assert rig.flight.failure == "at(A), trans_ok(A, B) does not allow it"
+    assert rig.flight.failure == "move(A, B) cannot begin: at(A), trans_ok(A, B)"
     assert rig.task.positions == 0
 
 
 def test_a_forbidden_fact_does_not_allow_it() -> None:
     rig = Rig(mission("F done", skills=[command("do", "!at(H)", "done")]))
     assert tick(rig, Precondition(rig.flight, action(rig, "do"))) is Status.FAILURE
-    assert rig.flight.failure == "a forbidden fact does not allow it"
+    assert rig.flight.failure == "do cannot begin: a forbidden fact"
 
 
 @pytest.mark.parametrize(
@@ -137,6 +137,7 @@ def test_the_last_effects_of_a_lap_count_it_and_rest_is_not_worth_a_word() -> No
 
 def test_withdraw_gives_up_what_was_assumed_and_says_why() -> None:
     rig = a_rig()
+    rig.task.begin(action(rig, "do"))
     rig.flight.failure = "denied"
     assert tick(rig, Withdraw(rig.flight, action(rig, "do"))) is Status.SUCCESS
     assert rig.task.withdrawn == {"can_do"}
@@ -145,6 +146,12 @@ def test_withdraw_gives_up_what_was_assumed_and_says_why() -> None:
         ("withdrawn", "belief can_do withdrawn"),
     ]
     assert rig.flight.failure == "do failed: denied"
+
+
+def test_a_skill_that_has_not_begun_disproves_nothing() -> None:
+    rig = a_rig()
+    assert tick(rig, Withdraw(rig.flight, action(rig, "do"))) is Status.SUCCESS
+    assert (rig.task.withdrawn, rig.flight.reports) == (frozenset(), [])
 
 
 # -- update_param and move_cmd ---------------------------------------------------------------------

@@ -14,6 +14,7 @@ from companion.mission.model import Event, Mission
 from companion.vehicle.port import hold_at
 
 FOUND, LOW = event("found"), event("low")
+A_OR_B = "(G F found & G F at(A)) | (G F !found & G F at(B))"
 
 
 def search_and_report(*events: Event) -> Mission:
@@ -146,7 +147,7 @@ def test_the_vehicle_holds_where_no_plan_is_left() -> None:
 
 
 def test_a_flapping_event_ends_in_no_plan_and_not_in_replans_for_ever() -> None:
-    rig = Rig(mission("F at(A) & (F at(B) | G found)", events=[FOUND])).begin()
+    rig = Rig(mission(A_OR_B, events=[FOUND])).begin()
     rig.tick()
     value = 1.0
     for _ in range(50):
@@ -161,7 +162,7 @@ def test_a_flapping_event_ends_in_no_plan_and_not_in_replans_for_ever() -> None:
 
 
 def test_a_position_between_two_replans_shows_that_they_led_somewhere() -> None:
-    rig = Rig(mission("G F at(A) & G F at(B) & (F found | G F at(A))", events=[FOUND])).begin()
+    rig = Rig(mission(A_OR_B, events=[FOUND])).begin()
     value = 1.0
     for arrival in range(1, 3 * MAX_IDLE_REPLANS):
         rig.run(lambda arrival=arrival: len(rig.of_kind("at")) >= arrival)  # type: ignore[misc]
