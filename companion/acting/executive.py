@@ -14,6 +14,7 @@ A plan that ends at rest satisfies the task when the rest is reached.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from enum import Enum
 
 from py_trees.behaviour import Behaviour
@@ -117,14 +118,14 @@ class Executive:
     def go_to(self, place: str) -> bool:
         """Replaces the plan by a flight to a place and rest; False if no route leads there.
 
-        This is what is left to do when the task has no plan.
+        This is what is left to do when the task has no plan, whatever the skill that flies there
+        would ask for otherwise.
         """
         self._flight.task.interrupt()
         move = self._departure(place)
         if move is None:
             return False
         self._flight.task.depart()
-        self._flight.task.withdrawn -= move.assumes
         self.status = TaskStatus.RUNNING
         self.is_leaving = True
         self._adopt(Lasso((move,), (WAIT,)))
@@ -138,7 +139,9 @@ class Executive:
 
     def _departure(self, place: str) -> Action | None:
         moves = departures(self._planner.mission, self._planner.flight_time)
-        return next((a for a in moves if a.execute == (Fly(place),)), None)
+        move = next((a for a in moves if a.execute == (Fly(place),)), None)
+        nothing: frozenset[Fact] = frozenset()
+        return move and replace(move, requires=nothing, forbids=nothing, assumes=nothing)
 
     def _replan(self) -> None:
         flight, task = self._flight, self._flight.task

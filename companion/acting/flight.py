@@ -55,9 +55,9 @@ class Flight:
         self.vehicle.fly(setpoint)
 
     def hold(self) -> None:
-        """Stays where the last setpoint was, or where the vehicle is."""
+        """Stays where the last setpoint was, or where the vehicle is in the air."""
         state = self.vehicle.state
         if self.setpoint is not None:
             self.fly(hold_at(self.setpoint.position, self.setpoint.yaw_rad))
-        elif state is not None:
+        elif state is not None and not state.is_landed:
             self.fly(hold_at(state.position, state.yaw_rad))

@@ -224,15 +224,16 @@ class Sortie:
             self._enter(step.if_failed)
 
     def _fly_task(self) -> None:
-        status = self._executive.tick()
-        if self._executive.needs_take_off and status is TaskStatus.RUNNING:
-            self._executive.needs_take_off = False
-            self._enter(Phase.ARMING)
-        elif status is TaskStatus.NO_PLAN:
+        executive = self._executive
+        status = executive.tick()
+        if status is TaskStatus.NO_PLAN:
             self._without_plan()
         elif status is TaskStatus.SATISFIED:
-            self.failure = self._executive.failure  # set if this was only the way home
+            self.failure = executive.failure  # set if this was only the way home
             self._enter(Phase.LANDING)
+        if executive.needs_take_off:
+            executive.needs_take_off = False
+            self._enter(Phase.ARMING)
 
     def _without_plan(self) -> None:
         """Does what the mission says for the case that no plan exists."""

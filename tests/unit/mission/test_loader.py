@@ -19,13 +19,17 @@ from companion.ltl.parser import parse
 from companion.mission.loader import CLEARANCE_M, load_mission
 from companion.mission.model import (
     Atom,
+    Charge,
     Command,
     Condition,
+    Do,
     Fly,
+    Land,
     Literal,
     Mission,
     Otherwise,
     Signal,
+    TakeOff,
     Wait,
 )
 from companion.mission.skills import MAX_INSTANCES
@@ -98,6 +102,13 @@ SPOILT: list[tuple[str, str, str, str]] = [
     ("fly(to)", "§fly to", "not something to execute", "fly(parameter)"),
     ("fly(to)", "§fly()", "fly has 0 arguments", "fly(parameter)"),
     ("fly(to)", "wait(§-1)", "a time cannot be negative", "seconds"),
+    ("fly(to)", "§land(to)", "land has 1 arguments", "land()"),
+    ("fly(to)", "charge(§0)", "a battery has 0 to 100 percent", "90"),
+    ("fly(to)", "[fly(to), §upload()]", "upload is called with 0 arguments", "upload(r)"),
+    ("fly(to)", "[fly(to), §upload(D)]", "D is no parameter of move", ""),
+    ("fly(to)", "[fly(to), §'move(from, to)']", "move is refined into itself", "primitives"),
+    ("fly(to)", "§[]", "execute is a list, expected at least 1 entries", ""),
+    ("    until:", "    restores: [§canUplod]\n    until:", "restores canUplod", "mean canUpload?"),
     ("command(payload", "command(§paylaod", "unknown component paylaod", "mean payload?"),
     ("MAV_CMD_USER_1", "§MAV_CMD_USR_1", "unknown command MAV_CMD_USR_1", "MAV_CMD_USER_1?"),
     ("1.5, -2", "1.5, §nan", "nan is not a number", "1.5"),
@@ -220,6 +231,22 @@ def test_default_cost_is_flight_time_or_one_second(load: Load, good: str) -> Non
 def test_wait_is_something_to_execute(load: Load, good: str) -> None:
     text = good.replace("command(payload, MAV_CMD_USER_1, 1.5, -2)", "wait(2.5)")
     assert load(text).skills["upload"].execute == (Wait(2.5),)
+
+
+def test_a_skill_may_be_steps_and_other_skills(load: Load, good: str) -> None:
+    text = good.replace("fly(to)", "[fly(to), land(), charge(80), take_off(), upload(A)]")
+    text = text.replace("    cost: 10\n", "    cost: 10\n    retry_after_s: 60\n")
+    text = text.replace("    until:", "    restores: [canUpload]\n    until:")
+    mission = load(text)
+    assert mission.skills["move"].execute == (
+        Fly("to"),
+        Land(),
+        Charge(80.0),
+        TakeOff(),
+        Do("upload", ("A",)),
+    )
+    assert mission.skills["upload"].retry_after_s == 60
+    assert mission.events["low"].restores == {"canUpload"}
 
 
 def test_beliefs_are_not_facts_of_the_start(load: Load, good: str) -> None:
