@@ -22,6 +22,7 @@ from py_trees.common import Status
 
 from companion.acting.events import EventDetector
 from companion.acting.flight import Flight
+from companion.acting.hand_tree import build_by_hand
 from companion.acting.tree import build
 from companion.errors import NoPlanError
 from companion.mission.model import Fly, Signal
@@ -92,13 +93,19 @@ class Executive:
         Raises:
             NoPlanError: there is none.
         """
+        if (tree := self._planner.mission.tree) is not None:
+            self._root = build_by_hand(self._flight, tree, self._planner.actions_of(tree))
+            self._flight.report("plan", "the mission's own tree", number=0)
+            return
         lasso = self._planner.plan(*self._flight.task.problem())
         self._adopt(lasso)
         self._flight.report("plan", f"plan: {lasso}", number=0, **lasso.as_json())
 
     def tick(self) -> TaskStatus:
         """One tick of the tree; plans again if it fails."""
-        assert self._root is not None and self.lasso is not None
+        assert self._root is not None
+        if self.lasso is None:
+            return self._tick_by_hand(self._root)
         flight, laps = self._flight, self._flight.laps
         self._forget_what_is_done(self.lasso)
         if self._surprise() and not flight.is_grounded and self._is_still_best(self.lasso):
@@ -113,6 +120,18 @@ class Executive:
             self.status = TaskStatus.SATISFIED
         elif flight.laps > laps:
             flight.report("lap", f"lap {flight.laps} done", lap=flight.laps)
+        return self.status
+
+    def _tick_by_hand(self, root: Behaviour) -> TaskStatus:
+        """One tick of a tree that was written by hand: it is not replaced when it fails."""
+        root.tick_once()
+        if root.status is Status.SUCCESS:
+            self.status = TaskStatus.SATISFIED
+        elif root.status is Status.FAILURE:
+            self._flight.task.interrupt()
+            self.status = TaskStatus.NO_PLAN
+            self.failure = NoPlanError(f"the tree has failed: {self._flight.failure}")
+            self._flight.report("failed", str(self.failure))
         return self.status
 
     def go_to(self, place: str) -> bool:
@@ -151,6 +170,8 @@ class Executive:
         reason = self._surprise() or flight.failure or "a belief came back"
         flight.may_do_better = False
         try:
+            if self._planner.mission.tree is not None:
+                raise NoPlanError("no plan: the mission has a tree of its own")
             if self._idle_replans > MAX_IDLE_REPLANS:
                 raise NoPlanError(f"no plan: {MAX_IDLE_REPLANS} plans in a row led nowhere")
             lasso = self._planner.replan(*task.problem())

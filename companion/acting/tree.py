@@ -21,6 +21,7 @@ from __future__ import annotations
 from collections.abc import Sequence as Many
 
 from py_trees.behaviour import Behaviour
+from py_trees.common import Status
 from py_trees.composites import Selector, Sequence
 from py_trees.decorators import Inverter, Repeat, Retry
 
@@ -44,6 +45,20 @@ from companion.planning.lasso import Lasso
 FOR_EVER = -1
 
 
+class _Action(Selector):
+    """The selector of one action; left before its end, the task knows that it was interrupted."""
+
+    def __init__(self, flight: Flight, action: Action) -> None:
+        super().__init__(action.name, memory=True)
+        self._flight = flight
+        self._action = action
+
+    def terminate(self, new_status: Status) -> None:
+        """Failed, or stopped from above."""
+        if new_status is not Status.SUCCESS and self._flight.task.running is self._action:
+            self._flight.task.interrupt()
+
+
 def build(flight: Flight, lasso: Lasso, predicted: dict[Fact, bool]) -> Behaviour:
     """The tree of a lasso.
 
@@ -52,16 +67,17 @@ def build(flight: Flight, lasso: Lasso, predicted: dict[Fact, bool]) -> Behaviou
         lasso: the plan.
         predicted: the values of events on which the plan relies.
     """
-    prefix = [_action(flight, a) for a in lasso.prefix]
+    prefix = [action_tree(flight, a) for a in lasso.prefix]
     last = len(lasso.suffix) - 1
-    lap = [_action(flight, a, ends_lap=i == last) for i, a in enumerate(lasso.suffix)]
+    lap = [action_tree(flight, a, ends_lap=i == last) for i, a in enumerate(lasso.suffix)]
     loop = Repeat("L", _sequence("lap", lap), num_success=FOR_EVER)
     root = Sequence("root", memory=False)
     root.add_children([AsPredicted(flight, predicted), _sequence("plan", [*prefix, loop])])
     return root
 
 
-def _action(flight: Flight, action: Action, ends_lap: bool = False) -> Behaviour:
+def action_tree(flight: Flight, action: Action, ends_lap: bool = False) -> Behaviour:
+    """The tree of one action (Fig. 6)."""
     triple = _sequence(
         "triple",
         [
@@ -72,7 +88,7 @@ def _action(flight: Flight, action: Action, ends_lap: bool = False) -> Behaviour
             Effects(flight, action, ends_lap),
         ],
     )
-    selector = Selector(action.name, memory=True)
+    selector = _Action(flight, action)
     selector.add_children([triple, Inverter("not", Withdraw(flight, action))])
     return selector
 

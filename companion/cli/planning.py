@@ -28,11 +28,13 @@ def check(mission: MissionFile) -> None:
     """Reads, translates and plans a mission; needs no vehicle."""
     question = _Question.read(mission)
     planner = question.planner
-    solution = question.answer()
     typer.echo(f"mission    {planner.mission.name}: places {' '.join(planner.mission.places)}")
     for conjunct in planner.conjuncts:
         typer.echo(f"task       {conjunct.name}: {conjunct.automaton.states} states")
-    typer.echo(f"plan       {solution.lasso}")
+    tree = planner.mission.tree
+    if tree is not None:
+        planner.actions_of(tree)
+    typer.echo(f"plan       {'a tree of its own' if tree else question.answer().lasso}")
     typer.echo("ok")
 
 
@@ -89,6 +91,8 @@ def plan(
 
     supposed = Supposition(at, tuple(holds or ()), tuple(fails or ()), tuple(without or ()))
     question = _Question.read(mission, supposed)
+    if question.planner.mission.tree:
+        raise CompanionError("the mission has a tree of its own, so there is nothing to plan")
     if pddl is not None:
         question.write(pddl, encoding, objective)
         return

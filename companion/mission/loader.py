@@ -27,6 +27,7 @@ from companion.mission.pddl_domain import with_domain
 from companion.mission.schema import MissionFile
 from companion.mission.sites import check_limits, check_places
 from companion.mission.skills import build_skills
+from companion.mission.tree import read_tree
 from companion.mission.vocabulary import Vocabulary
 from companion.motion.grid import OccupancyGrid
 
@@ -75,6 +76,7 @@ def load_mission(path: Path) -> Mission:
         initially=frozenset(fact.ground({}) for fact in facts),
         task=_task(file, document, vocabulary),
         otherwise=Otherwise(file.otherwise),
+        tree=read_tree(file.tree, document, skills, sets, vocabulary) if file.tree else None,
     )
 
 
@@ -249,9 +251,9 @@ def _check_reachable_names(
 
 
 def _task(file: MissionFile, document: Document, vocabulary: Vocabulary) -> dict[str, Formula]:
-    if file.goal is None and not file.task:
+    if file.goal is None and not file.task and not file.tree:
         raise MissionError(
-            "the mission has neither a task nor a goal", document.where(), _TASK_HINT
+            "the mission has neither a task nor a goal nor a tree", document.where(), _TASK_HINT
         )
     if file.goal is not None and GOAL in file.task:
         raise MissionError(

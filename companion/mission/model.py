@@ -14,6 +14,7 @@ from enum import Enum
 
 from companion.geometry import Ned, NorthEast
 from companion.ltl.formula import Formula
+from companion.mission.tree_nodes import Tree
 from companion.motion.grid import OccupancyGrid
 
 
@@ -229,6 +230,7 @@ class Mission:
         task: named conjuncts, in the order of the file; a plain goal is the conjunct `goal`.
         initially: facts that hold at the start, beliefs left out; all others are false.
         grid: what the vehicle is told of the map beforehand.
+        tree: the plan, if it was written by hand; the task is then not planned for.
     """
 
     name: str
@@ -243,3 +245,4 @@ class Mission:
     initially: frozenset[str]
     task: Mapping[str, Formula]
     otherwise: Otherwise
+    tree: Tree | None = None

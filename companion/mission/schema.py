@@ -275,6 +275,16 @@ class MissionFile(Entry):
             "must be fulfilled."
         ),
     ] = None
+    tree: Annotated[
+        list[Any] | None,
+        BeforeValidator(_given, json_schema_input_type=list[Any]),
+        Field(
+            min_length=1,
+            description="A behaviour tree written by hand, in place of a planner: a list of "
+            "actions such as move(Home, A), of facts to check, and of {fallback: [...]}, "
+            "{repeat: [...], times: n}, {retry: [...], times: n}, {watch: FACTS, do: [...]}.",
+        ),
+    ] = None
     otherwise: Annotated[
         Literal["return_home", "land", "hold"],
         Field(description="What to do when no plan exists: return_home, land or hold."),
@@ -286,5 +296,5 @@ def json_schema() -> dict[str, Any]:
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         **MissionFile.model_json_schema(),
-        "anyOf": [{"required": [key]} for key in ("task", "goal", "problem")],
+        "anyOf": [{"required": [key]} for key in ("task", "goal", "problem", "tree")],
     }

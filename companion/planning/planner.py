@@ -13,9 +13,10 @@ from companion.errors import CompanionError
 from companion.ltl.formula import atoms, conjuncts
 from companion.ltl.translate import translate
 from companion.mission.model import Mission
+from companion.mission.tree_nodes import Tree, actions
 from companion.planning.builtin.search import Search
 from companion.planning.check import fault
-from companion.planning.domain import Fact, FlightTime, departures, ground
+from companion.planning.domain import Action, Fact, FlightTime, departures, ground
 from companion.planning.effort import IN_FLIGHT, ON_THE_GROUND, Effort
 from companion.planning.explain import NoPlan, why_no_plan
 from companion.planning.lasso import Conjunct, Lasso, Letter, Problem, Solution
@@ -47,6 +48,18 @@ class Planner:
         self.task_facts = frozenset().union(*(atoms(c.formula) for c in self.conjuncts))
         self.flight_time = flight_time
         self._search = Search(self.model.actions)
+
+    def actions_of(self, tree: Tree) -> dict[str, Action]:
+        """The actions that a tree names; those from `here` start wherever that may be.
+
+        Raises:
+            CompanionError: one does not exist.
+        """
+        anywhere = departures(self.mission, lambda origin, goal: 0.0)
+        known = {action.name: action for action in (*self.model.actions, *anywhere)}
+        if missing := sorted(actions(tree) - known.keys()):
+            raise CompanionError(f"the tree cannot do {missing[0]}: no such action, or no route")
+        return {name: known[name] for name in actions(tree)}
 
     def problem(
         self,

@@ -114,7 +114,7 @@ def test_failure_right_branch() -> None:
     assert statuses(figure.withdraw, figure.inverter, figure.selector) == [S, F, F]
     assert figure.rig.task.withdrawn == {"trans_ok(H, A)"}
     assert "trans_ok(H, A)" not in figure.rig.task.all_facts
-    assert figure.rig.task.facts == {"at(H)"}
+    assert figure.rig.task.facts == {"at(here)"}  # on the way
     texts = [report.text for report in figure.rig.flight.reports]
     assert texts == [
         "move(H, A) failed: not there after 1 s",
