@@ -1,0 +1,121 @@
+"""What can be said of a formula after finitely many letters? A three-valued monitor (LTL3).
+
+After the positions so far a formula is TRUE if every continuation satisfies it, FALSE if none
+does, and OPEN otherwise. It is FALSE once no run of its automaton is left in a state from which
+some word is accepted, and TRUE once none is left of the automaton of its negation. TRUE and FALSE
+stay for ever. `G F p` is always OPEN: what is to happen infinitely often no finite word decides.
+
+A continuation may have any letters, also those that no skill leads to. Whether the vehicle can
+still do its task is a question for the planner.
+
+Source: Bauer, Leucker and Schallhart, Runtime verification for LTL and TLTL, ACM TOSEM 2011.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import Enum
+
+from companion.ltl.automaton import BuchiAutomaton, Transition, strong_components, successors
+from companion.ltl.budget import Budget
+from companion.ltl.formula import Formula, negate
+from companion.ltl.semantics import Letter
+from companion.ltl.translate import translate
+
+
+class Verdict(Enum):
+    """What the letters so far say of a formula."""
+
+    TRUE = "true"
+    FALSE = "false"
+    OPEN = "open"
+
+
+@dataclass(frozen=True, slots=True)
+class Runs:
+    """Where the runs of an automaton are that can still accept.
+
+    Attributes:
+        automaton: what reads.
+        live: its states from which some word is accepted.
+        states: those of them that the runs are in.
+    """
+
+    automaton: BuchiAutomaton
+    live: frozenset[int]
+    states: frozenset[int]
+
+    @classmethod
+    def begin(cls, automaton: BuchiAutomaton) -> Runs:
+        """Before the first letter."""
+        live = live_states(automaton)
+        return cls(automaton, live, automaton.initial & live)
+
+    def after(self, letter: Letter) -> Runs:
+        """One letter later."""
+        states = successors(self.automaton, self.states, letter) & self.live
+        return replace(self, states=states)
+
+
+@dataclass(frozen=True, slots=True)
+class Monitor:
+    """What is known of a formula after some letters; a value, as are its successors.
+
+    >>> from companion.ltl.parser import parse
+    >>> monitor = Monitor.of(parse("!q U p"))
+    >>> q, p = frozenset({"q"}), frozenset({"p"})
+    >>> [m.verdict.value for m in (monitor, monitor.after(p), monitor.after(q).after(p))]
+    ['open', 'true', 'false']
+
+    Attributes:
+        holding: the runs of the formula's automaton.
+        failing: the runs of the automaton of its negation.
+    """
+
+    holding: Runs
+    failing: Runs
+
+    @classmethod
+    def of(cls, formula: Formula) -> Monitor:
+        """Before the first letter.
+
+        Raises:
+            TranslationLimit: one of the two automata would be too large.
+        """
+        budget = Budget()
+        automata = [translate(f, budget=budget) for f in (formula, negate(formula))]
+        return cls(*map(Runs.begin, automata))
+
+    def after(self, letter: Letter) -> Monitor:
+        """One letter later."""
+        return Monitor(self.holding.after(letter), self.failing.after(letter))
+
+    @property
+    def verdict(self) -> Verdict:
+        """What the letters so far say."""
+        if not self.holding.states:
+            return Verdict.FALSE
+        return Verdict.OPEN if self.failing.states else Verdict.TRUE
+
+
+def live_states(automaton: BuchiAutomaton) -> frozenset[int]:
+    """The states from which some word is accepted.
+
+    They reach a component that some run can stay in and meet every mark again and again.
+    """
+    edges = [[t for t in leaving if _can_read(t)] for leaving in automaton.outgoing]
+    every_mark = frozenset(range(automaton.marks))
+    live: set[int] = set()
+    for component in strong_components([[t.target for t in leaving] for leaving in edges]):
+        leaving = [t for state in component for t in edges[state]]
+        members = set(component)
+        inside = [t.marks for t in leaving if t.target in members]
+        is_accepting = bool(inside) and every_mark <= frozenset().union(*inside)
+        if is_accepting or any(t.target in live for t in leaving):
+            live.update(component)
+    return frozenset(live)
+
+
+def _can_read(transition: Transition) -> bool:
+    """Whether some letter matches the label."""
+    return transition.label.positive.isdisjoint(transition.label.negative)
