@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from fakes import FakeVehicle
 
@@ -27,7 +27,8 @@ class Rig:
         vehicle: the vehicle; in the air at home if absent.
 
     Attributes:
-        reports: what happened so far.
+        reports: what happened so far, as people are told.
+        positions: the positions of the word that were left.
         plans: every plan so far.
     """
 
@@ -56,6 +57,7 @@ class Rig:
             symbols={name: place.position for name, place in mission.places.items()},
         )
         self.reports: list[Report] = []
+        self.positions: list[Mapping[str, object]] = []
         self.plans: list[Lasso] = []
         self.executive = Executive(self.planner, self.flight, EventDetector(mission.events))
         self._ticks = 0
@@ -110,5 +112,6 @@ class Rig:
         lasso = self.executive.lasso
         if lasso is not None and (not self.plans or lasso is not self.plans[-1]):
             self.plans.append(lasso)
-        self.reports += self.flight.reports
+        self.reports += [report for report in self.flight.reports if report.is_told]
+        self.positions += [report.data for report in self.flight.reports if not report.is_told]
         self.flight.reports.clear()

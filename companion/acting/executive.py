@@ -9,6 +9,9 @@ Plans change as little as possible. An event that matters, but leaves the rest o
 one, changes nothing. A belief that comes back makes a new plan at the next completed skill.
 
 A plan that ends at rest satisfies the task when the rest is reached.
+
+Each position of the word is reported when it is left, and so is each conjunct that it violates.
+Nothing more follows from that here: what the task cannot do any more, the next plan shows.
 """
 
 from __future__ import annotations
@@ -99,7 +102,8 @@ class Executive:
             return
         lasso = self._planner.plan(*self._flight.task.problem())
         self._adopt(lasso)
-        self._flight.report("plan", f"plan: {lasso}", number=0, **lasso.as_json())
+        task = {name: str(formula) for name, formula in self._planner.mission.task.items()}
+        self._flight.report("plan", f"plan: {lasso}", number=0, task=task, **lasso.as_json())
 
     def tick(self) -> TaskStatus:
         """One tick of the tree; plans again if it fails."""
@@ -114,10 +118,13 @@ class Executive:
             self._replan()
             return self.status
         self._root.tick_once()
+        self._tell_positions()
         if self._root.status is Status.FAILURE:
             self._replan()
         elif flight.laps > laps and self.lasso.ends_at_rest:
             self.status = TaskStatus.SATISFIED
+            flight.task.leave()
+            self._tell_positions(for_ever=True)
         elif flight.laps > laps:
             flight.report("lap", f"lap {flight.laps} done", lap=flight.laps)
         return self.status
@@ -125,6 +132,7 @@ class Executive:
     def _tick_by_hand(self, root: Behaviour) -> TaskStatus:
         """One tick of a tree that was written by hand: it is not replaced when it fails."""
         root.tick_once()
+        self._tell_positions()
         if root.status is Status.SUCCESS:
             self.status = TaskStatus.SATISFIED
         elif root.status is Status.FAILURE:
@@ -145,6 +153,7 @@ class Executive:
         if move is None:
             return False
         self._flight.task.depart()
+        self._tell_positions()
         self.status = TaskStatus.RUNNING
         self.is_leaving = True
         self._adopt(Lasso((move,), (WAIT,)))
@@ -188,6 +197,35 @@ class Executive:
             self.replans += 1
             text = f"replan {self.replans}: {reason} -> {lasso}"
             flight.report("replan", text, number=self.replans, reason=reason, **lasso.as_json())
+
+    def _tell_positions(self, for_ever: bool = False) -> None:
+        """Reports the positions that were left since the last call, and what they violate.
+
+        Args:
+            for_ever: the vehicle rests there, and every position to come is the same.
+        """
+        flight = self._flight
+        for position in flight.task.left:
+            number, facts = position.number, sorted(position.facts)
+            flight.report(
+                "position",
+                f"position {number}: {', '.join(facts)}",
+                number=number,
+                facts=facts,
+                withdrawn=sorted(position.withdrawn),
+                restarted=list(position.restarted),
+                for_ever=for_ever,
+            )
+            for conjunct in position.violated:
+                flight.report(
+                    "violation",
+                    f"{conjunct.name} violated at position {number}: {conjunct.formula}",
+                    conjunct=conjunct.name,
+                    formula=str(conjunct.formula),
+                    position=number,
+                    facts=facts,
+                )
+        flight.task.left.clear()
 
     def _count_idle(self) -> None:
         """Counts replans between which the task's word has not grown."""

@@ -10,13 +10,16 @@ The word of the flight (after Section III-A of the paper):
 4. An interrupted flight leaves the vehicle at no place: `at(here)` holds and no other `at`.
 5. What was read is kept when a plan is made anew, where the paper starts from the automaton's
    initial states. Only an event may say that a conjunct begins anew (`restarts`).
+6. A conjunct that no continuation can satisfy any more is violated by the position read last. No
+   plan leads there: it takes an event or a failure that the vehicle could not choose.
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
-from companion.ltl.automaton import successors
+from companion.ltl.monitor import Runs
 from companion.mission.model import Event
 from companion.planning.domain import HERE, Action, Fact
 from companion.planning.lasso import Conjunct, Letter, Problem
@@ -25,27 +28,44 @@ from companion.planning.planner import Planner
 AT_HERE = f"at({HERE})"
 
 
+@dataclass(frozen=True, slots=True)
+class Position:
+    """A position of the word, as it was when it was left.
+
+    Attributes:
+        number: its place in the word; the first one is 0.
+        facts: what held; of the beliefs only those that the task mentions.
+        withdrawn: beliefs that were not held.
+        restarted: names of conjuncts that begin anew with this position.
+        violated: conjuncts that no continuation can satisfy since this position.
+    """
+
+    number: int
+    facts: frozenset[Fact]
+    withdrawn: frozenset[Fact]
+    restarted: tuple[str, ...]
+    violated: tuple[Conjunct, ...]
+
+
 class Reading:
     """What one conjunct has read: the letters, and where its automaton may be after them."""
 
     def __init__(self, conjunct: Conjunct) -> None:
-        self._automaton = conjunct.automaton
-        self.name = conjunct.name
+        self._begin = Runs.begin(conjunct.automaton)
+        self.conjunct = conjunct
         self.restart()
 
     def restart(self) -> None:
         """Begins anew."""
         self.letters: list[Letter] = []
-        self.states = self._automaton.initial
+        self.runs = self._begin
 
-    def read(self, letter: Letter) -> None:
-        """One more position."""
-        self.states = self.after(letter)
+    def read(self, letter: Letter) -> bool:
+        """One more position; whether it violates the conjunct, which it did not before."""
+        could_hold = bool(self.runs.states)
+        self.runs = self.runs.after(letter)
         self.letters.append(letter)
-
-    def after(self, letter: Letter) -> frozenset[int]:
-        """Where the automaton would be after one more position."""
-        return successors(self._automaton, self.states, letter)
+        return could_hold and not self.runs.states
 
 
 class TaskState:
@@ -55,6 +75,7 @@ class TaskState:
         facts: what holds, without the beliefs.
         withdrawn: beliefs that were disproved.
         positions: how many positions have been left.
+        left: those of them that nobody has collected yet.
         running: the action under way.
     """
 
@@ -62,10 +83,12 @@ class TaskState:
         self._planner = planner
         self._readings = [Reading(conjunct) for conjunct in planner.conjuncts]
         self._is_read = False
+        self._restarted: tuple[str, ...] = ()
         self.facts: frozenset[Fact] = planner.mission.initially
         self.withdrawn: frozenset[Fact] = frozenset()
         self._returns_s: dict[Fact, float] = {}
         self.positions = 0
+        self.left: list[Position] = []
         self.running: Action | None = None
 
     @property
@@ -76,25 +99,32 @@ class TaskState:
     def problem(self) -> tuple[Problem, list[list[Letter]]]:
         """The planning problem from here, and what each conjunct has read with this position."""
         if self._is_read:
-            states = tuple(r.states for r in self._readings)
+            states = tuple(r.runs.states for r in self._readings)
             histories = [r.letters for r in self._readings]
         else:
             letter = self._letter()
-            states = tuple(r.after(letter) for r in self._readings)
+            states = tuple(r.runs.after(letter).states for r in self._readings)
             histories = [[*r.letters, letter] for r in self._readings]
         is_en_route = AT_HERE in self.facts
         problem = self._planner.problem(self.facts, states, self.withdrawn, is_en_route)
         return problem, histories
 
     def begin(self, action: Action) -> None:
-        """Leaves the present position: the automata read it, once."""
-        if not self._is_read:
-            letter = self._letter()
-            for reading in self._readings:
-                reading.read(letter)
-            self._is_read = True
-            self.positions += 1
+        """Leaves the present position for the one that an action leads to."""
+        self.leave()
         self.running = action
+
+    def leave(self) -> None:
+        """The automata read the present position, once."""
+        if self._is_read:
+            return
+        letter = self._letter()
+        violated = tuple(r.conjunct for r in self._readings if r.read(letter))
+        facts = self.facts | letter & self._planner.task_facts
+        self.left.append(Position(self.positions, facts, self.withdrawn, self._restarted, violated))
+        self._is_read = True
+        self._restarted = ()
+        self.positions += 1
 
     def complete(self, action: Action) -> None:
         """Appends the position that an action leads to."""
@@ -110,7 +140,8 @@ class TaskState:
         self.running = None
 
     def depart(self) -> None:
-        """The vehicle is at no place."""
+        """The vehicle is at no place, and leaves the one where it is."""
+        self.leave()
         self.facts = frozenset(f for f in self.facts if not f.startswith("at(")) | {AT_HERE}
 
     def withdraw(self, beliefs: frozenset[Fact], retry_s: float | None = None) -> None:
@@ -136,8 +167,10 @@ class TaskState:
         """Takes over an event that has changed."""
         self.facts = self.facts | {event.name} if holds else self.facts - {event.name}
         for reading in self._readings:
-            if holds and reading.name in event.restarts:
+            name = reading.conjunct.name
+            if holds and name in event.restarts:
                 reading.restart()
+                self._restarted = tuple(dict.fromkeys((*self._restarted, name)))
 
     def _letter(self) -> Letter:
         """What the automata read at the present position."""

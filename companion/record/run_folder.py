@@ -1,7 +1,8 @@
 """One folder per run: mission, plans, events.jsonl, flight.tlog, flight.png.
 
 - `events.jsonl`: one report per line with `t_s` (seconds since the run began), `kind`, `text`
-  and the report's data. It holds no wall-clock time, so that equal runs give equal bytes.
+  and the report's data (docs/run-folder.md). It holds no wall-clock time, so that equal runs give
+  equal bytes.
 - `plan-N.json`: the N-th plan; 0 is the first, N the one after replan N.
 - `flight.tlog`: every MAVLink frame in either direction behind eight bytes of time (big-endian
   microseconds since 1970), as MAVProxy and QGroundControl write it.
@@ -29,7 +30,7 @@ class RunFolder:
         folder: where to write; made if missing.
         mission: the mission flown.
         start_unix_s: wall-clock time of the run's beginning; stamps flight.tlog alone.
-        tell: called with every report, for people.
+        tell: called with every report that is news for people.
     """
 
     def __init__(
@@ -48,7 +49,8 @@ class RunFolder:
 
     def report(self, report: Report) -> None:
         """Appends a line to events.jsonl, at once; a plan also becomes a file."""
-        self._tell(report)
+        if report.is_told:
+            self._tell(report)
         line = {"t_s": report.time_s, "kind": report.kind, "text": report.text, **report.data}
         with self._going_on():
             self._events.write(json.dumps(line) + "\n")

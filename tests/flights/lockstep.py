@@ -99,7 +99,7 @@ class Lockstep:
     Attributes:
         companion: under test.
         is_companion_alive: whether it steps with every tick.
-        reports: what the companion reported.
+        reports: what the companion reported, as people are told.
         said: what it sent, before the way to the vehicle.
         acknowledged: every COMMAND_ACK that left the vehicle, before the way to the companion.
         modes: the modes that were flown, in order, with the time of the change.
@@ -137,7 +137,8 @@ class Lockstep:
     # -- companion.app.Recorder ----------------------------------------------------------------
 
     def report(self, report: Report) -> None:
-        self.reports.append(report)
+        if report.is_told:
+            self.reports.append(report)
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
         """Kept in `said`."""

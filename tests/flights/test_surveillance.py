@@ -1,8 +1,8 @@
 """The paper's mission (Section V), from take-off to landing, in lockstep.
 
 The sequence of events is stored in tests/data/surveillance.events.txt: kind and text of each
-line of events.jsonl, without times. What is said of the vehicle here is the simulator's truth,
-never what telemetry or the companion believe.
+line of events.jsonl that people are told, without times. What is said of the vehicle here is the
+simulator's truth, never what telemetry or the companion believe.
 """
 
 from __future__ import annotations
@@ -52,9 +52,14 @@ class Flown:
     truth: list[tuple[float, FlightState]] = field(default_factory=list)
 
     @property
-    def events(self) -> list[Event]:
+    def lines(self) -> list[Event]:
         text = (self.folder / "events.jsonl").read_text(encoding="utf-8")
         return [json.loads(line) for line in text.splitlines()]
+
+    @property
+    def events(self) -> list[Event]:
+        """Of these, what people are told."""
+        return [line for line in self.lines if line["kind"] != "position"]
 
     @property
     def sequence(self) -> str:

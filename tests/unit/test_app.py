@@ -29,7 +29,8 @@ class Notes:
         self.positions: list[Ned] = []
 
     def report(self, report: Report) -> None:
-        self.reports.append(report)
+        if report.is_told:
+            self.reports.append(report)
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
         self.datagrams.append((now_s, list(datagrams)))

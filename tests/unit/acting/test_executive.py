@@ -243,3 +243,69 @@ def test_a_belief_about_here_can_be_to_blame() -> None:
     rig.task.withdraw(frozenset({"trans_ok(here, A)", "trans_ok(H, A)"}))
     with pytest.raises(NoPlanError, match=r"or trans_ok\(here, A\) there would be a plan"):
         rig.planner.plan(*rig.task.problem())
+
+
+# -- positions and violations ----------------------------------------------------------------------
+
+
+def safe_visit() -> Rig:
+    return Rig(mission({"visit": "F at(A)", "safe": "G !low"}, events=[LOW])).begin()
+
+
+def test_each_position_of_the_word_is_reported_when_it_is_left() -> None:
+    rig = safe_visit()
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED
+    told = [(p["number"], p["facts"], p["for_ever"]) for p in rig.positions]
+    assert told == [
+        (0, ["at(H)"], False),
+        (1, ["at(A)"], False),
+        (2, ["at(A)"], True),
+    ]
+    assert rig.of_kind("violation") == []
+
+
+def test_an_event_that_no_plan_survives_violates_where_the_vehicle_arrives() -> None:
+    """On the way there is no position; the first one after the event is that of the way home."""
+    rig = safe_visit()
+    for _ in range(30):
+        rig.tick()
+    rig.tick(reading("low"))
+    assert rig.executive.status is TaskStatus.NO_PLAN
+    assert rig.texts[-1].startswith("replan 1: low: no plan: safe cannot hold from here")
+    assert rig.executive.go_to("H")
+    assert rig.of_kind("violation") == []
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED
+    assert rig.of_kind("violation") == ["safe violated at position 1: G !low"]
+    (report,) = [report for report in rig.reports if report.kind == "violation"]
+    assert report.data == {
+        "conjunct": "safe",
+        "formula": "G !low",
+        "position": 1,
+        "facts": ["at(H)", "low"],
+    }
+    assert rig.executive.failure is not None  # the way home does not make it well
+
+
+def test_a_violation_at_the_start_is_told_when_the_start_is_left() -> None:
+    rig = safe_visit()
+    rig.tick(reading("low"))
+    assert rig.executive.status is TaskStatus.NO_PLAN
+    assert rig.of_kind("violation") == []
+    assert rig.executive.go_to("H")
+    rig.tick()
+    assert rig.of_kind("violation") == ["safe violated at position 0: G !low"]
+    assert rig.positions[0]["facts"] == ["at(H)", "low"]
+
+
+def test_after_a_violation_a_plan_is_only_found_again_if_the_conjunct_begins_anew() -> None:
+    """What is lost stays lost when the event has passed, but for `restarts`."""
+    for restarts, status in ((), TaskStatus.NO_PLAN), (["safe"], TaskStatus.RUNNING):
+        calm = event("calm", restarts=restarts)
+        task = {"visit": "F at(A)", "safe": "G !low", "or": "F at(H) | F calm"}
+        rig = Rig(mission(task, events=[LOW, calm])).begin()
+        rig.tick(reading("low"))
+        assert rig.executive.go_to("H")
+        rig.tick()
+        assert rig.of_kind("violation") == ["safe violated at position 0: G !low"]
+        rig.tick(reading("low", 0.0), reading("calm"))
+        assert rig.executive.status is status

@@ -42,7 +42,7 @@ class Run:
 
     @property
     def texts(self) -> list[str]:
-        return [report.text for report in self.rig.flight.reports]
+        return [report.text for report in self.rig.flight.reports if report.is_told]
 
     @property
     def end(self) -> tuple[str, object]:

@@ -178,3 +178,39 @@ def test_departures_carry_what_a_move_carries() -> None:
     assert move.requires == {"at(here)", "trans_ok(here, A)"}
     assert move.adds == {"at(A)"}
     assert move.deletes == {"at(here)"}
+
+
+def test_each_position_is_kept_as_it_was_left() -> None:
+    found = event("found", restarts=["one"])
+    task = state(mission({"one": "F at(A)", "two": "F trans_ok(H, A)"}, events=[found]))
+    task.withdraw(frozenset({"trans_ok(A, B)"}))
+    perform(task, "move(H, A)")
+    task.take(found, True)
+    task.begin(WAIT)
+    task.interrupt()
+    task.begin(action(task, "wait"))
+    first, second = task.left
+    mentioned = "trans_ok(H, A)"  # all other beliefs would say nothing to a reader of the task
+    assert (first.number, first.facts, first.restarted) == (0, {"at(H)", mentioned}, ())
+    assert (second.number, second.restarted) == (1, ("one",))
+    assert second.facts == {"at(A)", "found", mentioned}
+    assert first.withdrawn == second.withdrawn == {"trans_ok(A, B)"}
+
+
+def test_a_violation_is_noticed_once_and_again_after_a_restart() -> None:
+    low, calm = event("low"), event("calm", restarts=["safe"])
+    task = state(mission({"safe": "G !low", "goal": "F at(A)"}, events=[low, calm]))
+    perform(task, "wait")
+    task.take(low, True)
+    perform(task, "wait")
+    perform(task, "move(H, A)")
+    task.take(calm, True)
+    perform(task, "wait")
+    assert [[c.name for c in p.violated] for p in task.left] == [[], ["safe"], [], ["safe"]]
+
+
+def test_who_departs_leaves_the_position_as_it_was() -> None:
+    task = state(mission("F at(A)"))
+    task.depart()
+    assert [set(position.facts) for position in task.left] == [{"at(H)"}]
+    assert task.facts == {"at(here)"}

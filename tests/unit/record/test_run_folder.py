@@ -185,3 +185,10 @@ def test_a_full_disk_ends_no_flight(tmp_path: Path) -> None:
     assert [r.kind for r in told] == ["record", "at"]
     assert "No space left" in told[0].text
     assert (tmp_path / "events.jsonl").read_text().count("\n") == 1
+
+
+def test_positions_are_kept_and_not_told(run: RunFolder, told: list[Report]) -> None:
+    run.report(Report(1.0, "position", "position 0: at(H)", {"number": 0, "facts": ["at(H)"]}))
+    assert told == []
+    (line,) = lines(run)
+    assert (line["kind"], line["number"], line["facts"]) == ("position", 0, ["at(H)"])
