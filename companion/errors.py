@@ -7,6 +7,7 @@
     +- LinkError              exit 4, no vehicle to talk to
     |  +- LinkTimeout
     +- Aborted                exit 5, the pilot or a failsafe ended the flight
+    +- TaskViolated           exit 6, a recorded flight does not satisfy its task
 
 A message has three parts: what happened, where, what to do. Expected outcomes (a failed skill,
 a blocked route) are values and never exceptions. `cli.py` is the only place that catches.
@@ -119,3 +120,9 @@ class Aborted(CompanionError):
     """The pilot took over, or a failsafe of the autopilot ended the mission."""
 
     exit_code = 5
+
+
+class TaskViolated(CompanionError):
+    """A recorded flight does not satisfy its task."""
+
+    exit_code = 6

@@ -66,6 +66,7 @@ OPTIONS = {
     "ltl": ["--format", "--state-based", "--monolithic", "--batch", "--exclusive"],
     "run": ["--connect", "--accept-weak-failsafes", "--timeout", "--log-dir"],
     "sim": ["--scenario", "--speed", "--seed", "--instance", "--timeout", "--log-dir"],
+    "audit": ["--json"],
 }
 
 

@@ -48,6 +48,7 @@ SIMULATORS = (
 
 ELSEWHERE = {
     ".venv/bin/python scripts/bench translating planning": "tests/test_bench.py",
+    "companion audit runs/2026-11-21T101500-surveillance": "tests/test_cli_audit.py",
     "scripts/fly --speed max": ".ci/run",
     "scripts/test": ".ci/run",
 }

@@ -1,7 +1,8 @@
 """The commands: arguments in, one call each; the only place that prints and picks exit codes.
 
 Exit codes: 0 the task is satisfied (or the run was stopped as asked), 1 internal, 2 a file from
-outside is wrong, 3 no plan, 4 no link, 5 the pilot or a failsafe ended the flight.
+outside is wrong, 3 no plan, 4 no link, 5 the pilot or a failsafe ended the flight, 6 a recorded
+flight does not satisfy its task (`audit`).
 
 Imports that take long (MAVLink, plots, the simulator) are made inside the commands that need
 them, so that `--help` answers at once.
@@ -13,6 +14,7 @@ import sys
 
 import typer
 
+from companion.cli.auditing import audit
 from companion.cli.flying import run, sim
 from companion.cli.formulas import ltl
 from companion.cli.planning import check, plan
@@ -25,7 +27,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (check, plan, ltl, run, sim):
+for command in (check, plan, ltl, run, sim, audit):
     app.command()(command)
 
 

@@ -1,0 +1,99 @@
+"""The command that holds a recorded flight against its task: audit."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from companion.errors import TaskViolated
+
+if TYPE_CHECKING:
+    from companion.record.audit import Audit, Finding
+    from companion.record.events import LeftPosition, RunRecord
+
+FORMAT_VERSION = 1
+"""Of the JSON that `audit --json` prints."""
+SYMBOLS = {"open": ".", "true": "T", "false": "F"}
+WORDS = {
+    "violated": "violated at position {}",
+    "unfulfilled": "not fulfilled by this rest",
+    "fulfilled": "fulfilled at position {}",
+    "satisfied": "satisfied by this rest",
+    "open": "holds so far",
+}
+"""Outcomes in words; {} is the position that decided it."""
+
+
+def audit(
+    run: Annotated[Path, typer.Argument(metavar="RUN", help="A run folder, as sim and run print.")],
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Holds a recorded flight against its task, position by position.
+
+    The word of the flight is read again from RUN/events.jsonl, by a monitor of each conjunct that
+    knows three answers: T, whatever follows satisfies it; F, nothing that follows can; and a dot
+    if that is open. Patrols stay open. If the vehicle came to rest for ever, the word is known to
+    its end, and each conjunct is judged by the semantics of LTL, without any automaton.
+
+    \b
+    Exit codes:
+      0  the flight satisfies the task, or nothing speaks against it so far
+      2  RUN is no run folder, or a line of it is not as documented
+      6  a conjunct is violated, or is not fulfilled by the rest at the end
+
+    A run that was cut off is audited as far as it goes. What the lines of events.jsonl mean is said
+    in docs/run-folder.md.
+
+    \b
+    Examples:
+      companion sim missions/surveillance.yaml --speed max --log-dir runs
+      companion audit runs/2026-11-21T101500-surveillance
+    """
+    from companion.record.audit import as_json as for_programs
+    from companion.record.audit import audit as held_against
+    from companion.record.events import read_events
+
+    record = read_events(run)
+    result = held_against(record)
+    if as_json:
+        answer = {"version": FORMAT_VERSION, "run": str(run), **for_programs(record, result)}
+        typer.echo(json.dumps(answer, indent=2))
+    else:
+        _print(run, record, result)
+    failed = dict.fromkeys(f.name for f in result.findings if f.outcome.is_failure)
+    if failed:
+        raise TaskViolated(f"the flight does not satisfy the task: {', '.join(failed)}")
+
+
+def _print(run: Path, record: RunRecord, result: Audit) -> None:
+    typer.echo(f"run        {run}")
+    typer.echo(f"ending     {_first_line(record.ending) or 'none: the run was cut off'}")
+    if record.is_torn:
+        typer.echo("note       the last line of events.jsonl is not whole; it was left out")
+    for name, number in result.differs:
+        typer.echo(f"note       not the same in flight: {name} at position {number}")
+    typer.echo(f"word       {len(record.positions)} positions, a column for each conjunct below")
+    for position in record.positions:
+        typer.echo(_row(position, result.findings))
+    for finding in result.findings:
+        words = WORDS[finding.outcome.value].format(finding.position)
+        typer.echo(f"{finding.name:<10} {words:<26} {finding.formula}")
+
+
+def _first_line(text: str | None) -> str:
+    return (text or "").partition("\n")[0]
+
+
+def _row(position: LeftPosition, findings: tuple[Finding, ...]) -> str:
+    """A position, what each conjunct says after it, and its facts."""
+    minutes, seconds = divmod(position.time_s, 60)
+    states = "".join(SYMBOLS[finding.states[position.number].value] for finding in findings)
+    notes = [f"{name} begins anew" for name in sorted(position.restarted)]
+    notes += [f"without {belief}" for belief in sorted(position.withdrawn)]
+    notes += ["and so for ever"] if position.is_for_ever else []
+    facts = ", ".join(sorted(position.facts))
+    time = f"{int(minutes):02d}:{seconds:04.1f}"
+    return f"  {position.number:>4}  {time}  {states}  {facts}" + "".join(f"; {n}" for n in notes)

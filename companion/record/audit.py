@@ -1,0 +1,160 @@
+"""Did the recorded flight do what the task says? Each conjunct held against the executed word.
+
+The word is read again from the record alone, letter by letter, by a monitor of each conjunct
+(`companion/ltl/monitor.py`). If the vehicle came to rest for ever, the word is a lasso, and the
+direct semantics of LTL decides each conjunct without any automaton.
+
+An event may have made conjuncts begin anew (`restarts`); what such a conjunct had read before is
+then dropped, but a violation that has happened stays one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from enum import Enum
+
+from companion.ltl.formula import Formula, conjuncts
+from companion.ltl.monitor import Monitor, Verdict
+from companion.ltl.semantics import Letter, holds
+from companion.record.events import LeftPosition, RunRecord
+
+
+class Outcome(Enum):
+    """What a flight has done about a conjunct; the first two are failures."""
+
+    VIOLATED = "violated"
+    UNFULFILLED = "unfulfilled"
+    FULFILLED = "fulfilled"
+    SATISFIED = "satisfied"
+    OPEN = "open"
+
+    @property
+    def is_failure(self) -> bool:
+        """Whether the flight does not satisfy the conjunct."""
+        return self in (Outcome.VIOLATED, Outcome.UNFULFILLED)
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """What the flight has done about one conjunct.
+
+    Attributes:
+        outcome: VIOLATED and FULFILLED if the word alone decides it, from `position` on; SATISFIED
+            and UNFULFILLED if the rest does that follows for ever; else OPEN: it holds so far.
+        states: what the word says after each position.
+    """
+
+    name: str
+    formula: Formula
+    outcome: Outcome
+    position: int | None
+    states: tuple[Verdict, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Audit:
+    """All findings.
+
+    Attributes:
+        differs: violations, as conjunct and position, that either the flight or the audit alone
+            has found.
+    """
+
+    findings: tuple[Finding, ...]
+    differs: tuple[tuple[str, int], ...]
+
+    @property
+    def is_failure(self) -> bool:
+        """Whether the flight does not satisfy the task."""
+        return any(finding.outcome.is_failure for finding in self.findings)
+
+
+def audit(record: RunRecord) -> Audit:
+    """Holds a recorded flight against its task.
+
+    Raises:
+        TranslationLimit: the monitor of a conjunct would be too large.
+    """
+    readings = [
+        _read(name, part, record.positions)
+        for name, formula in record.task.items()
+        for part in conjuncts(formula)
+    ]
+    found = {(reading.name, number) for reading in readings for number in reading.violated}
+    differs = tuple(sorted(found ^ record.violations))
+    return Audit(tuple(_finding(reading, record.positions) for reading in readings), differs)
+
+
+@dataclass(frozen=True, slots=True)
+class _Reading:
+    """What the word says of a conjunct.
+
+    Attributes:
+        begun: number of the position from which on it counts.
+        states: what is known after each position.
+        violated: the positions that violated it: one, and perhaps one more after each restart.
+    """
+
+    name: str
+    formula: Formula
+    begun: int
+    states: tuple[Verdict, ...]
+    violated: tuple[int, ...]
+
+
+def _read(name: str, formula: Formula, positions: Iterable[LeftPosition]) -> _Reading:
+    fresh = monitor = Monitor.of(formula)
+    begun, states, violated = 0, [], []
+    for position in positions:
+        if name in position.restarted:
+            monitor, begun = fresh, position.number
+        before, monitor = monitor.verdict, monitor.after(position.facts)
+        states.append(monitor.verdict)
+        if before is not Verdict.FALSE and monitor.verdict is Verdict.FALSE:
+            violated.append(position.number)
+    return _Reading(name, formula, begun, tuple(states), tuple(violated))
+
+
+def _finding(reading: _Reading, positions: tuple[LeftPosition, ...]) -> Finding:
+    outcome, number = Outcome.OPEN, None
+    if reading.violated:
+        outcome, number = Outcome.VIOLATED, reading.violated[0]
+    elif Verdict.TRUE in reading.states[reading.begun :]:
+        outcome, number = Outcome.FULFILLED, reading.states.index(Verdict.TRUE, reading.begun)
+    elif positions and positions[-1].is_for_ever:
+        word: list[Letter] = [position.facts for position in positions[reading.begun :]]
+        is_satisfied = holds(reading.formula, word[:-1], word[-1:])
+        outcome = Outcome.SATISFIED if is_satisfied else Outcome.UNFULFILLED
+    return Finding(reading.name, reading.formula, outcome, number, reading.states)
+
+
+def as_json(record: RunRecord, result: Audit) -> Mapping[str, object]:
+    """Record and findings for programs."""
+    return {
+        "satisfied": not result.is_failure,
+        "at_rest": bool(record.positions) and record.positions[-1].is_for_ever,
+        "ending": record.ending,
+        "torn": record.is_torn,
+        "differs": [{"conjunct": name, "position": number} for name, number in result.differs],
+        "conjuncts": [
+            {
+                "conjunct": finding.name,
+                "formula": str(finding.formula),
+                "outcome": finding.outcome.value,
+                "position": finding.position,
+            }
+            for finding in result.findings
+        ],
+        "positions": [
+            {
+                "number": position.number,
+                "t_s": position.time_s,
+                "facts": sorted(position.facts),
+                "withdrawn": sorted(position.withdrawn),
+                "restarted": sorted(position.restarted),
+                "states": [finding.states[position.number].value for finding in result.findings],
+            }
+            for position in record.positions
+        ],
+    }

@@ -1,0 +1,319 @@
+"""`companion audit`: recorded flights, and records that are hand-made, cut off or damaged."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from commands import Companion
+
+from companion.app import Companion as Flier
+from companion.ltl.formula import conjuncts
+from companion.ltl.parser import parse
+from companion.ltl.semantics import holds
+from companion.mission.loader import load_mission
+from companion.record.run_folder import RunFolder
+from sitl.harness import fly_in_lockstep
+from sitl.link.routing import LinkName
+from sitl.simulation import Simulation
+from sitl.world.scenario import read_scenario
+
+ROOT = Path(__file__).parents[1]
+MISSIONS = ROOT / "missions"
+DOCUMENTED = "companion audit runs/2026-11-21T101500-surveillance"
+"""The command in docs/run-folder.md."""
+
+
+def fly(mission: Path, folder: Path) -> Path:
+    """A flight of a mission in the surveillance mission's world; its run folder."""
+    scenario, grid = read_scenario(MISSIONS / "surveillance.sim.yaml")
+    loaded = load_mission(mission)
+    run = RunFolder(folder, loaded, 0.0, lambda report: None)
+    simulation = Simulation(scenario, grid, seed=0, links=frozenset({LinkName.OFFBOARD}))
+    fly_in_lockstep(Flier(loaded, run), simulation)
+    run.close()
+    return folder
+
+
+@pytest.fixture(scope="module")
+def good(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return fly(MISSIONS / "surveillance.yaml", tmp_path_factory.mktemp("good"))
+
+
+@pytest.fixture(scope="module")
+def bad(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same, but the target must not be found, which the vehicle cannot choose."""
+    folder = shutil.copytree(MISSIONS, tmp_path_factory.mktemp("missions") / "missions")
+    path = folder / "surveillance.yaml"
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text.replace("\ntask:\n", "\ntask:\n  calm: G !targetFound\n"))
+    return fly(path, tmp_path_factory.mktemp("bad"))
+
+
+def events(run: Path) -> list[dict[str, Any]]:
+    return [json.loads(line) for line in (run / "events.jsonl").read_text().splitlines()]
+
+
+def outcomes(companion: Companion, run: Path) -> tuple[int, dict[str, tuple[str, int | None]]]:
+    """Exit code, and the outcome and position of each conjunct; the last one of a name."""
+    ended = companion("audit", run, "--json")
+    answer = json.loads(ended.out)
+    assert answer["version"] == 1
+    assert answer["satisfied"] is (ended.code == 0)
+    return ended.code, {c["conjunct"]: (c["outcome"], c["position"]) for c in answer["conjuncts"]}
+
+
+# -- flights ---------------------------------------------------------------------------------------
+
+
+def test_the_surveillance_mission_is_satisfied(companion: Companion, good: Path) -> None:
+    code, found = outcomes(companion, good)
+    assert code == 0
+    assert found == dict.fromkeys(["search", "upload", "return"], ("satisfied", None))
+    answer = json.loads(companion("audit", good, "--json").out)
+    assert answer["at_rest"] and not answer["torn"] and answer["differs"] == []
+    assert answer["ending"] == "task satisfied, landed"
+    places = [re.findall(r"at\((\w+)\)", " ".join(p["facts"])) for p in answer["positions"]]
+    way = ["Home", "A", "B", "C", "A", "r1", "r2", "r2", "Home", "Home"]
+    assert places == [[place] for place in way]
+    begun = [p["number"] for p in answer["positions"] if p["restarted"]]
+    assert begun == [5]
+
+
+def test_the_word_in_the_record_satisfies_the_task_of_the_file(good: Path) -> None:
+    """The file and the record alone, by the semantics; nothing of the audit takes part."""
+    task = load_mission(MISSIONS / "surveillance.yaml").task
+    positions = [e for e in events(good) if e["kind"] == "position"]
+    for name, formula in task.items():
+        begun = max((p["number"] for p in positions if name in p["restarted"]), default=0)
+        word = [frozenset(p["facts"]) for p in positions[begun:]]
+        assert holds(formula, word[:-1], word[-1:]), name
+    word = [frozenset(p["facts"]) for p in positions]
+    assert not holds(task["upload"], word[:6], word[5:6])  # rest at r1 would not have done
+
+
+def test_a_violating_flight_has_the_verdict_that_it_was_told_in_flight(
+    companion: Companion, bad: Path
+) -> None:
+    (told,) = [e for e in events(bad) if e["kind"] == "violation"]
+    assert told["text"] == f"calm violated at position {told['position']}: G !targetFound"
+    code, found = outcomes(companion, bad)
+    assert code == 6
+    assert found["calm"] == ("violated", told["position"])
+    assert found["upload"] == ("unfulfilled", None)  # it went home without an upload
+    answer = json.loads(companion("audit", bad, "--json").out)
+    assert answer["differs"] == []
+    column = [c["conjunct"] for c in answer["conjuncts"]].index("calm")
+    states = [p["states"][column] for p in answer["positions"]]
+    number = told["position"]
+    assert states == ["open"] * number + ["false"] * (len(states) - number)
+    assert answer["positions"][number]["facts"] == told["facts"]
+
+
+def test_after_a_violation_the_mission_does_what_is_left_and_says_why(bad: Path) -> None:
+    told = [e["text"].partition("\n")[0] for e in events(bad) if e["kind"] != "position"]
+    found = told.index("target found")
+    assert told[found + 1].startswith("replan 1: target found: no plan: calm cannot hold from here")
+    assert told[found + 2] == "returning to Home"
+    assert re.fullmatch(r"at Home", told[found + 3])
+    assert events(bad)[-1]["exit_code"] == 3
+
+
+def test_people_and_programs_read_the_same(companion: Companion, bad: Path) -> None:
+    ended = companion("audit", bad)
+    assert ended.code == 6
+    assert "does not satisfy the task: calm, upload" in ended.err
+    answer = json.loads(companion("audit", bad, "--json").out)
+    rows = re.findall(r"^ +(\d+)  \d\d:\d\d\.\d  ([.TF]+)  (.*?)(?:;.*)?$", ended.out, re.M)
+    symbols = {"open": ".", "true": "T", "false": "F"}
+    assert rows == [
+        (str(p["number"]), "".join(symbols[s] for s in p["states"]), ", ".join(p["facts"]))
+        for p in answer["positions"]
+    ]
+    for conjunct in answer["conjuncts"]:
+        line = next(x for x in ended.out.splitlines() if x.endswith(conjunct["formula"]))
+        assert line.startswith(conjunct["conjunct"])
+
+
+def test_the_documented_command(
+    companion: Companion, good: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert DOCUMENTED in (ROOT / "docs" / "run-folder.md").read_text(encoding="utf-8")
+    _, command, run = DOCUMENTED.split()
+    shutil.copytree(good, tmp_path / run)
+    monkeypatch.chdir(tmp_path)
+    assert companion(command, run).code == 0
+
+
+def test_every_line_is_as_documented(good: Path, bad: Path) -> None:
+    text = (ROOT / "docs" / "run-folder.md").read_text(encoding="utf-8")
+    described = {
+        kind: set(re.findall(r"`(\w+)`", fields))
+        for kind, fields in re.findall(r"^\| `(\w+)` \|([^|]*)\| [^|]+ \|$", text, re.M)
+    }
+    for line in (*events(good), *events(bad)):
+        fields = line.keys() - {"t_s", "kind", "text"}
+        if line["kind"] == "replan" and "loop" not in line:
+            assert fields == {"reason"}
+        else:
+            assert fields == described[line["kind"]], line["kind"]
+
+
+# -- hand-made records -----------------------------------------------------------------------------
+
+Write = Callable[..., Path]
+
+
+@pytest.fixture
+def write(tmp_path: Path) -> Iterator[Write]:
+    """Writes the record of a flight; its positions are facts in one text, or a position's data."""
+
+    def written(
+        task: dict[str, str], *positions: str | dict[str, Any], rests: bool = False
+    ) -> Path:
+        lines: list[dict[str, Any]] = [{"t_s": 0.0, "kind": "plan", "text": "", "task": task}]
+        for number, given in enumerate(positions):
+            data = {"facts": given.split()} if isinstance(given, str) else given
+            base = {"t_s": 1.0 * number, "kind": "position", "text": "", "number": number}
+            more = {"withdrawn": [], "restarted": [], "for_ever": False}
+            lines.append(base | more | data)
+        if rests:
+            lines[-1]["for_ever"] = True
+        lines.append({"t_s": 99.0, "kind": "end", "text": "over", "exit_code": 0})
+        text = "".join(json.dumps(line) + "\n" for line in lines)
+        (tmp_path / "events.jsonl").write_text(text, encoding="utf-8")
+        return tmp_path
+
+    yield written
+
+
+@pytest.mark.parametrize(
+    ("formula", "word", "rests", "outcome", "code"),
+    [
+        ("F p", ["", "p", ""], False, ("fulfilled", 1), 0),
+        ("F p", ["", ""], False, ("open", None), 0),
+        ("F p", ["", ""], True, ("unfulfilled", None), 6),
+        ("G !p", ["", "q"], False, ("open", None), 0),
+        ("G !p", ["", "q"], True, ("satisfied", None), 0),
+        ("G !p", ["", "q p", ""], True, ("violated", 1), 6),
+        ("G F p", ["p", ""], True, ("unfulfilled", None), 6),
+        ("G F p", ["", "p"], True, ("satisfied", None), 0),
+        ("G (p -> X q)", ["p", ""], False, ("violated", 1), 6),
+        ("p", [], False, ("open", None), 0),
+    ],
+)
+def test_the_outcome_of_a_word(
+    formula: str,
+    word: list[str],
+    rests: bool,
+    outcome: tuple[str, int | None],
+    code: int,
+    companion: Companion,
+    write: Write,
+) -> None:
+    assert len(conjuncts(parse(formula))) == 1
+    assert outcomes(companion, write({"it": formula}, *word, rests=rests)) == (
+        code,
+        {"it": outcome},
+    )
+
+
+def test_a_conjunct_that_begins_anew_forgets_what_it_read(
+    companion: Companion, write: Write
+) -> None:
+    anew = {"facts": ["q"], "restarted": ["it"]}
+    task = {"it": "F p", "other": "F p"}
+    _, found = outcomes(companion, write(task, "p", anew, rests=True))
+    assert found == {"it": ("unfulfilled", None), "other": ("fulfilled", 0)}
+
+
+def test_a_violation_stays_one_when_its_conjunct_begins_anew(
+    companion: Companion, write: Write
+) -> None:
+    anew = {"facts": [], "restarted": ["it"]}
+    assert outcomes(companion, write({"it": "G !p"}, "p", anew))[1] == {"it": ("violated", 0)}
+
+
+def test_a_record_that_told_of_no_violation_is_noticed(companion: Companion, write: Write) -> None:
+    ended = companion("audit", write({"it": "G !p"}, "p"))
+    assert ended.code == 6
+    assert "not the same in flight: it at position 0" in ended.out
+
+
+# -- cut off, or damaged ---------------------------------------------------------------------------
+
+
+def test_a_run_that_was_cut_off_anywhere_is_audited_as_far_as_it_goes(
+    companion: Companion, good: Path, tmp_path: Path
+) -> None:
+    whole = (good / "events.jsonl").read_bytes()
+    first = whole.index(b"\n") + 1
+    torn = 0
+    for size in range(first, len(whole) - 1, len(whole) // 40):
+        (tmp_path / "events.jsonl").write_bytes(whole[:size])
+        ended = companion("audit", tmp_path)
+        assert ended.code == 0, ended.err
+        assert "none: the run was cut off" in ended.out
+        is_torn = "the last line of events.jsonl is not whole" in ended.out
+        torn += is_torn
+        assert is_torn is (whole[size - 1 : size] != b"\n" and whole[size : size + 1] != b"\n")
+    assert torn > 30
+
+
+def damaged(good: Path, folder: Path, change: Callable[[list[str]], object]) -> Path:
+    lines = (good / "events.jsonl").read_text(encoding="utf-8").splitlines()
+    change(lines)
+    (folder / "events.jsonl").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return folder
+
+
+def replaced(number: int, text: str) -> Callable[[list[str]], object]:
+    return lambda lines: lines.__setitem__(number, text)
+
+
+def edited(**change: object) -> Callable[[list[str]], object]:
+    """The first position with other values."""
+
+    def edit(lines: list[str]) -> None:
+        number = next(i for i, line in enumerate(lines) if '"position"' in line)
+        lines[number] = json.dumps(json.loads(lines[number]) | change)
+
+    return edit
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (replaced(2, '{"t_s": 1'), r"events\.jsonl:3:1: this line is not JSON\n"),
+        (replaced(2, "[1]"), r"events\.jsonl:3:1: this line is not a JSON object"),
+        (replaced(2, "{}"), r"events\.jsonl:3:1: kind is missing"),
+        (edited(number=4), "position 4 stands where 0 is due"),
+        (edited(number=True), "number is missing here"),
+        (edited(facts="at(A)"), "facts is missing here"),
+        (edited(facts=[1]), "facts is not a list of names"),
+        (edited(t_s=float("nan")), "t_s is missing here"),
+        (lambda lines: lines.pop(0), "no plan was made in this run"),
+        (replaced(0, '{"kind": "plan", "task": {"it": "G ("}}'), r"events\.jsonl:1:1: .*\n.*\^"),
+    ],
+)
+def test_a_damaged_record_is_refused_with_its_place(
+    change: Callable[[list[str]], object],
+    message: str,
+    companion: Companion,
+    good: Path,
+    tmp_path: Path,
+) -> None:
+    ended = companion("audit", damaged(good, tmp_path, change))
+    assert ended.code == 2
+    assert re.search(message, ended.err, re.S), ended.err
+
+
+def test_a_folder_that_is_none_is_refused(companion: Companion, tmp_path: Path) -> None:
+    ended = companion("audit", tmp_path / "nowhere")
+    assert ended.code == 2
+    assert "is no run folder" in ended.err
