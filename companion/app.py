@@ -22,6 +22,7 @@ from companion.ltl.formula import atoms
 from companion.mission.loader import CLEARANCE_M
 from companion.mission.model import Mission, Place
 from companion.motion.routes import RouteMap, Site
+from companion.motion.sensed_map import SensedMap
 from companion.motion.trajectory import flight_time_s
 from companion.planning.domain import HERE, FlightTime
 from companion.planning.planner import Planner
@@ -105,6 +106,8 @@ class Companion:
         self._sortie = Sortie(
             self._flight, executive, home, mission.otherwise, accepts_weak_failsafes
         )
+        self._map = SensedMap(mission.grid)
+        self._routes = routes
         self._recorder = recorder
 
     @property
@@ -129,10 +132,16 @@ class Companion:
     def step(self, now_s: float, datagrams: list[bytes]) -> list[bytes]:
         """One tick: reads what arrived, acts, returns what has to leave."""
         readings = self._vehicle.receive(now_s, datagrams)
+        self._look()
         self._sortie.step(now_s, readings)
         answers = self._vehicle.transmit(now_s)
         self._record(now_s, datagrams + answers)
         return answers
+
+    def _look(self) -> None:
+        """Corrects the map by what the vehicle sees."""
+        if any([self._map.integrate(scan) for scan in self._vehicle.scans]):
+            self._routes.see(self._map.grid)
 
     def _record(self, now_s: float, packets: list[bytes]) -> None:
         self._recorder.packets(now_s, packets)

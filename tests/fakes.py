@@ -10,6 +10,7 @@ import math
 from dataclasses import replace
 
 from companion.geometry import Ned
+from companion.motion.sensed_map import RangeScan
 from companion.vehicle.port import (
     Goal,
     Mode,
@@ -40,6 +41,7 @@ class FakeVehicle:
         flown: every setpoint that it was given; None when it was released.
         sent: every command, as (component, command, parameters).
         pursued: the goals that were worked for, in order.
+        scans: what it hears of its surroundings; nothing at first.
         parameters: the autopilot's parameters; strong failsafes at first.
     """
 
@@ -48,6 +50,7 @@ class FakeVehicle:
         self.state: VehicleState | None = VehicleState(
             0.0, position, at_rest, 0.0, Mode.LOITER, False, True, False, 100
         )
+        self.scans: list[RangeScan] = []
         self.lost_authority = ""
         self.refusal = ""
         self.script: dict[Goal, tuple[float, Outcome]] = {}

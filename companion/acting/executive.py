@@ -77,6 +77,7 @@ class Executive:
         self._predicted: dict[Fact, bool] = {}
         self._idle_replans = 0
         self._positions = 0
+        self._map_version = flight.routes.version
 
     def sense(self, readings: Sequence[tuple[Signal, float]]) -> None:
         """Takes readings off the wire and turns them into facts."""
@@ -100,6 +101,7 @@ class Executive:
             self._root = build_by_hand(self._flight, tree, self._planner.actions_of(tree))
             self._flight.report("plan", "the mission's own tree", number=0)
             return
+        self._follow_map()
         lasso = self._planner.plan(*self._flight.task.problem())
         self._adopt(lasso)
         task = {name: str(formula) for name, formula in self._planner.mission.task.items()}
@@ -183,6 +185,7 @@ class Executive:
                 raise NoPlanError("no plan: the mission has a tree of its own")
             if self._idle_replans > MAX_IDLE_REPLANS:
                 raise NoPlanError(f"no plan: {MAX_IDLE_REPLANS} plans in a row led nowhere")
+            self._follow_map()
             lasso = self._planner.replan(*task.problem())
         except NoPlanError as error:
             self.replans += 1
@@ -226,6 +229,12 @@ class Executive:
                     facts=facts,
                 )
         flight.task.left.clear()
+
+    def _follow_map(self) -> None:
+        """Moves cost what they cost on the map as it is known now."""
+        if self._map_version != self._flight.routes.version:
+            self._map_version = self._flight.routes.version
+            self._planner.reground()
 
     def _count_idle(self) -> None:
         """Counts replans between which the task's word has not grown."""

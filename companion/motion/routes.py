@@ -64,12 +64,15 @@ class Route:
 
 
 class RouteMap:
-    """Routes and distances to places on one map.
+    """Routes and distances to places on the map as it is known now.
 
-    Each place's field is computed when it is first asked for, and kept.
+    Each place's field is computed when it is first asked for, and kept until the map changes.
+
+    Attributes:
+        version: changes whenever the free cells do.
 
     Args:
-        grid: the map as it is known now.
+        grid: the map as it is known at first.
         sites: the places, by name.
         fence: north-east corners of the polygon that no route leaves.
         clearance_m: least distance from a free cell's centre to an occupied cell's centre.
@@ -82,13 +85,47 @@ class RouteMap:
         fence: Sequence[NorthEast],
         clearance_m: float,
     ) -> None:
-        self._grid = grid
+        self.version = 0
         self._sites = dict(sites)
-        self._free = (grid.distance_m >= clearance_m) & _cells_inside(grid, fence)
-        self._free_sight = Sight(self._free)
+        self._clearance_m = clearance_m
+        self._is_inside = _cells_inside(grid, fence)
+        self._free = np.zeros_like(self._is_inside)
+        self._use(grid, self._free)
+        self.see(grid)
+
+    def see(self, grid: OccupancyGrid) -> None:
+        """The map from now on: same cells, but others of them are occupied."""
+        free = (grid.distance_m >= self._clearance_m) & self._is_inside
+        if np.array_equal(free, self._free):
+            self._grid, self._open_sight = grid, Sight(~grid.occupied)
+        else:
+            self._use(grid, free)
+            self.version += 1
+
+    def _use(self, grid: OccupancyGrid, free: npt.NDArray[np.bool_]) -> None:
+        self._grid = grid
+        self._free = free
+        self._free_sight = Sight(free)
         self._open_sight = Sight(~grid.occupied)
-        self._graph = MoveGraph(self._free)
+        self._graph: MoveGraph | None = None  # made when a field is asked for
         self._fields: dict[str, Field | None] = {}
+
+    def is_clear(self, path: npt.NDArray[np.float64]) -> bool:
+        """Whether a path crosses free cells only; (n, 2) or (n, 3) metres.
+
+        A path that begins in no free cell may lead out of there: until it comes to free cells it
+        must come no closer to an obstacle than at its beginning, by a cell.
+        """
+        points = self._point(path)
+        legs = self._free_sight.is_clear(points[:-1], points[1:])
+        if self._free_sight.is_clear(points[0], points[0]):
+            return bool(legs.all())
+        way = np.linspace(points[0], points[1], 2 + int(2 * math.dist(points[0], points[1])))
+        cells = np.clip(np.floor(way).astype(int), 0, np.array(self._free.shape) - 1)
+        away_m = self._grid.distance_m[cells[:, 0], cells[:, 1]]
+        least_m = min(away_m[0], self._clearance_m) - self._grid.cell_m
+        is_way_out = away_m.min() >= least_m and self._open_sight.is_clear(points[0], points[1])
+        return bool(is_way_out and legs[1:].all())
 
     def is_free(self, position: NorthEast) -> bool:
         """Whether a position has the clearance and lies inside the fence."""
@@ -180,11 +217,12 @@ class RouteMap:
             return None
         if not self._is_allowed(_centre(cell), self._point(position), site):
             return None
+        graph = self._graph = self._graph or MoveGraph(self._free)
         entering = [
-            self._graph.entering(self._point(other.position), other.radius_m / self._grid.cell_m)
+            graph.entering(self._point(other.position), other.radius_m / self._grid.cell_m)
             for other in self._others(site)
         ]
-        return self._graph.field(cell, np.concatenate([np.empty(0, dtype=np.int_), *entering]))
+        return graph.field(cell, np.concatenate([np.empty(0, dtype=np.int_), *entering]))
 
     def _entry(self, start: NorthEast, site: str) -> tuple[Field, Cell] | None:
         """The nearest cell to which a leg leads and from which there is a way to a site."""

@@ -135,6 +135,15 @@ class Trajectory:
             False,
         )
 
+    def ahead(self, t_s: float) -> npt.NDArray[np.float64]:
+        """(n, 3) points of the legs that are left at a time, n >= 2."""
+        t_s = max(0.0, t_s)
+        here = self.sample(t_s).position
+        if t_s >= self.duration_s:
+            return np.array([here, self._end])
+        leg = self._phases[bisect_right(self._begin_s, t_s) - 1].leg
+        return np.vstack([here, self._corners[leg + 1 :], self._end])
+
     def _add_leg(
         self,
         leg: int,

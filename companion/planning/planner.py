@@ -2,7 +2,8 @@
 
 Formulas are translated and skills are grounded when the planner is made. In flight only the
 initial state changes (Section V, last paragraph): the facts, the automata's states after the
-history, and the moves from where the vehicle is between places.
+history, and the moves from where the vehicle is between places. When the map has changed, the
+moves are grounded again: other costs, and none without a route.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from companion.mission.model import Mission
 from companion.mission.tree_nodes import Tree, actions
 from companion.planning.builtin.search import Search
 from companion.planning.check import fault
-from companion.planning.domain import Action, Fact, FlightTime, departures, ground
+from companion.planning.domain import Action, Fact, FlightTime, TaskModel, departures, ground
 from companion.planning.effort import IN_FLIGHT, ON_THE_GROUND, Effort
 from companion.planning.explain import NoPlan, why_no_plan
 from companion.planning.lasso import Conjunct, Lasso, Letter, Problem, Solution
@@ -49,17 +50,7 @@ class Planner:
         self.flight_time = flight_time
         self._search = Search(self.model.actions)
 
-    def actions_of(self, tree: Tree) -> dict[str, Action]:
-        """The actions that a tree names; those from `here` start wherever that may be.
-
-        Raises:
-            CompanionError: one does not exist.
-        """
-        anywhere = departures(self.mission, lambda origin, goal: 0.0)
-        known = {action.name: action for action in (*self.model.actions, *anywhere)}
-        if missing := sorted(actions(tree) - known.keys()):
-            raise CompanionError(f"the tree cannot do {missing[0]}: no such action, or no route")
-        return {name: known[name] for name in actions(tree)}
+from companion.planning.domain import Action, Fact, FlightTime, TaskModel, departures, ground
 
     def problem(
         self,

@@ -22,14 +22,17 @@ from dataclasses import dataclass
 from companion.mavlink.commands import CommandSender, Parameters
 from companion.mavlink.framing import Endpoint, Message, choose, dialect, source
 from companion.mission.model import Signal
+from companion.motion.sensed_map import RangeScan
 from companion.vehicle.gate import Envelope, admit
 from companion.vehicle.goals import APPROACHES
 from companion.vehicle.parameters import ParameterReader
 from companion.vehicle.port import Goal, Mode, Outcome, Progress, Setpoint, VehicleState
+from companion.vehicle.ranging import Track, range_scan
 from companion.vehicle.telemetry import TELEMETRY, Telemetry
 
 COMPONENT = dialect.MAV_COMP_ID_ONBOARD_COMPUTER
 AUTOPILOT = dialect.MAV_COMP_ID_AUTOPILOT1
+SCANNER = dialect.MAV_COMP_ID_OBSTACLE_AVOIDANCE
 HEARTBEAT_S = 1.0
 MODE_UNKNOWN_S = 5.0
 """Age of the autopilot's last heartbeat at which its mode is no longer known (five were missed)."""
@@ -40,7 +43,8 @@ ALL_BUT_YAW_RATE = dialect.POSITION_TARGET_TYPEMASK_YAW_RATE_IGNORE
 NOT_KNOWN = {("BATTERY_STATUS", "battery_remaining"): -1, ("SYS_STATUS", "battery_remaining"): -1}
 """Values that mean "not known"; they are never handed on as numbers."""
 
-PROTOCOL = frozenset({"COMMAND_LONG", "COMMAND_INT", "COMMAND_ACK", "PARAM_VALUE"})
+SCAN = "OBSTACLE_DISTANCE"
+PROTOCOL = frozenset({"COMMAND_LONG", "COMMAND_INT", "COMMAND_ACK", "PARAM_VALUE", SCAN})
 """Messages of the services that are spoken here."""
 
 CONTINUAL = frozenset({"ATTITUDE", "LOCAL_POSITION_NED"})
@@ -72,11 +76,13 @@ class MavlinkVehicle:
         takeoff_up_m: altitude above home to take off to.
 
     Attributes:
+        scans: see `port.Vehicle`.
         lost_authority: see `port.Vehicle`.
         refusal: see `port.Vehicle`.
     """
 
     def __init__(self, envelope: Envelope, signals: frozenset[Signal], takeoff_up_m: float) -> None:
+        self.scans: list[RangeScan] = []
         self.lost_authority = ""
         self.refusal = ""
         self._envelope = envelope
@@ -88,6 +94,8 @@ class MavlinkVehicle:
         self._continual = _ids(CONTINUAL - self._signals.keys())
         self._endpoint = Endpoint(0, COMPONENT)
         self._telemetry = Telemetry()
+        self._track = Track()
+        self._heard_scans: list[Message] = []
         self._commands = CommandSender()
         self._parameters = ParameterReader()
         self._answers: list[Message] = []
@@ -106,6 +114,7 @@ class MavlinkVehicle:
         for frame in choose(datagrams, self._wanted, self._continual):
             for message in self._endpoint.parse(frame):
                 self._take(message)
+        self.scans = self._placed_scans()
         return self._readings
 
     def transmit(self, now_s: float) -> list[bytes]:
@@ -265,10 +274,22 @@ class MavlinkVehicle:
         elif component == AUTOPILOT:
             if kind == "PARAM_VALUE":
                 self._parameters.take(message)
-            self._telemetry.take(self._now_s, message)
+            if self._telemetry.take(self._now_s, message):
+                self._track.take(message)
             self._watch_authority()
+        elif kind == SCAN and component == SCANNER:
+            self._heard_scans.append(message)
         for signal in self._signals.get(kind, ()):
             self._read(signal, message)
+
+    def _placed_scans(self) -> list[RangeScan]:
+        """The scans that were heard, by the positions that were heard with them."""
+        messages, self._heard_scans = self._heard_scans, []
+        home = self._telemetry.home
+        if home is None:
+            return []
+        scans = [range_scan(m, self._now_s, self._track, home[:2]) for m in messages]
+        return [scan for scan in scans if scan is not None]
 
     def _watch_authority(self) -> None:
         """Rule 4. The mode in which a goal was begun is ours only until it was left."""

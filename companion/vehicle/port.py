@@ -7,11 +7,13 @@ MAVLink; tests fulfil it with a kinematic fake.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 from typing import Protocol
 
 from companion.geometry import Ned
+from companion.motion.sensed_map import RangeScan
 
 
 class Mode(Enum):
@@ -105,6 +107,10 @@ class Vehicle(Protocol):
     @property
     def state(self) -> VehicleState | None:
         """The newest state, None until one has been heard."""
+
+    @property
+    def scans(self) -> Sequence[RangeScan]:
+        """What was heard of the surroundings since the tick before, in order."""
 
     @property
     def lost_authority(self) -> str:

@@ -80,13 +80,14 @@ class Telemetry:
             position[2] + self.home[2],
         )
 
-    def take(self, now_s: float, message: Message) -> None:
-        """Takes over a message of the autopilot."""
+    def take(self, now_s: float, message: Message) -> bool:
+        """Takes over a message of the autopilot; false if a newer one has overtaken it."""
         kind = message.get_type()
         handler = _HANDLERS.get(kind)
         is_overtaken = self._order.is_overtaken(now_s, kind, message.get_seq())
         if handler is not None and (not is_overtaken or kind == "STATUSTEXT"):
             handler(self, now_s, message)
+        return not is_overtaken
 
     def _on_heartbeat(self, now_s: float, message: Message) -> None:
         self.heartbeat_s = now_s
