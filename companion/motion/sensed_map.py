@@ -17,6 +17,7 @@ as obstacles.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,9 +36,12 @@ REACH_M = 8.0
 """Echoes from farther away are not used: at 2 m above ground a beam that is tilted by 14 degrees,
 the tilt of an acceleration of 2.5 m/s2, meets the ground there."""
 EXPLAINED_M = 0.25
+_BEHIND_M = 0.0051
 _DIAGONAL = 1.5  # cells; next to each other, corners included
 
 Floats = npt.NDArray[np.float64]
+Cells = npt.NDArray[np.intp]
+"""(n,) flat indices, row * cols + col."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -81,14 +85,7 @@ class SensedMap:
     def integrate(self, scan: RangeScan) -> bool:
         """Takes in a scan; whether a cell has become occupied or free."""
         reach_m = min(scan.range_m, REACH_M)
-        ends_m = scan.distances_m
-        angles = scan.first_rad + scan.step_rad * np.arange(len(ends_m))
-        beams = np.column_stack([np.cos(angles), np.sin(angles)])
-        is_echo = ends_m <= reach_m  # false for nan
-        hits = self._cells(scan.position, beams[is_echo], ends_m[is_echo])
-        hits = self._meant[hits]
-        passed = self._passed(scan, beams, reach_m)
-
+        hits, passed = self._hits(scan, reach_m), self._passed(scan, reach_m)
         raised = np.minimum(self._odds[hits] + HIT, self._most[hits])
         touched = np.concatenate([hits, passed])
         was_occupied = self._odds[touched] > 0
@@ -100,40 +97,63 @@ class SensedMap:
         self.grid = OccupancyGrid(occupied, self.grid.cell_m, self.grid.origin)
         return True
 
-    def _passed(self, scan: RangeScan, beams: Floats, reach_m: float) -> npt.NDArray[np.intp]:
-        """Cells that a beam and its two neighbours have passed; a cell may come twice.
+    def _hits(self, scan: RangeScan, reach_m: float) -> Cells:
+        """The cells that echoes speak of; a cell may come twice. Echoes off the map are left out.
 
-        The beams' points are one cell apart, so a corner that a beam cuts may be left out.
-        """
-        cell_m = self.grid.cell_m
-        known_m = np.nan_to_num(scan.distances_m, nan=0.0, posinf=reach_m)
-        clear_m = np.minimum(known_m, np.minimum(np.roll(known_m, 1), np.roll(known_m, -1)))
-        along_m = np.arange(0.0, reach_m, cell_m)
-        beam, point = np.nonzero(along_m < (clear_m - _DIAGONAL * cell_m)[:, None])
-        return self._cells(scan.position, beams[beam], along_m[point])
-
-    def _cells(self, position: NorthEast, beams: Floats, along_m: Floats) -> npt.NDArray[np.intp]:
-        """Flat indices of the cells at distances along beams; those off the map are left out.
-
-        The points lie half a hundredth of a metre further, the rounding of a distance on the
-        wire, so that an echo from a face lies in the cell behind it.
+        They are looked for half a centimetre behind the echo, the rounding of a distance on the
+        wire: an echo comes from a face, and the cell is behind it.
         """
         rows, cols = self.grid.occupied.shape
-        points = np.array(position) - self.grid.origin + beams * (along_m + 0.0051)[:, None]
-        cells = np.floor(points / self.grid.cell_m).astype(np.intp)
-        is_on_map = np.all((cells >= 0) & (cells < (rows, cols)), axis=1)
-        return np.asarray(cells[is_on_map] @ (cols, 1))
+        (beams,) = np.nonzero(scan.distances_m <= reach_m)  # nan is none
+        angles = scan.first_rad + scan.step_rad * beams
+        ends_m = scan.distances_m[beams] + _BEHIND_M
+        north = scan.position[0] - self.grid.origin[0] + ends_m * np.cos(angles)
+        east = scan.position[1] - self.grid.origin[1] + ends_m * np.sin(angles)
+        row = np.floor(north / self.grid.cell_m).astype(np.intp)
+        col = np.floor(east / self.grid.cell_m).astype(np.intp)
+        is_on_map = (row >= 0) & (row < rows) & (col >= 0) & (col < cols)
+        meant = self._meant[row[is_on_map] * cols + col[is_on_map]]
+        return np.asarray(meant[meant >= 0])
+
+    def _passed(self, scan: RangeScan, reach_m: float) -> Cells:
+        """The cells that a beam and its two neighbours have passed, of those that can be lowered.
+
+        A beam that crosses a cell has its centre within half a diagonal; all these count.
+        """
+        cell_m = self.grid.cell_m
+        row, col = np.divmod(np.flatnonzero(self._odds > LEAST), self.grid.occupied.shape[1])
+        north = self.grid.origin[0] + (row + 0.5) * cell_m - scan.position[0]
+        east = self.grid.origin[1] + (col + 0.5) * cell_m - scan.position[1]
+        is_near = north * north + east * east < reach_m * reach_m
+        north, east = north[is_near], east[is_near]
+        away_m = np.hypot(north, east)
+
+        count, turn = len(scan.distances_m), 2 * math.pi / abs(scan.step_rad)
+        bearing = ((np.arctan2(east, north) - scan.first_rad) / scan.step_rad) % turn  # in steps
+        beam = np.rint(bearing)
+        beside_m = away_m * np.sin(np.abs(bearing - beam) * abs(scan.step_rad))
+        beam = (beam % round(turn)).astype(np.intp)
+        known_m = np.nan_to_num(scan.distances_m, nan=0.0, posinf=reach_m)
+        clear_m = np.minimum(known_m, np.minimum(np.roll(known_m, 1), np.roll(known_m, -1)))
+        is_passed = (beam < count) & (beside_m <= math.sqrt(0.5) * cell_m)
+        is_passed &= away_m < clear_m[np.minimum(beam, count - 1)] - _DIAGONAL * cell_m
+        return np.asarray(
+            row[is_near][is_passed] * self.grid.occupied.shape[1] + col[is_near][is_passed]
+        )
 
 
-def _meant(told: OccupancyGrid) -> npt.NDArray[np.intp]:
-    """(rows * cols,) for an echo in each cell, the flat index of the cell that it speaks of."""
+def _meant(told: OccupancyGrid) -> Cells:
+    """(rows * cols,) for an echo in each cell, the flat index of the cell that it speaks of.
+
+    Outside the map everything is a wall; what speaks of it is negative.
+    """
     rows, cols = told.occupied.shape
-    own = np.arange(rows * cols)
-    if not told.occupied.any():
-        return own
     away, nearest = ndimage.distance_transform_edt(
-        ~told.occupied, sampling=told.cell_m, return_indices=True
+        np.pad(~told.occupied, 1), sampling=told.cell_m, return_indices=True
     )
-    is_explained = away.ravel() <= max(EXPLAINED_M, _DIAGONAL * told.cell_m)
-    wall = nearest[0].ravel() * cols + nearest[1].ravel()
-    return np.asarray(np.where(is_explained, wall, own), dtype=np.intp)
+    away, (row, col) = away[1:-1, 1:-1], nearest[:, 1:-1, 1:-1] - 1
+    is_on_map = (row >= 0) & (row < rows) & (col >= 0) & (col < cols)
+    wall = np.where(is_on_map, row * cols + col, -1)
+    own = np.arange(rows * cols).reshape(rows, cols)
+    is_explained = away <= max(EXPLAINED_M, _DIAGONAL * told.cell_m)
+    return np.asarray(np.where(is_explained, wall, own).ravel(), dtype=np.intp)

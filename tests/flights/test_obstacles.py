@@ -1,0 +1,116 @@
+"""Flights in a hall that is not as the mission's map says, in lockstep.
+
+Crates stand where the map shows none, from the start or from the middle of a flight on. The lidar
+sees them; the clearance is asked of the true map.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+from lockstep import Lockstep
+
+from companion.geometry import horizontal_distance
+from companion.mission.model import Mission
+from sitl.world.collision import VEHICLE_RADIUS_M
+from sitl.world.obstacles import TrueMap
+from sitl.world.scenario import read_scenario
+
+MISSIONS = Path(__file__).parents[2] / "missions"
+STRAIGHT_TO_B = "circle: {east_m: 15.3, north_m: 10.3, radius_m: 0.5}"
+ACROSS = "box: {east_m: [15, 15.2], north_m: [-2, 14]}"
+ON_B = "circle: {east_m: 17.5, north_m: 10.3, radius_m: 0.5}"
+HALFWAY = "place: {east_m: 12.5, north_m: 10.2, radius_m: 0.6}"
+"""On the way from A to B, 2.3 m before the crate that stands straight on the way."""
+
+
+class Flown(Lockstep):
+    """A flight among obstacles, until the companion has ended.
+
+    Attributes:
+        least_m: the least distance to anything on the true map, in OFFBOARD.
+    """
+
+    def __init__(
+        self, mission: Mission, folder: Path, obstacles: str, happens: str = "", seed: int = 0
+    ) -> None:
+        text = (MISSIONS / "surveillance.sim.yaml").read_text(encoding="utf-8")
+        text = text.replace("map: maps/", f"map: {MISSIONS}/maps/")
+        path = folder / "world.sim.yaml"
+        path.write_text(f"{text}\nobstacles:\n{obstacles}\n{happens}", encoding="utf-8")
+        scenario, grid = read_scenario(path)
+        super().__init__(mission, (scenario, grid), seed=seed)
+        self._true = TrueMap(grid, scenario.obstacles)
+        self.least_m = math.inf
+        self.until(self._has_ended, limit_s=200.0)
+
+    def _has_ended(self) -> bool:
+        if self.simulation.happened:  # nothing else does in these worlds, but the target's visit
+            self._true.place("crate", True)
+        if self.simulation.mode == "OFFBOARD" and self._true.grid is not None:
+            north, east, _ = self.simulation.flight.position
+            self.least_m = min(self.least_m, self._true.grid.clearance_m((north, east)))
+        return self.companion.has_ended
+
+    @property
+    def is_unhurt(self) -> bool:
+        """Nothing was touched, and nothing came as near as the vehicle is wide."""
+        return self.simulation.collisions == 0 and self.least_m >= VEHICLE_RADIUS_M
+
+
+def a_crate(shape: str, is_late: bool = False) -> str:
+    return f"  - {{name: crate, {shape}, present: {str(not is_late).lower()}}}"
+
+
+def appears(trigger: str) -> str:
+    return f"happens:\n  - {{{trigger}, obstacle: {{name: crate, present: true}}}}"
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+@pytest.mark.parametrize("is_late", [False, True])
+def test_a_crate_on_the_way_is_flown_round(
+    seed: int, is_late: bool, surveillance: Mission, tmp_path: Path
+) -> None:
+    happens = appears(HALFWAY) if is_late else ""
+    flown = Flown(surveillance, tmp_path, a_crate(STRAIGHT_TO_B, is_late), happens, seed)
+    assert flown.is_unhurt
+    assert "the way to B is not clear: another route" in flown.texts
+    assert flown.exit_code == 0
+    told = [r.text for r in flown.reports if r.kind in ("at", "done", "withdrawn")]
+    assert told == [
+        *("at A", "at B", "at C", "at A", "at r1", "belief canUpload(r1) withdrawn"),
+        *("at r2", "upload(r2) done", "at Home"),
+    ]
+
+
+@pytest.mark.parametrize("is_late", [False, True])
+def test_without_a_way_it_stops_gives_up_the_belief_and_flies_home(
+    is_late: bool, surveillance: Mission, tmp_path: Path
+) -> None:
+    """Fig. 6: trans_ok(A, B) is withdrawn; the map leaves no move to the eastern places."""
+    happens = appears(HALFWAY) if is_late else ""
+    flown = Flown(surveillance, tmp_path, a_crate(ACROSS, is_late), happens)
+    assert flown.is_unhurt
+    assert "move(A, B) failed: no clear route to B" in flown.texts
+    assert "belief trans_ok(A, B) withdrawn" in flown.texts
+    assert flown.exit_code == 3
+    assert "at B" not in flown.texts and "at Home" in flown.texts
+    assert horizontal_distance(flown.simulation.flight.position, (0.0, 0.0)) < 0.5
+
+
+def test_a_crate_on_the_place_itself_fails_the_move(surveillance: Mission, tmp_path: Path) -> None:
+    flown = Flown(surveillance, tmp_path, a_crate(ON_B))
+    assert flown.is_unhurt
+    assert "move(A, B) failed: B is not free" in flown.texts
+    assert "belief trans_ok(A, B) withdrawn" in flown.texts
+    assert flown.exit_code == 3
+
+
+def test_the_flight_is_the_same_each_time(surveillance: Mission, tmp_path: Path) -> None:
+    first, again = (
+        Flown(surveillance, tmp_path, a_crate(STRAIGHT_TO_B, True), appears(HALFWAY), seed=5)
+        for _ in range(2)
+    )
+    assert first.reports == again.reports
