@@ -50,7 +50,26 @@ class Planner:
         self.flight_time = flight_time
         self._search = Search(self.model.actions)
 
-from companion.planning.domain import Action, Fact, FlightTime, TaskModel, departures, ground
+    def reground(self) -> None:
+        """Takes over flight times that have changed; what was ever believed stays a belief."""
+        known = {action: action for action in self.model.actions}  # whose bits are kept
+        model = ground(self.mission, self.flight_time)
+        self.model = TaskModel(
+            tuple(known.get(action, action) for action in model.actions),
+            self.model.beliefs | model.beliefs,
+        )
+
+    def actions_of(self, tree: Tree) -> dict[str, Action]:
+        """The actions that a tree names; those from `here` start wherever that may be.
+
+        Raises:
+            CompanionError: one does not exist.
+        """
+        anywhere = departures(self.mission, lambda origin, goal: 0.0)
+        known = {action.name: action for action in (*self.model.actions, *anywhere)}
+        if missing := sorted(actions(tree) - known.keys()):
+            raise CompanionError(f"the tree cannot do {missing[0]}: no such action, or no route")
+        return {name: known[name] for name in actions(tree)}
 
     def problem(
         self,

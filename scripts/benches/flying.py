@@ -9,6 +9,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from random import Random
 from statistics import median
 from time import perf_counter
 from typing import Any
@@ -22,6 +23,9 @@ from companion.app import Companion, route_map
 from companion.geometry import Ned
 from companion.mavlink.framing import Endpoint, Message, dialect, split_frames
 from companion.mission.loader import load_mission
+from companion.motion.grid import OccupancyGrid
+from companion.motion.routes import RouteMap
+from companion.motion.sensed_map import RangeScan, SensedMap
 from sitl.flight.controllers import Cascade, Target
 from sitl.flight.mixer import Motors
 from sitl.flight.physics import Physics
@@ -29,6 +33,7 @@ from sitl.harness import fly_in_lockstep
 from sitl.link.routing import LinkName
 from sitl.link.server import HOST, PORTS
 from sitl.simulation import DT_S, Simulation
+from sitl.world.lidar import STEP_RAD, Lidar, LidarSpec
 from sitl.world.scenario import PX4_HOME, read_scenario
 
 AUTOPILOT = 1  # component id
@@ -68,6 +73,31 @@ def fields(runs: int) -> Iterator[Row]:
     free = ~mission.grid.occupied
     peer = median(timed(lambda: ndimage.distance_transform_edt(free), runs))
     yield Row("field of the way to a place", ours, "ms", "scipy's EDT", peer)
+
+
+def rerouting(runs: int) -> Iterator[Row]:
+    """A scan shows a crate on the way: the map, its distance field, and a new route round it."""
+    mission = load_mission(MISSION)
+    start, row, col = (10.3, 12.0), 122, 172  # before the crate; its south-west cell
+    occupied = mission.grid.occupied.copy()
+    occupied[row : row + 8, col : col + 8] = True
+    grid = OccupancyGrid(occupied, mission.grid.cell_m, mission.grid.origin)
+    lidar = Lidar(LidarSpec(), grid, Random(0))
+    scan = RangeScan(0.0, start, lidar.scan(start, 0.0), 0.0, STEP_RAD, lidar.spec.range_m)
+    took: list[float] = []
+    for _ in range(runs):
+        sensed, routes = SensedMap(mission.grid), route_map(mission)
+        routes.route((*start, -2.0), "B")
+        sensed.integrate(scan)
+
+        def see(sensed: SensedMap = sensed, routes: RouteMap = routes) -> None:
+            if not sensed.integrate(scan):
+                raise RuntimeError("the crate was not seen")
+            routes.see(sensed.grid)
+            routes.route((*start, -2.0), "B")
+
+        took += timed(see, 1)
+    yield Row("map update and new route", median(took), "ms")
 
 
 def simulating(runs: int) -> Iterator[Row]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from rig import Rig
 from synthetic import PAYLOAD, POSITIONS, USER_1, command, event, mission, move
 
 from companion.acting.behaviours import (
+    ACCELERATION_MPS2,
     ARRIVAL_M,
     ARRIVAL_TIMEOUT_S,
     LAG_M,
@@ -31,7 +33,7 @@ from companion.geometry import distance
 from companion.mission.model import Command
 from companion.motion.grid import OccupancyGrid
 from companion.planning.domain import WAIT, Action
-from companion.vehicle.port import hold_at
+from companion.vehicle.port import Setpoint, hold_at
 
 ASK = Command(PAYLOAD, USER_1, "MAV_CMD_USER_1", (1.5, -2.0))
 
@@ -323,3 +325,98 @@ def test_nothing_is_flown_while_no_position_is_known() -> None:
     rig = Rig(mission("F at(A)"), vehicle=vehicle)
     rig.flight.hold()
     assert vehicle.flown == []
+
+
+# -- a map that changes on the way -----------------------------------------------------------------
+
+
+def crate(south: float, west: float, north: float, east: float) -> OccupancyGrid:
+    """The room, 10 m x 10 m from (-2, -2) on, with a box in it; metres north and east."""
+    edges = -2.0 + 0.1 * (np.arange(100) + 0.5)
+    rows, cols = (edges > south) & (edges < north), (edges > west) & (edges < east)
+    return OccupancyGrid(np.outer(rows, cols), 0.1, (-2.0, -2.0))
+
+
+NOTHING = crate(0, 0, 0, 0)
+
+
+def a_finer_rig() -> Rig:
+    return a_rig(grid=NOTHING)
+
+
+def fly_until(rig: Rig, leaf: Behaviour, north_m: float) -> None:
+    """Ticks until the vehicle has come so far north, on its way from H to A."""
+    assert rig.vehicle.state is not None
+    while rig.vehicle.state.position[0] < north_m:
+        assert tick(rig, leaf) is Status.RUNNING
+
+
+def setpoints_since(rig: Rig, flown: int) -> list[Setpoint]:
+    return [s for s in rig.vehicle.flown[flown:] if s is not None]
+
+
+@pytest.mark.parametrize("so_far_m", [1.0, 2.0, 3.0])
+def test_a_crate_on_the_way_is_flown_round_without_a_stop(so_far_m: float) -> None:
+    rig = a_finer_rig()
+    leaf = MoveCommand(rig.flight, "A", None)
+    fly_until(rig, leaf, so_far_m)
+    flown = len(rig.vehicle.flown)
+    grid = crate(so_far_m + 2.0, -0.3, so_far_m + 2.3, 0.3)
+    rig.flight.routes.see(grid)
+    assert run(rig, leaf) is Status.SUCCESS
+    assert [r.text for r in rig.flight.reports] == ["the way to A is not clear: another route"]
+    since = setpoints_since(rig, flown)
+    assert min(grid.clearance_m(s.position[:2]) for s in since) >= 0.6 - 0.1  # a cell's diagonal
+    assert min(np.linalg.norm(s.velocity) for s in since[:10]) > 0.2
+    gaps = [distance(a.position, b.position) for a, b in pairwise(rig.vehicle.flown)]  # type: ignore[union-attr]
+    assert max(gaps) <= rig.mission.limits.speed_mps * TICK_S + 1e-9  # no jump, also not there
+
+
+def test_without_a_way_it_comes_to_a_stop_before_the_wall_and_fails_there() -> None:
+    """The way to the stop is v^2 / 2a, and no setpoint is nearer to the wall than its end."""
+    rig = a_finer_rig()
+    leaf = MoveCommand(rig.flight, "A", None)
+    fly_until(rig, leaf, 3.0)
+    last = rig.vehicle.setpoint
+    assert last is not None
+    flown = len(rig.vehicle.flown)
+    grid = crate(4.6, -2.0, 4.8, 8.0)
+    rig.flight.routes.see(grid)
+    assert run(rig, leaf) is Status.FAILURE
+    assert rig.flight.failure == "no clear route to A"
+    assert [r.text for r in rig.flight.reports] == [
+        "the way to A is not clear: stopping",
+        "the way to A is not clear: no route",
+    ]
+    since = setpoints_since(rig, flown)
+    speed_mps = float(np.linalg.norm(last.velocity))
+    braking_m = speed_mps**2 / (2 * ACCELERATION_MPS2)
+    way_m = max(s.position[0] for s in since) - last.position[0]
+    assert braking_m <= way_m <= braking_m + 2 * speed_mps * TICK_S
+    assert since[-1].velocity == (0.0, 0.0, 0.0)
+    assert grid.clearance_m(since[-1].position[:2]) > 0.35
+
+
+def test_from_a_stop_it_goes_on_where_another_way_is_left() -> None:
+    """A wall so near that no turn at speed leads round it."""
+    rig = a_finer_rig()
+    leaf = MoveCommand(rig.flight, "A", None)
+    fly_until(rig, leaf, 3.0)
+    rig.flight.routes.see(crate(4.6, -2.0, 4.8, 3.0))
+    assert run(rig, leaf) is Status.SUCCESS
+    assert [r.text for r in rig.flight.reports] == [
+        "the way to A is not clear: stopping",
+        "the way to A is not clear: another route",
+    ]
+
+
+def test_a_change_elsewhere_leaves_the_trajectory_as_it_is() -> None:
+    changed, left = a_finer_rig(), a_finer_rig()
+    for rig in (changed, left):
+        leaf = MoveCommand(rig.flight, "A", None)
+        fly_until(rig, leaf, 2.0)
+        if rig is changed:
+            rig.flight.routes.see(crate(3.0, 1.0, 4.0, 2.0))
+        assert run(rig, leaf) is Status.SUCCESS
+    assert changed.vehicle.flown == left.vehicle.flown
+    assert changed.flight.reports == []

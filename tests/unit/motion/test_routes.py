@@ -201,3 +201,70 @@ def test_a_route_from_motion_leads_to_where_the_vehicle_can_stop() -> None:
 def test_a_route_does_not_begin_through_a_wall(stop: tuple[float, float, float]) -> None:
     routes = RouteMap(ROOM, {"A": site(4.5, 1.5)}, WIDE, 0.9)
     assert routes.route_from_motion((1.5, 1.5, -1.0), stop, "A") is None
+
+
+# -- a map that changes ----------------------------------------------------------------------------
+
+
+def test_routes_are_those_of_a_map_made_anew() -> None:
+    """In the room a door opens and another one closes: nothing of the old map is left."""
+    places = {"B": site(1.5, 8.5)}
+    left, right = (
+        grid_of("##########", row, "#........#", "####.#####", "#........#", "##########")
+        for row in ("#...#....#", "#........#")
+    )
+    routes = RouteMap(left, places, WIDE, 1.0)
+    for grid in (right, ROOM, left):
+        routes.see(grid)
+        fresh = RouteMap(grid, places, WIDE, 1.0)
+        for start in ((1.5, 1.5), (4.5, 8.5), (4.5, 1.5)):
+            assert routes.distance_m(start, "B") == fresh.distance_m(start, "B")
+            assert routes.is_free(start) == fresh.is_free(start)
+            route, expected = routes.route((*start, -1.0), "B"), fresh.route((*start, -1.0), "B")
+            assert (route is None) == (expected is None)
+            if route is not None and expected is not None:
+                assert route.waypoints.tolist() == expected.waypoints.tolist()
+
+
+EMPTY = OccupancyGrid(np.zeros((80, 80), dtype=np.bool_), 0.1, (0.0, 0.0))
+
+
+def test_the_version_changes_with_the_free_cells_alone() -> None:
+    routes = RouteMap(EMPTY, {}, WIDE, 0.6)
+    before = routes.version
+    occupied = EMPTY.occupied.copy()
+    occupied[0, 0] = True  # all that is near to it is near to the outer walls too
+    routes.see(OccupancyGrid(occupied, 0.1, (0.0, 0.0)))
+    assert routes.version == before
+    occupied[20, 20] = True
+    routes.see(OccupancyGrid(occupied, 0.1, (0.0, 0.0)))
+    assert routes.version != before
+
+
+def with_crate() -> RouteMap:
+    """A crate of 1 m x 1 m in the middle of 8 m x 8 m, and 0.6 m around it."""
+    occupied = np.zeros((80, 80), dtype=np.bool_)
+    occupied[35:45, 35:45] = True
+    routes = RouteMap(EMPTY, {}, WIDE, 0.6)
+    routes.see(OccupancyGrid(occupied, 0.1, (0.0, 0.0)))
+    return routes
+
+
+@pytest.mark.parametrize(
+    ("path", "is_clear"),
+    [
+        ([(1, 4, -2), (2.5, 4, -2)], True),
+        ([(1, 4, -2), (3.2, 4, -2)], False),  # ends too near
+        ([(1, 4, -2), (7, 4, -2)], False),  # leads through
+        ([(1, 2, -2), (7, 2, -2)], True),
+        ([(1, 2, -2), (7, 2, -2), (7, 4, -2), (4, 4, -2)], False),  # later
+        ([(3.2, 4, -2), (2, 4, -2)], True),  # begins too near, and leads away
+        ([(3.2, 4, -2), (3.2, 2, -2)], True),  # along the crate
+        ([(3.2, 4, -2), (3.4, 4, -2), (1, 4, -2)], False),  # nearer still
+        ([(3.2, 2.0, -2), (3.2, 4, -2)], False),  # comes too near
+        ([(3.2, 4, -2), (4.8, 4, -2), (7, 4, -2)], False),  # through, from too near
+    ],
+)
+def test_whether_a_path_is_clear(path: list[tuple[float, float, float]], is_clear: bool) -> None:
+    assert RouteMap(EMPTY, {}, WIDE, 0.6).is_clear(np.array(path))
+    assert with_crate().is_clear(np.array(path)) is is_clear

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import pytest
@@ -175,3 +176,35 @@ def test_what_it_takes_is_measured_by_the_clock_it_is_given() -> None:
     made = Planner(mission("F at(A)"), lambda origin, goal: 4.0, lambda: next(ticks))
     assert (made.grounding_s, made.translating_s) == (0.5, 2.5)
     assert planner(mission("F at(A)")).translating_s == 0.0
+
+
+# -- a map that changes ----------------------------------------------------------------------------
+
+
+def test_moves_cost_what_they_cost_now_and_none_is_planned_without_a_route() -> None:
+    asked = mission("F at(B)")
+    seconds = {("H", "B"): 8.0}
+    made = Planner(asked, lambda origin, goal: seconds.get((origin, goal), 3.0))
+    assert str(made.plan(*at_the_start(made))) == "move(H, A), move(A, B), (wait)^w"
+    beliefs, actions = made.model.beliefs, made.model.actions
+    seconds |= {("H", "B"): 5.0, ("H", "A"): math.inf}
+    made.reground()
+    assert str(made.plan(*at_the_start(made))) == "move(H, B), (wait)^w"
+    assert made.model.beliefs == beliefs
+    assert "move(H, A)" not in {a.name for a in made.model.actions}
+    assert [a for a in made.model.actions if a.name == "move(A, B)"] == [
+        a for a in actions if a.name == "move(A, B)"
+    ]
+    seconds |= {("H", "B"): 8.0, ("H", "A"): 3.0}
+    made.reground()
+    assert made.model.actions == actions
+    assert str(made.plan(*at_the_start(made))) == "move(H, A), move(A, B), (wait)^w"
+
+
+def test_moves_that_no_longer_exist_are_no_way_out() -> None:
+    seconds: dict[tuple[str, str], float] = {}
+    made = Planner(mission("F at(B)"), lambda origin, goal: seconds.get((origin, goal), 3.0))
+    seconds |= {(origin, "B"): math.inf for origin in "HAC"}
+    made.reground()
+    with pytest.raises(NoPlanError):
+        made.plan(*at_the_start(made))

@@ -1,0 +1,137 @@
+"""OBSTACLE_DISTANCE from the wire to a scan in the mission's frame."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from autopilot import ENVELOPE, Meeting, in_offboard
+
+from companion.mavlink.framing import Endpoint, dialect
+from companion.motion.sensed_map import RangeScan
+
+SCANNER = Endpoint(1, 196)
+BODY, NORTH, UNKNOWN = dialect.MAV_FRAME_BODY_FRD, dialect.MAV_FRAME_GLOBAL, 65535
+
+
+def obstacle_distance(
+    distances_cm: list[int],
+    time_s: float = 0.0,
+    step_deg: float = 5.0,
+    offset_deg: float = 0.0,
+    frame: int = BODY,
+    whole_step_deg: int = 0,
+) -> bytes:
+    padded = [*distances_cm, *[UNKNOWN] * (72 - len(distances_cm))]
+    message: Any = dialect.MAVLink_obstacle_distance_message(
+        round(time_s * 1e6), 0, padded, whole_step_deg, 5, 1200, step_deg, offset_deg, frame
+    )
+    return SCANNER.pack(message)
+
+
+def heard(meeting: Meeting, *datagrams: bytes) -> RangeScan:
+    meeting.tick(*datagrams)
+    (scan,) = meeting.vehicle.scans
+    return scan
+
+
+def test_a_scan_that_turns_with_the_vehicle(meeting: Meeting) -> None:
+    meeting.autopilot.home = [3.0, -4.0, 0.5]
+    meeting.autopilot.position, meeting.autopilot.yaw_rad = [4.0, -2.0, 0.5], 0.3
+    in_offboard(meeting)
+    scan = heard(meeting, obstacle_distance([150, 1200, 1201, UNKNOWN, 0], offset_deg=90.0))
+    assert scan.stamp_s == meeting.now_s
+    assert scan.position == pytest.approx((1.0, 2.0))
+    np.testing.assert_equal(scan.distances_m[:5], [1.5, 12.0, math.inf, math.nan, 0.0])
+    assert len(scan.distances_m) == 72
+    assert scan.first_rad == pytest.approx(math.pi / 2 + 0.3)
+    assert scan.step_rad == pytest.approx(math.radians(5))
+    assert scan.range_m == 12.0
+    meeting.tick()
+    assert meeting.vehicle.scans == []
+
+
+def test_a_scan_that_is_fixed_to_north(meeting: Meeting) -> None:
+    meeting.autopilot.yaw_rad = 0.3
+    scan = heard(meeting, obstacle_distance([100] * 72, frame=NORTH))
+    assert scan.first_rad == 0.0
+
+
+@pytest.mark.parametrize(
+    ("whole", "exact", "expected_deg", "beams"),
+    [(10, 0.0, 10, 36), (10, 2.5, 2.5, 72), (5, -5.0, -5, 72), (90, 0.0, 90, 4)],
+)
+def test_the_exact_step_counts_and_no_beam_comes_twice(
+    whole: int, exact: float, expected_deg: float, beams: int, meeting: Meeting
+) -> None:
+    scan = heard(meeting, obstacle_distance([100] * 72, step_deg=exact, whole_step_deg=whole))
+    assert math.degrees(scan.step_rad) == pytest.approx(expected_deg)
+    assert len(scan.distances_m) == beams
+
+
+@pytest.mark.parametrize(
+    "datagram",
+    [
+        obstacle_distance([100], frame=dialect.MAV_FRAME_LOCAL_NED),
+        obstacle_distance([100], step_deg=0.0),
+        obstacle_distance([100], step_deg=math.nan),
+        obstacle_distance([100], offset_deg=math.inf),
+    ],
+)
+def test_what_is_not_understood_is_no_scan(datagram: bytes, meeting: Meeting) -> None:
+    meeting.tick(datagram)
+    assert meeting.vehicle.scans == []
+
+
+def test_only_the_scanner_of_the_vehicle_is_listened_to(meeting: Meeting) -> None:
+    meeting.tick()
+    body = dialect.MAVLink_obstacle_distance_message(0, 0, [100] * 72, 5, 5, 1200, 5.0, 0.0, BODY)
+    for stranger in (Endpoint(2, 196), Endpoint(1, 25), Endpoint(1, 1)):
+        meeting.tick(stranger.pack(body))
+        assert meeting.vehicle.scans == []
+
+
+def test_no_scan_is_placed_before_the_place_is_known() -> None:
+    meeting = Meeting(ENVELOPE)
+    meeting.is_quiet = True
+    meeting.tick(obstacle_distance([100] * 72))
+    assert meeting.vehicle.scans == []
+
+
+def at(time_s: float, north_m: float, yaw_rad: float, endpoint: Endpoint) -> list[bytes]:
+    boot_ms = round(1000 * time_s)
+    messages = (
+        dialect.MAVLink_attitude_message(boot_ms, 0, 0, yaw_rad, 0, 0, 0),
+        dialect.MAVLink_local_position_ned_message(boot_ms, north_m, 0, -2, 2, 0, 0),
+    )
+    return [endpoint.pack(message) for message in messages]
+
+
+@pytest.mark.parametrize("measured_s", [10.0, 10.02, 10.05, 10.08])
+def test_position_and_heading_are_those_of_the_time_of_the_scan(
+    measured_s: float, meeting: Meeting
+) -> None:
+    """2 m/s, and a turn of 1 rad/s through south, where headings change their sign."""
+    meeting.tick()
+    meeting.is_quiet = True
+    meeting.tick(*at(10.0, 4.0, math.pi - 0.02, meeting.autopilot.endpoint))
+    scan = heard(
+        meeting,
+        obstacle_distance([100] * 72, time_s=measured_s),
+        *at(10.05, 4.1, -math.pi + 0.03, meeting.autopilot.endpoint),
+    )
+    passed_s = measured_s - 10.0
+    assert scan.position[0] == pytest.approx(4.0 + 2 * passed_s, abs=1e-5)
+    turned_rad = math.remainder(scan.first_rad - (math.pi - 0.02 + passed_s), 2 * math.pi)
+    assert turned_rad == pytest.approx(0.0, abs=1e-5)
+
+
+def test_a_scanner_with_a_clock_of_its_own_measured_at_the_last_position(meeting: Meeting) -> None:
+    meeting.tick()
+    meeting.is_quiet = True
+    meeting.tick(*at(10.0, 4.0, 0.1, meeting.autopilot.endpoint))
+    last = at(10.05, 4.1, 0.2, meeting.autopilot.endpoint)
+    scan = heard(meeting, *last, obstacle_distance([100] * 72, time_s=1.7e9))
+    assert scan.position[0] == pytest.approx(4.1) and scan.first_rad == pytest.approx(0.2)
