@@ -78,8 +78,9 @@ def phases(surveillance: Mission, surveillance_routes: RouteMap) -> list[Asked]:
         rig.tick()
     rig.tick(TARGET)
     rig.run_to_the_end()
-    assert len(asked) == 3
-    return asked
+    start, is_it_still_best, *after = asked
+    assert "targetFound" in is_it_still_best.problem.facts and len(after) == 2
+    return [start, *after]
 
 
 def best_ms(asked: Problem, objective: Objective) -> int:
