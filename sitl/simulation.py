@@ -20,7 +20,14 @@ from sitl.flight.estimate import Estimator
 from sitl.flight.physics import FlightState, Physics
 from sitl.flight.sensors import Sensors
 from sitl.link.component import AUTOPILOT, AutopilotComponent, Outgoing
-from sitl.link.devices import DetectorDevice, Device, LidarDevice, PayloadDevice, Sent
+from sitl.link.devices import (
+    DetectorDevice,
+    Device,
+    LidarDevice,
+    OperatorDevice,
+    PayloadDevice,
+    Sent,
+)
 from sitl.link.routing import LinkName, Router, target
 from sitl.link.vehicle import Vehicle
 from sitl.world.scenario import Scenario
@@ -83,6 +90,8 @@ class Simulation:
         )
         self.happened = self._world.happened
         self._devices = _devices(system, self._world)
+        if any(kind == "operator" for h in scenario.happenings for kind, _ in h.effects):
+            self._devices.append(OperatorDevice(system, self._world.asked))
         addresses = [(system, AUTOPILOT), *(device.address for device in self._devices)]
         self._local = frozenset(addresses)
         self._router = Router(links, self._local)

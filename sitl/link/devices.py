@@ -1,10 +1,10 @@
-"""How do the payload, the target detector and the lidar speak MAVLink?
+"""How do the payload, the target detector, the lidar and the operator speak MAVLink?
 
 Each is a component of its own on board, beside the autopilot: own component id, own sequence
 numbers, own HEARTBEAT at 1 Hz. The detector reports NAMED_VALUE_INT "target" at 2 Hz, the lidar
 OBSTACLE_DISTANCE at 10 Hz. A command that a component does not know is UNSUPPORTED. What they
 decide is in sitl/world; here it becomes messages. They send to whoever listens; routing.py says
-where that is.
+where that is. The operator is a ground station that says only what the scenario makes it say.
 """
 
 from __future__ import annotations
@@ -26,6 +26,9 @@ from sitl.world.payload import Payload, Reply
 HEARTBEAT_S = 1.0
 REPORT_S = 0.5
 SCAN_S = 0.1
+OPERATOR = (254, 190)
+"""System and component of the operator; real ground stations are 255 by default."""
+COMPANION = 191
 NEAREST_CM = 5
 TARGET_NAME = b"target"
 _COMMANDS = ("COMMAND_LONG", "COMMAND_INT")
@@ -141,6 +144,34 @@ class PayloadDevice:
         sent = self._voice.heartbeat(state.time_s)
         if reply := self._payload.step(state.time_s):
             sent.append(self._voice.acknowledge(self._payload.script.command, reply))
+        return sent
+
+
+class OperatorDevice:
+    """The operator: sends each command once, and leaves the answers unread."""
+
+    address = OPERATOR
+
+    def __init__(self, system: int, asked: list[str]) -> None:
+        self._system = system
+        self._asked = asked
+        self._voice = _Voice(OPERATOR)
+
+    def receive(self, message: Message, state: FlightState) -> list[Sent]:
+        """Nothing is answered."""
+        return []
+
+    def step(self, state: FlightState) -> list[Sent]:
+        """What the scenario asked for, as COMMAND_LONG with all parameters 0."""
+        sent = [
+            self._voice.say(
+                dialect.MAVLink_command_long_message(
+                    self._system, COMPANION, getattr(dialect, command), 0, *(0.0,) * 7
+                )
+            )
+            for command in self._asked
+        ]
+        self._asked.clear()
         return sent
 
 

@@ -45,6 +45,9 @@ class Actuators(Protocol):
     def refuse_arming(self, reason: str | None) -> None:
         """Arming is refused for this reason; None allows it."""
 
+    def ask_companion(self, command: str) -> None:
+        """The operator sends the companion a MAV_CMD."""
+
 
 EFFECTS: Mapping[str, Callable[[Actuators, Any], None]] = {
     "target": lambda world, value: world.show_target(value == "seen"),
@@ -56,6 +59,7 @@ EFFECTS: Mapping[str, Callable[[Actuators, Any], None]] = {
     "battery": lambda world, value: world.set_charge(value.charge),
     "gps": lambda world, value: world.set_gps(value.lost, value.noise_m),
     "arming": lambda world, value: world.refuse_arming(value.refused),
+    "operator": lambda world, value: world.ask_companion(value),
 }
 """Key in the scenario -> what it does with the key's value."""
 

@@ -134,6 +134,8 @@ def _check_effects(entry: HappeningModel, model: ScenarioModel, document: Docume
         raise MissionError(
             "arming is either refused or allowed", document.where("happens", i, "arming")
         )
+    if entry.operator is not None:
+        command_number(entry.operator, document, "happens", i, "operator")
     if entry.gps and entry.gps.lost is None and entry.gps.noise_m is None:
         raise MissionError("gps needs lost or noise_m", document.where("happens", i, "gps"))
 

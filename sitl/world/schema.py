@@ -197,6 +197,9 @@ class HappeningModel(_Strict):
     battery: Annotated[BatteryEventModel | None, _told("its charge jumps")] = None
     gps: Annotated[GpsEventModel | None, _told("it is lost, found or noisy")] = None
     arming: Annotated[ArmingEventModel | None, _told("it is refused, or allowed again")] = None
+    operator: Annotated[
+        str | None, _told("MAV_CMD_... that the operator sends to the companion")
+    ] = None
 
 
 class ScenarioModel(_Strict):

@@ -38,6 +38,8 @@ class World:
     Attributes:
         happened: time and text of each happening so far, damage included.
         is_wreck: the vehicle has fallen over or hit the ground with its body.
+        asked: MAV_CMD names that the operator is to send to the companion now; who sends them
+            takes them off the list.
     """
 
     def __init__(
@@ -57,6 +59,7 @@ class World:
         self.lidar = Lidar(scenario.lidar, self._map.grid, rng) if scenario.lidar else None
         self.happened: list[tuple[float, str]] = []
         self.is_wreck = False
+        self.asked: list[str] = []
         self._schedule = Schedule(scenario.happenings, physics.state.position)
         self._pads = scenario.pads
         self._drains_always = scenario.drains_always
@@ -138,3 +141,7 @@ class World:
     def refuse_arming(self, reason: str | None) -> None:
         """Arming is refused for this reason; None allows it."""
         self._autopilot.refuse_arming(reason)
+
+    def ask_companion(self, command: str) -> None:
+        """The operator sends the companion a MAV_CMD."""
+        self.asked.append(command)

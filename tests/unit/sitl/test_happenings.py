@@ -10,6 +10,7 @@ from wire import Wire, companion_heartbeat
 from companion.errors import MissionError
 from companion.mavlink.framing import dialect
 from companion.motion.grid import OccupancyGrid
+from sitl.link.routing import LinkName
 from sitl.results import Result
 from sitl.world.scenario import Scenario, parse_scenario
 from sitl.world.schema import json_schema
@@ -72,6 +73,16 @@ def test_an_obstacle_is_seen_while_it_is_there() -> None:
     assert right == [pytest.approx(400, abs=11)] * 3
 
 
+def test_the_operator_speaks_to_the_companion_alone() -> None:
+    wire = fly("  - {at_s: 1, operator: MAV_CMD_NAV_RETURN_TO_LAUNCH}\n")
+    wire.run(2.0)
+    (asked,) = [heard.message for heard in wire.named("COMMAND_LONG")]
+    assert asked.command == dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH
+    assert (asked.target_system, asked.target_component) == (1, 191)
+    assert not wire.named("COMMAND_LONG", LinkName.GCS)
+    assert wire.simulation.mode != "AUTO.RTL"
+
+
 def test_progress_goes_up_to_the_final_answer() -> None:
     wire = fly("  - {at_s: 0, payload: {result: FAILED, after_s: 4, progress: true}}\n")
     wire.run(0.1)
@@ -123,6 +134,7 @@ def test_what_a_component_does_not_know_is_unsupported(component: int) -> None:
         ("{at_s: 1, arming: {}}", "refused or allowed"),
         ("{at_s: 1, gps: {}}", "lost or noise_m"),
         ("{at_s: 1, winds: {east_mps: 1}}", "wind"),
+        ("{at_s: 1, operator: MAV_CMD_USR_1}", "MAV_CMD_USER_1"),
     ],
 )
 def test_mistakes_are_placed_and_explained(event: str, part: str) -> None:
