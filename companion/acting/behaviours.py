@@ -30,6 +30,9 @@ SLOW_MPS = 0.2
 """A vehicle slower than this begins a route as if it were at rest."""
 LAG_M = 0.9
 """Distance behind the trajectory at which the trajectory waits; below the gate's carrot."""
+ASTRAY_M = 1.4
+"""Distance at which a vehicle that has come to rest takes a new way; the gate would soon hold it
+there, away from a trajectory that waits for it."""
 
 
 class AsPredicted(Behaviour):
@@ -151,7 +154,8 @@ class MoveCommand(Behaviour):
     """move_cmd(c, w): flies a clear route to a place.
 
     The trajectory waits for a vehicle that has fallen behind, so that its setpoint never runs
-    away; the gate would hold it otherwise.
+    away; the gate would hold it otherwise. A fast vehicle that cannot stop straight ahead on a
+    clear leg leaves its new route while it brakes; it begins again from where it has come to rest.
 
     When the map has changed, what is left of the trajectory is looked at again. If it is no
     longer clear there are, in this order: another route, flown into without a stop; a stop
@@ -209,6 +213,10 @@ class MoveCommand(Behaviour):
         sample = self._trajectory.sample(self._time_s)
         gap_m = distance(sample.position, state.position)
         is_behind = gap_m >= LAG_M
+        if gap_m >= ASTRAY_M and math.hypot(*state.velocity) <= SLOW_MPS:
+            self._trajectory, self._is_braking, self._time_s = self._plan(state), False, 0.0
+            self._map_version = flight.routes.version
+            return Status.RUNNING
         flight.fly(
             hold_at(sample.position, sample.yaw_rad)
             if is_behind

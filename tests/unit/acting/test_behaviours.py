@@ -224,6 +224,24 @@ def test_the_setpoint_waits_for_a_vehicle_that_falls_behind() -> None:
     assert run(rig, leaf) is Status.SUCCESS
 
 
+def test_a_vehicle_that_came_to_rest_far_away_begins_again_from_there() -> None:
+    """The gate holds it where it is, so that waiting for it would be in vain."""
+    rig = a_rig()
+    leaf = MoveCommand(rig.flight, "A", None)
+    for _ in range(20):
+        tick(rig, leaf)
+    assert rig.vehicle.state is not None
+    north, east, down = rig.vehicle.state.position
+    rig.vehicle.is_stuck = True
+    rig.vehicle.change(position=(north, east + 2.0, down))
+    tick(rig, leaf)
+    tick(rig, leaf)
+    assert rig.vehicle.setpoint is not None
+    assert distance(rig.vehicle.setpoint.position, rig.vehicle.state.position) < LAG_M
+    rig.vehicle.is_stuck = False
+    assert run(rig, leaf) is Status.SUCCESS
+
+
 def test_a_vehicle_that_settles_beside_the_place_has_not_arrived() -> None:
     rig = a_rig()
     rig.vehicle.drift = (0.0, 0.5, 0.0)
