@@ -131,7 +131,9 @@ def test_a_broken_or_deep_image_is_refused(tmp_path: Path, pixels: bytes) -> Non
         read_map(path)
 
 
-def test_the_checked_in_hall_is_what_its_script_draws(tmp_path: Path) -> None:
-    runpy.run_path(str(ROOT / "scripts" / "make_hall.py"))["main"](tmp_path)
-    for name in ("hall.pgm", "hall.yaml"):
-        assert (ROOT / "missions" / "maps" / name).read_bytes() == (tmp_path / name).read_bytes()
+def test_the_checked_in_maps_are_what_their_script_draws(tmp_path: Path) -> None:
+    runpy.run_path(str(ROOT / "scripts" / "make_maps.py"))["main"](tmp_path)
+    maps = ROOT / "missions" / "maps"
+    assert {path.name for path in maps.iterdir()} == {path.name for path in tmp_path.iterdir()}
+    for path in tmp_path.iterdir():
+        assert (maps / path.name).read_bytes() == path.read_bytes()
