@@ -1,0 +1,115 @@
+"""Flies a shipped mission in lockstep, and reads the word that it flew from what was reported.
+
+The word is made anew from the reports, with the skills' effects as the mission file has them: no
+automaton, no task state and no planner takes part. So a line of the task held in the flight if
+the semantics of LTL says so of the word.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from lockstep import Lockstep
+
+from companion.app import home_of
+from companion.geometry import Ned, distance
+from companion.ltl.semantics import Letter, holds
+from companion.mission.loader import load_mission
+from companion.mission.model import Fly, Mission
+from companion.planning.domain import Action, departures, ground
+from sitl.world.scenario import read_scenario
+
+MISSIONS = Path(__file__).parents[2] / "missions"
+TOLD = ("at", "event", "done", "failed", "withdrawn", "replan", "end")
+
+
+class ShippedFlight(Lockstep):
+    """A mission of missions/ in the world of a scenario there, flown to its end.
+
+    Attributes:
+        mission: the mission.
+        truth: where the vehicle truly was at each tick.
+    """
+
+    def __init__(self, mission: str, scenario: str, seed: int) -> None:
+        self.mission = load_mission(MISSIONS / f"{mission}.yaml")
+        self.truth: list[Ned] = []
+        world = read_scenario(MISSIONS / f"{scenario}.sim.yaml")
+        _, self._grid = world
+        super().__init__(self.mission, world, seed=seed)
+        self.until_the_end()
+
+    def tick(self) -> None:
+        super().tick()
+        self.truth.append(self.simulation.flight.position)
+
+    @property
+    def story(self) -> list[str]:
+        """What happened, in short: why it replanned, and not to what."""
+        return [
+            f"replan: {report.data['reason']}" if report.kind == "replan" else report.text
+            for report in self.reports
+            if report.kind in TOLD
+        ]
+
+    @property
+    def clearance_m(self) -> float:
+        """From the vehicle's centre to the nearest wall of the true map, at worst."""
+        assert self._grid is not None
+        return min(self._grid.clearance_m(position[:2]) for position in self.truth)
+
+    def lines_that_hold(self) -> list[str]:
+        """Lines of the task that the flown word satisfies, if it rests at its end for ever.
+
+        A line that an event restarts is about the word from that event on.
+        """
+        word, since = flown_word(self)
+        events = self.mission.events
+        begins = {
+            line: max((n for e, n in since.items() if line in events[e].restarts), default=0)
+            for line in self.mission.task
+        }
+        return [
+            line
+            for line, formula in self.mission.task.items()
+            if holds(formula, word[begins[line] :], word[-1:])
+        ]
+
+
+def flown_word(flight: ShippedFlight) -> tuple[list[Letter], dict[str, int]]:
+    """The letters of the positions, and for each event the first position that is after it.
+
+    A completed skill appends a position. An event on the way is part of the position that is
+    reached next.
+    """
+    actions = {action.name: action for action in _actions(flight.mission)}
+    facts = flight.mission.initially
+    word = [facts]
+    since: dict[str, int] = {}
+    for report in flight.reports:
+        if report.kind == "event":
+            name = str(report.data["event"])
+            facts = facts | {name} if report.data["holds"] else facts - {name}
+            since[name] = len(word)
+        elif report.kind in ("at", "done"):
+            action = actions[str(report.data["action"])]
+            if isinstance(action.execute, Fly):  # the vehicle may come from between places
+                facts = frozenset(fact for fact in facts if not fact.startswith("at("))
+            facts = action.apply(facts)
+            word.append(facts)
+    return word, since
+
+
+def _actions(mission: Mission) -> tuple[Action, ...]:
+    """All ground skills, flights from between places among them."""
+
+    def one_second(origin: str, goal: str) -> float:
+        return 1.0
+
+    return (*ground(mission, one_second).actions, *departures(mission, one_second))
+
+
+def distance_from_home_m(flight: ShippedFlight) -> float:
+    """Of the vehicle at the end, from the place on the ground below Home."""
+    north, east, _ = home_of(flight.mission).position
+    return distance(flight.truth[-1], (north, east, 0.0))
