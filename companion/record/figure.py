@@ -6,6 +6,7 @@ darker a cell, the nearer the next obstacle.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -18,6 +19,8 @@ from companion.geometry import Ned, enu_from_ned
 from companion.mission.model import Mission
 
 PANEL_INCHES = (5.4, 4.2)
+COLUMNS = 3
+"""At most so many panels side by side."""
 SHADE_LIMIT_M = 3.0
 """Distance to the next obstacle from which on a cell is white."""
 
@@ -41,10 +44,15 @@ class Trail:
 def draw_flight(mission: Mission, trail: Trail, path: Path) -> None:
     """Draws a flight to a PNG file; east to the right, north up, metres."""
     panels = max(1, len(trail.parts))
-    figure = Figure(figsize=(PANEL_INCHES[0] * panels, PANEL_INCHES[1]), layout="constrained")
+    rows = math.ceil(panels / COLUMNS)
+    columns = math.ceil(panels / rows)
+    size = (PANEL_INCHES[0] * columns, PANEL_INCHES[1] * rows)
+    figure = Figure(figsize=size, layout="constrained")
     FigureCanvasAgg(figure)
-    axes = figure.subplots(1, panels, squeeze=False)[0]
-    for i, axis in enumerate(axes):
+    axes = figure.subplots(rows, columns, squeeze=False).flat
+    for axis in axes[panels:]:
+        axis.remove()
+    for i, axis in enumerate(axes[:panels]):
         _draw_hall(mission, axis)
         for _, positions in trail.parts[:i]:
             _draw_path(axis, positions, is_present=False)
