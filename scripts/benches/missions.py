@@ -1,0 +1,83 @@
+"""How well are the shipped missions planned and flown? One flight each, seed 0."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from statistics import median
+
+from benches import Row, timed
+from benches.shipped import shipped
+from companion.acting.report import Report
+from companion.acting.task_state import TaskState
+from companion.app import flight_times, route_map
+from companion.geometry import Ned, distance
+from companion.mavlink.framing import Endpoint, split_frames
+from companion.motion.grid import OccupancyGrid
+from companion.planning.planner import Planner
+from sitl.simulation import Simulation
+
+SETPOINT = bytes([84, 0, 0])  # id of SET_POSITION_TARGET_LOCAL_NED, in bytes 7 to 9 of a frame
+
+
+@dataclass
+class Tracking:
+    """A recorder of where the vehicle is told to be, and where it truly is.
+
+    Attributes:
+        gaps_m: from the newest setpoint to the vehicle, once per tick of the task.
+        clearances_m: from the vehicle's centre to the nearest wall of the true map, once per tick.
+    """
+
+    simulation: Simulation
+    grid: OccupancyGrid
+    gaps_m: list[float] = field(default_factory=list)
+    clearances_m: list[float] = field(default_factory=list)
+    is_on_task: bool = False
+    setpoint: Ned | None = None
+    ear: Endpoint = field(default_factory=lambda: Endpoint(0, 0))
+
+    def report(self, report: Report) -> None:
+        """The task lasts until something else is flown than its plan."""
+        if report.kind == "phase":
+            self.is_on_task = report.text.startswith(("flying the task", "returning"))
+
+    def packets(self, now_s: float, datagrams: list[bytes]) -> None:
+        """Hears the setpoints."""
+        for datagram in datagrams:
+            for frame in split_frames(datagram):
+                if frame[7:10] == SETPOINT:
+                    for message in self.ear.parse(frame):
+                        self.setpoint = (message.x, message.y, message.z)
+
+    def position(self, now_s: float, position: Ned) -> None:
+        """Takes the truth of this tick."""
+        truth = self.simulation.flight.position
+        self.clearances_m.append(self.grid.clearance_m(truth[:2]))
+        if self.is_on_task and self.setpoint is not None:
+            self.gaps_m.append(distance(self.setpoint, truth))
+
+
+def planning(runs: int) -> Iterator[Row]:
+    """The search for the first plan; the way between places is known."""
+    for path in sorted({flight.mission: flight for flight in shipped()}.values(), key=str):
+        mission = path.load()
+        planner = Planner(mission, flight_times(mission, route_map(mission)))
+        problem = TaskState(planner).problem()
+
+        def plan(planner: Planner = planner, problem: object = problem) -> object:
+            return planner.plan(*problem)  # type: ignore[misc]
+
+        yield Row(f"{mission.name}: first plan", median(timed(plan, max(3, runs // 5))), "ms")
+
+
+def flying(runs: int) -> Iterator[Row]:
+    """Setpoint against vehicle, and the room that was left; the same each time."""
+    for flight in shipped():
+        seen = flight.fly(flight.load(), Tracking)
+        assert isinstance(seen, Tracking)
+        square = sum(gap_m**2 for gap_m in seen.gaps_m) / len(seen.gaps_m)
+        yield Row(f"{flight.name}: gap to setpoint, RMS", 100 * math.sqrt(square), "cm")
+        yield Row(f"{flight.name}: gap to setpoint, worst", 100 * max(seen.gaps_m), "cm")
+        yield Row(f"{flight.name}: least clearance", 100 * min(seen.clearances_m), "cm")
