@@ -170,15 +170,18 @@ class MoveCommand(Behaviour):
 
     def initialise(self) -> None:
         """Finds the route from where the vehicle is, and how fast, now."""
-        flight, state = self._flight, self._flight.vehicle.state
+        state = self._flight.vehicle.state
         self._trajectory = None
         if state is not None:
-            self._trajectory = self._from_motion(
-                state.position, state.velocity, state.yaw_rad
-            ) or self._from_rest(state)
+            self._begin(state)
+        self._start_s = self._flight.now_s
+
+    def _begin(self, state: VehicleState) -> None:
+        self._trajectory = self._from_motion(
+            state.position, state.velocity, state.yaw_rad
+        ) or self._from_rest(state)
         self._is_braking = False
-        self._map_version = flight.routes.version
-        self._start_s = flight.now_s
+        self._map_version = self._flight.routes.version
         self._time_s = 0.0
         self._waited_s = 0.0
 
@@ -214,8 +217,7 @@ class MoveCommand(Behaviour):
         gap_m = distance(sample.position, state.position)
         is_behind = gap_m >= LAG_M
         if gap_m >= ASTRAY_M and math.hypot(*state.velocity) <= SLOW_MPS:
-            self._trajectory, self._is_braking, self._time_s = self._plan(state), False, 0.0
-            self._map_version = flight.routes.version
+            self._begin(state)
             return Status.RUNNING
         flight.fly(
             hold_at(sample.position, sample.yaw_rad)
