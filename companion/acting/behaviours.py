@@ -171,7 +171,7 @@ class MoveCommand(Behaviour):
     def initialise(self) -> None:
         """Finds the route from where the vehicle is, and how fast, now."""
         state = self._flight.vehicle.state
-        self._trajectory = None
+        self._trajectory: Trajectory | None = None
         if state is not None:
             self._begin(state)
         self._start_s = self._flight.now_s
