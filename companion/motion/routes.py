@@ -89,18 +89,19 @@ class RouteMap:
         self._sites = dict(sites)
         self._clearance_m = clearance_m
         self._is_inside = _cells_inside(grid, fence)
-        self._free = np.zeros_like(self._is_inside)
-        self._use(grid, self._free)
-        self.see(grid)
+        self._use(grid, self._free_on(grid))
 
     def see(self, grid: OccupancyGrid) -> None:
         """The map from now on: same cells, but others of them are occupied."""
-        free = (grid.distance_m >= self._clearance_m) & self._is_inside
+        free = self._free_on(grid)
         if np.array_equal(free, self._free):
             self._grid, self._open_sight = grid, Sight(~grid.occupied)
         else:
             self._use(grid, free)
             self.version += 1
+
+    def _free_on(self, grid: OccupancyGrid) -> npt.NDArray[np.bool_]:
+        return np.asarray((grid.distance_m >= self._clearance_m) & self._is_inside)
 
     def _use(self, grid: OccupancyGrid, free: npt.NDArray[np.bool_]) -> None:
         self._grid = grid

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from fakes import DONE, RUNNING, failed
 from rig import Rig
@@ -11,6 +12,7 @@ from companion.acting.executive import MAX_IDLE_REPLANS, TaskStatus
 from companion.errors import NoPlanError
 from companion.geometry import distance
 from companion.mission.model import Event, Mission
+from companion.motion.grid import OccupancyGrid
 from companion.vehicle.port import hold_at
 
 FOUND, LOW = event("found"), event("low")
@@ -243,6 +245,17 @@ def test_a_belief_about_here_can_be_to_blame() -> None:
     rig.task.withdraw(frozenset({"trans_ok(here, A)", "trans_ok(H, A)"}))
     with pytest.raises(NoPlanError, match=r"or trans_ok\(here, A\) there would be a plan"):
         rig.planner.plan(*rig.task.problem())
+
+
+def test_a_map_that_has_changed_takes_moves_out_of_the_next_plan() -> None:
+    """B is walled in: the way there over A is not even tried, though its belief still holds."""
+    rig = Rig(mission("F at(B)")).begin()
+    occupied = np.zeros((20, 20), dtype=np.bool_)
+    occupied[12:, 12:] = True  # B and what is around it
+    rig.flight.routes.see(OccupancyGrid(occupied, 0.5, (-2.0, -2.0)))
+    assert rig.run_to_the_end() is TaskStatus.NO_PLAN
+    assert rig.of_kind("withdrawn") == ["belief trans_ok(H, B) withdrawn"]
+    assert rig.executive.replans == 1
 
 
 # -- positions and violations ----------------------------------------------------------------------
