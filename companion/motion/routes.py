@@ -105,7 +105,7 @@ class RouteMap:
 
     def _use(self, grid: OccupancyGrid, free: npt.NDArray[np.bool_]) -> None:
         self._grid = grid
-        self._free = free
+        self._free: npt.NDArray[np.bool_] = free
         self._free_sight = Sight(free)
         self._open_sight = Sight(~grid.occupied)
         self._graph: MoveGraph | None = None  # made when a field is asked for
