@@ -97,6 +97,24 @@ def test_the_word_in_the_record_satisfies_the_task_of_the_file(good: Path) -> No
     assert not holds(task["upload"], word[:6], word[5:6])  # rest at r1 would not have done
 
 
+def test_a_tree_written_by_hand_is_held_against_a_task_it_was_not_made_from(
+    companion: Companion, tmp_path: Path
+) -> None:
+    folder = shutil.copytree(MISSIONS, tmp_path / "missions")
+    path = folder / "by_hand.yaml"
+    task = "\ntask:\n  report: F targetReported\n  never: G !at(C)\n  return: F G at(Home)\n"
+    path.write_text(path.read_text(encoding="utf-8") + task, encoding="utf-8")
+    run = fly(path, tmp_path / "run")
+    code, found = outcomes(companion, run)
+    assert code == 6
+    visits = [e["text"] for e in events(run) if e["kind"] in ("at", "done")]
+    assert found == {
+        "report": ("fulfilled", visits.index("upload(r2) done") + 1),
+        "never": ("violated", visits.index("at C") + 1),
+        "return": ("satisfied", None),
+    }
+
+
 def test_a_violating_flight_has_the_verdict_that_it_was_told_in_flight(
     companion: Companion, bad: Path
 ) -> None:

@@ -97,14 +97,14 @@ class Executive:
         Raises:
             NoPlanError: there is none.
         """
+        task = {name: str(formula) for name, formula in self._planner.mission.task.items()}
         if (tree := self._planner.mission.tree) is not None:
             self._root = build_by_hand(self._flight, tree, self._planner.actions_of(tree))
-            self._flight.report("plan", "the mission's own tree", number=0)
+            self._flight.report("plan", "the mission's own tree", number=0, task=task)
             return
         self._follow_map()
         lasso = self._planner.plan(*self._flight.task.problem())
         self._adopt(lasso)
-        task = {name: str(formula) for name, formula in self._planner.mission.task.items()}
         self._flight.report("plan", f"plan: {lasso}", number=0, task=task, **lasso.as_json())
 
     def tick(self) -> TaskStatus:
@@ -125,8 +125,7 @@ class Executive:
             self._replan()
         elif flight.laps > laps and self.lasso.ends_at_rest:
             self.status = TaskStatus.SATISFIED
-            flight.task.leave()
-            self._tell_positions(for_ever=True)
+            self._rest()
         elif flight.laps > laps:
             flight.report("lap", f"lap {flight.laps} done", lap=flight.laps)
         return self.status
@@ -137,6 +136,7 @@ class Executive:
         self._tell_positions()
         if root.status is Status.SUCCESS:
             self.status = TaskStatus.SATISFIED
+            self._rest()
         elif root.status is Status.FAILURE:
             self._flight.task.interrupt()
             self.status = TaskStatus.NO_PLAN
@@ -200,6 +200,11 @@ class Executive:
             self.replans += 1
             text = f"replan {self.replans}: {reason} -> {lasso}"
             flight.report("replan", text, number=self.replans, reason=reason, **lasso.as_json())
+
+    def _rest(self) -> None:
+        """Leaves the last position, which lasts for ever."""
+        self._flight.task.leave()
+        self._tell_positions(for_ever=True)
 
     def _tell_positions(self, for_ever: bool = False) -> None:
         """Reports the positions that were left since the last call, and what they violate.

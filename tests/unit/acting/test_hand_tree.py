@@ -39,6 +39,19 @@ def test_steps_are_done_in_order_and_the_end_satisfies_the_task() -> None:
     assert rig.task.facts == {"at(B)", "done"}
 
 
+def test_a_tree_may_break_the_task_and_that_is_told() -> None:
+    """No planner has seen to it; the task is recorded, so that the flight can be audited."""
+    lines = {"visit": "F at(A)", "never": "G !at(B)"}
+    steps = Steps((Act("move(H, A)"), Act("move(A, B)")))
+    rig = Rig(replace(mission(lines), tree=steps)).begin()
+    assert rig.reports[0].data["task"] == lines
+    rig.run_to_the_end()
+    assert rig.of_kind("violation") == ["never violated at position 2: G !at(B)"]
+    assert [(p["facts"], p["for_ever"]) for p in rig.positions] == [
+        *((["at(H)"], False), (["at(A)"], False), (["at(B)"], True)),
+    ]
+
+
 def test_a_failure_ends_the_task_in_words() -> None:
     rig = fly(Act("do"), Act("move(H, A)"))
     rig.vehicle.answers = [(0.1, failed("denied"))]
