@@ -11,7 +11,8 @@ one, changes nothing. A belief that comes back makes a new plan at the next comp
 A plan that ends at rest satisfies the task when the rest is reached.
 
 Each position of the word is reported when it is left, and so is each conjunct that it violates.
-Nothing more follows from that here: what the task cannot do any more, the next plan shows.
+What the task cannot do any more, the next plan shows. On the way home after a violation no event is
+watched but one by which all violated lines begin anew: no other could give the task a plan again.
 """
 
 from __future__ import annotations
@@ -116,7 +117,7 @@ class Executive:
         self._forget_what_is_done(self.lasso)
         if self._surprise() and not flight.is_grounded and self._is_still_best(self.lasso):
             self._predict()
-        if flight.may_do_better and self.is_leaving:
+        if flight.may_do_better and self.is_leaving and not flight.task.violated:
             self._replan()
             return self.status
         self._root.tick_once()
@@ -259,9 +260,11 @@ class Executive:
 
     def _predict(self) -> None:
         """The plan relies on the events' present values; the tree's leftmost branch looks here."""
-        facts = self._flight.task.facts
+        facts, violated = self._flight.task.facts, self._flight.task.violated
         self._predicted.clear()
-        self._predicted.update({name: name in facts for name in self._planner.mission.events})
+        for name, event in self._planner.mission.events.items():
+            if violated <= event.restarts:
+                self._predicted[name] = name in facts
 
     def _is_still_best(self, lasso: Lasso) -> bool:
         """Whether a plan made now, as from the place left last, is the rest of the present one."""

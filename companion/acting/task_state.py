@@ -96,6 +96,11 @@ class TaskState:
         """Facts and the beliefs that are held, those about `here` included."""
         return self.problem()[0].facts
 
+    @property
+    def violated(self) -> frozenset[str]:
+        """The lines of the task that the word so far violates, since they began last."""
+        return frozenset(r.conjunct.name for r in self._readings if not r.runs.states)
+
     def problem(self) -> tuple[Problem, list[list[Letter]]]:
         """The planning problem from here, and what each conjunct has read with this position."""
         if self._is_read:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 import pytest
 from fakes import DONE, RUNNING, failed
@@ -310,15 +312,33 @@ def test_a_violation_at_the_start_is_told_when_the_start_is_left() -> None:
     assert rig.positions[0]["facts"] == ["at(H)", "low"]
 
 
-def test_after_a_violation_a_plan_is_only_found_again_if_the_conjunct_begins_anew() -> None:
-    """What is lost stays lost when the event has passed, but for `restarts`."""
-    for restarts, status in ((), TaskStatus.NO_PLAN), (["safe"], TaskStatus.RUNNING):
-        calm = event("calm", restarts=restarts)
-        task = {"visit": "F at(A)", "safe": "G !low", "or": "F at(H) | F calm"}
-        rig = Rig(mission(task, events=[LOW, calm])).begin()
-        rig.tick(reading("low"))
-        assert rig.executive.go_to("H")
-        rig.tick()
-        assert rig.of_kind("violation") == ["safe violated at position 0: G !low"]
-        rig.tick(reading("low", 0.0), reading("calm"))
-        assert rig.executive.status is status
+def violated_at_the_start(restarts: Iterable[str] = ()) -> Rig:
+    """Low comes while the vehicle is at position 0; it flies to A, in want of a plan."""
+    events = [LOW, event("calm", restarts=restarts), event("lamp")]
+    task = {"tour": "G F at(A) & G F at(B)", "safe": "G !low", "or": "F lamp | F calm | F at(H)"}
+    rig = Rig(mission(task, events=events)).begin()
+    rig.tick(reading("low"))
+    assert rig.executive.status is TaskStatus.NO_PLAN
+    assert rig.executive.go_to("A")
+    rig.run(lambda: rig.flight.now_s > 2.0)
+    assert rig.of_kind("violation") == ["safe violated at position 0: G !low"]
+    return rig
+
+
+@pytest.mark.parametrize("name", ["low", "calm", "lamp"])
+def test_no_event_ends_the_way_home_after_a_violation(name: str) -> None:
+    """What is lost stays lost when the event has passed: there is no reason to stop on the way."""
+    rig = violated_at_the_start()
+    rig.tick(reading(name, 0.0 if name == "low" else 1.0))
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED
+    assert "at(A)" in rig.task.facts
+    assert rig.executive.failure is not None
+    assert len(rig.of_kind("violation")) == 1
+
+
+def test_an_event_by_which_the_violated_line_begins_anew_resumes_the_task() -> None:
+    rig = violated_at_the_start(restarts=["safe"])
+    rig.tick(reading("low", 0.0), reading("calm"))
+    assert rig.executive.failure is None
+    rig.run_until("lap 1 done")
+    assert len(rig.of_kind("violation")) == 1
