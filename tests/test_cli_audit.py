@@ -182,6 +182,15 @@ def test_every_line_is_as_documented(good: Path, bad: Path) -> None:
             assert fields == described[line["kind"]], line["kind"]
 
 
+def test_every_kind_of_line_is_described() -> None:
+    """Those too that no flight here has."""
+    text = (ROOT / "docs" / "run-folder.md").read_text(encoding="utf-8").partition("## events")[2]
+    sources = [p.read_text(encoding="utf-8") for p in (ROOT / "companion/acting").glob("*.py")]
+    kinds = {kind for source in sources for kind in re.findall(r'report\(\s*"(\w+)"', source)}
+    assert kinds >= {"end", "position", "restored"}
+    assert kinds == set(re.findall(r"^\| `(\w+)` \|[^|]*\| [^|]+ \|$", text, re.MULTILINE))
+
+
 # -- hand-made records -----------------------------------------------------------------------------
 
 Write = Callable[..., Path]
