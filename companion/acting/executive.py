@@ -11,8 +11,9 @@ one, changes nothing. A belief that comes back makes a new plan at the next comp
 A plan that ends at rest satisfies the task when the rest is reached.
 
 Each position of the word is reported when it is left, and so is each conjunct that it violates.
-What the task cannot do any more, the next plan shows. On the way home after a violation no event is
-watched but one by which all violated lines begin anew: no other could give the task a plan again.
+A violated task is not flown to its end as if it could be satisfied: a plan is searched again, which
+says that there is none. On the way home after a violation no event is watched but one by which all
+violated lines begin anew: no other could give the task a plan again.
 """
 
 from __future__ import annotations
@@ -122,9 +123,10 @@ class Executive:
             return self.status
         self._root.tick_once()
         self._tell_positions()
-        if self._root.status is Status.FAILURE:
+        is_done = flight.laps > laps and self.lasso.ends_at_rest
+        if self._root.status is Status.FAILURE or self._is_in_vain(is_done):
             self._replan()
-        elif flight.laps > laps and self.lasso.ends_at_rest:
+        elif is_done:
             self.status = TaskStatus.SATISFIED
             self._rest()
         elif flight.laps > laps:
@@ -174,12 +176,18 @@ class Executive:
         nothing: frozenset[Fact] = frozenset()
         return move and replace(move, requires=nothing, forbids=nothing, assumes=nothing)
 
+    def _is_in_vain(self, is_done: bool) -> bool:
+        """Whether the plan is for a task that is violated; on the ground it ends first."""
+        may_end = is_done or not self._flight.is_grounded
+        return bool(self._flight.task.violated) and may_end and not self.is_leaving
+
     def _replan(self) -> None:
         flight, task = self._flight, self._flight.task
         self.stop()
         task.interrupt()
         self._count_idle()
-        reason = self._surprise() or flight.failure or "a belief came back"
+        violated = f"{', '.join(task.violated)} violated" if task.violated else ""
+        reason = self._surprise() or flight.failure or violated or "a belief came back"
         flight.may_do_better = False
         try:
             if self._planner.mission.tree is not None:
@@ -263,7 +271,7 @@ class Executive:
         facts, violated = self._flight.task.facts, self._flight.task.violated
         self._predicted.clear()
         for name, event in self._planner.mission.events.items():
-            if violated <= event.restarts:
+            if set(violated) <= event.restarts:
                 self._predicted[name] = name in facts
 
     def _is_still_best(self, lasso: Lasso) -> bool:

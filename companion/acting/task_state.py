@@ -97,9 +97,10 @@ class TaskState:
         return self.problem()[0].facts
 
     @property
-    def violated(self) -> frozenset[str]:
-        """The lines of the task that the word so far violates, since they began last."""
-        return frozenset(r.conjunct.name for r in self._readings if not r.runs.states)
+    def violated(self) -> tuple[str, ...]:
+        """Names of the conjuncts that no continuation of what was read can satisfy."""
+        names = (r.conjunct.name for r in self._readings if not r.runs.states)
+        return tuple(dict.fromkeys(names))
 
     def problem(self) -> tuple[Problem, list[list[Letter]]]:
         """The planning problem from here, and what each conjunct has read with this position."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,7 +15,7 @@ from synthetic import POSITIONS, command, event, mission, move, reading
 from companion.acting.executive import MAX_IDLE_REPLANS, TaskStatus
 from companion.errors import NoPlanError
 from companion.geometry import distance
-from companion.mission.model import Event, Mission
+from companion.mission.model import Event, Execution, Land, Mission, Skill, TakeOff, Wait
 from companion.motion.grid import OccupancyGrid
 from companion.vehicle.port import hold_at
 
@@ -342,3 +344,24 @@ def test_an_event_by_which_the_violated_line_begins_anew_resumes_the_task() -> N
     assert rig.executive.failure is None
     rig.run_until("lap 1 done")
     assert len(rig.of_kind("violation")) == 1
+
+
+def service(*steps: Execution) -> Skill:
+    return replace(command("service", "at(H)", "serviced"), execute=steps)
+
+
+@pytest.mark.parametrize("steps", [(Land(), Wait(1.0), TakeOff()), (Land(), Wait(1.0))])
+def test_a_task_that_is_violated_on_the_ground_is_not_satisfied_in_the_end(
+    steps: tuple[Execution, ...],
+) -> None:
+    """There nothing interrupts the plan, so a position comes that it did not foresee."""
+    task = {"goal": "F serviced", "safe": "G !low"}
+    rig = Rig(mission(task, skills=[service(*steps)], events=[LOW])).begin()
+    rig.run(lambda: rig.flight.is_grounded)
+    rig.tick(reading("low"))
+    rig.run_until("service done")
+    rig.tick(reading("low", 0.0))  # the facts are again as the plan has them
+    assert rig.run_to_the_end() is TaskStatus.NO_PLAN
+    assert rig.of_kind("violation") == ["safe violated at position 1: G !low"]
+    (told,) = rig.of_kind("replan")
+    assert re.match(r"replan 1: (low|safe violated): no plan: safe cannot hold from here", told)
