@@ -272,6 +272,14 @@ def test_a_record_that_told_of_no_violation_is_noticed(companion: Companion, wri
     assert "not the same in flight: it at position 0" in ended.out
 
 
+def test_a_flight_without_a_task_shows_its_word(companion: Companion, write: Write) -> None:
+    """As of a mission that brings its own tree."""
+    ended = companion("audit", write({}, "p"))
+    assert ended.code == 0
+    assert "the mission has no task" in ended.out
+    assert re.search(r"^ +0  00:00\.0 +p$", ended.out, re.M)
+
+
 # -- cut off, or damaged ---------------------------------------------------------------------------
 
 

@@ -71,6 +71,8 @@ def audit(
 def _print(run: Path, record: RunRecord, result: Audit) -> None:
     typer.echo(f"run        {run}")
     typer.echo(f"ending     {_first_line(record.ending) or 'none: the run was cut off'}")
+    if not record.task:
+        typer.echo("note       the mission has no task to hold the flight against")
     if record.is_torn:
         typer.echo("note       the last line of events.jsonl is not whole; it was left out")
     for name, number in result.differs:
