@@ -94,7 +94,8 @@ def _row(position: LeftPosition, findings: tuple[Finding, ...]) -> str:
     minutes, seconds = divmod(position.time_s, 60)
     states = "".join(SYMBOLS[finding.states[position.number].value] for finding in findings)
     notes = [f"{name} begins anew" for name in sorted(position.restarted)]
-    notes += [f"without {belief}" for belief in sorted(position.withdrawn)]
+    withdrawn = ", ".join(sorted(position.withdrawn))
+    notes += [f"without {withdrawn}"] if withdrawn else []
     notes += ["and so for ever"] if position.is_for_ever else []
     facts = ", ".join(sorted(position.facts))
     time = f"{int(minutes):02d}:{seconds:04.1f}"
