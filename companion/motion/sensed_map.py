@@ -81,6 +81,7 @@ class SensedMap:
         self._odds = np.where(walls, WALL, LEAST).ravel()
         self._most = np.where(walls, WALL, MOST).ravel()
         self._meant = _meant(told)
+        self._find_surface()
 
     def integrate(self, scan: RangeScan) -> bool:
         """Takes in a scan; whether a cell has become occupied or free."""
@@ -88,14 +89,28 @@ class SensedMap:
         hits, passed = self._hits(scan, reach_m), self._passed(scan, reach_m)
         raised = np.minimum(self._odds[hits] + HIT, self._most[hits])
         touched = np.concatenate([hits, passed])
-        was_occupied = self._odds[touched] > 0
+        before = self._odds[touched]
         self._odds[passed] = np.maximum(self._odds[passed] - MISS, LEAST)
         self._odds[hits] = raised
-        if np.array_equal(was_occupied, self._odds[touched] > 0):
+        after = self._odds[touched]
+        if np.any((before > LEAST) != (after > LEAST)):
+            self._find_surface()
+        if np.array_equal(before > 0, after > 0):
             return False
         occupied = (self._odds > 0).reshape(self.grid.occupied.shape)
         self.grid = OccupancyGrid(occupied, self.grid.cell_m, self.grid.origin)
         return True
+
+    def _find_surface(self) -> None:
+        """The cells that can be lowered, but for those inside: no beam gets there first."""
+        rows, cols = self.grid.occupied.shape
+        is_raised = (self._odds > LEAST).reshape(rows, cols)
+        is_inside = ndimage.binary_erosion(
+            is_raised, np.ones((3, 3), dtype=np.bool_), border_value=1
+        )
+        self._surface = np.flatnonzero(is_raised & ~is_inside)
+        cells = np.stack(np.divmod(self._surface, cols)) + 0.5
+        self._centres = cells * self.grid.cell_m + np.array(self.grid.origin)[:, None]
 
     def _hits(self, scan: RangeScan, reach_m: float) -> Cells:
         """The cells that echoes speak of; a cell may come twice. Echoes off the map are left out.
@@ -116,14 +131,12 @@ class SensedMap:
         return np.asarray(meant[meant >= 0])
 
     def _passed(self, scan: RangeScan, reach_m: float) -> Cells:
-        """The cells that a beam and its two neighbours have passed, of those that can be lowered.
+        """The cells that a beam and its two neighbours have passed, of those on the surface.
 
         A beam that crosses a cell has its centre within half a diagonal; all these count.
         """
         cell_m = self.grid.cell_m
-        row, col = np.divmod(np.flatnonzero(self._odds > LEAST), self.grid.occupied.shape[1])
-        north = self.grid.origin[0] + (row + 0.5) * cell_m - scan.position[0]
-        east = self.grid.origin[1] + (col + 0.5) * cell_m - scan.position[1]
+        north, east = self._centres - np.array(scan.position)[:, None]
         is_near = north * north + east * east < reach_m * reach_m
         north, east = north[is_near], east[is_near]
         away_m = np.hypot(north, east)
@@ -137,9 +150,7 @@ class SensedMap:
         clear_m = np.minimum(known_m, np.minimum(np.roll(known_m, 1), np.roll(known_m, -1)))
         is_passed = (beam < count) & (beside_m <= math.sqrt(0.5) * cell_m)
         is_passed &= away_m < clear_m[np.minimum(beam, count - 1)] - _DIAGONAL * cell_m
-        return np.asarray(
-            row[is_near][is_passed] * self.grid.occupied.shape[1] + col[is_near][is_passed]
-        )
+        return np.asarray(self._surface[is_near][is_passed])
 
 
 def _meant(told: OccupancyGrid) -> Cells:
