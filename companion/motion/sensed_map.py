@@ -87,6 +87,8 @@ class SensedMap:
         """Takes in a scan; whether a cell has become occupied or free."""
         reach_m = min(scan.range_m, REACH_M)
         hits, passed = self._hits(scan, reach_m), self._passed(scan, reach_m)
+        if not passed.size and np.all(self._odds[hits] == self._most[hits]):
+            return False  # all is as it is known, as nearly always
         raised = np.minimum(self._odds[hits] + HIT, self._most[hits])
         touched = np.concatenate([hits, passed])
         before = self._odds[touched]
@@ -137,20 +139,22 @@ class SensedMap:
         """
         cell_m = self.grid.cell_m
         north, east = self._centres - np.array(scan.position)[:, None]
-        is_near = north * north + east * east < reach_m * reach_m
-        north, east = north[is_near], east[is_near]
         away_m = np.hypot(north, east)
+        known_m = np.nan_to_num(scan.distances_m, nan=0.0, posinf=reach_m)
+        clear_m = np.minimum(known_m, np.minimum(np.roll(known_m, 1), np.roll(known_m, -1)))
+        (near,) = np.nonzero(away_m < min(reach_m, clear_m.max()) - _DIAGONAL * cell_m)
+        north, east, away_m = north[near], east[near], away_m[near]
 
         count, turn = len(scan.distances_m), 2 * math.pi / abs(scan.step_rad)
         bearing = ((np.arctan2(east, north) - scan.first_rad) / scan.step_rad) % turn  # in steps
-        beam = np.rint(bearing)
-        beside_m = away_m * np.sin(np.abs(bearing - beam) * abs(scan.step_rad))
-        beam = (beam % round(turn)).astype(np.intp)
-        known_m = np.nan_to_num(scan.distances_m, nan=0.0, posinf=reach_m)
-        clear_m = np.minimum(known_m, np.minimum(np.roll(known_m, 1), np.roll(known_m, -1)))
-        is_passed = (beam < count) & (beside_m <= math.sqrt(0.5) * cell_m)
-        is_passed &= away_m < clear_m[np.minimum(beam, count - 1)] - _DIAGONAL * cell_m
-        return np.asarray(self._surface[is_near][is_passed])
+        nearest = np.rint(bearing)
+        beam = (nearest % round(turn)).astype(np.intp)
+        is_clear = (beam < count) & (
+            away_m < clear_m[np.minimum(beam, count - 1)] - _DIAGONAL * cell_m
+        )
+        aside = np.abs(bearing - nearest)[is_clear] * abs(scan.step_rad)
+        is_crossed = away_m[is_clear] * np.sin(aside) <= math.sqrt(0.5) * cell_m
+        return np.asarray(self._surface[near[is_clear][is_crossed]])
 
 
 def _meant(told: OccupancyGrid) -> Cells:

@@ -10,8 +10,7 @@ Left out so far: MAVLink FTP, events.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from itertools import islice
+from collections.abc import Callable
 from typing import ClassVar
 
 from companion.mavlink.framing import Endpoint, Message, dialect, source
@@ -44,7 +43,7 @@ class Link:
         self._out = out
         self.streams = Streams(name, vehicle.state.time_s)
         self.later: list[Message] = []
-        self.listing: Iterator[Message] = iter(())
+        self.listing: list[str] = []
         self._endpoint = Endpoint(system, AUTOPILOT)
 
     def send(self, message: Message) -> None:
@@ -111,27 +110,30 @@ class AutopilotComponent:
 
     def step(self) -> Outgoing:
         """What leaves now."""
-        vehicle = self._vehicle
+        vehicle, now_s = self._vehicle, self._vehicle.state.time_s
         now = status(vehicle.autopilot)
-        for origin, message in self._missions.due(vehicle.state.time_s):
+        for origin, message in self._missions.due(now_s):
             self._links[origin].send(message)
-        progress = self._progress.due(vehicle)
+        common = self._progress.due(vehicle)
+        if now != self._told:
+            common.append(MESSAGES["HEARTBEAT"](vehicle))
+            self._told = now
         for link in self._links.values():
-            for message in progress:
+            for message in (*link.later, *common):
                 link.send(message)
-            if link.later:
-                for message in link.later:
-                    link.send(message)
-                link.later.clear()
-            for message in islice(link.listing, LISTED_PER_STEP):
-                link.send(message)
-            if now != self._told:
-                link.send(MESSAGES["HEARTBEAT"](vehicle))
-            for name in link.streams.due(vehicle.state.time_s):
+            link.later.clear()
+            if link.listing:
+                self._list_parameters(link)
+            for name in link.streams.due(now_s):
                 link.send(MESSAGES[name](vehicle))
-        self._told = now
         self._send_notices()
         return self.flush()
+
+    def _list_parameters(self, link: Link) -> None:
+        known = self._vehicle.autopilot.parameters
+        for name in link.listing[:LISTED_PER_STEP]:
+            link.send(parameters.value_of(name, known))
+        del link.listing[:LISTED_PER_STEP]
 
     def flush(self) -> Outgoing:
         """Take what has been packed since the last time."""
@@ -199,7 +201,7 @@ class AutopilotComponent:
             self._vehicle.autopilot.hear_ground_station()
 
     def _param_list(self, link: Link, message: Message) -> None:
-        link.listing = parameters.listed(self._vehicle.autopilot.parameters)
+        link.listing = list(parameters.LISTED)
 
     def _param_read(self, link: Link, message: Message) -> None:
         link.send_if(parameters.read(message, self._vehicle.autopilot.parameters))

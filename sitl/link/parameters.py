@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Iterator
 
 from companion.mavlink.framing import Message, dialect
 from companion.mavlink.parameters import INT32, decode, encode
@@ -22,6 +21,8 @@ from sitl.autopilot.parameters import PARAMETERS, Parameters, index_of, name_at
 HASH_CHECK = "_HASH_CHECK"
 HASH_INDEX = 65535
 UINT32 = 5  # MAV_PARAM_TYPE_UINT32
+LISTED = (HASH_CHECK, *PARAMETERS)
+"""The answer to PARAM_REQUEST_LIST: the checksum first, then all in order."""
 VOLATILE = frozenset({"COM_FLIGHT_UUID", "LND_FLIGHT_T_HI", "LND_FLIGHT_T_LO"})
 """Counters that change by themselves; they are no part of the checksum."""
 
@@ -46,12 +47,6 @@ def value_of(name: str, parameters: Parameters) -> Message:
     return dialect.MAVLink_param_value_message(
         name.encode(), encode(value, param_type), param_type, len(PARAMETERS), index
     )
-
-
-def listed(parameters: Parameters) -> Iterator[Message]:
-    """The answer to PARAM_REQUEST_LIST: the checksum first, then all in order."""
-    for name in (HASH_CHECK, *PARAMETERS):
-        yield value_of(name, parameters)
 
 
 def read(request: Message, parameters: Parameters) -> Message | None:
