@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Protocol
 
-from companion.acting.behaviours import ACCELERATION_MPS2
 from companion.acting.events import EventDetector
 from companion.acting.executive import Executive
 from companion.acting.flight import TICK_S, Flight
+from companion.acting.moving import ACCELERATION_MPS2
 from companion.acting.report import Report
 from companion.acting.sortie import Phase, Sortie
 from companion.acting.task_state import TaskState

@@ -1,38 +1,19 @@
-"""The leaves of the tree (Figs. 5 and 6): conditions, effects, and the primitives that fly.
+"""The leaves of the tree (Figs. 5 and 6): conditions, effects, symbols, commands and rest.
 
 `initialise` runs when a leaf is entered, `update` once per tick, `terminate` when it is left;
 with status INVALID if something above has interrupted it. Time comes from the flight, never
-from a clock.
+from a clock. The leaf that flies is in moving.py, those that land in ground.py.
 """
 
 from __future__ import annotations
 
-import math
-
-import numpy as np
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from companion.acting.flight import TICK_S, Flight
-from companion.geometry import Ned, distance
+from companion.acting.flight import Flight
 from companion.mission.model import Command
-from companion.motion.routes import Route
-from companion.motion.trajectory import Sample, Trajectory, run_out
 from companion.planning.domain import Action, Fact
-from companion.vehicle.port import Progress, Setpoint, VehicleState, hold_at
-
-ACCELERATION_MPS2 = 2.0
-ARRIVAL_M = 0.3
-"""How near to a place the vehicle has to come to be there."""
-ARRIVAL_TIMEOUT_S = 15.0
-"""How long it may take to come that near after the trajectory has ended, or to catch up."""
-SLOW_MPS = 0.2
-"""A vehicle slower than this begins a route as if it were at rest."""
-LAG_M = 0.9
-"""Distance behind the trajectory at which the trajectory waits; below the gate's carrot."""
-ASTRAY_M = 1.4
-"""Distance at which a vehicle that has come to rest takes a new way; the gate would soon hold it
-there, away from a trajectory that waits for it."""
+from companion.vehicle.port import Progress
 
 
 class AsPredicted(Behaviour):
@@ -147,134 +128,6 @@ class UpdateParam(Behaviour):
         if flight.routes.is_free(flight.symbols[self._place][:2]):
             return Status.SUCCESS
         flight.failure = f"{self._place} is not free"
-        return Status.FAILURE
-
-
-class MoveCommand(Behaviour):
-    """move_cmd(c, w): flies a clear route to a place.
-
-    The trajectory waits for a vehicle that has fallen behind, so that its setpoint never runs
-    away; the gate would hold it otherwise. A fast vehicle that cannot stop straight ahead on a
-    clear leg leaves its new route while it brakes; it begins again from where it has come to rest.
-
-    When the map has changed, what is left of the trajectory is looked at again. If it is no
-    longer clear there are, in this order: another route, flown into without a stop; a stop
-    straight ahead, and a route from there; failure, since no clear route is left.
-    """
-
-    def __init__(self, flight: Flight, place: str, timeout_s: float | None) -> None:
-        super().__init__(f"move_cmd {place}")
-        self._flight = flight
-        self._place = place
-        self._timeout_s = timeout_s
-
-    def initialise(self) -> None:
-        """Finds the route from where the vehicle is, and how fast, now."""
-        state = self._flight.vehicle.state
-        self._trajectory: Trajectory | None = None
-        if state is not None:
-            self._begin(state)
-        self._start_s = self._flight.now_s
-
-    def _begin(self, state: VehicleState) -> None:
-        self._trajectory = self._from_motion(
-            state.position, state.velocity, state.yaw_rad
-        ) or self._from_rest(state)
-        self._is_braking = False
-        self._map_version = self._flight.routes.version
-        self._time_s = 0.0
-        self._waited_s = 0.0
-
-    def _from_motion(self, position: Ned, velocity: Ned, yaw_rad: float) -> Trajectory | None:
-        """A trajectory that begins at some speed; None if there is none, or hardly any speed."""
-        start_mps = math.hypot(*velocity)
-        if start_mps <= SLOW_MPS:
-            return None
-        stop = run_out(position, velocity, ACCELERATION_MPS2)
-        route = self._flight.routes.route_from_motion(position, stop, self._place)
-        return self._along(route, yaw_rad, start_mps) if route else None
-
-    def _from_rest(self, state: VehicleState) -> Trajectory | None:
-        """A trajectory from rest; None if no clear route leads to the place."""
-        route = self._flight.routes.route(state.position, self._place)
-        return self._along(route, state.yaw_rad, 0.0) if route else None
-
-    def _along(self, route: Route, yaw_rad: float, start_mps: float) -> Trajectory:
-        speed_mps = self._flight.limits.speed_mps
-        return Trajectory(route, speed_mps, ACCELERATION_MPS2, yaw_rad, start_mps)
-
-    def update(self) -> Status:
-        """One setpoint along the trajectory; SUCCESS at the place."""
-        flight, state = self._flight, self._flight.vehicle.state
-        if state is not None:
-            self._follow_map(state)
-        if self._trajectory is None or state is None:
-            return self._fail(f"no clear route to {self._place}")
-        elapsed_s = flight.now_s - self._start_s
-        if self._timeout_s is not None and elapsed_s > self._timeout_s:
-            return self._fail(f"not there after {self._timeout_s:.0f} s")
-        sample = self._trajectory.sample(self._time_s)
-        gap_m = distance(sample.position, state.position)
-        is_behind = gap_m >= LAG_M
-        if gap_m >= ASTRAY_M and math.hypot(*state.velocity) <= SLOW_MPS:
-            self._begin(state)
-            return Status.RUNNING
-        flight.fly(
-            hold_at(sample.position, sample.yaw_rad)
-            if is_behind
-            else Setpoint(sample.position, sample.velocity, sample.acceleration, sample.yaw_rad)
-        )
-        if sample.is_finished and gap_m < ARRIVAL_M and not self._is_braking:
-            return Status.SUCCESS
-        if self._time_s > self._trajectory.duration_s + ARRIVAL_TIMEOUT_S:
-            return self._fail(f"still {gap_m:.1f} m from {self._place}")
-        self._time_s += 0.0 if is_behind else TICK_S
-        self._waited_s = self._waited_s + TICK_S if is_behind else 0.0
-        if self._waited_s > ARRIVAL_TIMEOUT_S:
-            return self._fail(f"stuck on the way to {self._place}")
-        return Status.RUNNING
-
-    def terminate(self, new_status: Status) -> None:
-        """Stays where it is when something above interrupts."""
-        if new_status is Status.INVALID and self.status is Status.RUNNING:
-            self._flight.hold()
-
-    def _follow_map(self, state: VehicleState) -> None:
-        """Leaves a trajectory that is no longer clear, and goes on from a stop."""
-        routes, trajectory = self._flight.routes, self._trajectory
-        if trajectory is None:
-            return
-        if self._is_braking:
-            has_stopped = math.hypot(*state.velocity) <= SLOW_MPS
-            if has_stopped and trajectory.sample(self._time_s).is_finished:
-                self._adopt(self._from_rest(state), is_braking=False)
-        elif self._map_version != routes.version:
-            self._map_version = routes.version
-            if not routes.is_clear(trajectory.ahead(self._time_s)):
-                self._avoid(trajectory.sample(self._time_s))
-
-    def _avoid(self, now: Sample) -> None:
-        """Another route without a stop, or a stop."""
-        around = self._from_motion(now.position, now.velocity, now.yaw_rad)
-        if around is not None:
-            self._adopt(around, is_braking=False)
-            return
-        stop = run_out(now.position, now.velocity, ACCELERATION_MPS2)
-        straight = Route(np.array([now.position, stop]))
-        brake = self._along(straight, now.yaw_rad, math.hypot(*now.velocity))
-        self._adopt(brake, is_braking=True)
-
-    def _adopt(self, trajectory: Trajectory | None, is_braking: bool) -> None:
-        self._trajectory, self._is_braking = trajectory, is_braking
-        self._map_version = self._flight.routes.version
-        self._time_s = 0.0
-        what = "stopping" if is_braking else "another route"
-        text = f"the way to {self._place} is not clear: {what if trajectory else 'no route'}"
-        self._flight.report("route", text, place=self._place)
-
-    def _fail(self, why: str) -> Status:
-        self._flight.failure = why
-        self._flight.hold()
         return Status.FAILURE
 
 

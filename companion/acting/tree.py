@@ -29,7 +29,6 @@ from companion.acting import ground
 from companion.acting.behaviours import (
     AsPredicted,
     Effects,
-    MoveCommand,
     Precondition,
     Rest,
     SendCommand,
@@ -38,6 +37,7 @@ from companion.acting.behaviours import (
 )
 from companion.acting.deadline import Deadline
 from companion.acting.flight import Flight
+from companion.acting.moving import MoveCommand
 from companion.mission.model import Charge, Command, Fly, Land, TakeOff, Wait
 from companion.planning.domain import Action, Fact, Refinement, Step
 from companion.planning.lasso import Lasso

@@ -14,13 +14,8 @@ from rig import Rig
 from synthetic import PAYLOAD, POSITIONS, USER_1, command, event, mission, move
 
 from companion.acting.behaviours import (
-    ACCELERATION_MPS2,
-    ARRIVAL_M,
-    ARRIVAL_TIMEOUT_S,
-    LAG_M,
     AsPredicted,
     Effects,
-    MoveCommand,
     Precondition,
     Rest,
     SendCommand,
@@ -28,6 +23,13 @@ from companion.acting.behaviours import (
     Withdraw,
 )
 from companion.acting.flight import TICK_S
+from companion.acting.moving import (
+    ACCELERATION_MPS2,
+    ARRIVAL_M,
+    ARRIVAL_TIMEOUT_S,
+    LAG_M,
+    MoveCommand,
+)
 from companion.app import route_map
 from companion.geometry import distance
 from companion.mission.model import Command

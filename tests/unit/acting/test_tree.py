@@ -10,7 +10,8 @@ from py_trees.decorators import Inverter, Repeat, Retry
 from rig import Rig
 from synthetic import command, mission, move
 
-from companion.acting.behaviours import MoveCommand, Rest, SendCommand, UpdateParam
+from companion.acting.behaviours import Rest, SendCommand, UpdateParam
+from companion.acting.moving import MoveCommand
 from companion.acting.tree import build
 from companion.planning.lasso import Lasso
 
