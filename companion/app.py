@@ -12,6 +12,7 @@ from typing import Protocol
 from companion.acting.events import EventDetector
 from companion.acting.executive import Executive
 from companion.acting.flight import TICK_S, Flight
+from companion.acting.grounding import Symbols
 from companion.acting.moving import ACCELERATION_MPS2
 from companion.acting.report import Report
 from companion.acting.sortie import Phase, Sortie
@@ -100,7 +101,7 @@ class Companion:
             task=TaskState(planner),
             routes=routes,
             limits=limits,
-            symbols={name: place.position for name, place in mission.places.items()},
+            symbols=Symbols(mission.places, routes),
         )
         executive = Executive(planner, self._flight, detector)
         self._sortie = Sortie(

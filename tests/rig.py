@@ -9,6 +9,7 @@ from fakes import FakeVehicle
 from companion.acting.events import EventDetector
 from companion.acting.executive import Executive, TaskStatus
 from companion.acting.flight import TICK_S, Flight
+from companion.acting.grounding import Symbols
 from companion.acting.report import Report
 from companion.acting.task_state import TaskState
 from companion.app import flight_times, home_of, route_map
@@ -54,7 +55,7 @@ class Rig:
             task=self.task,
             routes=routes,
             limits=mission.limits,
-            symbols={name: place.position for name, place in mission.places.items()},
+            symbols=Symbols(mission.places, routes),
         )
         self.reports: list[Report] = []
         self.positions: list[Mapping[str, object]] = []

@@ -19,7 +19,7 @@ def test_every_row_is_measured() -> None:
     done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
     assert done.returncode == 0, done.stderr
     rows = {row["name"]: row for row in json.loads(done.stdout)}
-    assert len(rows) == 68
+    assert len(rows) == 72
     assert all(row["figure"] > 0 and row["unit"] for row in rows.values())
     groups = ("dac", "eh", "sb", "mission", "mission-combo")
     assert {name for name, row in rows.items() if row["ratio"]} == {

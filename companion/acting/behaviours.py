@@ -114,21 +114,31 @@ class Withdraw(Behaviour):
 class UpdateParam(Behaviour):
     """update_param(c, w): grounds the symbol `w` to a waypoint that can be flown to now.
 
-    `c` is always the vehicle's present state, so there is nothing to ground for it.
+    `c` is always the vehicle's present state, so there is nothing to ground for it. Asked again for
+    the same action, it takes another waypoint: a flight to the last one has failed.
     """
 
     def __init__(self, flight: Flight, place: str) -> None:
         super().__init__(f"update_param {place}")
         self._flight = flight
         self._place = place
+        self._tried_at: int | None = None
 
     def update(self) -> Status:
-        """FAILURE if the place is not free on the map as it is known now."""
-        flight = self._flight
-        if flight.routes.is_free(flight.symbols[self._place][:2]):
-            return Status.SUCCESS
-        flight.failure = f"{self._place} is not free"
-        return Status.FAILURE
+        """FAILURE if no waypoint of the place can be flown to on the map as it is known now."""
+        flight, place, state = self._flight, self._place, self._flight.vehicle.state
+        before = flight.symbols[place]
+        is_another_try = self._tried_at == flight.task.positions
+        self._tried_at = flight.task.positions
+        if is_another_try:
+            flight.symbols.refuse(place, flight.now_s)
+        if state is None or not flight.symbols.ground(place, state.position, flight.now_s):
+            if not is_another_try:  # else the failure of the last try says more
+                flight.failure = f"no waypoint of {place} can be flown to"
+            return Status.FAILURE
+        if flight.symbols[place] is not before:
+            flight.tell_symbol(place)
+        return Status.SUCCESS
 
 
 class SendCommand(Behaviour):

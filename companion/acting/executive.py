@@ -247,7 +247,11 @@ class Executive:
     def _follow_map(self) -> None:
         """Moves cost what they cost on the map as it is known now."""
         if self._map_version != self._flight.routes.version:
-            self._map_version = self._flight.routes.version
+            flight, state = self._flight, self._flight.vehicle.state
+            self._map_version = flight.routes.version
+            if state is not None:
+                for place in flight.symbols.follow_map(state.position, flight.now_s):
+                    flight.tell_symbol(place)
             self._planner.reground()
 
     def _count_idle(self) -> None:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from companion.acting.grounding import Symbols
 from companion.acting.report import Report
 from companion.acting.task_state import TaskState
-from companion.geometry import Ned
 from companion.mission.model import Limits
 from companion.motion.routes import RouteMap
 from companion.vehicle.port import Setpoint, Vehicle, hold_at
@@ -21,7 +20,7 @@ class Flight:
     """One flight of one mission, shared by all behaviours of its tree.
 
     Attributes:
-        symbols: where each place is taken to be; read late, so that it may change in flight.
+        symbols: where each place is to be flown to; read late, so that it may change in flight.
         now_s: time of the tick, set before each tick.
         completed: skills of the present plan that were completed.
         laps: laps of the present plan's loop.
@@ -35,7 +34,7 @@ class Flight:
     task: TaskState
     routes: RouteMap
     limits: Limits
-    symbols: Mapping[str, Ned]
+    symbols: Symbols
     now_s: float = 0.0
     completed: int = 0
     laps: int = 0
@@ -48,6 +47,13 @@ class Flight:
     def report(self, kind: str, text: str, **data: object) -> None:
         """Notes something that happened now."""
         self.reports.append(Report(round(self.now_s, 3), kind, text, data))
+
+    def tell_symbol(self, place: str) -> None:
+        """Notes that a place is flown to at another waypoint."""
+        value = self.symbols[place]
+        north, east, _ = value.position
+        text = f"{place} is now {east:.1f} m east, {north:.1f} m north ({value.source})"
+        self.report("symbol", text, place=place, position=value.position, source=value.source)
 
     def fly(self, setpoint: Setpoint) -> None:
         """Streams a setpoint from now on."""

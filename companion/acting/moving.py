@@ -61,6 +61,7 @@ class MoveCommand(Behaviour):
         self._trajectory = self._from_motion(
             state.position, state.velocity, state.yaw_rad
         ) or self._from_rest(state)
+        self._told = ""
         self._is_braking = False
         self._map_version = self._flight.routes.version
         self._time_s = 0.0
@@ -151,7 +152,9 @@ class MoveCommand(Behaviour):
         self._time_s = 0.0
         what = "stopping" if is_braking else "another route"
         text = f"the way to {self._place} is not clear: {what if trajectory else 'no route'}"
-        self._flight.report("route", text, place=self._place)
+        if text != self._told:
+            self._flight.report("route", text, place=self._place)
+        self._told = text
 
     def _fail(self, why: str) -> Status:
         self._flight.failure = why

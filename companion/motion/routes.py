@@ -37,7 +37,7 @@ class Site:
     """A place as routes see it.
 
     Attributes:
-        position: where routes to it end.
+        position: the middle of its region, where routes to it end at first.
         radius_m: radius of its region in the north-east plane.
         is_exclusive: the task mentions it: no route to elsewhere may enter its region.
     """
@@ -87,6 +87,7 @@ class RouteMap:
     ) -> None:
         self.version = 0
         self._sites = dict(sites)
+        self._goals = {name: site.position for name, site in sites.items()}
         self._clearance_m = clearance_m
         self._is_inside = _cells_inside(grid, fence)
         self._use(grid, self._free_on(grid))
@@ -110,6 +111,12 @@ class RouteMap:
         self._open_sight = Sight(~grid.occupied)
         self._graph: MoveGraph | None = None  # made when a field is asked for
         self._fields: dict[str, Field | None] = {}
+
+    def aim(self, site: str, goal: Ned) -> None:
+        """Routes to a site end here from now on; its region stays where it is."""
+        if self._goals[site] != goal:
+            self._goals[site] = goal
+            self._fields.pop(site, None)
 
     def is_clear(self, path: npt.NDArray[np.float64]) -> bool:
         """Whether a path crosses free cells only; (n, 2) or (n, 3) metres.
@@ -142,7 +149,7 @@ class RouteMap:
         if entry is None:
             return math.inf
         field, cell = entry
-        goal = self._sites[site].position[:2]
+        goal = self._goals[site][:2]
         if field.cost[cell] == 0:
             return math.dist(start, goal)
         first = math.dist(start, self._grid.centre(*cell))
@@ -177,7 +184,7 @@ class RouteMap:
         if entry is None:
             return None
         field, cell = entry
-        goal = self._sites[site].position
+        goal = self._goals[site]
         path = np.vstack([self._point(start), field.path(cell) + 0.5, self._point(goal)])
         held = 0 if self._free_sight.is_clear(path[0], path[0]) else 1  # the leg out of the band
         points = np.vstack([path[:held], self._pulled_tight(path[held:], site)])
@@ -212,7 +219,7 @@ class RouteMap:
         return self._fields[site]
 
     def _searched(self, site: str) -> Field | None:
-        position = self._sites[site].position
+        position = self._goals[site]
         cell = self._grid.cell((position[0], position[1]))
         if not self._is_free_cell(cell):
             return None

@@ -103,7 +103,7 @@ def test_without_a_way_it_stops_gives_up_the_belief_and_flies_home(
 def test_a_crate_on_the_place_itself_fails_the_move(surveillance: Mission, tmp_path: Path) -> None:
     flown = Flown(surveillance, tmp_path, a_crate(ON_B))
     assert flown.is_unhurt
-    assert "move(A, B) failed: B is not free" in flown.texts
+    assert "move(A, B) failed: no clear route to B" in flown.texts
     assert "belief trans_ok(A, B) withdrawn" in flown.texts
     assert flown.exit_code == 3
 

@@ -169,12 +169,10 @@ def test_a_place_that_is_free_grounds_its_symbol() -> None:
 def test_a_place_that_is_not_free_does_not() -> None:
     rig = a_rig()
     occupied = np.zeros((20, 20), dtype=np.bool_)
-    occupied[16, 4] = True  # the cell at A
-    rig.flight.routes = route_map(
-        replace(rig.mission, grid=OccupancyGrid(occupied, 0.5, (-2.0, -2.0)))
-    )
+    occupied[14:19, 2:7] = True  # the cells around A
+    rig.flight.routes.see(OccupancyGrid(occupied, 0.5, (-2.0, -2.0)))
     assert tick(rig, UpdateParam(rig.flight, "A")) is Status.FAILURE
-    assert rig.flight.failure == "A is not free"
+    assert rig.flight.failure == "no waypoint of A can be flown to"
 
 
 def test_a_move_starts_where_the_vehicle_is_and_ends_at_the_place() -> None:
