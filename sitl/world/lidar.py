@@ -123,7 +123,7 @@ def _hits(faces: Floats, start: Floats, beams: Floats, far: float) -> Floats:
     depth = (line - across) * side
     is_seen = (depth >= 0) & (depth <= far) & (begin <= along + far) & (end >= along - far)
     over, line, begin, end = over[is_seen], line[is_seen], begin[is_seen], end[is_seen]
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         way = (line - across[is_seen])[:, None] / beams[over]
         at = along[is_seen][:, None] + way * beams[1 - over]
         is_hit = (way >= 0) & (at >= begin[:, None]) & (at <= end[:, None])
