@@ -106,6 +106,7 @@ class SecondModel:
             (values[0], values[1], values[2]),
             (values[3], values[4], values[5]),
             (values[6], values[7], values[8], values[9]),
+            (math.nan, math.nan, math.nan),
             (values[10], values[11], values[12]),
             (math.nan, math.nan, math.nan),
             (values[13], values[14], values[15], values[16]),

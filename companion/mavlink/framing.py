@@ -25,6 +25,7 @@ __all__ = ["Endpoint", "Message", "choose", "dialect", "source", "split_frames"]
 _HEADER = struct.Struct("<6BHB")  # after the magic number
 _CHECKSUM = struct.Struct("<H")
 _MAGIC_1, _MAGIC_2 = 0xFE, 0xFD
+_crc = dialect.mcrf4xx
 
 Message = Any
 """A pymavlink message; it never leaves the packages that speak MAVLink."""
@@ -54,7 +55,7 @@ class Endpoint:
             len(payload), 0, 0, mavlink.seq, self.system, self.component, *layout.number
         )
         body += payload
-        checksum = dialect.x25crc(body + layout.crc_extra).crc
+        checksum = _crc(body + layout.crc_extra, 0xFFFF)
         mavlink.seq = (mavlink.seq + 1) % 256
         return b"\xfd" + body + _CHECKSUM.pack(checksum)
 

@@ -139,11 +139,11 @@ class SensedMap:
         """
         cell_m = self.grid.cell_m
         north, east = self._centres - np.array(scan.position)[:, None]
+        (near,) = np.nonzero(north**2 + east**2 < (reach_m - _DIAGONAL * cell_m) ** 2)
+        north, east = north[near], east[near]
         away_m = np.hypot(north, east)
-        known_m = np.nan_to_num(scan.distances_m, nan=0.0, posinf=reach_m)
-        clear_m = np.minimum(known_m, np.minimum(np.roll(known_m, 1), np.roll(known_m, -1)))
-        (near,) = np.nonzero(away_m < min(reach_m, clear_m.max()) - _DIAGONAL * cell_m)
-        north, east, away_m = north[near], east[near], away_m[near]
+        round_m = np.concatenate((scan.distances_m[-1:], scan.distances_m, scan.distances_m[:1]))
+        clear_m = np.minimum(np.minimum(round_m[:-2], round_m[2:]), scan.distances_m)  # nan is nan
 
         count, turn = len(scan.distances_m), 2 * math.pi / abs(scan.step_rad)
         bearing = ((np.arctan2(east, north) - scan.first_rad) / scan.step_rad) % turn  # in steps

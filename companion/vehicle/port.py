@@ -9,14 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from enum import Enum
+from enum import Enum, StrEnum
 from typing import Protocol
 
 from companion.geometry import Ned
 from companion.motion.sensed_map import RangeScan
 
 
-class Mode(Enum):
+class Mode(StrEnum):
     """Flight modes of PX4 that matter here; the value is how people know them."""
 
     MANUAL = "MANUAL"
@@ -75,7 +75,7 @@ def hold_at(position: Ned, yaw_rad: float) -> Setpoint:
     return Setpoint(position, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), yaw_rad)
 
 
-class Goal(Enum):
+class Goal(StrEnum):
     """A state of the vehicle to bring about; it is reached when it is observed."""
 
     ARMED = "armed"

@@ -103,13 +103,16 @@ class FailsafeState:
 
     def _called_for(self, failsafe: Failsafe, now: Conditions) -> Action | None:
         action = failsafe.action(now)
-        allowed = self._taken_over.get(failsafe.cause)
-        if action is None and failsafe.cause in self._taken_over:
-            del self._taken_over[failsafe.cause]  # once it is over, the next one acts again
-        if action is not None and allowed is not None and action <= allowed:
-            action = None
-        if failsafe.is_kept:
+        if self._taken_over:
+            action = self._unless_taken_over(failsafe.cause, action)
+        if failsafe.is_kept and (self._kept or action is not None):
             called = [each for each in (action, self._kept.get(failsafe.cause)) if each is not None]
             if called:
                 self._kept[failsafe.cause] = action = max(called)
         return action
+
+    def _unless_taken_over(self, cause: Cause, action: Action | None) -> Action | None:
+        allowed = self._taken_over.get(cause)
+        if action is None:
+            self._taken_over.pop(cause, None)  # once it is over, the next one acts again
+        return None if action is not None and allowed is not None and action <= allowed else action

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from enum import Enum, IntEnum
+from enum import IntEnum, StrEnum
 from typing import NamedTuple
 
 from sitl.autopilot.parameters import Parameters
@@ -46,7 +46,7 @@ class Action(IntEnum):
     TERMINATE = 9
 
 
-class Cause(Enum):
+class Cause(StrEnum):
     """Why a failsafe acts; the value is how people are told."""
 
     OFFBOARD_LOST = "no offboard signal"

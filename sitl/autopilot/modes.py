@@ -27,7 +27,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple, Protocol
 
-from companion.geometry import Ned, euler_from_quaternion, horizontal_distance
+from companion.geometry import Ned, horizontal_distance
 from sitl.autopilot.parameters import Parameters
 from sitl.flight.controllers import Target
 from sitl.flight.physics import FlightState
@@ -301,7 +301,7 @@ FLIGHT_MODES: dict[str, ModeEntry] = {
 
 def heading(state: FlightState) -> float:
     """Yaw in radians."""
-    return euler_from_quaternion(state.attitude)[2]
+    return state.euler[2]
 
 
 def descent_mps(height_m: float, parameters: Parameters) -> float:

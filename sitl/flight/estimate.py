@@ -108,6 +108,7 @@ class Estimator:
             (north + e_n, east + e_e, down),
             (v_n + e_vn, v_e + e_ve, v_d),
             truth.attitude,
+            truth.euler,
             truth.rates,
             truth.specific_force,
             truth.motor_speed_radps,

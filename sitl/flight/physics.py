@@ -51,6 +51,7 @@ class FlightState(NamedTuple):
         position: local NED, metres; zero is standing on the ground at the home position.
         velocity: NED, metres per second.
         attitude: body (forward, right, down) to NED.
+        euler: the same as roll, pitch and yaw (Tait-Bryan, z-y'-x''), radians.
         rates: body rates p, q, r relative to NED, rad/s.
         specific_force: body, m/s^2: what an accelerometer measures, -9.8 on z at rest.
         motor_speed_radps: PX4's quad-x order.
@@ -64,6 +65,7 @@ class FlightState(NamedTuple):
     position: Ned
     velocity: Ned
     attitude: Quaternion
+    euler: tuple[float, float, float]
     rates: tuple[float, float, float]
     specific_force: tuple[float, float, float]
     motor_speed_radps: tuple[float, float, float, float]
@@ -254,6 +256,7 @@ class Physics:
         f_x, f_y, f_z = self._specific_force
         m_1, m_2, m_3, m_4 = self._motor_speeds
         phi, theta, psi = self._euler
+        euler = (phi(), theta(), wrap_angle(psi()))
         return FlightState(
             self._steps * self._dt_s,
             (
@@ -262,7 +265,8 @@ class Physics:
                 STANDING_M - self._height() * M_PER_FT,
             ),
             (v_n() * M_PER_FT, v_e() * M_PER_FT, v_d() * M_PER_FT),
-            quaternion_from_euler(phi(), theta(), wrap_angle(psi())),
+            quaternion_from_euler(*euler),
+            euler,
             (p(), q(), r()),
             (f_x() * M_PER_FT, f_y() * M_PER_FT, f_z() * M_PER_FT),
             (m_1(), m_2(), m_3(), m_4()),

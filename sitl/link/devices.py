@@ -14,7 +14,6 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
-from companion.geometry import euler_from_quaternion
 from companion.mavlink.framing import Endpoint, Message, dialect, source
 from sitl.flight.physics import FlightState
 from sitl.link.routing import target
@@ -191,8 +190,7 @@ class LidarDevice:
         """HEARTBEAT and the scan."""
         sent = self._voice.heartbeat(state.time_s)
         if self._voice.is_due(SCAN_S, state.time_s):
-            heading_rad = euler_from_quaternion(state.attitude)[2]
-            scan_m = self._lidar.scan(state.position[:2], heading_rad)
+            scan_m = self._lidar.scan(state.position[:2], state.euler[2])
             sent.append(self._voice.say(self._report(scan_m, state.time_s)))
         return sent
 

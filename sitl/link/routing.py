@@ -15,14 +15,14 @@ or forwarded (seen on PX4).
 from __future__ import annotations
 
 from collections.abc import Iterable
-from enum import Enum
+from enum import StrEnum
 
 from companion.mavlink.framing import Message, source
 
 MAV_TYPE_GCS = 6
 
 
-class LinkName(Enum):
+class LinkName(StrEnum):
     """PX4's two UDP links: to the ground station (14550) and to the companion (14540)."""
 
     GCS = "gcs"

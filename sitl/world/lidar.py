@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from random import Random
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -46,6 +47,23 @@ class LidarSpec:
     noise_m: float = 0.0
 
 
+class Faces(NamedTuple):
+    """The borders between free cells and walls, in cells; every array is (n,).
+
+    Attributes:
+        over: the axis that each lies across, 0 is north.
+        line: where on it.
+        begin, end: where along the other axis.
+        side: on which the wall is, 1 or -1.
+    """
+
+    over: npt.NDArray[np.intp]
+    line: Floats
+    begin: Floats
+    end: Floats
+    side: Floats
+
+
 class Lidar:
     """Scans a grid.
 
@@ -65,7 +83,9 @@ class Lidar:
         self._grid = grid
         if grid is not None:
             walls = np.pad(grid.occupied, 1, constant_values=True)
-            self._faces = np.concatenate((_faces(walls, _NORTH), _faces(walls.T, _EAST)))
+            found = np.concatenate((_faces(walls, _NORTH), _faces(walls.T, _EAST)))
+            over, *places = found.T.copy()
+            self._faces = Faces(over.astype(np.intp), *places)
 
     def scan(self, position: NorthEast, yaw_rad: float) -> Floats:
         """(BEAMS,) distance along each beam, metres; inf where nothing is within range."""
@@ -88,15 +108,11 @@ class Lidar:
 
 
 def _faces(walls: npt.NDArray[np.bool_], axis: int) -> Floats:
-    """The borders between a free line of cells and a wall, joined where they touch.
+    """(n, 5) the borders of free lines of cells and walls, joined where they touch, as `Faces`.
 
     Args:
         walls: (lines + 2, cells + 2), with a rim of walls.
         axis: that the lines follow each other along.
-
-    Returns:
-        (n, 5) the axis, where each lies, begins and ends, in cells, and on which side its wall
-        is, 1 or -1.
     """
     found = []
     steps = np.diff(walls[:, 1:-1].astype(np.int8), axis=0)
@@ -108,23 +124,23 @@ def _faces(walls: npt.NDArray[np.bool_], axis: int) -> Floats:
     return np.array(found, dtype=np.float64).reshape(-1, 5)
 
 
-def _hits(faces: Floats, start: Floats, beams: Floats, far: float) -> Floats:
+def _hits(faces: Faces, start: Floats, beams: Floats, far: float) -> Floats:
     """The way of each beam to its first face, inf without one; everything in cells.
 
     Args:
-        faces: as from `_faces`.
         start: (2,) north and east.
         beams: (2, BEAMS) directions.
         far: faces farther away may be left out.
     """
-    axis, line, begin, end, side = faces.T
-    over = axis.astype(np.intp)
+    over, line, begin, end, side = faces
     across, along = start[over], start[1 - over]
     depth = (line - across) * side
     is_seen = (depth >= 0) & (depth <= far) & (begin <= along + far) & (end >= along - far)
-    over, line, begin, end = over[is_seen], line[is_seen], begin[is_seen], end[is_seen]
+    (seen,) = np.nonzero(is_seen)
+    over, along = over[seen], along[seen]
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
-        way = (line - across[is_seen])[:, None] / beams[over]
-        at = along[is_seen][:, None] + way * beams[1 - over]
-        is_hit = (way >= 0) & (at >= begin[:, None]) & (at <= end[:, None])
-    return np.min(way, axis=0, initial=math.inf, where=is_hit)  # type: ignore[no-any-return]
+        way = (line[seen] - across[seen])[:, None] * (1 / beams)[over]
+        at = way * beams[1 - over]
+        is_hit = (way >= 0) & (at >= (begin[seen] - along)[:, None])
+        is_hit &= at <= (end[seen] - along)[:, None]
+    return np.asarray(np.where(is_hit, way, math.inf).min(axis=0, initial=math.inf))

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 
-from companion.geometry import euler_from_quaternion, wrap_angle
 from companion.mavlink.framing import Message, dialect
 from sitl.flight.physics import FlightState
 from sitl.link.vehicle import Vehicle
@@ -19,9 +18,7 @@ UNKNOWN_COVARIANCE = (NAN, *(0.0,) * 20)
 
 def attitude(v: Vehicle) -> Message:
     """ATTITUDE."""
-    return dialect.MAVLink_attitude_message(
-        v.boot_ms, *euler_from_quaternion(v.state.attitude), *v.state.rates
-    )
+    return dialect.MAVLink_attitude_message(v.boot_ms, *v.state.euler, *v.state.rates)
 
 
 def attitude_quaternion(v: Vehicle) -> Message:
@@ -125,4 +122,4 @@ def in_body(state: FlightState) -> tuple[float, float, float]:
 
 
 def _heading_deg(state: FlightState) -> float:
-    return math.degrees(wrap_angle(euler_from_quaternion(state.attitude)[2])) % 360
+    return math.degrees(state.euler[2]) % 360
