@@ -13,6 +13,7 @@ import os
 import struct
 from collections.abc import Callable, Container, Sequence
 from functools import cache
+from itertools import chain
 from operator import attrgetter
 from typing import Any, NamedTuple
 
@@ -22,7 +23,10 @@ from pymavlink.dialects.v20 import common as dialect
 
 __all__ = ["Endpoint", "Message", "choose", "dialect", "source", "split_frames"]
 
-_HEADER = struct.Struct("<6BHB")  # after the magic number
+_SIZES = [bytes([size]) for size in range(256)]
+_HEADER = "<2x3BHB"
+"""After the size: flags, sequence number, system and component id, the message's id in two parts."""
+_HEADER_SIZE = struct.calcsize(_HEADER)
 _CHECKSUM = struct.Struct("<H")
 _MAGIC_1, _MAGIC_2 = 0xFE, 0xFD
 _crc = dialect.mcrf4xx
@@ -48,16 +52,17 @@ class Endpoint:
         """The frame of a message, from this component, with the next sequence number."""
         kind: Any = type(message)
         layout = _layout(kind)
-        payload = layout.pack(*layout.values(message))
-        payload = payload.rstrip(b"\0") or payload[:1]
         mavlink = self._mavlink
-        body = _HEADER.pack(
-            len(payload), 0, 0, mavlink.seq, self.system, self.component, *layout.number
+        whole = layout.pack(
+            mavlink.seq, self.system, self.component, *layout.number, *layout.values(message)
         )
-        body += payload
-        checksum = _crc(body + layout.crc_extra, 0xFFFF)
         mavlink.seq = (mavlink.seq + 1) % 256
-        return b"\xfd" + body + _CHECKSUM.pack(checksum)
+        body = whole.rstrip(b"\0")  # zeros at the end are not sent, but for the first byte
+        size = len(body) - _HEADER_SIZE
+        if size < 1:
+            body, size = whole[: _HEADER_SIZE + 1], 1
+        body = _SIZES[size] + body
+        return b"\xfd" + body + _CHECKSUM.pack(_crc(body + layout.crc_extra, 0xFFFF))
 
     def parse(self, datagram: bytes) -> list[Message]:
         """The intact, known messages of a datagram, in order; never raises."""
@@ -72,10 +77,11 @@ class Endpoint:
 
 
 class _Layout(NamedTuple):
-    """How a message becomes bytes: pymavlink's own in half its time.
+    """How a message becomes bytes: pymavlink's own in a third of its time.
 
     Attributes:
         values: a message's values in the order of the wire, arrays laid out.
+        pack: what follows the size, from the header's values and those.
         number: the message's id, its lower 16 bits and the rest.
     """
 
@@ -88,7 +94,8 @@ class _Layout(NamedTuple):
 @cache
 def _layout(kind: Any) -> _Layout:
     number = (kind.id & 0xFFFF, kind.id >> 16)
-    return _Layout(_values(kind), kind.unpacker.pack, number, bytes([kind.crc_extra]))
+    whole = struct.Struct(_HEADER + kind.unpacker.format.lstrip("<"))
+    return _Layout(_values(kind), whole.pack, number, bytes([kind.crc_extra]))
 
 
 def _values(kind: Any) -> Callable[[Message], Sequence[Any]]:
@@ -112,8 +119,9 @@ def _values(kind: Any) -> Callable[[Message], Sequence[Any]]:
 
 
 def _message_id(frame: bytes) -> int:
-    is_second_version = frame[0] == _MAGIC_2
-    return int.from_bytes(frame[7:10], "little") if is_second_version else frame[5]
+    if frame[0] == _MAGIC_2:
+        return frame[7] | frame[8] << 8 | frame[9] << 16
+    return frame[5]
 
 
 def source(message: Message) -> tuple[int, int]:
@@ -156,7 +164,7 @@ def choose(
     """
     chosen: list[bytes] = []
     newest: dict[bytes, int] = {}
-    for frame in (frame for datagram in datagrams for frame in split_frames(datagram)):
+    for frame in chain.from_iterable(map(split_frames, datagrams)):
         number = _message_id(frame)
         if number not in wanted:
             continue

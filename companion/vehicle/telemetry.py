@@ -46,10 +46,16 @@ class Telemetry:
         self._position: tuple[float, Ned, Ned] | None = None  # stamp, position, velocity
         self._yaw_rad: float | None = None
         self._battery_percent: int | None = None
+        self._state: VehicleState | None = None  # of what was heard so far, once it was asked for
 
     @property
     def state(self) -> VehicleState | None:
         """The state in the mission's frame; None until every part of it was heard."""
+        if self._state is None:
+            self._state = self._put_together()
+        return self._state
+
+    def _put_together(self) -> VehicleState | None:
         if (
             self.home is None
             or self.mode is None
@@ -87,6 +93,7 @@ class Telemetry:
         is_overtaken = self._order.is_overtaken(now_s, kind, message.get_seq())
         if handler is not None and (not is_overtaken or kind == "STATUSTEXT"):
             handler(self, now_s, message)
+            self._state = None
         return not is_overtaken
 
     def _on_heartbeat(self, now_s: float, message: Message) -> None:

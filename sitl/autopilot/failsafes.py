@@ -81,14 +81,19 @@ class Conditions(NamedTuple):
         return self.position_age_s > POSITION_LOST_S
 
 
+_THRESHOLDS = (
+    ("BAT_EMERGEN_THR", BatteryLevel.EMERGENCY),
+    ("BAT_CRIT_THR", BatteryLevel.CRITICAL),
+    ("BAT_LOW_THR", BatteryLevel.LOW),
+)
+
+
 def battery_level(charge: float, parameters: Parameters) -> BatteryLevel:
     """The warning level of a state of charge (0 to 1)."""
-    thresholds = (
-        ("BAT_EMERGEN_THR", BatteryLevel.EMERGENCY),
-        ("BAT_CRIT_THR", BatteryLevel.CRITICAL),
-        ("BAT_LOW_THR", BatteryLevel.LOW),
-    )
-    return next((level for name, level in thresholds if charge < parameters[name]), BatteryLevel.OK)
+    for name, level in _THRESHOLDS:
+        if charge < parameters[name]:
+            return level
+    return BatteryLevel.OK
 
 
 def _termination(parameters: Parameters) -> Action:
