@@ -25,7 +25,7 @@ __all__ = ["Endpoint", "Message", "choose", "dialect", "source", "split_frames"]
 
 _SIZES = [bytes([size]) for size in range(256)]
 _HEADER = "<2x3BHB"
-"""After the size: flags, sequence number, system and component id, the message's id in two parts."""
+"""After the size: flags, sequence number, sender, and the message's id in two parts."""
 _HEADER_SIZE = struct.calcsize(_HEADER)
 _CHECKSUM = struct.Struct("<H")
 _MAGIC_1, _MAGIC_2 = 0xFE, 0xFD
