@@ -13,7 +13,6 @@ from companion.acting.events import EventDetector
 from companion.acting.executive import Executive
 from companion.acting.flight import TICK_S, Flight
 from companion.acting.grounding import Symbols
-from companion.acting.moving import ACCELERATION_MPS2
 from companion.acting.report import Report
 from companion.acting.sortie import Phase, Sortie
 from companion.acting.task_state import TaskState
@@ -22,9 +21,9 @@ from companion.geometry import Ned
 from companion.ltl.formula import atoms
 from companion.mission.loader import CLEARANCE_M
 from companion.mission.model import Mission, Place
+from companion.motion.profile import SpeedLimits, flight_time_s
 from companion.motion.routes import RouteMap, Site
 from companion.motion.sensed_map import SensedMap
-from companion.motion.trajectory import flight_time_s
 from companion.planning.domain import HERE, FlightTime
 from companion.planning.planner import Planner
 from companion.vehicle.gate import Envelope
@@ -59,13 +58,13 @@ def flight_times(
     mission: Mission, routes: RouteMap, here: Callable[[], Ned | None] = lambda: None
 ) -> FlightTime:
     """Seconds of flight between places; `here` says where the vehicle is, between them."""
+    limits = SpeedLimits(mission.limits.speed_mps)
 
     def flight_time(origin: str, goal: str) -> float:
         start = here() if origin == HERE else mission.places[origin].position
         if start is None:
             return float("inf")
-        distance_m = routes.distance_m(start[:2], goal)
-        return flight_time_s(distance_m, mission.limits.speed_mps, ACCELERATION_MPS2)
+        return flight_time_s(routes.distance_m(start[:2], goal), limits)
 
     return flight_time
 

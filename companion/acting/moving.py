@@ -1,7 +1,4 @@
-"""The leaf that flies: move_cmd of Fig. 6, along a route that stays clear of what is seen.
-
-The acceleration along a route is limited, not the jerk.
-"""
+"""The leaf that flies: move_cmd of Fig. 6, along a route that stays clear of what is seen."""
 
 from __future__ import annotations
 
@@ -12,12 +9,14 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from companion.acting.flight import TICK_S, Flight
-from companion.geometry import Ned, distance
+from companion.geometry import distance
+from companion.motion.profile import SpeedLimits
 from companion.motion.routes import Route
-from companion.motion.trajectory import Sample, Trajectory, run_out
+from companion.motion.trajectory import AT_REST, Sample, Trajectory, motion_of, run_out
 from companion.vehicle.port import Setpoint, VehicleState, hold_at
 
-ACCELERATION_MPS2 = 2.0
+BRAKING_MPS2 = 4.0
+"""Before what is in the way, where no route leads round it; PX4's MPC_ACC_HOR_MAX is 5."""
 ARRIVAL_M = 0.3
 """How near to a place the vehicle has to come to be there."""
 ARRIVAL_TIMEOUT_S = 15.0
@@ -48,6 +47,7 @@ class MoveCommand(Behaviour):
         self._flight = flight
         self._place = place
         self._timeout_s = timeout_s
+        self._limits = SpeedLimits(flight.limits.speed_mps)
 
     def initialise(self) -> None:
         """Finds the route from where the vehicle is, and how fast, now."""
@@ -58,32 +58,26 @@ class MoveCommand(Behaviour):
         self._start_s = self._flight.now_s
 
     def _begin(self, state: VehicleState) -> None:
-        self._trajectory = self._from_motion(
-            state.position, state.velocity, state.yaw_rad
-        ) or self._from_rest(state)
+        seen = Sample(state.position, state.velocity, AT_REST, state.yaw_rad, False)
+        self._trajectory = self._from_motion(seen) or self._from_rest(state)
         self._told = ""
         self._is_braking = False
         self._map_version = self._flight.routes.version
         self._time_s = 0.0
         self._waited_s = 0.0
 
-    def _from_motion(self, position: Ned, velocity: Ned, yaw_rad: float) -> Trajectory | None:
+    def _from_motion(self, now: Sample) -> Trajectory | None:
         """A trajectory that begins at some speed; None if there is none, or hardly any speed."""
-        start_mps = math.hypot(*velocity)
-        if start_mps <= SLOW_MPS:
+        if math.hypot(*now.velocity) <= SLOW_MPS:
             return None
-        stop = run_out(position, velocity, ACCELERATION_MPS2)
-        route = self._flight.routes.route_from_motion(position, stop, self._place)
-        return self._along(route, yaw_rad, start_mps) if route else None
+        stop = run_out(now.position, now.velocity, now.acceleration, self._limits)
+        route = self._flight.routes.route_from_motion(now.position, stop, self._place)
+        return _along(route, now, self._limits) if route else None
 
     def _from_rest(self, state: VehicleState) -> Trajectory | None:
         """A trajectory from rest; None if no clear route leads to the place."""
         route = self._flight.routes.route(state.position, self._place)
-        return self._along(route, state.yaw_rad, 0.0) if route else None
-
-    def _along(self, route: Route, yaw_rad: float, start_mps: float) -> Trajectory:
-        speed_mps = self._flight.limits.speed_mps
-        return Trajectory(route, speed_mps, ACCELERATION_MPS2, yaw_rad, start_mps)
+        return Trajectory(route, self._limits, state.yaw_rad) if route else None
 
     def update(self) -> Status:
         """One setpoint along the trajectory; SUCCESS at the place."""
@@ -137,14 +131,14 @@ class MoveCommand(Behaviour):
 
     def _avoid(self, now: Sample) -> None:
         """Another route without a stop, or a stop."""
-        around = self._from_motion(now.position, now.velocity, now.yaw_rad)
+        around = self._from_motion(now)
         if around is not None:
             self._adopt(around, is_braking=False)
             return
-        stop = run_out(now.position, now.velocity, ACCELERATION_MPS2)
+        braking = SpeedLimits(self._limits.speed_mps, BRAKING_MPS2)
+        stop = run_out(now.position, now.velocity, now.acceleration, braking)
         straight = Route(np.array([now.position, stop]))
-        brake = self._along(straight, now.yaw_rad, math.hypot(*now.velocity))
-        self._adopt(brake, is_braking=True)
+        self._adopt(_along(straight, now, braking), is_braking=True)
 
     def _adopt(self, trajectory: Trajectory | None, is_braking: bool) -> None:
         self._trajectory, self._is_braking = trajectory, is_braking
@@ -160,3 +154,7 @@ class MoveCommand(Behaviour):
         self._flight.failure = why
         self._flight.hold()
         return Status.FAILURE
+
+
+def _along(route: Route, now: Sample, limits: SpeedLimits) -> Trajectory:
+    return Trajectory(route, limits, now.yaw_rad, motion_of(now.velocity, now.acceleration))

@@ -1,19 +1,17 @@
 """Trajectories: where along its route should the vehicle be at a time, and how fast?
 
-The vehicle follows the legs of a route exactly, from rest (or from a speed along the first leg)
-to rest. On each leg the speed is a
-trapezoid: it rises at the greatest acceleration, holds, and falls. At a corner the direction of
-the velocity jumps, so the speed there is limited: the jump may not exceed what the vehicle can
-make up in CORNER_TIME_S,
+The vehicle follows the legs of a route exactly, from rest (or from a motion along the first leg)
+to rest. On each leg the speed changes as fast as the limits of acceleration and jerk allow
+(`profile.py`), with no acceleration at the corners. There the direction of the velocity jumps, so
+the speed is limited: the jump may not exceed what the vehicle can make up in CORNER_TIME_S,
 
     |v_after - v_before| = 2 v sin(turn / 2) <= acceleration * CORNER_TIME_S.
 
 A pass forwards over the corners and one backwards make these speeds reachable (the usual
 time-optimal scaling along a given path: Biagiotti and Melchiorri, Trajectory Planning for
-Automatic Machines and Robots, 2008, chapters 3 and 9). All phases are in closed form: sampling
-a trajectory integrates nothing.
+Automatic Machines and Robots, 2008, chapters 3 and 9). Sampling a trajectory integrates nothing.
 
-The heading turns towards the leg that is flown, at YAW_RATE_RADPS. Left out: limits of jerk.
+The heading turns towards the leg that is flown, at YAW_RATE_RADPS.
 """
 
 from __future__ import annotations
@@ -21,11 +19,13 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
 
 from companion.geometry import Ned, wrap_angle
+from companion.motion.profile import REST, Motion, SpeedLimits, quickest
 from companion.motion.routes import Route
 
 # At 2 m/s2 a jump of 0.3 m/s. PX4's cascade with its default gains, 5 m/s2 at most and the
@@ -34,7 +34,12 @@ CORNER_TIME_S = 0.15
 YAW_RATE_RADPS = 1.5
 AT_REST: Ned = (0.0, 0.0, 0.0)
 
-_MIN_LEG_M = 1e-9  # shorter legs have no direction
+_MIN_LEG_M = 1e-3  # waypoints nearer than that to the one before are left out
+_STRAIGHT = 1e-6  # radians; legs that turn by less are one
+_REACH = (
+    0.99  # share of a leg that a change of speed may take; profiles that just fit are not found
+)
+_RUN_OUT = 1.03  # of the shortest way to a stop; more than 1 / _REACH
 _MIN_LEVEL_SHARE = 1e-3  # of a leg; a steeper leg has no heading
 
 
@@ -55,26 +60,14 @@ class Sample:
     is_finished: bool
 
 
-@dataclass(frozen=True, slots=True)
-class _Phase:
-    """A part of a leg with constant acceleration along it."""
-
-    leg: int
-    begin_s: float
-    along_m: float  # from the beginning of the leg
-    speed_mps: float
-    acceleration_mps2: float
-
-
 class Trajectory:
     """A route with a time for each point.
 
     Args:
         route: the legs to fly.
-        speed_mps: greatest speed, positive.
-        acceleration_mps2: greatest acceleration along a leg, positive.
+        limits: of the speed along them.
         yaw_rad: heading before the first leg.
-        start_mps: speed at the start, along the first leg; lowered to what the route allows.
+        start: motion at the start, along the first leg; lowered to what the route allows.
 
     Attributes:
         duration_s: time from the start to the end at rest.
@@ -83,54 +76,42 @@ class Trajectory:
     duration_s: float
 
     def __init__(
-        self,
-        route: Route,
-        speed_mps: float,
-        acceleration_mps2: float,
-        yaw_rad: float = 0.0,
-        start_mps: float = 0.0,
+        self, route: Route, limits: SpeedLimits, yaw_rad: float = 0.0, start: Motion = REST
     ) -> None:
-        legs = np.diff(route.waypoints, axis=0)
+        waypoints = _corners(route.waypoints)
+        legs = np.diff(waypoints, axis=0)
         lengths = np.linalg.norm(legs, axis=1)
-        is_leg = lengths > _MIN_LEG_M
         self._end = _ned(route.waypoints[-1])
-        self._corners = route.waypoints[:-1][is_leg]
-        self._directions = legs[is_leg] / lengths[is_leg, None]
-        speeds = _corner_speeds(
-            self._directions,
-            lengths[is_leg],
-            min(start_mps, speed_mps),
-            speed_mps,
-            acceleration_mps2,
-        )
-        self._phases: list[_Phase] = []
-        self.duration_s = 0.0
-        leg_begin_s = []
-        for leg, length in enumerate(lengths[is_leg].tolist()):
-            leg_begin_s.append(self.duration_s)
-            self._add_leg(leg, length, speeds[leg : leg + 2], speed_mps, acceleration_mps2)
-        self._begin_s = [phase.begin_s for phase in self._phases]
-        self._turns = _turns(self._directions, leg_begin_s, yaw_rad)
+        self._corners = waypoints[:-1]
+        self._directions = legs / lengths[:, None]
+        motions = _corner_motions(self._directions, lengths.tolist(), start, limits)
+        self._profiles = [
+            quickest(length, before, after.speed_mps, limits)
+            for length, (before, after) in zip(lengths.tolist(), pairwise(motions), strict=True)
+        ]
+        self._begin_s = [0.0]
+        for profile in self._profiles:
+            self._begin_s.append(self._begin_s[-1] + profile.duration)
+        self.duration_s = self._begin_s.pop()
+        self._turns = _turns(self._directions, self._begin_s, yaw_rad)
 
     def sample(self, t_s: float) -> Sample:
         """Position, velocity and heading at a time since the start.
 
         Args:
-            t_s: seconds; before 0 the start, after the duration the end, both at rest.
+            t_s: seconds; before 0 the start, after the duration the end, at rest.
         """
         t_s = max(0.0, t_s)
         yaw_rad = self._yaw(t_s)
         if t_s >= self.duration_s:
             return Sample(self._end, AT_REST, AT_REST, yaw_rad, True)
-        phase = self._phases[bisect_right(self._begin_s, t_s) - 1]
-        dt_s = t_s - phase.begin_s
-        speed = phase.speed_mps + phase.acceleration_mps2 * dt_s
-        along = phase.along_m + (phase.speed_mps + speed) / 2 * dt_s
-        direction = self._directions[phase.leg]
+        leg = self._leg(t_s)
+        (along,), (speed,), (change,) = self._profiles[leg].at_time(t_s - self._begin_s[leg])
+        direction = self._directions[leg]
         return Sample(
-            _ned(self._corners[phase.leg] + along * direction),
+            _ned(self._corners[leg] + along * direction),
             _ned(speed * direction),
-            _ned(phase.acceleration_mps2 * direction),
+            _ned(change * direction),
             yaw_rad,
             False,
         )
@@ -141,32 +122,11 @@ class Trajectory:
         here = self.sample(t_s).position
         if t_s >= self.duration_s:
             return np.array([here, self._end])
-        leg = self._phases[bisect_right(self._begin_s, t_s) - 1].leg
-        return np.vstack([here, self._corners[leg + 1 :], self._end])
+        return np.vstack([here, self._corners[self._leg(t_s) + 1 :], self._end])
 
-    def _add_leg(
-        self,
-        leg: int,
-        length_m: float,
-        ends_mps: list[float],
-        speed_mps: float,
-        acceleration_mps2: float,
-    ) -> None:
-        """Append the phases of a leg between the speeds at its two ends."""
-        first, last = ends_mps
-        reachable = math.sqrt(acceleration_mps2 * length_m + (first**2 + last**2) / 2)
-        peak = max(first, last, min(speed_mps, reachable))
-        rise_s, fall_s = (peak - first) / acceleration_mps2, (peak - last) / acceleration_mps2
-        rise_m, fall_m = (first + peak) / 2 * rise_s, (peak + last) / 2 * fall_s
-        hold_m = max(0.0, length_m - rise_m - fall_m)
-        for along_m, begin_mps, change_mps2, lasts_s in (
-            (0.0, first, acceleration_mps2, rise_s),
-            (rise_m, peak, 0.0, hold_m / peak),
-            (rise_m + hold_m, peak, -acceleration_mps2, fall_s),
-        ):
-            if lasts_s > 0:
-                self._phases.append(_Phase(leg, self.duration_s, along_m, begin_mps, change_mps2))
-                self.duration_s += lasts_s
+    def _leg(self, t_s: float) -> int:
+        """The leg that is flown at a time from the start on, before the end."""
+        return bisect_right(self._begin_s, t_s) - 1
 
     def _yaw(self, t_s: float) -> float:
         """The heading: from that at the leg's beginning towards the leg, at a limited rate."""
@@ -175,47 +135,88 @@ class Trajectory:
         return wrap_angle(from_rad + _limited(turn_rad, YAW_RATE_RADPS * (t_s - begin_s)))
 
 
-def run_out(position: Ned, velocity: Ned, acceleration_mps2: float) -> Ned:
-    """Where a moving vehicle can come to rest, straight ahead.
+def motion_of(velocity: Ned, acceleration: Ned) -> Motion:
+    """The motion along a velocity."""
+    speed_mps = math.hypot(*velocity)
+    if speed_mps == 0.0:
+        return REST
+    along = sum(v * a for v, a in zip(velocity, acceleration, strict=True))
+    return Motion(speed_mps, along / speed_mps)
 
-    >>> run_out((0.0, 0.0, -2.0), (2.0, 0.0, 0.0), 2.0)
-    (1.0, 0.0, -2.0)
+
+def run_out(position: Ned, velocity: Ned, acceleration: Ned, limits: SpeedLimits) -> Ned:
+    """Where a moving vehicle can come to rest, straight ahead, with a little room.
+
+    >>> north, *_ = run_out((0.0, 0.0, -2.0), (2.0, 0.0, 0.0), AT_REST, SpeedLimits(2.0, 2.0, 8.0))
+    >>> round(north, 3)
+    1.288
     """
-    per_mps = math.hypot(*velocity) / (2 * acceleration_mps2)
+    motion = motion_of(velocity, acceleration)
+    if motion.speed_mps == 0.0:
+        return position
+    per_mps = _RUN_OUT * limits.stop_m(motion) / motion.speed_mps
     north, east, down = (p + v * per_mps for p, v in zip(position, velocity, strict=True))
     return (north, east, down)
 
 
-def flight_time_s(distance_m: float, speed_mps: float, acceleration_mps2: float) -> float:
-    """Time to fly a straight distance from rest to rest; inf for an infinite distance.
+def _corners(waypoints: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """The waypoints at which the route begins, turns or ends; the end alone if it has no length."""
+    kept = [waypoints[0]]
+    for waypoint in waypoints[1:-1]:
+        if np.linalg.norm(waypoint - kept[-1]) >= _MIN_LEG_M:
+            kept.append(waypoint)
+    while kept and np.linalg.norm(waypoints[-1] - kept[-1]) < _MIN_LEG_M:
+        kept.pop()
+    points = np.array([*kept, waypoints[-1]])
+    legs = np.diff(points, axis=0)
+    directions = legs / np.linalg.norm(legs, axis=1)[:, None]
+    is_turn = np.linalg.norm(np.diff(directions, axis=0), axis=1) > _STRAIGHT
+    inner = np.flatnonzero(is_turn) + 1
+    return np.asarray(points[np.unique([0, *inner.tolist(), len(points) - 1])])
 
-    >>> flight_time_s(6.0, 2.0, 1.0)
-    5.0
-    >>> flight_time_s(1.0, 2.0, 1.0)
-    2.0
-    """
-    if distance_m < speed_mps**2 / acceleration_mps2:  # the greatest speed is not reached
-        return 2 * math.sqrt(distance_m / acceleration_mps2)
-    return distance_m / speed_mps + speed_mps / acceleration_mps2
 
-
-def _corner_speeds(
-    directions: npt.NDArray[np.float64],
-    lengths_m: npt.NDArray[np.float64],
-    start_mps: float,
-    speed_mps: float,
-    acceleration_mps2: float,
-) -> list[float]:
-    """Speed at the beginning of each leg and at the end of the last, which is at rest."""
+def _corner_motions(
+    directions: npt.NDArray[np.float64], lengths_m: list[float], start: Motion, limits: SpeedLimits
+) -> list[Motion]:
+    """The motion at the beginning of each leg and at the end of the last, which is at rest."""
+    if not lengths_m:
+        return [REST]
     half_jump = np.linalg.norm(np.diff(directions, axis=0), axis=1) / 2  # sin(turn / 2)
-    corners = acceleration_mps2 * CORNER_TIME_S / (2 * np.maximum(half_jump, 1e-9))
-    speeds = [start_mps, *np.minimum(corners, speed_mps).tolist(), 0.0]
-    gains = (2 * acceleration_mps2 * lengths_m).tolist()  # of the square of the speed
-    for leg, gain in enumerate(gains):
-        speeds[leg + 1] = min(speeds[leg + 1], math.sqrt(speeds[leg] ** 2 + gain))
-    for leg, gain in reversed(list(enumerate(gains))):
-        speeds[leg] = min(speeds[leg], math.sqrt(speeds[leg + 1] ** 2 + gain))
-    return speeds
+    corners = limits.acceleration_mps2 * CORNER_TIME_S / (2 * np.maximum(half_jump, 1e-9))
+    most = [*np.minimum(corners, limits.speed_mps).tolist(), 0.0]
+    rooms_m = [_REACH * length_m for length_m in lengths_m]
+    start = Motion(min(start.speed_mps, limits.speed_mps), start.acceleration_mps2)
+    ends = _reachable(most, rooms_m, start, limits)
+    if not _can_brake(start, ends[0], rooms_m[0], limits):  # to a stop it takes less
+        ends = _reachable([0.0, *most[1:]], rooms_m, start, limits)
+    if not _can_brake(start, ends[0], rooms_m[0], limits):
+        start = Motion(min(start.speed_mps, limits.reached_mps(ends[0], rooms_m[0])))
+    return [start, *map(Motion, ends)]
+
+
+def _reachable(
+    most_mps: list[float], rooms_m: list[float], start: Motion, limits: SpeedLimits
+) -> list[float]:
+    """The greatest speeds at the ends of legs, each reachable from those beside it."""
+    ends = most_mps.copy()
+    speed_mps, way_m = limits.released(start)
+    for leg, room_m in enumerate(rooms_m):
+        is_room = room_m > way_m
+        reached_mps = limits.reached_mps(speed_mps, room_m - way_m) if is_room else 0.0
+        speed_mps, way_m = min(ends[leg], reached_mps), 0.0
+        ends[leg] = speed_mps
+    for leg in range(len(ends) - 1, 0, -1):
+        ends[leg - 1] = min(ends[leg - 1], limits.reached_mps(ends[leg], rooms_m[leg]))
+    return ends
+
+
+def _can_brake(start: Motion, end_mps: float, room_m: float, limits: SpeedLimits) -> bool:
+    """Whether a start on the first leg leaves room to slow down to its end."""
+    released_mps, _ = limits.released(start)
+    if end_mps >= released_mps:
+        return True
+    speed_mps, ahead_m = limits.braking(start)
+    return ahead_m + limits.change_m(speed_mps, end_mps) <= room_m
 
 
 def _turns(

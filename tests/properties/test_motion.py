@@ -19,9 +19,16 @@ from scipy import ndimage
 
 from companion.geometry import NorthEast, wrap_angle
 from companion.motion.grid import OccupancyGrid
+from companion.motion.profile import JERK_MPS3, SpeedLimits, flight_time_s
 from companion.motion.routes import ENTRY_M, Route, RouteMap, Site
 from companion.motion.sight import Sight
-from companion.motion.trajectory import CORNER_TIME_S, YAW_RATE_RADPS, Trajectory, flight_time_s
+from companion.motion.trajectory import (
+    CORNER_TIME_S,
+    YAW_RATE_RADPS,
+    Trajectory,
+    motion_of,
+    run_out,
+)
 
 FAST = settings(max_examples=60, deadline=None, derandomize=True)
 WIDE: list[NorthEast] = [(-99, -99), (-99, 99), (99, 99), (99, -99)]
@@ -208,6 +215,7 @@ def test_a_start_beside_the_free_cells_is_left_across_no_obstacle(
 coordinates = st.floats(-10, 10).map(lambda x: round(x, 2))
 waypoints = st.lists(st.tuples(coordinates, coordinates, coordinates), min_size=2, max_size=6)
 speeds, accelerations = st.floats(0.3, 4.0), st.floats(0.3, 5.0)
+jerks = st.floats(2.0, 40.0)
 
 
 @FAST
@@ -216,16 +224,19 @@ def test_a_trajectory_keeps_its_limits_and_its_route(
     corners: list[tuple[float, float, float]], speed: float, acceleration: float, yaw_rad: float
 ) -> None:
     route = Route(np.array(corners))
-    trajectory = Trajectory(route, speed, acceleration, yaw_rad)
+    trajectory = Trajectory(route, SpeedLimits(speed, acceleration), yaw_rad)
     times, dt_s = np.linspace(-0.1, trajectory.duration_s + 0.1, 1500, retstep=True)
     samples = [trajectory.sample(float(t_s)) for t_s in times]
     positions = np.array([sample.position for sample in samples])
     velocities = np.array([sample.velocity for sample in samples])
+    changes = np.array([sample.acceleration for sample in samples])
     rates = np.linalg.norm(velocities, axis=1)
 
     assert positions[0].tolist() == list(corners[0])
     assert positions[-1].tolist() == list(corners[-1])
     assert rates.max() <= speed + 1e-9
+    assert np.linalg.norm(changes, axis=1).max() <= acceleration + 1e-9
+    assert np.linalg.norm(np.diff(changes, axis=0), axis=1).max() <= JERK_MPS3 * dt_s + 1e-6
     assert np.abs(np.diff(rates)).max() <= acceleration * dt_s + 1e-9
     steps = np.linalg.norm(np.diff(positions, axis=0), axis=1)
     assert np.all(steps <= (rates[:-1] + rates[1:]) / 2 * dt_s + acceleration * dt_s**2 + 1e-9)
@@ -243,7 +254,7 @@ def test_the_velocity_jumps_at_corners_by_a_bounded_amount_and_nowhere_else(
     corners: list[tuple[float, float, float]], speed: float, acceleration: float
 ) -> None:
     assume(all(math.dist(a, b) > 1.0 for a, b in pairwise(corners)))
-    trajectory = Trajectory(Route(np.array(corners)), speed, acceleration)
+    trajectory = Trajectory(Route(np.array(corners)), SpeedLimits(speed, acceleration))
     dt_s = 0.5 / speed / 20  # at most one corner in each step
     times = np.arange(0.0, trajectory.duration_s, dt_s).tolist()
     velocities = np.array([trajectory.sample(t_s).velocity for t_s in times])
@@ -258,7 +269,57 @@ def test_a_route_takes_longer_than_its_length_in_a_straight_line_but_not_than_st
     corners: list[tuple[float, float, float]], speed: float, acceleration: float
 ) -> None:
     route = Route(np.array(corners))
-    legs = [math.dist(a, b) for a, b in pairwise(corners)]
-    duration_s = Trajectory(route, speed, acceleration).duration_s
-    assert flight_time_s(route.length_m, speed, acceleration) <= duration_s + 1e-6
-    assert duration_s <= sum(flight_time_s(leg, speed, acceleration) for leg in legs) + 1e-6
+    legs, limits = [math.dist(a, b) for a, b in pairwise(corners)], SpeedLimits(speed, acceleration)
+    duration_s = Trajectory(route, limits).duration_s
+    assert flight_time_s(route.length_m, limits) <= duration_s + 1e-6
+    assert duration_s <= sum(flight_time_s(leg, limits) for leg in legs) + 1e-6
+
+
+@FAST
+@given(speeds, accelerations, jerks, st.floats(0.0, 1.0), st.floats(0.0, 30.0))
+def test_the_speed_that_is_reached_is_the_greatest_for_its_way(
+    speed: float, acceleration: float, jerk: float, share: float, within_m: float
+) -> None:
+    limits = SpeedLimits(speed, acceleration, jerk)
+    reached_mps = limits.reached_mps(share * speed, within_m)
+    assert share * speed <= reached_mps <= speed
+    way_m = limits.change_m(share * speed, reached_mps)
+    assert way_m <= within_m + 1e-6
+    assert reached_mps == speed or way_m >= within_m - 1e-6
+
+
+@FAST
+@given(waypoints, speeds, accelerations, jerks, st.floats(0.0, 1.0), st.floats(0.1, 9.0))
+def test_a_turn_in_flight_goes_on_from_the_motion_and_keeps_the_limits(
+    corners: list[tuple[float, float, float]],
+    speed: float,
+    acceleration: float,
+    jerk: float,
+    share: float,
+    on_m: float,
+) -> None:
+    """By way of where the vehicle can stop; position, speed and acceleration do not jump."""
+    limits = SpeedLimits(speed, acceleration, jerk)
+    flown = Trajectory(Route(np.array(corners)), limits)
+    now = flown.sample(share * flown.duration_s)
+    motion = motion_of(now.velocity, now.acceleration)
+    assume(motion.speed_mps > 0.05)
+    stop = run_out(now.position, now.velocity, now.acceleration, limits)
+    assert math.dist(now.position, stop) >= limits.stop_m(motion)
+    for further in ([], [(stop[0] + on_m, stop[1] - 1.0, stop[2])]):
+        route = Route(np.array([now.position, stop, *further]))
+        turned = Trajectory(route, limits, now.yaw_rad, motion)
+        first = turned.sample(0.0)
+        assert np.allclose(first.position, now.position, atol=1e-9)
+        assert np.allclose(first.velocity, now.velocity, atol=1e-6)
+        assert np.allclose(first.acceleration, now.acceleration, atol=1e-6)
+        times, dt_s = np.linspace(0.0, turned.duration_s, 700, retstep=True)
+        samples = [turned.sample(float(t_s)) for t_s in times]
+        changes = np.array([sample.acceleration for sample in samples])
+        rates = np.linalg.norm([sample.velocity for sample in samples], axis=1)
+        assert rates.max() <= speed + 1e-6
+        assert np.linalg.norm(changes, axis=1).max() <= acceleration + 1e-6
+        assert np.linalg.norm(np.diff(changes, axis=0), axis=1).max() <= jerk * dt_s + 1e-5
+        for sample in samples[::40]:
+            position = np.array(sample.position)
+            assert min(distance_to_leg(a, b, position) for a, b in pairwise(route.waypoints)) < 1e-6

@@ -18,6 +18,7 @@ from companion.errors import Aborted, LinkTimeout
 from companion.geometry import Ned
 from companion.mavlink.framing import Endpoint, dialect
 from companion.mission.model import Mission, Place
+from companion.motion.profile import JERK_MPS3
 
 
 class Notes:
@@ -234,14 +235,14 @@ def test_only_places_of_the_task_are_not_crossed_by_chance() -> None:
 
 
 def test_flight_times_are_those_of_the_map() -> None:
-    """At rest at both ends, 2 m/s and 2 m/s2; a way along cells is a little longer."""
+    """At rest at both ends: d/v + v/a + a/j; a way along cells is a little longer."""
     asked = mission("F at(A)")
     here: Ned | None = None
     seconds = flight_times(asked, route_map(asked), lambda: here)
-    assert seconds("H", "A") == pytest.approx(6.0 / 2.0 + 2.0 / 2.0, abs=0.4)
+    assert seconds("H", "A") == pytest.approx(6.0 / 2.0 + 2.0 / 2.0 + 2.0 / JERK_MPS3, abs=0.4)
     assert seconds("here", "A") == math.inf
     here = (3.0, 0.0, -2.0)
-    assert seconds("here", "A") == pytest.approx(3.0 / 2.0 + 2.0 / 2.0, abs=0.4)
+    assert seconds("here", "A") == pytest.approx(3.0 / 2.0 + 2.0 / 2.0 + 2.0 / JERK_MPS3, abs=0.4)
 
 
 @pytest.mark.parametrize("ticks", range(12))

@@ -24,9 +24,9 @@ from companion.acting.behaviours import (
 )
 from companion.acting.flight import TICK_S
 from companion.acting.moving import (
-    ACCELERATION_MPS2,
     ARRIVAL_M,
     ARRIVAL_TIMEOUT_S,
+    BRAKING_MPS2,
     LAG_M,
     MoveCommand,
 )
@@ -34,6 +34,7 @@ from companion.app import route_map
 from companion.geometry import distance
 from companion.mission.model import Command
 from companion.motion.grid import OccupancyGrid
+from companion.motion.profile import JERK_MPS3
 from companion.planning.domain import WAIT, Action
 from companion.vehicle.port import Setpoint, hold_at
 
@@ -373,13 +374,18 @@ def setpoints_since(rig: Rig, flown: int) -> list[Setpoint]:
     return [s for s in rig.vehicle.flown[flown:] if s is not None]
 
 
+def greatest_jerk_mps3(setpoints: list[Setpoint]) -> float:
+    changes = np.diff([s.acceleration for s in setpoints], axis=0)
+    return float(np.linalg.norm(changes, axis=1).max()) / TICK_S
+
+
 @pytest.mark.parametrize("so_far_m", [1.0, 2.0, 3.0])
 def test_a_crate_on_the_way_is_flown_round_without_a_stop(so_far_m: float) -> None:
     rig = a_finer_rig()
     leaf = MoveCommand(rig.flight, "A", None)
     fly_until(rig, leaf, so_far_m)
     flown = len(rig.vehicle.flown)
-    grid = crate(so_far_m + 2.0, -0.3, so_far_m + 2.3, 0.3)
+    grid = crate(so_far_m + 2.2, -0.3, so_far_m + 2.5, 0.3)
     rig.flight.routes.see(grid)
     assert run(rig, leaf) is Status.SUCCESS
     assert [r.text for r in rig.flight.reports] == ["the way to A is not clear: another route"]
@@ -388,10 +394,11 @@ def test_a_crate_on_the_way_is_flown_round_without_a_stop(so_far_m: float) -> No
     assert min(np.linalg.norm(s.velocity) for s in since[:10]) > 0.2
     gaps = [distance(a.position, b.position) for a, b in pairwise(rig.vehicle.flown)]  # type: ignore[union-attr]
     assert max(gaps) <= rig.mission.limits.speed_mps * TICK_S + 1e-9  # no jump, also not there
+    assert greatest_jerk_mps3(setpoints_since(rig, 0)) <= JERK_MPS3 + 1e-6
 
 
 def test_without_a_way_it_comes_to_a_stop_before_the_wall_and_fails_there() -> None:
-    """The way to the stop is v^2 / 2a, and no setpoint is nearer to the wall than its end."""
+    """It takes v^2 / 2a + v a / 2j, and no setpoint is nearer to the wall than its end."""
     rig = a_finer_rig()
     leaf = MoveCommand(rig.flight, "A", None)
     fly_until(rig, leaf, 3.0)
@@ -408,10 +415,11 @@ def test_without_a_way_it_comes_to_a_stop_before_the_wall_and_fails_there() -> N
     ]
     since = setpoints_since(rig, flown)
     speed_mps = float(np.linalg.norm(last.velocity))
-    braking_m = speed_mps**2 / (2 * ACCELERATION_MPS2)
+    braking_m = speed_mps**2 / (2 * BRAKING_MPS2) + speed_mps * BRAKING_MPS2 / (2 * JERK_MPS3)
     way_m = max(s.position[0] for s in since) - last.position[0]
     assert braking_m <= way_m <= braking_m + 2 * speed_mps * TICK_S
     assert since[-1].velocity == (0.0, 0.0, 0.0)
+    assert greatest_jerk_mps3(setpoints_since(rig, 0)) <= JERK_MPS3 + 1e-6
     assert grid.clearance_m(since[-1].position[:2]) > 0.35
 
 

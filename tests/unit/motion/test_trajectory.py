@@ -7,38 +7,41 @@ import math
 import numpy as np
 import pytest
 
+from companion.motion.profile import JERK_MPS3, Motion, SpeedLimits, flight_time_s
 from companion.motion.routes import Route
-from companion.motion.trajectory import (
-    CORNER_TIME_S,
-    YAW_RATE_RADPS,
-    Trajectory,
-    flight_time_s,
-    run_out,
-)
+from companion.motion.trajectory import AT_REST, CORNER_TIME_S, YAW_RATE_RADPS, Trajectory, run_out
 
 
 def route_of(*waypoints: tuple[float, float, float]) -> Route:
     return Route(np.array(waypoints, dtype=np.float64))
 
 
-def test_a_long_leg_is_a_trapezoid() -> None:
-    trajectory = Trajectory(route_of((0, 0, -1), (6, 0, -1)), 2.0, 1.0)
-    assert trajectory.duration_s == pytest.approx(5.0)  # 2 s up, 1 s at 2 m/s, 2 s down
-    for t_s, north_m, speed_mps in [(1, 0.5, 1), (2, 2, 2), (2.5, 3, 2), (4, 5.5, 1)]:
+def test_a_long_leg_is_a_trapezoid_with_rounded_corners() -> None:
+    """v/a + a/j up, as much down, and between them what is left at the greatest speed."""
+    trajectory = Trajectory(route_of((0, 0, -1), (6, 0, -1)), SpeedLimits(2.0, 1.0, 2.0))
+    assert trajectory.duration_s == pytest.approx(2.5 + 0.5 + 2.5)
+    for t_s, north_m, speed_mps in [
+        (0.5, 2.0 * 0.5**3 / 6, 2.0 * 0.5**2 / 2),  # j t^3 / 6, j t^2 / 2
+        (2.5, 2.5, 2.0),
+        (2.75, 3.0, 2.0),
+        (3.0, 3.5, 2.0),
+    ]:
         sample = trajectory.sample(t_s)
         assert sample.position == pytest.approx((north_m, 0, -1))
         assert sample.velocity == pytest.approx((speed_mps, 0, 0))
         assert not sample.is_finished
 
 
-def test_a_short_leg_is_a_triangle() -> None:
-    trajectory = Trajectory(route_of((0, 0, 0), (0, 1, 0)), 2.0, 1.0)
-    assert trajectory.duration_s == pytest.approx(2.0)
-    assert trajectory.sample(1.0).velocity == pytest.approx((0, 1, 0))
+def test_a_short_leg_is_four_parts_of_greatest_jerk() -> None:
+    """d = j t^3 / 32 of the whole time t; the peak, in the middle, is j t^2 / 16."""
+    trajectory = Trajectory(route_of((0, 0, 0), (0, 0.2, 0)), SpeedLimits(2.0, 2.0, 8.0))
+    whole_s = (32 * 0.2 / 8.0) ** (1 / 3)
+    assert trajectory.duration_s == pytest.approx(whole_s)
+    assert trajectory.sample(whole_s / 2).velocity == pytest.approx((0, 8.0 * whole_s**2 / 16, 0))
 
 
 def test_before_the_start_and_after_the_end_the_vehicle_rests() -> None:
-    trajectory = Trajectory(route_of((0.1, 0.2, -1), (3.3, 0.7, -2)), 2.0, 1.0)
+    trajectory = Trajectory(route_of((0.1, 0.2, -1), (3.3, 0.7, -2)), SpeedLimits(2.0, 1.0))
     before, after = trajectory.sample(-5.0), trajectory.sample(1e6)
     assert (before.position, before.velocity) == ((0.1, 0.2, -1), (0, 0, 0))
     assert (after.position, after.velocity) == ((3.3, 0.7, -2), (0, 0, 0))
@@ -47,7 +50,7 @@ def test_before_the_start_and_after_the_end_the_vehicle_rests() -> None:
 
 
 def test_a_route_of_no_length_is_finished_at_once() -> None:
-    trajectory = Trajectory(route_of((1, 2, -3), (1, 2, -3)), 2.0, 1.0, yaw_rad=0.5)
+    trajectory = Trajectory(route_of((1, 2, -3), (1, 2, -3)), SpeedLimits(2.0, 1.0), yaw_rad=0.5)
     assert trajectory.duration_s == 0.0
     sample = trajectory.sample(0.0)
     assert (sample.position, sample.yaw_rad, sample.is_finished) == ((1, 2, -3), 0.5, True)
@@ -57,7 +60,7 @@ def test_a_route_of_no_length_is_finished_at_once() -> None:
 def test_the_jump_of_the_velocity_at_a_corner_is_bounded(turn_deg: float) -> None:
     turn = math.radians(turn_deg)
     end = (10 + 10 * math.cos(turn), 10 * math.sin(turn), 0)
-    trajectory = Trajectory(route_of((0, 0, 0), (10, 0, 0), end), 2.0, 2.0)
+    trajectory = Trajectory(route_of((0, 0, 0), (10, 0, 0), end), SpeedLimits(2.0, 2.0))
     corner_s = trajectory.duration_s / 2  # by symmetry
     before = np.array(trajectory.sample(corner_s - 1e-6).velocity)
     after = np.array(trajectory.sample(corner_s + 1e-6).velocity)
@@ -66,16 +69,20 @@ def test_the_jump_of_the_velocity_at_a_corner_is_bounded(turn_deg: float) -> Non
 
 
 def test_a_waypoint_on_a_straight_line_does_not_slow_the_vehicle() -> None:
-    straight = Trajectory(route_of((0, 0, 0), (9, 0, 0)), 2.0, 1.0)
-    divided = Trajectory(route_of((0, 0, 0), (2, 0, 0), (2.1, 0, 0), (9, 0, 0)), 2.0, 1.0)
+    straight = Trajectory(route_of((0, 0, 0), (9, 0, 0)), SpeedLimits(2.0, 1.0))
+    divided = Trajectory(
+        route_of((0, 0, 0), (2, 0, 0), (2.1, 0, 0), (9, 0, 0)), SpeedLimits(2.0, 1.0)
+    )
     assert divided.duration_s == pytest.approx(straight.duration_s)
 
 
 def test_a_short_leg_before_a_sharp_corner_slows_the_legs_before_it() -> None:
-    route = route_of((0, 0, 0), (9, 0, 0), (9.2, 0, 0), (9.2, 9, 0))
-    trajectory = Trajectory(route, 2.0, 1.0)
-    corner_mps = 1.0 * CORNER_TIME_S / math.sqrt(2)
-    speed_there = math.sqrt(corner_mps**2 + 2 * 1.0 * 0.2)  # 0.2 m before the corner
+    limits = SpeedLimits(2.0, 1.0)
+    trajectory = Trajectory(route_of((0, 0, 0), (9, 0, 0), (9.2, 0.02, 0), (9.2, 9, 0)), limits)
+    half_turn = (math.pi / 2 - math.atan2(0.02, 0.2)) / 2
+    corner_mps = 1.0 * CORNER_TIME_S / (2 * math.sin(half_turn))
+    speed_there = limits.reached_mps(corner_mps, math.hypot(0.2, 0.02))  # at the turn before it
+    assert speed_there < 1.0 < 1.0 * CORNER_TIME_S / (2 * math.sin(math.atan2(0.02, 0.2) / 2))
     speeds = [
         math.hypot(*sample.velocity)
         for sample in map(trajectory.sample, np.arange(0, trajectory.duration_s, 1e-3).tolist())
@@ -86,7 +93,9 @@ def test_a_short_leg_before_a_sharp_corner_slows_the_legs_before_it() -> None:
 
 
 def test_the_heading_turns_towards_each_leg_at_a_limited_rate() -> None:
-    trajectory = Trajectory(route_of((0, 0, 0), (0, -5, 0), (-5, -5, 0)), 1.0, 1.0, yaw_rad=0.0)
+    trajectory = Trajectory(
+        route_of((0, 0, 0), (0, -5, 0), (-5, -5, 0)), SpeedLimits(1.0, 1.0), yaw_rad=0.0
+    )
     assert trajectory.sample(0.0).yaw_rad == 0.0
     assert trajectory.sample(0.5).yaw_rad == pytest.approx(-0.5 * YAW_RATE_RADPS)
     assert trajectory.sample(2.0).yaw_rad == pytest.approx(-math.pi / 2)
@@ -94,21 +103,21 @@ def test_the_heading_turns_towards_each_leg_at_a_limited_rate() -> None:
 
 
 def test_the_heading_turns_on_at_the_end_and_keeps_on_a_vertical_leg() -> None:
-    south = Trajectory(route_of((0, 0, 0), (-0.1, 0, 0)), 1.0, 1.0, yaw_rad=1.0)
+    south = Trajectory(route_of((0, 0, 0), (-0.1, 0, 0)), SpeedLimits(1.0, 1.0), yaw_rad=1.0)
     assert abs(south.sample(south.duration_s).yaw_rad) < 3
     assert abs(south.sample(10.0).yaw_rad) == pytest.approx(math.pi)
-    climb = Trajectory(route_of((0, 0, 0), (0, 0, -3)), 1.0, 1.0, yaw_rad=1.0)
+    climb = Trajectory(route_of((0, 0, 0), (0, 0, -3)), SpeedLimits(1.0, 1.0), yaw_rad=1.0)
     assert climb.sample(1.0).yaw_rad == 1.0
 
 
 @pytest.mark.parametrize("distance_m", [0.0, 0.3, 4.0, 4.1, 25.0])
 def test_flight_time_is_the_duration_of_one_leg(distance_m: float) -> None:
-    trajectory = Trajectory(route_of((0, 0, 0), (distance_m, 0, 0)), 2.0, 1.0)
-    assert flight_time_s(distance_m, 2.0, 1.0) == pytest.approx(trajectory.duration_s)
+    trajectory = Trajectory(route_of((0, 0, 0), (distance_m, 0, 0)), SpeedLimits(2.0, 1.0))
+    assert flight_time_s(distance_m, SpeedLimits(2.0, 1.0)) == pytest.approx(trajectory.duration_s)
 
 
 def test_flight_time_of_no_route_is_infinite() -> None:
-    assert flight_time_s(math.inf, 2.0, 1.0) == math.inf
+    assert flight_time_s(math.inf, SpeedLimits(2.0, 1.0)) == math.inf
 
 
 @pytest.mark.parametrize("turn_deg", [30, 90, 150])
@@ -121,7 +130,7 @@ def test_a_vehicle_like_px4_stays_within_ten_centimetres_of_the_legs(turn_deg: f
     turn, dt_s = math.radians(turn_deg), 0.01
     corner, heading = np.array([6.0, 0, 0]), np.array([math.cos(turn), math.sin(turn), 0.0])
     route = Route(np.array([np.zeros(3), corner, corner + 6 * heading]))
-    trajectory = Trajectory(route, 2.0, 2.0)
+    trajectory = Trajectory(route, SpeedLimits(2.0, 2.0))
     position, velocity, acceleration = np.zeros(3), np.zeros(3), np.zeros(3)
     last = np.zeros(3)
     worst_m = 0.0
@@ -145,17 +154,22 @@ def test_a_vehicle_like_px4_stays_within_ten_centimetres_of_the_legs(turn_deg: f
 
 def test_a_vehicle_in_motion_brakes_on_its_course_before_it_turns_back() -> None:
     start, velocity = (0.0, 0.0, -2.0), (0.0, 2.0, 0.0)
-    stop = run_out(start, velocity, 2.0)
-    assert stop == pytest.approx((0.0, 1.0, -2.0))  # v^2 / 2a
-    trajectory = Trajectory(route_of(start, stop, (0, -5, -2)), 2.0, 2.0, start_mps=2.0)
+    stop = run_out(start, velocity, AT_REST, SpeedLimits(2.0, 2.0))
+    way_m = 2.0**2 / (2 * 2.0) + 2.0 * 2.0 / (2 * JERK_MPS3)  # v^2 / 2a + v a / 2j
+    assert stop == pytest.approx((0.0, 1.03 * way_m, -2.0))
+    trajectory = Trajectory(
+        route_of(start, stop, (0, -5, -2)), SpeedLimits(2.0, 2.0), start=Motion(2.0)
+    )
     assert trajectory.sample(0.0).velocity == pytest.approx(velocity)
     assert trajectory.sample(0.5).acceleration == pytest.approx((0, -2, 0))
-    turn = trajectory.sample(1.0 - 0.075)  # v / a, less what the corner lets it keep of its speed
-    assert math.dist(turn.position, stop) < 0.03
+    samples = [trajectory.sample(t_s) for t_s in np.arange(0.0, 2.0, 0.01).tolist()]
+    assert max(sample.position[1] for sample in samples) == pytest.approx(stop[1], abs=0.01)
 
 
 def test_a_vehicle_in_motion_goes_straight_on_without_braking() -> None:
-    trajectory = Trajectory(route_of((0, 0, 0), (1, 0, 0), (9, 0, 0)), 2.0, 2.0, start_mps=2.0)
+    trajectory = Trajectory(
+        route_of((0, 0, 0), (1, 0, 0), (9, 0, 0)), SpeedLimits(2.0, 2.0), start=Motion(2.0)
+    )
     assert all(
         trajectory.sample(t_s).velocity == pytest.approx((2.0, 0.0, 0.0))
         for t_s in np.arange(0.0, 3.9, 0.1)
@@ -163,6 +177,10 @@ def test_a_vehicle_in_motion_goes_straight_on_without_braking() -> None:
 
 
 def test_the_speed_at_the_start_is_lowered_to_what_the_route_allows() -> None:
-    trajectory = Trajectory(route_of((0, 0, 0), (0.25, 0, 0)), 2.0, 2.0, start_mps=5.0)
-    assert trajectory.sample(0.0).velocity == pytest.approx((1.0, 0, 0))
+    trajectory = Trajectory(
+        route_of((0, 0, 0), (0.25, 0, 0)), SpeedLimits(2.0, 2.0), start=Motion(5.0)
+    )
+    per_jerk = 2.0 * 2.0 / (2 * JERK_MPS3)  # of v^2 / 2a + v a / 2j = 0.25 m
+    allowed_mps = -per_jerk + math.sqrt(per_jerk**2 + 2 * 2.0 * 0.25)
+    assert trajectory.sample(0.0).velocity == pytest.approx((allowed_mps, 0, 0), rel=0.01)
     assert trajectory.sample(9.0).position == (0.25, 0, 0)

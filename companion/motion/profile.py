@@ -1,0 +1,144 @@
+"""Profiles: how fast can the speed along a straight leg change, and what does it take?
+
+The speed, its change (acceleration) and the change of that (jerk) are limited. The quickest change
+from one speed to another, with no acceleration at both, is in closed form: the acceleration rises
+and falls with the greatest jerk j, and holds between, if the change is greater than a^2 / j,
+
+    T = |v1 - v0| / a + a / j,   else   T = 2 sqrt(|v1 - v0| / j);   s = (v0 + v1) / 2 T
+
+by symmetry (Biagiotti and Melchiorri, Trajectory Planning for Automatic Machines and Robots, 2008,
+section 3.4). From these follow the speed that can be reached within a way, the way to a stop and
+the time of a flight from rest to rest. The quickest profile along a leg of given length between
+given speeds, from an acceleration too, is Ruckig's (Berscheid and Kroeger, Jerk-limited Real-time
+Trajectory Generation with Arbitrary Target States, RSS 2021).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import ruckig
+
+ACCELERATION_MPS2 = 2.0
+JERK_MPS3 = 8.0  # PX4's MPC_JERK_MAX
+
+_REST_MPS = 1e-9  # slower is at rest
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """A speed, at least 0, and how it changes."""
+
+    speed_mps: float
+    acceleration_mps2: float = 0.0
+
+
+REST = Motion(0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class SpeedLimits:
+    """The greatest speed, acceleration and jerk along a leg, all positive."""
+
+    speed_mps: float
+    acceleration_mps2: float = ACCELERATION_MPS2
+    jerk_mps3: float = JERK_MPS3
+
+    def change_s(self, from_mps: float, to_mps: float) -> float:
+        """Least time from one speed to another, with no acceleration at both."""
+        change_mps = abs(to_mps - from_mps)
+        ramp_s = self.acceleration_mps2 / self.jerk_mps3
+        if change_mps <= self.acceleration_mps2 * ramp_s:  # the acceleration is not reached
+            return 2 * math.sqrt(change_mps / self.jerk_mps3)
+        return change_mps / self.acceleration_mps2 + ramp_s
+
+    def change_m(self, from_mps: float, to_mps: float) -> float:
+        """The way that such a change takes."""
+        return (from_mps + to_mps) / 2 * self.change_s(from_mps, to_mps)
+
+    def reached_mps(self, from_mps: float, within_m: float) -> float:
+        """The greatest speed that can be reached within a way, up to the limit.
+
+        The inverse of `change_m`: a quadratic in the speed or, if the acceleration is not reached,
+        a cubic in the square root of the change.
+        """
+        if from_mps >= self.speed_mps or within_m <= 0.0:
+            return from_mps
+        ramped_mps = self.acceleration_mps2**2 / self.jerk_mps3  # the least change with all of it
+        if within_m >= (2 * from_mps + ramped_mps) * self.acceleration_mps2 / self.jerk_mps3:
+            root = math.hypot(
+                from_mps - ramped_mps / 2, math.sqrt(2 * self.acceleration_mps2 * within_m)
+            )
+            reached_mps = root - ramped_mps / 2
+        else:
+            root = _cubic_root(2 * from_mps, within_m * math.sqrt(self.jerk_mps3))
+            reached_mps = from_mps + root**2
+        return min(reached_mps, self.speed_mps)
+
+    def released(self, motion: Motion) -> tuple[float, float]:
+        """The speed when the acceleration has been let go of, and the way until then."""
+        ramp_s = abs(motion.acceleration_mps2) / self.jerk_mps3
+        change_mps = motion.acceleration_mps2 * ramp_s / 2
+        way_m = (motion.speed_mps + change_mps * 2 / 3) * ramp_s
+        return motion.speed_mps + change_mps, way_m
+
+    def braking(self, motion: Motion) -> tuple[float, float]:
+        """The speed, without acceleration, at which a brake begins, and how far ahead that is.
+
+        Less than 0, thus behind, if the vehicle is braking already, as if it had begun there.
+        """
+        ramp_s = motion.acceleration_mps2 / self.jerk_mps3
+        speed_mps = motion.speed_mps + motion.acceleration_mps2 * ramp_s / 2
+        return speed_mps, (motion.speed_mps + self.jerk_mps3 * ramp_s**2 / 3) * ramp_s
+
+    def stop_m(self, motion: Motion) -> float:
+        """The shortest way to a stop.
+
+        >>> SpeedLimits(2.0, 2.0, 8.0).stop_m(Motion(2.0))
+        1.25
+        """
+        speed_mps, ahead_m = self.braking(motion)
+        return ahead_m + self.change_m(speed_mps, 0.0)
+
+
+def flight_time_s(distance_m: float, limits: SpeedLimits) -> float:
+    """Time to fly a straight distance from rest to rest; inf for an infinite distance.
+
+    >>> flight_time_s(6.0, SpeedLimits(2.0, 2.0, 8.0))
+    4.25
+    """
+    rise_s = limits.change_s(0.0, limits.speed_mps)
+    if distance_m >= limits.speed_mps * rise_s:
+        return distance_m / limits.speed_mps + rise_s
+    return 2 * limits.change_s(0.0, limits.reached_mps(0.0, distance_m / 2))
+
+
+def quickest(
+    length_m: float, start: Motion, end_mps: float, limits: SpeedLimits
+) -> ruckig.Trajectory:
+    """The quickest way along a leg, to a speed with no acceleration.
+
+    Raises:
+        ArithmeticError: Ruckig finds none.
+    """
+    asked = ruckig.InputParameter(1)
+    asked.current_position, asked.target_position = [0.0], [length_m]
+    asked.current_velocity, asked.target_velocity = [start.speed_mps], [end_mps]
+    asked.current_acceleration, asked.target_acceleration = [start.acceleration_mps2], [0.0]
+    asked.max_velocity = [limits.speed_mps]
+    asked.max_acceleration, asked.max_jerk = [limits.acceleration_mps2], [limits.jerk_mps3]
+    profile = ruckig.Trajectory(1)
+    try:
+        ruckig.Ruckig(1).calculate(asked, profile)
+    except ruckig.RuckigError as error:
+        raise ArithmeticError(str(error)) from error
+    return profile
+
+
+def _cubic_root(linear: float, constant: float) -> float:
+    """The real root of u^3 + linear u = constant, both at least 0, without cancellation."""
+    if linear <= _REST_MPS:
+        return math.cbrt(constant)
+    scale = 2 * math.sqrt(linear / 3)
+    return scale * math.sinh(math.asinh(3 * constant / (linear * scale)) / 3)
