@@ -91,9 +91,9 @@ SHIPPED = (
         "hall_of_20",
         "hall_of_20",
         (
-            *("at s2", "at s6", "at s11"),
-            *("target found", "replan: target found", *refused("r2")),
-            *("at r1", "upload(r1) done", "at Home", "task satisfied, landed"),
+            *("at s2", "at s1", "at s3"),
+            *("target found", "replan: target found", *refused("r1")),
+            *("at r2", "upload(r2) done", "at Home", "task satisfied, landed"),
         ),
     ),
 )
