@@ -72,12 +72,13 @@ class MoveCommand(Behaviour):
             return None
         stop = run_out(now.position, now.velocity, now.acceleration, self._limits)
         route = self._flight.routes.route_from_motion(now.position, stop, self._place)
-        return _along(route, now, self._limits) if route else None
+        return _along(route, self._limits, now) if route else None
 
     def _from_rest(self, state: VehicleState) -> Trajectory | None:
         """A trajectory from rest; None if no clear route leads to the place."""
         route = self._flight.routes.route(state.position, self._place)
-        return Trajectory(route, self._limits, state.yaw_rad) if route else None
+        still = Sample(state.position, AT_REST, AT_REST, state.yaw_rad, False)
+        return _along(route, self._limits, still) if route else None
 
     def update(self) -> Status:
         """One setpoint along the trajectory; SUCCESS at the place."""
@@ -138,7 +139,7 @@ class MoveCommand(Behaviour):
         braking = SpeedLimits(self._limits.speed_mps, BRAKING_MPS2)
         stop = run_out(now.position, now.velocity, now.acceleration, braking)
         straight = Route(np.array([now.position, stop]))
-        self._adopt(_along(straight, now, braking), is_braking=True)
+        self._adopt(_along(straight, braking, now), is_braking=True)
 
     def _adopt(self, trajectory: Trajectory | None, is_braking: bool) -> None:
         self._trajectory, self._is_braking = trajectory, is_braking
@@ -156,5 +157,9 @@ class MoveCommand(Behaviour):
         return Status.FAILURE
 
 
-def _along(route: Route, now: Sample, limits: SpeedLimits) -> Trajectory:
-    return Trajectory(route, limits, now.yaw_rad, motion_of(now.velocity, now.acceleration))
+def _along(route: Route, limits: SpeedLimits, now: Sample) -> Trajectory | None:
+    """A trajectory that goes on from a motion; None, and so a hold, if there is none."""
+    try:
+        return Trajectory(route, limits, now.yaw_rad, motion_of(now.velocity, now.acceleration))
+    except ArithmeticError:
+        return None

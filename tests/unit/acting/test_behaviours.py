@@ -200,6 +200,18 @@ def test_a_move_sends_one_setpoint_per_tick_within_the_speed_limit() -> None:
         assert np.linalg.norm(setpoint.velocity) <= rig.mission.limits.speed_mps + 1e-9
 
 
+def test_a_move_without_a_profile_holds_and_fails(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ruckig may find none; the loop that sends setpoints must not end by it."""
+
+    def find_none(*_: object) -> None:
+        raise ArithmeticError("no profile")
+
+    monkeypatch.setattr("companion.motion.trajectory.quickest", find_none)
+    rig = a_rig()
+    assert tick(rig, MoveCommand(rig.flight, "A", None)) is Status.FAILURE
+    assert rig.vehicle.flown[-1] is not None and rig.vehicle.flown[-1].velocity == (0.0, 0.0, 0.0)
+
+
 @pytest.mark.parametrize("why", ["no way", "no state"])
 def test_without_a_route_a_move_fails(why: str) -> None:
     rig = a_rig()
