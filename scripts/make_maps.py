@@ -64,12 +64,13 @@ MAPS = {
             (17.2, 6.0, 0.5),
         ),
     ),
-    # Two rooms; a corridor leads straight from one to the other, a passage in the north around.
+    # Two rooms; from one to the other lead a corridor, a doorway, and a passage in the north.
     "rooms": Drawing(
         edge=(-2.0, -2.0, 18.0, 14.0),
         walls=(
             (5.0, -1.8, 11.0, -0.6),  # south of the corridor
-            (5.0, 1.4, 11.0, 10.4),  # between the corridor and the passage
+            (5.0, 1.4, 11.0, 7.6),  # between the corridor and the doorway
+            (5.0, 9.4, 11.0, 10.4),  # between the doorway and the passage
         ),
     ),
     # Four rows of seven pillars.

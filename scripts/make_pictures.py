@@ -26,7 +26,7 @@ def draw(flight: Shipped, path: Path) -> None:
     mission = flight.load()
     with tempfile.TemporaryDirectory() as name:
         folder = RunFolder(Path(name), mission, 0.0, lambda report: None)
-        flight.fly(mission, lambda simulation, grid: folder)
+        flight.fly(mission, lambda simulation: folder)
         folder.close()
         with Image.open(folder.folder / "flight.png") as image:
             few = image.convert("RGB").quantize(COLOURS, Image.Quantize.MAXCOVERAGE)

@@ -115,6 +115,11 @@ class Simulation:
         return self._autopilot.mode
 
     @property
+    def true_map(self) -> OccupancyGrid | None:
+        """The walls and the obstacles that are there now; None is a world without walls."""
+        return self._world.walls.grid
+
+    @property
     def collisions(self) -> int:
         """How often the vehicle hit a wall."""
         return self._world.walls.count

@@ -128,12 +128,7 @@ class RouteMap:
         legs = self._free_sight.is_clear(points[:-1], points[1:])
         if self._free_sight.is_clear(points[0], points[0]):
             return bool(legs.all())
-        way = np.linspace(points[0], points[1], 2 + int(2 * math.dist(points[0], points[1])))
-        cells = np.clip(np.floor(way).astype(int), 0, np.array(self._free.shape) - 1)
-        away_m = self._grid.distance_m[cells[:, 0], cells[:, 1]]
-        least_m = min(away_m[0], self._clearance_m) - self._grid.cell_m
-        is_way_out = away_m.min() >= least_m and self._open_sight.is_clear(points[0], points[1])
-        return bool(is_way_out and legs[1:].all())
+        return bool(self._keeps_away(points[0], points[1]) and legs[1:].all())
 
     def is_free(self, position: NorthEast) -> bool:
         """Whether a position has the clearance and lies inside the fence."""
@@ -159,15 +154,16 @@ class RouteMap:
     def route_from_motion(self, start: Ned, stop: Ned, site: str) -> Route | None:
         """A route whose first leg leads to where the vehicle can stop, straight ahead.
 
-        None if that leg is not clear, or if no way leads on from there; then a route from a start
-        at rest is left, from which the vehicle deviates while it brakes.
+        None if that leg comes closer to an obstacle than the clearance and the start, by a cell, or
+        if no way leads on from there; then a route from a start at rest is left, from which the
+        vehicle deviates while it brakes.
 
         Args:
             start: where the vehicle is.
             stop: where it can come to rest.
             site: where to fly.
         """
-        is_clear = self._free_sight.is_clear(self._point(start), self._point(stop))
+        is_clear = self._keeps_away(self._point(start), self._point(stop))
         route = self.route(stop, site) if is_clear else None
         return Route(np.vstack([start, route.waypoints])) if route else None
 
@@ -191,6 +187,19 @@ class RouteMap:
         plane = points * self._grid.cell_m + self._grid.origin
         plane[0], plane[-1] = start[:2], goal[:2]  # exactly, whatever the rounding
         return Route(_with_altitude(plane, start[2], goal[2]))
+
+    def _keeps_away(self, a: Points, b: Points) -> bool:
+        """Whether a leg comes no closer to an obstacle than the clearance and its start, by a cell.
+
+        It leaves the fence only if it begins outside.
+        """
+        way = np.linspace(a, b, 2 + int(2 * math.dist(a, b)))
+        cells = np.clip(np.floor(way).astype(int), 0, np.array(self._free.shape) - 1)
+        away_m = self._grid.distance_m[cells[:, 0], cells[:, 1]]
+        is_inside = self._is_inside[cells[:, 0], cells[:, 1]]
+        least_m = min(away_m[0], self._clearance_m) - self._grid.cell_m
+        is_kept = away_m.min() >= least_m and (is_inside.all() or not is_inside[0])
+        return bool(is_kept and self._open_sight.is_clear(a, b))
 
     def _point(self, positions: npt.ArrayLike) -> Points:
         """Positions, given by north, east and perhaps down, in units of cells (`sight.py`)."""

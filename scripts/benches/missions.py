@@ -14,7 +14,6 @@ from companion.acting.task_state import TaskState
 from companion.app import flight_times, route_map
 from companion.geometry import Ned, distance
 from companion.mavlink.framing import Endpoint, split_frames
-from companion.motion.grid import OccupancyGrid
 from companion.planning.planner import Planner
 from sitl.simulation import Simulation
 
@@ -27,11 +26,10 @@ class Tracking:
 
     Attributes:
         gaps_m: from the newest setpoint to the vehicle, once per tick of the task.
-        clearances_m: from the vehicle's centre to the nearest wall of the true map, once per tick.
+        clearances_m: from the vehicle's centre to what is truly nearest, once per tick.
     """
 
     simulation: Simulation
-    grid: OccupancyGrid
     gaps_m: list[float] = field(default_factory=list)
     clearances_m: list[float] = field(default_factory=list)
     is_on_task: bool = False
@@ -54,7 +52,8 @@ class Tracking:
     def position(self, now_s: float, position: Ned) -> None:
         """Takes the truth of this tick."""
         truth = self.simulation.flight.position
-        self.clearances_m.append(self.grid.clearance_m(truth[:2]))
+        assert self.simulation.true_map is not None
+        self.clearances_m.append(self.simulation.true_map.clearance_m(truth[:2]))
         if self.is_on_task and self.setpoint is not None:
             self.gaps_m.append(distance(self.setpoint, truth))
 

@@ -10,7 +10,6 @@ from benches import ROOT
 from companion.app import Companion, Recorder
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
-from companion.motion.grid import OccupancyGrid
 from sitl.harness import fly_in_lockstep
 from sitl.link.routing import LinkName
 from sitl.simulation import Simulation
@@ -39,14 +38,13 @@ class Shipped:
     def fly(
         self,
         mission: Mission,
-        recorder: Callable[[Simulation, OccupancyGrid], Recorder],
+        recorder: Callable[[Simulation], Recorder],
         seed: int = 0,
     ) -> Recorder:
         """Flies it to its end, however it ends; the recorder is made for the simulation."""
         scenario, grid = read_scenario(self.scenario)
-        assert grid is not None
         simulation = Simulation(scenario, grid, seed=seed, links=frozenset({LinkName.OFFBOARD}))
-        witness = recorder(simulation, grid)
+        witness = recorder(simulation)
         fly_in_lockstep(Companion(mission, witness), simulation)
         return witness
 

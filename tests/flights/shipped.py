@@ -7,6 +7,8 @@ the semantics of LTL says so of the word.
 
 from __future__ import annotations
 
+import math
+from itertools import pairwise
 from pathlib import Path
 
 from lockstep import Lockstep
@@ -20,7 +22,7 @@ from companion.planning.domain import Action, departures, ground
 from sitl.world.scenario import read_scenario
 
 MISSIONS = Path(__file__).parents[2] / "missions"
-TOLD = ("at", "event", "done", "failed", "withdrawn", "replan", "end")
+TOLD = ("at", "event", "done", "failed", "withdrawn", "route", "replan", "end")
 
 
 class ShippedFlight(Lockstep):
@@ -29,19 +31,29 @@ class ShippedFlight(Lockstep):
     Attributes:
         mission: the mission.
         truth: where the vehicle truly was at each tick.
+        clearance_m: from the vehicle's centre to the nearest wall or obstacle that was truly there,
+            at worst.
     """
 
     def __init__(self, mission: str, scenario: str, seed: int) -> None:
         self.mission = load_mission(MISSIONS / f"{mission}.yaml")
         self.truth: list[Ned] = []
-        world = read_scenario(MISSIONS / f"{scenario}.sim.yaml")
-        _, self._grid = world
-        super().__init__(self.mission, world, seed=seed)
+        self.clearance_m = math.inf
+        super().__init__(self.mission, read_scenario(MISSIONS / f"{scenario}.sim.yaml"), seed=seed)
         self.until_the_end()
 
     def tick(self) -> None:
         super().tick()
-        self.truth.append(self.simulation.flight.position)
+        position = self.simulation.flight.position
+        self.truth.append(position)
+        assert self.simulation.true_map is not None
+        self.clearance_m = min(self.clearance_m, self.simulation.true_map.clearance_m(position[:2]))
+
+    def crossings(self, east_m: float) -> list[float]:
+        """Where the vehicle crossed a line from south to north: metres north, in order."""
+        return [
+            (a[0] + b[0]) / 2 for a, b in pairwise(self.truth) if (a[1] < east_m) != (b[1] < east_m)
+        ]
 
     @property
     def story(self) -> list[str]:
@@ -51,12 +63,6 @@ class ShippedFlight(Lockstep):
             for report in self.reports
             if report.kind in TOLD
         ]
-
-    @property
-    def clearance_m(self) -> float:
-        """From the vehicle's centre to the nearest wall of the true map, at worst."""
-        assert self._grid is not None
-        return min(self._grid.clearance_m(position[:2]) for position in self.truth)
 
     def lines_that_hold(self) -> list[str]:
         """Lines of the task that the flown word satisfies, if it rests at its end for ever.

@@ -15,7 +15,6 @@ from lockstep import Lockstep
 from companion.geometry import horizontal_distance
 from companion.mission.model import Mission
 from sitl.world.collision import VEHICLE_RADIUS_M
-from sitl.world.obstacles import TrueMap
 from sitl.world.scenario import read_scenario
 
 MISSIONS = Path(__file__).parents[2] / "missions"
@@ -40,18 +39,15 @@ class Flown(Lockstep):
         text = text.replace("map: maps/", f"map: {MISSIONS}/maps/")
         path = folder / "world.sim.yaml"
         path.write_text(f"{text}\nobstacles:\n{obstacles}\n{happens}", encoding="utf-8")
-        scenario, grid = read_scenario(path)
-        super().__init__(mission, (scenario, grid), seed=seed)
-        self._true = TrueMap(grid, scenario.obstacles)
+        super().__init__(mission, read_scenario(path), seed=seed)
         self.least_m = math.inf
         self.until(self._has_ended, limit_s=200.0)
 
     def _has_ended(self) -> bool:
-        if self.simulation.happened:  # nothing else does in these worlds, but the target's visit
-            self._true.place("crate", True)
-        if self.simulation.mode == "OFFBOARD" and self._true.grid is not None:
+        true_map = self.simulation.true_map
+        if self.simulation.mode == "OFFBOARD" and true_map is not None:
             north, east, _ = self.simulation.flight.position
-            self.least_m = min(self.least_m, self._true.grid.clearance_m((north, east)))
+            self.least_m = min(self.least_m, true_map.clearance_m((north, east)))
         return self.companion.has_ended
 
     @property

@@ -197,6 +197,25 @@ def test_a_route_from_motion_leads_to_where_the_vehicle_can_stop() -> None:
     assert route.waypoints[1:] == pytest.approx(onward.waypoints)
 
 
+@pytest.mark.parametrize(("north_m", "is_near"), [(0.45, True), (0.35, True), (0.25, False)])
+def test_a_vehicle_may_run_out_a_cell_nearer_than_the_clearance(
+    north_m: float, is_near: bool
+) -> None:
+    """It would do so in any case; a route that begins where it was would only leave it behind."""
+    corridor = OccupancyGrid(np.zeros((12, 100), dtype=np.bool_), 0.1, (0.0, 0.0))
+    routes = RouteMap(corridor, {"A": site(0.55, 9.0)}, WIDE, 0.5)
+    route = routes.route_from_motion((0.45, 2.0, -1.0), (north_m, 4.0, -1.0), "A")
+    assert (route is not None) == is_near
+
+
+def test_a_vehicle_does_not_run_out_of_the_fence() -> None:
+    fence: list[NorthEast] = [(-9, -9), (-9, 3.5), (99, 3.5), (99, -9)]
+    room = OccupancyGrid(np.zeros((40, 100), dtype=np.bool_), 0.1, (0.0, 0.0))
+    routes = RouteMap(room, {"A": site(2.0, 1.0)}, fence, 0.5)
+    ends = [routes.route_from_motion((2.0, 2.0, -1.0), (2.0, e, -1.0), "A") for e in (3.3, 3.7)]
+    assert [end is not None for end in ends] == [True, False]
+
+
 @pytest.mark.parametrize("stop", [(2.5, 4.5, -1.0), (1.5, 20.0, -1.0)])
 def test_a_route_does_not_begin_through_a_wall(stop: tuple[float, float, float]) -> None:
     routes = RouteMap(ROOM, {"A": site(4.5, 1.5)}, WIDE, 0.9)
