@@ -20,6 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+from scipy import ndimage
 
 from companion.geometry import Ned, NorthEast
 from companion.motion.fields import Cell, Field, MoveGraph
@@ -110,6 +111,7 @@ class RouteMap:
         self._free_sight = Sight(free)
         self._open_sight = Sight(~grid.occupied)
         self._graph: MoveGraph | None = None  # made when a field is asked for
+        self._parts = ndimage.label(free)[0]
         self._fields: dict[str, Field | None] = {}
 
     def aim(self, site: str, goal: Ned) -> None:
@@ -243,7 +245,7 @@ class RouteMap:
 
     def _entry(self, start: NorthEast, site: str) -> tuple[Field, Cell] | None:
         """The nearest cell to which a leg leads and from which there is a way to a site."""
-        field = self._field(site)
+        field = self._field(site) if self._is_connected(start, site) else None
         if field is None:
             return None
         own_cell = self._grid.cell(start)
@@ -252,11 +254,10 @@ class RouteMap:
         point = self._point(start)
         is_free = self._free_sight.is_clear(point, point)
         sight = self._free_sight if is_free else self._open_sight
-        reach = ENTRY_M / self._grid.cell_m
-        own = np.array(own_cell)
-        low = np.maximum(np.floor(own - reach), 0).astype(int)
-        high = np.maximum(np.ceil(own + reach) + 1, 0).astype(int)
-        cells = low + np.argwhere(np.isfinite(field.cost[low[0] : high[0], low[1] : high[1]]))
+        reach, own = ENTRY_M / self._grid.cell_m, np.array(own_cell)
+        near = self._near(own_cell)
+        low = np.array([axis.start for axis in near])
+        cells = low + np.argwhere(np.isfinite(field.cost[near]))
         centres = cells.astype(np.float64) + 0.5
         away = np.linalg.norm(cells - own, axis=1)
         usable = away <= reach
@@ -265,6 +266,24 @@ class RouteMap:
             return None
         row, col = cells[np.argmin(np.where(usable, away, np.inf))].tolist()
         return field, (row, col)
+
+    def _near(self, cell: Cell) -> tuple[slice, slice]:
+        """The cells within ENTRY_M of one along each axis."""
+        reach = ENTRY_M / self._grid.cell_m
+        row, col = (
+            slice(max(math.floor(x - reach), 0), max(math.ceil(x + reach) + 1, 0)) for x in cell
+        )
+        return row, col
+
+    def _is_connected(self, start: NorthEast, site: str) -> bool:
+        """Whether free cells lead from near a start to a site, whatever regions are on the way.
+
+        Quick: where they do not, no field has to be made to know that there is no way.
+        """
+        goal = self._grid.cell(self._goals[site][:2])
+        if not self._is_free_cell(goal):
+            return False
+        return bool(np.any(self._parts[self._near(self._grid.cell(start))] == self._parts[goal]))
 
     def _is_plain(self, start: NorthEast, cell: Cell, site: str) -> bool:
         """Whether a start is well inside a free cell, and at no border of a region.
