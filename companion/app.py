@@ -61,7 +61,7 @@ def flight_times(
     limits = SpeedLimits(mission.limits.speed_mps)
 
     def flight_time(origin: str, goal: str) -> float:
-        start = here() if origin == HERE else mission.places[origin].position
+        start = here() if origin == HERE else routes.goal(origin)
         if start is None:
             return float("inf")
         return flight_time_s(routes.distance_m(start[:2], goal), limits)

@@ -29,6 +29,7 @@ from companion.acting.events import EventDetector
 from companion.acting.flight import Flight
 from companion.acting.hand_tree import build_by_hand
 from companion.acting.tree import build
+from companion.acting.ways import Ways
 from companion.errors import NoPlanError
 from companion.mission.model import Fly, Signal
 from companion.planning.domain import WAIT, Action, Fact, departures
@@ -79,7 +80,7 @@ class Executive:
         self._predicted: dict[Fact, bool] = {}
         self._idle_replans = 0
         self._positions = 0
-        self._map_version = flight.routes.version
+        self._ways = Ways(planner, flight)
 
     def sense(self, readings: Sequence[tuple[Signal, float]]) -> None:
         """Takes readings off the wire and turns them into facts."""
@@ -104,7 +105,7 @@ class Executive:
             self._root = build_by_hand(self._flight, tree, self._planner.actions_of(tree))
             self._flight.report("plan", "the mission's own tree", number=0, task=task)
             return
-        self._follow_map()
+        self._ways.follow()
         lasso = self._planner.plan(*self._flight.task.problem())
         self._adopt(lasso)
         self._flight.report("plan", f"plan: {lasso}", number=0, task=task, **lasso.as_json())
@@ -118,9 +119,15 @@ class Executive:
         self._forget_what_is_done(self.lasso)
         if self._surprise() and not flight.is_grounded and self._is_still_best(self.lasso):
             self._predict()
+        if not flight.is_grounded and self._ways.have_changed() and (lost := self._ways.follow()):
+            if not self.is_leaving and not self._is_still_best(self.lasso):
+                self._replan(lost)
+                return self.status
         if flight.may_do_better and self.is_leaving and not flight.task.violated:
-            self._replan()
-            return self.status
+            if self._has_a_plan():
+                self._replan()
+                return self.status
+            flight.may_do_better = False
         self._root.tick_once()
         self._tell_positions()
         is_done = flight.laps > laps and self.lasso.ends_at_rest
@@ -181,20 +188,20 @@ class Executive:
         may_end = is_done or not self._flight.is_grounded
         return bool(self._flight.task.violated) and may_end and not self.is_leaving
 
-    def _replan(self) -> None:
+    def _replan(self, why: str = "") -> None:
         flight, task = self._flight, self._flight.task
         self.stop()
         task.interrupt()
         self._count_idle()
         violated = f"{', '.join(task.violated)} violated" if task.violated else ""
-        reason = self._surprise() or flight.failure or violated or "a belief came back"
+        reason = why or self._surprise() or flight.failure or violated or "a belief came back"
+        self._ways.follow()
         flight.may_do_better = False
         try:
             if self._planner.mission.tree is not None:
                 raise NoPlanError("no plan: the mission has a tree of its own")
             if self._idle_replans > MAX_IDLE_REPLANS:
                 raise NoPlanError(f"no plan: {MAX_IDLE_REPLANS} plans in a row led nowhere")
-            self._follow_map()
             lasso = self._planner.replan(*task.problem())
         except NoPlanError as error:
             self.replans += 1
@@ -244,16 +251,6 @@ class Executive:
                 )
         flight.task.left.clear()
 
-    def _follow_map(self) -> None:
-        """Moves cost what they cost on the map as it is known now."""
-        if self._map_version != self._flight.routes.version:
-            flight, state = self._flight, self._flight.vehicle.state
-            self._map_version = flight.routes.version
-            if state is not None:
-                for place in flight.symbols.follow_map(state.position, flight.now_s):
-                    flight.tell_symbol(place)
-            self._planner.reground()
-
     def _count_idle(self) -> None:
         """Counts replans between which the task's word has not grown."""
         positions = self._flight.task.positions
@@ -288,6 +285,14 @@ class Executive:
         except NoPlanError:
             return False
         return self._is_rest_of(lasso, new)
+
+    def _has_a_plan(self) -> bool:
+        """Whether the task can be satisfied again."""
+        try:
+            self._planner.replan(*self._flight.task.problem())
+        except NoPlanError:
+            return False
+        return True
 
     def _is_rest_of(self, lasso: Lasso, new: Lasso) -> bool:
         """Whether a new plan is what is left of another one."""

@@ -122,10 +122,10 @@ class Symbols:
         return False
 
     def follow_map(self, start: Ned, now_s: float) -> list[str]:
-        """Choose anew where the map has taken a waypoint away; the places that moved."""
+        """Choose anew where the map has taken a waypoint away, or the way to it; what moved."""
         moved = []
         for name, value in list(self._values.items()):
-            if not self._routes.is_free(value.position[:2]):
+            if not self._routes.is_connected(start[:2], name):
                 self.ground(name, start, now_s)
                 if self._values[name] is not value:
                     moved.append(name)

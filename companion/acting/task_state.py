@@ -73,7 +73,7 @@ class TaskState:
 
     Attributes:
         facts: what holds, without the beliefs.
-        withdrawn: beliefs that were disproved.
+        withdrawn: beliefs that were disproved, or that the map contradicts.
         positions: how many positions have been left.
         left: those of them that nobody has collected yet.
         running: the action under way.
@@ -87,6 +87,8 @@ class TaskState:
         self.facts: frozenset[Fact] = planner.mission.initially
         self.withdrawn: frozenset[Fact] = frozenset()
         self._returns_s: dict[Fact, float] = {}
+        self._failed: frozenset[Fact] = frozenset()
+        self._cut_off: frozenset[Fact] = frozenset()
         self.positions = 0
         self.left: list[Position] = []
         self.running: Action | None = None
@@ -153,16 +155,37 @@ class TaskState:
     def withdraw(self, beliefs: frozenset[Fact], retry_s: float | None = None) -> None:
         """Gives up beliefs; from `retry_s` on, if given, they may be held again."""
         self.withdrawn |= beliefs
+        self._failed |= beliefs
         for belief in beliefs:
             self._returns_s.pop(belief, None)
             if retry_s is not None:
                 self._returns_s[belief] = retry_s
 
+    def cut_off(self, beliefs: frozenset[Fact]) -> tuple[list[Fact], list[Fact]]:
+        """Gives up the beliefs that the map contradicts, and holds again those that it did before.
+
+        A belief that has just failed, and that the map contradicts, has failed for the map's sake.
+
+        Args:
+            beliefs: all that the map contradicts now.
+
+        Returns:
+            The beliefs given up, and those held again.
+        """
+        lost, held = beliefs - self.withdrawn, self._cut_off - beliefs
+        self._cut_off = (self._cut_off | lost | self._failed) & beliefs
+        self._failed = frozenset()
+        self.withdrawn = (self.withdrawn | lost) - held
+        return sorted(lost), sorted(held)
+
     def restore(self, now_s: float, predicates: frozenset[str]) -> list[Fact]:
-        """Holds beliefs again whose time has come, or whose predicate is named; which ones."""
+        """Holds beliefs again whose time has come, or whose predicate is named; which ones.
+
+        Those that the map contradicts wait for the map.
+        """
         restored = sorted(
             belief
-            for belief in self.withdrawn
+            for belief in self.withdrawn - self._cut_off
             if belief.partition("(")[0] in predicates
             or self._returns_s.get(belief, math.inf) <= now_s
         )

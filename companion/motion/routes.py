@@ -120,6 +120,10 @@ class RouteMap:
             self._goals[site] = goal
             self._fields.pop(site, None)
 
+    def goal(self, site: str) -> Ned:
+        """Where routes to a site end now."""
+        return self._goals[site]
+
     def is_clear(self, path: npt.NDArray[np.float64]) -> bool:
         """Whether a path crosses free cells only; (n, 2) or (n, 3) metres.
 
@@ -135,6 +139,16 @@ class RouteMap:
     def is_free(self, position: NorthEast) -> bool:
         """Whether a position has the clearance and lies inside the fence."""
         return self._is_free_cell(self._grid.cell(position))
+
+    def is_connected(self, start: NorthEast, site: str) -> bool:
+        """Whether free cells lead from near a start to a site, whatever regions are on the way.
+
+        Quick: where they do not, no field has to be made to know that there is no way.
+        """
+        goal = self._grid.cell(self._goals[site][:2])
+        if not self._is_free_cell(goal):
+            return False
+        return bool(np.any(self._parts[self._near(self._grid.cell(start))] == self._parts[goal]))
 
     def distance_m(self, start: NorthEast, site: str) -> float:
         """Length of the way along cells to a site, in the plane; inf if there is none.
@@ -245,7 +259,7 @@ class RouteMap:
 
     def _entry(self, start: NorthEast, site: str) -> tuple[Field, Cell] | None:
         """The nearest cell to which a leg leads and from which there is a way to a site."""
-        field = self._field(site) if self._is_connected(start, site) else None
+        field = self._field(site) if self.is_connected(start, site) else None
         if field is None:
             return None
         own_cell = self._grid.cell(start)
@@ -274,16 +288,6 @@ class RouteMap:
             slice(max(math.floor(x - reach), 0), max(math.ceil(x + reach) + 1, 0)) for x in cell
         )
         return row, col
-
-    def _is_connected(self, start: NorthEast, site: str) -> bool:
-        """Whether free cells lead from near a start to a site, whatever regions are on the way.
-
-        Quick: where they do not, no field has to be made to know that there is no way.
-        """
-        goal = self._grid.cell(self._goals[site][:2])
-        if not self._is_free_cell(goal):
-            return False
-        return bool(np.any(self._parts[self._near(self._grid.cell(start))] == self._parts[goal]))
 
     def _is_plain(self, start: NorthEast, cell: Cell, site: str) -> bool:
         """Whether a start is well inside a free cell, and at no border of a region.

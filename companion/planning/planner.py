@@ -31,6 +31,9 @@ class Planner:
         mission: what to do.
         flight_time: seconds between two places, or from `here` to a place; inf for no route.
         clock: seconds; measures `translating_s` and `grounding_s`.
+
+    Attributes:
+        without_a_move: beliefs that only moves assume that do not exist any more.
     """
 
     def __init__(
@@ -48,15 +51,17 @@ class Planner:
         self.translating_s = clock() - start_s - self.grounding_s
         self.task_facts = frozenset().union(*(atoms(c.formula) for c in self.conjuncts))
         self.flight_time = flight_time
+        self.without_a_move: frozenset[Fact] = frozenset()
         self._search = Search(self.model.actions)
 
     def reground(self) -> None:
         """Takes over flight times that have changed; what was ever believed stays a belief."""
         known = {action: action for action in self.model.actions}  # whose bits are kept
         model = ground(self.mission, self.flight_time)
+        beliefs = self.model.beliefs | model.beliefs
+        self.without_a_move = beliefs - model.beliefs
         self.model = TaskModel(
-            tuple(known.get(action, action) for action in model.actions),
-            self.model.beliefs | model.beliefs,
+            tuple(known.get(action, action) for action in model.actions), beliefs
         )
 
     def actions_of(self, tree: Tree) -> dict[str, Action]:

@@ -91,6 +91,10 @@ def test_without_a_way_it_stops_gives_up_the_belief_and_flies_home(
     assert flown.is_unhurt
     assert "move(A, B) failed: no clear route to B" in flown.texts
     assert "belief trans_ok(A, B) withdrawn" in flown.texts
+    (by_the_map,) = [r.data["withdrawn"] for r in flown.reports if r.kind == "map"]
+    lost = {"trans_ok(A, C)", "trans_ok(B, Home)", "trans_ok(r1, B)"}
+    assert lost <= set(by_the_map)  # type: ignore[call-overload]
+    assert not {"trans_ok(A, B)", "trans_ok(A, r1)", "trans_ok(B, C)"} & set(by_the_map)  # type: ignore[call-overload]
     assert flown.exit_code == 3
     assert "at B" not in flown.texts and "at Home" in flown.texts
     assert horizontal_distance(flown.simulation.flight.position, (0.0, 0.0)) < 0.5

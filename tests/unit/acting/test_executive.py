@@ -252,8 +252,9 @@ def test_a_belief_about_here_can_be_to_blame() -> None:
 
 
 def test_a_map_that_has_changed_takes_moves_out_of_the_next_plan() -> None:
-    """B is walled in: the way there over A is not even tried, though its belief still holds."""
+    """B is walled in: the way there over A is not even tried."""
     rig = Rig(mission("F at(B)")).begin()
+    rig.tick()
     occupied = np.zeros((20, 20), dtype=np.bool_)
     occupied[12:, 12:] = True  # B and what is around it
     rig.flight.routes.see(OccupancyGrid(occupied, 0.5, (-2.0, -2.0)))

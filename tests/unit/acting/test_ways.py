@@ -1,0 +1,127 @@
+"""What the map takes away is not believed, before a flight fails for it; and it comes back."""
+
+from __future__ import annotations
+
+import numpy as np
+from fakes import failed
+from rig import Rig
+from synthetic import command, mission, skill
+
+from companion.acting.executive import TaskStatus
+from companion.mission.model import Fly
+from companion.motion.grid import OccupancyGrid
+
+INSPECT = skill(
+    "inspect",
+    Fly("s"),
+    "from s",
+    "at(from)",
+    ["accessible(s)"],
+    "at(s) & !at(from) & seen(s)",
+    cost_s=None,
+    tries=3,
+)
+NO_WAY_TO_B = "no way on the map as seen: accessible(B), trans_ok(*, B), trans_ok(B, *) withdrawn"
+
+
+def inspection() -> Rig:
+    """Look at A and then at B, as far as they are believed to be accessible."""
+    task = {
+        "A": "F (seen(A) | !accessible(A))",
+        "B": "F (seen(B) | !accessible(B))",
+        "order": "!seen(B) W (seen(A) | !accessible(A))",
+        "home": "F G at(H)",
+    }
+    rig = Rig(mission(task, skills=[INSPECT])).begin()
+    rig.tick()
+    return rig
+
+
+def show(rig: Rig, *walled_in: str) -> None:
+    """The vehicle sees these corners of the room as solid, and nothing else."""
+    occupied = np.zeros((20, 20), dtype=np.bool_)
+    corners = {"A": np.s_[12:, :8], "B": np.s_[12:, 12:], "C": np.s_[:8, 12:]}
+    for place in walled_in:
+        occupied[corners[place]] = True
+    rig.flight.routes.see(OccupancyGrid(occupied, 0.5, (-2.0, -2.0)))
+
+
+def test_a_task_that_speaks_of_a_belief_hears_at_once_that_the_map_contradicts_it() -> None:
+    rig = inspection()
+    assert rig.plans[-1].names(2) == ["inspect(H, A)", "inspect(A, B)"]
+    show(rig, "B")
+    rig.tick()
+    assert rig.of_kind("map") == [NO_WAY_TO_B]
+    assert rig.of_kind("replan") == [
+        f"replan 1: {NO_WAY_TO_B} -> inspect(here, A), move(A, H), (wait)^w"
+    ]
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED
+    assert rig.of_kind("failed") == rig.of_kind("withdrawn") == []
+    assert rig.executive.replans == 1
+    assert "accessible(B)" in rig.positions[-1]["withdrawn"]  # type: ignore[operator]
+
+
+def test_a_way_that_is_seen_again_is_used_from_the_next_completed_skill_on() -> None:
+    rig = inspection()
+    show(rig, "B")
+    rig.tick()
+    show(rig)
+    rig.tick()
+    assert rig.of_kind("map")[1:] == [
+        "a way again: accessible(B), trans_ok(*, B), trans_ok(B, *) restored"
+    ]
+    assert rig.task.withdrawn == frozenset()
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED
+    assert [text for text in rig.texts if text.startswith("at ")] == ["at A", "at B", "at H"]
+
+
+def test_a_place_of_no_concern_that_is_cut_off_leaves_the_plan_as_it_is() -> None:
+    rig = Rig(mission("F at(A) & F at(B)", places="HABC")).begin()
+    rig.tick()
+    show(rig, "C")
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED
+    told = "no way on the map as seen: trans_ok(*, C), trans_ok(C, *) withdrawn"
+    assert rig.of_kind("map") == [told]
+    assert rig.executive.replans == 0
+
+
+def test_the_flight_under_way_finds_out_itself_and_the_rest_is_told_once() -> None:
+    """Fig. 6 withdraws what has failed; and that too is believed again with the way."""
+    rig = Rig(mission("F at(B)")).begin()
+    rig.tick()
+    show(rig, "B")
+    assert rig.run_to_the_end() is TaskStatus.NO_PLAN
+    assert rig.of_kind("withdrawn") == ["belief trans_ok(H, B) withdrawn"]
+    assert rig.of_kind("map") == [
+        "no way on the map as seen: trans_ok(*, B), trans_ok(B, *) withdrawn"
+    ]
+    assert rig.executive.replans == 1
+    assert rig.executive.go_to("H")
+    show(rig)
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED
+    assert rig.texts[-1] == "at B"
+    assert rig.task.withdrawn == frozenset()
+
+
+def test_on_the_way_home_a_way_that_helps_nothing_is_no_reason_to_stop() -> None:
+    rig = Rig(mission("F at(B)", places="HABC")).begin()
+    rig.tick()
+    show(rig, "B", "C")
+    assert rig.run_to_the_end() is TaskStatus.NO_PLAN
+    assert rig.executive.go_to("H")
+    show(rig, "B")
+    rig.tick()
+    assert rig.of_kind("map")[-1].startswith("a way again: trans_ok(A, C)")
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED  # it is home
+    assert rig.executive.is_leaving and rig.executive.replans == 1
+
+
+def test_what_was_refused_is_not_believed_again_because_of_a_way() -> None:
+    rig = Rig(mission("F did", skills=[command("do", "at(A)", "did")])).begin()
+    rig.vehicle.answers = [(0.0, failed("denied"))]
+    rig.run_until("belief can_do withdrawn")
+    before = rig.task.withdrawn
+    for walled_in in (("B",), ()):
+        show(rig, *walled_in)
+        rig.executive._ways.follow()
+    assert rig.task.withdrawn == before == {"can_do"}
