@@ -186,8 +186,9 @@ class RouteMap:
     def route(self, start: Ned, site: str) -> Route | None:
         """The shortest route to a site, pulled tight; None if there is none.
 
-        A start that is not free (the vehicle may have drifted a little) is left by a leg to the
-        nearest free cell within ENTRY_M that crosses no occupied cell.
+        A start that is not free (the vehicle has drifted, or something has come near it) is left by
+        a leg to the nearest free cell within ENTRY_M on whose way it comes no nearer to obstacles
+        than it is; if there is none, to the nearest one across no occupied cell.
 
         Raises:
             KeyError: there is no such site.
@@ -278,7 +279,11 @@ class RouteMap:
         usable &= sight.is_clear(point, centres) & self._is_allowed(point, centres, site)
         if not usable.any():
             return None
-        row, col = cells[np.argmin(np.where(usable, away, np.inf))].tolist()
+        nearest = np.argsort(np.where(usable, away, np.inf))[: np.count_nonzero(usable)]
+        entry = nearest[0]
+        if not is_free:
+            entry = next((i for i in nearest if self._keeps_away(point, centres[i])), entry)
+        row, col = cells[entry].tolist()
         return field, (row, col)
 
     def _near(self, cell: Cell) -> tuple[slice, slice]:

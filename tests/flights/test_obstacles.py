@@ -108,6 +108,23 @@ def test_a_crate_on_the_place_itself_fails_the_move(surveillance: Mission, tmp_p
     assert flown.exit_code == 3
 
 
+def test_a_vehicle_that_holds_stays_and_leaves_away_from_what_has_come_near(
+    surveillance: Mission, tmp_path: Path
+) -> None:
+    """While it uploads at r1, a crate appears 0.45 m from it, straight on its way to r2."""
+    shape = "circle: {east_m: 9.4, north_m: 4.75, radius_m: 0.2}"
+    happens = appears("command: MAV_CMD_USER_1, nth: 1")
+    flown = Flown(surveillance, tmp_path, a_crate(shape, is_late=True), happens)
+    assert flown.is_unhurt
+    (seen_s,) = [t_s for t_s, text in flown.simulation.happened if "crate" in text]
+    failed_s = next(r.time_s for r in flown.reports if r.text == "upload(r1) failed: denied")
+    assert failed_s - seen_s > 1.0
+    r1 = surveillance.places["r1"].position
+    held = [s.message for s in flown.setpoints if seen_s < s.time_s < failed_s]
+    assert all(math.dist((m.x, m.y, m.z), r1) < 0.1 for m in held)
+    assert {"at r2", "upload(r2) done", "task satisfied, landed"} <= set(flown.texts)
+
+
 def test_the_flight_is_the_same_each_time(surveillance: Mission, tmp_path: Path) -> None:
     first, again = (
         Flown(surveillance, tmp_path, a_crate(STRAIGHT_TO_B, True), appears(HALFWAY), seed=5)

@@ -210,6 +210,12 @@ def test_a_start_beside_the_free_cells_is_left_across_no_obstacle(
     assert np.linalg.norm(first[1] - first[0]) * grid.cell_m <= ENTRY_M + grid.cell_m
     occupied = np.argwhere(grid.occupied).astype(np.float64)
     assert not meets(first[:1], first[1:], occupied, grown=-1e-6).any()
+    assert routes.is_clear(route.waypoints) or not any(
+        routes.is_clear(np.vstack([start, grid.centre(*cell)]))
+        for cell in np.argwhere(is_free).tolist()
+        if math.dist(cell, grid.cell(start)) * grid.cell_m <= ENTRY_M
+        and math.isfinite(routes.distance_m(grid.centre(*cell), "goal"))
+    )
 
 
 coordinates = st.floats(-10, 10).map(lambda x: round(x, 2))
