@@ -1,0 +1,85 @@
+"""Formula, lasso, tree, flight: what is flown is the plan, action by action and letter by letter.
+
+Missions are drawn; the vehicle is a point that obeys, and every command is accepted. Then nothing
+differs from what the plan assumed, and the tree has to execute the prefix once and the loop again
+and again.
+"""
+
+from __future__ import annotations
+
+from fakes import DONE
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from rig import Rig
+from synthetic import command, mission
+
+from companion.acting.executive import TaskStatus
+from companion.errors import NoPlanError
+from companion.planning.lasso import word
+
+PARTS = [
+    "F at(A)",
+    "F (at(A) & F at(B))",
+    "F G at(C)",
+    "G F at(A)",
+    "G F at(B)",
+    "G F (at(A) | at(C))",
+    "G (at(A) -> X at(B))",
+    "!at(B) U at(A)",
+    "G !at(C)",
+    "F done",
+    "G F done & G F !done",
+    "F done & G (done -> X at(H))",
+    "G (at(A) -> F done)",
+]
+LAPS = 3
+LIMIT_S = 600.0
+
+
+def rig_of(parts: list[str]) -> Rig:
+    """A mission that asks for all parts, with work to do at B and to undo at H."""
+    skills = [command("do", "at(B)", "done"), command("undo", "at(H) & done", "!done")]
+    rig = Rig(mission({f"line{i}": p for i, p in enumerate(parts)}, "HABC", skills))
+    rig.vehicle.answers = [(0.2, DONE)] * 100  # so that a command is seen while it is under way
+    return rig
+
+
+def fly(rig: Rig) -> list[str]:
+    """Flies until the task is satisfied, or for some laps; the actions that were completed."""
+    completed: list[str] = []
+    under_way = ""
+
+    def watch() -> bool:
+        nonlocal under_way
+        for _ in range(rig.flight.completed - len(completed)):
+            completed.append(under_way)
+        under_way = rig.task.running.name if rig.task.running else ""
+        is_over = rig.executive.status is not TaskStatus.RUNNING
+        return is_over or rig.flight.laps == LAPS
+
+    rig.run(watch, LIMIT_S)
+    return completed
+
+
+@settings(max_examples=60)
+@given(st.lists(st.sampled_from(PARTS), min_size=1, max_size=3, unique=True))
+def test_the_tree_executes_the_prefix_and_then_the_loop_again_and_again(parts: list[str]) -> None:
+    rig = rig_of(parts)
+    problem, _ = rig.task.problem()
+    try:
+        rig.begin()
+    except NoPlanError:
+        assume(False)
+    (lasso,) = rig.plans
+    laps = 1 if lasso.ends_at_rest else LAPS
+    assert fly(rig) == [a.name for a in (*lasso.prefix, *lasso.suffix * laps)]
+    assert rig.executive.replans == 0
+    assert rig.flight.laps == laps
+    ending = TaskStatus.SATISFIED if lasso.ends_at_rest else TaskStatus.RUNNING
+    assert rig.executive.status is ending
+
+    before, again = word(problem, lasso)
+    promised = [problem.facts, *before, *again * (LAPS + 1)]
+    for position, letter in zip(rig.positions, promised, strict=False):
+        assert set(position["facts"]) == letter - rig.planner.model.beliefs  # type: ignore[call-overload]
+    assert len(rig.positions) >= len(lasso.prefix) + laps * len(lasso.suffix)
