@@ -42,7 +42,12 @@ class Trail:
 
 
 def draw_flight(mission: Mission, trail: Trail, path: Path) -> None:
-    """Draws a flight to a PNG file; east to the right, north up, metres."""
+    """Draws a flight to a PNG file."""
+    figure_of(mission, trail).savefig(path, dpi=110)
+
+
+def figure_of(mission: Mission, trail: Trail) -> Figure:
+    """A flight, a panel for each part of its trail; east to the right, north up, metres."""
     panels = max(1, len(trail.parts))
     rows = math.ceil(panels / COLUMNS)
     columns = math.ceil(panels / rows)
@@ -60,7 +65,7 @@ def draw_flight(mission: Mission, trail: Trail, path: Path) -> None:
             title, positions = trail.parts[i]
             _draw_path(axis, positions, is_present=True)
             axis.set_title(f"({chr(ord('a') + i)}) {title}")
-    figure.savefig(path, dpi=110)
+    return figure
 
 
 def _draw_hall(mission: Mission, axis: Axes) -> None:

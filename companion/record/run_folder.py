@@ -31,6 +31,9 @@ class RunFolder:
         mission: the mission flown.
         start_unix_s: wall-clock time of the run's beginning; stamps flight.tlog alone.
         tell: called with every report that is news for people.
+
+    Attributes:
+        trail: where the vehicle was, by plan.
     """
 
     def __init__(
@@ -41,7 +44,7 @@ class RunFolder:
         self._mission = mission
         self._start_unix_s = start_unix_s
         self._tell = tell
-        self._trail = Trail()
+        self.trail = Trail()
         self._is_failing = False
         (folder / "mission.yaml").write_text(mission.text, encoding="utf-8")
         self._events = (folder / "events.jsonl").open("w", encoding="utf-8")
@@ -68,7 +71,7 @@ class RunFolder:
 
     def position(self, now_s: float, position: Ned) -> None:
         """Adds to the trail of flight.png."""
-        self._trail.add(position)
+        self.trail.add(position)
 
     def close(self) -> None:
         """Closes the files and draws the flight."""
@@ -76,7 +79,7 @@ class RunFolder:
             with self._going_on():
                 stream.close()
         with self._going_on():
-            draw_flight(self._mission, self._trail, self.folder / "flight.png")
+            draw_flight(self._mission, self.trail, self.folder / "flight.png")
 
     @contextmanager
     def _going_on(self) -> Iterator[None]:
@@ -94,4 +97,4 @@ class RunFolder:
         path = self.folder / f"plan-{plan['number']}.json"
         path.write_text(json.dumps(plan, indent=2) + "\n", encoding="utf-8")
         reason = plan.get("reason")
-        self._trail.begin(f"replan {plan['number']}: {reason}" if reason else "first plan")
+        self.trail.begin(f"replan {plan['number']}: {reason}" if reason else "first plan")
