@@ -25,7 +25,8 @@ class Tracking:
     """A recorder of where the vehicle is told to be, and where it truly is.
 
     Attributes:
-        gaps_m: from the newest setpoint to the vehicle, once per tick of the task.
+        gaps_m: from the newest setpoint to the vehicle, once per tick of the task in OFFBOARD, so
+            not while a plan lands the vehicle.
         clearances_m: from the vehicle's centre to what is truly nearest, once per tick.
     """
 
@@ -54,7 +55,8 @@ class Tracking:
         truth = self.simulation.flight.position
         assert self.simulation.true_map is not None
         self.clearances_m.append(self.simulation.true_map.clearance_m(truth[:2]))
-        if self.is_on_task and self.setpoint is not None:
+        is_followed = self.is_on_task and self.simulation.mode == "OFFBOARD"
+        if is_followed and self.setpoint is not None:
             self.gaps_m.append(distance(self.setpoint, truth))
 
 
