@@ -123,8 +123,8 @@ class Executive:
             if not self.is_leaving and not self._is_still_best(self.lasso):
                 self._replan(lost)
                 return self.status
-        if flight.may_do_better and self.is_leaving and not flight.task.violated:
-            if self._has_a_plan():
+        if flight.may_do_better and self.is_leaving:
+            if not flight.task.violated and self._plan_now() is not None:
                 self._replan()
                 return self.status
             flight.may_do_better = False
@@ -277,22 +277,15 @@ class Executive:
 
     def _is_still_best(self, lasso: Lasso) -> bool:
         """Whether a plan made now, as from the place left last, is the rest of the present one."""
-        task = self._flight.task
-        if task.running is None:
-            return False
-        try:
-            new = self._planner.replan(*task.problem())
-        except NoPlanError:
-            return False
-        return self._is_rest_of(lasso, new)
+        new = self._plan_now() if self._flight.task.running is not None else None
+        return new is not None and self._is_rest_of(lasso, new)
 
-    def _has_a_plan(self) -> bool:
-        """Whether the task can be satisfied again."""
+    def _plan_now(self) -> Lasso | None:
+        """The plan that would be made now; None if there is none."""
         try:
-            self._planner.replan(*self._flight.task.problem())
+            return self._planner.replan(*self._flight.task.problem())
         except NoPlanError:
-            return False
-        return True
+            return None
 
     def _is_rest_of(self, lasso: Lasso, new: Lasso) -> bool:
         """Whether a new plan is what is left of another one."""
