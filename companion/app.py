@@ -1,4 +1,4 @@
-"""Puts the parts together: the one place that knows both the acting side and the MAVLink side.
+"""Puts everything together, and lives as long as the program: from the link to what is flown.
 
 `Companion` is a state machine: time and datagrams in, datagrams out. `fly` drives it in real
 (or scaled) time from a socket; the simulator's harness drives the same object in lockstep.
@@ -6,155 +6,264 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from pathlib import Path
 from typing import Protocol
 
-from companion.acting.events import EventDetector
-from companion.acting.executive import Executive
-from companion.acting.flight import TICK_S, Flight
-from companion.acting.grounding import Symbols
+from companion.acting.flight import TICK_S
+from companion.acting.phases import ON_THE_GROUND, Phase
 from companion.acting.report import Report
-from companion.acting.sortie import Phase, Sortie
-from companion.acting.task_state import TaskState
-from companion.errors import CompanionError, LinkTimeout
-from companion.geometry import Ned
-from companion.ltl.formula import atoms
-from companion.mission.loader import CLEARANCE_M
-from companion.mission.model import Mission, Place
-from companion.motion.profile import SpeedLimits, flight_time_s
-from companion.motion.routes import RouteMap, Site
-from companion.motion.sensed_map import SensedMap
-from companion.planning.domain import HERE, FlightTime
-from companion.planning.planner import Planner
-from companion.vehicle.gate import Envelope
+from companion.errors import CompanionError, LinkTimeout, MissionError
+from companion.ground.component import WANTED, Component
+from companion.ground.operations import Standing, Uploads
+from companion.ground.parameters import BELIEF_RETRY, SPEED_MAX
+from companion.mavlink.framing import Message, source
+from companion.mission.model import Mission
+from companion.run import Recorder, Run, flight_times, home_of, route_map
 from companion.vehicle.link import ScaledClock, UdpLink
-from companion.vehicle.offboard import MavlinkVehicle
+from companion.vehicle.telemetry import TELEMETRY, Telemetry
+from companion.vehicle.wire import AUTOPILOT, Wire
+
+__all__ = ["Companion", "Host", "Recorder", "flight_times", "fly", "home_of", "route_map"]
+
+BEGINNING = (*ON_THE_GROUND, Phase.ARMING, Phase.TAKE_OFF)
+RETURN = "MAV_CMD_NAV_RETURN_TO_LAUNCH"
+NOTHING_FLOWN = "nothing is flown"
 
 
-class Recorder(Protocol):
-    """Keeps what happens in a run."""
+class Host(Protocol):
+    """Keeps the files of a companion that flies several sorties."""
 
-    def report(self, report: Report) -> None:
-        """Something happened."""
+    @property
+    def uploads(self) -> Uploads | None:
+        """Missions from outside."""
 
-    def packets(self, now_s: float, datagrams: list[bytes]) -> None:
-        """Datagrams went over the link, in either direction."""
+    def load(self, path: Path) -> Mission:
+        """Reads a mission that was accepted.
 
-    def position(self, now_s: float, position: Ned) -> None:
-        """Where the vehicle is, once per tick."""
+        Raises:
+            MissionError: it cannot be read after all.
+        """
 
+    def begin_run(self, mission: Mission) -> Recorder:
+        """A recorder for one more run.
 
-def route_map(mission: Mission) -> RouteMap:
-    """The routes of a mission: the places that its task mentions are not crossed by chance."""
-    mentioned = frozenset().union(*(atoms(f) for f in mission.task.values()))
-    sites = {
-        name: Site(place.position, place.radius_m, is_exclusive=f"at({name})" in mentioned)
-        for name, place in mission.places.items()
-    }
-    return RouteMap(mission.grid, sites, mission.limits.fence, CLEARANCE_M)
+        Raises:
+            OSError: there is none.
+        """
 
+    def end_run(self, recorder: Recorder) -> None:
+        """A run has ended. It may not block."""
 
-def flight_times(
-    mission: Mission, routes: RouteMap, here: Callable[[], Ned | None] = lambda: None
-) -> FlightTime:
-    """Seconds of flight between places; `here` says where the vehicle is, between them."""
-    limits = SpeedLimits(mission.limits.speed_mps)
-
-    def flight_time(origin: str, goal: str) -> float:
-        start = here() if origin == HERE else routes.goal(origin)
-        if start is None:
-            return float("inf")
-        return flight_time_s(routes.distance_m(start[:2], goal), limits)
-
-    return flight_time
-
-
-def home_of(mission: Mission) -> Place:
-    """The place where the mission begins."""
-    return next(p for name, p in mission.places.items() if f"at({name})" in mission.initially)
+    def tell(self, report: Report) -> None:
+        """News between two runs."""
 
 
 class Companion:
-    """One mission, from the ground to the ground.
+    """Component 191 for as long as it lives: flies one mission at once, or hosts sorties.
+
+    With a host it waits for MISSION_START on the ground, flies the newest mission, and waits again;
+    it ends when it is stopped. Without one it ends with its only run.
 
     Args:
-        mission: what to do.
-        recorder: told of everything that happens.
+        mission: what to fly; None to wait for an upload.
+        recorder: told of everything that happens in the only run; None with a host.
         accepts_weak_failsafes: fly although the autopilot's failsafes are weak.
+        host: makes and ends runs, and reads missions.
+
+    Attributes:
+        failure: why the last run did not end well.
     """
 
     def __init__(
-        self, mission: Mission, recorder: Recorder, accepts_weak_failsafes: bool = False
+        self,
+        mission: Mission | None,
+        recorder: Recorder | None,
+        accepts_weak_failsafes: bool = False,
+        host: Host | None = None,
     ) -> None:
-        routes = route_map(mission)
-        detector = EventDetector(mission.events)
-        home, limits = home_of(mission), mission.limits
-        self._vehicle = MavlinkVehicle(
-            Envelope(limits.fence, limits.up_m, limits.speed_mps),
-            detector.signals,
-            takeoff_up_m=-home.position[2],
-        )
-        planner = Planner(mission, flight_times(mission, routes, self._position))
-        self._flight = Flight(
-            vehicle=self._vehicle,
-            task=TaskState(planner),
-            routes=routes,
-            limits=limits,
-            symbols=Symbols(mission.places, routes),
-        )
-        executive = Executive(planner, self._flight, detector)
-        self._sortie = Sortie(
-            self._flight, executive, home, mission.otherwise, accepts_weak_failsafes
-        )
-        self._map = SensedMap(mission.grid)
-        self._routes = routes
-        self._recorder = recorder
+        self.failure: CompanionError | None = None
+        self._wire = Wire()
+        self._telemetry = Telemetry()
+        self._component = Component(self, host.uploads if host else None)
+        self._host = host
+        self._mission = mission
+        self._accepts_weak_failsafes = accepts_weak_failsafes
+        self._run: Run | None = None
+        self._is_starting = self._is_stopping = False
+        self._adjusted: tuple[float, float] | None = None
+        self._now_s = 0.0
+        if mission is not None and recorder is not None:
+            self._begin(mission, recorder)
+        self._listen()
+
+    # -- from outside --------------------------------------------------------------------------
 
     @property
     def is_waiting(self) -> bool:
-        """Whether no vehicle has been heard yet."""
-        return self._sortie.phase is Phase.WAITING
+        """Whether the only run waits for a vehicle, of which none has been heard yet."""
+        is_waiting = self._run is not None and self._run.sortie.phase is Phase.WAITING
+        return is_waiting and self._host is None
 
     @property
     def has_ended(self) -> bool:
         """Whether nothing is left to do."""
-        return self._sortie.has_ended
-
-    @property
-    def failure(self) -> CompanionError | None:
-        """Why the run did not end well."""
-        return self._sortie.failure
+        if self._host is None:
+            return self._run is not None and self._run.sortie.has_ended
+        return self._is_stopping and self._run is None
 
     def stop(self) -> None:
         """Hold, land, end: what Ctrl-C asks for."""
-        self._sortie.stop()
+        self._is_stopping = True
+        if self._run is not None:
+            self._run.sortie.stop()
 
     def step(self, now_s: float, datagrams: list[bytes]) -> list[bytes]:
         """One tick: reads what arrived, acts, returns what has to leave."""
-        readings = self._vehicle.receive(now_s, datagrams)
-        self._look()
-        self._sortie.step(now_s, readings)
-        answers = self._vehicle.transmit(now_s)
-        self._record(now_s, datagrams + answers)
+        self._now_s = now_s
+        if self._is_starting:
+            self._launch()
+        self._poll()
+        messages = self._wire.parse(datagrams)
+        asked = self._component.receive(now_s, self._wire.system, messages)
+        run = self._run
+        if run is None:
+            self._idle(messages)
+            return self._wire.pack(self._component.transmit(now_s, self._is_stopping))
+        self._follow_parameters()
+        reports = run.step(now_s, messages, asked)
+        for report in reports:
+            self._component.tell(now_s, report)
+        self.failure = run.sortie.failure
+        leaving = self._component.transmit(now_s, run.sortie.has_ended)
+        answers = self._wire.pack(leaving + run.vehicle.transmit(now_s))
+        run.record(now_s, datagrams + answers, reports)
+        if run.sortie.has_ended and self._host is not None:
+            self._host.end_run(run.recorder)
+            self._run = None
+            self._listen()
         return answers
 
-    def _look(self) -> None:
-        """Corrects the map by what the vehicle sees."""
-        if any([self._map.integrate(scan) for scan in self._vehicle.scans]):
-            self._routes.see(self._map.grid)
+    # -- ground.operations.Operations ----------------------------------------------------------
 
-    def _record(self, now_s: float, packets: list[bytes]) -> None:
-        self._recorder.packets(now_s, packets)
-        position = self._position()
-        if position is not None:
-            self._recorder.position(now_s, position)
-        for report in self._flight.reports:
-            self._recorder.report(report)
-        self._flight.reports.clear()
+    @property
+    def standing(self) -> Standing:
+        """See `Operations`."""
+        phase = self._run.sortie.phase if self._run else Phase.ENDED
+        if phase is Phase.YIELDED or (phase is Phase.ENDED and self.failure is not None):
+            return Standing.CRITICAL
+        is_flown = phase not in (*ON_THE_GROUND, Phase.ENDED)
+        return Standing.ACTIVE if is_flown else Standing.STANDBY
 
-    def _position(self) -> Ned | None:
-        state = self._vehicle.state
-        return state.position if state else None
+    @property
+    def awaited(self) -> frozenset[str]:
+        """See `Operations`."""
+        return self._run.awaited if self._run else frozenset()
+
+    def start(self) -> str:
+        """See `Operations`."""
+        if self._run is not None:
+            phase = self._run.sortie.phase
+            return "" if phase in BEGINNING else f"{self._run.mission.name} is {phase.value}"
+        if self._mission is None:
+            return "there is no mission; upload one"
+        state = self._telemetry.state
+        if state is None:
+            return "the vehicle's state is not known yet"
+        if state.is_armed or not state.is_landed:
+            return "the vehicle is armed or flying already; it is left alone"
+        self._is_starting = True
+        return ""
+
+    def pause(self) -> str:
+        """See `Operations`."""
+        return self._run.sortie.pause() if self._run else NOTHING_FLOWN
+
+    def go_on(self) -> str:
+        """See `Operations`."""
+        return self._run.sortie.go_on() if self._run else NOTHING_FLOWN
+
+    def go_home(self) -> str:
+        """See `Operations`; the mission's own event goes before, and ends a pause."""
+        if self._run is None:
+            return NOTHING_FLOWN
+        if RETURN not in self._run.awaited:
+            return self._run.sortie.go_home()
+        return self._run.sortie.go_on() if self._run.sortie.phase is Phase.PAUSED else ""
+
+    # -- runs ----------------------------------------------------------------------------------
+
+    def _begin(self, mission: Mission, recorder: Recorder) -> None:
+        self.failure = self._adjusted = None
+        self._run = Run(
+            mission,
+            recorder,
+            self._wire,
+            self._telemetry,
+            self._now_s,
+            self._accepts_weak_failsafes,
+            may_yield=self._host is not None,
+        )
+
+    def _launch(self) -> None:
+        """Begins the run that was asked for; in a tick of its own, after the answer has left."""
+        self._is_starting = False
+        if self._host is None or self._mission is None or self._is_stopping:
+            return
+        try:
+            recorder = self._host.begin_run(self._mission)
+        except OSError as error:
+            self._say(f"no run folder, so nothing is flown: {error}", is_refused=True)
+            return
+        self._begin(self._mission, recorder)
+        self._listen()
+
+    def _idle(self, messages: list[Message]) -> None:
+        """Nothing is flown: hears the autopilot, and takes a new mission if there is one."""
+        for message in messages:
+            if source(message) == (self._wire.system, AUTOPILOT):
+                self._telemetry.take(self._now_s, message)
+        if self._host is None or self._host.uploads is None:
+            return
+        path = self._host.uploads.take_active()
+        if path is not None:
+            self._take(self._host, path)
+
+    def _take(self, host: Host, path: Path) -> None:
+        try:
+            self._mission = host.load(path)
+        except MissionError as error:
+            self._say(f"the mission cannot be read: {error}", is_refused=True)
+            return
+        self._say(f"{self._mission.name} is ready; MISSION_START flies it")
+
+    def _poll(self) -> None:
+        """Tells what became of uploads."""
+        if self._host is not None and self._host.uploads is not None:
+            for verdict in self._host.uploads.poll(self._now_s):
+                self._say(verdict.text, is_refused=not verdict.is_accepted)
+
+    def _say(self, text: str, is_refused: bool = False) -> None:
+        """News that is not of the flight; in its records if there is one."""
+        report = Report(round(self._now_s, 3), "upload", text, {"is_refused": is_refused})
+        if self._run is not None:
+            self._run.flight.reports.append(report)
+        elif self._host is not None:
+            self._host.tell(report)
+            self._component.tell(self._now_s, report)
+
+    def _follow_parameters(self) -> None:
+        """A run follows the companion's parameters."""
+        parameters = self._component.parameters
+        wanted = (parameters[SPEED_MAX], parameters[BELIEF_RETRY])
+        if self._run is not None and self._adjusted != wanted:
+            self._adjusted = wanted
+            self._run.adjust(*wanted)
+
+    def _listen(self) -> None:
+        """What is decoded depends on the events of the mission."""
+        vehicle = self._run.vehicle if self._run else None
+        wanted = vehicle.wanted if vehicle else TELEMETRY
+        self._wire.listen(wanted | WANTED, vehicle.continual if vehicle else frozenset())
 
 
 def fly(companion: Companion, link: UdpLink, clock: ScaledClock, timeout_s: float) -> None:

@@ -17,6 +17,8 @@ from companion.mission.model import Signal
 from companion.vehicle.gate import Envelope
 from companion.vehicle.offboard import MavlinkVehicle
 from companion.vehicle.port import Goal, Outcome, Progress
+from companion.vehicle.telemetry import Telemetry
+from companion.vehicle.wire import Wire
 
 TICK_S = 0.05
 ACCEPTED = dialect.MAV_RESULT_ACCEPTED
@@ -137,7 +139,9 @@ class Meeting:
     def __init__(
         self, envelope: Envelope, signals: frozenset[Signal] = frozenset(), up_m: float = 2.0
     ) -> None:
-        self.vehicle = MavlinkVehicle(envelope, signals, up_m)
+        self.wire = Wire()
+        self.vehicle = MavlinkVehicle(self.wire, Telemetry(), envelope, signals, up_m)
+        self.wire.listen(self.vehicle.wanted, self.vehicle.continual)
         self.autopilot = Autopilot()
         self.now_s = 0.0
         self.readings: list[tuple[Signal, float]] = []
@@ -151,10 +155,11 @@ class Meeting:
         self.now_s = self._ticks * TICK_S
         telemetry = [] if self.is_quiet else self.autopilot.telemetry()
         arriving = [*self._answers, *telemetry, *datagrams]
-        self.readings = self.vehicle.receive(self.now_s, arriving)
+        self.readings = self.vehicle.receive(self.now_s, self.wire.parse(arriving))
         act()
         before = len(self.autopilot.heard)
-        self._answers = self.autopilot.answer(self.vehicle.transmit(self.now_s))
+        leaving = self.wire.pack(self.vehicle.transmit(self.now_s))
+        self._answers = self.autopilot.answer(leaving)
         return self.autopilot.heard[before:]
 
     def run(self, duration_s: float, act: Callable[[], object] = lambda: None) -> list[Any]:

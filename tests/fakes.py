@@ -119,6 +119,9 @@ class FakeVehicle:
     def release(self) -> None:
         self.flown.append(None)
 
+    def regain(self) -> None:
+        self.lost_authority = ""
+
     def send_command(self, component: int, command: int, parameters: tuple[float, ...]) -> int:
         self.sent.append((component, command, parameters))
         delay_s, outcome = self.answers.pop(0) if self.answers else (0.0, DONE)

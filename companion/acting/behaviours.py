@@ -104,7 +104,8 @@ class Withdraw(Behaviour):
             return Status.SUCCESS
         flight.failure = f"{action.name} failed: {flight.failure}"
         flight.report("failed", flight.failure, action=action.name)
-        retry_s = None if action.retry_after_s is None else flight.now_s + action.retry_after_s
+        after_s = flight.belief_retry_s if action.retry_after_s is None else action.retry_after_s
+        retry_s = None if after_s is None else flight.now_s + after_s
         flight.task.withdraw(action.assumes, retry_s)
         for belief in sorted(action.assumes):
             flight.report("withdrawn", f"belief {belief} withdrawn", belief=belief)

@@ -177,6 +177,14 @@ class Executive:
             self._root.stop(Status.INVALID)
         self._flight.hold()
 
+    def resume(self) -> TaskStatus:
+        """Goes on after `stop`, by a new plan from here: what was under way was interrupted."""
+        if self._planner.mission.tree is None:
+            self.is_leaving = False
+            self._idle_replans = 0
+            self._replan("going on")
+        return self.status
+
     def _departure(self, place: str) -> Action | None:
         moves = departures(self._planner.mission, self._planner.flight_time)
         move = next((a for a in moves if a.execute == (Fly(place),)), None)

@@ -26,6 +26,8 @@ class Flight:
         laps: laps of the present plan's loop.
         failure: why the last skill failed.
         may_do_better: a belief has come back, so that another plan may be better.
+        belief_retry_s: time after which a belief that a failure withdrew is held again, where the
+            mission does not say; None is never.
         is_grounded: the plan has landed the vehicle, and has not taken off again.
         reports: what happened and has not been collected yet.
     """
@@ -41,6 +43,7 @@ class Flight:
     failure: str = ""
     may_do_better: bool = False
     is_grounded: bool = False
+    belief_retry_s: float | None = None
     reports: list[Report] = field(default_factory=list)
     setpoint: Setpoint | None = None
 

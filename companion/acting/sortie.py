@@ -1,78 +1,40 @@
-"""One sortie from the ground to the ground: climb, fly the task, land. The phases as a table.
+"""One sortie from the ground to the ground: climb, fly the task, land; phases.py has the table.
 
-    phase       works towards      then      if it fails
-    waiting     a state on the wire          checking    (the caller's time-out)
-    checking    strong failsafes             arming      end
-    arming      ARMED              take-off  end
-    take-off    AIRBORNE           offboard  land
-    offboard    OFFBOARD           task      land
-    task        the executive      landing   landing, after `otherwise`
-    holding     HOLDING            landing   landing
-    parting     HOLDING            end       end
-    landing     LANDED             end       end
+Safety comes before the table: who takes the vehicle from us (pilot or failsafe) ends the sortie at
+once and nothing more is sent; or, where an operator may give control back, the sortie yields and
+waits for that. A vehicle that is armed or flying before we start is not ours to take, and one whose
+autopilot would not look after itself is not armed unless the operator accepts that. A stop that the
+operator asked for holds, lands, and ends.
 
-Safety comes before the table: who takes the vehicle from us (pilot or failsafe) ends the
-sortie at once and nothing more is sent. A vehicle that is armed or flying before we start is
-not ours to take, and one whose autopilot would not look after itself is not armed unless the
-operator accepts that. A stop that the operator asked for holds, lands, and ends.
+The operator may also pause (hold in the air, the task frozen), let it go on, and call it home.
+Control that was lost comes back only by an explicit "go on", and only if the vehicle is armed, in
+the air and on hold (AUTO.LOITER), with no failsafe and a fresh position: the pilot hands it over by
+choosing hold, the operator takes it by saying so.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from enum import Enum
+
+from py_trees.common import Status
 
 from companion.acting.executive import Executive, TaskStatus
 from companion.acting.flight import Flight
+from companion.acting.homing import Homing
+from companion.acting.phases import ON_THE_GROUND, STEPS, UNDER_TASK, Phase, Step
 from companion.errors import Aborted, CompanionError, LinkError, NoPlanError
 from companion.geometry import horizontal_distance
 from companion.mission.model import Otherwise, Place, Signal
 from companion.vehicle.failsafes import REQUIREMENTS, weaknesses
-from companion.vehicle.port import Goal, Outcome, Progress, VehicleState
+from companion.vehicle.port import Mode, Outcome, Progress, VehicleState
 
 ANSWER_TIMEOUT_S = 5.0
 """How long the autopilot may take to answer for its parameters."""
 LINK_LOST_S = 10.0
 """Silence after which the sortie is given up; the autopilot's failsafe flies since long."""
-
-
-class Phase(Enum):
-    """Where the sortie is."""
-
-    WAITING = "waiting for the vehicle"
-    CHECKING = "checking the autopilot's failsafes"
-    ARMING = "arming"
-    TAKE_OFF = "taking off"
-    OFFBOARD = "entering OFFBOARD"
-    TASK = "flying the task"
-    HOLDING = "holding"
-    PARTING = "leaving the vehicle on hold"
-    LANDING = "landing"
-    ENDED = "ended"
-
-
-@dataclass(frozen=True, slots=True)
-class Step:
-    """A phase that works towards a goal."""
-
-    goal: Goal
-    then: Phase
-    if_failed: Phase
-
-
-STEPS: dict[Phase, Step] = {
-    Phase.ARMING: Step(Goal.ARMED, Phase.TAKE_OFF, Phase.ENDED),
-    Phase.TAKE_OFF: Step(Goal.AIRBORNE, Phase.OFFBOARD, Phase.LANDING),
-    Phase.OFFBOARD: Step(Goal.OFFBOARD, Phase.TASK, Phase.LANDING),
-    Phase.HOLDING: Step(Goal.HOLDING, Phase.LANDING, Phase.LANDING),
-    Phase.PARTING: Step(Goal.HOLDING, Phase.ENDED, Phase.ENDED),
-    Phase.LANDING: Step(Goal.LANDED, Phase.ENDED, Phase.ENDED),
-}
-
-
-ON_THE_GROUND = (Phase.WAITING, Phase.CHECKING)
-"""Phases in which the vehicle is not ours yet."""
+FRESH_S = 0.5
+"""Age of the position up to which an operator may give control back."""
+GROUNDED = "the vehicle is landing or on the ground by its plan; nothing interrupts that"
 
 
 class Sortie:
@@ -88,6 +50,7 @@ class Sortie:
         home: where the vehicle has to stand at the start.
         otherwise: what to do when no plan exists.
         accepts_weak_failsafes: fly although the autopilot's failsafes are weak.
+        may_yield: wait for the operator when somebody else has taken control in flight.
     """
 
     def __init__(
@@ -97,6 +60,7 @@ class Sortie:
         home: Place,
         otherwise: Otherwise,
         accepts_weak_failsafes: bool = False,
+        may_yield: bool = False,
     ) -> None:
         self.phase = Phase.WAITING
         self.failure: CompanionError | None = None
@@ -105,8 +69,11 @@ class Sortie:
         self._home = home
         self._otherwise = otherwise
         self._accepts_weak_failsafes = accepts_weak_failsafes
+        self._may_yield = may_yield
+        self._homing: Homing | None = None
+        self._is_frozen = False
         self._checking_since_s = 0.0
-        self._is_stopping = False
+        self._is_stopping = self._was_stopped = False
         self._was_refused = False
 
     @property
@@ -127,17 +94,68 @@ class Sortie:
         state = flight.vehicle.state
         if state is None or self.has_ended:
             return
+        if self.phase is Phase.YIELDED:
+            self._await_operator(state)
+            return
         loss = self._loss_of_control(state)
         if loss is not None:
-            self._end(loss)
+            self._lose(loss, state)
         elif self.phase is Phase.WAITING:
             self._start(state)
         elif self.phase is Phase.CHECKING:
             self._check_failsafes()
         elif self.phase is Phase.TASK:
             self._fly_task()
+        elif self.phase is Phase.RETURNING:
+            self._fly_home()
+        elif self.phase is Phase.PAUSED:
+            self._flight.hold()
         else:
             self._work(STEPS[self.phase])
+
+    # -- the operator --------------------------------------------------------------------------
+
+    def pause(self) -> str:
+        """Holds in the air with the task frozen; returns why it does not, or ""."""
+        if self.phase is Phase.PAUSED:
+            return ""
+        if self.phase not in UNDER_TASK:
+            return f"no pause while {self.phase.value}"
+        if self._flight.is_grounded:
+            return GROUNDED
+        self._freeze(Phase.PAUSED)
+        return ""
+
+    def go_on(self) -> str:
+        """Goes on from here after a pause or a loss of control; returns why it does not, or ""."""
+        if self.phase in (Phase.TASK, Phase.RETURNING):
+            return ""
+        if self.phase is Phase.PAUSED:
+            self._enter(self._flown)
+            return ""
+        if self.phase is not Phase.YIELDED:
+            return f"nothing to go on with while {self.phase.value}"
+        if reason := self._not_handed_over():
+            return reason
+        self._flight.vehicle.regain()
+        self._flight.setpoint = None  # hold where the vehicle is, not where it was taken from us
+        self._flight.report("phase", "control given back by the operator")
+        self._enter(Phase.OFFBOARD)
+        return ""
+
+    def go_home(self) -> str:
+        """Leaves the task for a flight home and lands; returns why it does not, or ""."""
+        if self.phase in (Phase.RETURNING, Phase.LANDING):
+            return ""
+        if self.phase not in UNDER_TASK:
+            return f"no return while {self.phase.value}"
+        if self._flight.is_grounded:
+            return GROUNDED
+        if self._homing is None:
+            self._executive.stop()
+            self._homing = Homing(self._flight, self._home.name)
+        self._enter(Phase.RETURNING)
+        return ""
 
     def stop(self) -> None:
         """Holds, lands and ends from the next step on; on the ground it ends at once.
@@ -147,12 +165,13 @@ class Sortie:
         self._is_stopping = True
 
     def _stop(self) -> None:
-        self._is_stopping = False
+        self._is_stopping, self._was_stopped = False, True
         if self.phase in (Phase.HOLDING, Phase.LANDING):
             return
         self._flight.report("phase", "stopping as asked")
         state = self._flight.vehicle.state
-        if self.phase in ON_THE_GROUND or state is None or not state.is_armed:
+        is_ours = self.phase not in (*ON_THE_GROUND, Phase.YIELDED)
+        if not is_ours or state is None or not state.is_armed:
             self._enter(Phase.ENDED)
         else:
             self._executive.stop()
@@ -174,10 +193,54 @@ class Sortie:
             return Aborted(self._flight.vehicle.lost_authority)
         if self.phase in ON_THE_GROUND and (state.is_armed or not state.is_landed):
             return Aborted("the vehicle is armed or flying already; it is left alone")
-        is_flying = self.phase in (Phase.OFFBOARD, Phase.TASK, Phase.HOLDING)
+        is_flying = self.phase in (Phase.OFFBOARD, *UNDER_TASK, Phase.HOLDING)
         if is_flying and not state.is_armed and not self._flight.is_grounded:
             return Aborted("the vehicle was disarmed")
         return None
+
+    def _lose(self, loss: CompanionError, state: VehicleState) -> None:
+        """Yields to whoever has taken the vehicle in the air, or ends."""
+        has_yielded = self.phase in UNDER_TASK and bool(self._flight.vehicle.lost_authority)
+        if not (has_yielded and self._may_yield and state.is_armed) or state.is_landed:
+            self._end(loss)
+            return
+        self._freeze(Phase.YIELDED, f"{loss}; hold, then continue, gives it back")
+        self._flight.vehicle.release()
+
+    def _await_operator(self, state: VehicleState) -> None:
+        """Nothing is sent; ends when the vehicle has landed, or is heard no longer."""
+        silence_s = self._flight.now_s - state.stamp_s
+        if silence_s > LINK_LOST_S:
+            self._end(LinkError(f"no position from the vehicle for {silence_s:.0f} s"))
+        elif state.is_landed and not state.is_armed:
+            self._end(Aborted(self._flight.vehicle.lost_authority))
+
+    def _not_handed_over(self) -> str:
+        """Why control may not be taken back now, or ""."""
+        state = self._flight.vehicle.state
+        if state is None or self._flight.now_s - state.stamp_s > FRESH_S:
+            return "no fresh position"
+        if not state.is_armed or state.is_landed:
+            return "the vehicle is not in the air"
+        if state.is_failsafe:
+            return "a failsafe of the autopilot is active"
+        if state.mode is not Mode.LOITER:
+            return f"{state.mode.value} is flown; the pilot hands over by choosing hold"
+        return ""
+
+    def _freeze(self, phase: Phase, text: str = "") -> None:
+        """Interrupts what is flown, to go on with it later."""
+        if self._homing is None:
+            self._executive.stop()
+        else:
+            self._homing.stop()
+        self._is_frozen = True
+        self._enter(phase, text)
+
+    @property
+    def _flown(self) -> Phase:
+        """What is flown in OFFBOARD."""
+        return Phase.TASK if self._homing is None else Phase.RETURNING
 
     def _start(self, state: VehicleState) -> None:
         gap_m = horizontal_distance(state.position, self._home.position)
@@ -216,7 +279,7 @@ class Sortie:
         if self.phase is Phase.OFFBOARD:
             self._flight.hold()
         if outcome.progress is Progress.DONE:
-            self._enter(step.then)
+            self._enter(self._flown if step.then is Phase.TASK else step.then)
         elif outcome.progress is Progress.FAILED:
             if self.failure is None:
                 self.failure = Aborted(outcome.reason)
@@ -225,7 +288,8 @@ class Sortie:
 
     def _fly_task(self) -> None:
         executive = self._executive
-        status = executive.tick()
+        status = executive.resume() if self._is_frozen else executive.tick()
+        self._is_frozen = False
         if status is TaskStatus.NO_PLAN:
             self._without_plan()
         elif status is TaskStatus.SATISFIED:
@@ -234,6 +298,16 @@ class Sortie:
         if executive.needs_take_off:
             executive.needs_take_off = False
             self._enter(Phase.ARMING)
+
+    def _fly_home(self) -> None:
+        assert self._homing is not None
+        status = self._homing.tick()
+        if status is Status.SUCCESS:
+            self._enter(Phase.LANDING)
+        elif status is Status.FAILURE:
+            self.failure = Aborted(f"cannot return to {self._home.name}: {self._flight.failure}")
+            self._flight.report("phase", str(self.failure))
+            self._enter(Phase.HOLDING)
 
     def _without_plan(self) -> None:
         """Does what the mission says for the case that no plan exists."""
@@ -246,19 +320,21 @@ class Sortie:
             is_hold = self._otherwise is Otherwise.HOLD
             self._enter(Phase.PARTING if is_hold else Phase.HOLDING)
 
-    def _enter(self, phase: Phase) -> None:
+    def _enter(self, phase: Phase, text: str = "") -> None:
         self.phase = phase
         if phase is Phase.ENDED:
             self._flight.vehicle.release()
             text, code = self._ending()
             self._flight.report("end", text, exit_code=code)
         else:
-            self._flight.report("phase", phase.value)
+            self._flight.report("phase", text or phase.value)
 
     def _ending(self) -> tuple[str, int]:
         """How the sortie has ended, in words and as an exit code."""
         if self.failure is not None:
             return str(self.failure), self.failure.exit_code
+        if self._homing is not None and not self._was_stopped:
+            return "returned as asked, landed", 0
         is_satisfied = self._executive.status is TaskStatus.SATISFIED
         return ("task satisfied, landed" if is_satisfied else "stopped as asked"), 0
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import signal
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
@@ -40,24 +40,39 @@ GROUND_STATION_PORT = 14550
 
 
 def run(
-    mission: MissionFile,
+    mission: Annotated[
+        Path | None,
+        typer.Argument(metavar="MISSION", help="The mission's YAML file; without: uploads."),
+    ] = None,
     connect: Annotated[
         str, typer.Option(envvar="COMPANION_CONNECT", help="udpin://HOST:PORT or udpout://...")
     ] = f"udpin://0.0.0.0:{OFFBOARD_PORT}",
     accept_weak_failsafes: Annotated[
         bool, typer.Option(help="Fly although the autopilot's own failsafes are weak.")
     ] = False,
+    wait: Annotated[
+        bool,
+        typer.Option("--wait", help="Fly when a ground station says so, and again and again."),
+    ] = False,
     timeout: Timeout = 30.0,
     log_dir: LogDir = DEFAULT_LOG_DIR,
 ) -> None:
-    """Flies a mission on a vehicle: PX4, or a simulator that was started separately."""
+    """Flies a mission on a vehicle: PX4, or a simulator that was started separately.
+
+    With --wait, or without MISSION, it waits on the ground for a ground station's
+    MAV_CMD_MISSION_START, flies, lands, and waits again, until it is stopped.
+    """
     from companion.app import Companion
     from companion.vehicle.link import parse_url
 
-    loaded, endpoint = load(mission), parse_url(connect)
+    loaded, endpoint = load(mission) if mission else None, parse_url(connect)
+    if loaded is None or wait:
+        _host(loaded, endpoint, accept_weak_failsafes, log_dir)
+        return
     with _recorded(loaded, log_dir) as folder:
         companion = Companion(loaded, folder, accept_weak_failsafes)
         _fly(companion, endpoint, speed=1.0, timeout_s=timeout)
+        _raise_failure(companion)
 
 
 def sim(
@@ -106,6 +121,7 @@ def sim(
         endpoint = Endpoint(True, "127.0.0.1", OFFBOARD_PORT + instance)
         with simulator([str(o) for o in options], folder.folder / "sitl.log"):
             _fly(companion, endpoint, factor, timeout * factor)
+        _raise_failure(companion)
 
 
 def _speed(text: str) -> float | None:
@@ -124,6 +140,14 @@ def _speed(text: str) -> float | None:
 @contextmanager
 def _recorded(mission: Mission, log_dir: Path) -> Iterator[RunFolder]:
     """A run folder, announced at the start and at the end."""
+    folder = _open_folder(mission, log_dir, _tell)
+    try:
+        yield folder
+    finally:
+        _close_folder(folder)
+
+
+def _open_folder(mission: Mission, log_dir: Path, tell: Callable[[Report], None]) -> RunFolder:
     from companion.record.run_folder import RunFolder
 
     now_s = time.time()
@@ -134,18 +158,41 @@ def _recorded(mission: Mission, log_dir: Path) -> Iterator[RunFolder]:
         number += 1
         path = path.with_name(f"{stamp}-{mission.name}-{number}")
     typer.echo(f"mission    {mission.name}")
-    folder = RunFolder(path, mission, now_s, _tell)
+    folder = RunFolder(path, mission, now_s, tell)
     typer.echo(f"run        {path}")
+    return folder
+
+
+def _close_folder(folder: RunFolder) -> None:
+    folder.close()
+    typer.echo(f"results    {folder.folder}")
+
+
+def _host(mission: Mission | None, endpoint: Endpoint, accepts_weak: bool, log_dir: Path) -> None:
+    """Waits for ground stations to start sorties, until it is stopped."""
+    from companion.app import Companion
+    from companion.cli.hosting import Hangar
+
+    def open_folder(mission: Mission) -> RunFolder:
+        return _open_folder(mission, log_dir, _print)
+
+    hangar = Hangar(open_folder, _close_folder, _print, uploads=None)
+    companion = Companion(mission, None, accepts_weak, hangar)
     try:
-        yield folder
+        what = f"to fly {mission.name}" if mission else "and a mission"
+        typer.echo(f"hosting    waits for MAV_CMD_MISSION_START {what}; Ctrl-C ends it")
+        _fly(companion, endpoint, speed=1.0, timeout_s=0.0)
     finally:
-        folder.close()
-        typer.echo(f"results    {path}")
+        hangar.close()
 
 
 def _tell(report: Report) -> None:
     if report.data.get("exit_code"):
         return  # a failure is printed once, by `main`
+    _print(report)
+
+
+def _print(report: Report) -> None:
     minutes, seconds = divmod(report.time_s, 60)
     typer.echo(f" {int(minutes):02d}:{seconds:04.1f}  {report.text}")
 
@@ -161,7 +208,6 @@ def _fly(companion: Companion, endpoint: Endpoint, speed: float, timeout_s: floa
             fly(companion, link, ScaledClock(speed), timeout_s)
     finally:
         link.close()
-    _raise_failure(companion)
 
 
 def _fly_in_lockstep(

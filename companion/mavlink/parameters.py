@@ -12,6 +12,9 @@ such a float into a quiet NaN; no PX4 parameter has such a value.
 from __future__ import annotations
 
 import struct
+from collections.abc import Sequence
+
+from companion.mavlink.framing import Message, dialect
 
 INT32 = 6  # MAV_PARAM_TYPE_INT32
 REAL32 = 9  # MAV_PARAM_TYPE_REAL32
@@ -50,6 +53,25 @@ def decode(param_value: float, param_type: int) -> float | int:
     """
     value: float | int = struct.unpack(_layout(param_type), struct.pack("<f", param_value))[0]
     return value
+
+
+def value_message(name: str, value: float, param_type: int, count: int, index: int) -> Message:
+    """PARAM_VALUE of one of `count` parameters.
+
+    Raises:
+        ValueError: as `encode`.
+    """
+    return dialect.MAVLink_param_value_message(
+        name.encode(), encode(value, param_type), param_type, count, index
+    )
+
+
+def asked_for(request: Message, names: Sequence[str]) -> str | None:
+    """Which of some names a PARAM_REQUEST_READ means, by index or by name; None if none."""
+    index = request.param_index
+    if index >= 0:
+        return names[index] if index < len(names) else None
+    return request.param_id if request.param_id in names else None
 
 
 def _layout(param_type: int) -> str:

@@ -1,17 +1,17 @@
-"""A vehicle over MAVLink: bytes in, state and signals out; goals and setpoints in, bytes out.
+"""A vehicle over MAVLink: messages in, state and signals out; goals and setpoints in, messages out.
 
-No I/O: `link.py` moves the bytes, in one loop with everything else. So the setpoints stop when
-the program hangs, and the autopilot's own offboard-loss failsafe takes over.
+No I/O: everything leaves from one loop. So the setpoints stop when the program hangs, and the
+autopilot's own offboard-loss failsafe takes over. What ground stations say to this component is
+not for here (`ground/component.py`).
 
 Rules:
-1. The system id is learned from the first autopilot heard; other systems are ignored.
+1. Other systems than the vehicle's are ignored.
 2. Every setpoint passes the gate (`gate.py`); nothing repeats a setpoint by itself.
 3. A goal is pursued until it is observed (`goals.py`).
-4. A mode that our goal does not pass through was chosen by somebody else: our authority ends,
-   at once and for good. Nothing is streamed or commanded after that.
-5. Every command sent to this component is answered, with UNSUPPORTED if nobody listens to it.
+4. A mode that our goal does not pass through was chosen by somebody else: our authority ends, at
+   once. Nothing is streamed or commanded after that, unless an operator gives it back (`regain`).
 
-Sources: https://mavlink.io/en/services/ (heartbeat, command), PX4's offboard mode.
+Source: https://mavlink.io/en/services/command.html, PX4's offboard mode.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ import math
 from dataclasses import dataclass
 
 from companion.mavlink.commands import CommandSender, Parameters
-from companion.mavlink.framing import Endpoint, Message, choose, dialect, source
+from companion.mavlink.framing import Message, dialect, source
 from companion.mission.model import Signal
 from companion.motion.sensed_map import RangeScan
 from companion.vehicle.gate import Envelope, admit
@@ -29,11 +29,9 @@ from companion.vehicle.parameters import ParameterReader
 from companion.vehicle.port import Goal, Mode, Outcome, Progress, Setpoint, VehicleState
 from companion.vehicle.ranging import Track, range_scan
 from companion.vehicle.telemetry import TELEMETRY, Telemetry
+from companion.vehicle.wire import AUTOPILOT, COMPONENT, Wire
 
-COMPONENT = dialect.MAV_COMP_ID_ONBOARD_COMPUTER
-AUTOPILOT = dialect.MAV_COMP_ID_AUTOPILOT1
 SCANNER = dialect.MAV_COMP_ID_OBSTACLE_AVOIDANCE
-HEARTBEAT_S = 1.0
 MODE_UNKNOWN_S = 5.0
 """Age of the autopilot's last heartbeat at which its mode is no longer known (five were missed)."""
 ASK_AGAIN_S = 2.0
@@ -44,7 +42,7 @@ NOT_KNOWN = {("BATTERY_STATUS", "battery_remaining"): -1, ("SYS_STATUS", "batter
 """Values that mean "not known"; they are never handed on as numbers."""
 
 SCAN = "OBSTACLE_DISTANCE"
-PROTOCOL = frozenset({"COMMAND_LONG", "COMMAND_INT", "COMMAND_ACK", "PARAM_VALUE", SCAN})
+PROTOCOL = frozenset({"COMMAND_ACK", "PARAM_VALUE", SCAN})
 """Messages of the services that are spoken here."""
 
 CONTINUAL = frozenset({"ATTITUDE", "LOCAL_POSITION_NED"})
@@ -68,9 +66,11 @@ class _Pursuit:
 
 
 class MavlinkVehicle:
-    """Fulfils `port.Vehicle` over MAVLink 2, as component 191 of the vehicle's system.
+    """Fulfils `port.Vehicle` over MAVLink 2, for one flight.
 
     Args:
+        wire: whose system it is.
+        telemetry: what its autopilot says; it may have been heard before this flight.
         envelope: limits of the gate.
         signals: what to hand on from the wire besides the state.
         takeoff_up_m: altitude above home to take off to.
@@ -81,56 +81,64 @@ class MavlinkVehicle:
         refusal: see `port.Vehicle`.
     """
 
-    def __init__(self, envelope: Envelope, signals: frozenset[Signal], takeoff_up_m: float) -> None:
+    def __init__(
+        self,
+        wire: Wire,
+        telemetry: Telemetry,
+        envelope: Envelope,
+        signals: frozenset[Signal],
+        takeoff_up_m: float,
+    ) -> None:
         self.scans: list[RangeScan] = []
         self.lost_authority = ""
         self.refusal = ""
+        self._wire = wire
+        self._telemetry = telemetry
         self._envelope = envelope
         self._takeoff_up_m = takeoff_up_m
         self._signals: dict[str, list[Signal]] = {}
         for signal in signals:
             self._signals.setdefault(signal.message, []).append(signal)
-        self._wanted = _ids(PROTOCOL | TELEMETRY | self._signals.keys())
-        self._continual = _ids(CONTINUAL - self._signals.keys())
-        self._endpoint = Endpoint(0, COMPONENT)
-        self._telemetry = Telemetry()
         self._track = Track()
         self._heard_scans: list[Message] = []
         self._commands = CommandSender()
         self._parameters = ParameterReader()
-        self._answers: list[Message] = []
         self._readings: list[tuple[Signal, float]] = []
         self._setpoint: Setpoint | None = None
         self._pursuit: _Pursuit | None = None
         self._now_s = 0.0
-        self._next_heartbeat_s = 0.0
 
-    # -- bytes ---------------------------------------------------------------------------------
+    # -- messages ------------------------------------------------------------------------------
 
-    def receive(self, now_s: float, datagrams: list[bytes]) -> list[tuple[Signal, float]]:
+    @property
+    def wanted(self) -> frozenset[str]:
+        """Names of the messages that are read here."""
+        return PROTOCOL | TELEMETRY | self._signals.keys()
+
+    @property
+    def continual(self) -> frozenset[str]:
+        """Of these, those of which only the newest counts."""
+        return CONTINUAL - self._signals.keys()
+
+    def receive(self, now_s: float, messages: list[Message]) -> list[tuple[Signal, float]]:
         """Takes what arrived; returns the signals in it, in order."""
         self._now_s = now_s
         self._readings = []
-        for frame in choose(datagrams, self._wanted, self._continual):
-            for message in self._endpoint.parse(frame):
-                self._take(message)
+        for message in messages:
+            self._take(message)
         self.scans = self._placed_scans()
         return self._readings
 
-    def transmit(self, now_s: float) -> list[bytes]:
-        """What has to leave now: heartbeat, answers, commands, and at most one setpoint."""
+    def transmit(self, now_s: float) -> list[Message]:
+        """What has to leave now: commands, questions, and at most one setpoint."""
         self._now_s = now_s
-        if not self._endpoint.system:
+        if self.lost_authority:
             return []
-        messages, self._answers = self._answers, []
-        if now_s >= self._next_heartbeat_s:
-            self._next_heartbeat_s = now_s + HEARTBEAT_S
-            messages.append(_heartbeat())
-        if not self.lost_authority:
-            messages += self._commands.due(now_s)
-            messages += self._parameters.due(now_s, (self._endpoint.system, AUTOPILOT))
-            messages += self._admitted_setpoint()
-        return [self._endpoint.pack(m) for m in messages]
+        return [
+            *self._commands.due(now_s),
+            *self._parameters.due(now_s, (self._wire.system, AUTOPILOT)),
+            *self._admitted_setpoint(),
+        ]
 
     # -- port.Vehicle --------------------------------------------------------------------------
 
@@ -148,6 +156,10 @@ class MavlinkVehicle:
         self._setpoint = None
         self._pursuit = None
         self._commands = CommandSender()
+
+    def regain(self) -> None:
+        """See `port.Vehicle`."""
+        self.lost_authority = ""
 
     def pursue(self, goal: Goal) -> Outcome:
         """See `port.Vehicle`."""
@@ -218,7 +230,7 @@ class MavlinkVehicle:
         return f"{what} (autopilot: {texts})" if texts else what
 
     def _start(self, component: int, command: int, parameters: Parameters) -> int:
-        target = (self._endpoint.system, component)
+        target = (self._wire.system, component)
         return self._commands.start(self._now_s, target, command, parameters)
 
     def _end_command(self) -> None:
@@ -245,7 +257,7 @@ class MavlinkVehicle:
         return [
             dialect.MAVLink_set_position_target_local_ned_message(
                 int(self._now_s * 1000) & 0xFFFFFFFF,
-                self._endpoint.system,
+                self._wire.system,
                 AUTOPILOT,
                 dialect.MAV_FRAME_LOCAL_NED,
                 ALL_BUT_YAW_RATE,
@@ -262,11 +274,7 @@ class MavlinkVehicle:
     def _take(self, message: Message) -> None:
         kind = message.get_type()
         system, component = source(message)
-        if not self._endpoint.system and _is_autopilot(message):
-            self._endpoint = Endpoint(system, COMPONENT)
-        if kind in ("COMMAND_LONG", "COMMAND_INT"):
-            self._answer(message)
-        if system != self._endpoint.system:
+        if system != self._wire.system:
             return
         if kind == "COMMAND_ACK":
             if message.target_component in (0, COMPONENT):
@@ -308,41 +316,3 @@ class MavlinkVehicle:
         value = getattr(message, signal.field)
         if math.isfinite(value) and value != NOT_KNOWN.get((signal.message, signal.field)):
             self._readings.append((signal, float(value)))
-
-    def _answer(self, message: Message) -> None:
-        """Rule 5."""
-        own = (self._endpoint.system, COMPONENT)
-        if not own[0] or (message.target_system, message.target_component) != own:
-            return
-        entry = dialect.enums["MAV_CMD"].get(message.command)
-        signal = Signal("COMMAND", "", entry.name if entry else "")
-        is_known = signal in self._signals.get("COMMAND", ())
-        if is_known:
-            self._readings.append((signal, 1.0))
-        result = dialect.MAV_RESULT_ACCEPTED if is_known else dialect.MAV_RESULT_UNSUPPORTED
-        self._answers.append(
-            dialect.MAVLink_command_ack_message(message.command, result, 0, 0, *source(message))
-        )
-
-
-def _ids(names: frozenset[str]) -> frozenset[int]:
-    return frozenset(n for n, kind in dialect.mavlink_map.items() if kind.msgname in names)
-
-
-def _is_autopilot(message: Message) -> bool:
-    return bool(
-        message.get_type() == "HEARTBEAT"
-        and message.get_srcComponent() == AUTOPILOT
-        and message.autopilot != dialect.MAV_AUTOPILOT_INVALID
-    )
-
-
-def _heartbeat() -> Message:
-    return dialect.MAVLink_heartbeat_message(
-        type=dialect.MAV_TYPE_ONBOARD_CONTROLLER,
-        autopilot=dialect.MAV_AUTOPILOT_INVALID,
-        base_mode=0,
-        custom_mode=0,
-        system_status=dialect.MAV_STATE_ACTIVE,
-        mavlink_version=3,
-    )

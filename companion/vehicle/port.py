@@ -132,6 +132,9 @@ class Vehicle(Protocol):
     def release(self) -> None:
         """Stream nothing and ask for nothing any longer."""
 
+    def regain(self) -> None:
+        """The operator has given control back after it was lost."""
+
     def send_command(self, component: int, command: int, parameters: tuple[float, ...]) -> int:
         """Start a MAVLink command to a component; returns a ticket for `command_outcome`."""
 

@@ -194,11 +194,6 @@ class Parameters:
             self._values[name] = int(value) if param_type == INT32 else float(value)
 
 
-def name_at(index: int) -> str | None:
-    """The parameter with an index, None outside the table."""
-    return _NAMES[index] if 0 <= index < len(_NAMES) else None
-
-
 def index_of(name: str) -> int:
     """The index of a known parameter."""
     return _NAMES.index(name)

@@ -13,11 +13,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import ClassVar
 
+from companion.mavlink import ftp
 from companion.mavlink.framing import Endpoint, Message, dialect, source
 from companion.mavlink.px4_modes import mode_name
 from companion.mavlink.statustext import chunks
 from sitl.autopilot.modes import FLIGHT_MODES, heading
-from sitl.link import ftp, parameters, setpoints
+from sitl.link import parameters, setpoints
 from sitl.link.commands import ACCEPTED_FIRST, execute, request_from
 from sitl.link.messages import MESSAGES, message_name
 from sitl.link.mission_items import Kind, WireItem, areas_from, item_from

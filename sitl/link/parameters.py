@@ -14,13 +14,14 @@ from __future__ import annotations
 import struct
 import zlib
 
-from companion.mavlink.framing import Message, dialect
-from companion.mavlink.parameters import INT32, decode, encode
-from sitl.autopilot.parameters import PARAMETERS, Parameters, index_of, name_at
+from companion.mavlink.framing import Message
+from companion.mavlink.parameters import INT32, asked_for, decode, value_message
+from sitl.autopilot.parameters import PARAMETERS, Parameters, index_of
 
 HASH_CHECK = "_HASH_CHECK"
 HASH_INDEX = 65535
 UINT32 = 5  # MAV_PARAM_TYPE_UINT32
+NAMES = tuple(PARAMETERS)
 LISTED = (HASH_CHECK, *PARAMETERS)
 """The answer to PARAM_REQUEST_LIST: the checksum first, then all in order."""
 VOLATILE = frozenset({"COM_FLIGHT_UUID", "LND_FLIGHT_T_HI", "LND_FLIGHT_T_LO"})
@@ -44,16 +45,14 @@ def value_of(name: str, parameters: Parameters) -> Message:
         value, param_type, index = float(checksum(parameters)), UINT32, HASH_INDEX
     else:
         value, param_type, index = parameters[name], PARAMETERS[name][0], index_of(name)
-    return dialect.MAVLink_param_value_message(
-        name.encode(), encode(value, param_type), param_type, len(PARAMETERS), index
-    )
+    return value_message(name, value, param_type, len(PARAMETERS), index)
 
 
 def read(request: Message, parameters: Parameters) -> Message | None:
     """The answer to PARAM_REQUEST_READ; None for a parameter that does not exist."""
-    index = request.param_index
-    name = name_at(index) if index >= 0 else request.param_id
-    return value_of(name, parameters) if name in PARAMETERS or name == HASH_CHECK else None
+    is_checksum = request.param_index < 0 and request.param_id == HASH_CHECK
+    name = HASH_CHECK if is_checksum else asked_for(request, NAMES)
+    return value_of(name, parameters) if name is not None else None
 
 
 def write(request: Message, parameters: Parameters) -> Message | None:

@@ -17,6 +17,8 @@ from companion.geometry import distance
 from companion.vehicle.gate import Envelope
 from companion.vehicle.offboard import MavlinkVehicle
 from companion.vehicle.port import Goal, Mode, Progress, Vehicle, hold_at
+from companion.vehicle.telemetry import Telemetry
+from companion.vehicle.wire import Wire
 from sitl.link.routing import LinkName
 from sitl.simulation import Simulation
 from sitl.world.scenario import parse_scenario
@@ -49,7 +51,10 @@ class FakeWorld:
 
 class SimulatedWorld:
     def __init__(self) -> None:
-        self.vehicle = MavlinkVehicle(Envelope(FENCE, (0.2, 5.0), 2.0), frozenset(), 2.5)
+        self._wire = Wire()
+        envelope = Envelope(FENCE, (0.2, 5.0), 2.0)
+        self.vehicle = MavlinkVehicle(self._wire, Telemetry(), envelope, frozenset(), 2.5)
+        self._wire.listen(self.vehicle.wanted, self.vehicle.continual)
         scenario = parse_scenario(WORLD, Path("contract.sim.yaml"))
         self._simulation = Simulation(scenario, None, seed=1, links=frozenset({LinkName.OFFBOARD}))
         self._to_vehicle: list[tuple[LinkName, bytes]] = []
@@ -59,8 +64,9 @@ class SimulatedWorld:
         self._ticks += 1
         now_s = self._ticks * TICK_S
         heard = self._simulation.step(now_s, self._to_vehicle)
-        self.vehicle.receive(now_s, [datagram for _, datagram in heard])
-        self._to_vehicle = [(LinkName.OFFBOARD, d) for d in self.vehicle.transmit(now_s)]
+        self.vehicle.receive(now_s, self._wire.parse([datagram for _, datagram in heard]))
+        leaving = self._wire.pack(self.vehicle.transmit(now_s))
+        self._to_vehicle = [(LinkName.OFFBOARD, d) for d in leaving]
 
 
 @pytest.fixture(params=[FakeWorld, SimulatedWorld])

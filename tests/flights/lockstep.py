@@ -29,6 +29,8 @@ Air = Callable[[float, list[bytes]], list[bytes]]
 
 VEHICLE = 1
 """Its system id."""
+COMPANION = 191
+"""Its companion's component id."""
 SETPOINT = "SET_POSITION_TARGET_LOCAL_NED"
 
 
@@ -101,6 +103,7 @@ class Lockstep:
         is_companion_alive: whether it steps with every tick.
         reports: what the companion reported, as people are told.
         said: what it sent, before the way to the vehicle.
+        heard: what the ground station heard of it.
         acknowledged: every COMMAND_ACK that left the vehicle, before the way to the companion.
         modes: the modes that were flown, in order, with the time of the change.
         armings: how often the motors were started.
@@ -123,6 +126,7 @@ class Lockstep:
         self.is_companion_alive = True
         self.reports: list[Report] = []
         self.said: list[Said] = []
+        self.heard: list[Said] = []
         self.acknowledged: list[Said] = []
         self.modes: list[tuple[float, str]] = []
         self.armings = 0
@@ -130,6 +134,7 @@ class Lockstep:
         self._station = Endpoint(255, 190)
         self._has_station = has_station
         self._ear, self._vehicle_ear = Endpoint(0, 0), Endpoint(0, 0)
+        self._station_ear = Endpoint(0, 0)
         self._to_vehicle: list[tuple[LinkName, bytes]] = []
         self._was_armed = False
         self._ticks = 0
@@ -221,10 +226,12 @@ class Lockstep:
         assert self._has_station
         self._to_vehicle.append((LinkName.GCS, self._station.pack(message)))
 
-    def station_commands(self, command: int, *parameters: float) -> None:
-        """The ground station sends a command to the autopilot."""
+    def station_commands(self, command: int, *parameters: float, component: int = 1) -> None:
+        """The ground station sends a command, to the autopilot if to nobody else."""
         filled = (*parameters, *[0.0] * (7 - len(parameters)))
-        self.station_says(dialect.MAVLink_command_long_message(VEHICLE, 1, command, 0, *filled))
+        self.station_says(
+            dialect.MAVLink_command_long_message(VEHICLE, component, command, 0, *filled)
+        )
 
     def station_chooses(self, mode: str) -> None:
         """The pilot switches to a mode."""
@@ -233,6 +240,9 @@ class Lockstep:
     def _watch(self, now_s: float, sent: list[tuple[LinkName, bytes]]) -> list[bytes]:
         """Notes what the vehicle does; returns what it sent towards the companion."""
         heard = [datagram for link, datagram in sent if link is LinkName.OFFBOARD]
+        for link, datagram in sent:
+            if link is LinkName.GCS and datagram[6] == COMPANION:
+                self.heard += [Said(now_s, m) for m in self._station_ear.parse(datagram)]
         for datagram in heard:
             if datagram[7:10] == bytes([77, 0, 0]):  # the id of COMMAND_ACK
                 self.acknowledged += [Said(now_s, m) for m in self._vehicle_ear.parse(datagram)]

@@ -377,7 +377,9 @@ def test_a_setpoint_outside_the_fence_never_leaves(
     """Behind the back of everything that acts, for a second: the vehicle is told to leave."""
     down = Cut()
     flight = on_the_way_to_b(start(down=down))
-    vehicle = flight.companion._vehicle
+    run, wire = flight.companion._run, flight.companion._wire
+    assert run is not None
+    vehicle = run.vehicle
     outside = hold_at((30.0, 30.0, -2.0), 0.0)
     fed: list[Said] = []
     for _ in range(20):
@@ -385,7 +387,7 @@ def test_a_setpoint_outside_the_fence_never_leaves(
         flight.tick()
         down.is_cut = False
         vehicle.fly(outside)
-        flight.transmit(flight.now_s, vehicle.transmit(flight.now_s))
+        flight.transmit(flight.now_s, wire.pack(vehicle.transmit(flight.now_s)))
         fed.append(flight.setpoints[-1])
         sent = (fed[-1].message.x, fed[-1].message.y, fed[-1].message.z)
         assert distance(sent, flight.simulation.flight.position) < 0.2

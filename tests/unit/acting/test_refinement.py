@@ -12,7 +12,8 @@ from synthetic import command, event, mission, reading, skill
 
 from companion.acting.executive import TaskStatus
 from companion.acting.ground import NO_CHARGE_S
-from companion.acting.sortie import Phase, Sortie
+from companion.acting.phases import Phase
+from companion.acting.sortie import Sortie
 from companion.acting.tree import build
 from companion.app import home_of
 from companion.mission.model import (

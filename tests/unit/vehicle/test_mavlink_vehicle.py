@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 from typing import Any
 
 import pytest
 from autopilot import (
     ACCEPTED,
-    ARM,
     CALL,
     CHARGE,
     ENVELOPE,
@@ -28,7 +26,6 @@ from hypothesis import strategies as st
 
 from companion.mavlink.framing import Endpoint, dialect
 from companion.mission.model import Signal
-from companion.vehicle.offboard import MavlinkVehicle
 from companion.vehicle.port import Goal, Mode, Progress, Setpoint, hold_at
 
 RETURN = dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH
@@ -41,35 +38,6 @@ def command_to(target: tuple[int, int], number: int = RETURN) -> Any:
 
 
 # -- who is who ------------------------------------------------------------------------------------
-
-
-def test_nothing_leaves_before_an_autopilot_was_heard() -> None:
-    vehicle = MavlinkVehicle(ENVELOPE, frozenset(), 2.0)
-    vehicle.fly(AHEAD)
-    assert vehicle.receive(0.0, []) == []
-    assert vehicle.transmit(0.0) == []
-    assert vehicle.state is None
-
-
-@pytest.mark.parametrize("system", [1, 7, 255])
-def test_the_system_id_is_learned(system: int) -> None:
-    meeting = Meeting(ENVELOPE)
-    meeting.autopilot = Autopilot(system)
-    (heartbeat,) = meeting.tick()
-    assert (heartbeat.get_srcSystem(), heartbeat.get_srcComponent()) == (system, 191)
-    assert meeting.vehicle.state is not None
-
-
-@pytest.mark.parametrize(
-    ("component", "autopilot"),
-    [(191, dialect.MAV_AUTOPILOT_INVALID), (1, dialect.MAV_AUTOPILOT_INVALID), (25, 12)],
-)
-def test_only_an_autopilot_is_learned_from(component: int, autopilot: int) -> None:
-    vehicle = MavlinkVehicle(ENVELOPE, frozenset(), 2.0)
-    other = Endpoint(9, component)
-    heartbeat = dialect.MAVLink_heartbeat_message(6, autopilot, 0, 0, 4, 3)
-    vehicle.receive(0.0, [other.pack(heartbeat)])
-    assert vehicle.transmit(0.0) == []
 
 
 def test_other_systems_are_ignored(meeting: Meeting) -> None:
@@ -92,25 +60,6 @@ def test_only_the_autopilot_says_where_the_vehicle_is(meeting: Meeting) -> None:
     assert meeting.vehicle.state is not None
     assert meeting.vehicle.state.position == (0.0, 0.0, 0.0)
     assert not meeting.vehicle.state.is_armed
-
-
-# -- heartbeat -------------------------------------------------------------------------------------
-
-
-def test_the_heartbeat_is_an_onboard_controllers_at_1_hz(meeting: Meeting) -> None:
-    beats = of_type(meeting.run(20.0), "HEARTBEAT")
-    assert {(b.type, b.autopilot, b.get_srcComponent()) for b in beats} == {(18, 8, 191)}
-    assert {b.base_mode & dialect.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED for b in beats} == {0}
-    gaps = [later.left_s - earlier.left_s for earlier, later in pairwise(beats)]
-    assert all(1.0 - 1e-6 <= gap <= 1.0 + TICK_S + 1e-6 for gap in gaps)
-
-
-def test_frames_are_numbered_without_gaps(meeting: Meeting) -> None:
-    in_offboard(meeting)
-    meeting.vehicle.fly(AHEAD)
-    meeting.run(15.0)
-    numbers = [m.get_seq() for m in meeting.autopilot.heard]
-    assert numbers == [(numbers[0] + i) % 256 for i in range(len(numbers))]
 
 
 # -- setpoints -------------------------------------------------------------------------------------
@@ -254,51 +203,6 @@ def test_a_forgotten_command_is_not_sent_again(meeting: Meeting) -> None:
     assert of_type(meeting.run(3.0), "COMMAND_LONG") == []
 
 
-# -- commands to us --------------------------------------------------------------------------------
-
-OPERATOR = (255, 190)
-
-
-@pytest.mark.parametrize("form", ["long", "int"])
-def test_a_command_that_an_event_waits_for_is_accepted(meeting: Meeting, form: str) -> None:
-    meeting.tick()
-    call = command_to((1, 191))
-    if form == "int":
-        call = dialect.MAVLink_command_int_message(1, 191, 0, RETURN, 0, 0, 0, 0, 0, 0, 0, 0, 0)
-    sent = meeting.tick(Endpoint(*OPERATOR).pack(call))
-    assert (CALL, 1.0) in meeting.readings
-    (ack,) = of_type(sent, "COMMAND_ACK")
-    assert (ack.command, ack.result) == (RETURN, ACCEPTED)
-    assert (ack.target_system, ack.target_component) == OPERATOR
-
-
-@pytest.mark.parametrize("number", [ARM, 31999, 65535])
-def test_every_other_command_is_answered_with_unsupported(meeting: Meeting, number: int) -> None:
-    meeting.tick()
-    sent = meeting.tick(Endpoint(*OPERATOR).pack(command_to((1, 191), number)))
-    (ack,) = of_type(sent, "COMMAND_ACK")
-    assert (ack.command, ack.result) == (number, dialect.MAV_RESULT_UNSUPPORTED)
-    assert meeting.readings == [(CHARGE, 80.0)]
-
-
-@pytest.mark.parametrize("target", [(1, 1), (1, 25), (2, 191), (1, 0)])
-def test_a_command_to_somebody_else_is_theirs_to_answer(
-    meeting: Meeting, target: tuple[int, int]
-) -> None:
-    meeting.tick()
-    sent = meeting.tick(Endpoint(*OPERATOR).pack(command_to(target)))
-    assert of_type(sent, "COMMAND_ACK") == []
-    assert CALL not in dict(meeting.readings)
-
-
-def test_the_operator_is_answered_also_after_the_pilot_took_over(meeting: Meeting) -> None:
-    in_offboard(meeting)
-    meeting.autopilot.mode = "POSCTL"
-    meeting.tick()
-    sent = meeting.tick(Endpoint(*OPERATOR).pack(command_to((1, 191))))
-    assert len(of_type(sent, "COMMAND_ACK")) == 1
-
-
 # -- readings --------------------------------------------------------------------------------------
 
 
@@ -394,11 +298,3 @@ def test_a_frame_with_a_wrong_checksum_changes_nothing(meeting: Meeting) -> None
     meeting.is_quiet = True
     meeting.tick(bytes(heartbeat))
     assert meeting.vehicle.lost_authority == ""
-
-
-def test_nothing_is_answered_before_the_system_is_known() -> None:
-    vehicle = MavlinkVehicle(ENVELOPE, frozenset(), 2.0)
-    vehicle.receive(0.0, [Endpoint(255, 190).pack(command_to((0, 191)))])
-    vehicle.receive(0.1, Autopilot().telemetry())
-    sent = [m for d in vehicle.transmit(0.1) for m in Endpoint(0, 0).parse(d)]
-    assert of_type(sent, "COMMAND_ACK") == []

@@ -1,4 +1,4 @@
-"""What does the autopilot answer to MAVLink FTP? That it has no files.
+"""What does a component without files answer to MAVLink FTP? That it has none.
 
 Clients try FTP first for parameters and metadata, and wait for seconds where nobody answers. So
 each request is refused at once with FileNotFound, and they go on without.

@@ -1,0 +1,69 @@
+"""A companion that flies several sorties: a run folder for each, and missions from outside."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from companion.cli.arguments import load
+
+if TYPE_CHECKING:
+    from companion.acting.report import Report
+    from companion.app import Recorder
+    from companion.ground.operations import Uploads
+    from companion.mission.model import Mission
+    from companion.record.run_folder import RunFolder
+
+
+class Hangar:
+    """Fulfils `app.Host` with files.
+
+    Args:
+        open_folder: makes and announces a run folder.
+        close_folder: closes one, and announces that.
+        tell: prints news between two runs.
+        uploads: missions from outside, if any are taken.
+    """
+
+    def __init__(
+        self,
+        open_folder: Callable[[Mission], RunFolder],
+        close_folder: Callable[[RunFolder], None],
+        tell: Callable[[Report], None],
+        uploads: Uploads | None,
+    ) -> None:
+        self.uploads = uploads
+        self._open_folder = open_folder
+        self._close_folder = close_folder
+        self._tell = tell
+        self._open: RunFolder | None = None
+        self._closing: list[threading.Thread] = []
+
+    def load(self, path: Path) -> Mission:
+        """See `Host`."""
+        return load(path)
+
+    def begin_run(self, mission: Mission) -> Recorder:
+        """See `Host`."""
+        self._open = self._open_folder(mission)
+        return self._open
+
+    def end_run(self, recorder: Recorder) -> None:
+        """See `Host`: the figure takes a second to draw, and the heartbeat goes on meanwhile."""
+        folder, self._open = self._open, None
+        assert folder is not None and recorder is folder
+        self._closing.append(threading.Thread(target=self._close_folder, args=(folder,)))
+        self._closing[-1].start()
+
+    def tell(self, report: Report) -> None:
+        """See `Host`."""
+        self._tell(report)
+
+    def close(self) -> None:
+        """Closes what is still open, and waits for what is being drawn."""
+        if self._open is not None:
+            self._close_folder(self._open)
+        for thread in self._closing:
+            thread.join()

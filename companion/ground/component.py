@@ -1,0 +1,264 @@
+"""Component 191 to everybody but the autopilot: how does it speak with ground stations?
+
+Messages in, messages out, no I/O and no state that one ground station could block for another.
+
+1. HEARTBEAT once a second, and at once when the status changes:
+
+    STANDBY     nothing is flown
+    ACTIVE      a sortie is flown, from arming to the landing
+    CRITICAL    the last sortie failed, or the pilot or a failsafe has control
+
+2. Every command to this component is answered in the tick in which it comes: ACCEPTED, DENIED (it
+   makes no sense), TEMPORARILY_REJECTED (not now; a STATUSTEXT says why) or UNSUPPORTED. What an
+   event of the mission waits for is accepted. What is sent to component 0 is the autopilot's to
+   answer.
+3. A command says what shall be, so one that comes again because its answer was lost gets the same
+   answer and changes nothing.
+4. Answers go to who has asked, by the target of the message. PARAM_VALUE has none.
+
+Sources: https://mavlink.io/en/services/ command, heartbeat, parameter, ping. Left out: message
+intervals and missions (UNSUPPORTED), TIMESYNC.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import ClassVar
+
+from companion.acting.report import Report
+from companion.ground import about
+from companion.ground.operations import Operations, Standing, Uploads
+from companion.ground.parameters import TEXT_LEVEL, CompanionParameters
+from companion.ground.texts import WARNING, Texts, severity
+from companion.mavlink import ftp
+from companion.mavlink.framing import Message, dialect, source
+from companion.mission.model import Signal
+from companion.vehicle.wire import COMPONENT
+
+HEARTBEAT_S = 1.0
+EVERYBODY = 0
+
+ACCEPTED: int = dialect.MAV_RESULT_ACCEPTED
+DENIED: int = dialect.MAV_RESULT_DENIED
+UNSUPPORTED: int = dialect.MAV_RESULT_UNSUPPORTED
+NOT_NOW: int = dialect.MAV_RESULT_TEMPORARILY_REJECTED
+
+STATUS = {
+    Standing.STANDBY: dialect.MAV_STATE_STANDBY,
+    Standing.ACTIVE: dialect.MAV_STATE_ACTIVE,
+    Standing.CRITICAL: dialect.MAV_STATE_CRITICAL,
+}
+COMMANDS = ("COMMAND_LONG", "COMMAND_INT")
+REQUESTED: dict[int, Callable[[], Message]] = {
+    dialect.MAVLINK_MSG_ID_AUTOPILOT_VERSION: about.autopilot_version,
+    about.ProtocolVersion.id: about.protocol_version,
+}
+"""Message id -> what MAV_CMD_REQUEST_MESSAGE gets; HEARTBEAT besides."""
+
+
+class Component:
+    """What ground stations see of the companion.
+
+    Args:
+        operations: does what operators ask for.
+        uploads: missions from outside; without it FTP is refused.
+
+    Attributes:
+        parameters: the companion's own.
+    """
+
+    def __init__(self, operations: Operations, uploads: Uploads | None = None) -> None:
+        self.parameters = CompanionParameters()
+        self._operations = operations
+        self._uploads = uploads
+        self._texts = Texts()
+        self._out: list[Message] = []
+        self._events: list[tuple[Signal, float]] = []
+        self._system = 0
+        self._now_s = 0.0
+        self._told: Standing | None = None
+        self._next_heartbeat_s = 0.0
+
+    # -- in ------------------------------------------------------------------------------------
+
+    def receive(
+        self, now_s: float, system: int, messages: list[Message]
+    ) -> list[tuple[Signal, float]]:
+        """Takes what arrived; returns the commands that the mission's events wait for.
+
+        Args:
+            now_s: time of the tick.
+            system: the vehicle's system id, which is our own.
+            messages: all that were heard; others than ground stations' are not looked at.
+        """
+        self._now_s, self._system = now_s, system
+        self._events = []
+        for message in messages:
+            service = self.SERVICES.get(message.get_type())
+            if service is not None and self._is_for_us(message):
+                service(self, message)
+        return self._events
+
+    def tell(self, now_s: float, report: Report) -> None:
+        """Puts a report that is news for people into the queue of texts."""
+        if report.is_told:
+            self._texts.tell(now_s, severity(report), report.text)
+
+    def transmit(self, now_s: float, is_last: bool = False) -> list[Message]:
+        """What has to leave now; at the end all that is left to say."""
+        messages, self._out = self._out, []
+        standing = self._operations.standing
+        if now_s >= self._next_heartbeat_s or standing is not self._told:
+            self._next_heartbeat_s, self._told = now_s + HEARTBEAT_S, standing
+            messages.insert(0, _heartbeat(standing))
+        return messages + (self._texts.rest() if is_last else self._texts.due(now_s))
+
+    def _is_for_us(self, message: Message) -> bool:
+        """Whether it is addressed to us; to all, for services that all offer."""
+        system, component = message.target_system, message.target_component
+        if message.get_type() in self.FOR_ALL:
+            return system in (EVERYBODY, self._system) and component in (EVERYBODY, COMPONENT)
+        return (system, component) == (self._system, COMPONENT)
+
+    # -- commands ------------------------------------------------------------------------------
+
+    def _command(self, message: Message) -> None:
+        result = self._do(message.command, _parameters(message))
+        answer = dialect.MAVLink_command_ack_message(
+            message.command, result, 0, 0, *source(message)
+        )
+        self._out.append(answer)
+
+    def _do(self, command: int, parameters: list[float]) -> int:
+        entry = dialect.enums["MAV_CMD"].get(command)
+        name = entry.name if entry else ""
+        is_awaited = name in self._operations.awaited
+        if is_awaited:
+            self._events.append((Signal("COMMAND", "", name), 1.0))
+        action = self.ACTIONS.get(command)
+        if action is None or (is_awaited and command not in self.ALSO_WITH_EVENTS):
+            return ACCEPTED if is_awaited else UNSUPPORTED
+        return action(self, parameters)
+
+    def _result(self, refusal: str) -> int:
+        """ACCEPTED, or the reason as a text."""
+        if not refusal:
+            return ACCEPTED
+        self._texts.tell(self._now_s, WARNING, f"refused: {refusal}")
+        return NOT_NOW
+
+    def _start(self, _: list[float]) -> int:
+        return self._result(self._operations.start())
+
+    def _pause_or_go_on(self, parameters: list[float]) -> int:
+        if parameters[0] == 0.0:
+            return self._result(self._operations.pause())
+        if parameters[0] == 1.0:
+            return self._result(self._operations.go_on())
+        return DENIED
+
+    def _go_home(self, _: list[float]) -> int:
+        return self._result(self._operations.go_home())
+
+    def _refuse_item(self, _: list[float]) -> int:
+        self._result("the task decides what comes next, there are no mission items")
+        return DENIED
+
+    def _request_message(self, parameters: list[float]) -> int:
+        number = parameters[0]
+        if number == dialect.MAVLINK_MSG_ID_HEARTBEAT:
+            self._told = None
+            return ACCEPTED
+        message = REQUESTED.get(int(number)) if number == number // 1 else None
+        if message is None:
+            return UNSUPPORTED
+        self._out.append(message())
+        return ACCEPTED
+
+    def _request_protocol(self, _: list[float]) -> int:
+        return self._request_message([about.ProtocolVersion.id])
+
+    def _request_capabilities(self, _: list[float]) -> int:
+        return self._request_message([dialect.MAVLINK_MSG_ID_AUTOPILOT_VERSION])
+
+    # -- other services ------------------------------------------------------------------------
+
+    def _list(self, _: Message) -> None:
+        self._out += self.parameters.values()
+
+    def _read(self, message: Message) -> None:
+        self._out += self.parameters.read(message)
+
+    def _write(self, message: Message) -> None:
+        self._out += self.parameters.write(message)
+        self._texts.level = int(self.parameters[TEXT_LEVEL])
+
+    def _ping(self, message: Message) -> None:
+        if (message.target_system, message.target_component) == (EVERYBODY, EVERYBODY):
+            pong = dialect.MAVLink_ping_message(message.time_usec, message.seq, *source(message))
+            self._out.append(pong)
+
+    def _ftp(self, message: Message) -> None:
+        if self._uploads is None:
+            self._out.append(ftp.refusal(message))
+            return
+        client = source(message)
+        for payload in self._uploads.ftp(self._now_s, client, bytes(message.payload)):
+            self._out.append(
+                dialect.MAVLink_file_transfer_protocol_message(0, *client, list(payload))
+            )
+
+    ACTIONS: ClassVar[dict[int, Callable[[Component, list[float]], int]]] = {
+        dialect.MAV_CMD_MISSION_START: _start,
+        dialect.MAV_CMD_DO_PAUSE_CONTINUE: _pause_or_go_on,
+        dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH: _go_home,
+        dialect.MAV_CMD_DO_SET_MISSION_CURRENT: _refuse_item,
+        dialect.MAV_CMD_REQUEST_MESSAGE: _request_message,
+        dialect.MAV_CMD_REQUEST_PROTOCOL_VERSION: _request_protocol,
+        dialect.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES: _request_capabilities,
+    }
+    """Command -> what does it and says the MAV_RESULT."""
+    ALSO_WITH_EVENTS = frozenset(
+        {
+            dialect.MAV_CMD_MISSION_START,
+            dialect.MAV_CMD_DO_PAUSE_CONTINUE,
+            dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH,
+        }
+    )
+    """Of these, those that do what they do also if an event waits for them."""
+
+    SERVICES: ClassVar[dict[str, Callable[[Component, Message], None]]] = {
+        "COMMAND_LONG": _command,
+        "COMMAND_INT": _command,
+        "PARAM_REQUEST_LIST": _list,
+        "PARAM_REQUEST_READ": _read,
+        "PARAM_SET": _write,
+        "PING": _ping,
+        "FILE_TRANSFER_PROTOCOL": _ftp,
+    }
+    """Message -> what answers it."""
+    FOR_ALL = frozenset({"PARAM_REQUEST_LIST", "PARAM_REQUEST_READ", "PING"})
+
+
+WANTED = frozenset(Component.SERVICES)
+"""Names of the messages that are read here."""
+
+
+def _parameters(message: Message) -> list[float]:
+    """param1 to param7 of COMMAND_LONG, or what stands for them in COMMAND_INT."""
+    if message.get_type() == "COMMAND_LONG":
+        names = ("param1", "param2", "param3", "param4", "param5", "param6", "param7")
+    else:
+        names = ("param1", "param2", "param3", "param4", "x", "y", "z")
+    return [float(getattr(message, name)) for name in names]
+
+
+def _heartbeat(standing: Standing) -> Message:
+    return dialect.MAVLink_heartbeat_message(
+        type=dialect.MAV_TYPE_ONBOARD_CONTROLLER,
+        autopilot=dialect.MAV_AUTOPILOT_INVALID,
+        base_mode=0,
+        custom_mode=0,
+        system_status=STATUS[standing],
+        mavlink_version=3,
+    )

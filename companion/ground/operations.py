@@ -1,0 +1,69 @@
+"""What may an operator ask of the companion, and what does the companion tell of itself?
+
+The component (`component.py`) speaks MAVLink with ground stations; whoever flies fulfils
+`Operations`. Each request is answered at once: with "" if it is done, or why it is not, in words
+for people. Missions from outside come through `Uploads`, which has the files and the checks.
+"""
+
+from __future__ import annotations
+
+from enum import Enum
+from pathlib import Path
+from typing import Protocol
+
+
+class Standing(Enum):
+    """How the companion stands, as far as ground stations care."""
+
+    STANDBY = "nothing is flown"
+    ACTIVE = "a sortie is flown"
+    CRITICAL = "the last sortie failed, or control is lost"
+
+
+class Operations(Protocol):
+    """Whoever flies."""
+
+    @property
+    def standing(self) -> Standing:
+        """How it stands now."""
+
+    @property
+    def awaited(self) -> frozenset[str]:
+        """MAV_CMD names that the mission's events wait for."""
+
+    def start(self) -> str:
+        """Fly the mission, from the ground."""
+
+    def pause(self) -> str:
+        """Hold in the air, the task frozen."""
+
+    def go_on(self) -> str:
+        """Go on after a pause, or with control that the pilot has handed over."""
+
+    def go_home(self) -> str:
+        """Leave the task, fly home and land; or what the mission has for that."""
+
+
+class Verdict(Protocol):
+    """What became of an uploaded mission."""
+
+    @property
+    def text(self) -> str:
+        """One line for people."""
+
+    @property
+    def is_accepted(self) -> bool:
+        """Whether it may be flown."""
+
+
+class Uploads(Protocol):
+    """Missions that come over MAVLink FTP. No call may block."""
+
+    def ftp(self, now_s: float, client: tuple[int, int], payload: bytes) -> list[bytes]:
+        """The replies to a FILE_TRANSFER_PROTOCOL payload of a (system, component)."""
+
+    def poll(self, now_s: float) -> list[Verdict]:
+        """What was found out since the last call."""
+
+    def take_active(self) -> Path | None:
+        """A mission that was accepted and not taken yet; asked only while nothing is flown."""

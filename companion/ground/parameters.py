@@ -1,0 +1,113 @@
+"""Which parameters does the companion have, and how does it answer the parameter protocol?
+
+    name              unit   range         default
+    CMP_BELIEF_RETRY  s      -1 to 3600    -1     after which a belief that a failure withdrew is
+                                                  held again, if the mission does not say; -1 never
+    CMP_SPEED_MAX     m/s    0.1 to 50     50     no flight begun from now on is faster, nor faster
+                                                  than the mission says
+    CMP_TEXT_LEVEL           0 to 7        6      greatest MAV_SEVERITY that is told as STATUSTEXT
+    CMP_TICK_HZ       Hz     read only     20     ticks, and setpoints, a second
+
+The list is complete, also when it is asked of all components: QGroundControl complains of an
+incomplete one. What cannot be done is answered with PARAM_ERROR and the value as it is. A name that
+is not known is an error only if this component alone was asked. Nothing is kept after the end.
+
+Source: https://mavlink.io/en/services/parameter.html.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from companion.acting.flight import TICK_S
+from companion.mavlink.framing import Message, dialect, source
+from companion.mavlink.parameters import INT32, REAL32, asked_for, decode, value_message
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """One parameter; a lowest value above the highest is read only."""
+
+    param_type: int
+    default: float
+    lowest: float
+    highest: float
+
+    @property
+    def is_read_only(self) -> bool:
+        """Whether it can only be read."""
+        return self.lowest == self.highest
+
+
+BELIEF_RETRY, SPEED_MAX, TEXT_LEVEL, TICK = (
+    "CMP_BELIEF_RETRY",
+    "CMP_SPEED_MAX",
+    "CMP_TEXT_LEVEL",
+    "CMP_TICK_HZ",
+)
+TICK_HZ = round(1 / TICK_S)
+PARAMETERS = {
+    BELIEF_RETRY: Parameter(REAL32, -1.0, -1.0, 3600.0),
+    SPEED_MAX: Parameter(REAL32, 50.0, 0.1, 50.0),
+    TEXT_LEVEL: Parameter(INT32, 6, 0, 7),
+    TICK: Parameter(INT32, TICK_HZ, TICK_HZ, TICK_HZ),
+}
+NAMES = tuple(PARAMETERS)
+
+
+class CompanionParameters:
+    """The parameters' values, and the answers to who asks for them."""
+
+    def __init__(self) -> None:
+        self._values = {name: p.default for name, p in PARAMETERS.items()}
+
+    def __getitem__(self, name: str) -> float:
+        return self._values[name]
+
+    def values(self) -> list[Message]:
+        """The whole list."""
+        return [self._value(name) for name in NAMES]
+
+    def read(self, request: Message) -> list[Message]:
+        """The answer to PARAM_REQUEST_READ."""
+        name = asked_for(request, NAMES)
+        if name is None:
+            is_for_us = request.target_component != 0
+            return [_error(request, "DOES_NOT_EXIST")] if is_for_us else []
+        return [self._value(name)]
+
+    def write(self, request: Message) -> list[Message]:
+        """Does what PARAM_SET asks, if it may; the answer is the value from now on."""
+        parameter = PARAMETERS.get(request.param_id)
+        if parameter is None:
+            return [_error(request, "DOES_NOT_EXIST")]
+        now = self._value(request.param_id)
+        if parameter.is_read_only:
+            return [now, _error(request, "READ_ONLY")]
+        value = _value_of(request, parameter)
+        if value is None or not parameter.lowest <= value <= parameter.highest:
+            return [now, _error(request, "VALUE_OUT_OF_RANGE")]
+        self._values[request.param_id] = value
+        return [self._value(request.param_id)]
+
+    def _value(self, name: str) -> Message:
+        value, param_type = self._values[name], PARAMETERS[name].param_type
+        return value_message(name, value, param_type, len(NAMES), NAMES.index(name))
+
+
+def _value_of(request: Message, parameter: Parameter) -> float | None:
+    """The number that PARAM_SET carries; None if it is of another type, or no number."""
+    if request.param_type != parameter.param_type:
+        return None
+    value = decode(request.param_value, request.param_type)
+    return value if math.isfinite(value) else None
+
+
+def _error(request: Message, what: str) -> Message:
+    return dialect.MAVLink_param_error_message(
+        *source(request),
+        request.param_id.encode(),
+        getattr(request, "param_index", -1),
+        getattr(dialect, f"MAV_PARAM_ERROR_{what}"),
+    )

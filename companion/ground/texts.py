@@ -1,0 +1,102 @@
+"""What do ground stations hear of a flight? Reports as STATUSTEXT, no faster than a link survives.
+
+Each report that people are told becomes one text; what is longer than a message goes in chunks with
+a common id. Texts of one moment (a failure, a belief, a plan) would be a burst: they wait in a
+queue. Who waits too long is left out unless it is a warning or worse, so that what is read is news.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+
+from companion.acting.report import Report
+from companion.mavlink.framing import Message, dialect
+from companion.mavlink.statustext import chunks
+
+MESSAGE_S = 0.1
+"""Time between two messages: 650 bytes a second, a tenth of a radio of 57600 baud."""
+PATIENCE_S = 5.0
+LONGEST = 196
+"""Bytes of a text: four messages; plans may be longer, and stand in the run folder."""
+
+ERROR: int = dialect.MAV_SEVERITY_ERROR
+WARNING: int = dialect.MAV_SEVERITY_WARNING
+NOTICE: int = dialect.MAV_SEVERITY_NOTICE
+INFO: int = dialect.MAV_SEVERITY_INFO
+
+SEVERITIES: dict[str, int] = {
+    "violation": ERROR,
+    "record": ERROR,
+    "failed": WARNING,
+    "withdrawn": WARNING,
+    "gate": WARNING,
+    "event": NOTICE,
+    "replan": NOTICE,
+    "restored": NOTICE,
+    "upload": NOTICE,
+    "end": NOTICE,
+}
+"""MAV_SEVERITY of each kind of report; all others are INFO."""
+FAILED_END: int = dialect.MAV_SEVERITY_CRITICAL
+"""Of an end with an exit code other than 0."""
+
+
+def severity(report: Report) -> int:
+    """How bad a report is."""
+    if report.data.get("exit_code") or report.data.get("is_refused"):
+        return FAILED_END if report.kind == "end" else WARNING
+    return SEVERITIES.get(report.kind, INFO)
+
+
+class Texts:
+    """The queue of texts.
+
+    Attributes:
+        level: the greatest MAV_SEVERITY number that is sent; 7 is all.
+    """
+
+    def __init__(self) -> None:
+        self.level = INFO
+        self._queue: deque[tuple[float, int, list[Message]]] = deque()
+        self._number = 0
+        self._next_s = 0.0
+
+    def tell(self, now_s: float, severity: int, text: str) -> None:
+        """Puts a text of any length and lines into the queue."""
+        if severity > self.level:
+            return
+        one_line = "; ".join(line.strip() for line in text.splitlines() if line.strip())
+        raw = one_line.encode()
+        if len(raw) > LONGEST:
+            one_line = raw[: LONGEST - 3].decode(errors="ignore") + "..."
+        self._number += 1
+        self._queue.append((now_s, severity, chunks(severity, one_line, self._number)))
+
+    def due(self, now_s: float) -> list[Message]:
+        """The message to send now, if any."""
+        if not self._queue or now_s < self._next_s:
+            return []
+        self._next_s = now_s + MESSAGE_S
+        self._leave_out(now_s)
+        if not self._queue:
+            return []
+        _, _, messages = self._queue[0]
+        first = messages.pop(0)
+        if not messages:
+            self._queue.popleft()
+        return [first]
+
+    def rest(self) -> list[Message]:
+        """All that is left, at the end."""
+        left = [m for _, _, messages in self._queue for m in messages]
+        self._queue.clear()
+        return left
+
+    def _leave_out(self, now_s: float) -> None:
+        """Drops texts that have waited too long and of which nothing was sent yet."""
+        while self._queue:
+            since_s, severity, messages = self._queue[0]
+            is_begun = getattr(messages[0], "chunk_seq", 0) > 0
+            if is_begun or severity <= WARNING or now_s - since_s <= PATIENCE_S:
+                return
+            self._queue.popleft()

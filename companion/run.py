@@ -1,0 +1,163 @@
+"""One mission flown once: which parts does that take, and how do they hang together?
+
+`Run` puts them together, the acting side and the MAVLink side, and records what happens. Messages
+and time in, messages out; who owns the link and lives longer is `app.py`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Protocol
+
+from companion.acting.events import EventDetector
+from companion.acting.executive import Executive
+from companion.acting.flight import Flight
+from companion.acting.grounding import Symbols
+from companion.acting.report import Report
+from companion.acting.sortie import Sortie
+from companion.acting.task_state import TaskState
+from companion.geometry import Ned
+from companion.ltl.formula import atoms
+from companion.mavlink.framing import Message
+from companion.mission.loader import CLEARANCE_M
+from companion.mission.model import Mission, Place, Signal
+from companion.motion.profile import SpeedLimits, flight_time_s
+from companion.motion.routes import RouteMap, Site
+from companion.motion.sensed_map import SensedMap
+from companion.planning.domain import HERE, FlightTime
+from companion.planning.planner import Planner
+from companion.vehicle.gate import Envelope
+from companion.vehicle.offboard import MavlinkVehicle
+from companion.vehicle.telemetry import Telemetry
+from companion.vehicle.wire import Wire
+
+
+class Recorder(Protocol):
+    """Keeps what happens in a run."""
+
+    def report(self, report: Report) -> None:
+        """Something happened."""
+
+    def packets(self, now_s: float, datagrams: list[bytes]) -> None:
+        """Datagrams went over the link, in either direction."""
+
+    def position(self, now_s: float, position: Ned) -> None:
+        """Where the vehicle is, once per tick."""
+
+
+def route_map(mission: Mission) -> RouteMap:
+    """The routes of a mission: the places that its task mentions are not crossed by chance."""
+    mentioned = frozenset().union(*(atoms(f) for f in mission.task.values()))
+    sites = {
+        name: Site(place.position, place.radius_m, is_exclusive=f"at({name})" in mentioned)
+        for name, place in mission.places.items()
+    }
+    return RouteMap(mission.grid, sites, mission.limits.fence, CLEARANCE_M)
+
+
+def flight_times(
+    mission: Mission, routes: RouteMap, here: Callable[[], Ned | None] = lambda: None
+) -> FlightTime:
+    """Seconds of flight between places; `here` says where the vehicle is, between them."""
+
+    limits = SpeedLimits(mission.limits.speed_mps)
+
+    def flight_time(origin: str, goal: str) -> float:
+        start = here() if origin == HERE else routes.goal(origin)
+        if start is None:
+            return float("inf")
+        return flight_time_s(routes.distance_m(start[:2], goal), limits)
+
+    return flight_time
+
+
+def home_of(mission: Mission) -> Place:
+    """The place where the mission begins."""
+    return next(p for name, p in mission.places.items() if f"at({name})" in mission.initially)
+
+
+class Run:
+    """One mission flown once, all its parts put together; its reports count time from its start.
+
+    Args:
+        mission: what to do.
+        recorder: told of everything that happens.
+        wire: whose system the vehicle is.
+        telemetry: what its autopilot says, and has said before this run.
+        start_s: when it begins.
+        accepts_weak_failsafes: fly although the autopilot's failsafes are weak.
+        may_yield: wait for the operator when somebody else has taken control in flight.
+    """
+
+    def __init__(
+        self,
+        mission: Mission,
+        recorder: Recorder,
+        wire: Wire,
+        telemetry: Telemetry,
+        start_s: float,
+        accepts_weak_failsafes: bool,
+        may_yield: bool,
+    ) -> None:
+        routes = route_map(mission)
+        detector = EventDetector(mission.events)
+        home, limits = home_of(mission), mission.limits
+        self.mission = mission
+        self.recorder = recorder
+        self.start_s = start_s
+        self.vehicle = MavlinkVehicle(
+            wire,
+            telemetry,
+            Envelope(limits.fence, limits.up_m, limits.speed_mps),
+            detector.signals,
+            takeoff_up_m=-home.position[2],
+        )
+        self.awaited = frozenset(s.field for s in detector.signals if s.message == "COMMAND")
+        planner = Planner(mission, flight_times(mission, routes, self._position))
+        self.flight = Flight(
+            vehicle=self.vehicle,
+            task=TaskState(planner),
+            routes=routes,
+            limits=limits,
+            symbols=Symbols(mission.places, routes),
+        )
+        executive = Executive(planner, self.flight, detector)
+        self.sortie = Sortie(
+            self.flight, executive, home, mission.otherwise, accepts_weak_failsafes, may_yield
+        )
+        self._map = SensedMap(mission.grid)
+        self._routes = routes
+
+    def step(
+        self, now_s: float, messages: list[Message], asked: list[tuple[Signal, float]]
+    ) -> list[Report]:
+        """One tick: reads what arrived and acts; returns what happened."""
+        readings = asked + self.vehicle.receive(now_s, messages)
+        if any([self._map.integrate(scan) for scan in self.vehicle.scans]):
+            self._routes.see(self._map.grid)
+        self.sortie.step(now_s, readings)
+        reports = self.flight.reports.copy()
+        self.flight.reports.clear()
+        return reports
+
+    def record(self, now_s: float, packets: list[bytes], reports: list[Report]) -> None:
+        """Hands everything on to the recorder."""
+        self.recorder.packets(now_s - self.start_s, packets)
+        position = self._position()
+        if position is not None:
+            self.recorder.position(now_s - self.start_s, position)
+        for report in reports:
+            time_s = round(report.time_s - self.start_s, 3)
+            self.recorder.report(replace(report, time_s=time_s))
+
+    def adjust(self, speed_max_mps: float, belief_retry_s: float) -> None:
+        """What the companion's parameters say; a flight that has begun keeps its speed."""
+        limits = self.mission.limits
+        speed_mps = min(limits.speed_mps, speed_max_mps)
+        self.flight.limits = replace(limits, speed_mps=speed_mps)
+        self.flight.belief_retry_s = belief_retry_s if belief_retry_s >= 0.0 else None
+
+    def _position(self) -> Ned | None:
+        state = self.vehicle.state
+        return state.position if state else None

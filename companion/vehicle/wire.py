@@ -1,0 +1,70 @@
+"""What has arrived for component 191, and how does it speak? Bytes to messages and back, once.
+
+The one place that decodes what comes in; the vehicle's side (`offboard.py`) and the ground
+stations' side (`ground/component.py`) both read the messages that it hands out.
+
+1. The system id is learned from the first autopilot heard. What came before is dropped, and nothing
+   is sent before.
+2. Only messages that somebody has asked for are decoded, and of continual ones only the newest.
+3. There is one sequence of numbers, whoever of the two speaks.
+
+Source: https://mavlink.io/en/services/heartbeat.html. No I/O: `link.py` moves the bytes.
+"""
+
+from __future__ import annotations
+
+from companion.mavlink.framing import Endpoint, Message, choose, dialect, source
+
+COMPONENT = dialect.MAV_COMP_ID_ONBOARD_COMPUTER
+AUTOPILOT = dialect.MAV_COMP_ID_AUTOPILOT1
+
+
+class Wire:
+    """The ear and the voice of component 191."""
+
+    def __init__(self) -> None:
+        self._endpoint = Endpoint(0, COMPONENT)
+        self._wanted: frozenset[int] = frozenset()
+        self._continual: frozenset[int] = frozenset()
+
+    @property
+    def system(self) -> int:
+        """The vehicle's system id, and our own; 0 until an autopilot was heard."""
+        return self._endpoint.system
+
+    def listen(self, wanted: frozenset[str], continual: frozenset[str]) -> None:
+        """What to decode from now on, by names of messages.
+
+        Args:
+            wanted: all that somebody reads; heartbeats always.
+            continual: those of which only the newest of a tick counts.
+        """
+        self._wanted = _ids(wanted | {"HEARTBEAT"})
+        self._continual = _ids(continual)
+
+    def parse(self, datagrams: list[bytes]) -> list[Message]:
+        """The messages of a tick, in order, from whomever and for whomever."""
+        heard = []
+        for frame in choose(datagrams, self._wanted, self._continual):
+            for message in self._endpoint.parse(frame):
+                if not self.system and _is_autopilot(message):
+                    self._endpoint = Endpoint(source(message)[0], COMPONENT)
+                if self.system:
+                    heard.append(message)
+        return heard
+
+    def pack(self, messages: list[Message]) -> list[bytes]:
+        """A datagram for each message; none before the system is known."""
+        return [self._endpoint.pack(m) for m in messages] if self.system else []
+
+
+def _ids(names: frozenset[str]) -> frozenset[int]:
+    return frozenset(n for n, kind in dialect.mavlink_map.items() if kind.msgname in names)
+
+
+def _is_autopilot(message: Message) -> bool:
+    return bool(
+        message.get_type() == "HEARTBEAT"
+        and message.get_srcComponent() == AUTOPILOT
+        and message.autopilot != dialect.MAV_AUTOPILOT_INVALID
+    )
