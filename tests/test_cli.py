@@ -64,7 +64,7 @@ OPTIONS = {
         *("--engine", "--encoding", "--timeout", "--pddl", "--json"),
     ],
     "ltl": ["--format", "--state-based", "--monolithic", "--batch", "--exclusive"],
-    "run": ["--connect", "--accept-weak-failsafes", "--timeout", "--log-dir"],
+    "run": ["--connect", "--accept-weak-failsafes", "--wait", "--timeout", "--log-dir"],
     "sim": ["--scenario", "--speed", "--seed", "--instance", "--timeout", "--log-dir"],
     "audit": ["--json"],
 }

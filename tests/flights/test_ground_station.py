@@ -1,0 +1,202 @@
+"""The companion as real ground stations see it: over UDP, in processes of their own.
+
+pymavlink is the ground station that steps in; MAVProxy and MAVSDK are authorities from outside on
+what people get to see. `companion run` keeps to real time, so that flight is short.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from ports import free_instance
+from pymavlink import mavutil
+from test_mavproxy import MAVProxy
+from test_mavsdk_client import mavsdk
+from test_sockets import COMPANION, GROUND_STATION, START_S, SURVEILLANCE, Run, run
+
+from companion.mavlink.framing import dialect
+
+__all__ = ["run"]
+pytestmark = pytest.mark.alone
+
+SCENARIO = SURVEILLANCE.with_suffix(".sim.yaml")
+START, PAUSE = dialect.MAV_CMD_MISSION_START, dialect.MAV_CMD_DO_PAUSE_CONTINUE
+RETURN = dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH
+ANSWER_S = 1.2  # QGroundControl waits no longer
+
+
+class Station:
+    """A ground station of pymavlink's: system 255, on the port where QGroundControl listens."""
+
+    def __init__(self, port: int, system: int) -> None:
+        self._link: Any = mavutil.mavlink_connection(
+            f"udpin:127.0.0.1:{port}", source_system=255, source_component=190
+        )
+        self._system = system
+        self.heard: list[Any] = []
+        self._beat_s = 0.0
+
+    def until(self, is_so: Callable[[Any], bool], limit_s: float) -> Any:
+        """The first message that is so; heartbeats are sent meanwhile."""
+        end_s = time.monotonic() + limit_s
+        while (now_s := time.monotonic()) < end_s:
+            if now_s >= self._beat_s:
+                self._beat_s = now_s + 1.0
+                self._link.mav.heartbeat_send(6, 8, 0, 0, 4)
+            message = self._link.recv_match(blocking=True, timeout=0.1)
+            if message is not None:
+                self.heard.append(message)
+                if is_so(message):
+                    return message
+        raise AssertionError(f"not heard in {limit_s:.1f} s; texts: {self.texts}")
+
+    def ask(self, number: int, *parameters: float) -> int:
+        """A command to the companion; its answer, in time."""
+        filled = (*parameters, *[0.0] * (7 - len(parameters)))
+        self._link.mav.command_long_send(self._system, 191, number, 0, *filled)
+        answer = self.until(
+            lambda m: (
+                m.get_type() == "COMMAND_ACK" and (m.get_srcComponent(), m.command) == (191, number)
+            ),
+            ANSWER_S,
+        )
+        assert (answer.target_system, answer.target_component) == (255, 190)
+        return int(answer.result)
+
+    def list_parameters(self, component: int) -> set[int]:
+        """Indices of the companion's parameters, as a list brought them."""
+        self._link.mav.param_request_list_send(self._system, component)
+        indices: set[int] = set()
+
+        def is_complete(message: Any) -> bool:
+            if message.get_type() == "PARAM_VALUE" and message.get_srcComponent() == 191:
+                indices.add(message.param_index)
+                return len(indices) == message.param_count
+            return False
+
+        self.until(is_complete, 5.0)
+        return indices
+
+    def until_told(self, text: str, limit_s: float) -> None:
+        """Waits for a STATUSTEXT of the companion."""
+
+        def is_it(message: Any) -> bool:
+            is_text = message.get_type() == "STATUSTEXT" and message.get_srcComponent() == 191
+            return is_text and str(message.text).startswith(text)
+
+        self.until(is_it, limit_s)
+
+    def position(self) -> Any:
+        """The next position."""
+        return self.until(lambda m: m.get_type() == "LOCAL_POSITION_NED", 5.0)
+
+    @property
+    def texts(self) -> list[str]:
+        return [m.text for m in self.heard if m.get_type() == "STATUSTEXT"]
+
+    def close(self) -> None:
+        self._link.close()
+
+
+@pytest.fixture
+def instance() -> int:
+    return free_instance()
+
+
+@pytest.fixture
+def station(instance: int) -> Iterator[Station]:
+    station = Station(GROUND_STATION + instance, 1 + instance)
+    yield station
+    station.close()
+
+
+def test_an_operator_starts_and_steps_in(
+    run: Run, instance: int, station: Station, tmp_path: Path
+) -> None:
+    simulator = run("sitl", "--scenario", SCENARIO, "-i", instance)
+    simulator.until_printed("ground station on UDP", START_S)
+    connect = f"udpin://127.0.0.1:{COMPANION + instance}"
+    options = ("--wait", "--connect", connect, "--log-dir", tmp_path)
+    companion = run("companion", "run", SURVEILLANCE, *options)
+    companion.until_printed("waiting", START_S)
+    station.until(lambda m: m.get_type() == "HEARTBEAT" and m.get_srcComponent() == 191, START_S)
+    station.until(lambda m: m.get_type() == "HOME_POSITION", START_S)
+    assert station.list_parameters(191) == station.list_parameters(0) == {0, 1, 2, 3}
+    assert station.ask(31999) == dialect.MAV_RESULT_UNSUPPORTED
+    assert station.ask(START) == dialect.MAV_RESULT_ACCEPTED
+    station.until_told("flying the task", 30.0)
+    station.position()
+    time.sleep(2.5)  # under way to A
+    assert station.ask(PAUSE, 0.0) == dialect.MAV_RESULT_ACCEPTED
+    time.sleep(1.0)
+    while station._link.recv_match() is not None:
+        pass  # what was heard before the vehicle held
+    held = station.position()
+    for _ in range(40):
+        now = station.position()
+        assert abs(now.x - held.x) + abs(now.y - held.y) + abs(now.z - held.z) < 0.5
+    assert station.ask(PAUSE, 1.0) == dialect.MAV_RESULT_ACCEPTED
+    station.until_told("at A", 20.0)
+    assert station.ask(RETURN) == dialect.MAV_RESULT_ACCEPTED
+    station.until_told("returned as asked, landed", 40.0)
+    landed = station.position()
+    assert abs(landed.x) < 0.5 and abs(landed.y) < 0.5
+    companion.until_printed("results", START_S)
+    (folder,) = tmp_path.iterdir()
+    assert (folder / "events.jsonl").exists()
+
+
+def test_mavproxy_shows_what_happens(run: Run, instance: int, tmp_path: Path) -> None:
+    companion = run(
+        *("companion", "sim", SURVEILLANCE, "--speed", 2, "-i", instance),
+        *("--log-dir", tmp_path / "runs"),
+    )
+    companion.until_printed("ground station on UDP port", START_S)
+    client = MAVProxy(GROUND_STATION + instance, 1 + instance, tmp_path)
+    try:
+        client.expect("flying the task", "at A", "at B", limit_s=60.0)
+        client.expect(r"Received 14\d parameters")
+        client.expect("Received 4 parameters")
+    finally:
+        client.close()
+
+
+def test_mavsdk_hears_what_happens(run: Run, instance: int, tmp_path: Path) -> None:
+    companion = run(
+        *("companion", "sim", SURVEILLANCE, "--speed", 2, "-i", instance, "--log-dir", tmp_path)
+    )
+    companion.until_printed("ground station on UDP port", START_S)
+    texts = asyncio.run(hear(GROUND_STATION + instance, "at B"))
+    told = ["flying the task", "at A", "at B"]
+    assert [text for text in texts if text in told] == told
+
+
+async def hear(port: int, last: str) -> list[str]:
+    """The texts that MAVSDK hands on, up to a last one."""
+    from mavsdk.asyncio.plugins.telemetry import TelemetryAsync
+
+    kind = mavsdk.ComponentType.GROUND_STATION
+    async with mavsdk.Mavsdk(mavsdk.Configuration.create_with_component_type(kind)) as client:
+        await client.add_any_connection(f"udpin://127.0.0.1:{port}")
+        system = await client.first_autopilot(timeout_s=10)
+        assert system is not None
+        telemetry = TelemetryAsync(system)  # its streams end with it
+        stream = telemetry.subscribe_status_text()
+        texts: list[str] = []
+
+        async def collect() -> None:
+            async for status in stream:
+                texts.append(status.text)
+                if status.text == last:
+                    return
+
+        with contextlib.suppress(TimeoutError):
+            await asyncio.wait_for(collect(), 60.0)
+        await stream.aclose()
+        return texts
