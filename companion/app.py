@@ -239,7 +239,8 @@ class Companion:
     def _poll(self) -> None:
         """Tells what became of uploads."""
         if self._host is not None and self._host.uploads is not None:
-            for verdict in self._host.uploads.poll(self._now_s):
+            is_flying = self._run is not None
+            for verdict in self._host.uploads.poll(self._now_s, is_flying):
                 self._say(verdict.text, is_refused=not verdict.is_accepted)
 
     def _say(self, text: str, is_refused: bool = False) -> None:

@@ -55,6 +55,7 @@ EXIT_CODES = {REFUSED: 3}
 
 ELSEWHERE = {
     ".venv/bin/python scripts/bench translating planning": "tests/test_bench.py",
+    "companion run missions/surveillance.yaml --wait": "tests/flights/test_ground_station.py",
     "companion audit runs/2026-11-21T101500-surveillance": "tests/test_cli_audit.py",
     "scripts/fly --speed max": ".ci/run",
     "scripts/test": ".ci/run",

@@ -5,9 +5,10 @@ Kinds: `plan` and `replan` (a lasso was made), `at` and `done` (a skill was comp
 fact that the vehicle cannot choose has changed), `violation` (a conjunct of the task cannot hold
 any more), `route` (a flight was rerouted or stopped by what was seen), `symbol` (a place is flown
 to at another waypoint), `map` (beliefs were given up, or are held again, by the map as seen),
-`gate` (a setpoint was held back), `lap`, `phase` (a step of the sortie), `record` (the run folder
-cannot be written; told, and not in it) and `end`; and `position`, a position of the word that was
-left, for programs alone. docs/run-folder.md describes the data of each.
+`gate` (a setpoint was held back), `lap`, `phase` (a step of the sortie), `upload` (what became of a
+mission that a ground station sent), `record` (the run folder cannot be written; told, and not in
+it) and `end`; and `position`, a position of the word that was left, for programs alone.
+docs/run-folder.md describes the data of each.
 """
 
 from __future__ import annotations

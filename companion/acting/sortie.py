@@ -7,9 +7,7 @@ autopilot would not look after itself is not armed unless the operator accepts t
 operator asked for holds, lands, and ends.
 
 The operator may also pause (hold in the air, the task frozen), let it go on, and call it home.
-Control that was lost comes back only by an explicit "go on", and only if the vehicle is armed, in
-the air and on hold (AUTO.LOITER), with no failsafe and a fresh position: the pilot hands it over by
-choosing hold, the operator takes it by saying so.
+Whose the vehicle is, and when it is handed over again, is asked in authority.py.
 """
 
 from __future__ import annotations
@@ -18,22 +16,19 @@ from collections.abc import Sequence
 
 from py_trees.common import Status
 
+from companion.acting.authority import loss_of_control, loss_of_link, not_handed_over
 from companion.acting.executive import Executive, TaskStatus
 from companion.acting.flight import Flight
 from companion.acting.homing import Homing
 from companion.acting.phases import ON_THE_GROUND, STEPS, UNDER_TASK, Phase, Step
-from companion.errors import Aborted, CompanionError, LinkError, NoPlanError
+from companion.errors import Aborted, CompanionError, NoPlanError
 from companion.geometry import horizontal_distance
 from companion.mission.model import Otherwise, Place, Signal
 from companion.vehicle.failsafes import REQUIREMENTS, weaknesses
-from companion.vehicle.port import Mode, Outcome, Progress, VehicleState
+from companion.vehicle.port import Outcome, Progress, VehicleState
 
 ANSWER_TIMEOUT_S = 5.0
 """How long the autopilot may take to answer for its parameters."""
-LINK_LOST_S = 10.0
-"""Silence after which the sortie is given up; the autopilot's failsafe flies since long."""
-FRESH_S = 0.5
-"""Age of the position up to which an operator may give control back."""
 GROUNDED = "the vehicle is landing or on the ground by its plan; nothing interrupts that"
 
 
@@ -97,7 +92,7 @@ class Sortie:
         if self.phase is Phase.YIELDED:
             self._await_operator(state)
             return
-        loss = self._loss_of_control(state)
+        loss = loss_of_control(self.phase, state, self._flight)
         if loss is not None:
             self._lose(loss, state)
         elif self.phase is Phase.WAITING:
@@ -135,7 +130,7 @@ class Sortie:
             return ""
         if self.phase is not Phase.YIELDED:
             return f"nothing to go on with while {self.phase.value}"
-        if reason := self._not_handed_over():
+        if reason := not_handed_over(self._flight.vehicle.state, self._flight.now_s):
             return reason
         self._flight.vehicle.regain()
         self._flight.setpoint = None  # hold where the vehicle is, not where it was taken from us
@@ -184,20 +179,6 @@ class Sortie:
             self._flight.report("gate", f"setpoint refused, holding: {refusal}", reason=refusal)
         self._was_refused = bool(refusal)
 
-    def _loss_of_control(self, state: VehicleState) -> CompanionError | None:
-        """Why the sortie is no longer ours to fly, or never was."""
-        silence_s = self._flight.now_s - state.stamp_s
-        if silence_s > LINK_LOST_S:
-            return LinkError(f"no position from the vehicle for {silence_s:.0f} s")
-        if self._flight.vehicle.lost_authority:
-            return Aborted(self._flight.vehicle.lost_authority)
-        if self.phase in ON_THE_GROUND and (state.is_armed or not state.is_landed):
-            return Aborted("the vehicle is armed or flying already; it is left alone")
-        is_flying = self.phase in (Phase.OFFBOARD, *UNDER_TASK, Phase.HOLDING)
-        if is_flying and not state.is_armed and not self._flight.is_grounded:
-            return Aborted("the vehicle was disarmed")
-        return None
-
     def _lose(self, loss: CompanionError, state: VehicleState) -> None:
         """Yields to whoever has taken the vehicle in the air, or ends."""
         has_yielded = self.phase in UNDER_TASK and bool(self._flight.vehicle.lost_authority)
@@ -209,24 +190,10 @@ class Sortie:
 
     def _await_operator(self, state: VehicleState) -> None:
         """Nothing is sent; ends when the vehicle has landed, or is heard no longer."""
-        silence_s = self._flight.now_s - state.stamp_s
-        if silence_s > LINK_LOST_S:
-            self._end(LinkError(f"no position from the vehicle for {silence_s:.0f} s"))
+        if silence := loss_of_link(state, self._flight.now_s):
+            self._end(silence)
         elif state.is_landed and not state.is_armed:
             self._end(Aborted(self._flight.vehicle.lost_authority))
-
-    def _not_handed_over(self) -> str:
-        """Why control may not be taken back now, or ""."""
-        state = self._flight.vehicle.state
-        if state is None or self._flight.now_s - state.stamp_s > FRESH_S:
-            return "no fresh position"
-        if not state.is_armed or state.is_landed:
-            return "the vehicle is not in the air"
-        if state.is_failsafe:
-            return "a failsafe of the autopilot is active"
-        if state.mode is not Mode.LOITER:
-            return f"{state.mode.value} is flown; the pilot hands over by choosing hold"
-        return ""
 
     def _freeze(self, phase: Phase, text: str = "") -> None:
         """Interrupts what is flown, to go on with it later."""

@@ -7,6 +7,7 @@ for people. Missions from outside come through `Uploads`, which has the files an
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from enum import Enum
 from pathlib import Path
 from typing import Protocol
@@ -62,8 +63,8 @@ class Uploads(Protocol):
     def ftp(self, now_s: float, client: tuple[int, int], payload: bytes) -> list[bytes]:
         """The replies to a FILE_TRANSFER_PROTOCOL payload of a (system, component)."""
 
-    def poll(self, now_s: float) -> list[Verdict]:
-        """What was found out since the last call."""
+    def poll(self, now_s: float, is_flying: bool) -> Sequence[Verdict]:
+        """What was found out since the last call; in flight a mission has to wait."""
 
     def take_active(self) -> Path | None:
         """A mission that was accepted and not taken yet; asked only while nothing is flown."""

@@ -1,7 +1,8 @@
 """The companion as real ground stations see it: over UDP, in processes of their own.
 
 pymavlink is the ground station that steps in; MAVProxy and MAVSDK are authorities from outside on
-what people get to see. `companion run` keeps to real time, so that flight is short.
+what people get to see. The operator's companion is
+`companion run missions/surveillance.yaml --wait`, in real time, so that flight is short.
 """
 
 from __future__ import annotations

@@ -7,8 +7,9 @@ from fakes import RUNNING, FakeVehicle, failed
 from rig import Rig
 from synthetic import command, event, mission, reading
 
+from companion.acting.authority import LINK_LOST_S
 from companion.acting.phases import STEPS, Phase
-from companion.acting.sortie import ANSWER_TIMEOUT_S, LINK_LOST_S, Sortie
+from companion.acting.sortie import ANSWER_TIMEOUT_S, Sortie
 from companion.app import home_of
 from companion.errors import Aborted, LinkError, NoPlanError
 from companion.mission.model import Mission, Otherwise, Signal

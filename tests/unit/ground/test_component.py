@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import math
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -21,6 +23,7 @@ from companion.mavlink.parameters import INT32, REAL32, decode, encode
 from companion.mission.model import Signal
 from companion.vehicle.wire import Wire
 
+DOCS = Path(__file__).parents[3] / "docs"
 STATION = (255, 190)
 START, PAUSE = dialect.MAV_CMD_MISSION_START, dialect.MAV_CMD_DO_PAUSE_CONTINUE
 RETURN, USER_1 = dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH, dialect.MAV_CMD_USER_1
@@ -197,6 +200,19 @@ def test_several_ask_in_one_tick_and_each_gets_its_own_answer(radio: Radio) -> N
     answers = of_type(radio.raw(*packed), "COMMAND_ACK")
     got = {(a.target_system, a.target_component): a.command for a in answers}
     assert got == {station: 31100 + i for i, station in enumerate(stations)}
+
+
+def test_every_button_for_qgroundcontrol_is_understood(radio: Radio) -> None:
+    text = (DOCS / "companion.MavlinkActions.json").read_text(encoding="utf-8")
+    file = json.loads(text)
+    assert (file["version"], file["fileType"]) == (1, "MavlinkActions")
+    users = {f"MAV_CMD_USER_{i}" for i in range(1, 6)}
+    radio.desk.awaited = frozenset(users)
+    for action in file["actions"]:
+        parameters = [float(action.get(f"param{i}", 0.0)) for i in range(1, 8)]
+        assert action["compId"] == 191
+        assert radio.result(action["mavCmd"], *parameters) == ACCEPTED, action["label"]
+    assert radio.desk.asked == ["start", "pause", "go on", "go home"]
 
 
 # -- messages on request ---------------------------------------------------------------------------

@@ -1,0 +1,53 @@
+"""Whose is the vehicle? Why it is no longer ours to fly, or never was, and when it is ours again.
+
+Control that was lost comes back only by an explicit "go on" of the operator, and only if the
+vehicle is armed, in the air and on hold (AUTO.LOITER), with no failsafe and a fresh position: the
+pilot hands it over by choosing hold, the operator takes it by saying so.
+"""
+
+from __future__ import annotations
+
+from companion.acting.flight import Flight
+from companion.acting.phases import ON_THE_GROUND, UNDER_TASK, Phase
+from companion.errors import Aborted, CompanionError, LinkError
+from companion.vehicle.port import Mode, VehicleState
+
+LINK_LOST_S = 10.0
+"""Silence after which the sortie is given up; the autopilot's failsafe flies since long."""
+FRESH_S = 0.5
+"""Age of the position up to which an operator may give control back."""
+
+
+def loss_of_link(state: VehicleState, now_s: float) -> LinkError | None:
+    """Whether the vehicle has been silent for too long."""
+    silence_s = now_s - state.stamp_s
+    if silence_s <= LINK_LOST_S:
+        return None
+    return LinkError(f"no position from the vehicle for {silence_s:.0f} s")
+
+
+def loss_of_control(phase: Phase, state: VehicleState, flight: Flight) -> CompanionError | None:
+    """Why the sortie is no longer ours to fly, or never was."""
+    if silence := loss_of_link(state, flight.now_s):
+        return silence
+    if flight.vehicle.lost_authority:
+        return Aborted(flight.vehicle.lost_authority)
+    if phase in ON_THE_GROUND and (state.is_armed or not state.is_landed):
+        return Aborted("the vehicle is armed or flying already; it is left alone")
+    is_flying = phase in (Phase.OFFBOARD, *UNDER_TASK, Phase.HOLDING)
+    if is_flying and not state.is_armed and not flight.is_grounded:
+        return Aborted("the vehicle was disarmed")
+    return None
+
+
+def not_handed_over(state: VehicleState | None, now_s: float) -> str:
+    """Why control may not be taken back now, or ""."""
+    if state is None or now_s - state.stamp_s > FRESH_S:
+        return "no fresh position"
+    if not state.is_armed or state.is_landed:
+        return "the vehicle is not in the air"
+    if state.is_failsafe:
+        return "a failsafe of the autopilot is active"
+    if state.mode is not Mode.LOITER:
+        return f"{state.mode.value} is flown; the pilot hands over by choosing hold"
+    return ""

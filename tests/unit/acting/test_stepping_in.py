@@ -1,0 +1,171 @@
+"""An operator steps in: pause, go on, go home; and who may give control back when."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from itertools import product
+
+import pytest
+from fakes import FakeVehicle
+from rig import Rig
+from synthetic import mission
+
+from companion.acting.authority import FRESH_S, not_handed_over
+from companion.acting.flight import TICK_S
+from companion.acting.phases import Phase
+from companion.acting.sortie import GROUNDED, Sortie
+from companion.app import home_of
+from companion.vehicle.port import Goal, Mode, VehicleState
+
+PATROL = "G F at(A) & G F at(B)"
+
+
+class Stepping:
+    """A sortie with a FakeVehicle, in the middle of a patrol."""
+
+    def __init__(self, task: str = PATROL, may_yield: bool = True) -> None:
+        self.vehicle = FakeVehicle()
+        self.rig = Rig(mission(task), vehicle=self.vehicle)
+        asked = self.rig.mission
+        self.sortie = Sortie(
+            self.rig.flight,
+            self.rig.executive,
+            home_of(asked),
+            asked.otherwise,
+            may_yield=may_yield,
+        )
+
+    def run(self, seconds: float) -> Stepping:
+        for _ in range(round(seconds / TICK_S)):
+            self.rig.pass_time()
+            self.sortie.step(self.rig.flight.now_s, [])
+        return self
+
+    def until(self, phase: Phase) -> Stepping:
+        for _ in range(2000):
+            if self.sortie.phase is phase:
+                return self
+            self.run(TICK_S)
+        raise AssertionError(f"not {phase} but {self.sortie.phase}")
+
+    @property
+    def position(self) -> tuple[float, float, float]:
+        assert self.vehicle.state is not None
+        return self.vehicle.state.position
+
+    @property
+    def texts(self) -> list[str]:
+        return [report.text for report in self.rig.flight.reports if report.is_told]
+
+
+@pytest.fixture
+def flown() -> Stepping:
+    return Stepping().until(Phase.TASK).run(1.5)
+
+
+def test_a_pause_freezes_the_task(flown: Stepping) -> None:
+    assert flown.sortie.pause() == ""
+    flown.run(1.0)
+    held, positions = flown.position, flown.rig.task.positions
+    flown.run(30.0)
+    assert math.dist(flown.position, held) < 1e-6
+    assert flown.rig.task.positions == positions
+    assert flown.sortie.go_on() == ""
+    flown.run(20.0)
+    assert flown.rig.task.positions > positions
+    assert flown.texts.count("at A") >= 1 and flown.texts.count("at B") >= 1
+
+
+@pytest.mark.parametrize("phase", [p for p in Phase if p not in (Phase.TASK, Phase.RETURNING)])
+def test_what_is_possible_in_which_phase(phase: Phase) -> None:
+    """In every phase each wish is granted, or refused with a reason that names the phase."""
+    sortie = Stepping().sortie
+    sortie.phase = phase
+    can_pause, can_return = phase is Phase.PAUSED, phase in (Phase.PAUSED, Phase.LANDING)
+    assert (sortie.pause() == "") is can_pause
+    if not can_pause:
+        assert phase.value in sortie.pause()
+        assert phase is Phase.YIELDED or phase.value in sortie.go_on()
+    if not can_return:
+        assert phase.value in sortie.go_home()
+    assert sortie.phase is phase
+    assert (sortie.go_home() == "") is can_return
+
+
+def test_nothing_interrupts_a_vehicle_on_the_ground_by_its_plan(flown: Stepping) -> None:
+    flown.rig.flight.is_grounded = True
+    assert flown.sortie.pause() == flown.sortie.go_home() == GROUNDED
+    assert flown.sortie.phase is Phase.TASK
+
+
+def test_a_return_that_finds_no_way_lands_where_it_is(flown: Stepping) -> None:
+    flown.vehicle.is_stuck = True
+    assert flown.sortie.go_home() == ""
+    flown.until(Phase.ENDED)
+    assert flown.vehicle.pursued[-2:] == [Goal.HOLDING, Goal.LANDED]
+    assert flown.texts[-1].startswith("cannot return to H: ")
+    assert flown.sortie.failure is not None and flown.sortie.failure.exit_code == 5
+
+
+def test_a_return_is_not_left_for_the_task(flown: Stepping) -> None:
+    assert flown.sortie.go_home() == ""
+    flown.rig.flight.may_do_better = True
+    flown.until(Phase.ENDED)
+    assert math.dist(flown.position[:2], (0.0, 0.0)) < 0.3
+    assert not [text for text in flown.texts if text.startswith("replan")]
+
+
+# -- whose it is -----------------------------------------------------------------------------------
+
+
+def take_over(flown: Stepping, mode: Mode) -> None:
+    flown.vehicle.change(mode=mode)
+    flown.vehicle.lost_authority = f"the pilot has control, in {mode.value}"
+    flown.run(TICK_S)
+
+
+def test_nothing_is_sent_while_the_pilot_flies(flown: Stepping) -> None:
+    take_over(flown, Mode.POSCTL)
+    assert flown.sortie.phase is Phase.YIELDED
+    flown_before, sent = len(flown.vehicle.flown), len(flown.vehicle.pursued)
+    flown.run(60.0)
+    assert (len(flown.vehicle.flown), len(flown.vehicle.pursued)) == (flown_before, sent)
+    assert flown.vehicle.setpoint is None
+
+
+def test_given_back_it_holds_where_it_is_and_goes_on(flown: Stepping) -> None:
+    take_over(flown, Mode.POSCTL)
+    flown.vehicle.change(position=(3.0, 3.0, -2.5), mode=Mode.LOITER)
+    flown.run(1.0)
+    assert flown.sortie.go_on() == ""
+    flown.run(TICK_S)
+    assert flown.vehicle.setpoint is not None
+    assert flown.vehicle.setpoint.position == (3.0, 3.0, -2.5)
+    flown.until(Phase.TASK).run(20.0)
+    assert "control given back by the operator" in flown.texts
+    assert flown.texts.count("at A") >= 1
+
+
+def test_without_somebody_who_may_give_it_back_it_ends() -> None:
+    flown = Stepping(may_yield=False).until(Phase.TASK).run(1.5)
+    take_over(flown, Mode.POSCTL)
+    assert flown.sortie.has_ended
+
+
+def test_it_is_handed_over_only_if_all_is_so() -> None:
+    """All combinations: one alone that is wrong, and all of them, is a refusal."""
+    good = VehicleState(
+        10.0, (0.0, 0.0, -2.0), (0.0, 0.0, 0.0), 0.0, Mode.LOITER, True, False, False, 80
+    )
+    wrong: list[dict[str, object]] = [
+        {"stamp_s": 10.0 - FRESH_S - 0.01},
+        {"is_armed": False},
+        {"is_landed": True},
+        {"is_failsafe": True},
+        *({"mode": mode} for mode in Mode if mode is not Mode.LOITER),
+    ]
+    assert not_handed_over(good, 10.0) == ""
+    assert not_handed_over(None, 10.0) != ""
+    for one, other in product(wrong, wrong):
+        assert not_handed_over(replace(good, **(one | other)), 10.0) != ""  # type: ignore[arg-type]
