@@ -14,7 +14,8 @@ Messages in, messages out, no I/O and no state that one ground station could blo
    answer.
 3. A command says what shall be, so one that comes again because its answer was lost gets the same
    answer and changes nothing.
-4. Answers go to who has asked, by the target of the message. PARAM_VALUE has none.
+4. The end of a run is also told to programs: NAMED_VALUE_INT `exit_code`, after its last text.
+5. Answers go to who has asked, by the target of the message. PARAM_VALUE has none.
 
 Sources: https://mavlink.io/en/services/ command, heartbeat, parameter, ping. Left out: message
 intervals and missions (UNSUPPORTED), TIMESYNC.
@@ -73,6 +74,7 @@ class Component:
         self._uploads = uploads
         self._texts = Texts()
         self._out: list[Message] = []
+        self._ending: list[Message] = []
         self._events: list[tuple[Signal, float]] = []
         self._system = 0
         self._now_s = 0.0
@@ -103,15 +105,21 @@ class Component:
         """Puts a report that is news for people into the queue of texts."""
         if report.is_told:
             self._texts.tell(now_s, severity(report), report.text)
+        code = report.data.get("exit_code")
+        if isinstance(code, int):
+            self._ending.append(_exit_code(now_s, code))
 
     def transmit(self, now_s: float, is_last: bool = False) -> list[Message]:
-        """What has to leave now; at the end all that is left to say."""
+        """What has to leave now; at the end of a run all that is left to say."""
         messages, self._out = self._out, []
         standing = self._operations.standing
         if now_s >= self._next_heartbeat_s or standing is not self._told:
             self._next_heartbeat_s, self._told = now_s + HEARTBEAT_S, standing
             messages.insert(0, _heartbeat(standing))
-        return messages + (self._texts.rest() if is_last else self._texts.due(now_s))
+        if not is_last:
+            return messages + self._texts.due(now_s)
+        ending, self._ending = self._ending, []
+        return messages + self._texts.rest() + ending
 
     def _is_for_us(self, message: Message) -> bool:
         """Whether it is addressed to us; to all, for services that all offer."""
@@ -251,6 +259,11 @@ def _parameters(message: Message) -> list[float]:
     else:
         names = ("param1", "param2", "param3", "param4", "x", "y", "z")
     return [float(getattr(message, name)) for name in names]
+
+
+def _exit_code(now_s: float, code: int) -> Message:
+    boot_ms = int(now_s * 1000) & 0xFFFFFFFF
+    return dialect.MAVLink_named_value_int_message(boot_ms, b"exit_code", code)
 
 
 def _heartbeat(standing: Standing) -> Message:

@@ -340,6 +340,16 @@ def test_the_level_of_texts_is_followed(radio: Radio) -> None:
     assert [m.text for m in of_type(radio.run(1.0), "STATUSTEXT")] == ["upload failed"]
 
 
+@pytest.mark.parametrize("code", [0, 5])
+def test_the_end_is_told_to_programs_after_all_texts(radio: Radio, code: int) -> None:
+    radio.component.tell(radio.now_s, Report(0.0, "at", "a way " * 20))
+    radio.component.tell(radio.now_s, Report(0.0, "end", "landed", {"exit_code": code}))
+    last = radio.component.transmit(radio.now_s, is_last=True)
+    kinds = [m.get_type() for m in last]
+    assert kinds == ["HEARTBEAT"] + ["STATUSTEXT"] * 4 + ["NAMED_VALUE_INT"]
+    assert (last[-1].name, last[-1].value) == ("exit_code", code)
+
+
 # -- the rest --------------------------------------------------------------------------------------
 
 
