@@ -47,11 +47,11 @@ class MoveCommand(Behaviour):
         self._flight = flight
         self._place = place
         self._timeout_s = timeout_s
-        self._limits = SpeedLimits(flight.limits.speed_mps)
 
     def initialise(self) -> None:
         """Finds the route from where the vehicle is, and how fast, now."""
         state = self._flight.vehicle.state
+        self._limits = SpeedLimits(self._flight.limits.speed_mps)
         self._trajectory: Trajectory | None = None
         if state is not None:
             self._begin(state)
