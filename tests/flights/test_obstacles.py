@@ -100,6 +100,23 @@ def test_without_a_way_it_stops_gives_up_the_belief_and_flies_home(
     assert horizontal_distance(flown.simulation.flight.position, (0.0, 0.0)) < 0.5
 
 
+def test_a_way_that_opens_again_is_believed_in_and_the_task_goes_on(
+    surveillance: Mission, tmp_path: Path
+) -> None:
+    """On the way home, without a plan, the vehicle sees that nothing stands there any more."""
+    goes = "  - {at_s: 25, obstacle: {name: crate, present: false}}"
+    flown = Flown(surveillance, tmp_path, a_crate(ACROSS, True), f"{appears(HALFWAY)}\n{goes}")
+    assert flown.is_unhurt
+    lost, held = [r.data for r in flown.reports if r.kind == "map"]
+    assert set(held["restored"]) == {*lost["withdrawn"], "trans_ok(A, B)"}  # type: ignore[misc]
+    told = [r.text for r in flown.reports if r.kind in ("at", "done", "phase", "failed")]
+    assert told[told.index("returning to Home") :] == [
+        *("returning to Home", "at C", "at B", "at r1", "upload(r1) failed: denied"),
+        *("at r2", "upload(r2) done", "at Home", "landing"),
+    ]
+    assert flown.exit_code == 0
+
+
 def test_a_crate_on_the_place_itself_fails_the_move(surveillance: Mission, tmp_path: Path) -> None:
     flown = Flown(surveillance, tmp_path, a_crate(ON_B))
     assert flown.is_unhurt
