@@ -1,0 +1,154 @@
+"""How do requests and replies of MAVLink FTP stand in the payload of FILE_TRANSFER_PROTOCOL?
+
+Twelve bytes of header, then up to 239 of data, padded with zeros to 251. Nothing here keeps
+state. Source: https://mavlink.io/en/services/ftp.html.
+"""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+from enum import IntEnum
+
+_HEADER = struct.Struct("<HBBBBBxI")  # sequence, session, opcode, size, request, burst, offset
+PAYLOAD_BYTES = 251
+DATA_BYTES = PAYLOAD_BYTES - _HEADER.size
+ACK, NAK = 128, 129
+
+
+class Opcode(IntEnum):
+    """What a client asks for; above 127 stand replies."""
+
+    NONE = 0
+    TERMINATE_SESSION = 1
+    RESET_SESSIONS = 2
+    LIST_DIRECTORY = 3
+    OPEN_FILE_RO = 4
+    READ_FILE = 5
+    CREATE_FILE = 6
+    WRITE_FILE = 7
+    REMOVE_FILE = 8
+    CREATE_DIRECTORY = 9
+    REMOVE_DIRECTORY = 10
+    OPEN_FILE_WO = 11
+    TRUNCATE_FILE = 12
+    RENAME = 13
+    CALC_FILE_CRC32 = 14
+    BURST_READ_FILE = 15
+
+
+class Nak(IntEnum):
+    """Why a request is refused."""
+
+    FAIL = 1
+    FAIL_ERRNO = 2
+    INVALID_DATA_SIZE = 3
+    INVALID_SESSION = 4
+    NO_SESSIONS_AVAILABLE = 5
+    EOF = 6
+    UNKNOWN_COMMAND = 7
+    FILE_EXISTS = 8
+    FILE_PROTECTED = 9
+    FILE_NOT_FOUND = 10
+
+
+class Refusal(Exception):
+    """A request cannot be done.
+
+    Args:
+        nak: the protocol's reason.
+        errno: the system's reason; goes with FAIL_ERRNO alone.
+    """
+
+    def __init__(self, nak: Nak, errno: int = 0) -> None:
+        super().__init__(nak.name)
+        self.nak = nak
+        self.errno = errno
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """What a client asks.
+
+    Attributes:
+        size: of the data; in reads and bursts, how many bytes are wanted.
+        data: as many bytes as the size says, at most 239.
+    """
+
+    sequence: int
+    session: int
+    opcode: int
+    size: int
+    offset: int
+    data: bytes
+
+    def texts(self) -> tuple[str, ...]:
+        """The data as texts that end in NUL or with the data.
+
+        Raises:
+            Refusal: it is not UTF-8.
+        """
+        raw = self.data.removesuffix(b"\0")
+        try:
+            return tuple(part.decode() for part in raw.split(b"\0"))
+        except UnicodeDecodeError:
+            raise Refusal(Nak.FAIL) from None
+
+
+def read_request(payload: bytes) -> Request | None:
+    """The request in a payload; None for a reply, or for less than a header."""
+    if len(payload) < _HEADER.size:
+        return None
+    sequence, session, opcode, size, _, _, offset = _HEADER.unpack_from(payload)
+    if opcode >= ACK:
+        return None
+    data = payload[_HEADER.size : _HEADER.size + size].ljust(min(size, DATA_BYTES), b"\0")
+    return Request(sequence, session, opcode, size, offset, data)
+
+
+def ack(
+    request: Request,
+    data: bytes = b"",
+    *,
+    session: int | None = None,
+    offset: int | None = None,
+    nth: int = 0,
+    ends_burst: bool = False,
+) -> bytes:
+    """A reply that says yes.
+
+    Args:
+        request: what it answers.
+        data: at most 239 bytes.
+        session: if it is not the request's.
+        offset: of the data in the file, if it is not the request's.
+        nth: counts the replies of a burst from 0.
+        ends_burst: nothing more comes by itself.
+    """
+    header = _HEADER.pack(
+        (request.sequence + 1 + nth) % 65536,
+        request.session if session is None else session,
+        ACK,
+        len(data),
+        request.opcode,
+        ends_burst,
+        request.offset if offset is None else offset,
+    )
+    return (header + data).ljust(PAYLOAD_BYTES, b"\0")
+
+
+def nak(request: Request, refusal: Refusal) -> bytes:
+    """A reply that says no."""
+    reason = bytes([refusal.nak])
+    if refusal.nak is Nak.FAIL_ERRNO:
+        reason += bytes([refusal.errno])
+    header = _HEADER.pack(
+        (request.sequence + 1) % 65536,
+        request.session,
+        NAK,
+        len(reason),
+        request.opcode,
+        False,
+        request.offset,
+    )
+    return (header + reason).ljust(PAYLOAD_BYTES, b"\0")

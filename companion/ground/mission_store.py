@@ -1,0 +1,243 @@
+"""Where do uploaded files lie, and what may a stranger do there?
+
+A door: it opens files, all below one folder. Rules:
+1. A path is a list of names between slashes, from the root whether or not it begins with one.
+   A name has letters, digits, `_`, `-` and `.`, begins with a letter or digit, and a file's ends
+   as those of missions and their maps and domains do. So `..`, NUL, backslash and hidden files
+   are not names.
+2. Each folder on the way is opened in the one before, and never through a symbolic link. So no
+   path leaves the root, whatever lies there and whoever changes it meanwhile.
+3. A file has at most 256 KiB; there are at most 64 files and 64 folders, and 4 MiB in all.
+4. A file is written beside its place, under a name that no client can say, and then renamed.
+5. `verdict.json` is ours; clients may read it.
+
+It does not wait for the disk (fsync): a tick would wait with it. After a power cut an upload may
+be missing; that of a mission that was accepted is checked again when it is uploaded again.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import re
+import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from companion.ground.ftp_frames import Nak, Refusal
+from companion.ground.ftp_sessions import MAX_FILE_BYTES
+
+VERDICT = "verdict.json"
+MAX_FILES = 64
+MAX_FOLDERS = 64
+MAX_TOTAL_BYTES = 4 * 1024 * 1024
+MAX_DEPTH = 4
+
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}")
+_SUFFIXES = (".yaml", ".yml", ".pgm", ".png", ".pddl")
+_TEMPORARY = ".new"
+_FOLDER = os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC
+_NAKS = {
+    errno.ENOENT: Nak.FILE_NOT_FOUND,
+    errno.ENOTDIR: Nak.FILE_NOT_FOUND,
+    errno.ELOOP: Nak.FILE_NOT_FOUND,  # a symbolic link
+    errno.EISDIR: Nak.FAIL,
+    errno.EEXIST: Nak.FILE_EXISTS,
+    errno.EACCES: Nak.FILE_PROTECTED,
+    errno.EPERM: Nak.FILE_PROTECTED,
+}
+
+
+def names_of(path: str) -> tuple[str, ...]:
+    """The names that a path consists of; none for the root.
+
+    Raises:
+        Refusal: it cannot be a path of ours.
+
+    >>> names_of("/maps/hall.yaml")
+    ('maps', 'hall.yaml')
+    """
+    names = tuple(name for name in path.split("/") if name)
+    if len(names) > MAX_DEPTH or not all(map(_NAME.fullmatch, names)):
+        raise Refusal(Nak.FILE_NOT_FOUND)
+    return names
+
+
+class MissionStore:
+    """The files below a folder, for `FtpServer`.
+
+    Args:
+        root: made if missing.
+    """
+
+    def __init__(self, root: Path) -> None:
+        root.mkdir(parents=True, exist_ok=True)
+        self.root = root.resolve()
+
+    def entries(self, path: str) -> list[str]:
+        """See `Store`."""
+        with self._open(names_of(path)) as folder:
+            return sorted(
+                f"D{name}" if stat.S_ISDIR(status.st_mode) else f"F{name}\t{status.st_size}"
+                for name, status in _listed(folder)
+            )
+
+    def read(self, path: str) -> bytes:
+        """See `Store`."""
+        with self._place(path) as (folder, name):
+            return _content(folder, name)
+
+    def check_writable(self, path: str) -> None:
+        """See `Store`."""
+        with self._place(path) as (folder, name):
+            self._check_new(folder, name, 0)
+
+    def write(self, path: str, content: bytes) -> None:
+        """See `Store`."""
+        with self._place(path) as (folder, name):
+            self._check_new(folder, name, len(content))
+            _replace(folder, name, content)
+
+    def publish(self, verdict: bytes) -> None:
+        """Writes `verdict.json`, which clients can only read."""
+        with self._open(()) as folder:
+            _replace(folder, VERDICT, verdict)
+
+    def remove(self, path: str) -> None:
+        """See `Store`."""
+        with self._place(path) as (folder, name):
+            _check_ours(name)
+            os.unlink(name, dir_fd=folder)
+
+    def make_folder(self, path: str) -> None:
+        """See `Store`."""
+        with self._place(path) as (folder, name):
+            if sum(1 for _, is_folder, _ in self._all(()) if is_folder) >= MAX_FOLDERS:
+                raise Refusal(Nak.FAIL_ERRNO, errno.ENOSPC)
+            os.mkdir(name, 0o700, dir_fd=folder)
+
+    def remove_folder(self, path: str) -> None:
+        """See `Store`."""
+        with self._place(path) as (folder, name):
+            os.rmdir(name, dir_fd=folder)
+
+    def rename(self, old: str, new: str) -> None:
+        """See `Store`."""
+        with self._place(old) as (source, old_name), self._place(new) as (target, new_name):
+            if stat.S_ISDIR(_status(source, old_name).st_mode):
+                raise Refusal(Nak.FILE_PROTECTED)
+            _check_ours(old_name)
+            _check_file_name(new_name)
+            if _status_if_any(target, new_name) is not None:
+                raise Refusal(Nak.FILE_EXISTS)
+            os.rename(old_name, new_name, src_dir_fd=source, dst_dir_fd=target)
+
+    def copy_to(self, target: Path) -> None:
+        """Makes a folder with all files as they are now.
+
+        They are linked, which is quick; a file is only ever replaced, so the copy does not change.
+        """
+        target.mkdir(parents=True)
+        for names, is_folder, _ in self._all(()):
+            if is_folder:
+                target.joinpath(*names).mkdir()
+            elif names != (VERDICT,):
+                os.link(self.root.joinpath(*names), target.joinpath(*names), follow_symlinks=False)
+
+    def _check_new(self, folder: int, name: str, size: int) -> None:
+        """Whether a file of some size may be written."""
+        _check_file_name(name)
+        if size > MAX_FILE_BYTES:
+            raise Refusal(Nak.FAIL_ERRNO, errno.EFBIG)
+        sizes = [status.st_size for _, is_folder, status in self._all(()) if not is_folder]
+        files, total_bytes = len(sizes) + 1, sum(sizes) + size
+        replaced = _status_if_any(folder, name)
+        if replaced is not None:
+            if not stat.S_ISREG(replaced.st_mode):
+                raise Refusal(Nak.FILE_EXISTS)
+            files, total_bytes = files - 1, total_bytes - replaced.st_size
+        if files > MAX_FILES or total_bytes > MAX_TOTAL_BYTES:
+            raise Refusal(Nak.FAIL_ERRNO, errno.ENOSPC)
+
+    def _all(
+        self, names: tuple[str, ...]
+    ) -> Iterator[tuple[tuple[str, ...], bool, os.stat_result]]:
+        """Everything below a folder: names, whether it is a folder, status; folders first."""
+        with self._open(names) as folder:
+            listed = _listed(folder)
+        for name, status in listed:
+            is_folder = stat.S_ISDIR(status.st_mode)
+            yield (*names, name), is_folder, status
+            if is_folder:
+                yield from self._all((*names, name))
+
+    @contextmanager
+    def _open(self, names: tuple[str, ...]) -> Iterator[int]:
+        """A folder, opened name by name."""
+        folder = -1
+        try:
+            folder = os.open(self.root, _FOLDER)
+            for name in names:
+                inner = os.open(name, _FOLDER, dir_fd=folder)
+                os.close(folder)
+                folder = inner
+            yield folder
+        except OSError as error:
+            number = error.errno or 0
+            raise Refusal(_NAKS.get(number, Nak.FAIL_ERRNO), number % 256) from error
+        finally:
+            if folder >= 0:
+                os.close(folder)
+
+    @contextmanager
+    def _place(self, path: str) -> Iterator[tuple[int, str]]:
+        """The folder that a path leads to, and its last name."""
+        names = names_of(path)
+        if not names:
+            raise Refusal(Nak.FILE_PROTECTED)  # the root itself
+        with self._open(names[:-1]) as folder:
+            yield folder, names[-1]
+
+
+def _listed(folder: int) -> list[tuple[str, os.stat_result]]:
+    """Files and folders in a folder that clients may know of."""
+    listed = [(name, _status(folder, name)) for name in os.listdir(folder) if _NAME.fullmatch(name)]
+    return [(n, s) for n, s in listed if stat.S_ISDIR(s.st_mode) or stat.S_ISREG(s.st_mode)]
+
+
+def _status(folder: int, name: str) -> os.stat_result:
+    return os.stat(name, dir_fd=folder, follow_symlinks=False)
+
+
+def _status_if_any(folder: int, name: str) -> os.stat_result | None:
+    try:
+        return _status(folder, name)
+    except FileNotFoundError:
+        return None
+
+
+def _check_ours(name: str) -> None:
+    if name == VERDICT:
+        raise Refusal(Nak.FILE_PROTECTED)
+
+
+def _check_file_name(name: str) -> None:
+    if not name.endswith(_SUFFIXES):
+        raise Refusal(Nak.FILE_PROTECTED)
+
+
+def _content(folder: int, name: str) -> bytes:
+    file = os.open(name, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC, dir_fd=folder)
+    with os.fdopen(file, "rb") as stream:
+        if not stat.S_ISREG(os.fstat(file).st_mode):
+            raise Refusal(Nak.FILE_NOT_FOUND)
+        return stream.read(MAX_FILE_BYTES)
+
+
+def _replace(folder: int, name: str, content: bytes) -> None:
+    """Writes a file beside its place and moves it there."""
+    flags = os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_NOFOLLOW | os.O_CLOEXEC
+    with os.fdopen(os.open(_TEMPORARY, flags, 0o600, dir_fd=folder), "wb") as stream:
+        stream.write(content)
+    os.rename(_TEMPORARY, name, src_dir_fd=folder, dst_dir_fd=folder)
