@@ -57,6 +57,15 @@ def read_map(path: Path) -> OccupancyGrid:
     return OccupancyGrid(np.ascontiguousarray(~is_free[::-1]), resolution_m, (north_m, east_m))
 
 
+def image_of(path: Path) -> Path:
+    """The image that a map file names; it need not exist.
+
+    Raises:
+        MissionError: the map file is missing or unreadable, or names none.
+    """
+    return _image(_Fields(path))
+
+
 class _Fields:
     """The keys of a map's YAML file, each of which knows its line."""
 
@@ -128,16 +137,20 @@ def _yaml_mapping(path: Path) -> CommentedMap:
     return values
 
 
+def _image(fields: _Fields) -> Path:
+    name = fields.value("image")
+    if not isinstance(name, str) or not name:
+        raise fields.error("image", "image is not a file name")
+    return fields.path.parent / name
+
+
 def _pixels(fields: _Fields) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.bool_]]:
     """Grey values 0 to 255 and which pixels are opaque; (rows, cols), row 0 northmost.
 
     Raises:
         MissionError: the image is missing, too large or not one that is understood.
     """
-    name = fields.value("image")
-    if not isinstance(name, str) or not name:
-        raise fields.error("image", "image is not a file name")
-    path = fields.path.parent / name
+    path = _image(fields)
     try:
         if not path.is_file():
             raise fields.error("image", f"there is no image {path}")

@@ -58,7 +58,7 @@ def free_port() -> int:
 
 
 OPTIONS = {
-    "check": [],
+    "check": ["--within", "--json"],
     "plan": [
         *("--at", "--set", "--unset", "--without", "--objective"),
         *("--engine", "--encoding", "--timeout", "--pddl", "--json"),

@@ -21,20 +21,34 @@ if TYPE_CHECKING:
 
 BUILT_IN = "built-in"
 FORMAT_VERSION = 1
-"""Of the JSON that `plan --json` prints."""
+"""Of the JSON that `plan --json` and `check --json` print."""
 
 
-def check(mission: MissionFile) -> None:
+def check(
+    mission: MissionFile,
+    within: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR", help="Refuse a mission that needs files outside, as one from a stranger."
+        ),
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
     """Reads, translates and plans a mission; needs no vehicle."""
-    question = _Question.read(mission)
-    planner = question.planner
-    typer.echo(f"mission    {planner.mission.name}: places {' '.join(planner.mission.places)}")
-    for conjunct in planner.conjuncts:
-        typer.echo(f"task       {conjunct.name}: {conjunct.automaton.states} states")
-    tree = planner.mission.tree
-    if tree is not None:
-        planner.actions_of(tree)
-    typer.echo(f"plan       {'a tree of its own' if tree else question.answer().lasso}")
+    try:
+        checked = _Checked.read(mission, within)
+    except CompanionError as error:
+        if as_json:
+            refused = {"version": FORMAT_VERSION, "ok": False, "exit_code": error.exit_code}
+            typer.echo(json.dumps(refused | {"error": str(error)}))
+        raise
+    if as_json:
+        typer.echo(json.dumps({"version": FORMAT_VERSION, "ok": True} | checked.as_json()))
+        return
+    typer.echo(f"mission    {checked.mission}: places {' '.join(checked.places)}")
+    for name, states in checked.states.items():
+        typer.echo(f"task       {name}: {states} states")
+    typer.echo(f"plan       {checked.plan}")
     typer.echo("ok")
 
 
@@ -127,6 +141,43 @@ def _print(solution: Solution) -> None:
         typer.echo(f"{what}, at most {over:.1f} % over the best ({solution.engine})")
     else:
         typer.echo(f"{what}; how good that is, is not known ({solution.engine})")
+
+
+@dataclass(frozen=True)
+class _Checked:
+    """What is told of a mission that can be flown.
+
+    Attributes:
+        states: of each conjunct's automaton.
+    """
+
+    mission: str
+    places: tuple[str, ...]
+    states: dict[str, int]
+    plan: str
+
+    @classmethod
+    def read(cls, path: Path, within: Path | None) -> _Checked:
+        """Plans a mission, all of whose files may have to be in a folder."""
+        from companion.mission.files import files_of
+
+        if within is not None:
+            files_of(path, within)
+        question = _Question.read(path)
+        planner = question.planner
+        tree = planner.mission.tree
+        if tree is not None:
+            planner.actions_of(tree)
+        return cls(
+            planner.mission.name,
+            tuple(planner.mission.places),
+            {c.name: c.automaton.states for c in planner.conjuncts},
+            "a tree of its own" if tree else str(question.answer().lasso),
+        )
+
+    def as_json(self) -> dict[str, Any]:
+        """The same for programs."""
+        return {"mission": self.mission, "automata": self.states, "plan": self.plan}
 
 
 @dataclass(frozen=True)

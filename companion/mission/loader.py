@@ -44,7 +44,7 @@ def load_mission(path: Path) -> Mission:
     Raises:
         MissionError: a file is missing, or anything in it cannot be used.
     """
-    text = _read(path)
+    text = read_text(path)
     file, document = validate(text, str(path), MissionFile)
     file, declared = with_domain(file, document, path.parent)
     _check_names(file, document)
@@ -80,8 +80,12 @@ def load_mission(path: Path) -> Mission:
     )
 
 
-def _read(path: Path) -> str:
-    """The text of a file; bytes that are not UTF-8 stay, for the YAML reader to locate."""
+def read_text(path: Path) -> str:
+    """The text of a file; bytes that are not UTF-8 stay, for the YAML reader to locate.
+
+    Raises:
+        MissionError: it cannot be read.
+    """
     try:
         with path.open("rb") as stream:
             return stream.read(MAX_BYTES + 1).decode("utf-8", "surrogateescape")

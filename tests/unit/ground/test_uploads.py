@@ -1,0 +1,194 @@
+"""A mission arrives, is checked by a real child process, and becomes active or not."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from ftp_client import Client
+
+from companion.ground.checking import Answer, ChildCheck
+from companion.ground.ftp import crc32
+from companion.ground.ftp_frames import Opcode
+from companion.ground.limited import MAX_CPU_S, MAX_MEMORY_BYTES, MAX_OUTPUT_BYTES
+from companion.ground.uploads import CHECK_S, Uploads, Verdict
+from companion.mission.loader import load_mission
+
+MISSIONS = Path(__file__).parents[3] / "missions"
+MISSION = (MISSIONS / "surveillance.yaml").read_bytes()
+LIMIT_S = 60.0
+
+
+class Ground(Client):
+    """A ground station of `Uploads`."""
+
+    def __init__(self, uploads: Uploads) -> None:
+        self.uploads = uploads
+        super().__init__(_Door(uploads))  # type: ignore[arg-type]
+
+    def upload_map(self) -> None:
+        self.ask(Opcode.CREATE_DIRECTORY, "maps")
+        for name in ("hall.pgm", "hall.yaml"):
+            self.put(f"maps/{name}", (MISSIONS / "maps" / name).read_bytes())
+
+    def verdict(self, is_flying: bool = False) -> Verdict:
+        end_s = time.monotonic() + LIMIT_S
+        while not (verdicts := self.uploads.poll(self.now_s, is_flying)):
+            assert time.monotonic() < end_s
+            time.sleep(0.02)
+        (verdict,) = verdicts
+        assert json.loads(self.get("verdict.json"))["text"] == verdict.text
+        return verdict
+
+
+class _Door:
+    def __init__(self, uploads: Uploads) -> None:
+        self.receive = uploads.ftp
+
+
+class Slow:
+    """A check that ends only if it is killed; or as told."""
+
+    def __init__(self) -> None:
+        self.folders: list[Path] = []
+        self.answer: Answer | None = None
+        self.killed = 0
+
+    def __call__(self, folder: Path, mission: str) -> Slow:
+        self.folders.append(folder)
+        return self
+
+    def poll(self) -> Answer | None:
+        return self.answer
+
+    def kill(self) -> None:
+        self.killed += 1
+        self.answer = Answer(False, "the check needs too much time or memory")
+
+
+def test_a_good_mission_becomes_active_with_its_files(tmp_path: Path) -> None:
+    uploads = Uploads(tmp_path)
+    ground = Ground(uploads)
+    ground.upload_map()
+    assert uploads.poll(0.0) == []  # a map is no mission
+    ground.put("surveillance.yaml", MISSION)
+    assert uploads.take_active() is None
+    verdict = ground.verdict()
+    assert verdict.is_accepted
+    assert verdict.told == "surveillance.yaml accepted"
+    assert verdict.crc32 == crc32(MISSION)
+    assert "move(Home, A)" in verdict.text
+    path = uploads.take_active()
+    assert path is not None
+    assert load_mission(path).name == "surveillance"
+    assert uploads.take_active() is None
+    ground.put("maps/hall.pgm", b"broken")  # what flies is not touched
+    assert load_mission(path).name == "surveillance"
+    restarted = Ground(Uploads(tmp_path))
+    restarted.put("surveillance.yaml", b"version: 2")
+    assert restarted.verdict().number == verdict.number + 1
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        (b"F at(A)", b"F at(D)", "surveillance.yaml:"),
+        (b"maps/hall.yaml", b"maps/none.yaml", "surveillance.yaml:11:6: "),
+        (b"maps/hall.yaml", b"../../../../etc/hosts", "lies outside the mission's folder"),
+        (b"maps/hall.yaml", b"/etc/hosts", "lies outside the mission's folder"),
+        (b"version: 1", b"versoin: 1", "surveillance.yaml:8:1: "),
+    ],
+)
+def test_a_mission_that_cannot_be_flown_changes_nothing(
+    tmp_path: Path, old: bytes, new: bytes, told: str
+) -> None:
+    uploads = Uploads(tmp_path)
+    ground = Ground(uploads)
+    ground.upload_map()
+    ground.put("surveillance.yaml", MISSION.replace(old, new))
+    verdict = ground.verdict()
+    assert not verdict.is_accepted
+    assert told in verdict.told
+    assert verdict.told.startswith("refused surveillance.yaml:")
+    assert uploads.take_active() is None
+    assert list((tmp_path / "active").iterdir()) == []
+
+
+def test_an_image_outside_is_not_opened(tmp_path: Path) -> None:
+    ground = Ground(Uploads(tmp_path))
+    ground.upload_map()
+    plan = (MISSIONS / "maps" / "hall.yaml").read_bytes()
+    ground.put("maps/hall.yaml", plan.replace(b"hall.pgm", b"../../../x.pgm"))
+    ground.put("surveillance.yaml", MISSION)
+    assert "the image of maps/hall.yaml lies outside" in ground.verdict().text
+
+
+def test_in_flight_it_waits_for_the_landing(tmp_path: Path) -> None:
+    slow = Slow()
+    uploads = Uploads(tmp_path, slow)
+    ground = Ground(uploads)
+    ground.put("a.yaml", MISSION)
+    assert uploads.poll(0.0, is_flying=True) == []
+    slow.answer = Answer(True, "a plan")
+    assert ground.verdict(is_flying=True).told == "a.yaml accepted; becomes active after landing"
+    ground.put("b.yaml", MISSION)
+    assert ground.verdict(is_flying=True).mission == "b.yaml"
+    path = uploads.take_active()  # the newest
+    assert path is not None and path.name == "b.yaml"
+    assert [folder.name for folder in (tmp_path / "active").iterdir()] == [path.parent.name]
+
+
+def test_one_check_at_a_time_and_a_late_one_is_ended(tmp_path: Path) -> None:
+    slow = Slow()
+    uploads = Uploads(tmp_path, slow)
+    ground = Ground(uploads)
+    for name in ("a.yaml", "b.yaml", "b.yaml"):
+        ground.put(name, MISSION)
+        assert uploads.poll(0.0) == []
+    assert len(slow.folders) == 1
+    assert uploads.poll(CHECK_S) == []
+    assert uploads.poll(CHECK_S + 0.1) == []
+    assert slow.killed == 1
+    verdict = ground.verdict()
+    assert verdict.told == "refused a.yaml: the check needs too much time or memory"
+    slow.answer = None
+    uploads.poll(CHECK_S + 0.2)
+    assert len(slow.folders) == 2
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        b"a: &a [x, x, x]\nb: &b [*a, *a, *a, *a]\nc: [*b, *b, *b]\n",
+        b"[" * 60_000,
+        b"\xff\0" * 9000,
+        b"task: " + b"(" * 30_000,
+    ],
+)
+def test_a_bomb_harms_nobody(tmp_path: Path, text: bytes) -> None:
+    ground = Ground(Uploads(tmp_path))
+    ground.put("bomb.yaml", text)
+    assert not ground.verdict().is_accepted
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="limits are read from /proc")
+def test_the_child_has_limits_before_it_reads_anything(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.yaml")  # reading it waits for ever
+    check = ChildCheck(tmp_path, "pipe.yaml")
+    process, wanted = Path(f"/proc/{check._child.pid}"), f"Max cpu time +{MAX_CPU_S} +{MAX_CPU_S}"
+    end_s = time.monotonic() + LIMIT_S
+    while not re.search(wanted, limits := (process / "limits").read_text()):
+        assert time.monotonic() < end_s
+        time.sleep(0.02)
+    assert re.search(f"Max address space +{MAX_MEMORY_BYTES}", limits)
+    assert re.search(f"Max file size +{MAX_OUTPUT_BYTES}", limits)
+    assert check.poll() is None
+    check.kill()
+    while (answer := check.poll()) is None:
+        time.sleep(0.02)
+    assert answer.text == "the check needs too much time or memory"
