@@ -67,6 +67,8 @@ OPTIONS = {
     "run": ["--connect", "--accept-weak-failsafes", "--wait", "--timeout", "--log-dir"],
     "sim": ["--scenario", "--speed", "--seed", "--instance", "--timeout", "--log-dir"],
     "audit": ["--json"],
+    "upload": ["--connect", "--start", "--timeout"],
+    "watch": ["--connect", "--timeout"],
 }
 
 

@@ -3,9 +3,10 @@
 The files are behind the `Store`. Rules:
 1. A reply has the request's sequence number + 1. What is no request gets no reply; any request
    gets one, and never an exception.
-2. A repeated request is answered by the reply that was lost, if it is the client's newest one and
-   changes something. The others are done again, which gives the same or newer. The memory is
-   short, because a client that starts anew counts from 0 again.
+2. A repeated request is answered by the reply that was lost, if it changes something and is the
+   newest with its session number (for number 0, which MAVSDK always begins with, the client's
+   newest). Others are done again, which gives the same or newer. More is not remembered, because
+   a client that starts anew counts from 0 again.
 3. What is written becomes the file when its session ends (`ftp_sessions.py`), if no byte is
    missing; until then the old file is there. A write that is refused ends the session.
 4. A burst is at most sixteen replies, of which the last says so; the client asks for the next
@@ -36,7 +37,7 @@ from companion.ground.ftp_sessions import Client, Session, Sessions
 
 BURST = 16
 REPEAT_S = 10.0
-MAX_REMEMBERED = 64  # clients
+MAX_REMEMBERED = 64  # replies
 _CHANGING = frozenset(
     {
         Opcode.TERMINATE_SESSION,
@@ -110,7 +111,7 @@ class FtpServer:
         self.stored: list[str] = []
         self._store = store
         self._sessions = Sessions()
-        self._newest: dict[Client, tuple[float, bytes, list[bytes]]] = {}
+        self._newest: dict[tuple[Client, int], tuple[float, bytes, list[bytes]]] = {}
 
     def receive(self, now_s: float, client: Client, payload: bytes) -> list[bytes]:
         """Does what a client asks.
@@ -126,16 +127,18 @@ class FtpServer:
         if request is None:
             return []
         self._sessions.expire(now_s)
-        asked_s, asked, replies = self._newest.get(client, (0.0, b"", []))
+        session = (client, request.session)
+        asked_s, asked, replies = self._newest.get(session, (0.0, b"", []))
         if asked == payload and now_s - asked_s <= REPEAT_S:
             return replies
         try:
             replies = self._do(_Asked(now_s, client, request))
         except Refusal as refusal:
             replies = [nak(request, refusal)]
-        self._newest.pop(client, None)
+        self._newest.pop(session, None)
+        self._newest.pop((client, 0), None)
         if request.opcode in _CHANGING:
-            self._newest[client] = (now_s, payload, replies)
+            self._newest[session] = (now_s, payload, replies)
             if len(self._newest) > MAX_REMEMBERED:
                 del self._newest[next(iter(self._newest))]
         return replies

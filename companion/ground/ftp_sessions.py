@@ -2,8 +2,8 @@
 
 An open file is a copy in memory: a reader sees the file as it was when it was opened, a writer
 changes nothing until it ends its session. Rules:
-1. A client may choose the session's number (pymavlink and MAVProxy do, and ignore replies with
-   another); 0, or a number that it uses already, means that one is allotted.
+1. A client gets the session number that it asks for (pymavlink and MAVProxy ignore replies with
+   another; MAVSDK always asks for 0 and takes what it gets), unless it has that one open already.
 2. A client has at most 4 sessions, all clients together 8.
 3. A session in which nothing has happened for 30 s is freed, and what was written is dropped:
    half a mission may be a mission, but not the one that was meant.
@@ -90,7 +90,7 @@ class Sessions:
         """Opens a file for a client.
 
         Args:
-            number: the one the client would like; 0 for any.
+            number: the one the client would like.
             content: what is in the file.
 
         Raises:
@@ -99,8 +99,8 @@ class Sessions:
         used = {n for c, n in self._sessions if c == client}
         if len(self._sessions) >= MAX_SESSIONS or len(used) >= MAX_SESSIONS_OF_CLIENT:
             raise Refusal(Nak.NO_SESSIONS_AVAILABLE)
-        if number == 0 or number in used:
-            number = next(n for n in range(1, 256) if n not in used)
+        if number in used:
+            number = next(n for n in range(256) if n not in used)
         session = Session(number, path, bytearray(content), is_writing, now_s)
         session.arrived = _joined([(0, len(content))])
         self._sessions[client, number] = session

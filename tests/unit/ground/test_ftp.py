@@ -103,9 +103,26 @@ def test_a_repeated_request_gets_the_reply_that_was_lost(client: Client) -> None
         assert first[0].nak is None
         assert client.send(request) == first
         client.ask(Opcode.NONE)
-    ended = pack(900, Opcode.TERMINATE_SESSION, session=1)
+    ended = pack(900, Opcode.TERMINATE_SESSION)
     assert client.send(ended) == client.send(ended)
     assert client.get("b.yaml") == b""
+
+
+def test_a_session_s_lost_reply_is_kept_while_others_go_on(client: Client) -> None:
+    request = pack(0, Opcode.CREATE_FILE, b"a.yaml", session=175)
+    first = client.send(request)
+    assert client.ask(Opcode.CREATE_FILE, "b.yaml", session=176).session == 176
+    assert client.send(request) == first
+    assert client.ask(Opcode.WRITE_FILE, b"x", session=175).nak is None
+    assert client.ask(Opcode.TERMINATE_SESSION, session=175).nak is None
+    assert client.get("a.yaml") == b"x"
+
+
+def test_a_client_that_starts_anew_uploads_anew(client: Client) -> None:
+    for content in (b"long", b"new"):
+        client.sequence = 0
+        client.put("a.yaml", content)
+        assert client.get("a.yaml") == content
 
 
 def test_a_client_that_starts_anew_is_not_answered_from_memory(client: Client) -> None:

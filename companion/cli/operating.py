@@ -1,0 +1,154 @@
+"""The commands of an operator on the ground: upload and watch."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import AsyncIterator
+from contextlib import ExitStack
+from pathlib import Path, PurePosixPath
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from companion.cli.arguments import MissionFile
+from companion.errors import LinkError, LinkTimeout, MissionError
+
+if TYPE_CHECKING:
+    from companion.ground.station import Heard, Station
+
+Connect = Annotated[
+    str,
+    typer.Option(
+        envvar="COMPANION_GROUND_CONNECT",
+        help="udpin://HOST:PORT, where the vehicle sends to a ground station, or udpout://...",
+    ),
+]
+Timeout = Annotated[float, typer.Option(help="Seconds to wait for the companion.", min=0.1)]
+GROUND_STATION = "udpin://0.0.0.0:14550"
+VERDICT_S = 60.0
+"""A check takes at most 30 s, and may wait for another one."""
+SILENT_S = 10.0
+SILENCE = f"the companion was not heard for {SILENT_S:.0f} s"
+MISSION_START = 300  # MAV_CMD_MISSION_START
+
+
+def upload(
+    mission: MissionFile,
+    connect: Connect = GROUND_STATION,
+    start: Annotated[bool, typer.Option(help="Start the mission once it is accepted.")] = False,
+    timeout: Timeout = 30.0,
+) -> None:
+    """Sends a mission and its files to a companion, which checks it. Needs `companion run`.
+
+    Exit code 0: accepted, 2: refused, 4: no link.
+    """
+    from companion.mission.files import files_of
+
+    files = files_of(mission, mission.parent)
+    asyncio.run(_upload(files, _mavsdk_url(connect), start, timeout))
+
+
+def watch(connect: Connect = GROUND_STATION, timeout: Timeout = 30.0) -> None:
+    """Prints what a companion says, until its run has ended: with that run's exit code."""
+    try:
+        code = asyncio.run(_watch(_mavsdk_url(connect), timeout))
+    except KeyboardInterrupt:
+        code = 0
+    raise typer.Exit(code)
+
+
+def _mavsdk_url(url: str) -> str:
+    """MAVSDK's spelling; an ambiguous `udp:` is refused as everywhere."""
+    from companion.vehicle.link import parse_url
+
+    return str(parse_url(url))
+
+
+async def _upload(files: tuple[Path, ...], url: str, starts: bool, timeout_s: float) -> None:
+    from companion.ground.ftp import crc32
+    from companion.ground.station import connected
+
+    *others, mission = files
+    typer.echo(f"waiting    for a companion on {url}")
+    async with connected(url, timeout_s) as station:
+        before = await station.verdict()
+        for file in others:
+            await _send(station, file, mission.parent, is_needed=False)
+        await _send(station, mission, mission.parent, is_needed=True)
+        verdict = await station.new_verdict(
+            int(before["number"]) if before else 0, crc32(mission.read_bytes()), VERDICT_S
+        )
+        if not verdict["is_accepted"]:
+            raise MissionError(f"the companion refuses the mission\n{verdict['text']}")
+        typer.echo(f"verdict    {verdict['text'].splitlines()[0]}")
+        if starts:
+            await _start(station)
+
+
+async def _send(station: Station, file: Path, folder: Path, is_needed: bool) -> None:
+    """Sends a file, unless it is there already and need not be sent again."""
+    remote = PurePosixPath("/", file.resolve().relative_to(folder.resolve()).as_posix())
+    if not is_needed and await station.has(file, remote):
+        typer.echo(f"there      {remote}")
+        return
+    with ExitStack() as stack:
+        await station.put(file, remote, _progress(stack, str(remote)))
+    typer.echo(f"sent       {remote}, {file.stat().st_size} bytes")
+
+
+def _progress(stack: ExitStack, what: str) -> Any:
+    """Draws a bar on a terminal, for as long as the stack lasts."""
+    from rich.progress import Progress
+
+    bar = stack.enter_context(Progress(transient=True, disable=not _is_terminal()))
+    task = bar.add_task(what, total=None)
+    return lambda sent, total: bar.update(task, completed=sent, total=total)
+
+
+def _is_terminal() -> bool:
+    from rich.console import Console
+
+    return Console().is_terminal
+
+
+async def _start(station: Station) -> None:
+    from companion.mavlink.commands import result_name
+
+    result = result_name(await station.command(MISSION_START))
+    if result != "ACCEPTED":
+        raise LinkError(f"the companion does not start the mission: {result}")
+    typer.echo("started")
+
+
+async def _watch(url: str, timeout_s: float) -> int:
+    from rich.console import Console
+    from rich.live import Live
+
+    from companion.ground.station import COMPANION, connected
+    from companion.ground.watching import NAMES, Watch
+
+    typer.echo(f"waiting    for a companion on {url}")
+    async with connected(url, timeout_s) as station:
+        seen = Watch(time.monotonic())
+        typer.echo(f"watching   component {COMPANION} of system {station.system}")
+        console = Console(highlight=False, markup=False, soft_wrap=True)
+        with ExitStack() as stack:
+            live = stack.enter_context(Live(console=console)) if console.is_terminal else None
+            messages = station.messages(NAMES)
+            while seen.exit_code is None:
+                heard = await _next(messages)
+                if time.monotonic() - seen.heard_s > SILENT_S:
+                    raise LinkTimeout(SILENCE)
+                for line in seen.take(time.monotonic(), *heard):
+                    console.print(f"{time.strftime('%H:%M:%S')}  {line}")
+                if live:
+                    live.update(seen.status)
+    return seen.exit_code
+
+
+async def _next(messages: AsyncIterator[Heard]) -> Heard:
+    try:
+        return await asyncio.wait_for(anext(messages), SILENT_S)
+    except TimeoutError:
+        raise LinkTimeout(SILENCE) from None

@@ -1,0 +1,207 @@
+"""The operator's side: what `companion upload` and `companion watch` ask of MAVSDK.
+
+A door: MAVSDK opens the link, in threads of its own. The companion is component 191 of the
+vehicle's system. For files MAVSDK can be told so (`set_target_compid`). Its plugins for commands
+and texts speak to the autopilot alone or do not say who spoke, so these go through
+`mavlink_direct`, which names the target in the message and the sender in the answer.
+
+A file is sent in pieces, each after the answer to the one before: at the companion's 20 ticks a
+second 4.7 KiB/s. So files that are there already, by their checksum, are not sent again.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import tempfile
+from collections.abc import AsyncIterator, Callable, Iterable
+from contextlib import asynccontextmanager
+from pathlib import Path, PurePosixPath
+from typing import Any, NamedTuple
+
+from mavsdk import log_subscribe
+from mavsdk.asyncio import ComponentType, Configuration, Mavsdk
+from mavsdk.asyncio.plugins.ftp import FtpAsync
+from mavsdk.asyncio.plugins.mavlink_direct import MavlinkDirectAsync
+from mavsdk.exceptions import MavsdkError
+from mavsdk.plugins.ftp import FtpError, FtpResult
+from mavsdk.plugins.mavlink_direct import MavlinkMessage
+
+from companion.errors import LinkError, LinkTimeout
+
+COMPANION = 191  # MAV_COMP_ID_ONBOARD_COMPUTER
+VERDICT = "verdict.json"
+PAUSE_S = 0.5
+"""Between two looks at the verdict."""
+
+Progress = Callable[[int, int], None]
+"""Is told how many bytes of how many have been sent."""
+
+
+class Heard(NamedTuple):
+    """A message from a component of the vehicle."""
+
+    component: int
+    name: str
+    fields: dict[str, Any]
+
+
+@asynccontextmanager
+async def connected(url: str, timeout_s: float) -> AsyncIterator[Station]:
+    """A station that hears a vehicle with a companion on board.
+
+    Raises:
+        LinkError: the link cannot be opened.
+        LinkTimeout: no autopilot, or no companion, was heard in time.
+    """
+    log_subscribe(lambda *_: True)  # its log goes to standard output otherwise
+    kind = ComponentType.GROUND_STATION
+    async with Mavsdk(Configuration.create_with_component_type(kind)) as client:
+        try:
+            await client.add_any_connection(url)
+        except MavsdkError as error:
+            raise LinkError(f"cannot connect to {url}: {error}") from error
+        system = await client.first_autopilot(timeout_s=timeout_s)
+        if system is None:
+            raise LinkTimeout(f"no vehicle on {url} after {timeout_s:.0f} s")
+        station = Station(system, await system.get_system_id())
+        await station.meet(timeout_s)
+        yield station
+
+
+class Station:
+    """One vehicle, seen from the ground.
+
+    Args:
+        system: MAVSDK's, with an autopilot.
+        number: its system id.
+
+    Attributes:
+        system: the same number.
+    """
+
+    def __init__(self, system: Any, number: int) -> None:
+        self.system = number
+        self._ftp = FtpAsync(system)
+        self._direct = MavlinkDirectAsync(system)
+
+    async def meet(self, timeout_s: float) -> None:
+        """Returns when the companion has been heard.
+
+        Raises:
+            LinkTimeout: it was not.
+        """
+        try:
+            async with asyncio.timeout(timeout_s):
+                async for heard in self.messages(["HEARTBEAT"]):
+                    if heard.component == COMPANION:
+                        break
+        except TimeoutError:
+            raise LinkTimeout(
+                f"no companion (component {COMPANION}) on system {self.system}\n"
+                "    `companion run --connect URL` has to run on board"
+            ) from None
+        await self._ftp.set_target_compid(COMPANION)
+
+    async def messages(self, names: Iterable[str]) -> AsyncIterator[Heard]:
+        """Messages of some names from any component of the vehicle, as they come."""
+        queue: asyncio.Queue[Heard] = asyncio.Queue()
+
+        async def pump(name: str) -> None:
+            async for message in self._direct.subscribe_message(name):
+                fields = json.loads(message.fields_json)
+                queue.put_nowait(Heard(message.component_id, name, fields))
+
+        tasks = [asyncio.create_task(pump(name)) for name in names]
+        try:
+            while True:
+                yield await queue.get()
+        finally:
+            for task in tasks:
+                task.cancel()
+            await asyncio.gather(*tasks, return_exceptions=True)
+
+    async def has(self, local: Path, remote: PurePosixPath) -> bool:
+        """Whether a file is on board already, with the same content."""
+        try:
+            return bool(await self._ftp.are_files_identical(str(local), str(remote)))
+        except FtpError as error:
+            _check_answered(error)
+            return False
+
+    async def put(self, local: Path, remote: PurePosixPath, progress: Progress) -> None:
+        """Sends a file; the folders on its way are made.
+
+        Raises:
+            LinkError: the companion does not take it.
+            LinkTimeout: there was no answer.
+        """
+        for folder in reversed(remote.parents[:-1]):
+            try:
+                await self._ftp.create_directory(str(folder))
+            except FtpError as error:
+                _check_answered(error)  # it is there already, or the file is refused next
+        with tempfile.TemporaryDirectory() as copy:  # MAVSDK keeps the local name
+            named = Path(copy) / remote.name
+            named.write_bytes(local.read_bytes())
+            try:
+                async for _, data in self._ftp.upload(str(named), str(remote.parent)):
+                    if data is not None and data.total_bytes:
+                        progress(data.bytes_transferred, data.total_bytes)
+            except FtpError as error:
+                _check_answered(error)
+                reason = FtpResult(error.result).name
+                raise LinkError(f"the companion does not take {remote}: {reason}") from error
+
+    async def verdict(self) -> dict[str, Any] | None:
+        """What was found about the mission that was uploaded last; None if there was none."""
+        with tempfile.TemporaryDirectory() as folder:
+            try:
+                async for _ in self._ftp.download(f"/{VERDICT}", folder, False):
+                    pass
+                return dict(json.loads((Path(folder) / VERDICT).read_bytes()))
+            except FtpError as error:
+                _check_answered(error)
+                return None
+            except (OSError, ValueError):  # replaced while it was read
+                return None
+
+    async def new_verdict(self, after: int, checksum: int, timeout_s: float) -> dict[str, Any]:
+        """Waits for the verdict on a file.
+
+        Args:
+            after: number of the last verdict before it was sent.
+            checksum: of its content.
+
+        Raises:
+            LinkTimeout: it did not come in time.
+        """
+        try:
+            async with asyncio.timeout(timeout_s):
+                while True:
+                    verdict = await self.verdict()
+                    if verdict and verdict["number"] > after and verdict["crc32"] == checksum:
+                        return verdict
+                    await asyncio.sleep(PAUSE_S)
+        except TimeoutError:
+            raise LinkTimeout(f"no verdict on the mission after {timeout_s:.0f} s") from None
+
+    async def command(self, number: int) -> int:
+        """Sends a command without parameters to the companion; its MAV_RESULT.
+
+        Raises:
+            LinkTimeout: there was no answer.
+        """
+        fields = {"target_system": self.system, "target_component": COMPANION, "command": number}
+        message = MavlinkMessage("COMMAND_LONG", 0, 0, self.system, COMPANION, json.dumps(fields))
+        try:
+            ack = await self._direct.send_command(message)
+        except MavsdkError as error:
+            raise LinkTimeout(f"the companion does not answer command {number}") from error
+        return int(json.loads(ack.fields_json)["result"])
+
+
+def _check_answered(error: FtpError) -> None:
+    """Raises unless the failure is an answer."""
+    if error.result == FtpResult.TIMEOUT:
+        raise LinkTimeout("the companion does not answer any more") from error

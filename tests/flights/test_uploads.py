@@ -1,0 +1,219 @@
+"""Real clients against the server on a real simulator's link: MAVSDK, pymavlink, MAVProxy, ours.
+
+The simulator forwards between its two links, as PX4 does. Timers of the clients run in wall time.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+os.environ.setdefault("MAVLINK20", "1")
+
+import pytest
+from ports import free_instance
+from pymavlink import mavutil
+from pymavlink.mavftp import MAVFTP
+from test_mavproxy import MAVProxy
+from test_mavsdk_client import mavsdk, within
+from test_sockets import Run, run
+from upload_host import UploadHost
+
+from companion.ground.ftp import crc32
+
+pytestmark = pytest.mark.alone
+__all__ = ["run"]
+
+MISSION = Path(__file__).parents[2] / "missions" / "surveillance.yaml"
+CONTENT = bytes(range(256)) * 256  # 64 KiB
+START_S, ANSWER_S = 20.0, 60.0
+
+
+@pytest.fixture
+def instance() -> Iterator[int]:
+    """Of a running simulator."""
+    number = free_instance()
+    command = [sys.executable, "-m", "sitl", "-i", str(number)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as child:
+        assert child.stdout is not None
+        child.stdout.readline(), child.stdout.readline()
+        try:
+            yield number
+        finally:
+            child.send_signal(signal.SIGINT)
+            assert child.wait(timeout=5) == 0
+
+
+class Pymavlink:
+    """pymavlink's own client."""
+
+    def __init__(self, instance: int) -> None:
+        self.link = mavutil.mavlink_connection(
+            f"udpin:127.0.0.1:{14550 + instance}", source_system=255, source_component=190
+        )
+        end_s = time.monotonic() + START_S
+        while time.monotonic() < end_s:
+            beat = self.link.recv_match(type="HEARTBEAT", blocking=True, timeout=1.0)
+            self.link.mav.heartbeat_send(6, 8, 0, 0, 4)
+            if beat and beat.get_srcComponent() == 191:
+                break
+        else:
+            raise AssertionError("no companion")
+        self.ftp = MAVFTP(self.link, 1 + instance, 191)
+        self.ftp.ftp_settings.write_size = 239
+        self.ftp.ftp_settings.burst_read_size = 239
+
+    def put(self, local: Path, remote: str) -> int:
+        self.ftp.cmd_put([str(local), remote])
+        return self.ftp.process_ftp_reply("CreateFile", timeout=30).error_code
+
+
+def test_pymavlink_s_client_is_content(instance: int, tmp_path: Path) -> None:
+    local, back = tmp_path / "a.yaml", tmp_path / "b.yaml"
+    local.write_bytes(CONTENT)
+    with UploadHost(14540 + instance, tmp_path / "root"):
+        client = Pymavlink(instance)
+        ftp = client.ftp
+        assert ftp.cmd_mkdir(["/maps"]).error_code == 0
+        assert client.put(local, "/maps/a.yaml") == 0
+        listed = ftp.cmd_list(["/maps"]).directory_listing
+        assert [(e.name, e.size_b) for e in listed] == [("a.yaml", len(CONTENT))]
+        ftp.cmd_get(["/maps/a.yaml", str(back)])
+        assert ftp.process_ftp_reply("OpenFileRO", timeout=30).error_code == 0
+        assert back.read_bytes() == CONTENT
+        assert ftp.cmd_crc(["/maps/a.yaml"]).error_code == 0
+        assert ftp.cmd_rename(["/maps/a.yaml", "/maps/c.yaml"]).error_code == 0
+        assert ftp.cmd_rmdir(["/maps"]).error_code != 0  # not empty
+        assert ftp.cmd_rm(["/maps/c.yaml"]).error_code == 0
+        assert ftp.cmd_rmdir(["/maps"]).error_code == 0
+        client.link.close()
+
+
+def test_64_kib_arrive_whole_at_30_percent_loss(instance: int, tmp_path: Path) -> None:
+    """Lost requests and lost replies. pymavlink sends CreateFile and the end only once, so a person
+    has to look at the checksum and try again; each try is complete or nothing."""
+    local, arrived = tmp_path / "a.yaml", tmp_path / "root" / "incoming" / "a.yaml"
+    local.write_bytes(CONTENT)
+    with UploadHost(14540 + instance, tmp_path / "root", loss=0.16):
+        client = Pymavlink(instance)
+        start_s = time.monotonic()
+        while not arrived.exists():
+            assert time.monotonic() - start_s < ANSWER_S
+            client.put(local, "/a.yaml")
+        print(f"{time.monotonic() - start_s:.1f} s")
+        client.link.close()
+    assert crc32(arrived.read_bytes()) == crc32(CONTENT)
+
+
+async def transfer(port: int, local: Path, back: Path) -> None:
+    from mavsdk.asyncio.plugins.ftp import FtpAsync
+    from mavsdk.plugins.ftp import FtpError, FtpResult
+
+    kind = mavsdk.ComponentType.GROUND_STATION
+    async with mavsdk.Mavsdk(mavsdk.Configuration.create_with_component_type(kind)) as client:
+        await client.add_any_connection(f"udpin://127.0.0.1:{port}")
+        system = await client.first_autopilot(timeout_s=10)
+        ftp = FtpAsync(system)
+        await ftp.set_target_compid(191)
+        await within(ftp.create_directory("/maps"))
+        with pytest.raises(FtpError) as refused:
+            await within(ftp.create_directory("/maps"))
+        assert refused.value.result == FtpResult.FILE_EXISTS
+        async for result, _ in ftp.upload(str(local), "/maps"):
+            assert result in (FtpResult.NEXT, FtpResult.SUCCESS)
+        listed = await within(ftp.list_directory("/maps"))
+        assert [(f.name, f.size_bytes) for f in listed.entries] == [(local.name, len(CONTENT))]
+        assert await within(ftp.are_files_identical(str(local), f"/maps/{local.name}"))
+        for uses_burst in (False, True):
+            async for _ in ftp.download(f"/maps/{local.name}", str(back), uses_burst):
+                pass
+            assert (back / local.name).read_bytes() == CONTENT
+            (back / local.name).unlink()
+        await within(ftp.rename(f"/maps/{local.name}", "/b.yaml"))
+        for outside in ("/../root_x/a.yaml", "/../../etc/hosts"):
+            with pytest.raises(FtpError):
+                async for _ in ftp.download(outside, str(back), False):
+                    pass
+        await within(ftp.remove_file("/b.yaml"))
+        await within(ftp.remove_directory("/maps"))
+        assert not (await within(ftp.list_directory("/"))).entries
+
+
+def test_mavsdk_s_client_is_content(instance: int, tmp_path: Path) -> None:
+    local, back = tmp_path / "a.yaml", tmp_path / "back"
+    local.write_bytes(CONTENT)
+    back.mkdir()
+    with UploadHost(14540 + instance, tmp_path / "root"):
+        asyncio.run(asyncio.wait_for(transfer(14550 + instance, local, back), ANSWER_S))
+
+
+def test_mavproxy_puts_gets_and_lists(instance: int, tmp_path: Path) -> None:
+    with UploadHost(14540 + instance, tmp_path / "root") as host:
+        proxy = MAVProxy(14550 + instance, 1 + instance, tmp_path)
+        try:
+            proxy.expect("Detected vehicle", rf"{1 + instance}:191", r"Received \d+ parameters")
+            proxy.type("set target_component 191")
+            proxy.type("ftp mkdir maps")
+            for name in ("maps/hall.pgm", "maps/hall.yaml", "surveillance.yaml"):
+                proxy.type(f"ftp put {MISSION.parent / name} {name}", "Sent file of length")
+            proxy.expect("surveillance.yaml accepted", limit_s=ANSWER_S)
+            proxy.type("ftp list /", "D maps", "surveillance.yaml", "verdict.json")
+            proxy.type(f"ftp get verdict.json {tmp_path / 'v.json'}", "Wrote")
+            proxy.type("ftp crc surveillance.yaml", f"{crc32(MISSION.read_bytes()):08x}")
+        finally:
+            proxy.close()
+    (verdict,) = host.verdicts
+    assert verdict.text.encode()[:20] in (tmp_path / "v.json").read_bytes()
+    assert host.uploads.take_active() is not None
+
+
+def test_the_upload_command_sends_what_is_missing_and_says_the_verdict(
+    instance: int, tmp_path: Path, run: Run
+) -> None:
+    connect = ("--connect", f"udpin://127.0.0.1:{14550 + instance}")
+    with UploadHost(14540 + instance, tmp_path / "root") as host:
+        first = run("companion", "upload", MISSION, *connect, "--start")
+        assert first.exit_code(ANSWER_S) == 0, first.printed
+        for told in (
+            "sent       /maps/hall.pgm, 38415 bytes",
+            "sent       /surveillance.yaml",
+            "verdict    surveillance.yaml accepted",
+            "started",
+        ):
+            assert told in first.printed
+        path = host.uploads.take_active()
+        assert path is not None and path.read_bytes() == MISSION.read_bytes()
+        broken = tmp_path / "surveillance.yaml"
+        broken.write_text(MISSION.read_text().replace("F at(A)", "F at(D)"))
+        shutil.copytree(MISSION.parent / "maps", tmp_path / "maps")
+        second = run("companion", "upload", broken, *connect)
+        assert second.exit_code(ANSWER_S) == 2, second.printed
+        assert "there      /maps/hall.pgm" in second.printed
+        assert "surveillance.yaml:77:" in second.printed
+        assert host.uploads.take_active() is None
+
+
+def test_watch_prints_what_is_said_and_ends_with_the_run(
+    instance: int, tmp_path: Path, run: Run
+) -> None:
+    port = 14550 + instance
+    with UploadHost(14540 + instance, tmp_path / "root", exit_code=3) as host:
+        watch = run("companion", "watch", "--connect", f"udpin://127.0.0.1:{port}")
+        watch.until_printed("watching", START_S)
+        host.start()
+        assert watch.exit_code(ANSWER_S) == 3, watch.printed
+        assert "  the run has started, and has ended at once, which is a long text" in watch.printed
+
+
+def test_without_a_companion_there_is_no_upload(instance: int, run: Run) -> None:
+    connect = ("--connect", f"udpin://127.0.0.1:{14550 + instance}", "--timeout", 5)
+    alone = run("companion", "upload", MISSION, *connect)
+    assert alone.exit_code(ANSWER_S) == 4
+    assert "no companion (component 191)" in alone.printed
