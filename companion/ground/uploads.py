@@ -6,7 +6,9 @@ with the files that are there by then; so maps and PDDL go first. Rules:
 2. A mission that can be flown becomes `active/N`, with its files, in one step. One that cannot
    changes nothing but the verdict.
 3. Each verdict is told once by `poll`, and stands in `verdict.json` for clients to read.
-4. The newest accepted mission is handed out by `take_active`, for which the caller chooses the
+4. A mission ends with a line break. One that does not was cut off: a client that gives up ends its
+   session as one that is done, and what is left of a mission may be another one.
+5. The newest accepted mission is handed out by `take_active`, for which the caller chooses the
    time: on the ground.
 
 A door: it moves folders. An example of its use, by whoever has the link and the clock:
@@ -34,6 +36,7 @@ from companion.ground.ftp_sessions import Client
 from companion.ground.mission_store import VERDICT, MissionStore, names_of
 
 CHECK_S = 30.0
+CUT_OFF = "the last line has no line break, so a part may be missing; end it with one"
 _MAP = re.compile(rb"""^["']?image["']?[ \t]*:""", re.MULTILINE)
 FORMAT_VERSION = 1
 """Of verdict.json."""
@@ -155,7 +158,10 @@ class Uploads:
         checksum = 0
         try:
             self._store.copy_to(folder)
-            checksum = crc32((folder / mission).read_bytes())
+            content = (folder / mission).read_bytes()
+            checksum = crc32(content)
+            if not content.endswith(b"\n"):
+                return [Verdict(self._number, mission, checksum, False, CUT_OFF)]
             check = self._begin(folder, mission)
         except (OSError, Refusal) as error:
             text = f"it cannot be checked: {error}"

@@ -90,7 +90,7 @@ def test_a_good_mission_becomes_active_with_its_files(tmp_path: Path) -> None:
     ground.put("maps/hall.pgm", b"broken")  # what flies is not touched
     assert load_mission(path).name == "surveillance"
     restarted = Ground(Uploads(tmp_path))
-    restarted.put("surveillance.yaml", b"version: 2")
+    restarted.put("surveillance.yaml", b"version: 2\n")
     assert restarted.verdict().number == verdict.number + 1
 
 
@@ -102,6 +102,7 @@ def test_a_good_mission_becomes_active_with_its_files(tmp_path: Path) -> None:
         (b"maps/hall.yaml", b"../../../../etc/hosts", "lies outside the mission's folder"),
         (b"maps/hall.yaml", b"/etc/hosts", "lies outside the mission's folder"),
         (b"version: 1", b"versoin: 1", "surveillance.yaml:8:1: "),
+        (MISSION[-300:], b"", "a part may be missing"),
     ],
 )
 def test_a_mission_that_cannot_be_flown_changes_nothing(
@@ -165,9 +166,9 @@ def test_one_check_at_a_time_and_a_late_one_is_ended(tmp_path: Path) -> None:
     "text",
     [
         b"a: &a [x, x, x]\nb: &b [*a, *a, *a, *a]\nc: [*b, *b, *b]\n",
-        b"[" * 60_000,
-        b"\xff\0" * 9000,
-        b"task: " + b"(" * 30_000,
+        b"[" * 60_000 + b"\n",
+        b"\xff\0" * 9000 + b"\n",
+        b"task: " + b"(" * 30_000 + b"\n",
     ],
 )
 def test_a_bomb_harms_nobody(tmp_path: Path, text: bytes) -> None:
