@@ -6,7 +6,7 @@ import struct
 from typing import NamedTuple
 
 from companion.ground.ftp import FtpServer
-from companion.ground.ftp_frames import Nak, Opcode
+from companion.mavlink.ftp_frames import Nak, Opcode
 
 ACK = 128
 

@@ -56,6 +56,10 @@ EXIT_CODES = {REFUSED: 3}
 ELSEWHERE = {
     ".venv/bin/python scripts/bench translating planning": "tests/test_bench.py",
     "companion run missions/surveillance.yaml --wait": "tests/flights/test_ground_station.py",
+    "companion upload missions/surveillance.yaml --connect udpin://0.0.0.0:14550 --start": (
+        "tests/flights/test_uploads.py"
+    ),
+    "companion watch --connect udpin://0.0.0.0:14550": "tests/flights/test_uploads.py",
     "companion audit runs/2026-11-21T101500-surveillance": "tests/test_cli_audit.py",
     "scripts/fly --speed max": ".ci/run",
     "scripts/test": ".ci/run",

@@ -67,7 +67,7 @@ class UploadHost:
                 now_s = time.monotonic()
                 for verdict in self.uploads.poll(now_s):
                     self.verdicts.append(verdict)
-                    self._say(verdict.told)
+                    self._say(verdict.text)
                 if now_s > beat_s + 1.0:
                     beat_s = now_s
                     self._send(dialect.MAVLink_heartbeat_message(18, 8, 0, 0, 4, 3))

@@ -80,8 +80,8 @@ async def _upload(files: tuple[Path, ...], url: str, starts: bool, timeout_s: fl
             int(before["number"]) if before else 0, crc32(mission.read_bytes()), VERDICT_S
         )
         if not verdict["is_accepted"]:
-            raise MissionError(f"the companion refuses the mission\n{verdict['text']}")
-        typer.echo(f"verdict    {verdict['text'].splitlines()[0]}")
+            raise MissionError(f"the companion refuses the mission\n{verdict['details']}")
+        typer.echo(f"verdict    {verdict['text']}")
         if starts:
             await _start(station)
 

@@ -23,7 +23,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
-from companion.ground.ftp_frames import (
+from companion.ground.ftp_sessions import Client, Session, Sessions
+from companion.mavlink.ftp_frames import (
     DATA_BYTES,
     Nak,
     Opcode,
@@ -33,7 +34,6 @@ from companion.ground.ftp_frames import (
     nak,
     read_request,
 )
-from companion.ground.ftp_sessions import Client, Session, Sessions
 
 BURST = 16
 REPEAT_S = 10.0

@@ -14,7 +14,7 @@ from __future__ import annotations
 import errno
 from dataclasses import dataclass, field
 
-from companion.ground.ftp_frames import Nak, Refusal
+from companion.mavlink.ftp_frames import Nak, Refusal
 
 MAX_SESSIONS = 8
 MAX_SESSIONS_OF_CLIENT = 4

@@ -25,8 +25,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from companion.ground.ftp_frames import Nak, Refusal
 from companion.ground.ftp_sessions import MAX_FILE_BYTES
+from companion.mavlink.ftp_frames import Nak, Refusal
 
 VERDICT = "verdict.json"
 MAX_FILES = 64

@@ -15,7 +15,7 @@ A door: it moves folders. An example of its use, by whoever has the link and the
 
     uploads = Uploads(folder)
     for payload in uploads.ftp(now_s, (255, 190), message.payload): ...  # reply to 255, 190
-    for verdict in uploads.poll(now_s, is_flying): ...                   # say verdict.told
+    for verdict in uploads.poll(now_s, is_flying): ...                   # say verdict.text
     if not is_flying and (path := uploads.take_active()): ...            # load_mission(path)
     uploads.close()
 """
@@ -31,9 +31,9 @@ from pathlib import Path
 
 from companion.ground.checking import Answer, Check, ChildCheck
 from companion.ground.ftp import FtpServer, crc32
-from companion.ground.ftp_frames import Refusal
 from companion.ground.ftp_sessions import Client
 from companion.ground.mission_store import VERDICT, MissionStore, names_of
+from companion.mavlink.ftp_frames import Refusal
 
 CHECK_S = 30.0
 CUT_OFF = "the last line has no line break, so a part may be missing; end it with one"
@@ -50,7 +50,8 @@ class Verdict:
         number: counts the verdicts.
         mission: its path, as it was uploaded.
         crc32: of its content, as CalcFileCRC32 gives it.
-        text: when it becomes active and the plan, or what is wrong and where.
+        text: one line for people: that it is accepted, or what is wrong and where.
+        details: the plan, or all that was said about what is wrong.
     """
 
     number: int
@@ -58,14 +59,7 @@ class Verdict:
     crc32: int
     is_accepted: bool
     text: str
-
-    @property
-    def told(self) -> str:
-        """One line for people."""
-        first = self.text.splitlines()[0] if self.text else ""
-        if self.is_accepted:
-            return first
-        return f"refused {first if self.mission in first else f'{self.mission}: {first}'}"
+    details: str
 
     def as_json(self) -> bytes:
         """What stands in verdict.json."""
@@ -80,8 +74,8 @@ class _Running:
     mission: str
     crc32: int
     folder: Path
-    check: Check
     deadline_s: float
+    check: Check | None = None
     is_late: bool = False
 
 
@@ -114,7 +108,7 @@ class Uploads:
     def poll(self, now_s: float, is_flying: bool = False) -> list[Verdict]:
         """Goes on with the checks; the verdicts that are new. Does not wait."""
         self._notice()
-        verdicts = []
+        verdicts: list[Verdict] = []
         if self._running is not None:
             verdicts += self._finish(self._running, now_s, is_flying)
         if self._running is None and self._waiting:
@@ -134,7 +128,7 @@ class Uploads:
 
     def close(self) -> None:
         """Ends a check that is under way."""
-        if self._running is not None:
+        if self._running is not None and self._running.check is not None:
             self._running.check.kill()
 
     def _notice(self) -> None:
@@ -155,49 +149,52 @@ class Uploads:
     def _start(self, mission: str, now_s: float) -> list[Verdict]:
         self._number += 1
         folder = self._checking / str(self._number)
-        checksum = 0
+        running = _Running(self._number, mission, 0, folder, now_s + CHECK_S)
         try:
             self._store.copy_to(folder)
             content = (folder / mission).read_bytes()
-            checksum = crc32(content)
+            running.crc32 = crc32(content)
             if not content.endswith(b"\n"):
-                return [Verdict(self._number, mission, checksum, False, CUT_OFF)]
-            check = self._begin(folder, mission)
+                return [self._refuse(running, CUT_OFF)]
+            running.check = self._begin(folder, mission)
         except (OSError, Refusal) as error:
-            text = f"it cannot be checked: {error}"
-            return [Verdict(self._number, mission, checksum, False, text)]
-        self._running = _Running(self._number, mission, checksum, folder, check, now_s + CHECK_S)
+            return [self._refuse(running, f"it cannot be checked: {error}")]
+        self._running = running
         return []
 
     def _finish(self, running: _Running, now_s: float, is_flying: bool) -> list[Verdict]:
         try:
-            answer = running.check.poll()
+            answer = running.check.poll() if running.check else None
         except OSError as error:
             answer = Answer(False, f"it cannot be checked: {error}")
         if answer is None:
-            if now_s > running.deadline_s and not running.is_late:
+            if running.check and now_s > running.deadline_s and not running.is_late:
                 running.is_late = True
                 running.check.kill()
             return []
         self._running = None
         if answer.is_good:
-            answer = self._activate(running, answer, is_flying)
-        else:
-            shutil.rmtree(running.folder, ignore_errors=True)
-        return [
-            Verdict(running.number, running.mission, running.crc32, answer.is_good, answer.text)
-        ]
+            return [self._activate(running, answer.text, is_flying)]
+        return [self._refuse(running, answer.text)]
 
-    def _activate(self, running: _Running, answer: Answer, is_flying: bool) -> Answer:
+    def _activate(self, running: _Running, plan: str, is_flying: bool) -> Verdict:
         """Moves a mission that can be flown to where it is taken from."""
         folder = self._active / str(running.number)
         try:
             running.folder.rename(folder)
         except OSError as error:
-            return Answer(False, f"it cannot be made active: {error}")
+            return self._refuse(running, f"it cannot be made active: {error}")
         self._accepted = folder / running.mission
         when = "; becomes active after landing" if is_flying else ""
-        return Answer(True, f"{running.mission} accepted{when}\n{answer.text}")
+        text = f"{running.mission} accepted{when}"
+        return Verdict(running.number, running.mission, running.crc32, True, text, plan)
+
+    def _refuse(self, running: _Running, reason: str) -> Verdict:
+        """Leaves everything as it was."""
+        shutil.rmtree(running.folder, ignore_errors=True)
+        first, mission = (reason.splitlines() or ["?"])[0], running.mission
+        text = f"refused {first if mission in first else f'{mission}: {first}'}"
+        return Verdict(running.number, mission, running.crc32, False, text, reason)
 
     def _publish(self, verdict: Verdict) -> None:
         try:

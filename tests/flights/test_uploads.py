@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+import shlex
 import shutil
 import signal
 import subprocess
@@ -32,6 +33,8 @@ pytestmark = pytest.mark.alone
 __all__ = ["run"]
 
 MISSION = Path(__file__).parents[2] / "missions" / "surveillance.yaml"
+UPLOAD = "companion upload missions/surveillance.yaml --connect udpin://0.0.0.0:14550 --start"
+WATCH = "companion watch --connect udpin://0.0.0.0:14550"
 CONTENT = bytes(range(256)) * 256  # 64 KiB
 START_S, ANSWER_S = 20.0, 60.0
 
@@ -176,7 +179,7 @@ def test_the_upload_command_sends_what_is_missing_and_says_the_verdict(
 ) -> None:
     connect = ("--connect", f"udpin://127.0.0.1:{14550 + instance}")
     with UploadHost(14540 + instance, tmp_path / "root") as host:
-        first = run("companion", "upload", MISSION, *connect, "--start")
+        first = run(*shlex.split(UPLOAD.replace("14550", str(14550 + instance))))
         assert first.exit_code(ANSWER_S) == 0, first.printed
         for told in (
             "sent       /maps/hall.pgm, 38415 bytes",
@@ -200,9 +203,8 @@ def test_the_upload_command_sends_what_is_missing_and_says_the_verdict(
 def test_watch_prints_what_is_said_and_ends_with_the_run(
     instance: int, tmp_path: Path, run: Run
 ) -> None:
-    port = 14550 + instance
     with UploadHost(14540 + instance, tmp_path / "root", exit_code=3) as host:
-        watch = run("companion", "watch", "--connect", f"udpin://127.0.0.1:{port}")
+        watch = run(*shlex.split(WATCH.replace("14550", str(14550 + instance))))
         watch.until_printed("watching", START_S)
         host.start()
         assert watch.exit_code(ANSWER_S) == 3, watch.printed

@@ -5,13 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from ftp_client import Client, pack
+from ftp_client import ACK, Client, pack
 from pymavlink.dialects.v20 import common
 from pymavlink.mavftp import FTP_OP
 
 from companion.ground.ftp import BURST, FtpServer, crc32
-from companion.ground.ftp_frames import Nak, Opcode
 from companion.ground.mission_store import MissionStore
+from companion.mavlink.ftp_frames import Nak, Opcode
 
 CONTENT = bytes(range(256)) * 40
 
@@ -33,14 +33,12 @@ def test_what_is_put_can_be_got_and_is_named_once_as_stored(client: Client, root
     assert client.server.stored == ["/a.yaml"]
 
 
-def test_numbers_and_reasons_are_those_of_the_dialect_and_of_pymavlink() -> None:
-    ours = {f"MAV_FTP_OPCODE_{o.name}": int(o) for o in Opcode}
-    names = {"MAV_FTP_OPCODE_TERMINATE_SESSION": "MAV_FTP_OPCODE_TERMINATESESSION"}
-    if "MAV_FTP_OPCODE" in common.enums:
-        theirs = {e.name.replace("_", ""): n for n, e in common.enums["MAV_FTP_OPCODE"].items()}
-        for name, number in ours.items():
-            wanted = names.get(name, name).replace("_", "")
-            assert theirs.get(wanted, number) == number
+def test_numbers_are_those_of_the_dialect_and_headers_those_of_pymavlink() -> None:
+    shortened = {"RESETSESSIONS": "RESETSESSION", "CALCFILECRC32": "CALCFILECRC"}
+    for kind, enum in (Opcode, "MAV_FTP_OPCODE"), (Nak, "MAV_FTP_ERR"):
+        for ours in kind:
+            name = ours.name.replace("_", "")
+            assert common.enums[enum][ours].name == f"{enum}_{shortened.get(name, name)}"
     op = FTP_OP(7, 3, Opcode.READ_FILE, 239, 0, 0, 4096, None)
     assert bytes(op.pack()) == pack(7, Opcode.READ_FILE, session=3, size=239, offset=4096)[:12]
 
@@ -221,11 +219,8 @@ def test_what_cannot_be_done_is_refused_with_the_reason(client: Client) -> None:
     assert client.send(pack(9, Opcode.READ_FILE, size=240))[0].nak is Nak.INVALID_DATA_SIZE
     write = client.ask(Opcode.WRITE_FILE, b"y", session=reading)
     assert write.nak is Nak.FILE_PROTECTED
-    assert client.send(pack(9, ACK_OF_A_CLIENT)) == []
+    assert client.send(pack(9, ACK)) == []  # a reply, which is never answered
     assert client.server.receive(0.0, (255, 190), b"short") == []
-
-
-ACK_OF_A_CLIENT = 128
 
 
 def test_a_file_that_is_too_large_ends_its_upload(client: Client, root: Path) -> None:

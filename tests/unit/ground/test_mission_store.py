@@ -12,7 +12,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.ground.ftp import FtpServer
-from companion.ground.ftp_frames import Nak, Opcode, Refusal
 from companion.ground.mission_store import (
     MAX_FILES,
     MAX_FOLDERS,
@@ -20,6 +19,7 @@ from companion.ground.mission_store import (
     VERDICT,
     MissionStore,
 )
+from companion.mavlink.ftp_frames import Nak, Opcode, Refusal
 
 SECRET = b"SECRET-OUTSIDE"
 NASTY = (

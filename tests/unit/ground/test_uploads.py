@@ -14,9 +14,9 @@ from ftp_client import Client
 
 from companion.ground.checking import Answer, ChildCheck
 from companion.ground.ftp import crc32
-from companion.ground.ftp_frames import Opcode
 from companion.ground.limited import MAX_CPU_S, MAX_MEMORY_BYTES, MAX_OUTPUT_BYTES
 from companion.ground.uploads import CHECK_S, Uploads, Verdict
+from companion.mavlink.ftp_frames import Opcode
 from companion.mission.loader import load_mission
 
 MISSIONS = Path(__file__).parents[3] / "missions"
@@ -80,9 +80,9 @@ def test_a_good_mission_becomes_active_with_its_files(tmp_path: Path) -> None:
     assert uploads.take_active() is None
     verdict = ground.verdict()
     assert verdict.is_accepted
-    assert verdict.told == "surveillance.yaml accepted"
+    assert verdict.text == "surveillance.yaml accepted"
     assert verdict.crc32 == crc32(MISSION)
-    assert "move(Home, A)" in verdict.text
+    assert "move(Home, A)" in verdict.details
     path = uploads.take_active()
     assert path is not None
     assert load_mission(path).name == "surveillance"
@@ -114,8 +114,8 @@ def test_a_mission_that_cannot_be_flown_changes_nothing(
     ground.put("surveillance.yaml", MISSION.replace(old, new))
     verdict = ground.verdict()
     assert not verdict.is_accepted
-    assert told in verdict.told
-    assert verdict.told.startswith("refused surveillance.yaml:")
+    assert told in verdict.text
+    assert verdict.text.startswith("refused surveillance.yaml:")
     assert uploads.take_active() is None
     assert list((tmp_path / "active").iterdir()) == []
 
@@ -126,7 +126,7 @@ def test_an_image_outside_is_not_opened(tmp_path: Path) -> None:
     plan = (MISSIONS / "maps" / "hall.yaml").read_bytes()
     ground.put("maps/hall.yaml", plan.replace(b"hall.pgm", b"../../../x.pgm"))
     ground.put("surveillance.yaml", MISSION)
-    assert "the image of maps/hall.yaml lies outside" in ground.verdict().text
+    assert "the image of maps/hall.yaml lies outside" in ground.verdict().details
 
 
 def test_in_flight_it_waits_for_the_landing(tmp_path: Path) -> None:
@@ -136,7 +136,7 @@ def test_in_flight_it_waits_for_the_landing(tmp_path: Path) -> None:
     ground.put("a.yaml", MISSION)
     assert uploads.poll(0.0, is_flying=True) == []
     slow.answer = Answer(True, "a plan")
-    assert ground.verdict(is_flying=True).told == "a.yaml accepted; becomes active after landing"
+    assert ground.verdict(is_flying=True).text == "a.yaml accepted; becomes active after landing"
     ground.put("b.yaml", MISSION)
     assert ground.verdict(is_flying=True).mission == "b.yaml"
     path = uploads.take_active()  # the newest
@@ -156,7 +156,7 @@ def test_one_check_at_a_time_and_a_late_one_is_ended(tmp_path: Path) -> None:
     assert uploads.poll(CHECK_S + 0.1) == []
     assert slow.killed == 1
     verdict = ground.verdict()
-    assert verdict.told == "refused a.yaml: the check needs too much time or memory"
+    assert verdict.text == "refused a.yaml: the check needs too much time or memory"
     slow.answer = None
     uploads.poll(CHECK_S + 0.2)
     assert len(slow.folders) == 2
