@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import time
-from collections.abc import AsyncIterator
+from collections.abc import AsyncGenerator
 from contextlib import ExitStack
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Annotated, Any
@@ -29,6 +30,8 @@ GROUND_STATION = "udpin://0.0.0.0:14550"
 VERDICT_S = 60.0
 """A check takes at most 30 s, and may wait for another one."""
 SILENT_S = 10.0
+LAST_WORDS_S = 0.5
+"""After the end, for the texts that are still on their way."""
 SILENCE = f"the companion was not heard for {SILENT_S:.0f} s"
 MISSION_START = 300  # MAV_CMD_MISSION_START
 
@@ -130,24 +133,29 @@ async def _watch(url: str, timeout_s: float) -> int:
 
     typer.echo(f"waiting    for a companion on {url}")
     async with connected(url, timeout_s) as station:
-        seen = Watch(time.monotonic())
+        seen, messages = Watch(time.monotonic()), station.messages(NAMES)
+        heard = await _next(messages)
         typer.echo(f"watching   component {COMPANION} of system {station.system}")
         console = Console(highlight=False, markup=False, soft_wrap=True)
         with ExitStack() as stack:
             live = stack.enter_context(Live(console=console)) if console.is_terminal else None
-            messages = station.messages(NAMES)
-            while seen.exit_code is None:
-                heard = await _next(messages)
-                if time.monotonic() - seen.heard_s > SILENT_S:
-                    raise LinkTimeout(SILENCE)
-                for line in seen.take(time.monotonic(), *heard):
+            ends_s = math.inf
+            while (now_s := time.monotonic()) < ends_s:
+                for line in seen.take(now_s, *heard):
                     console.print(f"{time.strftime('%H:%M:%S')}  {line}")
                 if live:
                     live.update(seen.status)
+                if now_s - seen.heard_s > SILENT_S:
+                    raise LinkTimeout(SILENCE)
+                if seen.exit_code is not None:
+                    ends_s = min(ends_s, now_s + LAST_WORDS_S)
+                heard = await _next(messages)
+            await messages.aclose()
+    assert seen.exit_code is not None
     return seen.exit_code
 
 
-async def _next(messages: AsyncIterator[Heard]) -> Heard:
+async def _next(messages: AsyncGenerator[Heard]) -> Heard:
     try:
         return await asyncio.wait_for(anext(messages), SILENT_S)
     except TimeoutError:

@@ -14,7 +14,7 @@ from __future__ import annotations
 import asyncio
 import json
 import tempfile
-from collections.abc import AsyncIterator, Callable, Iterable
+from collections.abc import AsyncGenerator, AsyncIterator, Callable, Iterable
 from contextlib import asynccontextmanager
 from pathlib import Path, PurePosixPath
 from typing import Any, NamedTuple
@@ -93,9 +93,10 @@ class Station:
         """
         try:
             async with asyncio.timeout(timeout_s):
-                async for heard in self.messages(["HEARTBEAT"]):
-                    if heard.component == COMPANION:
-                        break
+                messages = self.messages(["HEARTBEAT"])
+                while (await anext(messages)).component != COMPANION:
+                    continue
+                await messages.aclose()
         except TimeoutError:
             raise LinkTimeout(
                 f"no companion (component {COMPANION}) on system {self.system}\n"
@@ -103,7 +104,7 @@ class Station:
             ) from None
         await self._ftp.set_target_compid(COMPANION)
 
-    async def messages(self, names: Iterable[str]) -> AsyncIterator[Heard]:
+    async def messages(self, names: Iterable[str]) -> AsyncGenerator[Heard]:
         """Messages of some names from any component of the vehicle, as they come."""
         queue: asyncio.Queue[Heard] = asyncio.Queue()
 
