@@ -69,8 +69,8 @@ def _mavsdk_url(url: str) -> str:
 
 
 async def _upload(files: tuple[Path, ...], url: str, starts: bool, timeout_s: float) -> None:
-    from companion.ground.ftp import crc32
     from companion.ground.station import connected
+    from companion.mavlink.ftp_frames import crc32
 
     *others, mission = files
     typer.echo(f"waiting    for a companion on {url}")

@@ -18,7 +18,6 @@ Source: https://mavlink.io/en/services/ftp.html; clients' differences: MAVSDK 4.
 
 from __future__ import annotations
 
-import zlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
@@ -31,6 +30,7 @@ from companion.mavlink.ftp_frames import (
     Refusal,
     Request,
     ack,
+    crc32,
     nak,
     read_request,
 )
@@ -299,12 +299,3 @@ _SERVICES: dict[int, Callable[[FtpServer, _Asked], list[bytes]]] = {
     Opcode.CALC_FILE_CRC32: FtpServer._crc32,
     Opcode.BURST_READ_FILE: FtpServer._burst,
 }
-
-
-def crc32(content: bytes) -> int:
-    """The protocol's checksum: the usual polynomial, from 0 and without the last inversion.
-
-    >>> hex(crc32(b"123456789"))
-    '0x2dfd2d88'
-    """
-    return zlib.crc32(content, 0xFFFFFFFF) ^ 0xFFFFFFFF

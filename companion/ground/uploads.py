@@ -30,10 +30,10 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from companion.ground.checking import Answer, Check, ChildCheck
-from companion.ground.ftp import FtpServer, crc32
+from companion.ground.ftp import FtpServer
 from companion.ground.ftp_sessions import Client
 from companion.ground.mission_store import VERDICT, MissionStore, names_of
-from companion.mavlink.ftp_frames import Refusal
+from companion.mavlink.ftp_frames import Refusal, crc32
 
 CHECK_S = 30.0
 CUT_OFF = "the last line has no line break, so a part may be missing; end it with one"

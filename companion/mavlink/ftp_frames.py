@@ -7,6 +7,7 @@ state. Source: https://mavlink.io/en/services/ftp.html.
 from __future__ import annotations
 
 import struct
+import zlib
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -152,3 +153,12 @@ def nak(request: Request, refusal: Refusal) -> bytes:
         request.offset,
     )
     return (header + reason).ljust(PAYLOAD_BYTES, b"\0")
+
+
+def crc32(content: bytes) -> int:
+    """The protocol's checksum: the usual polynomial, from 0 and without the last inversion.
+
+    >>> hex(crc32(b"123456789"))
+    '0x2dfd2d88'
+    """
+    return zlib.crc32(content, 0xFFFFFFFF) ^ 0xFFFFFFFF

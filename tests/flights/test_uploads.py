@@ -27,7 +27,7 @@ from test_mavsdk_client import mavsdk, within
 from test_sockets import Run, run
 from upload_host import UploadHost
 
-from companion.ground.ftp import crc32
+from companion.mavlink.ftp_frames import crc32
 
 pytestmark = pytest.mark.alone
 __all__ = ["run"]

@@ -9,9 +9,9 @@ from ftp_client import ACK, Client, pack
 from pymavlink.dialects.v20 import common
 from pymavlink.mavftp import FTP_OP
 
-from companion.ground.ftp import BURST, FtpServer, crc32
+from companion.ground.ftp import BURST, FtpServer
 from companion.ground.mission_store import MissionStore
-from companion.mavlink.ftp_frames import Nak, Opcode
+from companion.mavlink.ftp_frames import Nak, Opcode, crc32
 
 CONTENT = bytes(range(256)) * 40
 

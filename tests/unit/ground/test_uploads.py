@@ -13,10 +13,9 @@ import pytest
 from ftp_client import Client
 
 from companion.ground.checking import Answer, ChildCheck
-from companion.ground.ftp import crc32
 from companion.ground.limited import MAX_CPU_S, MAX_MEMORY_BYTES, MAX_OUTPUT_BYTES
 from companion.ground.uploads import CHECK_S, Uploads, Verdict
-from companion.mavlink.ftp_frames import Opcode
+from companion.mavlink.ftp_frames import Opcode, crc32
 from companion.mission.loader import load_mission
 
 MISSIONS = Path(__file__).parents[3] / "missions"
