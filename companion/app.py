@@ -9,10 +9,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Protocol
 
+from companion.acting.authority import loss_of_link
 from companion.acting.flight import TICK_S
 from companion.acting.phases import ON_THE_GROUND, Phase
 from companion.acting.report import Report
-from companion.errors import CompanionError, LinkTimeout, MissionError
+from companion.errors import CompanionError, LinkTimeout
 from companion.ground.component import WANTED, Component
 from companion.ground.operations import Standing, Uploads
 from companion.ground.parameters import BELIEF_RETRY, SPEED_MAX
@@ -41,7 +42,7 @@ class Host(Protocol):
         """Reads a mission that was accepted.
 
         Raises:
-            MissionError: it cannot be read after all.
+            CompanionError, OSError: it cannot be read after all.
         """
 
     def begin_run(self, mission: Mission) -> Recorder:
@@ -90,7 +91,7 @@ class Companion:
         self._accepts_weak_failsafes = accepts_weak_failsafes
         self._run: Run | None = None
         self._is_starting = self._is_stopping = False
-        self._adjusted: tuple[float, float] | None = None
+        self._adjusted = -1
         self._now_s = 0.0
         if mission is not None and recorder is not None:
             self._begin(mission, recorder)
@@ -167,8 +168,8 @@ class Companion:
         if self._mission is None:
             return "there is no mission; upload one"
         state = self._telemetry.state
-        if state is None:
-            return "the vehicle's state is not known yet"
+        if state is None or loss_of_link(state, self._now_s):
+            return "the vehicle's state is not known"
         if state.is_armed or not state.is_landed:
             return "the vehicle is armed or flying already; it is left alone"
         self._is_starting = True
@@ -193,7 +194,7 @@ class Companion:
     # -- runs ----------------------------------------------------------------------------------
 
     def _begin(self, mission: Mission, recorder: Recorder) -> None:
-        self.failure = self._adjusted = None
+        self.failure, self._adjusted = None, -1
         self._run = Run(
             mission,
             recorder,
@@ -231,7 +232,7 @@ class Companion:
     def _take(self, host: Host, path: Path) -> None:
         try:
             self._mission = host.load(path)
-        except MissionError as error:
+        except (CompanionError, OSError) as error:
             self._say(f"the mission cannot be read: {error}", is_refused=True)
             return
         self._say(f"{self._mission.name} is ready; MISSION_START flies it")
@@ -255,10 +256,9 @@ class Companion:
     def _follow_parameters(self) -> None:
         """A run follows the companion's parameters."""
         parameters = self._component.parameters
-        wanted = (parameters[SPEED_MAX], parameters[BELIEF_RETRY])
-        if self._run is not None and self._adjusted != wanted:
-            self._adjusted = wanted
-            self._run.adjust(*wanted)
+        if self._run is not None and self._adjusted != parameters.version:
+            self._adjusted = parameters.version
+            self._run.adjust(parameters[SPEED_MAX], parameters[BELIEF_RETRY])
 
     def _listen(self) -> None:
         """What is decoded depends on the events of the mission."""

@@ -202,7 +202,9 @@ class Component:
         self._texts.level = int(self.parameters[TEXT_LEVEL])
 
     def _ping(self, message: Message) -> None:
-        if (message.target_system, message.target_component) == (EVERYBODY, EVERYBODY):
+        """An answer to all who are not on board: the autopilot's is for what is far away."""
+        is_for_all = message.target_system == message.target_component == EVERYBODY
+        if is_for_all and message.get_srcSystem() != self._system:
             pong = dialect.MAVLink_ping_message(message.time_usec, message.seq, *source(message))
             self._out.append(pong)
 

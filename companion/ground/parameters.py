@@ -57,9 +57,14 @@ NAMES = tuple(PARAMETERS)
 
 
 class CompanionParameters:
-    """The parameters' values, and the answers to who asks for them."""
+    """The parameters' values, and the answers to who asks for them.
+
+    Attributes:
+        version: counts the changes.
+    """
 
     def __init__(self) -> None:
+        self.version = 0
         self._values = {name: p.default for name, p in PARAMETERS.items()}
 
     def __getitem__(self, name: str) -> float:
@@ -89,6 +94,7 @@ class CompanionParameters:
         if value is None or not parameter.lowest <= value <= parameter.highest:
             return [now, _error(request, "VALUE_OUT_OF_RANGE")]
         self._values[request.param_id] = value
+        self.version += 1
         return [self._value(request.param_id)]
 
     def _value(self, name: str) -> Message:

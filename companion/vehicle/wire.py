@@ -44,14 +44,15 @@ class Wire:
 
     def parse(self, datagrams: list[bytes]) -> list[Message]:
         """The messages of a tick, in order, from whomever and for whomever."""
-        heard = []
-        for frame in choose(datagrams, self._wanted, self._continual):
-            for message in self._endpoint.parse(frame):
-                if not self.system and _is_autopilot(message):
-                    self._endpoint = Endpoint(source(message)[0], COMPONENT)
-                if self.system:
-                    heard.append(message)
-        return heard
+        frames = choose(datagrams, self._wanted, self._continual)
+        messages = [message for frame in frames for message in self._endpoint.parse(frame)]
+        if self.system:
+            return messages
+        for at, message in enumerate(messages):
+            if _is_autopilot(message):
+                self._endpoint = Endpoint(source(message)[0], COMPONENT)
+                return messages[at:]
+        return []
 
     def pack(self, messages: list[Message]) -> list[bytes]:
         """A datagram for each message; none before the system is known."""
