@@ -37,6 +37,8 @@ Timeout = Annotated[float, typer.Option(help="Seconds to wait for a vehicle.", m
 DEFAULT_LOG_DIR = Path("~/.local/state/companion")
 OFFBOARD_PORT = 14540
 GROUND_STATION_PORT = 14550
+UPLOADS = "uploads"
+"""Among the run folders: what ground stations have sent."""
 
 
 def run(
@@ -172,11 +174,13 @@ def _host(mission: Mission | None, endpoint: Endpoint, accepts_weak: bool, log_d
     """Waits for ground stations to start sorties, until it is stopped."""
     from companion.app import Companion
     from companion.cli.hosting import Hangar
+    from companion.ground.uploads import Uploads
 
     def open_folder(mission: Mission) -> RunFolder:
         return _open_folder(mission, log_dir, _print)
 
-    hangar = Hangar(open_folder, _close_folder, _print, uploads=None)
+    uploads = Uploads(log_dir.expanduser() / UPLOADS)
+    hangar = Hangar(open_folder, _close_folder, _print, uploads)
     companion = Companion(mission, None, accepts_weak, hangar)
     try:
         what = f"to fly {mission.name}" if mission else "and a mission"
@@ -184,6 +188,7 @@ def _host(mission: Mission | None, endpoint: Endpoint, accepts_weak: bool, log_d
         _fly(companion, endpoint, speed=1.0, timeout_s=0.0)
     finally:
         hangar.close()
+        uploads.close()
 
 
 def _tell(report: Report) -> None:

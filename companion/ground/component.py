@@ -210,7 +210,8 @@ class Component:
 
     def _ftp(self, message: Message) -> None:
         if self._uploads is None:
-            self._out.append(ftp.refusal(message))
+            answer = ftp.refusal(message)
+            self._out += [answer] if answer else []
             return
         client = source(message)
         for payload in self._uploads.ftp(self._now_s, client, bytes(message.payload)):

@@ -8,19 +8,14 @@ Source: https://mavlink.io/en/services/ftp.html.
 
 from __future__ import annotations
 
-import struct
-
 from companion.mavlink.framing import Message, dialect, source
-
-_HEADER = struct.Struct("<HBBBBBxI")  # sequence, session, opcode, size, request, burst, offset
-NAK, FILE_NOT_FOUND = 129, 10
-PAYLOAD_BYTES = 251
+from companion.mavlink.ftp_frames import Nak, Refusal, nak, read_request
 
 
-def refusal(request: Message) -> Message:
-    """The answer to a FILE_TRANSFER_PROTOCOL message."""
-    raw = bytes(request.payload)[: _HEADER.size].ljust(_HEADER.size, b"\0")
-    sequence, session, opcode, _, _, _, offset = _HEADER.unpack(raw)
-    header = _HEADER.pack((sequence + 1) % 65536, session, NAK, 1, opcode, 0, offset)
-    payload = (header + bytes([FILE_NOT_FOUND])).ljust(PAYLOAD_BYTES, b"\0")
-    return dialect.MAVLink_file_transfer_protocol_message(0, *source(request), list(payload))
+def refusal(message: Message) -> Message | None:
+    """The answer to a FILE_TRANSFER_PROTOCOL message; None to what is no request."""
+    request = read_request(bytes(message.payload))
+    if request is None:
+        return None
+    payload = nak(request, Refusal(Nak.FILE_NOT_FOUND))
+    return dialect.MAVLink_file_transfer_protocol_message(0, *source(message), list(payload))

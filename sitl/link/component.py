@@ -195,7 +195,7 @@ class AutopilotComponent:
             link.send(dialect.MAVLink_timesync_message(self._vehicle.boot_us * 1000, message.ts1))
 
     def _ftp(self, link: Link, message: Message) -> None:
-        link.send(ftp.refusal(message))
+        link.send_if(ftp.refusal(message))
 
     def _heartbeat(self, link: Link, message: Message) -> None:
         if message.type == MAV_TYPE_GCS:

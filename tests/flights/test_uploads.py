@@ -216,3 +216,24 @@ def test_without_a_companion_there_is_no_upload(instance: int, run: Run) -> None
     alone = run("companion", "upload", MISSION, *connect)
     assert alone.exit_code(ANSWER_S) == 4
     assert "no companion (component 191)" in alone.printed
+
+
+def test_a_mission_is_uploaded_started_and_watched_until_it_is_stopped(
+    tmp_path: Path, run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COMPANION_LOG_DIR", str(tmp_path))
+    number = free_instance()
+    scenario = MISSION.with_suffix(".sim.yaml")
+    simulator = run("sitl", "-i", number, "--scenario", scenario)
+    simulator.until_printed(str(14550 + number), START_S)
+    on_board = run("companion", "run", "--connect", f"udpin://127.0.0.1:{14540 + number}")
+    on_board.until_printed("hosting", START_S)
+    upload = run(*shlex.split(UPLOAD.replace("14550", str(14550 + number))))
+    assert upload.exit_code(ANSWER_S) == 0, upload.printed + on_board.printed
+    watch = run(*shlex.split(WATCH.replace("14550", str(14550 + number))))
+    watch.until_printed("  at A", ANSWER_S)
+    os.kill(on_board.pid, signal.SIGINT)  # hold, land, end
+    assert watch.exit_code(ANSWER_S) == 0, watch.printed + on_board.printed
+    assert on_board.exit_code(ANSWER_S) == 0
+    (folder,) = tmp_path.glob("*-surveillance")
+    assert (folder / "mission.yaml").read_bytes() == MISSION.read_bytes()
