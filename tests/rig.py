@@ -114,5 +114,7 @@ class Rig:
         if lasso is not None and (not self.plans or lasso is not self.plans[-1]):
             self.plans.append(lasso)
         self.reports += [report for report in self.flight.reports if report.is_told]
-        self.positions += [report.data for report in self.flight.reports if not report.is_told]
+        self.positions += [
+            report.data for report in self.flight.reports if report.kind == "position"
+        ]
         self.flight.reports.clear()

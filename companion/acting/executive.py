@@ -29,6 +29,7 @@ from companion.acting.events import EventDetector
 from companion.acting.flight import Flight
 from companion.acting.hand_tree import build_by_hand
 from companion.acting.tree import build
+from companion.acting.tree_report import TreeReport
 from companion.acting.ways import Ways
 from companion.errors import NoPlanError
 from companion.mission.model import Fly, Signal
@@ -77,6 +78,7 @@ class Executive:
         self._flight = flight
         self._detector = detector
         self._root: Behaviour | None = None
+        self._tree_report: TreeReport | None = None
         self._predicted: dict[Fact, bool] = {}
         self._idle_replans = 0
         self._positions = 0
@@ -104,11 +106,14 @@ class Executive:
         if (tree := self._planner.mission.tree) is not None:
             self._root = build_by_hand(self._flight, tree, self._planner.actions_of(tree))
             self._flight.report("plan", "the mission's own tree", number=0, task=task)
+            self._tree_report = TreeReport(self._flight, self._root)
+            self._tell_tree()
             return
         self._ways.follow()
         lasso = self._planner.plan(*self._flight.task.problem())
         self._adopt(lasso)
         self._flight.report("plan", f"plan: {lasso}", number=0, task=task, **lasso.as_json())
+        self._tell_tree()
 
     def tick(self) -> TaskStatus:
         """One tick of the tree; plans again if it fails."""
@@ -129,6 +134,7 @@ class Executive:
                 return self.status
             flight.may_do_better = False
         self._root.tick_once()
+        self._tell_tree()
         self._tell_positions()
         is_done = flight.laps > laps and self.lasso.ends_at_rest
         if self._root.status is Status.FAILURE or self._is_in_vain(is_done):
@@ -143,6 +149,7 @@ class Executive:
     def _tick_by_hand(self, root: Behaviour) -> TaskStatus:
         """One tick of a tree that was written by hand: it is not replaced when it fails."""
         root.tick_once()
+        self._tell_tree()
         self._tell_positions()
         if root.status is Status.SUCCESS:
             self.status = TaskStatus.SATISFIED
@@ -169,12 +176,14 @@ class Executive:
         self.status = TaskStatus.RUNNING
         self.is_leaving = True
         self._adopt(Lasso((move,), (WAIT,)))
+        self._tell_tree()
         return True
 
     def stop(self) -> None:
         """Ends the plan; the vehicle holds."""
         if self._root is not None:
             self._root.stop(Status.INVALID)
+            self._tell_tree()
         self._flight.hold()
 
     def resume(self) -> TaskStatus:
@@ -224,11 +233,17 @@ class Executive:
             self.replans += 1
             text = f"replan {self.replans}: {reason} -> {lasso}"
             flight.report("replan", text, number=self.replans, reason=reason, **lasso.as_json())
+        self._tell_tree()
 
     def _rest(self) -> None:
         """Leaves the last position, which lasts for ever."""
         self._flight.task.leave()
         self._tell_positions(for_ever=True)
+
+    def _tell_tree(self) -> None:
+        """Reports what the tree's nodes do now, if it is not what they did."""
+        if self._tree_report is not None:
+            self._tree_report.tell()
 
     def _tell_positions(self, for_ever: bool = False) -> None:
         """Reports the positions that were left since the last call, and what they violate.
@@ -274,6 +289,7 @@ class Executive:
         self._predict()
         self._forget_what_is_done(lasso)
         self._root = build(flight, lasso, self._predicted)
+        self._tree_report = TreeReport(flight, self._root)
 
     def _predict(self) -> None:
         """The plan relies on the events' present values; the tree's leftmost branch looks here."""

@@ -7,14 +7,18 @@ any more), `route` (a flight was rerouted or stopped by what was seen), `symbol`
 to at another waypoint), `map` (beliefs were given up, or are held again, by the map as seen),
 `gate` (a setpoint was held back), `lap`, `phase` (a step of the sortie), `upload` (what became of a
 mission that a ground station sent), `record` (the run folder cannot be written; told, and not in
-it) and `end`; and `position`, a position of the word that was left, for programs alone.
-docs/run-folder.md describes the data of each.
+it) and `end`; and for programs alone `position` (a position of the word was left), `tree` (another
+tree is ticked) and `status` (nodes of it have another status). docs/run-folder.md describes the
+data of each.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+
+FOR_PROGRAMS = frozenset({"position", "tree", "status"})
+"""Kinds that are no news for people."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,4 +40,4 @@ class Report:
     @property
     def is_told(self) -> bool:
         """Whether it is news for people."""
-        return self.kind != "position"
+        return self.kind not in FOR_PROGRAMS

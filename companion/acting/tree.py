@@ -45,17 +45,17 @@ from companion.planning.lasso import Lasso
 FOR_EVER = -1
 
 
-class _Action(Selector):
+class ActionNode(Selector):
     """The selector of one action; left before its end, the task knows that it was interrupted."""
 
     def __init__(self, flight: Flight, action: Action) -> None:
         super().__init__(action.name, memory=True)
         self._flight = flight
-        self._action = action
+        self.action = action
 
     def terminate(self, new_status: Status) -> None:
         """Failed, or stopped from above."""
-        if new_status is not Status.SUCCESS and self._flight.task.running is self._action:
+        if new_status is not Status.SUCCESS and self._flight.task.running is self.action:
             self._flight.task.interrupt()
 
 
@@ -88,7 +88,7 @@ def action_tree(flight: Flight, action: Action, ends_lap: bool = False) -> Behav
             Effects(flight, action, ends_lap),
         ],
     )
-    selector = _Action(flight, action)
+    selector = ActionNode(flight, action)
     selector.add_children([triple, Inverter("not", Withdraw(flight, action))])
     return selector
 

@@ -1,11 +1,13 @@
-"""One folder per run: mission, plans, events.jsonl, flight.tlog, flight.png.
+"""One folder per run: mission, scene, plans, events.jsonl, flight.tlog, flight.png.
 
 - `events.jsonl`: one report per line with `t_s` (seconds since the run began), `kind`, `text`
   and the report's data (docs/run-folder.md). It holds no wall-clock time, so that equal runs give
   equal bytes.
+- `scene.json`: what the mission says of the world (scene.py).
 - `plan-N.json`: the N-th plan; 0 is the first, N the one after replan N.
 - `flight.tlog`: every MAVLink frame in either direction behind eight bytes of time (big-endian
-  microseconds since 1970), as MAVProxy and QGroundControl write it.
+  microseconds since 1970), as MAVProxy and QGroundControl write it. It reaches the disk five times
+  a second of the flight's time, so that others can follow it.
 """
 
 from __future__ import annotations
@@ -21,6 +23,9 @@ from companion.geometry import Ned
 from companion.mavlink.framing import split_frames
 from companion.mission.model import Mission
 from companion.record.figure import Trail, draw_flight
+from companion.record.scene import scene
+
+FLUSH_S = 0.2
 
 
 class RunFolder:
@@ -46,7 +51,10 @@ class RunFolder:
         self._tell = tell
         self.trail = Trail()
         self._is_failing = False
+        self._flushed_s = 0.0
         (folder / "mission.yaml").write_text(mission.text, encoding="utf-8")
+        about = json.dumps(scene(mission, start_unix_s)) + "\n"
+        (folder / "scene.json").write_text(about, encoding="utf-8")
         self._events = (folder / "events.jsonl").open("w", encoding="utf-8")
         self._tlog = (folder / "flight.tlog").open("wb")
 
@@ -68,6 +76,9 @@ class RunFolder:
             for datagram in datagrams:
                 for frame in split_frames(datagram):
                     self._tlog.write(stamp + frame)
+            if now_s - self._flushed_s >= FLUSH_S:
+                self._tlog.flush()
+                self._flushed_s = now_s
 
     def position(self, now_s: float, position: Ned) -> None:
         """Adds to the trail of flight.png."""

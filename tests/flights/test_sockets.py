@@ -24,6 +24,7 @@ from ports import free_instance
 from test_mavsdk_client import first, mavsdk
 from test_shipped import SHIPPED
 
+from companion.acting.report import FOR_PROGRAMS
 from companion.record.audit import audit
 from companion.record.events import read_events
 from sitl.link.server import PORTS
@@ -144,7 +145,7 @@ def sequence(log_dir: Path) -> str:
     """
     (folder,) = log_dir.iterdir()
     lines = (folder / "events.jsonl").read_text(encoding="utf-8").splitlines()
-    events = [e for e in map(json.loads, lines) if e["kind"] not in ("gate", "position")]
+    events = [e for e in map(json.loads, lines) if e["kind"] not in {"gate", *FOR_PROGRAMS}]
     return "".join(f"{event['kind']} {event['text']}\n" for event in events)
 
 

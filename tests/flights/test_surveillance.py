@@ -22,7 +22,7 @@ import pytest
 from lockstep import SETPOINT, World
 from pymavlink import mavutil
 
-from companion.acting.report import Report
+from companion.acting.report import FOR_PROGRAMS, Report
 from companion.app import Companion
 from companion.errors import LinkTimeout
 from companion.geometry import Ned, horizontal_distance, is_in_polygon
@@ -59,7 +59,7 @@ class Flown:
     @property
     def events(self) -> list[Event]:
         """Of these, what people are told."""
-        return [line for line in self.lines if line["kind"] != "position"]
+        return [line for line in self.lines if line["kind"] not in FOR_PROGRAMS]
 
     @property
     def sequence(self) -> str:
@@ -231,7 +231,7 @@ def distance_to_line(point: Ned, line: np.ndarray[Any, np.dtype[np.float64]]) ->
 def test_the_run_folder_is_complete(flown: Flown, surveillance: Mission) -> None:
     folder = flown.folder
     assert {path.name for path in folder.iterdir()} == {
-        *("mission.yaml", "events.jsonl", "flight.tlog", "flight.png"),
+        *("mission.yaml", "scene.json", "events.jsonl", "flight.tlog", "flight.png"),
         *("plan-0.json", "plan-1.json", "plan-2.json"),
     }
     assert (folder / "mission.yaml").read_text(encoding="utf-8") == surveillance.text
