@@ -58,6 +58,11 @@ SPOILERS = {
         "companion.mavlink.framing",
         "companion.acting.report -> companion.mavlink.framing",
     ),
+    "The monitor sees what was recorded, and nothing else": Spoiler(
+        "companion/monitor/feed.py",
+        "companion.acting.flight",
+        "companion.monitor.feed -> companion.acting.flight",
+    ),
     "Clocks, sockets, files, processes and chance come in through doors": Spoiler(
         "companion/motion/trajectory.py",
         "random",

@@ -17,6 +17,7 @@ import typer
 from companion.cli.auditing import audit
 from companion.cli.flying import run, sim
 from companion.cli.formulas import ltl
+from companion.cli.monitoring import monitor, replay
 from companion.cli.operating import upload, watch
 from companion.cli.planning import check, plan
 from companion.errors import CompanionError
@@ -28,8 +29,9 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (check, plan, ltl, run, sim, audit, upload, watch):
+for command in (check, plan, ltl, run, sim, audit, replay, upload, watch):
     app.command()(command)
+app.command(hidden=True)(monitor)
 
 
 def main() -> None:

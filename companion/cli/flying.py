@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from companion.cli.arguments import MissionFile, load
+from companion.cli.monitoring import DEFAULT_ADDRESS, Monitor, monitored
 from companion.errors import CompanionError, MissionError
 
 if TYPE_CHECKING:
@@ -58,6 +59,7 @@ def run(
     ] = False,
     timeout: Timeout = 30.0,
     log_dir: LogDir = DEFAULT_LOG_DIR,
+    monitor: Monitor = None,
 ) -> None:
     """Flies a mission on a vehicle: PX4, or a simulator that was started separately.
 
@@ -68,10 +70,12 @@ def run(
     from companion.vehicle.link import parse_url
 
     loaded, endpoint = load(mission) if mission else None, parse_url(connect)
+    page = monitor or DEFAULT_ADDRESS
     if loaded is None or wait:
-        _host(loaded, endpoint, accept_weak_failsafes, log_dir)
+        _host(loaded, endpoint, accept_weak_failsafes, log_dir, page)
         return
-    with _recorded(loaded, log_dir) as folder:
+    with _recorded(loaded, log_dir) as folder, monitored(page) as show:
+        show(folder.folder)
         companion = Companion(loaded, folder, accept_weak_failsafes)
         _fly(companion, endpoint, speed=1.0, timeout_s=timeout)
         _raise_failure(companion)
@@ -92,6 +96,7 @@ def sim(
     ] = 0,
     timeout: Timeout = 30.0,
     log_dir: LogDir = DEFAULT_LOG_DIR,
+    monitor: Monitor = None,
 ) -> None:
     """Flies a mission in the bundled simulator. QGroundControl connects to it by itself."""
     from companion.app import Companion
@@ -110,7 +115,9 @@ def sim(
     if scenario is None and not path.exists():
         raise MissionError(f"there is no scenario {path}", hint="name one with --scenario")
     world, grid = read_scenario(path)
-    with _recorded(loaded, log_dir) as folder:
+    page = monitor or ("off" if factor is None else DEFAULT_ADDRESS)
+    with _recorded(loaded, log_dir) as folder, monitored(page) as show:
+        show(folder.folder)
         companion = Companion(loaded, folder)
         if factor is None:
             _fly_in_lockstep(companion, world, grid, seed, instance, timeout)
@@ -170,25 +177,31 @@ def _close_folder(folder: RunFolder) -> None:
     typer.echo(f"results    {folder.folder}")
 
 
-def _host(mission: Mission | None, endpoint: Endpoint, accepts_weak: bool, log_dir: Path) -> None:
+def _host(
+    mission: Mission | None, endpoint: Endpoint, accepts_weak: bool, log_dir: Path, page: str
+) -> None:
     """Waits for ground stations to start sorties, until it is stopped."""
     from companion.app import Companion
     from companion.cli.hosting import Hangar
     from companion.ground.uploads import Uploads
 
-    def open_folder(mission: Mission) -> RunFolder:
-        return _open_folder(mission, log_dir, _print)
+    with monitored(page) as show:
 
-    uploads = Uploads(log_dir.expanduser() / UPLOADS)
-    hangar = Hangar(open_folder, _close_folder, _print, uploads)
-    companion = Companion(mission, None, accepts_weak, hangar)
-    try:
-        what = f"to fly {mission.name}" if mission else "and a mission"
-        typer.echo(f"hosting    waits for MAV_CMD_MISSION_START {what}; Ctrl-C ends it")
-        _fly(companion, endpoint, speed=1.0, timeout_s=0.0)
-    finally:
-        hangar.close()
-        uploads.close()
+        def open_folder(mission: Mission) -> RunFolder:
+            folder = _open_folder(mission, log_dir, _print)
+            show(folder.folder)
+            return folder
+
+        uploads = Uploads(log_dir.expanduser() / UPLOADS)
+        hangar = Hangar(open_folder, _close_folder, _print, uploads)
+        companion = Companion(mission, None, accepts_weak, hangar)
+        try:
+            what = f"to fly {mission.name}" if mission else "and a mission"
+            typer.echo(f"hosting    waits for MAV_CMD_MISSION_START {what}; Ctrl-C ends it")
+            _fly(companion, endpoint, speed=1.0, timeout_s=0.0)
+        finally:
+            hangar.close()
+            uploads.close()
 
 
 def _tell(report: Report) -> None:

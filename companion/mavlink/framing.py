@@ -21,7 +21,7 @@ os.environ.setdefault("MAVLINK20", "1")  # pymavlink starts in version 1 otherwi
 
 from pymavlink.dialects.v20 import common as dialect
 
-__all__ = ["Endpoint", "Message", "choose", "dialect", "source", "split_frames"]
+__all__ = ["Endpoint", "Message", "choose", "dialect", "frame_size", "source", "split_frames"]
 
 _SIZES = [bytes([size]) for size in range(256)]
 _HEADER = "<2x3BHB"
@@ -137,18 +137,22 @@ def split_frames(datagram: bytes) -> list[bytes]:
     frames: list[bytes] = []
     at = 0
     while at + 8 <= len(datagram):
-        if datagram[at] == _MAGIC_2:
-            is_signed = datagram[at + 2] & dialect.MAVLINK_IFLAG_SIGNED
-            size = 12 + datagram[at + 1] + (dialect.MAVLINK_SIGNATURE_BLOCK_LEN if is_signed else 0)
-        elif datagram[at] == _MAGIC_1:
-            size = 8 + datagram[at + 1]
-        else:
+        length = frame_size(datagram, at)
+        if length is None:
             at += 1
             continue
-        if at + size <= len(datagram):
-            frames.append(datagram[at : at + size])
-        at += size
+        if at + length <= len(datagram):
+            frames.append(datagram[at : at + length])
+        at += length
     return frames
+
+
+def frame_size(data: bytes, at: int) -> int | None:
+    """How many bytes the frame has whose first three are there; None if no frame begins there."""
+    if data[at] == _MAGIC_2:
+        is_signed = data[at + 2] & dialect.MAVLINK_IFLAG_SIGNED
+        return 12 + data[at + 1] + (dialect.MAVLINK_SIGNATURE_BLOCK_LEN if is_signed else 0)
+    return 8 + data[at + 1] if data[at] == _MAGIC_1 else None
 
 
 def choose(

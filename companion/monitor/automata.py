@@ -1,0 +1,104 @@
+"""Where do the automata of the task stand? Followed along the recorded word, for drawing.
+
+An automaton has its marks on transitions. To show them on states, as people know Büchi automata,
+a node is a state together with the marks of the transition that has just been taken; a node with
+all marks is accepting. The word is read from the `position` lines, as an audit reads it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from functools import cached_property
+
+from companion.ltl.automaton import BuchiAutomaton
+from companion.ltl.formula import Formula, conjuncts
+from companion.ltl.monitor import live_states
+from companion.ltl.semantics import Letter
+from companion.ltl.translate import translate
+
+Node = tuple[int, frozenset[int]]
+"""A state, and the marks of the transition that has led there."""
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """The automaton of one conjunct with its marks on nodes."""
+
+    name: str
+    formula: Formula
+    automaton: BuchiAutomaton
+
+    @cached_property
+    def live(self) -> frozenset[int]:
+        """States from which some word is accepted; others are not drawn."""
+        return live_states(self.automaton)
+
+    @cached_property
+    def start(self) -> frozenset[Node]:
+        """Where runs begin, without marks."""
+        return frozenset((state, frozenset()) for state in self.automaton.initial & self.live)
+
+    @cached_property
+    def nodes(self) -> tuple[Node, ...]:
+        """All that can be reached, in the order in which they are met."""
+        found = sorted(self.start, key=_order)
+        for state, _ in found:  # grows meanwhile
+            ends = {(t.target, t.marks) for t in self.automaton.outgoing[state]}
+            found += sorted((e for e in ends - set(found) if e[0] in self.live), key=_order)
+        return tuple(found)
+
+    def after(self, nodes: Collection[Node], letter: Letter) -> frozenset[Node]:
+        """One letter later."""
+        leaving = [t for state, _ in nodes for t in self.automaton.outgoing[state]]
+        return frozenset(
+            (t.target, t.marks)
+            for t in leaving
+            if t.target in self.live and t.label.matches(letter)
+        )
+
+    def as_json(self) -> dict[str, object]:
+        """For the page: nodes (accepting or not), and arrows between them with their labels."""
+        number = {node: i for i, node in enumerate(self.nodes)}
+        arrows: dict[tuple[int, int], list[str]] = {}
+        for node in self.nodes:
+            for t in self.automaton.outgoing[node[0]]:
+                end = (t.target, t.marks)
+                if end in number:
+                    arrows.setdefault((number[node], number[end]), []).append(str(t.label))
+        return {
+            "conjunct": self.name,
+            "formula": str(self.formula),
+            "accepting": [len(marks) == self.automaton.marks for _, marks in self.nodes],
+            "arrows": [[*ends, " or ".join(labels)] for ends, labels in arrows.items()],
+        }
+
+
+def _order(node: Node) -> tuple[int, list[int]]:
+    return (node[0], sorted(node[1]))
+
+
+class TaskReader:
+    """Reads the word of a flight with the automata of its task."""
+
+    def __init__(self, task: dict[str, Formula]) -> None:
+        self.drawings = [
+            Drawing(name, part, translate(part))
+            for name, formula in task.items()
+            for part in conjuncts(formula)
+        ]
+        self._nodes = [drawing.start for drawing in self.drawings]
+
+    def read(self, letter: Letter, restarted: Collection[str]) -> None:
+        """One more position; the named conjuncts begin anew with it."""
+        for i, drawing in enumerate(self.drawings):
+            before = drawing.start if drawing.name in restarted else self._nodes[i]
+            self._nodes[i] = drawing.after(before, letter)
+
+    @property
+    def states(self) -> list[list[int]]:
+        """For each conjunct the numbers of the nodes where it may be; none: it is violated."""
+        return [
+            [i for i, node in enumerate(drawing.nodes) if node in self._nodes[d]]
+            for d, drawing in enumerate(self.drawings)
+        ]

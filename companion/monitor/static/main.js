@@ -1,0 +1,64 @@
+// Joins the stream to what is shown. Everything drawn is a function of the history and the time.
+
+import { TaskView } from "./automata.js";
+import { byId } from "./dom.js";
+import { History } from "./history.js";
+import { MapView } from "./map.js";
+import { PlanView, showVehicle } from "./panels.js";
+import { Timeline } from "./timeline.js";
+import { TreeView } from "./tree.js";
+
+let page = null;
+let isConnected = false;
+
+const stream = new EventSource("stream");
+const on = (kind, take) => stream.addEventListener(kind, (message) => take(JSON.parse(message.data)));
+on("mission", open);
+on("events", (events) => page.history.events.push(...events));
+on("snapshots", (snapshots) => page.history.snapshots.push(...snapshots));
+stream.onopen = () => { isConnected = true; };
+stream.onerror = () => { isConnected = false; };
+
+function open(mission) {
+  const history = new History(mission);
+  const timeline = new Timeline(history);
+  timeline.connect();
+  page = {
+    history, timeline, map: new MapView(mission), tree: new TreeView(), plan: new PlanView(),
+    task: new TaskView(),
+  };
+  byId("name").textContent = mission.name;
+  document.title = `${mission.name}, companion monitor`;
+}
+
+function badge(state) {
+  if (state.ending) return state.ending.exit_code ? ["bad", "ended"] : ["good", "ended"];
+  if (!page.history.mission.is_live) return ["", "replay"];
+  if (!isConnected) return ["bad", "no connection"];
+  return page.timeline.isFollowing ? ["live", "live"] : ["", "looking back"];
+}
+
+let before_ms = performance.now();
+function frame(now_ms) {
+  const dt_s = (now_ms - before_ms) / 1000;
+  before_ms = now_ms;
+  if (page) {
+    const time_s = page.timeline.advance(dt_s);
+    const state = page.history.at(time_s);
+    const vehicle = page.history.vehicle(time_s);
+    page.map.show(page.history, state, vehicle);
+    page.tree.show(state);
+    page.plan.show(state);
+    page.task.show(state);
+    page.timeline.show();
+    showVehicle(vehicle, state);
+    const [kind, text] = badge(state);
+    byId("badge").textContent = text;
+    byId("badge").dataset.kind = kind;
+  }
+  requestAnimationFrame(frame);
+}
+requestAnimationFrame(frame);
+
+new ResizeObserver(() => page?.map.fit()).observe(byId("hall"));
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => page?.map.paint());

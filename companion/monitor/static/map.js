@@ -1,0 +1,114 @@
+// The map: distance field, places, plan, trail, vehicle. East to the right, north up; the drawing's
+// unit is the metre, and --px is the length of a pixel in it.
+
+import { byId, svg } from "./dom.js";
+
+const SCALE_M = 5;
+const SVG_Y = (north) => -north;
+const line = (points) => points.map(([east, north]) => `${east},${SVG_Y(north)}`).join(" ");
+
+export class MapView {
+  constructor(mission) {
+    this.map = mission.map;
+    this.hall = byId("hall");
+    this.overlay = byId("overlay");
+    this.shade = Uint8Array.from(atob(this.map.shade), (c) => c.charCodeAt(0));
+    const { rows, cols, cell_m, east_m, north_m } = this.map;
+    this.width_m = cols * cell_m;
+    const height_m = rows * cell_m;
+    this.hall.style.setProperty("--ratio", cols / rows);
+    this.overlay.setAttribute(
+      "viewBox", `${east_m} ${SVG_Y(north_m + height_m)} ${this.width_m} ${height_m}`);
+    this.layers = Object.fromEntries(
+      ["cells", "fence", "places", "path", "past", "trail", "names", "carrot", "setpoint", "vehicle"]
+        .map((name) => [name, svg("g", { class: name })]));
+    this.overlay.replaceChildren(svg("title"), ...Object.values(this.layers));
+    this.layers.fence.append(svg("polygon", { points: line(mission.fence) }));
+    this.layers.places.append(...mission.places.map(region));
+    this.names = mission.places.map(name);
+    this.layers.names.append(...this.names);
+    this.past = this.layers.past.appendChild(svg("polyline"));
+    this.trail = this.layers.trail.appendChild(svg("polyline"));
+    this.carrot = this.layers.carrot.appendChild(svg("line"));
+    this.setpoint = this.layers.setpoint.appendChild(svg("path", { d: "M0-7 7 0 0 7-7 0Z" }));
+    this.vehicle = this.layers.vehicle.appendChild(svg("path", { d: "M0-13 9 11 0 6-9 11Z" }));
+    this.fit();
+    this.paint();
+  }
+
+  fit() {
+    this.px = this.width_m / this.hall.clientWidth;
+    this.overlay.style.setProperty("--px", this.px);
+    byId("scale").style.setProperty("--length", `${SCALE_M / this.px}px`);
+    for (const text of this.names) text.setAttribute("dy", -5 * this.px);
+  }
+
+  // The distance field, in the colours of the light or the dark page.
+  paint() {
+    const style = getComputedStyle(this.hall);
+    const colour = (name) => style.getPropertyValue(name).trim().split(" ").map(Number);
+    const [wall, near, far] = [colour("--wall"), colour("--near"), colour("--far")];
+    const canvas = byId("raster");
+    [canvas.width, canvas.height] = [this.map.cols, this.map.rows];
+    const context = canvas.getContext("2d");
+    const image = context.createImageData(canvas.width, canvas.height);
+    this.shade.forEach((value, i) => {
+      const share = (value - 1) / 254;
+      for (let c = 0; c < 3; c += 1) {
+        image.data[4 * i + c] = value ? near[c] + share * (far[c] - near[c]) : wall[c];
+      }
+      image.data[4 * i + 3] = 255;
+    });
+    context.putImageData(image, 0, 0);
+  }
+
+  show(history, state, vehicle) {
+    if (this.drawnCells !== state.touched.cells) this.drawCells(state);
+    if (this.drawnPath !== state.touched.path) {
+      this.drawnPath = state.touched.path;
+      this.layers.path.replaceChildren(
+        ...state.legs.map((leg) => svg("polyline", { points: line(leg) })));
+    }
+    const flown = history.snapshots.slice(0, history.flown(state.time_s)).map((s) => [s.t_s, s.enu]);
+    const since = flown.findIndex(([t_s]) => t_s >= state.planned_s);
+    const cut = since < 0 ? flown.length : since;
+    const here = vehicle ? [vehicle.enu] : [];
+    this.past.setAttribute("points", line(flown.slice(0, cut + 1).map(([, enu]) => enu)));
+    this.trail.setAttribute("points", line([...flown.slice(cut).map(([, enu]) => enu), ...here]));
+    this.layers.vehicle.toggleAttribute("hidden", !vehicle);
+    const setpoint = vehicle?.setpoint;
+    this.layers.setpoint.toggleAttribute("hidden", !setpoint);
+    this.layers.carrot.toggleAttribute("hidden", !setpoint);
+    if (!vehicle) return;
+    this.overlay.firstChild.textContent =
+      `Vehicle ${vehicle.enu[0].toFixed(1)} m east, ${vehicle.enu[1].toFixed(1)} m north`;
+    this.place(this.vehicle, vehicle.enu, vehicle.yaw_deg);
+    if (!setpoint) return;
+    this.place(this.setpoint, setpoint, 0);
+    const ends = { x1: vehicle.enu[0], y1: SVG_Y(vehicle.enu[1]), x2: setpoint[0], y2: SVG_Y(setpoint[1]) };
+    for (const [name, value] of Object.entries(ends)) this.carrot.setAttribute(name, value);
+  }
+
+  place(shape, [east, north], yaw_deg) {
+    shape.setAttribute(
+      "transform", `translate(${east} ${SVG_Y(north)}) rotate(${yaw_deg}) scale(${this.px})`);
+  }
+
+  drawCells(state) {
+    this.drawnCells = state.touched.cells;
+    const { cell_m, east_m, north_m } = this.map;
+    this.layers.cells.replaceChildren(...[...state.cells].map(([key, occupied]) => {
+      const [row, col] = key.split(",").map(Number);
+      return svg("rect", {
+        x: east_m + col * cell_m, y: SVG_Y(north_m + (row + 1) * cell_m),
+        width: cell_m, height: cell_m, class: occupied ? "seen" : "gone",
+      });
+    }));
+  }
+}
+
+const region = ({ enu: [east, north], radius_m }) =>
+  svg("circle", { cx: east, cy: SVG_Y(north), r: radius_m });
+
+const name = ({ name, enu: [east, north], radius_m }) =>
+  svg("text", { x: east, y: SVG_Y(north + radius_m) }, name);

@@ -1,0 +1,73 @@
+// The plan, the beliefs and the vehicle's figures.
+
+import { byId, html, minutes, statusShape } from "./dom.js";
+import { actionsOf } from "./tree.js";
+
+export class PlanView {
+  show(state) {
+    const version = `${state.touched.tree} ${state.touched.status} ${state.touched.withdrawn} ` +
+      `${state.touched.restored} ${state.touched.event}`;
+    if (version === this.version) return;
+    this.version = version;
+    const actions = actionsOf(state);
+    drawPlan(state, actions);
+    drawBeliefs(state, actions);
+  }
+}
+
+function drawPlan(state, actions) {
+  const number = state.plan?.number;
+  byId("plan-title").textContent = number ? `Plan ${number + 1}, after replan ${number}` : "Plan";
+  const steps = (list) => list.map(({ name, status }) => html(
+    "li", { class: "step", "data-status": status, "aria-current": status === "RUNNING" && "step" },
+    statusShape(status), name));
+  const prefix = html("ol", { class: "prefix" }, ...steps(actions.filter((a) => !a.isInLoop)));
+  const loop = actions.filter((a) => a.isInLoop);
+  const parts = [prefix];
+  if (loop.length) {
+    parts.push(html("div", { class: "loop" },
+      html("ol", { "aria-label": "loop, for ever" }, ...steps(loop)),
+      html("span", { class: "omega", title: "for ever" }, "ω")));
+  }
+  if (!state.nodes.length) parts.push(html("p", { class: "quiet" }, "no plan yet"));
+  const reason = state.plan?.reason;
+  if (reason) parts.unshift(html("p", { class: "reason" }, reason));
+  byId("plan").replaceChildren(...parts);
+}
+
+function drawBeliefs(state, actions) {
+  const held = new Set(actions.flatMap((action) => action.assumes));
+  for (const belief of state.withdrawn) held.delete(belief);
+  const chip = (kind, status, text, title) =>
+    html("li", { class: `chip ${kind}`, title }, statusShape(status), text);
+  const facts = [...state.facts].map(([event, holds]) =>
+    chip(holds ? "holds" : "over", holds ? "RUNNING" : "INVALID", event,
+      holds ? "this event holds" : "this event holds no more"));
+  const chips = [
+    ...[...state.withdrawn].map((b) => chip("withdrawn", "FAILURE", b, "withdrawn: it has failed")),
+    ...facts,
+    ...[...held].sort().map((b) => chip("held", "SUCCESS", b, "held: the plan relies on it")),
+  ];
+  byId("beliefs").replaceChildren(chips.length
+    ? html("ul", { class: "chips" }, ...chips)
+    : html("p", { class: "quiet" }, "none yet"));
+}
+
+export function showVehicle(vehicle, state) {
+  const figure = (name, value, isBad = false) =>
+    html("div", { class: isBad ? "bad" : "" }, html("dt", {}, name), html("dd", {}, value));
+  byId("phase").textContent = state.ending ? state.ending.text.split("\n")[0] : state.phase;
+  if (!vehicle) {
+    byId("vehicle").replaceChildren();
+    return;
+  }
+  const { battery_percent: percent, link_age_s: age_s } = vehicle;
+  byId("vehicle").replaceChildren(
+    figure("mode", vehicle.mode + (vehicle.armed ? "" : ", disarmed")),
+    figure("battery", percent === null ? "unknown" : `${percent} %`, percent !== null && percent < 25),
+    figure("link", age_s < 0.5 ? "good" : `silent for ${age_s.toFixed(1)} s`, age_s >= 0.5),
+    figure("speed", `${vehicle.speed_mps.toFixed(1)} m/s`),
+    figure("up", `${vehicle.enu[2].toFixed(1)} m`),
+    figure("time", minutes(state.time_s)),
+  );
+}

@@ -1,0 +1,131 @@
+// Time: where in the run the page is, and what happened when. Marks and lines lead to their time.
+
+import { byId, html, minutes } from "./dom.js";
+
+const FOR_PROGRAMS = new Set(["position", "tree", "status", "automata", "states", "path", "cells"]);
+const SPEEDS = [0.5, 1, 2, 5, 20];
+
+export class Timeline {
+  // `isFollowing`: the page looks at the newest time, as it comes.
+  constructor(history) {
+    this.history = history;
+    this.isFollowing = history.mission.is_live;
+    this.isPlaying = !this.isFollowing;
+    this.time_s = 0;
+    this.listed = 0;
+    this.lines = [];
+    this.marks = [];
+    byId("lines").replaceChildren();
+    byId("marks").replaceChildren();
+    byId("live").hidden = !history.mission.is_live;
+  }
+
+  connect() {
+    byId("play").onclick = () => this.toggle();
+    byId("live").onclick = () => { this.isFollowing = true; };
+    byId("time").oninput = (input) => this.seek(Number(input.target.value));
+    document.onkeydown = (event) => this.key(event);
+  }
+
+  get speed() {
+    return Number(byId("speed").value);
+  }
+
+  seek(time_s) {
+    this.time_s = Math.min(Math.max(time_s, this.history.start_s), this.history.end_s);
+    this.isFollowing = false;
+  }
+
+  toggle() {
+    if (this.isFollowing) this.seek(this.history.end_s);
+    else if (!this.isPlaying && this.time_s >= this.history.end_s) this.seek(this.history.start_s);
+    this.isPlaying = !this.isPlaying;
+  }
+
+  key(event) {
+    if (event.ctrlKey || event.altKey || event.metaKey || event.target.tagName === "SELECT") return;
+    const step_s = event.shiftKey ? 10 : 1;
+    const isOnButton = ["BUTTON", "SUMMARY"].includes(event.target.tagName);
+    const actions = {
+      ArrowLeft: () => this.seek(this.time_s - step_s),
+      ArrowRight: () => this.seek(this.time_s + step_s),
+      Home: () => this.seek(0),
+      End: () => this.seek(Infinity),
+      " ": isOnButton ? null : () => this.toggle(),
+      "+": () => this.faster(1),
+      "-": () => this.faster(-1),
+    };
+    if (!actions[event.key]) return;
+    event.preventDefault();
+    actions[event.key]();
+  }
+
+  faster(by) {
+    const next = SPEEDS[SPEEDS.indexOf(this.speed) + by];
+    if (next) byId("speed").value = String(next);
+  }
+
+  // Passes wall time; what time of the run is it then?
+  advance(dt_s) {
+    const { start_s, end_s, mission } = this.history;
+    if (this.isFollowing) this.time_s = end_s;
+    else if (this.isPlaying) {
+      this.time_s = Math.min(Math.max(this.time_s, start_s) + dt_s * this.speed, end_s);
+      if (this.time_s >= end_s) {
+        this.isPlaying = false;
+        this.isFollowing = mission.is_live;
+      }
+    }
+    return this.time_s;
+  }
+
+  show() {
+    this.list();
+    const { start_s, end_s } = this.history;
+    const slider = byId("time");
+    slider.min = start_s;
+    slider.max = end_s;
+    slider.value = this.time_s;
+    slider.setAttribute("aria-valuetext", minutes(this.time_s));
+    byId("clock").textContent = `${minutes(this.time_s)} / ${minutes(end_s)}`;
+    byId("play").textContent = this.isPlaying || this.isFollowing ? "Pause" : "Play";
+    byId("live").toggleAttribute("data-on", this.isFollowing);
+    for (const { element, t_s } of this.marks) {
+      element.style.setProperty("--at", (t_s - start_s) / Math.max(end_s - start_s, 1e-3));
+    }
+    this.showPresent();
+  }
+
+  // Lines and marks for the events that have come.
+  list() {
+    const { events } = this.history;
+    for (; this.listed < events.length; this.listed += 1) {
+      const event = events[this.listed];
+      if (FOR_PROGRAMS.has(event.kind)) continue;
+      const jump = () => { this.seek(event.t_s); };
+      const line = html("li", { "data-kind": event.kind },
+        html("button", { type: "button", onclick: jump },
+          html("time", {}, minutes(event.t_s)), html("span", {}, event.text)));
+      this.lines.push({ element: line, t_s: event.t_s });
+      byId("lines").append(line);
+      if (event.kind !== "replan" && event.kind !== "violation") continue;
+      const label = event.kind === "replan" ? String(event.number ?? "×") : "!";
+      const mark = html("button",
+        { type: "button", class: "mark", title: event.text, "aria-label": event.text, onclick: jump }, label);
+      this.marks.push({ element: mark, t_s: event.t_s });
+      byId("marks").append(mark);
+    }
+  }
+
+  showPresent() {
+    const past = this.lines.filter((line) => line.t_s <= this.time_s).length;
+    if (past === this.past) return;
+    this.past = past;
+    this.lines.forEach(({ element }, i) => {
+      element.toggleAttribute("data-future", i >= past);
+      element.toggleAttribute("data-present", i === past - 1);
+    });
+    const list = byId("lines"), line = this.lines[past - 1]?.element;
+    if (line) list.scrollTop = line.offsetTop - list.clientHeight + line.clientHeight;
+  }
+}

@@ -1,0 +1,149 @@
+"""What did the vehicle and the companion say on the wire? The newest of it, as a Snapshot.
+
+Frames of one time in flight.tlog are those of one tick, so the state and the map as sensed are
+read here as the companion itself has read them, by the same code.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from companion.geometry import Ned, enu_from_ned
+from companion.mavlink.framing import Endpoint, Message, choose, dialect, source
+from companion.mavlink.px4_modes import mode_name
+from companion.motion.grid import OccupancyGrid
+from companion.motion.sensed_map import SensedMap
+from companion.vehicle.ranging import Track, range_scan
+from companion.vehicle.telemetry import Telemetry
+
+AUTOPILOT = dialect.MAV_COMP_ID_AUTOPILOT1
+COMPANION = dialect.MAV_COMP_ID_ONBOARD_COMPUTER
+SCANNER = dialect.MAV_COMP_ID_OBSTACLE_AVOIDANCE
+_CONTINUAL = frozenset({dialect.MAVLINK_MSG_ID_ATTITUDE, dialect.MAVLINK_MSG_ID_LOCAL_POSITION_NED})
+_SETPOINT = dialect.MAVLINK_MSG_ID_SET_POSITION_TARGET_LOCAL_NED
+_SCAN = dialect.MAVLINK_MSG_ID_OBSTACLE_DISTANCE
+_WANTED = _CONTINUAL | {
+    _SETPOINT,
+    _SCAN,
+    dialect.MAVLINK_MSG_ID_HEARTBEAT,
+    dialect.MAVLINK_MSG_ID_HOME_POSITION,
+    dialect.MAVLINK_MSG_ID_EXTENDED_SYS_STATE,
+    dialect.MAVLINK_MSG_ID_BATTERY_STATUS,
+}
+SETPOINT_OLD_S = 1.0
+"""Age from which on a setpoint is not shown: nothing is streamed any more."""
+
+
+@dataclass(frozen=True, slots=True)
+class Snapshot:
+    """The vehicle at one time.
+
+    Attributes:
+        time_s: since the run began.
+        setpoint: where it was last asked to be; None if nothing is streamed.
+        link_age_s: time since the autopilot was heard.
+    """
+
+    time_s: float
+    position: Ned
+    velocity: Ned
+    yaw_rad: float
+    setpoint: Ned | None
+    battery_percent: int | None
+    mode: str
+    is_armed: bool
+    link_age_s: float
+
+    def as_json(self) -> dict[str, object]:
+        """East, north and up, metres; yaw in degrees from north to the east."""
+        return {
+            "t_s": round(self.time_s, 2),
+            "enu": _rounded(self.position),
+            "speed_mps": round(math.hypot(*self.velocity), 2),
+            "yaw_deg": round(math.degrees(self.yaw_rad), 1),
+            "setpoint": self.setpoint and _rounded(self.setpoint),
+            "battery_percent": self.battery_percent,
+            "mode": self.mode,
+            "armed": self.is_armed,
+            "link_age_s": round(self.link_age_s, 2),
+        }
+
+
+def _rounded(ned: Ned) -> list[float]:
+    return [round(x, 2) for x in enu_from_ned(ned)]
+
+
+class Watcher:
+    """Hears what is recorded, tick by tick.
+
+    Args:
+        told: the map of the mission.
+    """
+
+    def __init__(self, told: OccupancyGrid) -> None:
+        self._map = SensedMap(told)
+        self._telemetry = Telemetry()
+        self._track = Track()
+        self._endpoint = Endpoint(0, 0)
+        self._system = 0
+        self._mode = ""
+        self._heard_s = -math.inf
+        self._setpoint: tuple[float, Ned] | None = None
+
+    @property
+    def grid(self) -> OccupancyGrid:
+        """The map as it is known now."""
+        return self._map.grid
+
+    def hear(self, now_s: float, frames: list[bytes]) -> None:
+        """Takes the frames of one tick."""
+        scans = []
+        for frame in choose(frames, _WANTED, _CONTINUAL):
+            for message in self._endpoint.parse(frame):
+                if message.get_msgId() == _SCAN:
+                    scans.append(message)
+                else:
+                    self._take(now_s, message)
+        home = self._telemetry.home
+        for message in scans:
+            if source(message) == (self._system, SCANNER) and home is not None:
+                scan = range_scan(message, now_s, self._track, home[:2])
+                if scan is not None:
+                    self._map.integrate(scan)
+
+    def _take(self, now_s: float, message: Message) -> None:
+        system, component = source(message)
+        if component == AUTOPILOT and not self._system:
+            self._system = system
+        if system != self._system:
+            return
+        if component == AUTOPILOT:
+            self._heard_s = now_s
+            if self._telemetry.take(now_s, message):
+                self._track.take(message)
+            if message.get_msgId() == dialect.MAVLINK_MSG_ID_HEARTBEAT:
+                self._mode = mode_name(message.custom_mode) or "another mode"
+        elif component == COMPANION and message.get_msgId() == _SETPOINT:
+            self._setpoint = (now_s, (message.x, message.y, message.z))
+
+    def snapshot(self, now_s: float) -> Snapshot | None:
+        """What is known now; None until the vehicle's state is."""
+        state, home = self._telemetry.state, self._telemetry.home
+        if state is None or home is None:
+            return None
+        setpoint = None
+        if self._setpoint is not None and now_s - self._setpoint[0] < SETPOINT_OLD_S:
+            north, east, down = self._setpoint[1]
+            setpoint = (north - home[0], east - home[1], down - home[2])
+        return Snapshot(
+            time_s=now_s,
+            position=state.position,
+            velocity=state.velocity,
+            yaw_rad=state.yaw_rad,
+            setpoint=setpoint,
+            battery_percent=state.battery_percent,
+            mode=self._mode,
+            is_armed=state.is_armed,
+            link_age_s=now_s - self._heard_s,
+        )
