@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import socket
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Annotated
 
@@ -38,14 +38,15 @@ def monitored(address: str | None) -> Iterator[Callable[[Path], None]]:
         return
     from companion.monitor.child import following, listen, url
 
-    try:
-        listener = listen(host, port)
-    except CompanionError as error:
-        typer.echo(f"monitor    none: {error}", err=True)
-        yield _show_nowhere
-        return
-    typer.echo(f"monitor    {url(listener)}")
-    with following(listener) as show:
+    show = _show_nowhere
+    with ExitStack() as page:
+        try:
+            listener = listen(host, port)
+            address = url(listener)
+            show = page.enter_context(following(listener))
+            typer.echo(f"monitor    {address}")
+        except CompanionError as error:
+            typer.echo(f"monitor    none: {error}", err=True)
         yield show
 
 

@@ -58,16 +58,22 @@ def following(listener: socket.socket) -> Iterator[Callable[[Path], None]]:
 
     Yields:
         Shows a run folder from now on.
+
+    Raises:
+        LinkError: no process can be started.
     """
     number = listener.fileno()
     with listener:
-        child = subprocess.Popen(
-            [sys.executable, "-m", "companion", "monitor", str(number)],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.DEVNULL,
-            pass_fds=[number],
-            start_new_session=True,  # Ctrl-C is the flight's: the landing is to be seen
-        )
+        try:
+            child = subprocess.Popen(
+                [sys.executable, "-m", "companion", "monitor", str(number)],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.DEVNULL,
+                pass_fds=[number],
+                start_new_session=True,  # Ctrl-C is the flight's: the landing is to be seen
+            )
+        except OSError as error:
+            raise LinkError(f"the monitor cannot start: {error}") from error
     pipe = child.stdin
     assert pipe is not None
 

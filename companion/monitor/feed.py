@@ -86,9 +86,9 @@ class _Reader:
 
 
 def thinned(snapshots: Sequence[Snapshot], most: int) -> Sequence[Snapshot]:
-    """At most so many of them, evenly, the last one included.
+    """At most so many of some snapshots, evenly, the last one included.
 
-    >>> thinned(list(range(10)), 4)  # type: ignore[arg-type]
+    >>> thinned(list(range(10)), 4)
     [3, 6, 9]
     """
     step = -(-len(snapshots) // most)

@@ -5,7 +5,7 @@ run's own events under kinds of their own:
 
 - `automata`: the task's automata, with the first plan
 - `states`: where they may be, with each position of the word
-- `path`: the way along which the plan leads, on the map as it was known then, with each tree
+- `path`: the way along which the plan leads, on the map as it was known then, with its tree
 - `cells`: cells that have become occupied or free by what the lidar saw
 """
 
@@ -71,6 +71,7 @@ class Follower:
         self._grid = scene.grid
         self._routes = RouteMap(scene.grid, scene.sites, scene.fence, CLEARANCE_M)
         self._task: TaskReader | None = None
+        self._is_written = False  # the tree is the mission's own, and no way is planned
         self._next_s = 0.0
 
     def read(self) -> bool:
@@ -116,6 +117,7 @@ class Follower:
     def _derived(self, event: Event) -> Iterator[Event]:
         match event["kind"]:
             case "plan":
+                self._is_written = "loop" not in event
                 self._task = TaskReader({n: parse(text) for n, text in event["task"].items()})
                 drawings = [drawing.as_json() for drawing in self._task.drawings]
                 yield {"kind": "automata", "automata": drawings}
@@ -126,7 +128,7 @@ class Follower:
             case "symbol":
                 north, east, down = map(float, event["position"])
                 self._routes.aim(event["place"], (north, east, down))
-            case "tree":
+            case "tree" if not self._is_written:
                 yield {"kind": "path", "legs": self._legs(event["nodes"])}
 
     def _legs(self, nodes: list[dict[str, Any]]) -> list[list[list[float]]]:

@@ -68,6 +68,8 @@ def _scene(data: dict[str, Any]) -> Scene:
         raise ValueError(f"a map of {shape[0]} times {shape[1]} cells")
     unpacker = zlib.decompressobj()
     packed = unpacker.decompress(base64.b64decode(about["occupied"]), MAX_CELLS)
+    if len(packed) != -(-shape[0] * shape[1] // 8):
+        raise ValueError(f"{len(packed)} bytes of cells")
     bits = np.unpackbits(np.frombuffer(packed, dtype=np.uint8), count=shape[0] * shape[1])
     origin = (float(about["north_m"]), float(about["east_m"]))
     grid = OccupancyGrid(bits.reshape(shape).astype(np.bool_), float(about["cell_m"]), origin)

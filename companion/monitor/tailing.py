@@ -43,13 +43,16 @@ class TlogFrames:
 
     def news(self) -> tuple[list[tuple[float, list[bytes]]], bool]:
         """Frames since the last call, as (seconds since 1970, those of one time), and: is there
-        more that can be read at once? Nothing is read behind a damaged record.
+        more that can be read at once?
+
+        The newest time waits until a later one has begun: not all of its frames may be there yet.
+        Nothing is read behind a damaged record.
         """
         if self._is_damaged:
             return [], False
         data = _read(self._path, self._at, CHUNK_BYTES)
         batches: list[tuple[float, list[bytes]]] = []
-        newest, at = None, 0
+        newest, at, whole = None, 0, 0
         while at + 11 <= len(data):
             size = frame_size(data, at + 8)
             if size is None:
@@ -59,12 +62,13 @@ class TlogFrames:
                 break
             (stamp,) = _STAMP.unpack_from(data, at)
             if stamp != newest:
-                newest = stamp
+                newest, whole = stamp, at
                 batches.append((stamp / 1e6, []))
             batches[-1][1].append(data[at + 8 : at + 8 + size])
             at += 8 + size
-        self._at += at
-        return batches, len(data) == CHUNK_BYTES and not self._is_damaged
+        self._at += whole
+        is_more = len(data) == CHUNK_BYTES and whole > 0 and not self._is_damaged
+        return batches[:-1], is_more
 
 
 def _read(path: Path, at: int, size: int) -> bytes:

@@ -3,6 +3,11 @@
 
 export const byId = (id) => document.getElementById(id);
 
+// Sets a text that has changed; to set an equal one would cost a new layout.
+export function say(element, text) {
+  if (element.textContent !== text) element.textContent = text;
+}
+
 export function html(tag, attributes = {}, ...children) {
   return filled(document.createElement(tag), attributes, children);
 }

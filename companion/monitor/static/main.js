@@ -1,7 +1,7 @@
 // Joins the stream to what is shown. Everything drawn is a function of the history and the time.
 
 import { TaskView } from "./automata.js";
-import { byId } from "./dom.js";
+import { byId, say } from "./dom.js";
 import { History } from "./history.js";
 import { MapView } from "./map.js";
 import { PlanView, showVehicle } from "./panels.js";
@@ -38,9 +38,12 @@ function badge(state) {
   return page.timeline.isFollowing ? ["live", "live"] : ["", "looking back"];
 }
 
+const PERIOD_MS = 50; // often enough for the eye, and kind to the battery of a phone
 let before_ms = performance.now();
 function frame(now_ms) {
+  requestAnimationFrame(frame);
   const dt_s = (now_ms - before_ms) / 1000;
+  if (dt_s * 1000 < PERIOD_MS - 5) return;
   before_ms = now_ms;
   if (page) {
     const time_s = page.timeline.advance(dt_s);
@@ -53,10 +56,9 @@ function frame(now_ms) {
     page.timeline.show();
     showVehicle(vehicle, state);
     const [kind, text] = badge(state);
-    byId("badge").textContent = text;
+    say(byId("badge"), text);
     byId("badge").dataset.kind = kind;
   }
-  requestAnimationFrame(frame);
 }
 requestAnimationFrame(frame);
 

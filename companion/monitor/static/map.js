@@ -20,7 +20,7 @@ export class MapView {
     this.overlay.setAttribute(
       "viewBox", `${east_m} ${SVG_Y(north_m + height_m)} ${this.width_m} ${height_m}`);
     this.layers = Object.fromEntries(
-      ["cells", "fence", "places", "path", "past", "trail", "names", "carrot", "setpoint", "vehicle"]
+      ["fence", "places", "cells", "path", "past", "trail", "names", "carrot", "setpoint", "vehicle"]
         .map((name) => [name, svg("g", { class: name })]));
     this.overlay.replaceChildren(svg("title"), ...Object.values(this.layers));
     this.layers.fence.append(svg("polygon", { points: line(mission.fence) }));
@@ -69,12 +69,7 @@ export class MapView {
       this.layers.path.replaceChildren(
         ...state.legs.map((leg) => svg("polyline", { points: line(leg) })));
     }
-    const flown = history.snapshots.slice(0, history.flown(state.time_s)).map((s) => [s.t_s, s.enu]);
-    const since = flown.findIndex(([t_s]) => t_s >= state.planned_s);
-    const cut = since < 0 ? flown.length : since;
-    const here = vehicle ? [vehicle.enu] : [];
-    this.past.setAttribute("points", line(flown.slice(0, cut + 1).map(([, enu]) => enu)));
-    this.trail.setAttribute("points", line([...flown.slice(cut).map(([, enu]) => enu), ...here]));
+    this.drawTrail(history, state);
     this.layers.vehicle.toggleAttribute("hidden", !vehicle);
     const setpoint = vehicle?.setpoint;
     this.layers.setpoint.toggleAttribute("hidden", !setpoint);
@@ -87,6 +82,16 @@ export class MapView {
     this.place(this.setpoint, setpoint, 0);
     const ends = { x1: vehicle.enu[0], y1: SVG_Y(vehicle.enu[1]), x2: setpoint[0], y2: SVG_Y(setpoint[1]) };
     for (const [name, value] of Object.entries(ends)) this.carrot.setAttribute(name, value);
+  }
+
+  // What was flown under the present plan, and before; up to the last snapshot.
+  drawTrail(history, state) {
+    const count = history.flown(state.time_s), cut = Math.min(count, history.flown(state.planned_s));
+    if (this.drawnTrail === `${count} ${cut}`) return;
+    this.drawnTrail = `${count} ${cut}`;
+    const points = (from, to) => line(history.snapshots.slice(from, to).map((s) => s.enu));
+    this.past.setAttribute("points", points(0, cut));
+    this.trail.setAttribute("points", points(Math.max(cut - 1, 0), count));
   }
 
   place(shape, [east, north], yaw_deg) {

@@ -1,7 +1,9 @@
 // The plan, the beliefs and the vehicle's figures.
 
-import { byId, html, minutes, statusShape } from "./dom.js";
+import { byId, html, say, statusShape } from "./dom.js";
 import { actionsOf } from "./tree.js";
+
+const LOW_PERCENT = 25;
 
 export class PlanView {
   show(state) {
@@ -17,7 +19,10 @@ export class PlanView {
 
 function drawPlan(state, actions) {
   const number = state.plan?.number;
-  byId("plan-title").textContent = number ? `Plan ${number + 1}, after replan ${number}` : "Plan";
+  const isWritten = state.plan && !state.plan.loop; // by hand, not planned
+  byId("plan-title").textContent = isWritten
+    ? "Actions of the mission's own tree"
+    : number ? `Plan ${number + 1}, after replan ${number}` : "Plan";
   const steps = (list) => list.map(({ name, status }) => html(
     "li", { class: "step", "data-status": status, "aria-current": status === "RUNNING" && "step" },
     statusShape(status), name));
@@ -54,20 +59,18 @@ function drawBeliefs(state, actions) {
 }
 
 export function showVehicle(vehicle, state) {
-  const figure = (name, value, isBad = false) =>
-    html("div", { class: isBad ? "bad" : "" }, html("dt", {}, name), html("dd", {}, value));
-  byId("phase").textContent = state.ending ? state.ending.text.split("\n")[0] : state.phase;
-  if (!vehicle) {
-    byId("vehicle").replaceChildren();
-    return;
-  }
+  say(byId("phase"), state.ending ? state.ending.text.split("\n")[0] : state.phase);
+  if (!vehicle) return;
   const { battery_percent: percent, link_age_s: age_s } = vehicle;
-  byId("vehicle").replaceChildren(
-    figure("mode", vehicle.mode + (vehicle.armed ? "" : ", disarmed")),
-    figure("battery", percent === null ? "unknown" : `${percent} %`, percent !== null && percent < 25),
-    figure("link", age_s < 0.5 ? "good" : `silent for ${age_s.toFixed(1)} s`, age_s >= 0.5),
-    figure("speed", `${vehicle.speed_mps.toFixed(1)} m/s`),
-    figure("up", `${vehicle.enu[2].toFixed(1)} m`),
-    figure("time", minutes(state.time_s)),
-  );
+  figure("mode", vehicle.mode + (vehicle.armed ? "" : ", disarmed"));
+  figure("battery", percent === null ? "unknown" : `${percent} %`, percent !== null && percent < LOW_PERCENT);
+  figure("link", age_s < 0.5 ? "good" : `silent for ${age_s.toFixed(1)} s`, age_s >= 0.5);
+  figure("speed", `${vehicle.speed_mps.toFixed(1)} m/s`);
+  figure("up", `${vehicle.enu[2].toFixed(1)} m`);
+}
+
+function figure(name, value, isBad = false) {
+  const element = byId(name);
+  say(element, value);
+  element.classList.toggle("bad", isBad);
 }

@@ -1,9 +1,16 @@
 // Time: where in the run the page is, and what happened when. Marks and lines lead to their time.
 
-import { byId, html, minutes } from "./dom.js";
+import { byId, html, minutes, say } from "./dom.js";
 
 const FOR_PROGRAMS = new Set(["position", "tree", "status", "automata", "states", "path", "cells"]);
+const MOST_BEHIND_S = 10;
 const SPEEDS = [0.5, 1, 2, 5, 20];
+
+// A little behind what comes in steps, so that the vehicle moves without them.
+function approached(time_s, end_s, dt_s) {
+  const gap_s = end_s - time_s;
+  return gap_s < 0.02 || gap_s > MOST_BEHIND_S ? end_s : time_s + gap_s * Math.min(1, 5 * dt_s);
+}
 
 export class Timeline {
   // `isFollowing`: the page looks at the newest time, as it comes.
@@ -28,7 +35,7 @@ export class Timeline {
   }
 
   get speed() {
-    return Number(byId("speed").value);
+    return Number(byId("pace").value);
   }
 
   seek(time_s) {
@@ -62,13 +69,13 @@ export class Timeline {
 
   faster(by) {
     const next = SPEEDS[SPEEDS.indexOf(this.speed) + by];
-    if (next) byId("speed").value = String(next);
+    if (next) byId("pace").value = String(next);
   }
 
   // Passes wall time; what time of the run is it then?
   advance(dt_s) {
     const { start_s, end_s, mission } = this.history;
-    if (this.isFollowing) this.time_s = end_s;
+    if (this.isFollowing) this.time_s = approached(this.time_s, end_s, dt_s);
     else if (this.isPlaying) {
       this.time_s = Math.min(Math.max(this.time_s, start_s) + dt_s * this.speed, end_s);
       if (this.time_s >= end_s) {
@@ -83,12 +90,13 @@ export class Timeline {
     this.list();
     const { start_s, end_s } = this.history;
     const slider = byId("time");
-    slider.min = start_s;
-    slider.max = end_s;
-    slider.value = this.time_s;
-    slider.setAttribute("aria-valuetext", minutes(this.time_s));
-    byId("clock").textContent = `${minutes(this.time_s)} / ${minutes(end_s)}`;
-    byId("play").textContent = this.isPlaying || this.isFollowing ? "Pause" : "Play";
+    const clock = `${minutes(this.time_s)} / ${minutes(end_s)}`;
+    if (clock !== byId("clock").textContent) {
+      [slider.min, slider.max, slider.value] = [start_s, end_s, this.time_s];
+      slider.setAttribute("aria-valuetext", minutes(this.time_s));
+    }
+    say(byId("clock"), clock);
+    say(byId("play"), this.isPlaying || this.isFollowing ? "Pause" : "Play");
     byId("live").toggleAttribute("data-on", this.isFollowing);
     for (const { element, t_s } of this.marks) {
       element.style.setProperty("--at", (t_s - start_s) / Math.max(end_s - start_s, 1e-3));

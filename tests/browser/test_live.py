@@ -1,0 +1,92 @@
+"""The monitor page of a running flight, in a browser: what it shows is what happens."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from browsing import Open
+from ports import free_instance
+
+pytestmark = pytest.mark.alone
+
+SURVEILLANCE = Path(__file__).parents[2] / "missions" / "surveillance.yaml"
+SPEED = 3
+TRAIL = "document.querySelector('.trail polyline').getAttribute('points')"
+LINES = "[...document.querySelectorAll('#lines li span')].map(line => line.textContent)"
+
+
+@pytest.fixture
+def flight(tmp_path: Path) -> Iterator[str]:
+    """The address of a flight's page."""
+    arguments = [
+        *("sim", SURVEILLANCE, "--speed", SPEED, "-i", free_instance()),
+        *("--log-dir", tmp_path, "--monitor", "127.0.0.1:0"),
+    ]
+    with subprocess.Popen(
+        [sys.executable, "-m", "companion", *map(str, arguments)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    ) as process:
+        assert process.stdout is not None
+        printed = ""
+        while not (address := re.search(r"^monitor +(http://\S+)$", printed, re.MULTILINE)):
+            printed += process.stdout.readline() or pytest.fail(printed)
+        yield address[1]
+        process.kill()
+        print(process.stdout.read())  # shown if the test fails
+
+
+def test_a_mission_from_the_first_plan_to_the_landing(flight: str, open_page: Open) -> None:
+    desk, phone = open_page(flight), open_page(flight, width=360, height=740)
+    desk.until(f"{LINES}.includes('at A')")
+    assert desk.texts("#badge") == ["live"]
+    assert desk.texts("#name") == ["surveillance"]
+    assert set(desk.texts(".names text")) == {"Home", "A", "B", "C", "r1", "r2", "r3"}
+    assert desk.texts("#plan .prefix .step") == ["move(Home, A)"]
+    assert desk.texts("#plan .loop .step") == ["move(A, B)", "move(B, C)", "move(C, A)"]
+    desk.until("document.querySelector('.step[aria-current]')?.textContent.includes('move(A, B)')")
+    running = desk.page.locator("#tree .leaf[data-status=RUNNING] .label")
+    assert running.all_inner_texts() == ["move_cmd B"]
+    assert running.first.is_visible(), "the running path is open"
+    assert desk.page.locator(".path polyline").count() == 4
+    figures = " ".join(desk.texts("#vehicle div"))
+    assert re.search(r"mode\s+OFFBOARD", figures) and re.search(r"link\s+good", figures)
+    assert re.search(r"battery\s+\d+ %", figures) and re.search(r"up\s+(1\.9|2\.\d) m", figures)
+    flown = desk.page.evaluate(TRAIL)
+    desk.until(f"{TRAIL}.length > {len(flown)} + 100")
+    assert desk.page.evaluate(TRAIL)[: len(flown) // 2] == flown[: len(flown) // 2]
+    assert desk.page.locator(".setpoint:not([hidden])").count() == 1
+
+    assert desk.texts(".withdrawn") == []
+    desk.until("document.querySelectorAll('.mark').length === 2")
+    desk.until("document.querySelector('.withdrawn')")
+    assert desk.texts(".withdrawn") == ["canUpload(r1)"]
+    assert desk.texts(".holds") == ["targetFound"]
+    assert desk.texts("#plan .prefix .step") == ["move(r1, r2)", "upload(r2)", "move(r2, Home)"]
+    assert desk.texts("#plan .loop .step") == ["wait"]
+    assert desk.texts("#plan-title") == ["Plan 3, after replan 2"]
+    assert desk.texts(".reason") == ["upload(r1) failed: denied"]
+
+    desk.page.locator(".mark").first.click()
+    desk.until("document.querySelector('#badge').textContent === 'looking back'")
+    desk.until("!document.querySelector('.withdrawn')")
+    assert "replan 1: target found" in desk.texts("#lines [data-present]")[0]
+    desk.page.locator("#live").click()
+
+    desk.until("document.querySelector('#badge').textContent === 'ended'")
+    assert desk.texts("#phase") == ["task satisfied, landed"]
+    for page in (desk, phone):
+        page.until(f"{LINES}.includes('task satisfied, landed')")
+        assert page.has_no_horizontal_scroll()
+        conjuncts = page.page.locator(".conjunct")
+        assert conjuncts.count() == 5
+        for i in range(5):
+            assert conjuncts.nth(i).locator("[data-here] .ring").count() >= 1, "accepting"
+    desk.faults[:] = [f for f in desk.faults if "ERR_" not in f]  # the server has gone
+    phone.faults[:] = [f for f in phone.faults if "ERR_" not in f]

@@ -1,0 +1,56 @@
+"""A page that is watched: what it says, and all that goes wrong on it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from playwright.sync_api import Page
+
+LOOK_AGAIN_S = 0.05
+
+
+@dataclass
+class Watched:
+    """A page and what has gone wrong on it so far."""
+
+    page: Page
+    origin: str
+    faults: list[str] = field(default_factory=list)
+
+    def look(self) -> None:
+        """Keeps faults: of scripts, and requests that leave the page's own origin."""
+        self.page.on("console", lambda message: self.faults.append(f"said {message.text}"))
+        self.page.on("pageerror", lambda error: self.faults.append(f"threw {error}"))
+        self.page.on("request", lambda request: self._allow(request.url))
+        self.page.goto(self.origin)
+
+    def _allow(self, url: str) -> None:
+        if not url.startswith(f"{self.origin}/"):
+            self.faults.append(f"asked for {url}")
+
+    def texts(self, selector: str) -> list[str]:
+        """What all elements of a kind say."""
+        say = "all => all.map(each => (each.innerText ?? each.textContent).trim())"
+        return [str(text) for text in self.page.locator(selector).evaluate_all(say)]
+
+    def until(self, condition: str, timeout_s: float = 30.0) -> None:
+        """Waits until an expression of the page's own language holds.
+
+        Playwright's own way to wait is code in the page, which its security policy refuses.
+        """
+        for _ in range(round(timeout_s / LOOK_AGAIN_S)):
+            if self.page.evaluate(condition):
+                return
+            self.page.wait_for_timeout(1000 * LOOK_AGAIN_S)
+        raise AssertionError(f"not within {timeout_s:.0f} s: {condition}\n{self.faults}")
+
+    def has_no_horizontal_scroll(self) -> bool:
+        """Whether the page is as wide as its window."""
+        widths = "[document.documentElement.scrollWidth, document.documentElement.clientWidth]"
+        scroll, client = self.page.evaluate(widths)
+        return bool(scroll == client)
+
+
+Open = Callable[..., Watched]
+"""Opens an address in a window of some width."""

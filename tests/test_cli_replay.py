@@ -1,0 +1,185 @@
+"""`companion replay` and the page's server, as processes: what they answer, and how they end."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import time
+import urllib.request
+from collections.abc import Iterator
+from pathlib import Path
+from urllib.error import HTTPError
+
+import pytest
+from commands import Companion
+
+DOCUMENTED = "companion replay runs/2026-11-21T101500-surveillance"
+"""The command in README.md."""
+ROOT = Path(__file__).parents[1]
+START_S = 30.0
+
+
+@pytest.fixture
+def replaying(surveillance_run: Path) -> Iterator[tuple[subprocess.Popen[str], str]]:
+    """A replay that runs, and its address."""
+    command = [sys.executable, "-m", "companion", *DOCUMENTED.split()[1:-1], str(surveillance_run)]
+    with subprocess.Popen([*command, "--port", "0"], stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        address = re.search(r"http://127\.0\.0\.1:\d+", process.stdout.readline())
+        assert address
+        yield process, address[0]
+        process.kill()
+
+
+def test_page_files_and_stream(
+    replaying: tuple[subprocess.Popen[str], str], surveillance_run: Path
+) -> None:
+    process, address = replaying
+    with urllib.request.urlopen(address, timeout=START_S) as page:
+        text = page.read().decode()
+        policy = page.headers["Content-Security-Policy"]
+        assert page.headers["Content-Type"].startswith("text/html")
+    assert policy.startswith("default-src 'none'") and "http" not in policy
+    files = re.findall(r'(?:src|href)="([^"]+)"', text)
+    assert {"main.js", "style.css", "icon.svg"} == set(files)
+    for name in files:
+        with urllib.request.urlopen(f"{address}/{name}", timeout=START_S) as file:
+            assert file.status == 200 and file.headers["Content-Security-Policy"] == policy
+    for name in ("nothing.js", "..%2fserver.py", "%2e%2e/server.py", "static/main.js"):
+        with pytest.raises(HTTPError) as refused:
+            urllib.request.urlopen(f"{address}/{name}", timeout=START_S)
+        assert refused.value.code == 404
+    with pytest.raises(HTTPError) as refused:
+        urllib.request.urlopen(f"{address}/stream", data=b"write", timeout=START_S)
+    assert refused.value.code == 405
+    with urllib.request.urlopen(f"{address}/stream", timeout=START_S) as stream:
+        assert stream.headers["Content-Type"].startswith("text/event-stream")
+        seen: list[str] = []
+        while "end" not in seen:
+            line = stream.readline().decode()
+            if line.startswith("data: ["):
+                seen += [event.get("kind", "") for event in json.loads(line[6:])]
+    assert {"plan", "replan", "tree", "status", "path", "states"} <= set(seen)
+    process.send_signal(signal.SIGINT)
+    assert process.wait(START_S) == 0
+
+
+def test_a_port_in_use_is_passed_over(surveillance_run: Path) -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        arguments = ["replay", str(surveillance_run), "--port", str(port)]
+        command = [sys.executable, "-m", "companion", *arguments]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+            assert process.stdout is not None
+            said = process.stdout.readline()
+            process.kill()
+    found = re.search(r"http://127\.0\.0\.1:(\d+)", said)
+    assert found and port < int(found[1]) < port + 50
+
+
+# -- folders that cannot be shown ----------------------------------------------------------------
+
+
+def test_what_is_no_run_folder_is_refused(companion: Companion, tmp_path: Path) -> None:
+    ended = companion("replay", tmp_path)
+    assert ended.code == 2
+    assert f"{tmp_path} is no run folder" in ended.err
+
+
+def test_a_run_without_a_scene_is_refused(
+    companion: Companion, surveillance_run: Path, tmp_path: Path
+) -> None:
+    shutil.copy(surveillance_run / "events.jsonl", tmp_path)
+    ended = companion("replay", tmp_path, "--port", 0)
+    assert ended.code == 2
+    assert "scene.json cannot be read" in ended.err
+
+
+def test_a_damaged_line_is_refused_with_its_place(
+    companion: Companion, surveillance_run: Path, tmp_path: Path
+) -> None:
+    lines = (surveillance_run / "events.jsonl").read_text(encoding="utf-8").splitlines()
+    (tmp_path / "events.jsonl").write_text("\n".join([*lines[:3], "{", *lines[3:]]) + "\n")
+    ended = companion("replay", tmp_path)
+    assert ended.code == 2
+    assert "events.jsonl:4:1: this line is not JSON" in ended.err
+
+
+# -- beside a flight -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("address", ["8080", "localhost", ":80", "h:99999", "on"])
+def test_an_address_that_is_none_is_refused(companion: Companion, address: str) -> None:
+    mission = ROOT / "missions" / "surveillance.yaml"
+    ended = companion("sim", mission, "--speed", "max", "--monitor", address)
+    assert ended.code == 2
+    assert "neither HOST:PORT nor off" in ended.err
+
+
+def test_a_page_that_cannot_be_served_keeps_nobody_from_flying(
+    companion: Companion, tmp_path: Path
+) -> None:
+    """192.0.2.1 is nobody's (RFC 5737)."""
+    mission = ROOT / "missions" / "surveillance.yaml"
+    ended = companion("sim", mission, "--speed", "max", "--monitor", "192.0.2.1:8080")
+    assert ended.code == 0
+    assert "the monitor cannot listen on 192.0.2.1:8080" in ended.err
+    assert "task satisfied, landed" in ended.out
+
+
+def test_a_server_that_cannot_start_keeps_nobody_from_flying(tmp_path: Path) -> None:
+    """As if uvicorn were not installed."""
+    (tmp_path / "uvicorn.py").write_text("raise ImportError('no uvicorn here')\n")
+    mission = ROOT / "missions" / "surveillance.yaml"
+    arguments = ["sim", mission, "--speed", "max", "--monitor", "127.0.0.1:0"]
+    flight = subprocess.run(
+        [sys.executable, "-m", "companion", *arguments, "--log-dir", tmp_path / "runs"],
+        env={**os.environ, "PYTHONPATH": f"{tmp_path}:{os.environ.get('PYTHONPATH', '')}"},
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert flight.returncode == 0, flight.stderr
+    assert "the flight goes on: no uvicorn here" in flight.stderr
+    assert "task satisfied, landed" in flight.stdout
+
+
+def test_the_page_ends_with_its_flight_however_that_ends(
+    surveillance_run: Path, tmp_path: Path
+) -> None:
+    """A flight that is killed closes the pipe, and that is enough."""
+    flight = f"""
+import time
+from pathlib import Path
+from companion.monitor.child import following, listen, url
+listener = listen("127.0.0.1", 0)
+print(url(listener), flush=True)
+with following(listener, Path({str(surveillance_run)!r})):
+    time.sleep(60)
+"""
+    command = [sys.executable, "-c", flight]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        address = process.stdout.readline().strip()
+        with urllib.request.urlopen(f"{address}/stream", timeout=START_S) as stream:
+            while b"mission" not in stream.readline():
+                pass
+            process.kill()
+            stream.read()  # to its end
+    host, port = address.removeprefix("http://").split(":")
+    deadline_s = time.monotonic() + START_S
+    while time.monotonic() < deadline_s:
+        with socket.socket() as probe:
+            if probe.connect_ex((host, int(port))) != 0:
+                return
+        time.sleep(0.05)
+    raise AssertionError("the page is still served")

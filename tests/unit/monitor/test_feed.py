@@ -1,0 +1,93 @@
+"""What a client of the stream gets: everything when it comes, then news, and never a backlog."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import AsyncIterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from companion.monitor.feed import MOST_AT_ONCE, Feed, thinned
+from companion.monitor.follower import Follower
+
+
+@pytest.fixture
+def run(surveillance_run: Path) -> Follower:
+    found = Follower(surveillance_run, is_live=True)
+    while found.read():
+        pass
+    return found
+
+
+async def received(stream: AsyncIterator[str]) -> list[tuple[str, Any]]:
+    """What can be had without waiting for news."""
+    found = []
+    try:
+        while True:
+            text = await asyncio.wait_for(anext(stream), 0.02)
+            for block in text.split("\n\n"):
+                kind, _, data = block.partition("\ndata: ")
+                if data:
+                    found.append((kind.removeprefix("event: "), json.loads(data)))
+    except (TimeoutError, StopAsyncIteration):
+        return found
+
+
+def test_a_client_that_comes_late_gets_all_there_was(run: Follower) -> None:
+    async def scenario() -> list[tuple[str, Any]]:
+        feed = Feed()
+        feed.show(run)
+        feed.close()
+        return await received(feed.stream())
+
+    (kind, mission), (_, events), (_, snapshots) = asyncio.run(scenario())
+    assert kind == "mission" and mission["name"] == "surveillance" and mission["is_live"]
+    assert events == json.loads(json.dumps(run.events))
+    assert snapshots == [json.loads(json.dumps(s.as_json())) for s in run.snapshots]
+
+
+def test_a_slow_client_loses_snapshots_and_no_event(run: Follower) -> None:
+    async def scenario() -> tuple[str, str]:
+        feed = Feed()
+        feed.show(run)
+        quick, slow = feed.stream(), feed.stream()
+        for stream in (quick, slow):
+            await anext(stream)
+            await anext(stream)
+        last = run.snapshots[-1]
+        heard = ""
+        for i in range(1, 201):
+            run.snapshots.append(replace(last, time_s=last.time_s + i))
+            run.events.append({"t_s": last.time_s + i, "kind": "at", "text": f"at {i}"})
+            feed.tell()
+            heard += await anext(quick)
+        return heard, await anext(slow)
+
+    quick, slow = asyncio.run(scenario())
+    assert quick.count('"link_age_s"') == 200 and quick.count('"kind":"at"') == 200
+    assert slow.count('"link_age_s"') <= MOST_AT_ONCE and slow.count('"kind":"at"') == 200
+    assert json.dumps(run.snapshots[-1].as_json(), separators=(",", ":")) in slow
+
+
+def test_another_run_begins_with_its_mission(run: Follower, surveillance_run: Path) -> None:
+    async def scenario() -> str:
+        feed = Feed()
+        feed.show(run)
+        stream = feed.stream()
+        await anext(stream)
+        await anext(stream)
+        feed.show(Follower(surveillance_run, is_live=True))
+        return await anext(stream)
+
+    assert asyncio.run(scenario()).startswith("event: mission\n")
+
+
+def test_thinning_keeps_the_newest(run: Follower) -> None:
+    for most in (1, 7, 100, 10_000):
+        kept = thinned(run.snapshots, most)
+        assert len(kept) == min(len(kept), most) and kept[-1] is run.snapshots[-1]
+        assert [s.time_s for s in kept] == sorted({s.time_s for s in kept})

@@ -1,0 +1,207 @@
+"""A run folder as it is read for the page: what was recorded, whenever and however it is read."""
+
+from __future__ import annotations
+
+import base64
+import itertools
+import json
+import math
+import random
+import zlib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from pymavlink import mavutil
+
+from companion.app import Companion
+from companion.errors import MissionError
+from companion.mission.loader import load_mission
+from companion.mission.model import Mission
+from companion.monitor.follower import Follower
+from companion.record.run_folder import RunFolder
+from sitl.harness import fly_in_lockstep
+from sitl.link.routing import LinkName
+from sitl.simulation import Simulation
+from sitl.world.scenario import read_scenario
+
+MISSIONS = Path(__file__).parents[3] / "missions"
+DERIVED = {"automata", "states", "path", "cells"}
+
+
+def read_whole(folder: Path) -> Follower:
+    run = Follower(folder, is_live=False)
+    while run.read():
+        pass
+    return run
+
+
+@pytest.fixture(scope="module")
+def whole(surveillance_run: Path) -> Follower:
+    return read_whole(surveillance_run)
+
+
+def lines(folder: Path) -> list[dict[str, Any]]:
+    text = (folder / "events.jsonl").read_text(encoding="utf-8")
+    return [json.loads(line) for line in text.splitlines()]
+
+
+def of_kind(run: Follower, kind: str) -> list[dict[str, Any]]:
+    return [event for event in run.events if event["kind"] == kind]
+
+
+def test_every_recorded_event_comes_once_and_in_order(
+    whole: Follower, surveillance_run: Path
+) -> None:
+    assert [e for e in whole.events if e["kind"] not in DERIVED] == lines(surveillance_run)
+    times = [event["t_s"] for event in whole.events]
+    assert times == sorted(times)
+
+
+def test_snapshots_are_what_pymavlink_reads_in_the_log(
+    whole: Follower, surveillance_run: Path
+) -> None:
+    log = mavutil.mavlink_connection(str(surveillance_run / "flight.tlog"))
+    heard: dict[str, list[tuple[float, Any]]] = {
+        "LOCAL_POSITION_NED": [],
+        "SET_POSITION_TARGET_LOCAL_NED": [],
+    }
+    while (message := log.recv_match(type=list(heard))) is not None:
+        heard[message.get_type()].append((message._timestamp - 1_700_000_000.0, message))
+    log.close()
+
+    def newest(kind: str, time_s: float) -> Any:
+        return next((m for t, m in reversed(heard[kind]) if t <= time_s + 1e-3), None)
+
+    assert len(whole.snapshots) > 300
+    gaps = np.diff([snapshot.time_s for snapshot in whole.snapshots])
+    assert np.all(gaps[1:] > 0.19) and np.all(gaps < 0.26)
+    for snapshot in whole.snapshots[10::25]:
+        position = newest("LOCAL_POSITION_NED", snapshot.time_s)
+        assert snapshot.position == pytest.approx((position.x, position.y, position.z), abs=1e-6)
+        if snapshot.setpoint is not None:
+            sent = newest("SET_POSITION_TARGET_LOCAL_NED", snapshot.time_s)
+            assert snapshot.setpoint == pytest.approx((sent.x, sent.y, sent.z), abs=1e-6)
+    assert {"OFFBOARD", "AUTO.TAKEOFF", "AUTO.LAND"} <= {s.mode for s in whole.snapshots}
+    assert whole.snapshots[0].battery_percent == 100
+
+
+def test_a_folder_that_grows_is_read_as_one_that_is_whole(
+    whole: Follower, surveillance_run: Path, tmp_path: Path
+) -> None:
+    names = ("events.jsonl", "flight.tlog")
+    data = {name: (surveillance_run / name).read_bytes() for name in names}
+    (tmp_path / "scene.json").write_bytes((surveillance_run / "scene.json").read_bytes())
+    run, chance = Follower(tmp_path, is_live=True), random.Random(5)
+    sizes = dict.fromkeys(names, 0)
+    while any(sizes[name] < len(data[name]) for name in names):
+        for name in names:
+            sizes[name] += chance.randrange(len(data[name]) // 20)
+            (tmp_path / name).write_bytes(data[name][: sizes[name]])
+        run.read()
+    while run.read():
+        pass
+    assert run.snapshots == whole.snapshots
+    for kind in {event["kind"] for event in whole.events} - {"path"}:  # it begins at the vehicle
+        assert of_kind(run, kind) == of_kind(whole, kind), kind
+
+
+def test_the_way_of_each_plan_leads_from_the_vehicle_through_its_places(
+    whole: Follower, surveillance: Mission
+) -> None:
+    first, second, third = (event["legs"] for event in of_kind(whole, "path"))
+    for legs, names in ((first, "ABCA"), (second, ["r1", "Home"]), (third, ["r2", "Home"])):
+        for leg, name in zip(legs, names, strict=True):
+            north, east, _ = surveillance.places[name].position
+            assert leg[-1] == pytest.approx([east, north], abs=0.01)
+        for leg, onward in itertools.pairwise(legs):
+            assert leg[-1] == onward[0]
+    grid = surveillance.grid
+    for legs in (first, second, third):
+        for leg in legs:
+            assert len(leg) >= 2
+            for (e0, n0), (e1, n1) in itertools.pairwise(leg):
+                for share in np.linspace(0.0, 1.0, 50):
+                    point = (n0 + share * (n1 - n0), e0 + share * (e1 - e0))
+                    assert grid.clearance_m(point) > 0.4, "through a wall"
+
+
+def test_the_automata_stand_as_the_word_says(whole: Follower) -> None:
+    (automata,) = of_kind(whole, "automata")
+    names = [drawn["conjunct"] for drawn in automata["automata"]]
+    assert names == ["search", "search", "search", "upload", "return"]
+    states = of_kind(whole, "states")
+    assert len(states) == 1 + len(of_kind(whole, "position"))
+    assert all(all(event["states"]) for event in states), "nothing was violated"
+    at_end = states[-1]["states"]
+    rings = [drawn["accepting"] for drawn in automata["automata"]]
+    for ring, nodes in zip(rings, at_end, strict=True):
+        assert any(ring[node] for node in nodes), "home at rest satisfies the task"
+
+
+def test_the_map_comes_with_its_distance_field(whole: Follower, surveillance: Mission) -> None:
+    about, grid = whole.mission["map"], surveillance.grid
+    shade = np.frombuffer(base64.b64decode(about["shade"]), dtype=np.uint8)
+    shade = shade.reshape(about["rows"], about["cols"])[::-1]
+    assert np.array_equal(shade == 0, grid.occupied)
+    far = grid.distance_m >= 3.0
+    assert np.all(shade[far] == 255) and np.all(shade[~far] < 255)
+    assert {place["name"] for place in whole.mission["places"]} == set(surveillance.places)
+
+
+def test_cells_that_were_seen_are_those_of_the_companions_own_map(tmp_path: Path) -> None:
+    mission = load_mission(MISSIONS / "inspection.yaml")
+    scenario, truth = read_scenario(MISSIONS / "inspection.sim.yaml")
+    folder = RunFolder(tmp_path / "run", mission, 1.7e9, lambda report: None)
+    companion = Companion(mission, folder)
+    simulation = Simulation(scenario, truth, seed=0, links=frozenset({LinkName.OFFBOARD}))
+    fly_in_lockstep(companion, simulation)
+    folder.close()
+    occupied = mission.grid.occupied.copy()
+    for event in of_kind(read_whole(tmp_path / "run"), "cells"):
+        for row, col, is_occupied in event["cells"]:
+            assert occupied[row, col] != is_occupied
+            occupied[row, col] = is_occupied
+    assert np.array_equal(occupied, companion._map.grid.occupied)
+    assert np.any(occupied != mission.grid.occupied)
+
+
+# -- the scene -------------------------------------------------------------------------------------
+
+
+def test_the_scene_is_as_documented(surveillance_run: Path, surveillance: Mission) -> None:
+    scene = json.loads((surveillance_run / "scene.json").read_text(encoding="utf-8"))
+    about = scene["map"]
+    bits = zlib.decompress(base64.b64decode(about["occupied"]))
+    cells = [byte >> 7 - i & 1 for byte in bits for i in range(8)]
+    occupied = np.array(cells[: about["rows"] * about["cols"]]).reshape(about["rows"], -1)
+    assert np.array_equal(occupied, surveillance.grid.occupied)
+    places = {place["name"]: place for place in scene["places"]}
+    assert places["A"]["enu"] == [3, 11, 2] and places["A"]["in_task"]
+    assert not places["r3"]["in_task"]
+    assert scene["fence"][0] == [-1.5, -1.5]
+    assert math.isclose(scene["start_unix_s"], 1_700_000_000.0)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda scene: scene.pop("map"),
+        lambda scene: scene["map"].update(rows=-1),
+        lambda scene: scene["map"].update(rows=10**6, cols=10**6),
+        lambda scene: scene["map"].update(rows=161),
+        lambda scene: scene["map"].update(occupied="AAAA"),
+        lambda scene: scene["map"].update(occupied=3),
+        lambda scene: scene["places"][0].update(enu=[1, 2]),
+        lambda scene: scene.update(start_unix_s="now"),
+        lambda scene: scene.update(fence=[[1]]),
+        lambda scene: scene.update(places=7),
+    ],
+)
+def test_a_damaged_scene_is_refused(surveillance_run: Path, tmp_path: Path, change: Any) -> None:
+    scene = json.loads((surveillance_run / "scene.json").read_bytes())
+    change(scene)
+    (tmp_path / "scene.json").write_text(json.dumps(scene), encoding="utf-8")
+    with pytest.raises(MissionError, match=r"scene\.json"):
+        Follower(tmp_path, is_live=False)

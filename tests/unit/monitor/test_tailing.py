@@ -1,0 +1,72 @@
+"""Files that grow between two looks, by any number of bytes, are read as if they had been whole."""
+
+from __future__ import annotations
+
+import json
+import struct
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from companion.mavlink.framing import Endpoint, dialect
+from companion.monitor.tailing import EventLines, TlogFrames
+
+LINES = [{"t_s": i / 10, "kind": "phase", "text": "“é”" * i} for i in range(6)]
+EVENTS = "".join(json.dumps(line, ensure_ascii=False) + "\n" for line in LINES).encode()
+
+
+def frame(value: int) -> bytes:
+    return Endpoint(1, 26).pack(dialect.MAVLink_named_value_int_message(value, b"it", value))
+
+
+BATCHES = [(10.0, [frame(1), frame(2)]), (10.05, [frame(3)]), (10.1, [frame(4), frame(5)])]
+TLOG = b"".join(
+    struct.pack(">Q", round(unix_s * 1e6)) + each for unix_s, frames in BATCHES for each in frames
+)
+cuts = st.lists(st.integers(0, 600), max_size=6).map(sorted)
+
+
+@given(cuts)
+def test_lines(sizes: list[int]) -> None:
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "events.jsonl"
+        reader, found = EventLines(path), []
+        for size in [*sizes, len(EVENTS)]:
+            path.write_bytes(EVENTS[:size])
+            found += reader.news()
+    assert found == LINES
+
+
+@given(cuts)
+def test_frames(sizes: list[int]) -> None:
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "flight.tlog"
+        reader, found = TlogFrames(path), []
+        for size in [*sizes, len(TLOG)]:
+            path.write_bytes(TLOG[:size])
+            batches, is_more = reader.news()
+            assert not is_more
+            found += batches
+    assert found == BATCHES[:-1], "the newest time may not be complete"
+
+
+def test_what_is_no_event_is_left_out(tmp_path: Path) -> None:
+    path = tmp_path / "events.jsonl"
+    path.write_bytes(b'[1]\n{"kind": 3}\n{"t_s": 1, "kind": "at"}\nnonsense\n{"t_s": 2, "kind": "a')
+    assert EventLines(path).news() == [{"t_s": 1, "kind": "at"}]
+
+
+def test_nothing_is_read_behind_damage(tmp_path: Path) -> None:
+    path = tmp_path / "flight.tlog"
+    path.write_bytes(TLOG + b"\0" * 40 + TLOG)
+    reader = TlogFrames(path)
+    batches, is_more = reader.news()
+    assert batches == BATCHES[:-1] and not is_more
+    assert reader.news() == ([], False)
+
+
+def test_files_that_are_not_there_yet_have_no_news(tmp_path: Path) -> None:
+    assert EventLines(tmp_path / "a").news() == []
+    assert TlogFrames(tmp_path / "b").news() == ([], False)
