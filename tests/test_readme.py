@@ -61,6 +61,7 @@ ELSEWHERE = {
     ),
     "companion watch --connect udpin://0.0.0.0:14550": "tests/flights/test_uploads.py",
     "companion audit runs/2026-11-21T101500-surveillance": "tests/test_cli_audit.py",
+    "companion replay runs/2026-11-21T101500-surveillance": "tests/test_cli_replay.py",
     "scripts/fly --speed max": ".ci/run",
     "scripts/test": ".ci/run",
 }

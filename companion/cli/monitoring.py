@@ -38,7 +38,7 @@ def monitored(address: str | None) -> Iterator[Callable[[Path], None]]:
         return
     from companion.monitor.child import following, listen, url
 
-    show = _show_nowhere
+    show: Callable[[Path], None] = _show_nowhere
     with ExitStack() as page:
         try:
             listener = listen(host, port)

@@ -1,0 +1,75 @@
+"""Draws docs/monitor.png: the monitor page of the paper's mission, after its second replan.
+
+Flies the mission in lockstep with seed 0, replays it, and takes a picture with Debian's chromium.
+
+Usage: python scripts/make_page_picture.py [FILE]
+"""
+
+from __future__ import annotations
+
+import io
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from benches import ROOT
+from benches.shipped import shipped
+from PIL import Image
+from playwright.sync_api import sync_playwright
+
+from companion.record.run_folder import RunFolder
+
+MISSION = "surveillance"
+SHOWN_S = 49.2
+"""Time of the flight that is shown."""
+SIZE = {"width": 1440, "height": 900}
+COLOURS = 256
+MOST_BYTES = 150_000
+
+
+def fly(folder: Path) -> None:
+    """Leaves a run folder of the mission."""
+    flight = next(each for each in shipped() if each.name == MISSION)
+    mission = flight.load()
+    run = RunFolder(folder, mission, 0.0, lambda report: None)
+    flight.fly(mission, lambda simulation, grid: run)
+    run.close()
+
+
+def picture(address: str) -> bytes:
+    """The page at one time of the flight, as a PNG."""
+    seek = "time => { const slider = document.getElementById('time');"
+    seek += " slider.value = time; slider.dispatchEvent(new Event('input')); }"
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(
+            executable_path="/usr/bin/chromium", args=["--no-sandbox"]
+        )
+        page = browser.new_page(viewport=SIZE)
+        page.goto(address)
+        page.locator("#play", has_text="Pause").click()
+        page.locator(".mark").nth(1).wait_for()
+        page.evaluate(seek, SHOWN_S)
+        page.wait_for_timeout(500)
+        return page.screenshot()
+
+
+def main(path: Path) -> None:
+    """Writes the picture."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name) / MISSION
+        fly(folder)
+        command = [sys.executable, "-m", "companion", "replay", str(folder), "--port", "0"]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
+            assert server.stdout is not None
+            png = picture(server.stdout.readline().split()[1])
+            server.kill()
+    with Image.open(io.BytesIO(png)) as image:
+        few = image.convert("RGB").quantize(COLOURS, Image.Quantize.FASTOCTREE)
+        few.save(path, optimize=True)
+    assert path.stat().st_size <= MOST_BYTES, f"{path} has {path.stat().st_size} bytes"
+    print(f"{path}  {path.stat().st_size / 1000:.0f} kB")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "docs" / "monitor.png")
