@@ -111,6 +111,8 @@ class Component:
 
     def transmit(self, now_s: float, is_last: bool = False) -> list[Message]:
         """What has to leave now; at the end of a run all that is left to say."""
+        if not self._system:
+            return []  # nobody is there, and what is sent would be lost
         messages, self._out = self._out, []
         standing = self._operations.standing
         if now_s >= self._next_heartbeat_s or standing is not self._told:

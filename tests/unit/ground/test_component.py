@@ -121,6 +121,14 @@ def test_the_heartbeat_is_an_onboard_controllers_at_1_hz(radio: Radio) -> None:
     assert all(1.0 - 1e-6 <= gap <= 1.0 + TICK_S + 1e-6 for gap in gaps)
 
 
+def test_the_first_heartbeat_comes_as_soon_as_the_system_is_known(radio: Radio) -> None:
+    component = Component(radio.desk)
+    component.receive(0.0, 0, [])
+    assert component.transmit(0.0) == []
+    component.receive(0.05, 1, [])
+    assert [m.get_type() for m in component.transmit(0.05)] == ["HEARTBEAT"]
+
+
 def test_a_change_of_the_status_is_told_at_once(radio: Radio) -> None:
     radio.run(0.3)
     for standing, state in ((Standing.ACTIVE, 4), (Standing.CRITICAL, 5), (Standing.STANDBY, 3)):
@@ -342,11 +350,12 @@ def test_the_level_of_texts_is_followed(radio: Radio) -> None:
 
 @pytest.mark.parametrize("code", [0, 5])
 def test_the_end_is_told_to_programs_after_all_texts(radio: Radio, code: int) -> None:
+    radio.run(0.3)
     radio.component.tell(radio.now_s, Report(0.0, "at", "a way " * 20))
     radio.component.tell(radio.now_s, Report(0.0, "end", "landed", {"exit_code": code}))
     last = radio.component.transmit(radio.now_s, is_last=True)
     kinds = [m.get_type() for m in last]
-    assert kinds == ["HEARTBEAT"] + ["STATUSTEXT"] * 4 + ["NAMED_VALUE_INT"]
+    assert kinds == ["STATUSTEXT"] * 4 + ["NAMED_VALUE_INT"]
     assert (last[-1].name, last[-1].value) == ("exit_code", code)
 
 
