@@ -153,17 +153,21 @@ def test_a_server_that_cannot_start_keeps_nobody_from_flying(tmp_path: Path) -> 
     assert "task satisfied, landed" in flight.stdout
 
 
-def test_the_page_ends_with_its_flight_however_that_ends(
+def test_the_page_shows_one_run_after_the_other_and_ends_with_its_flight(
     surveillance_run: Path, tmp_path: Path
 ) -> None:
     """A flight that is killed closes the pipe, and that is enough."""
+    other = shutil.copytree(surveillance_run, tmp_path / "other")
     flight = f"""
 import time
 from pathlib import Path
-from companion.monitor.child import following, listen, url
+from companion.monitor.child import listen, serving, url
 listener = listen("127.0.0.1", 0)
 print(url(listener), flush=True)
-with following(listener, Path({str(surveillance_run)!r})):
+with serving(listener) as show:
+    show(Path({str(surveillance_run)!r}))
+    time.sleep(4)
+    show(Path({str(other)!r}))
     time.sleep(60)
 """
     command = [sys.executable, "-c", flight]
@@ -171,8 +175,9 @@ with following(listener, Path({str(surveillance_run)!r})):
         assert process.stdout is not None
         address = process.stdout.readline().strip()
         with urllib.request.urlopen(f"{address}/stream", timeout=START_S) as stream:
-            while b"mission" not in stream.readline():
-                pass
+            for name in (b'"run":"run"', b'"run":"other"'):
+                while name not in stream.readline():
+                    pass
             process.kill()
             stream.read()  # to its end
     host, port = address.removeprefix("http://").split(":")

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import socket
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from companion.errors import CompanionError
+
+if TYPE_CHECKING:
+    from companion.monitor.child import Show
 
 DEFAULT_ADDRESS = "127.0.0.1:8080"
 Monitor = Annotated[
@@ -24,30 +27,30 @@ Monitor = Annotated[
 
 
 @contextmanager
-def monitored(address: str | None) -> Iterator[Callable[[Path], None]]:
-    """Serves the page meanwhile, unless the address is `off`.
+def monitored(address: str) -> Iterator[Show]:
+    """Serves the page meanwhile, unless the address is `off`; gives what shows a run folder on it.
 
     A page that cannot be served is told and keeps nobody from flying.
-
-    Yields:
-        Shows a run folder on it from now on.
     """
     host, port = _host_and_port(address)
     if not host:
-        yield _show_nowhere
+        yield _show_nobody
         return
-    from companion.monitor.child import following, listen, url
+    from companion.monitor.child import listen, serving, url
 
-    show: Callable[[Path], None] = _show_nowhere
     with ExitStack() as page:
         try:
             listener = listen(host, port)
-            address = url(listener)
-            show = page.enter_context(following(listener))
-            typer.echo(f"monitor    {address}")
+            typer.echo(f"monitor    {url(listener)}")
+            show = page.enter_context(serving(listener))
         except CompanionError as error:
             typer.echo(f"monitor    none: {error}", err=True)
+            show = _show_nobody
         yield show
+
+
+def _show_nobody(folder: Path) -> None:
+    """There is no page."""
 
 
 def replay(
@@ -87,13 +90,9 @@ def monitor(listener: Annotated[int, typer.Argument(help="An open socket's numbe
         raise CompanionError(f"monitor    ended, the flight goes on: {error}") from error
 
 
-def _show_nowhere(folder: Path) -> None:
-    """For a run that has no page."""
-
-
-def _host_and_port(address: str | None) -> tuple[str, int]:
+def _host_and_port(address: str) -> tuple[str, int]:
     """("", 0) for `off`."""
-    if address is None or address == "off":
+    if address == "off":
         return ("", 0)
     host, colon, port = address.rpartition(":")
     if not colon or not host or not port.isdecimal() or int(port) > 65535:

@@ -21,6 +21,9 @@ from companion.errors import LinkError
 
 PORTS_TRIED = 50
 
+Show = Callable[[Path], None]
+"""Shows the run of a folder from now on."""
+
 
 def listen(host: str, port: int) -> socket.socket:
     """A socket on this port, or on the next one that is free.
@@ -53,11 +56,10 @@ def url(listener: socket.socket) -> str:
 
 
 @contextmanager
-def following(listener: socket.socket) -> Iterator[Callable[[Path], None]]:
-    """Serves a page for as long as the context lasts. Takes the socket over.
+def serving(listener: socket.socket) -> Iterator[Show]:
+    """Serves the page for as long as the context lasts, of the run that was given to it last.
 
-    Yields:
-        Shows a run folder from now on.
+    Takes the socket over. A run's folder has to be there, with its scene.
 
     Raises:
         LinkError: no process can be started.
@@ -74,11 +76,11 @@ def following(listener: socket.socket) -> Iterator[Callable[[Path], None]]:
             )
         except OSError as error:
             raise LinkError(f"the monitor cannot start: {error}") from error
+    assert child.stdin is not None
     pipe = child.stdin
-    assert pipe is not None
 
     def show(folder: Path) -> None:
-        with contextlib.suppress(OSError):
+        with contextlib.suppress(OSError):  # it has ended, and has said so
             pipe.write(f"{folder.absolute()}\n".encode())
             pipe.flush()
 
