@@ -163,7 +163,8 @@ def test_cells_that_were_seen_are_those_of_the_companions_own_map(tmp_path: Path
         for row, col, is_occupied in event["cells"]:
             assert occupied[row, col] != is_occupied
             occupied[row, col] = is_occupied
-    assert np.array_equal(occupied, companion._map.grid.occupied)
+    assert companion._run is not None
+    assert np.array_equal(occupied, companion._run._map.grid.occupied)
     assert np.any(occupied != mission.grid.occupied)
 
 
