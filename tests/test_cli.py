@@ -64,9 +64,14 @@ OPTIONS = {
         *("--engine", "--encoding", "--timeout", "--pddl", "--json"),
     ],
     "ltl": ["--format", "--state-based", "--monolithic", "--batch", "--exclusive"],
-    "run": ["--connect", "--accept-weak-failsafes", "--wait", "--timeout", "--log-dir"],
-    "sim": ["--scenario", "--speed", "--seed", "--instance", "--timeout", "--log-dir"],
+    "run": [
+        *("--connect", "--accept-weak-failsafes", "--wait", "--timeout", "--log-dir", "--monitor"),
+    ],
+    "sim": [
+        *("--scenario", "--speed", "--seed", "--instance", "--timeout", "--log-dir", "--monitor"),
+    ],
     "audit": ["--json"],
+    "replay": ["--port", "--open"],
     "upload": ["--connect", "--start", "--timeout"],
     "watch": ["--connect", "--timeout"],
 }

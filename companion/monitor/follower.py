@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from companion.errors import FormulaError
+from companion.errors import CompanionError
 from companion.geometry import Ned, enu_from_ned
 from companion.ltl.parser import parse
 from companion.mission.loader import CLEARANCE_M
@@ -110,7 +110,7 @@ class Follower:
             self.events.append(event)
             try:
                 derived = list(self._derived(event))
-            except (FormulaError, KeyError, TypeError, AttributeError):
+            except (CompanionError, KeyError, TypeError, ValueError, AttributeError):
                 continue  # a line that is not as documented; `companion audit` says where
             self.events += [{"t_s": event["t_s"], **more} for more in derived]
 

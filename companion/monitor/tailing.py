@@ -8,6 +8,7 @@ was cut off in the middle, is read as far as it goes. A door: it opens the files
 from __future__ import annotations
 
 import json
+import math
 import struct
 from pathlib import Path
 from typing import Any
@@ -90,5 +91,6 @@ def _json(text: bytes) -> dict[str, Any] | None:
         isinstance(found, dict)
         and isinstance(found.get("kind"), str)
         and isinstance(found.get("t_s"), int | float)
+        and math.isfinite(found["t_s"])
     )
     return found if is_event else None

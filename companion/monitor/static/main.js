@@ -17,7 +17,10 @@ on("mission", open);
 on("events", (events) => page.history.events.push(...events));
 on("snapshots", (snapshots) => page.history.snapshots.push(...snapshots));
 stream.onopen = () => { isConnected = true; };
-stream.onerror = () => { isConnected = false; };
+stream.onerror = () => {
+  isConnected = false;
+  if (page?.history.events.at(-1)?.kind === "end") stream.close(); // nothing more will come
+};
 
 function open(mission) {
   const history = new History(mission);

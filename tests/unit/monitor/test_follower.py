@@ -206,3 +206,26 @@ def test_a_damaged_scene_is_refused(surveillance_run: Path, tmp_path: Path, chan
     (tmp_path / "scene.json").write_text(json.dumps(scene), encoding="utf-8")
     with pytest.raises(MissionError, match=r"scene\.json"):
         Follower(tmp_path, is_live=False)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        {"kind": "plan", "task": {"it": "G ("}},
+        {"kind": "plan"},
+        {"kind": "position", "facts": 3, "restarted": []},
+        {"kind": "symbol", "place": "nowhere", "position": [0, 0, 0]},
+        {"kind": "symbol", "place": "A", "position": ["x", 0, 0]},
+        {"kind": "tree", "nodes": [7]},
+    ],
+)
+def test_a_line_that_is_not_as_documented_stops_nothing(
+    surveillance_run: Path, tmp_path: Path, line: dict[str, Any]
+) -> None:
+    for name in ("scene.json", "flight.tlog"):
+        (tmp_path / name).write_bytes((surveillance_run / name).read_bytes())
+    first, rest = (surveillance_run / "events.jsonl").read_text(encoding="utf-8").split("\n", 1)
+    damaged = json.dumps({"t_s": 0.05, "text": "", **line})
+    (tmp_path / "events.jsonl").write_text(f"{first}\n{damaged}\n{rest}", encoding="utf-8")
+    run = read_whole(tmp_path)
+    assert of_kind(run, "end")
