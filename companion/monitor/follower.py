@@ -12,6 +12,7 @@ run's own events under kinds of their own:
 from __future__ import annotations
 
 import base64
+import math
 from collections import deque
 from collections.abc import Iterator
 from pathlib import Path
@@ -73,9 +74,15 @@ class Follower:
         self._task: TaskReader | None = None
         self._is_written = False  # the tree is the mission's own, and no way is planned
         self._next_s = 0.0
+        self._is_live = is_live
+        self._settled_s = -math.inf if is_live else math.inf
 
     def read(self) -> bool:
-        """Takes what is new; whether more can be read at once."""
+        """Takes what is new; whether more can be read at once.
+
+        An event reaches the disk before the frames of its time. So while the run goes on, events
+        that are ahead of the frames wait for them, until the next call at most.
+        """
         self._waiting.extend(self._lines.news())
         batches, is_more = self._frames.news()
         for unix_s, frames in batches:
@@ -85,7 +92,9 @@ class Follower:
             if now_s >= self._next_s - _ROUNDING_S:
                 self._look(now_s)
         if not is_more:
-            self._happen(float("inf"))
+            self._happen(self._settled_s)
+            if self._is_live:
+                self._settled_s = self._waiting[-1]["t_s"] + _ROUNDING_S if self._waiting else 0.0
         return is_more
 
     def _look(self, now_s: float) -> None:

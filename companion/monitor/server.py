@@ -115,7 +115,8 @@ async def _serve(listener: socket.socket, runs: AsyncIterator[Follower]) -> None
     serving = asyncio.create_task(server.serve(sockets=[listener]))
     await asyncio.wait({reading, taking, serving}, return_when=asyncio.FIRST_COMPLETED)
     if feed.run is not None and not serving.done():
-        feed.run.read()
+        for _ in range(2):  # the second time brings what had waited
+            feed.run.read()
     feed.close()
     await asyncio.sleep(0 if serving.done() else LAST_WORDS_S)
     server.should_exit = True

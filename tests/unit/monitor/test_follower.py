@@ -100,11 +100,28 @@ def test_a_folder_that_grows_is_read_as_one_that_is_whole(
             sizes[name] += chance.randrange(len(data[name]) // 20)
             (tmp_path / name).write_bytes(data[name][: sizes[name]])
         run.read()
-    while run.read():
-        pass
+    run.read()
     assert run.snapshots == whole.snapshots
     for kind in {event["kind"] for event in whole.events} - {"path"}:  # it begins at the vehicle
         assert of_kind(run, kind) == of_kind(whole, kind), kind
+
+
+def test_events_wait_for_the_frames_of_their_time_but_not_for_long(
+    whole: Follower, surveillance_run: Path, tmp_path: Path
+) -> None:
+    for name in ("scene.json", "events.jsonl"):
+        (tmp_path / name).write_bytes((surveillance_run / name).read_bytes())
+    alone, late = Follower(tmp_path, is_live=True), Follower(tmp_path, is_live=True)
+    alone.read()
+    late.read()
+    assert alone.events == late.events == []
+    alone.read()
+    assert of_kind(alone, "end")
+    (tmp_path / "flight.tlog").write_bytes((surveillance_run / "flight.tlog").read_bytes())
+    while late.read():
+        pass
+    late.read()
+    assert late.events == whole.events
 
 
 def test_the_way_of_each_plan_leads_from_the_vehicle_through_its_places(

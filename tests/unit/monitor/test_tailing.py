@@ -54,9 +54,8 @@ def test_frames(sizes: list[int]) -> None:
 
 def test_what_is_no_event_is_left_out(tmp_path: Path) -> None:
     path = tmp_path / "events.jsonl"
-    path.write_bytes(
-        b'[1]\n{"kind": 3}\n{"t_s": NaN, "kind": "at"}\n{"t_s": 1, "kind": "at"}\nnonsense\n{"t_s": 2, "kind": "a'
-    )
+    no_events = b'[1]\n{"kind": 3}\n{"t_s": NaN, "kind": "at"}\nnonsense\n'
+    path.write_bytes(no_events + b'{"t_s": 1, "kind": "at"}\n{"t_s": 2, "kind": "a')
     assert EventLines(path).news() == [{"t_s": 1, "kind": "at"}]
 
 
