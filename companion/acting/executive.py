@@ -42,6 +42,9 @@ COMPARED = 1000
 MAX_IDLE_REPLANS = 5
 """Replans without a completed skill between them after which the executive gives up."""
 
+PATIENCE_S = 5.0
+"""How long a replan waits for a map that goes on changing while the vehicle holds."""
+
 
 class TaskStatus(Enum):
     """How the task stands."""
@@ -82,6 +85,7 @@ class Executive:
         self._predicted: dict[Fact, bool] = {}
         self._idle_replans = 0
         self._positions = 0
+        self._due, self._due_s = "", 0.0
         self._ways = Ways(planner, flight)
 
     def sense(self, readings: Sequence[tuple[Signal, float]]) -> None:
@@ -120,12 +124,15 @@ class Executive:
         assert self._root is not None
         if self.lasso is None:
             return self._tick_by_hand(self._root)
+        if self._due:
+            return self._plan_again()
         flight, laps = self._flight, self._flight.laps
         self._forget_what_is_done(self.lasso)
         if self._surprise() and not flight.is_grounded and self._is_still_best(self.lasso):
             self._predict()
-        if not flight.is_grounded and self._ways.have_changed() and (lost := self._ways.follow()):
-            if not self.is_leaving and not self._is_still_best(self.lasso):
+        if not flight.is_grounded and self._ways.have_changed() and self._ways.are_known():
+            lost = self._ways.follow()
+            if lost and not self.is_leaving and not self._is_still_best(self.lasso):
                 self._replan(lost)
                 return self.status
         if flight.may_do_better and self.is_leaving:
@@ -211,7 +218,16 @@ class Executive:
         task.interrupt()
         self._count_idle()
         violated = f"{', '.join(task.violated)} violated" if task.violated else ""
-        reason = why or self._surprise() or flight.failure or violated or "a belief came back"
+        self._due = why or self._surprise() or flight.failure or violated or "a belief came back"
+        self._due_s = flight.now_s
+        self._plan_again()
+
+    def _plan_again(self) -> TaskStatus:
+        """Makes the plan that is due, once the ways on the map are known; the vehicle holds."""
+        flight, task = self._flight, self._flight.task
+        if not self._ways.are_known() and flight.now_s < self._due_s + PATIENCE_S:
+            return self.status
+        reason, self._due = self._due, ""
         self._ways.follow()
         flight.may_do_better = False
         try:
@@ -225,7 +241,7 @@ class Executive:
             self.status = TaskStatus.NO_PLAN
             self.failure = error
             flight.report("replan", f"replan {self.replans}: {reason}: {error}", reason=reason)
-            return
+            return self.status
         is_kept = self.lasso is not None and self._is_rest_of(self.lasso, lasso)
         self.failure, self.is_leaving = None, False
         self._adopt(lasso)
@@ -234,6 +250,7 @@ class Executive:
             text = f"replan {self.replans}: {reason} -> {lasso}"
             flight.report("replan", text, number=self.replans, reason=reason, **lasso.as_json())
         self._tell_tree()
+        return self.status
 
     def _rest(self) -> None:
         """Leaves the last position, which lasts for ever."""

@@ -17,6 +17,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -30,6 +31,7 @@ from companion.motion.sight import Points, Sight, enters
 ENTRY_M = 1.0  # how far from the nearest free cell a route may begin (tracking error)
 
 _EDGE = 1e-6  # cells; nearer to the edge of a cell a leg might touch the next one
+_MOST_VIEWS = 256
 _TAUT = 0.1  # cells; a route is taut when cutting it again gains less
 
 
@@ -64,10 +66,23 @@ class Route:
         return _length(self.waypoints)
 
 
+class _View(NamedTuple):
+    """The free cells that a leg leads to from a start.
+
+    Attributes:
+        is_free: the start has the clearance; if not, legs out of there keep clear of walls alone.
+        cells: (n, 2) nearest first.
+    """
+
+    is_free: bool
+    cells: npt.NDArray[np.int_]
+
+
 class RouteMap:
     """Routes and distances to places on the map as it is known now.
 
-    Each place's field is computed when it is first asked for, and kept until the map changes.
+    Each place's field is computed when it is first asked for, and kept until the map changes. With
+    many places that takes a while after a change; `find` does it in small parts.
 
     Attributes:
         version: changes whenever the free cells do.
@@ -98,6 +113,7 @@ class RouteMap:
         free = self._free_on(grid)
         if np.array_equal(free, self._free):
             self._grid, self._open_sight = grid, Sight(~grid.occupied)
+            self._views.clear()
         else:
             self._use(grid, free)
             self.version += 1
@@ -113,6 +129,14 @@ class RouteMap:
         self._graph: MoveGraph | None = None  # made when a field is asked for
         self._parts = ndimage.label(free)[0]
         self._fields: dict[str, Field | None] = {}
+        self._views: dict[NorthEast, _View] = {}
+
+    def find(self, count: int) -> bool:
+        """Computes fields that have not been yet, at most so many; whether there are no more."""
+        missing = [site for site in self._sites if site not in self._fields]
+        for site in missing[:count]:
+            self._field(site)
+        return len(missing) <= count
 
     def aim(self, site: str, goal: Ned) -> None:
         """Routes to a site end here from now on; its region stays where it is."""
@@ -232,7 +256,10 @@ class RouteMap:
 
     def _is_allowed(self, a: Points, b: Points, site: str) -> npt.NDArray[np.bool_]:
         """(...) whether legs (..., 2) on the way to a site enter no other region."""
-        others = self._others(site)
+        return self._are_outside(a, b, self._others(site))
+
+    def _are_outside(self, a: Points, b: Points, others: list[Site]) -> npt.NDArray[np.bool_]:
+        """(...) whether legs (..., 2) enter none of some regions."""
         centres = self._point(np.array([other.position for other in others]).reshape(-1, 3))
         radii = np.array([other.radius_m for other in others]) / self._grid.cell_m
         entered = enters(a[..., None, :], b[..., None, :], centres, radii)
@@ -266,25 +293,40 @@ class RouteMap:
         own_cell = self._grid.cell(start)
         if self._is_plain(start, own_cell, site) and math.isfinite(field.cost[own_cell]):
             return field, own_cell
-        point = self._point(start)
-        is_free = self._free_sight.is_clear(point, point)
-        sight = self._free_sight if is_free else self._open_sight
-        reach, own = ENTRY_M / self._grid.cell_m, np.array(own_cell)
-        near = self._near(own_cell)
-        low = np.array([axis.start for axis in near])
-        cells = low + np.argwhere(np.isfinite(field.cost[near]))
-        centres = cells.astype(np.float64) + 0.5
-        away = np.linalg.norm(cells - own, axis=1)
-        usable = away <= reach
-        usable &= sight.is_clear(point, centres) & self._is_allowed(point, centres, site)
-        if not usable.any():
+        view, point = self._view(start, own_cell), self._point(start)
+        cells = view.cells[np.isfinite(field.cost[view.cells[:, 0], view.cells[:, 1]])]
+        others = [other for other in self._others(site) if self._is_near(start, other)]
+        if others:
+            centres = cells.astype(np.float64) + 0.5
+            cells = cells[self._are_outside(point, centres, others)]
+        if not len(cells):
             return None
-        nearest = np.argsort(np.where(usable, away, np.inf))[: np.count_nonzero(usable)]
-        entry = nearest[0]
-        if not is_free:
-            entry = next((i for i in nearest if self._keeps_away(point, centres[i])), entry)
-        row, col = cells[entry].tolist()
+        entry = cells[0]
+        if not view.is_free:
+            entry = next((cell for cell in cells if self._keeps_away(point, cell + 0.5)), entry)
+        row, col = entry.tolist()
         return field, (row, col)
+
+    def _view(self, start: NorthEast, own_cell: Cell) -> _View:
+        """What is seen from a start; kept, since each place is a start on the way to all others."""
+        if start not in self._views:
+            point = self._point(start)
+            is_free = bool(self._free_sight.is_clear(point, point))
+            sight = self._free_sight if is_free else self._open_sight
+            near = self._near(own_cell)
+            cells = np.argwhere(self._free[near]) + [axis.start for axis in near]
+            away = np.linalg.norm(cells - np.array(own_cell), axis=1)
+            usable = (away <= ENTRY_M / self._grid.cell_m) & sight.is_clear(point, cells + 0.5)
+            if len(self._views) >= _MOST_VIEWS:
+                self._views.clear()
+            nearest = np.argsort(away[usable], kind="stable")
+            self._views[start] = _View(is_free, cells[usable][nearest])
+        return self._views[start]
+
+    def _is_near(self, start: NorthEast, other: Site) -> bool:
+        """Whether a leg to an entry may come to a region."""
+        away_m = math.dist(start, other.position[:2]) - other.radius_m
+        return away_m <= ENTRY_M + self._grid.cell_m
 
     def _near(self, cell: Cell) -> tuple[slice, slice]:
         """The cells within ENTRY_M of one along each axis."""
