@@ -89,7 +89,7 @@ def thinned(snapshots: Sequence[Snapshot], most: int) -> Sequence[Snapshot]:
     """At most so many of some snapshots, evenly, the last one included.
 
     >>> thinned(list(range(10)), 4)
-    [3, 6, 9]
+    [0, 3, 6, 9]
     """
     step = -(-len(snapshots) // most)
     return snapshots[(len(snapshots) - 1) % step :: step][-most:]

@@ -14,7 +14,7 @@ from companion.mavlink.framing import Endpoint, Message, choose, dialect, source
 from companion.mavlink.px4_modes import mode_name
 from companion.motion.grid import OccupancyGrid
 from companion.motion.sensed_map import SensedMap
-from companion.vehicle.ranging import Track, range_scan
+from companion.vehicle.ranging import Ranging
 from companion.vehicle.telemetry import Telemetry
 
 AUTOPILOT = dialect.MAV_COMP_ID_AUTOPILOT1
@@ -84,7 +84,7 @@ class Watcher:
     def __init__(self, told: OccupancyGrid) -> None:
         self._map = SensedMap(told)
         self._telemetry = Telemetry()
-        self._track = Track()
+        self._ranging = Ranging()
         self._endpoint = Endpoint(0, 0)
         self._system = 0
         self._mode = ""
@@ -98,19 +98,12 @@ class Watcher:
 
     def hear(self, now_s: float, frames: list[bytes]) -> None:
         """Takes the frames of one tick."""
-        scans = []
         for frame in choose(frames, _WANTED, _CONTINUAL):
             for message in self._endpoint.parse(frame):
-                if message.get_msgId() == _SCAN:
-                    scans.append(message)
-                else:
-                    self._take(now_s, message)
-        home = self._telemetry.home
-        for message in scans:
-            if source(message) == (self._system, SCANNER) and home is not None:
-                scan = range_scan(message, now_s, self._track, home[:2])
-                if scan is not None:
-                    self._map.integrate(scan)
+                self._take(now_s, message)
+        if home := self._telemetry.home:
+            for scan in self._ranging.scans(now_s, home[:2]):
+                self._map.integrate(scan)
 
     def _take(self, now_s: float, message: Message) -> None:
         system, component = source(message)
@@ -121,9 +114,11 @@ class Watcher:
         if component == AUTOPILOT:
             self._heard_s = now_s
             if self._telemetry.take(now_s, message):
-                self._track.take(message)
+                self._ranging.take_pose(message)
             if message.get_msgId() == dialect.MAVLINK_MSG_ID_HEARTBEAT:
                 self._mode = mode_name(message.custom_mode) or "another mode"
+        elif component == SCANNER and message.get_msgId() == _SCAN:
+            self._ranging.take_scan(message)
         elif component == COMPANION and message.get_msgId() == _SETPOINT:
             self._setpoint = (now_s, (message.x, message.y, message.z))
 

@@ -27,7 +27,7 @@ from companion.vehicle.gate import Envelope, admit
 from companion.vehicle.goals import APPROACHES
 from companion.vehicle.parameters import ParameterReader
 from companion.vehicle.port import Goal, Mode, Outcome, Progress, Setpoint, VehicleState
-from companion.vehicle.ranging import Track, range_scan
+from companion.vehicle.ranging import Ranging
 from companion.vehicle.telemetry import TELEMETRY, Telemetry
 from companion.vehicle.wire import AUTOPILOT, COMPONENT, Wire
 
@@ -99,8 +99,7 @@ class MavlinkVehicle:
         self._signals: dict[str, list[Signal]] = {}
         for signal in signals:
             self._signals.setdefault(signal.message, []).append(signal)
-        self._track = Track()
-        self._heard_scans: list[Message] = []
+        self._ranging = Ranging()
         self._commands = CommandSender()
         self._parameters = ParameterReader()
         self._readings: list[tuple[Signal, float]] = []
@@ -126,7 +125,8 @@ class MavlinkVehicle:
         self._readings = []
         for message in messages:
             self._take(message)
-        self.scans = self._placed_scans()
+        home = self._telemetry.home
+        self.scans = self._ranging.scans(now_s, home[:2]) if home else []
         return self._readings
 
     def transmit(self, now_s: float) -> list[Message]:
@@ -283,21 +283,12 @@ class MavlinkVehicle:
             if kind == "PARAM_VALUE":
                 self._parameters.take(message)
             if self._telemetry.take(self._now_s, message):
-                self._track.take(message)
+                self._ranging.take_pose(message)
             self._watch_authority()
         elif kind == SCAN and component == SCANNER:
-            self._heard_scans.append(message)
+            self._ranging.take_scan(message)
         for signal in self._signals.get(kind, ()):
             self._read(signal, message)
-
-    def _placed_scans(self) -> list[RangeScan]:
-        """The scans that were heard, by the positions that were heard with them."""
-        messages, self._heard_scans = self._heard_scans, []
-        home = self._telemetry.home
-        if home is None:
-            return []
-        scans = [range_scan(m, self._now_s, self._track, home[:2]) for m in messages]
-        return [scan for scan in scans if scan is not None]
 
     def _watch_authority(self) -> None:
         """Rule 4. The mode in which a goal was begun is ours only until it was left."""

@@ -135,3 +135,24 @@ def test_a_scanner_with_a_clock_of_its_own_measured_at_the_last_position(meeting
     last = at(10.05, 4.1, 0.2, meeting.autopilot.endpoint)
     scan = heard(meeting, *last, obstacle_distance([100] * 72, time_s=1.7e9))
     assert scan.position[0] == pytest.approx(4.1) and scan.first_rad == pytest.approx(0.2)
+
+
+def test_a_scan_that_has_overtaken_its_positions_waits_for_them(meeting: Meeting) -> None:
+    meeting.tick()
+    meeting.is_quiet = True
+    autopilot = meeting.autopilot.endpoint
+    meeting.tick(*at(10.0, 4.0, 0.1, autopilot), obstacle_distance([100] * 72, time_s=10.2))
+    assert meeting.vehicle.scans == []
+    meeting.tick(*at(10.1, 4.2, 0.2, autopilot))
+    assert meeting.vehicle.scans == []
+    scan = heard(meeting, *at(10.3, 4.6, 0.6, autopilot))
+    assert scan.position[0] == pytest.approx(4.4) and scan.first_rad == pytest.approx(0.4)
+
+
+def test_an_old_scan_is_placed_where_the_vehicle_was(meeting: Meeting) -> None:
+    meeting.tick()
+    meeting.is_quiet = True
+    for time_s, north_m, yaw_rad in ((10.0, 4.0, 0.0), (10.1, 4.2, 0.0), (10.2, 4.3, 0.3)):
+        meeting.tick(*at(time_s, north_m, yaw_rad, meeting.autopilot.endpoint))
+    scan = heard(meeting, obstacle_distance([100] * 72, time_s=10.05))
+    assert scan.position[0] == pytest.approx(4.1) and scan.first_rad == pytest.approx(0.0)
