@@ -142,7 +142,7 @@ class Follower:
 
     def _legs(self, nodes: list[dict[str, Any]]) -> list[list[list[float]]]:
         """The way of each action that flies somewhere: corners, east and north."""
-        at: Ned | None = self.snapshots[-1].position if self.snapshots else None
+        at: Ned | None = self._watcher.position
         legs = []
         for node in nodes:
             place = node.get("destination")

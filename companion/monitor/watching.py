@@ -96,6 +96,12 @@ class Watcher:
         """The map as it is known now."""
         return self._map.grid
 
+    @property
+    def position(self) -> Ned | None:
+        """Where the vehicle is, as far as was heard."""
+        state = self._telemetry.state
+        return state.position if state else None
+
     def hear(self, now_s: float, frames: list[bytes]) -> None:
         """Takes the frames of one tick."""
         for frame in choose(frames, _WANTED, _CONTINUAL):

@@ -149,7 +149,7 @@ def test_an_operator_starts_and_steps_in(
     landed = station.position()
     assert abs(landed.x) < 0.5 and abs(landed.y) < 0.5
     companion.until_printed("results", START_S)
-    (folder,) = tmp_path.iterdir()
+    (folder,) = tmp_path.glob("*-surveillance")
     assert (folder / "events.jsonl").exists()
 
 
