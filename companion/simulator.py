@@ -1,7 +1,8 @@
 """The bundled simulator as a child process, which is met on UDP exactly as a PX4 would be.
 
 It gets a session of its own, so that Ctrl-C in a terminal reaches the companion alone: that has
-to land the vehicle first, and ends the simulator afterwards.
+to land the vehicle first, and ends the simulator afterwards. It ends also when this process does,
+however that happens: then its standard input ends.
 """
 
 from __future__ import annotations
@@ -32,10 +33,10 @@ def simulator(options: list[str], log: Path) -> Iterator[None]:
     """
     with log.open("wb") as output:
         child = subprocess.Popen(
-            [sys.executable, "-m", "sitl", *options],
+            [sys.executable, "-m", "sitl", "--attended", *options],
             stdout=output,
             stderr=subprocess.STDOUT,
-            stdin=subprocess.DEVNULL,
+            stdin=subprocess.PIPE,
             start_new_session=True,
         )
     try:

@@ -8,6 +8,7 @@ it jump. Options default to PX4's environment variables.
 from __future__ import annotations
 
 import os
+import select
 import signal
 import sys
 import time
@@ -51,15 +52,23 @@ class ScaledClock:
 
 
 class _Stop:
-    """Set by SIGINT and SIGTERM."""
+    """Set by SIGINT and SIGTERM and, if it is attended, by the end of standard input."""
 
-    def __init__(self) -> None:
-        self.is_set = False
+    def __init__(self, is_attended: bool) -> None:
+        self._is_attended = is_attended
+        self._is_set = False
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, self._set)
 
     def _set(self, number: int, frame: FrameType | None) -> None:
-        self.is_set = True
+        self._is_set = True
+
+    @property
+    def is_set(self) -> bool:
+        """Whether to end."""
+        if self._is_attended and not self._is_set and select.select([sys.stdin], [], [], 0.0)[0]:
+            self._is_set = not os.read(sys.stdin.fileno(), 1024)
+        return self._is_set
 
 
 def parse_home(text: str) -> GlobalOrigin:
@@ -107,6 +116,9 @@ def simulate(
     ] = None,
     seed: Annotated[int, typer.Option(help="Of everything random: gusts, noise.")] = 0,
     quiet: Annotated[bool, typer.Option(help="Do not tell what happens in the world.")] = False,
+    attended: Annotated[
+        bool, typer.Option("--attended", help="End when standard input does.", hidden=True)
+    ] = False,
     check: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Check a scenario, fly nothing.")
     ] = None,
@@ -123,7 +135,7 @@ def simulate(
             plural = "" if len(happenings) == 1 else "s"
             typer.echo(f"{check}: a good scenario, {len(happenings)} event{plural}")
             return
-        _simulate(scenario, speed, instance, home, seed, quiet)
+        _simulate(scenario, speed, instance, home, seed, quiet, _Stop(attended))
     except CompanionError as error:
         typer.echo(str(error), err=True)
         raise typer.Exit(error.exit_code) from error
@@ -136,12 +148,12 @@ def _simulate(
     home: GlobalOrigin | None,
     seed: int,
     is_quiet: bool,
+    stop: _Stop,
 ) -> None:
     fallback = home or default_home(dict(os.environ))
     world, grid = read_scenario(path, fallback) if path else (Scenario(home=fallback), None)
     if home:
         world = replace(world, home=home)  # the command line wins over the file
-    stop = _Stop()
     with Server(instance) as server:
         simulation = Simulation(world, grid, seed=seed, instance=instance)
         gcs, offboard = (server.peers[link][1] for link in (LinkName.GCS, LinkName.OFFBOARD))

@@ -136,7 +136,7 @@ def test_a_quick_command_succeeds(command: str, start: Start) -> None:
     assert printed
 
 
-@pytest.mark.alone
+@pytest.mark.sockets
 @pytest.mark.parametrize("together", IN_REAL_TIME)
 def test_a_command_flies_and_lands_on_ctrl_c(together: tuple[str, ...], start: Start) -> None:
     """As they stand, but on ports of their own."""
@@ -160,7 +160,7 @@ def test_a_command_flies_and_lands_on_ctrl_c(together: tuple[str, ...], start: S
             process.communicate()
 
 
-@pytest.mark.alone
+@pytest.mark.sockets
 @pytest.mark.parametrize("command", SIMULATORS)
 def test_a_simulator_starts_and_stops(command: str, start: Start) -> None:
     sitl = start(on_ports_of(free_instance(), command.removesuffix(" -i 1")))

@@ -12,7 +12,7 @@ import pytest
 from browsing import Open
 from ports import free_instance
 
-pytestmark = pytest.mark.alone
+pytestmark = pytest.mark.sockets
 
 SURVEILLANCE = Path(__file__).parents[2] / "missions" / "surveillance.yaml"
 SPEED = 3

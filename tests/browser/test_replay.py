@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from browsing import Open, Watched
 
-pytestmark = pytest.mark.alone
+pytestmark = pytest.mark.sockets
 
 
 @pytest.fixture

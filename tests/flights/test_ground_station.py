@@ -24,7 +24,7 @@ from test_sockets import COMPANION, GROUND_STATION, START_S, SURVEILLANCE, Run, 
 from companion.mavlink.framing import dialect
 
 __all__ = ["run"]
-pytestmark = pytest.mark.alone
+pytestmark = pytest.mark.sockets
 
 SCENARIO = SURVEILLANCE.with_suffix(".sim.yaml")
 START, PAUSE = dialect.MAV_CMD_MISSION_START, dialect.MAV_CMD_DO_PAUSE_CONTINUE

@@ -17,7 +17,7 @@ from pathlib import Path
 import pytest
 from ports import free_instance
 
-pytestmark = pytest.mark.alone
+pytestmark = pytest.mark.sockets
 
 MAVPROXY = Path(sysconfig.get_path("scripts")) / "mavproxy.py"
 ANSWER_S = 15.0  # wall time that no answer needs

@@ -21,7 +21,7 @@ from mavsdk.asyncio.plugins.param import ParamAsync  # noqa: E402
 from mavsdk.asyncio.plugins.telemetry import LandedState, TelemetryAsync  # noqa: E402
 from mavsdk.plugins.offboard.offboard import PositionNedYaw  # noqa: E402
 
-pytestmark = pytest.mark.alone
+pytestmark = pytest.mark.sockets
 
 SPEED = 5
 PHASE_S = 20.0  # wall time that no phase of the flight needs

@@ -25,7 +25,7 @@ from mavsdk.plugins.mission_raw import mission_raw  # isort: skip
 
 __all__ = ["port"]
 
-pytestmark = pytest.mark.alone
+pytestmark = pytest.mark.sockets
 
 
 Make = Callable[[type], Any]

@@ -30,7 +30,7 @@ from mavsdk.plugins.offboard.offboard import (  # noqa: E402
     VelocityNedYaw,
 )
 
-pytestmark = pytest.mark.alone
+pytestmark = pytest.mark.sockets
 __all__ = ["port"]
 
 STREAMED = (

@@ -20,7 +20,7 @@ import pytest
 from ports import free_instance
 from pymavlink import mavutil
 
-pytestmark = pytest.mark.alone
+pytestmark = pytest.mark.sockets
 
 SURVEILLANCE = Path(__file__).parents[2] / "missions" / "surveillance.yaml"
 CLIENTS = 20

@@ -17,7 +17,7 @@ from companion.mavlink.framing import Endpoint, dialect
 from sitl.link.routing import LinkName
 from sitl.link.server import HOST, PORTS
 
-pytestmark = pytest.mark.alone
+pytestmark = pytest.mark.sockets
 
 START_S = 30.0
 EVENTS = "version: 1\nhappens:\n  - {at_s: 0.5, wind: {east_mps: 2}}\n"

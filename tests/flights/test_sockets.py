@@ -16,6 +16,7 @@ import socket
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -29,7 +30,7 @@ from companion.record.audit import audit
 from companion.record.events import read_events
 from sitl.link.server import PORTS
 
-pytestmark = pytest.mark.alone
+pytestmark = pytest.mark.sockets
 
 SURVEILLANCE = Path(__file__).parents[2] / "missions" / "surveillance.yaml"
 STORED = Path(__file__).parents[1] / "data" / "surveillance.events.txt"
@@ -312,6 +313,18 @@ def test_a_second_stop_ends_at_once(
     assert flying.exit_code(START_S) == 128 + signal.SIGINT, flying.printed
     assert "Traceback" not in flying.printed
     assert "end stopped as asked" not in sequence(tmp_path)
+    assert_no_simulator_is_left(instance)
+
+
+def test_a_killed_companion_leaves_no_simulator(flying: Command, instance: int) -> None:
+    os.kill(flying.pid, signal.SIGKILL)
+    flying.exit_code(START_S)
+    deadline_s = time.monotonic() + START_S
+    while time.monotonic() < deadline_s:
+        with contextlib.suppress(OSError):
+            assert_no_simulator_is_left(instance)
+            return
+        time.sleep(0.1)
     assert_no_simulator_is_left(instance)
 
 

@@ -29,7 +29,7 @@ from upload_host import UploadHost
 
 from companion.mavlink.ftp_frames import crc32
 
-pytestmark = pytest.mark.alone
+pytestmark = pytest.mark.sockets
 __all__ = ["run"]
 
 MISSION = Path(__file__).parents[2] / "missions" / "surveillance.yaml"
