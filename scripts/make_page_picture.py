@@ -21,7 +21,7 @@ from playwright.sync_api import sync_playwright
 from companion.record.run_folder import RunFolder
 
 MISSION = "surveillance"
-SHOWN_S = 49.2
+SHOWN_S = 50.5
 """Time of the flight that is shown."""
 SIZE = {"width": 1440, "height": 900}
 COLOURS = 256
@@ -33,7 +33,7 @@ def fly(folder: Path) -> None:
     flight = next(each for each in shipped() if each.name == MISSION)
     mission = flight.load()
     run = RunFolder(folder, mission, 0.0, lambda report: None)
-    flight.fly(mission, lambda simulation, grid: run)
+    flight.fly(mission, lambda simulation: run)
     run.close()
 
 

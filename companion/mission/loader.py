@@ -31,7 +31,12 @@ from companion.mission.tree import read_tree
 from companion.mission.vocabulary import Vocabulary
 from companion.motion.grid import OccupancyGrid
 
-CLEARANCE_M = 0.6  # vehicle radius 0.35 m and 0.25 m margin for tracking error and map cells
+RADIUS_M = 0.35  # of the vehicle
+MARGIN_M = 0.10
+"""What has to stay free beside the vehicle, wherever it really flies."""
+DEVIATION_M = 0.15
+"""How much nearer than its route it may come: tracking, map cells, the way to a stop."""
+CLEARANCE_M = RADIUS_M + MARGIN_M + DEVIATION_M
 GOAL = "goal"  # name of the conjunct that a plain goal makes
 _TASK_HINT = "add task: {NAME: FORMULA}, what must hold, or goal: FACTS, what must hold once"
 _SHOWN = 20  # names listed in a message

@@ -7,7 +7,7 @@ scans with a hit make a free cell occupied, nine without free it again.
 
 What the vehicle was told weighs more:
 - An echo within `explained_m` of a told wall is that wall, displaced by an error of the position
-  or of the map; the margin of routes (0.25 m, `mission/loader.py`) covers that much.
+  or of the map; what routes keep beside the vehicle (0.25 m, `mission/loader.py`) covers it.
 - A beam passes a cell only if its two neighbours get as far. So no beam that grazes a wall or a
   corner wears it away, and told walls go only when they are clearly seen through, for seconds.
 

@@ -11,10 +11,9 @@ from dataclasses import dataclass
 import pytest
 from shipped import ShippedFlight, distance_from_home_m
 
+from companion.mission.loader import MARGIN_M
 from sitl.world.collision import VEHICLE_RADIUS_M
 
-KEPT_M = 0.1
-"""What is left at worst of the 0.25 m that routes keep beside the vehicle's radius."""
 NO_PLAN = """\
 no plan: upload cannot hold from here.
   upload: G(targetFound | targetReported -> F targetReported)
@@ -123,7 +122,7 @@ def flies_as_told(shipped: Shipped, seed: int) -> None:
     assert flight.story == list(shipped.story)
     assert flight.exit_code == shipped.exit_code
     assert flight.simulation.collisions == 0
-    assert flight.clearance_m >= VEHICLE_RADIUS_M + KEPT_M
+    assert flight.clearance_m >= VEHICLE_RADIUS_M + MARGIN_M
     assert distance_from_home_m(flight) < 0.5
     assert not flight.simulation.is_armed
     kept = [line for line in flight.mission.task if line not in shipped.broken]
