@@ -28,6 +28,7 @@ from py_trees.common import Status
 from companion.acting.events import EventDetector
 from companion.acting.flight import Flight
 from companion.acting.hand_tree import build_by_hand
+from companion.acting.positions import tell_positions
 from companion.acting.tree import build
 from companion.acting.tree_report import TreeReport
 from companion.acting.ways import Ways
@@ -142,7 +143,7 @@ class Executive:
             flight.may_do_better = False
         self._root.tick_once()
         self._tell_tree()
-        self._tell_positions()
+        tell_positions(self._flight)
         is_done = flight.laps > laps and self.lasso.ends_at_rest
         if self._root.status is Status.FAILURE or self._is_in_vain(is_done):
             self._replan()
@@ -157,7 +158,7 @@ class Executive:
         """One tick of a tree that was written by hand: it is not replaced when it fails."""
         root.tick_once()
         self._tell_tree()
-        self._tell_positions()
+        tell_positions(self._flight)
         if root.status is Status.SUCCESS:
             self.status = TaskStatus.SATISFIED
             self._rest()
@@ -179,7 +180,7 @@ class Executive:
         if move is None:
             return False
         self._flight.task.depart()
-        self._tell_positions()
+        tell_positions(self._flight)
         self.status = TaskStatus.RUNNING
         self.is_leaving = True
         self._adopt(Lasso((move,), (WAIT,)))
@@ -255,41 +256,12 @@ class Executive:
     def _rest(self) -> None:
         """Leaves the last position, which lasts for ever."""
         self._flight.task.leave()
-        self._tell_positions(for_ever=True)
+        tell_positions(self._flight, for_ever=True)
 
     def _tell_tree(self) -> None:
         """Reports what the tree's nodes do now, if it is not what they did."""
         if self._tree_report is not None:
             self._tree_report.tell()
-
-    def _tell_positions(self, for_ever: bool = False) -> None:
-        """Reports the positions that were left since the last call, and what they violate.
-
-        Args:
-            for_ever: the vehicle rests there, and every position to come is the same.
-        """
-        flight = self._flight
-        for position in flight.task.left:
-            number, facts = position.number, sorted(position.facts)
-            flight.report(
-                "position",
-                f"position {number}: {', '.join(facts)}",
-                number=number,
-                facts=facts,
-                withdrawn=sorted(position.withdrawn),
-                restarted=list(position.restarted),
-                for_ever=for_ever,
-            )
-            for conjunct in position.violated:
-                flight.report(
-                    "violation",
-                    f"{conjunct.name} violated at position {number}: {conjunct.formula}",
-                    conjunct=conjunct.name,
-                    formula=str(conjunct.formula),
-                    position=number,
-                    facts=facts,
-                )
-        flight.task.left.clear()
 
     def _count_idle(self) -> None:
         """Counts replans between which the task's word has not grown."""

@@ -8,6 +8,7 @@ Euclidean transform between cell centres (scipy.ndimage), computed once per map.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -61,3 +62,16 @@ class OccupancyGrid:
         """Distance from the cell of a position to the nearest obstacle; 0 outside the grid."""
         row, col = self.cell(position)
         return float(self.distance_m[row, col]) if self.contains(row, col) else 0.0
+
+
+def cells_inside(grid: OccupancyGrid, polygon: Sequence[NorthEast]) -> npt.NDArray[np.bool_]:
+    """Cells with all four corners inside a polygon; the rule is `geometry.is_in_polygon`'s."""
+    rows, cols = grid.occupied.shape
+    north = grid.origin[0] + grid.cell_m * np.arange(rows + 1)[:, None]
+    east = grid.origin[1] + grid.cell_m * np.arange(cols + 1)[None, :]
+    inside = np.zeros((rows + 1, cols + 1), dtype=np.bool_)
+    for (n1, e1), (n2, e2) in zip(polygon, [*polygon[1:], polygon[0]], strict=True):
+        if e1 != e2:
+            is_west = north < (n2 - n1) * (east - e1) / (e2 - e1) + n1
+            inside ^= ((e1 > east) != (e2 > east)) & is_west
+    return inside[:-1, :-1] & inside[1:, :-1] & inside[:-1, 1:] & inside[1:, 1:]

@@ -15,7 +15,7 @@ dimension of obstacles, and the vehicle's dynamics (`trajectory.py`).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -25,14 +25,14 @@ from scipy import ndimage
 
 from companion.geometry import Ned, NorthEast
 from companion.motion.fields import Cell, Field, MoveGraph
-from companion.motion.grid import OccupancyGrid
+from companion.motion.grid import OccupancyGrid, cells_inside
 from companion.motion.sight import Points, Sight, enters
+from companion.motion.taut import length, pulled_tight
 
 ENTRY_M = 1.0  # how far from the nearest free cell a route may begin (tracking error)
 
 _EDGE = 1e-6  # cells; nearer to the edge of a cell a leg might touch the next one
 _MOST_VIEWS = 256
-_TAUT = 0.1  # cells; a route is taut when cutting it again gains less
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +63,7 @@ class Route:
     @property
     def length_m(self) -> float:
         """Length of all legs in space."""
-        return _length(self.waypoints)
+        return length(self.waypoints)
 
 
 class _View(NamedTuple):
@@ -105,7 +105,7 @@ class RouteMap:
         self._sites = dict(sites)
         self._goals = {name: site.position for name, site in sites.items()}
         self._clearance_m = clearance_m
-        self._is_inside = _cells_inside(grid, fence)
+        self._is_inside = cells_inside(grid, fence)
         self._use(grid, self._free_on(grid))
 
     def see(self, grid: OccupancyGrid) -> None:
@@ -224,7 +224,8 @@ class RouteMap:
         goal = self._goals[site]
         path = np.vstack([self._point(start), field.path(cell) + 0.5, self._point(goal)])
         held = 0 if self._free_sight.is_clear(path[0], path[0]) else 1  # the leg out of the band
-        points = np.vstack([path[:held], self._pulled_tight(path[held:], site)])
+        tight = pulled_tight(path[held:], lambda a, b: self._is_leg(a, b, site))
+        points = np.vstack([path[:held], tight])
         plane = points * self._grid.cell_m + self._grid.origin
         plane[0], plane[-1] = start[:2], goal[:2]  # exactly, whatever the rounding
         return Route(_with_altitude(plane, start[2], goal[2]))
@@ -253,6 +254,10 @@ class RouteMap:
     def _others(self, site: str) -> list[Site]:
         """The places whose regions no route to a site may enter."""
         return [other for name, other in self._sites.items() if other.is_exclusive and name != site]
+
+    def _is_leg(self, a: Points, b: Points, site: str) -> npt.NDArray[np.bool_]:
+        """(...) whether legs (..., 2) on the way to a site are clear, and enter no other region."""
+        return self._free_sight.is_clear(a, b) & self._is_allowed(a, b, site)
 
     def _is_allowed(self, a: Points, b: Points, site: str) -> npt.NDArray[np.bool_]:
         """(...) whether legs (..., 2) on the way to a site enter no other region."""
@@ -356,65 +361,9 @@ class RouteMap:
                     return False
         return True
 
-    def _pulled_tight(self, path: Points, site: str) -> Points:
-        """The path with its detours cut off, from both ends in turn, until it is as good as taut.
-
-        The corners of a path are cell centres; the points between them that a cut needs to get
-        close to an obstacle's corner come from dividing the legs.
-        """
-
-        def is_clear(a: Points, b: Points) -> npt.NDArray[np.bool_]:
-            return self._free_sight.is_clear(a, b) & self._is_allowed(a, b, site)
-
-        def is_clear_backwards(a: Points, b: Points) -> npt.NDArray[np.bool_]:
-            return is_clear(b, a)
-
-        before = math.inf
-        while before - _length(path) > _TAUT:
-            before = _length(path)
-            path = _cut(_divided(path), is_clear)
-            path = _cut(_divided(path)[::-1], is_clear_backwards)[::-1]
-        return path
-
-
-def _cut(path: Points, is_clear: Callable[[Points, Points], npt.NDArray[np.bool_]]) -> Points:
-    """The path with legs from each point that is kept to the furthest one in sight."""
-    kept = [0]
-    while kept[-1] < len(path) - 1:
-        here = kept[-1]
-        in_sight = np.flatnonzero(is_clear(path[here], path[here + 2 :]))
-        kept.append(here + 2 + int(in_sight[-1]) if in_sight.size else here + 1)
-    return path[kept]
-
-
-def _divided(path: Points) -> Points:
-    """The path with points on its legs, at most one cell apart."""
-    parts = np.maximum(np.ceil(np.linalg.norm(np.diff(path, axis=0), axis=1)), 1).astype(int)
-    leg = np.repeat(np.arange(len(parts)), parts)
-    share = (np.arange(len(leg)) - np.repeat(np.cumsum(parts) - parts, parts)) / parts[leg]
-    inner = path[leg] + share[:, None] * (path[leg + 1] - path[leg])
-    return np.vstack([inner, path[-1:]])
-
-
-def _length(path: npt.NDArray[np.float64]) -> float:
-    return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
-
 
 def _centre(cell: Cell) -> Points:
     return np.array(cell) + 0.5
-
-
-def _cells_inside(grid: OccupancyGrid, polygon: Sequence[NorthEast]) -> npt.NDArray[np.bool_]:
-    """Cells with all four corners inside a polygon; the rule is `geometry.is_in_polygon`'s."""
-    rows, cols = grid.occupied.shape
-    north = grid.origin[0] + grid.cell_m * np.arange(rows + 1)[:, None]
-    east = grid.origin[1] + grid.cell_m * np.arange(cols + 1)[None, :]
-    inside = np.zeros((rows + 1, cols + 1), dtype=np.bool_)
-    for (n1, e1), (n2, e2) in zip(polygon, [*polygon[1:], polygon[0]], strict=True):
-        if e1 != e2:
-            is_west = north < (n2 - n1) * (east - e1) / (e2 - e1) + n1
-            inside ^= ((e1 > east) != (e2 > east)) & is_west
-    return inside[:-1, :-1] & inside[1:, :-1] & inside[:-1, 1:] & inside[1:, 1:]
 
 
 def _with_altitude(

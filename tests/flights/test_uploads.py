@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+import re
 import shlex
 import shutil
 import signal
@@ -218,6 +219,15 @@ def test_without_a_companion_there_is_no_upload(instance: int, run: Run) -> None
     assert "no companion (component 191)" in alone.printed
 
 
+def a_broken_mission(folder: Path) -> Path:
+    """The paper's mission, but for a place that does not exist."""
+    shutil.copytree(MISSION.parent / "maps", folder / "maps")
+    text = MISSION.read_text(encoding="utf-8")
+    broken = folder / MISSION.name
+    broken.write_text(text.replace("F at(B)", "F at(D)"), encoding="utf-8")
+    return broken
+
+
 def test_a_mission_is_uploaded_started_and_watched_until_it_is_stopped(
     tmp_path: Path, run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -228,8 +238,16 @@ def test_a_mission_is_uploaded_started_and_watched_until_it_is_stopped(
     simulator.until_printed(str(14550 + number), START_S)
     on_board = run("companion", "run", "--connect", f"udpin://127.0.0.1:{14540 + number}")
     on_board.until_printed("hosting", START_S)
+    ground = f"udpin://0.0.0.0:{14550 + number}"
+    upload = run("companion", "upload", a_broken_mission(tmp_path / "broken"), "--connect", ground)
+    assert upload.exit_code(ANSWER_S) == 2, upload.printed
+    assert re.search(r"surveillance\.yaml:\d+:\d+: unknown fact at\(D\)", upload.printed)
     upload = run(*shlex.split(UPLOAD.replace("14550", str(14550 + number))))
     assert upload.exit_code(ANSWER_S) == 0, upload.printed + on_board.printed
+    on_board.until_printed("taking off", ANSWER_S)
+    upload = run("companion", "upload", MISSION.with_name("corridor.yaml"), "--connect", ground)
+    assert upload.exit_code(ANSWER_S) == 0, upload.printed
+    assert "becomes active after landing" in upload.printed
     watch = run(*shlex.split(WATCH.replace("14550", str(14550 + number))))
     watch.until_printed("  at A", ANSWER_S)
     os.kill(on_board.pid, signal.SIGINT)  # hold, land, end
