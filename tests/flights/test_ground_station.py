@@ -153,17 +153,21 @@ def test_an_operator_starts_and_steps_in(
     assert (folder / "events.jsonl").exists()
 
 
-def test_mavproxy_shows_what_happens(run: Run, instance: int, tmp_path: Path) -> None:
+def test_mavproxy_starts_it_and_shows_what_happens(run: Run, instance: int, tmp_path: Path) -> None:
+    simulator = run("sitl", "--scenario", SCENARIO, "-i", instance)
+    simulator.until_printed("ground station on UDP", START_S)
     companion = run(
-        *("companion", "sim", SURVEILLANCE, "--speed", 2, "-i", instance),
-        *("--log-dir", tmp_path / "runs"),
+        *("companion", "run", SURVEILLANCE, "--wait", "--log-dir", tmp_path / "runs"),
+        *("--connect", f"udpin://127.0.0.1:{COMPANION + instance}"),
     )
-    companion.until_printed("ground station on UDP port", START_S)
+    companion.until_printed("waiting", START_S)
     client = MAVProxy(GROUND_STATION + instance, 1 + instance, tmp_path)
     try:
-        client.expect("flying the task", "at A", "at B", limit_s=60.0)
-        client.expect(r"Received 14\d parameters")
-        client.expect("Received 4 parameters")
+        client.expect(r"Received 14\d parameters", limit_s=START_S)
+        client.expect("Received 4 parameters", limit_s=START_S)
+        client.type("set target_component 191")
+        client.type("long MISSION_START 0 0 0 0 0 0 0", "MISSION_START: ACCEPTED")
+        client.expect("taking off", "flying the task", "at A", limit_s=60.0)
     finally:
         client.close()
 

@@ -219,16 +219,20 @@ def test_without_a_companion_there_is_no_upload(instance: int, run: Run) -> None
     assert "no companion (component 191)" in alone.printed
 
 
-def a_broken_mission(folder: Path) -> Path:
-    """The paper's mission, but for a place that does not exist."""
-    shutil.copytree(MISSION.parent / "maps", folder / "maps")
-    text = MISSION.read_text(encoding="utf-8")
-    broken = folder / MISSION.name
-    broken.write_text(text.replace("F at(B)", "F at(D)"), encoding="utf-8")
-    return broken
+def like_the_papers(folder: Path, name: str, task: str) -> Path:
+    """A mission with the paper's places and skills, and another task."""
+    shutil.copytree(MISSION.parent / "maps", folder / "maps", dirs_exist_ok=True)
+    head, _, rest = MISSION.read_text(encoding="utf-8").partition("\ntask:\n")
+    head = head.replace("    restarts: [search]\n", "").replace(
+        "name: surveillance", f"name: {name}"
+    )
+    tail = rest[rest.index("\n\n") :]
+    path = folder / f"{name}.yaml"
+    path.write_text(f"{head}\ntask:\n  go: {task}{tail}", encoding="utf-8")
+    return path
 
 
-def test_a_mission_is_uploaded_started_and_watched_until_it_is_stopped(
+def test_missions_are_uploaded_one_is_flown_and_watched_to_its_end(
     tmp_path: Path, run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COMPANION_LOG_DIR", str(tmp_path))
@@ -239,19 +243,22 @@ def test_a_mission_is_uploaded_started_and_watched_until_it_is_stopped(
     on_board = run("companion", "run", "--connect", f"udpin://127.0.0.1:{14540 + number}")
     on_board.until_printed("hosting", START_S)
     ground = f"udpin://0.0.0.0:{14550 + number}"
-    upload = run("companion", "upload", a_broken_mission(tmp_path / "broken"), "--connect", ground)
+    broken = like_the_papers(tmp_path, "broken", "F at(D)")
+    upload = run("companion", "upload", broken, "--connect", ground)
     assert upload.exit_code(ANSWER_S) == 2, upload.printed
-    assert re.search(r"surveillance\.yaml:\d+:\d+: unknown fact at\(D\)", upload.printed)
-    upload = run(*shlex.split(UPLOAD.replace("14550", str(14550 + number))))
+    assert re.search(r"broken\.yaml:\d+:\d+: unknown fact at\(D\)", upload.printed)
+    hop = like_the_papers(tmp_path, "hop", "F at(A) & F at(r2) & F G at(Home)")
+    command = UPLOAD.replace("14550", str(14550 + number))
+    upload = run(*shlex.split(command.replace("missions/surveillance.yaml", str(hop))))
     assert upload.exit_code(ANSWER_S) == 0, upload.printed + on_board.printed
     on_board.until_printed("taking off", ANSWER_S)
     upload = run("companion", "upload", MISSION.with_name("corridor.yaml"), "--connect", ground)
     assert upload.exit_code(ANSWER_S) == 0, upload.printed
     assert "becomes active after landing" in upload.printed
     watch = run(*shlex.split(WATCH.replace("14550", str(14550 + number))))
-    watch.until_printed("  at A", ANSWER_S)
-    os.kill(on_board.pid, signal.SIGINT)  # hold, land, end
     assert watch.exit_code(ANSWER_S) == 0, watch.printed + on_board.printed
+    assert "task satisfied, landed" in watch.printed
+    os.kill(on_board.pid, signal.SIGINT)
     assert on_board.exit_code(ANSWER_S) == 0
-    (folder,) = tmp_path.glob("*-surveillance")
-    assert (folder / "mission.yaml").read_bytes() == MISSION.read_bytes()
+    (folder,) = tmp_path.glob("*-hop")
+    assert (folder / "mission.yaml").read_bytes() == hop.read_bytes()
