@@ -19,12 +19,10 @@ from companion.ground.operations import Standing, Uploads
 from companion.ground.parameters import BELIEF_RETRY, SPEED_MAX
 from companion.mavlink.framing import Message, source
 from companion.mission.model import Mission
-from companion.run import Recorder, Run, flight_times, home_of, route_map
+from companion.run import Recorder, Run
 from companion.vehicle.link import ScaledClock, UdpLink
 from companion.vehicle.telemetry import TELEMETRY, Telemetry
 from companion.vehicle.wire import AUTOPILOT, Wire
-
-__all__ = ["Companion", "Host", "Recorder", "flight_times", "fly", "home_of", "route_map"]
 
 BEGINNING = (*ON_THE_GROUND, Phase.ARMING, Phase.TAKE_OFF)
 RETURN = "MAV_CMD_NAV_RETURN_TO_LAUNCH"

@@ -12,11 +12,11 @@ from companion.acting.flight import TICK_S, Flight
 from companion.acting.grounding import Symbols
 from companion.acting.report import Report
 from companion.acting.task_state import TaskState
-from companion.app import flight_times, home_of, route_map
 from companion.mission.model import Mission, Signal
 from companion.motion.routes import RouteMap
 from companion.planning.lasso import Lasso
 from companion.planning.planner import Planner
+from companion.run import flight_times, home_of, route_map
 
 
 class Rig:

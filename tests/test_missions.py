@@ -8,12 +8,12 @@ from pathlib import Path
 import pytest
 
 from companion.acting.task_state import TaskState
-from companion.app import flight_times, route_map
 from companion.errors import NoPlanError
 from companion.ltl.parser import parse
 from companion.mission.loader import load_mission
 from companion.planning.check import fault
 from companion.planning.planner import Planner
+from companion.run import flight_times, route_map
 from sitl.world.scenario import read_scenario
 
 MISSIONS = Path(__file__).parents[1] / "missions"

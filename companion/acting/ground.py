@@ -7,6 +7,8 @@ before the next plan begins (`sortie.py`).
 
 from __future__ import annotations
 
+from abc import abstractmethod
+
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
@@ -47,9 +49,9 @@ class Reach(Behaviour):
         flight.report("phase", self.reached())
         return Status.SUCCESS
 
+    @abstractmethod
     def reached(self) -> str:
         """What the last goal means for the flight, and how people are told."""
-        raise NotImplementedError
 
 
 class Land(Reach):

@@ -11,10 +11,10 @@ from companion.cli.arguments import load
 
 if TYPE_CHECKING:
     from companion.acting.report import Report
-    from companion.app import Recorder
     from companion.ground.operations import Uploads
     from companion.mission.model import Mission
     from companion.record.run_folder import RunFolder
+    from companion.run import Recorder
 
 
 class Hangar:

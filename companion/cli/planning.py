@@ -192,8 +192,8 @@ class _Question:
     def read(cls, path: Path, supposed: Supposition | None = None) -> _Question:
         """From a mission's first state, or from a supposed one."""
         from companion.acting.task_state import TaskState
-        from companion.app import flight_times, route_map
         from companion.planning.planner import Planner
+        from companion.run import flight_times, route_map
 
         mission = load(path)
         planner = Planner(mission, flight_times(mission, route_map(mission)), time.perf_counter)

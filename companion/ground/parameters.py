@@ -27,7 +27,7 @@ from companion.mavlink.parameters import INT32, REAL32, asked_for, decode, value
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """One parameter; a lowest value above the highest is read only."""
+    """One parameter, of a MAV_PARAM_TYPE; it can only be read if it has only one value."""
 
     param_type: int
     default: float

@@ -19,13 +19,14 @@ from scipy import ndimage
 
 from benches import MISSION, ROOT, Row, timed
 from companion.acting.report import Report
-from companion.app import Companion, route_map
+from companion.app import Companion
 from companion.geometry import Ned
 from companion.mavlink.framing import Endpoint, Message, dialect, split_frames
 from companion.mission.loader import load_mission
 from companion.motion.grid import OccupancyGrid
 from companion.motion.routes import RouteMap
 from companion.motion.sensed_map import RangeScan, SensedMap
+from companion.run import route_map
 from sitl.flight.controllers import Cascade, Target
 from sitl.flight.mixer import Motors
 from sitl.flight.physics import Physics

@@ -11,10 +11,10 @@ from benches import Row, timed
 from benches.shipped import shipped
 from companion.acting.report import Report
 from companion.acting.task_state import TaskState
-from companion.app import flight_times, route_map
 from companion.geometry import Ned, distance
 from companion.mavlink.framing import Endpoint, split_frames
 from companion.planning.planner import Planner
+from companion.run import flight_times, route_map
 from sitl.simulation import Simulation
 
 SETPOINT = bytes([84, 0, 0])  # id of SET_POSITION_TARGET_LOCAL_NED, in bytes 7 to 9 of a frame

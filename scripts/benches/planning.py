@@ -11,7 +11,6 @@ import numpy as np
 from benches import MISSION, Row, timed
 from benches.worlds import Asked, at_the_start, patrol, straight, target_found
 from companion.acting.task_state import TaskState
-from companion.app import flight_times, route_map
 from companion.geometry import Ned
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
@@ -20,6 +19,7 @@ from companion.planning.engines import solve_with
 from companion.planning.lasso import Solution
 from companion.planning.objective import Encoding, Objective
 from companion.planning.planner import Planner
+from companion.run import flight_times, route_map
 
 ENGINE = "fast-downward"
 

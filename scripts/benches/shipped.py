@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from benches import ROOT
-from companion.app import Companion, Recorder
+from companion.app import Companion
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
+from companion.run import Recorder
 from sitl.harness import fly_in_lockstep
 from sitl.link.routing import LinkName
 from sitl.simulation import Simulation

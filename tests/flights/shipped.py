@@ -13,12 +13,12 @@ from pathlib import Path
 
 from lockstep import Lockstep
 
-from companion.app import home_of
 from companion.geometry import Ned, distance
 from companion.ltl.semantics import Letter, holds
 from companion.mission.loader import load_mission
 from companion.mission.model import Fly, Mission
 from companion.planning.domain import Action, departures, ground
+from companion.run import home_of
 from sitl.world.scenario import read_scenario
 
 MISSIONS = Path(__file__).parents[2] / "missions"

@@ -14,11 +14,12 @@ import pytest
 from lockstep import COMPANION, VEHICLE, Lockstep, World
 
 from companion.acting.report import Report
-from companion.app import Companion, Recorder
+from companion.app import Companion
 from companion.geometry import distance, horizontal_distance
 from companion.mavlink.framing import Endpoint, dialect
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
+from companion.run import Recorder
 from sitl.link.routing import LinkName
 from sitl.world.scenario import read_scenario
 

@@ -13,12 +13,13 @@ from synthetic import PAYLOAD, POSITIONS, command, event, mission
 
 from companion.acting.flight import TICK_S
 from companion.acting.report import Report
-from companion.app import Companion, flight_times, fly, home_of, route_map
+from companion.app import Companion, fly
 from companion.errors import Aborted, LinkTimeout
 from companion.geometry import Ned
 from companion.mavlink.framing import Endpoint, dialect
 from companion.mission.model import Mission, Place
 from companion.motion.profile import JERK_MPS3
+from companion.run import flight_times, home_of, route_map
 
 
 class Notes:

@@ -14,6 +14,7 @@ Here is what both encodings have in common; `conditional.py` makes v4 of it and 
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import combinations
@@ -96,7 +97,7 @@ def parts(problem: Problem, task: Grounded) -> Iterator[Part]:
             yield Part(number, rest.automaton, states)
 
 
-class Form:
+class Form(ABC):
     """What both encodings have in common. Tokens, of which one is held, say whose turn it is."""
 
     encoding: ClassVar[Encoding]
@@ -113,9 +114,9 @@ class Form:
         self.choosing = [part for part in parts if not self.moves_together(part)]
         self.marks = NOTHING.union(*(part.marks for part in parts))
 
+    @abstractmethod
     def moves_together(self, part: Part) -> bool:
         """Whether a part moves without a choice of the planner, in one action with others."""
-        raise NotImplementedError
 
     def problem(self) -> ClassicalProblem:
         """The whole classical problem."""
@@ -228,9 +229,9 @@ class Form:
         """An action whose precondition and effects are as the encoding has them."""
         return action
 
+    @abstractmethod
     def closing(self) -> tuple[frozenset[Fluent], list[ClassicalAction]]:
         """The goal, and the actions that remember where the loop begins and compare at its end."""
-        raise NotImplementedError
 
     def remembered(self) -> Iterator[tuple[Fluent, tuple[tuple[Fluent, Fluent], ...]]]:
         """What makes a loop close: a name, and its values with the fluent that remembers each.

@@ -15,7 +15,6 @@ from companion.acting.ground import NO_CHARGE_S
 from companion.acting.phases import Phase
 from companion.acting.sortie import Sortie
 from companion.acting.tree import build
-from companion.app import home_of
 from companion.mission.model import (
     Charge,
     Command,
@@ -29,6 +28,7 @@ from companion.mission.model import (
 )
 from companion.planning.domain import ground
 from companion.planning.lasso import Lasso
+from companion.run import home_of
 from companion.vehicle.port import Goal
 
 LOW = event("low")

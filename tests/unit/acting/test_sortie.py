@@ -10,9 +10,9 @@ from synthetic import command, event, mission, reading
 from companion.acting.authority import LINK_LOST_S
 from companion.acting.phases import STEPS, Phase
 from companion.acting.sortie import ANSWER_TIMEOUT_S, Sortie
-from companion.app import home_of
 from companion.errors import Aborted, LinkError, NoPlanError
 from companion.mission.model import Mission, Otherwise, Signal
+from companion.run import home_of
 from companion.vehicle.port import Goal, Mode
 
 NEVER = (1e9, RUNNING)

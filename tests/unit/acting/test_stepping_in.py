@@ -15,7 +15,7 @@ from companion.acting.authority import FRESH_S, not_handed_over
 from companion.acting.flight import TICK_S
 from companion.acting.phases import Phase
 from companion.acting.sortie import GROUNDED, Sortie
-from companion.app import home_of
+from companion.run import home_of
 from companion.vehicle.port import Goal, Mode, VehicleState
 
 PATROL = "G F at(A) & G F at(B)"

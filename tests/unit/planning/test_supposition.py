@@ -5,12 +5,12 @@ from __future__ import annotations
 import pytest
 
 from companion.acting.task_state import TaskState
-from companion.app import flight_times
 from companion.errors import MissionError
 from companion.mission.model import Mission
 from companion.motion.routes import RouteMap
 from companion.planning.planner import Planner
 from companion.planning.supposition import Supposition
+from companion.run import flight_times
 
 
 @pytest.fixture
