@@ -100,19 +100,18 @@ def _layout(kind: Any) -> _Layout:
 
 def _values(kind: Any) -> Callable[[Message], Sequence[Any]]:
     types = dict(zip(kind.fieldnames, kind.fieldtypes, strict=True))
-    lengths = kind.lengths
     names = [f"_{n}_raw" if types[n] == "char" else n for n in kind.ordered_fieldnames]
-    if max(lengths) == 1 and len(names) > 1:
-        return attrgetter(*names)
+    if len(names) == 1:
+        return lambda message: (getattr(message, names[0]),)
+    fields = attrgetter(*names)
+    arrays = [i for i, length in enumerate(kind.lengths) if length > 1]
+    if not arrays:
+        return fields
 
     def laid_out(message: Message) -> list[Any]:
-        values: list[Any] = []
-        for name, length in zip(names, lengths, strict=True):
-            value = getattr(message, name)
-            if length == 1:
-                values.append(value)
-            else:
-                values += value
+        values = list(fields(message))
+        for i in reversed(arrays):
+            values[i : i + 1] = values[i]
         return values
 
     return laid_out

@@ -87,7 +87,7 @@ class SensedMap:
         """Takes in a scan; whether a cell has become occupied or free."""
         reach_m = min(scan.range_m, REACH_M)
         hits, passed = self._hits(scan, reach_m), self._passed(scan, reach_m)
-        if not passed.size and np.all(self._odds[hits] == self._most[hits]):
+        if not passed.size and (self._odds[hits] == self._most[hits]).all():
             return False  # all is as it is known, as nearly always
         raised = np.minimum(self._odds[hits] + HIT, self._most[hits])
         touched = np.concatenate([hits, passed])

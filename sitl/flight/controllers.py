@@ -38,6 +38,7 @@ BRAKING_SHARE = 0.5  # of the acceleration limit is used to brake before a far p
 FADE_MPS = 0.2  # velocity errors above this count less and less for the integrals
 MAX_INTEGRAL_MPS2 = 4.0
 MAX_RATE_INTEGRAL_NM = 0.3
+LEAST_LIFT_MPS2, MOST_LIFT_MPS2 = 4 * MIN_THRUST_N / MASS_KG, 4 * MAX_THRUST_N / MASS_KG
 
 Vector = tuple[float, float, float]
 Maybe = tuple[float | None, float | None, float | None]
@@ -81,65 +82,72 @@ class VelocityLoop:
 
     def __init__(self, limits: Limits) -> None:
         self._limits = limits
-        self._integral = [0.0, 0.0, 0.0]
+        self.reset()
 
     def reset(self) -> None:
         """Forget the integrals."""
-        self._integral = [0.0, 0.0, 0.0]
+        self._integral: Vector = (0.0, 0.0, 0.0)
 
     def step(self, state: FlightState, target: Target, dt_s: float) -> Vector:
         """The thrust per mass that the target asks for; at rest (0, 0, -g)."""
-        error = self._velocity_error(state, target)
-        north, east, down = (
-            target.acceleration[i] + VELOCITY_P[i] * error[i] + self._integral[i] for i in range(3)
-        )
-        lift = _clamp(down, -self._limits.acceleration_mps2, self._limits.acceleration_mps2)
-        lift = _clamp(lift - GRAVITY_MPS2, -4 * MAX_THRUST_N / MASS_KG, -4 * MIN_THRUST_N / MASS_KG)
-        is_lift_limited = (down - GRAVITY_MPS2 - lift) * error[2] > 0
+        e_n, e_e, e_d = self._velocity_error(state, target)
+        i_n, i_e, i_d = self._integral
+        a_n, a_e, a_d = target.acceleration
+        north = a_n + VELOCITY_P[0] * e_n + i_n
+        east = a_e + VELOCITY_P[1] * e_e + i_e
+        down = a_d + VELOCITY_P[2] * e_d + i_d
+        limit = self._limits.acceleration_mps2
+        lift = _clamp(_clamp(down, -limit, limit) - GRAVITY_MPS2, -MOST_LIFT_MPS2, -LEAST_LIFT_MPS2)
+        is_lift_limited = (down - GRAVITY_MPS2 - lift) * e_d > 0
         # Height first: horizontal thrust gets what tilt and the motors leave.
         most = min(
-            self._limits.acceleration_mps2,
+            limit,
             -lift * math.tan(self._limits.tilt_rad),
-            math.sqrt(max(0.0, (4 * MAX_THRUST_N / MASS_KG) ** 2 - lift**2)),
+            math.sqrt(max(0.0, MOST_LIFT_MPS2**2 - lift**2)),
         )
         wanted = math.hypot(north, east)
-        is_push_limited = wanted > most and north * error[0] + east * error[1] > 0
+        is_push_limited = wanted > most and north * e_n + east * e_e > 0
         if wanted > most:
             north, east = north * most / wanted, east * most / wanted
-        for i, is_limited in enumerate((is_push_limited, is_push_limited, is_lift_limited)):
-            if not is_limited:
-                self._integral[i] = _clamp(
-                    self._integral[i] + VELOCITY_I[i] * _fade(error[i]) * dt_s,
-                    -MAX_INTEGRAL_MPS2,
-                    MAX_INTEGRAL_MPS2,
-                )
+        if not is_push_limited:
+            i_n += VELOCITY_I[0] * _fade(e_n) * dt_s
+            i_e += VELOCITY_I[1] * _fade(e_e) * dt_s
+        if not is_lift_limited:
+            i_d += VELOCITY_I[2] * _fade(e_d) * dt_s
+        most = MAX_INTEGRAL_MPS2
+        self._integral = (
+            _clamp(i_n, -most, most),
+            _clamp(i_e, -most, most),
+            _clamp(i_d, -most, most),
+        )
         return (north, east, lift)
 
     def _velocity_error(self, state: FlightState, target: Target) -> Vector:
         limits = self._limits
         braking = BRAKING_SHARE * limits.acceleration_mps2
-        offset = [
-            0.0 if wanted is None else wanted - here
-            for wanted, here in zip(target.position, state.position, strict=True)
-        ]
-        far = math.hypot(offset[0], offset[1])
+        p_n, p_e, p_d = target.position
+        v_n, v_e, v_d = target.velocity
+        n, e, d = state.position
+        to_n = 0.0 if p_n is None else p_n - n
+        to_e = 0.0 if p_e is None else p_e - e
+        to_d = 0.0 if p_d is None else p_d - d
+        far = math.hypot(to_n, to_e)
         gain = _approach_speed(far, POSITION_P[0], braking) / far if far > 0 else 0.0
-        climb = math.copysign(_approach_speed(abs(offset[2]), POSITION_P[2], braking), offset[2])
-        north = gain * offset[0] + (target.velocity[0] or 0.0)
-        east = gain * offset[1] + (target.velocity[1] or 0.0)
-        down = _clamp(climb + (target.velocity[2] or 0.0), -limits.climb_mps, limits.descent_mps)
+        climb = math.copysign(_approach_speed(abs(to_d), POSITION_P[2], braking), to_d)
+        north = gain * to_n + (v_n or 0.0)
+        east = gain * to_e + (v_e or 0.0)
+        down = _clamp(climb + (v_d or 0.0), -limits.climb_mps, limits.descent_mps)
         speed, most = math.hypot(north, east), limits.speed_mps
         if target.speed_mps is not None:
             most = min(most, target.speed_mps)
         if speed > most:
             north, east = north * most / speed, east * most / speed
-        n, e, d = (
-            0.0 if position is None and velocity is None else wanted - now
-            for position, velocity, wanted, now in zip(
-                target.position, target.velocity, (north, east, down), state.velocity, strict=True
-            )
+        now_n, now_e, now_d = state.velocity
+        return (
+            0.0 if p_n is None and v_n is None else north - now_n,
+            0.0 if p_e is None and v_e is None else east - now_e,
+            0.0 if p_d is None and v_d is None else down - now_d,
         )
-        return (n, e, d)
 
 
 class RateLoop:

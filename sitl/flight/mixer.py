@@ -64,15 +64,11 @@ def mix(thrust_n: float, roll_nm: float, pitch_nm: float, yaw_nm: float, voltage
     is_yaw_limited = abs(yaw) > room
     if is_yaw_limited:
         yaw = math.copysign(max(room, 0.0), yaw)
-    scale = _COMMAND_VOLTS / voltage_v
-    sqrt = math.sqrt
-    return Mix(
-        (
-            min(1.0, sqrt(base + a + yaw) * scale),
-            min(1.0, sqrt(base - a + yaw) * scale),
-            min(1.0, sqrt(base + b - yaw) * scale),
-            min(1.0, sqrt(base - b - yaw) * scale),
-        ),
-        is_tilt_limited,
-        is_yaw_limited,
-    )
+    scale, sqrt = _COMMAND_VOLTS / voltage_v, math.sqrt
+    m_1 = sqrt(base + a + yaw) * scale
+    m_2 = sqrt(base - a + yaw) * scale
+    m_3 = sqrt(base + b - yaw) * scale
+    m_4 = sqrt(base - b - yaw) * scale
+    if max(m_1, m_2, m_3, m_4) > 1.0:  # the battery cannot give that any more
+        m_1, m_2, m_3, m_4 = min(1.0, m_1), min(1.0, m_2), min(1.0, m_3), min(1.0, m_4)
+    return Mix((m_1, m_2, m_3, m_4), is_tilt_limited, is_yaw_limited)

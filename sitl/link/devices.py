@@ -9,6 +9,7 @@ where that is. The operator is a ground station that says only what the scenario
 
 from __future__ import annotations
 
+import math
 from typing import Protocol
 
 import numpy as np
@@ -196,9 +197,9 @@ class LidarDevice:
 
     def _report(self, scan_m: npt.NDArray[np.float64], now_s: float) -> Message:
         far_cm = round(100 * self._lidar.spec.range_m)
-        scan_cm = np.where(
-            np.isinf(scan_m), far_cm + 1, np.clip(np.rint(100 * scan_m), NEAREST_CM, far_cm)
-        )
+        clear_cm = far_cm + 1  # of a beam that meets nothing
+        in_range_cm = np.minimum(np.maximum(np.rint(100 * scan_m), NEAREST_CM), far_cm)
+        scan_cm = np.where(scan_m < math.inf, in_range_cm, clear_cm)
         return dialect.MAVLink_obstacle_distance_message(
             round(now_s * 1e6),
             _LASER,
