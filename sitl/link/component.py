@@ -20,7 +20,7 @@ from companion.mavlink.statustext import chunks
 from sitl.autopilot.modes import FLIGHT_MODES, heading
 from sitl.link import parameters, setpoints
 from sitl.link.commands import ACCEPTED_FIRST, execute, request_from
-from sitl.link.messages import MESSAGES, message_name
+from sitl.link.messages import KINDS, MESSAGES, compose, message_name
 from sitl.link.mission_items import Kind, WireItem, areas_from, item_from
 from sitl.link.missions import Missions
 from sitl.link.progress import Progress
@@ -51,6 +51,11 @@ class Link:
         """Pack a message for this link."""
         self._out.append((self.name, self._endpoint.pack(message)))
 
+    def stream(self, name: str) -> None:
+        """Pack a message of the telemetry for this link."""
+        frame = self._endpoint.frame(KINDS[name], MESSAGES[name](self.vehicle))
+        self._out.append((self.name, frame))
+
     def send_if(self, message: Message | None) -> None:
         """Pack a message, if there is one."""
         if message is not None:
@@ -60,7 +65,7 @@ class Link:
         """Send a message once; False if there is none with that id."""
         if (name := message_name(message_id)) is None:
             return False
-        self.later.append(MESSAGES[name](self.vehicle))
+        self.later.append(compose(name, self.vehicle))
         return True
 
     def interval_us(self, message_id: int) -> int:
@@ -117,7 +122,7 @@ class AutopilotComponent:
             self._links[origin].send(message)
         common = self._progress.due(vehicle)
         if now != self._told:
-            common.append(MESSAGES["HEARTBEAT"](vehicle))
+            common.append(compose("HEARTBEAT", vehicle))
             self._told = now
         for link in self._links.values():
             for message in (*link.later, *common):
@@ -126,7 +131,7 @@ class AutopilotComponent:
             if link.listing:
                 self._list_parameters(link)
             for name in link.streams.due(now_s):
-                link.send(MESSAGES[name](vehicle))
+                link.stream(name)
         self._send_notices()
         return self.flush()
 
@@ -217,7 +222,7 @@ class AutopilotComponent:
     def _mission_set_current(self, link: Link, message: Message) -> None:
         vehicle = self._vehicle
         if not self._missions.is_busy and vehicle.autopilot.mission.set_current(message.seq):
-            link.send(MESSAGES["MISSION_CURRENT"](vehicle))
+            link.send(compose("MISSION_CURRENT", vehicle))
 
     def _take_plan(self, kind: Kind, items: tuple[WireItem, ...], current: int | None) -> bool:
         autopilot, origin = self._vehicle.autopilot, self._vehicle.origin

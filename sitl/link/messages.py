@@ -1,6 +1,6 @@
 """Which telemetry messages are there?
 
-Each is one small function in sitl/link/telemetry, vehicle in, pymavlink message out; the table
+Each is one small function in sitl/link/telemetry, vehicle in, the message's fields out; the table
 lists them by MAVLink's names. Units on the wire are those of common.xml (mm, cm/s, 1e7 degrees,
 centidegrees). A value that is not known is sent as the message's own "unknown", never as 0 or
 full.
@@ -10,11 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from companion.mavlink.framing import Message, dialect
+from companion.mavlink.framing import Fields, Message, dialect
 from sitl.link.telemetry import control, motion, sensors, system
 from sitl.link.vehicle import Vehicle
 
-MESSAGES: dict[str, Callable[[Vehicle], Message]] = {
+MESSAGES: dict[str, Callable[[Vehicle], Fields]] = {
     "HEARTBEAT": system.heartbeat,
     "SYS_STATUS": system.sys_status,
     "BATTERY_STATUS": system.battery_status,
@@ -46,6 +46,14 @@ MESSAGES: dict[str, Callable[[Vehicle], Message]] = {
     "ACTUATOR_OUTPUT_STATUS": control.actuator_output_status,
 }
 """Name -> maker: what can be requested. Those with a rate in streams.py are also streamed."""
+
+KINDS = {kind.msgname: kind for kind in dialect.mavlink_map.values() if kind.msgname in MESSAGES}
+"""Name -> pymavlink's class."""
+
+
+def compose(name: str, vehicle: Vehicle) -> Message:
+    """A message by its name, as of now."""
+    return KINDS[name](*MESSAGES[name](vehicle))
 
 
 def message_name(message_id: int) -> str | None:

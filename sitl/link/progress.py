@@ -8,7 +8,7 @@ once when another item's turn comes; besides it is a stream.
 from __future__ import annotations
 
 from companion.mavlink.framing import Message, dialect
-from sitl.link.messages import MESSAGES
+from sitl.link.messages import compose
 from sitl.link.vehicle import Vehicle
 
 REPETITIONS = 10
@@ -39,5 +39,5 @@ class Progress:
             messages = [dialect.MAVLink_mission_item_reached_message(self._reached)]
         if mission.current != self._current:
             self._current = mission.current
-            messages.append(MESSAGES["MISSION_CURRENT"](vehicle))
+            messages.append(compose("MISSION_CURRENT", vehicle))
         return messages

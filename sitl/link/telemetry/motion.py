@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from companion.mavlink.framing import Message, dialect
+from companion.mavlink.framing import Fields
 from sitl.flight.physics import FlightState
 from sitl.link.vehicle import Vehicle
 
@@ -16,28 +16,26 @@ LOCAL_NED, BODY_FRD = 1, 12  # MAV_FRAME
 UNKNOWN_COVARIANCE = (NAN, *(0.0,) * 20)
 
 
-def attitude(v: Vehicle) -> Message:
+def attitude(v: Vehicle) -> Fields:
     """ATTITUDE."""
-    return dialect.MAVLink_attitude_message(v.boot_ms, *v.state.euler, *v.state.rates)
+    return (v.boot_ms, *v.state.euler, *v.state.rates)
 
 
-def attitude_quaternion(v: Vehicle) -> Message:
+def attitude_quaternion(v: Vehicle) -> Fields:
     """ATTITUDE_QUATERNION."""
-    return dialect.MAVLink_attitude_quaternion_message(v.boot_ms, *v.state.attitude, *v.state.rates)
+    return (v.boot_ms, *v.state.attitude, *v.state.rates)
 
 
-def local_position_ned(v: Vehicle) -> Message:
+def local_position_ned(v: Vehicle) -> Fields:
     """LOCAL_POSITION_NED, origin at the simulator's home."""
-    return dialect.MAVLink_local_position_ned_message(
-        v.boot_ms, *v.state.position, *v.state.velocity
-    )
+    return (v.boot_ms, *v.state.position, *v.state.velocity)
 
 
-def global_position_int(v: Vehicle) -> Message:
+def global_position_int(v: Vehicle) -> Fields:
     """GLOBAL_POSITION_INT; relative_alt is above home."""
     lat, lon, alt = v.origin.to_global(v.state.position)
     north, east, down = v.state.velocity
-    return dialect.MAVLink_global_position_int_message(
+    return (
         v.boot_ms,
         round(lat * 1e7),
         round(lon * 1e7),
@@ -50,9 +48,9 @@ def global_position_int(v: Vehicle) -> Message:
     )
 
 
-def gps_global_origin(v: Vehicle) -> Message:
+def gps_global_origin(v: Vehicle) -> Fields:
     """GPS_GLOBAL_ORIGIN of the local frame."""
-    return dialect.MAVLink_gps_global_origin_message(
+    return (
         round(v.origin.latitude_deg * 1e7),
         round(v.origin.longitude_deg * 1e7),
         round(v.origin.altitude_m * 1e3),
@@ -60,10 +58,10 @@ def gps_global_origin(v: Vehicle) -> Message:
     )
 
 
-def home_position(v: Vehicle) -> Message:
+def home_position(v: Vehicle) -> Fields:
     """HOME_POSITION: where the vehicle was armed, global and local."""
     lat, lon, alt = v.origin.to_global(v.autopilot.home)
-    return dialect.MAVLink_home_position_message(
+    return (
         round(lat * 1e7),
         round(lon * 1e7),
         round(alt * 1e3),
@@ -76,26 +74,26 @@ def home_position(v: Vehicle) -> Message:
     )
 
 
-def altitude(v: Vehicle) -> Message:
+def altitude(v: Vehicle) -> Fields:
     """ALTITUDE; terrain is flat at home's height."""
     up = -v.state.position[2]
     amsl, above_home = v.origin.altitude_m + up, up + v.autopilot.home[2]
-    return dialect.MAVLink_altitude_message(v.boot_us, amsl, amsl, up, above_home, NAN, NAN)
+    return (v.boot_us, amsl, amsl, up, above_home, NAN, NAN)
 
 
-def vfr_hud(v: Vehicle) -> Message:
+def vfr_hud(v: Vehicle) -> Fields:
     """VFR_HUD; a multicopter reports no airspeed of its own, so ground speed stands there."""
     north, east, down = v.state.velocity
     speed = math.hypot(north, east)
     throttle = round(100 * sum(v.autopilot.control.motors) / 4)
     heading_deg = round(_heading_deg(v.state)) % 360
     amsl = v.origin.altitude_m - v.state.position[2]
-    return dialect.MAVLink_vfr_hud_message(speed, speed, heading_deg, throttle, amsl, -down)
+    return (speed, speed, heading_deg, throttle, amsl, -down)
 
 
-def odometry(v: Vehicle) -> Message:
+def odometry(v: Vehicle) -> Fields:
     """ODOMETRY: pose in local NED, velocities along the body's axes."""
-    return dialect.MAVLink_odometry_message(
+    return (
         v.boot_us,
         LOCAL_NED,
         BODY_FRD,

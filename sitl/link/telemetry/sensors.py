@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from companion.mavlink.framing import Message, dialect
+from companion.mavlink.framing import Fields
 from sitl.link.vehicle import Vehicle
 
 NAN = math.nan
@@ -16,12 +16,12 @@ NO_FIX, FIX_3D = 1, 3  # GPS_FIX_TYPE
 IMU_AND_BAROMETER = 0x3F | 0x200 | 0x800 | 0x1000  # HIGHRES_IMU.fields_updated
 
 
-def gps_raw_int(v: Vehicle) -> Message:
+def gps_raw_int(v: Vehicle) -> Fields:
     """GPS_RAW_INT: what the receiver reports."""
     gps = v.sensors.readings.gps
     north, east, _ = gps.velocity
     course_deg = math.degrees(math.atan2(east, north)) % 360
-    return dialect.MAVLink_gps_raw_int_message(
+    return (
         v.boot_us,
         FIX_3D if gps.is_3d else NO_FIX,
         round(gps.latitude_deg * 1e7),
@@ -35,10 +35,10 @@ def gps_raw_int(v: Vehicle) -> Message:
     )
 
 
-def highres_imu(v: Vehicle) -> Message:
+def highres_imu(v: Vehicle) -> Fields:
     """HIGHRES_IMU; the magnetometer and the airspeed sensor are marked as not updated."""
     imu, air = v.sensors.readings.imu, v.sensors.readings.barometer
-    return dialect.MAVLink_highres_imu_message(
+    return (
         v.boot_us,
         *imu.specific_force,
         *imu.rates,
@@ -51,30 +51,26 @@ def highres_imu(v: Vehicle) -> Message:
     )
 
 
-def scaled_pressure(v: Vehicle) -> Message:
+def scaled_pressure(v: Vehicle) -> Fields:
     """SCALED_PRESSURE, hPa and centidegrees."""
     air = v.sensors.readings.barometer
-    return dialect.MAVLink_scaled_pressure_message(
-        v.boot_ms, air.pressure_pa / 100, 0.0, round(air.temperature_degc * 100)
-    )
+    return (v.boot_ms, air.pressure_pa / 100, 0.0, round(air.temperature_degc * 100))
 
 
-def distance_sensor(v: Vehicle) -> Message:
+def distance_sensor(v: Vehicle) -> Fields:
     """DISTANCE_SENSOR: a laser that looks down, to 50 m."""
     height_cm = round(max(0.0, -v.state.position[2]) * 100)
-    return dialect.MAVLink_distance_sensor_message(
-        v.boot_ms, 10, 5000, min(height_cm, 5001), 0, 0, 25, 0
-    )
+    return (v.boot_ms, 10, 5000, min(height_cm, 5001), 0, 0, 25, 0)
 
 
-def estimator_status(v: Vehicle) -> Message:
+def estimator_status(v: Vehicle) -> Fields:
     """ESTIMATOR_STATUS: attitude and height are always good, the rest while there is a position."""
     attitude, height = 0x1, 0x4 | 0x20
     horizontal = 0x2 | 0x8 | 0x10 | 0x100 | 0x200
     flags = attitude | height | (0 if v.autopilot.is_position_lost else horizontal)
-    return dialect.MAVLink_estimator_status_message(v.boot_us, flags, *(0.1,) * 6, 0.5, 0.5)
+    return (v.boot_us, flags, *(0.1,) * 6, 0.5, 0.5)
 
 
-def vibration(v: Vehicle) -> Message:
+def vibration(v: Vehicle) -> Fields:
     """VIBRATION: none."""
-    return dialect.MAVLink_vibration_message(v.boot_us, 0.0, 0.0, 0.0, 0, 0, 0)
+    return (v.boot_us, 0.0, 0.0, 0.0, 0, 0, 0)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from companion.mavlink.framing import Message, dialect
+from companion.mavlink.framing import Fields
 from companion.mavlink.px4_modes import custom_mode
 from sitl.autopilot.autopilot import Autopilot
 from sitl.link.vehicle import Vehicle
@@ -41,21 +41,21 @@ def status(autopilot: Autopilot) -> tuple[bool, str, int]:
     return (True, mode, CRITICAL if autopilot.is_failsafe else ACTIVE)
 
 
-def heartbeat(v: Vehicle) -> Message:
+def heartbeat(v: Vehicle) -> Fields:
     """HEARTBEAT of a PX4 quadrotor."""
     is_armed, mode, state = status(v.autopilot)
     other = _BASE_MODE_AUTO if mode.startswith("AUTO.") else _BASE_MODE_STICKS
     base = _BASE_MODES.get(mode, other) | (_ARMED if is_armed else 0)
-    return dialect.MAVLink_heartbeat_message(2, 12, base, custom_mode(mode), state, 3)
+    return (2, 12, base, custom_mode(mode), state, 3)
 
 
-def sys_status(v: Vehicle) -> Message:
+def sys_status(v: Vehicle) -> Fields:
     """SYS_STATUS: sensors, battery."""
     ready = _PREARM_CHECK if v.autopilot.objection() is None else 0
     unhealthy = (_GPS if v.autopilot.is_position_lost else 0) | (
         _GEOFENCE if v.autopilot.is_fence_breached else 0
     )
-    return dialect.MAVLink_sys_status_message(
+    return (
         _SENSORS | _PREARM_CHECK,
         _SENSORS | _PREARM_CHECK,
         _SENSORS & ~unhealthy | ready,
@@ -67,74 +67,70 @@ def sys_status(v: Vehicle) -> Message:
     )
 
 
-def battery_status(v: Vehicle) -> Message:
+def battery_status(v: Vehicle) -> Fields:
     """BATTERY_STATUS of the one lithium polymer pack."""
     gauge = v.battery()
     cell_mv = round(v.state.voltage_v / CELLS * 1e3)
-    return dialect.MAVLink_battery_status_message(
-        id=0,
-        battery_function=1,
-        type=1,
-        temperature=32767,
-        voltages=[cell_mv] * CELLS + [UNKNOWN_16] * (FULL_VOLTAGES - CELLS),
-        current_battery=_centiamperes(v.state.current_a),
-        current_consumed=round(gauge.consumed_mah),
-        energy_consumed=round(gauge.consumed_j / 100),
-        battery_remaining=_percent(v.state.charge),
-        time_remaining=round(gauge.remaining_s or 0),
-        charge_state=CHARGING if gauge.is_charging else int(v.autopilot.battery),
+    return (
+        0,
+        1,  # for everything
+        1,  # lithium polymer
+        32767,  # no temperature
+        [cell_mv] * CELLS + [UNKNOWN_16] * (FULL_VOLTAGES - CELLS),
+        _centiamperes(v.state.current_a),
+        round(gauge.consumed_mah),
+        round(gauge.consumed_j / 100),
+        _percent(v.state.charge),
+        round(gauge.remaining_s or 0),
+        CHARGING if gauge.is_charging else int(v.autopilot.battery),
     )
 
 
 _LANDED_STATES = {"AUTO.TAKEOFF": 3, "AUTO.LAND": 4, "DESCEND": 4}
 
 
-def extended_sys_state(v: Vehicle) -> Message:
+def extended_sys_state(v: Vehicle) -> Fields:
     """EXTENDED_SYS_STATE: 1 on the ground, 2 in the air, 3 taking off, 4 landing."""
     landed = 1 if v.autopilot.is_landed else _LANDED_STATES.get(v.autopilot.mode, 2)
-    return dialect.MAVLink_extended_sys_state_message(0, landed)
+    return (0, landed)
 
 
-def mission_current(v: Vehicle) -> Message:
+def mission_current(v: Vehicle) -> Fields:
     """MISSION_CURRENT: the item that is flown now or next."""
     mission, mode = v.autopilot.mission, v.autopilot.mode
-    return dialect.MAVLink_mission_current_message(
-        seq=mission.current,
-        total=len(mission.items) or UNKNOWN_16,
-        mission_state=mission.state(mode, v.state.time_s),
-        mission_mode=1 if mission.is_active(mode) else 2,
+    return (
+        mission.current,
+        len(mission.items) or UNKNOWN_16,
+        mission.state(mode, v.state.time_s),
+        1 if mission.is_active(mode) else 2,
     )
 
 
-def autopilot_version(v: Vehicle) -> Message:
+def autopilot_version(v: Vehicle) -> Fields:
     """AUTOPILOT_VERSION: what is really served, and which PX4 this behaves like."""
     nothing = (0,) * 8
-    return dialect.MAVLink_autopilot_version_message(
-        CAPABILITIES, PX4_VERSION, PX4_VERSION, 0, 1, nothing, nothing, nothing, 0, 0, 1
-    )
+    return (CAPABILITIES, PX4_VERSION, PX4_VERSION, 0, 1, nothing, nothing, nothing, 0, 0, 1)
 
 
-def system_time(v: Vehicle) -> Message:
+def system_time(v: Vehicle) -> Fields:
     """SYSTEM_TIME; the simulated world has no calendar, so Unix time is 0, unknown."""
-    return dialect.MAVLink_system_time_message(0, v.boot_ms)
+    return (0, v.boot_ms)
 
 
-def flight_information(v: Vehicle) -> Message:
+def flight_information(v: Vehicle) -> Fields:
     """FLIGHT_INFORMATION: of the flight under way, or of the last one; times since start."""
     flights = v.autopilot.flights
-    return dialect.MAVLink_flight_information_message(
-        v.boot_ms, round(flights.armed_s * 1e6), round(flights.in_air_s * 1e6), flights.count
-    )
+    return (v.boot_ms, round(flights.armed_s * 1e6), round(flights.in_air_s * 1e6), flights.count)
 
 
-def ping(v: Vehicle) -> Message:
+def ping(v: Vehicle) -> Fields:
     """PING to everybody, numbered by the second."""
-    return dialect.MAVLink_ping_message(v.boot_us, int(v.state.time_s), 0, 0)
+    return (v.boot_us, int(v.state.time_s), 0, 0)
 
 
-def timesync(v: Vehicle) -> Message:
+def timesync(v: Vehicle) -> Fields:
     """TIMESYNC: a question, to which clients answer."""
-    return dialect.MAVLink_timesync_message(0, v.boot_us * 1000)
+    return (0, v.boot_us * 1000)
 
 
 def _centiamperes(current_a: float) -> int:

@@ -1,14 +1,20 @@
 """What clients ask of the autopilot besides flying: streams, parameters, requests, forwarding."""
 
 import struct
+from random import Random
 
 import pytest
 from wire import Wire, companion_heartbeat, gcs_heartbeat
 
-from companion.mavlink.framing import dialect
+from companion.mavlink.framing import Endpoint, dialect
 from companion.mavlink.parameters import INT32, REAL32, decode, encode
-from sitl.autopilot.parameters import PARAMETERS
+from sitl.autopilot.autopilot import Autopilot
+from sitl.autopilot.parameters import PARAMETERS, Parameters
+from sitl.flight.physics import Physics
+from sitl.flight.sensors import Sensors
+from sitl.link.messages import KINDS, MESSAGES, compose
 from sitl.link.routing import LinkName
+from sitl.link.vehicle import Vehicle
 from sitl.simulation import Simulation
 from sitl.world.scenario import Scenario
 
@@ -78,6 +84,21 @@ def idle() -> Wire:
 def test_rates_are_those_of_px4(idle: Wire, link: LinkName) -> None:
     rates = {name: (len(idle.named(name, link)) - 1) / 10.0 for name in MEASURED_HZ[link]}
     assert rates == pytest.approx(MEASURED_HZ[link], rel=0.015, abs=0.06)
+
+
+@pytest.mark.parametrize("name", MESSAGES)
+def test_telemetry_has_the_bytes_of_pymavlinks_own_message(name: str) -> None:
+    origin, parameters = Scenario().home, Parameters()
+    physics = Physics(origin=origin)
+    vehicle = Vehicle(
+        Autopilot(parameters, physics.state),
+        physics.state,
+        origin,
+        Sensors(origin, Random(1), physics.state),
+        physics.battery,
+    )
+    streamed = Endpoint(1, 1).frame(KINDS[name], MESSAGES[name](vehicle))
+    assert streamed == compose(name, vehicle).pack(dialect.MAVLink(None, 1, 1))
 
 
 def test_everything_that_mavsdk_calls_healthy(idle: Wire) -> None:
