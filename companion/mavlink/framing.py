@@ -122,7 +122,7 @@ def _layout(kind: Any) -> _Layout:
     return _Layout(
         count,
         attrgetter(*names) if count > 1 else lambda message: (getattr(message, names[0]),),
-        kind.__init__.__defaults__ or (),
+        getattr(kind.__init__, "__defaults__", None) or (),
         _values(kind),
         struct.Struct(whole).pack,
         (kind.id & 0xFFFF, kind.id >> 16),
