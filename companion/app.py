@@ -15,7 +15,7 @@ from companion.acting.phases import ON_THE_GROUND, Phase
 from companion.acting.report import Report
 from companion.errors import CompanionError, LinkTimeout
 from companion.ground.component import WANTED, Component
-from companion.ground.operations import Standing, Uploads
+from companion.ground.operations import Page, Standing, Uploads
 from companion.ground.parameters import BELIEF_RETRY, SPEED_MAX
 from companion.mavlink.framing import Message, source
 from companion.mission.model import Mission
@@ -68,6 +68,7 @@ class Companion:
         recorder: told of everything that happens in the only run; None with a host.
         accepts_weak_failsafes: fly although the autopilot's failsafes are weak.
         host: makes and ends runs, and reads missions.
+        page: the monitor page, if there is one.
 
     Attributes:
         failure: why the last run did not end well.
@@ -79,11 +80,12 @@ class Companion:
         recorder: Recorder | None,
         accepts_weak_failsafes: bool = False,
         host: Host | None = None,
+        page: Page | None = None,
     ) -> None:
         self.failure: CompanionError | None = None
         self._wire = Wire()
         self._telemetry = Telemetry()
-        self._component = Component(self, host.uploads if host else None)
+        self._component = Component(self, host.uploads if host else None, page)
         self._host = host
         self._mission = mission
         self._accepts_weak_failsafes = accepts_weak_failsafes

@@ -161,14 +161,14 @@ def test_the_page_shows_one_run_after_the_other_and_ends_with_its_flight(
     flight = f"""
 import time
 from pathlib import Path
-from companion.monitor.child import listen, serving, url
+from companion.monitor.child import Child, listen, url
 listener = listen("127.0.0.1", 0)
 print(url(listener), flush=True)
-with serving(listener) as show:
-    show(Path({str(surveillance_run)!r}))
-    time.sleep(4)
-    show(Path({str(other)!r}))
-    time.sleep(60)
+child = Child(listener)
+child.show(Path({str(surveillance_run)!r}))
+time.sleep(4)
+child.show(Path({str(other)!r}))
+time.sleep(60)
 """
     command = [sys.executable, "-c", flight]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:

@@ -70,13 +70,12 @@ def run(
     from companion.vehicle.link import parse_url
 
     loaded, endpoint = load(mission) if mission else None, parse_url(connect)
-    page = monitor or DEFAULT_ADDRESS
     if loaded is None or wait:
-        _host(loaded, endpoint, accept_weak_failsafes, log_dir, page)
+        _host(loaded, endpoint, accept_weak_failsafes, log_dir, monitor or DEFAULT_ADDRESS)
         return
-    with _recorded(loaded, log_dir) as folder, monitored(page) as show:
-        show(folder.folder)
-        companion = Companion(loaded, folder, accept_weak_failsafes)
+    with _recorded(loaded, log_dir) as folder, monitored(monitor or DEFAULT_ADDRESS) as page:
+        page.show(folder.folder)
+        companion = Companion(loaded, folder, accept_weak_failsafes, page=page)
         _fly(companion, endpoint, speed=1.0, timeout_s=timeout)
         _raise_failure(companion)
 
@@ -115,10 +114,10 @@ def sim(
     if scenario is None and not path.exists():
         raise MissionError(f"there is no scenario {path}", hint="name one with --scenario")
     world, grid = read_scenario(path)
-    page = monitor or ("off" if factor is None else DEFAULT_ADDRESS)
-    with _recorded(loaded, log_dir) as folder, monitored(page) as show:
-        show(folder.folder)
-        companion = Companion(loaded, folder)
+    address = monitor or ("off" if factor is None else DEFAULT_ADDRESS)
+    with _recorded(loaded, log_dir) as folder, monitored(address) as page:
+        page.show(folder.folder)
+        companion = Companion(loaded, folder, page=page)
         if factor is None:
             _fly_in_lockstep(companion, world, grid, seed, instance, timeout)
             return
@@ -178,23 +177,23 @@ def _close_folder(folder: RunFolder) -> None:
 
 
 def _host(
-    mission: Mission | None, endpoint: Endpoint, accepts_weak: bool, log_dir: Path, page: str
+    mission: Mission | None, endpoint: Endpoint, accepts_weak: bool, log_dir: Path, address: str
 ) -> None:
     """Waits for ground stations to start sorties, until it is stopped."""
     from companion.app import Companion
     from companion.cli.hosting import Hangar
     from companion.ground.uploads import Uploads
 
-    with monitored(page) as show:
+    with monitored(address) as page:
 
         def open_folder(mission: Mission) -> RunFolder:
             folder = _open_folder(mission, log_dir, _print)
-            show(folder.folder)
+            page.show(folder.folder)
             return folder
 
         uploads = Uploads(log_dir.expanduser() / UPLOADS)
         hangar = Hangar(open_folder, _close_folder, _print, uploads)
-        companion = Companion(mission, None, accepts_weak, hangar)
+        companion = Companion(mission, None, accepts_weak, hangar, page)
         try:
             what = f"to fly {mission.name}" if mission else "and a mission"
             typer.echo(f"hosting    waits for MAV_CMD_MISSION_START {what}; Ctrl-C ends it")

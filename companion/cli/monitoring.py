@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import socket
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from companion.errors import CompanionError
-
-if TYPE_CHECKING:
-    from companion.monitor.child import Show
+from companion.monitor.child import Child, listen, url
 
 DEFAULT_ADDRESS = "127.0.0.1:8080"
 Monitor = Annotated[
@@ -26,31 +24,73 @@ Monitor = Annotated[
 ]
 
 
-@contextmanager
-def monitored(address: str) -> Iterator[Show]:
-    """Serves the page meanwhile, unless the address is `off`; gives what shows a run folder on it.
+class Page:
+    """The page of this program's runs, which is served or not; fulfils `ground.operations.Page`.
 
     A page that cannot be served is told and keeps nobody from flying.
+
+    Args:
+        host: where it is served, if it is; once it was, it stays there.
+        port: the same; the next one that is free.
     """
-    host, port = _host_and_port(address)
-    if not host:
-        yield _show_nobody
-        return
-    from companion.monitor.child import listen, serving, url
 
-    with ExitStack() as page:
+    def __init__(self, host: str, port: int) -> None:
+        self._address = (host, port)
+        self._child: Child | None = None
+        self._folder: Path | None = None
+
+    @property
+    def is_served(self) -> bool:
+        """See `ground.operations.Page`."""
+        return self._child is not None and self._child.is_running
+
+    def switch(self, is_on: bool) -> str:
+        """See `ground.operations.Page`; the line is printed as well."""
         try:
-            listener = listen(host, port)
-            typer.echo(f"monitor    {url(listener)}")
-            show = page.enter_context(serving(listener))
+            text = self._serve() if is_on else self._end()
         except CompanionError as error:
-            typer.echo(f"monitor    none: {error}", err=True)
-            show = _show_nobody
-        yield show
+            text = f"none: {error}"
+        typer.echo(f"monitor    {text}", err=self.is_served != is_on)
+        return f"monitor page {text}"
+
+    def show(self, folder: Path) -> None:
+        """Shows the run of a folder from now on."""
+        self._folder = folder
+        if self._child is not None:
+            self._child.show(folder)
+
+    def close(self) -> None:
+        """Ends it with the program; browsers get to read the end."""
+        if self._child is not None:
+            self._child.close()
+
+    def _serve(self) -> str:
+        listener = listen(*self._address)
+        address = url(listener)
+        self._address = listener.getsockname()[:2]
+        self._child = Child(listener)
+        if self._folder is not None:
+            self._child.show(self._folder)
+        return address
+
+    def _end(self) -> str:
+        if self._child is not None:
+            self._child.kill()
+            self._child = None
+        return "off"
 
 
-def _show_nobody(folder: Path) -> None:
-    """There is no page."""
+@contextmanager
+def monitored(address: str) -> Iterator[Page]:
+    """The page of the runs meanwhile, served from the beginning unless the address is `off`."""
+    is_off = address == "off"
+    page = Page(*_host_and_port(DEFAULT_ADDRESS if is_off else address))
+    try:
+        if not is_off:
+            page.switch(True)
+        yield page
+    finally:
+        page.close()
 
 
 def replay(
@@ -68,7 +108,6 @@ def replay(
       companion sim missions/surveillance.yaml --speed max --log-dir runs
       companion replay runs/2026-11-21T101500-surveillance
     """
-    from companion.monitor.child import listen, url
     from companion.monitor.server import replay as serve
     from companion.record.events import read_events
 
@@ -91,9 +130,6 @@ def monitor(listener: Annotated[int, typer.Argument(help="An open socket's numbe
 
 
 def _host_and_port(address: str) -> tuple[str, int]:
-    """("", 0) for `off`."""
-    if address == "off":
-        return ("", 0)
     host, colon, port = address.rpartition(":")
     if not colon or not host or not port.isdecimal() or int(port) > 65535:
         raise typer.BadParameter(f"{address} is neither HOST:PORT nor off", param_hint="--monitor")

@@ -1,4 +1,4 @@
-"""What does the companion say of itself when it is asked for a message (MAV_CMD_REQUEST_MESSAGE)?
+"""What does the companion say of itself: once a second, and when it is asked for a message?
 
 PROTOCOL_VERSION is not in the dialect that pymavlink's packages bring, so its layout stands here
 (https://mavlink.io/en/messages/common.html#PROTOCOL_VERSION).
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import struct
 
+from companion.ground.operations import Standing
 from companion.mavlink.framing import Message, dialect
 
 MAVLINK_2 = 200
@@ -17,6 +18,25 @@ CAPABILITIES = (
     | dialect.MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_BYTEWISE
     | dialect.MAV_PROTOCOL_CAPABILITY_FTP
 )
+
+
+STATUS = {
+    Standing.STANDBY: dialect.MAV_STATE_STANDBY,
+    Standing.ACTIVE: dialect.MAV_STATE_ACTIVE,
+    Standing.CRITICAL: dialect.MAV_STATE_CRITICAL,
+}
+
+
+def heartbeat(standing: Standing) -> Message:
+    """HEARTBEAT, as of a controller on board that is no autopilot."""
+    return dialect.MAVLink_heartbeat_message(
+        type=dialect.MAV_TYPE_ONBOARD_CONTROLLER,
+        autopilot=dialect.MAV_AUTOPILOT_INVALID,
+        base_mode=0,
+        custom_mode=0,
+        system_status=STATUS[standing],
+        mavlink_version=3,
+    )
 
 
 class ProtocolVersion:

@@ -28,9 +28,9 @@ from typing import ClassVar
 
 from companion.acting.report import Report
 from companion.ground import about
-from companion.ground.operations import Operations, Standing, Uploads
-from companion.ground.parameters import TEXT_LEVEL, CompanionParameters
-from companion.ground.texts import WARNING, Texts, severity
+from companion.ground.operations import Operations, Page, Standing, Uploads
+from companion.ground.parameters import MONITOR, TEXT_LEVEL, CompanionParameters
+from companion.ground.texts import INFO, WARNING, Texts, severity
 from companion.mavlink import ftp
 from companion.mavlink.framing import Message, dialect, source
 from companion.mission.model import Signal
@@ -44,11 +44,6 @@ DENIED: int = dialect.MAV_RESULT_DENIED
 UNSUPPORTED: int = dialect.MAV_RESULT_UNSUPPORTED
 NOT_NOW: int = dialect.MAV_RESULT_TEMPORARILY_REJECTED
 
-STATUS = {
-    Standing.STANDBY: dialect.MAV_STATE_STANDBY,
-    Standing.ACTIVE: dialect.MAV_STATE_ACTIVE,
-    Standing.CRITICAL: dialect.MAV_STATE_CRITICAL,
-}
 COMMANDS = ("COMMAND_LONG", "COMMAND_INT")
 REQUESTED: dict[int, Callable[[], Message]] = {
     dialect.MAVLINK_MSG_ID_AUTOPILOT_VERSION: about.autopilot_version,
@@ -63,15 +58,21 @@ class Component:
     Args:
         operations: does what operators ask for.
         uploads: missions from outside; without it FTP is refused.
+        page: the monitor page; without it CMP_MONITOR stays 0.
 
     Attributes:
         parameters: the companion's own.
     """
 
-    def __init__(self, operations: Operations, uploads: Uploads | None = None) -> None:
-        self.parameters = CompanionParameters()
+    def __init__(
+        self, operations: Operations, uploads: Uploads | None = None, page: Page | None = None
+    ) -> None:
+        effects = {TEXT_LEVEL: self._tell_up_to, MONITOR: self._switch_page}
+        self.parameters = CompanionParameters(effects)
         self._operations = operations
         self._uploads = uploads
+        self._page = page
+        self.parameters.put(MONITOR, self._is_page_served)
         self._texts = Texts()
         self._out: list[Message] = []
         self._ending: list[Message] = []
@@ -113,11 +114,14 @@ class Component:
         """What has to leave now; at the end of a run all that is left to say."""
         if not self._system:
             return []  # nobody is there, and what is sent would be lost
+        if self.parameters[MONITOR] and not self._is_page_served:
+            self._out.append(self.parameters.put(MONITOR, False))
+            self._texts.tell(now_s, WARNING, "monitor page has ended by itself")
         messages, self._out = self._out, []
         standing = self._operations.standing
         if now_s >= self._next_heartbeat_s or standing is not self._told:
             self._next_heartbeat_s, self._told = now_s + HEARTBEAT_S, standing
-            messages.insert(0, _heartbeat(standing))
+            messages.insert(0, about.heartbeat(standing))
         if not is_last:
             return messages + self._texts.due(now_s)
         ending, self._ending = self._ending, []
@@ -201,7 +205,23 @@ class Component:
 
     def _write(self, message: Message) -> None:
         self._out += self.parameters.write(message)
-        self._texts.level = int(self.parameters[TEXT_LEVEL])
+
+    def _tell_up_to(self, level: float) -> float:
+        self._texts.level = int(level)
+        return level
+
+    @property
+    def _is_page_served(self) -> bool:
+        return self._page is not None and self._page.is_served
+
+    def _switch_page(self, value: float) -> float:
+        """Does it if it can be done; whether the page is served then."""
+        is_on = bool(value)
+        if self._page is not None and is_on is not self._is_page_served:
+            text = self._page.switch(is_on)
+            level = INFO if is_on is self._is_page_served else WARNING
+            self._texts.tell(self._now_s, level, text)
+        return self._is_page_served
 
     def _ping(self, message: Message) -> None:
         """An answer to all who are not on board: the autopilot's is for what is far away."""
@@ -269,14 +289,3 @@ def _parameters(message: Message) -> list[float]:
 def _exit_code(now_s: float, code: int) -> Message:
     boot_ms = int(now_s * 1000) & 0xFFFFFFFF
     return dialect.MAVLink_named_value_int_message(boot_ms, b"exit_code", code)
-
-
-def _heartbeat(standing: Standing) -> Message:
-    return dialect.MAVLink_heartbeat_message(
-        type=dialect.MAV_TYPE_ONBOARD_CONTROLLER,
-        autopilot=dialect.MAV_AUTOPILOT_INVALID,
-        base_mode=0,
-        custom_mode=0,
-        system_status=STATUS[standing],
-        mavlink_version=3,
-    )

@@ -2,7 +2,8 @@
 
 The component (`component.py`) speaks MAVLink with ground stations; whoever flies fulfils
 `Operations`. Each request is answered at once: with "" if it is done, or why it is not, in words
-for people. Missions from outside come through `Uploads`, which has the files and the checks.
+for people. Missions from outside come through `Uploads`, which has the files and the checks; the
+monitor page is a `Page`.
 """
 
 from __future__ import annotations
@@ -43,6 +44,17 @@ class Operations(Protocol):
 
     def go_home(self) -> str:
         """Leave the task, fly home and land; or what the mission has for that."""
+
+
+class Page(Protocol):
+    """The monitor page, in a process of its own. No call may block."""
+
+    @property
+    def is_served(self) -> bool:
+        """Whether it is there; it may end by itself."""
+
+    def switch(self, is_on: bool) -> str:
+        """Serves it or ends it, if it can; a line for people, where it is or why it is not."""
 
 
 class Verdict(Protocol):

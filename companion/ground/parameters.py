@@ -3,6 +3,8 @@
     name              unit   range         default
     CMP_BELIEF_RETRY  s      -1 to 3600    -1     after which a belief that a failure withdrew is
                                                   held again, if the mission does not say; -1 never
+    CMP_MONITOR              0 or 1        as started  whether the monitor page is served; one
+                                                  that cannot be, or has ended, is 0 again
     CMP_SPEED_MAX     m/s    0.1 to 50     50     no flight begun from now on is faster, nor faster
                                                   than the mission says
     CMP_TEXT_LEVEL           0 to 7        6      greatest MAV_SEVERITY that is told as STATUSTEXT
@@ -18,6 +20,7 @@ Source: https://mavlink.io/en/services/parameter.html.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from companion.acting.flight import TICK_S
@@ -40,8 +43,9 @@ class Parameter:
         return self.lowest == self.highest
 
 
-BELIEF_RETRY, SPEED_MAX, TEXT_LEVEL, TICK = (
+BELIEF_RETRY, MONITOR, SPEED_MAX, TEXT_LEVEL, TICK = (
     "CMP_BELIEF_RETRY",
+    "CMP_MONITOR",
     "CMP_SPEED_MAX",
     "CMP_TEXT_LEVEL",
     "CMP_TICK_HZ",
@@ -49,6 +53,7 @@ BELIEF_RETRY, SPEED_MAX, TEXT_LEVEL, TICK = (
 TICK_HZ = round(1 / TICK_S)
 PARAMETERS = {
     BELIEF_RETRY: Parameter(REAL32, -1.0, -1.0, 3600.0),
+    MONITOR: Parameter(INT32, 0, 0, 1),
     SPEED_MAX: Parameter(REAL32, 50.0, 0.1, 50.0),
     TEXT_LEVEL: Parameter(INT32, 6, 0, 7),
     TICK: Parameter(INT32, TICK_HZ, TICK_HZ, TICK_HZ),
@@ -59,12 +64,16 @@ NAMES = tuple(PARAMETERS)
 class CompanionParameters:
     """The parameters' values, and the answers to who asks for them.
 
+    Args:
+        effects: what is done with a value that was asked for, by name; it returns what it is then.
+
     Attributes:
         version: counts the changes.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, effects: Mapping[str, Callable[[float], float]]) -> None:
         self.version = 0
+        self._effects = effects
         self._values = {name: p.default for name, p in PARAMETERS.items()}
 
     def __getitem__(self, name: str) -> float:
@@ -93,9 +102,16 @@ class CompanionParameters:
         value = _value_of(request, parameter)
         if value is None or not parameter.lowest <= value <= parameter.highest:
             return [now, _error(request, "VALUE_OUT_OF_RANGE")]
-        self._values[request.param_id] = value
+        effect = self._effects.get(request.param_id)
+        after = value if effect is None else effect(value)
+        answer = self.put(request.param_id, after)
+        return [answer] if after == value else [answer, _error(request, "VALUE_OUT_OF_RANGE")]
+
+    def put(self, name: str, value: float) -> Message:
+        """Sets a value that it has by itself; tells it."""
+        self._values[name] = value
         self.version += 1
-        return [self._value(request.param_id)]
+        return self._value(name)
 
     def _value(self, name: str) -> Message:
         value, param_type = self._values[name], PARAMETERS[name].param_type

@@ -13,16 +13,11 @@ import errno
 import socket
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 from companion.errors import LinkError
 
 PORTS_TRIED = 50
-
-Show = Callable[[Path], None]
-"""Shows the run of a folder from now on."""
 
 
 def listen(host: str, port: int) -> socket.socket:
@@ -55,37 +50,47 @@ def url(listener: socket.socket) -> str:
     return f"http://{f'[{host}]' if ':' in host else host}:{port}"
 
 
-@contextmanager
-def serving(listener: socket.socket) -> Iterator[Show]:
-    """Serves the page for as long as the context lasts, of the run that was given to it last.
-
-    Takes the socket over. A run's folder has to be there, with its scene.
+class Child:
+    """Serves the page on a socket, which it takes over, of the run that was given to it last.
 
     Raises:
         LinkError: no process can be started.
     """
-    number = listener.fileno()
-    with listener:
-        try:
-            child = subprocess.Popen(
-                [sys.executable, "-m", "companion", "monitor", str(number)],
-                stdin=subprocess.PIPE,
-                stdout=subprocess.DEVNULL,
-                pass_fds=[number],
-                start_new_session=True,  # Ctrl-C is the flight's: the landing is to be seen
-            )
-        except OSError as error:
-            raise LinkError(f"the monitor cannot start: {error}") from error
-    assert child.stdin is not None
-    pipe = child.stdin
 
-    def show(folder: Path) -> None:
+    def __init__(self, listener: socket.socket) -> None:
+        number = listener.fileno()
+        with listener:
+            try:
+                self._process = subprocess.Popen(
+                    [sys.executable, "-m", "companion", "monitor", str(number)],
+                    stdin=subprocess.PIPE,
+                    stdout=subprocess.DEVNULL,
+                    pass_fds=[number],
+                    start_new_session=True,  # Ctrl-C is the flight's: the landing is to be seen
+                )
+            except OSError as error:
+                raise LinkError(f"the monitor cannot start: {error}") from error
+
+    @property
+    def is_running(self) -> bool:
+        """Whether it has not ended, as asked or by itself."""
+        return self._process.poll() is None
+
+    def show(self, folder: Path) -> None:
+        """Shows the run of a folder, which is there with its scene, from now on."""
+        pipe = self._process.stdin
+        assert pipe is not None
         with contextlib.suppress(OSError):  # it has ended, and has said so
             pipe.write(f"{folder.absolute()}\n".encode())
             pipe.flush()
 
-    try:
-        yield show
-    finally:
+    def close(self) -> None:
+        """Ends it, after browsers have got what is new. Does not wait."""
+        assert self._process.stdin is not None
         with contextlib.suppress(OSError):
-            pipe.close()
+            self._process.stdin.close()
+
+    def kill(self) -> None:
+        """Ends it at once, so that its port is free again. Does not wait."""
+        self._process.kill()
+        self.close()
