@@ -123,7 +123,8 @@ class Companion:
         self._now_s = now_s
         if self._is_starting:
             self._launch()
-        self._poll()
+        if self._wire.system:  # before that, nobody would hear what is told
+            self._poll()
         messages = self._wire.parse(datagrams)
         asked = self._component.receive(now_s, self._wire.system, messages)
         run = self._run

@@ -48,6 +48,8 @@ class Hangar:
     def begin_run(self, mission: Mission) -> Recorder:
         """See `Host`."""
         self._open = self._open_folder(mission)
+        if self.uploads is not None:
+            self.uploads.flown()
         return self._open
 
     def end_run(self, recorder: Recorder) -> None:

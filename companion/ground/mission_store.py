@@ -12,7 +12,7 @@ A door: it opens files, all below one folder. Rules:
 5. `verdict.json` is ours; clients may read it.
 
 It does not wait for the disk (fsync): a tick would wait with it. After a power cut an upload may
-be missing; that of a mission that was accepted is checked again when it is uploaded again.
+be missing; a mission that was accepted and not flown is checked again (`uploads.py`).
 """
 
 from __future__ import annotations

@@ -80,3 +80,6 @@ class Uploads(Protocol):
 
     def take_active(self) -> Path | None:
         """A mission that was accepted and not taken yet; asked only while nothing is flown."""
+
+    def flown(self) -> None:
+        """The mission that was taken last is started, and need not be offered again."""

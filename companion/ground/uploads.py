@@ -10,6 +10,9 @@ with the files that are there by then; so maps and PDDL go first. Rules:
    session as one that is done, and what is left of a mission may be another one.
 5. The newest accepted mission is handed out by `take_active`, for which the caller chooses the
    time: on the ground.
+6. A mission that was accepted bears a mark until it is flown. After a restart the newest one, if it
+   has its mark, is checked again, as if it had just come: the program may be another one now, and
+   the disk may have lost a part.
 
 A door: it moves folders. An example of its use, by whoever has the link and the clock:
 
@@ -17,11 +20,13 @@ A door: it moves folders. An example of its use, by whoever has the link and the
     for payload in uploads.ftp(now_s, (255, 190), message.payload): ...  # reply to 255, 190
     for verdict in uploads.poll(now_s, is_flying): ...                   # say verdict.text
     if not is_flying and (path := uploads.take_active()): ...            # load_mission(path)
+    uploads.flown()                                                      # once it is started
     uploads.close()
 """
 
 from __future__ import annotations
 
+import contextlib
 import json
 import re
 import shutil
@@ -40,6 +45,9 @@ CUT_OFF = "the last line has no line break, so a part may be missing; end it wit
 _MAP = re.compile(rb"""^["']?image["']?[ \t]*:""", re.MULTILINE)
 FORMAT_VERSION = 1
 """Of verdict.json."""
+MARK = ".not-flown"
+"""In the folder of an accepted mission that was not flown: a file with the mission's path.
+No client can say its name, and it is not copied."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +83,7 @@ class _Running:
     crc32: int
     folder: Path
     deadline_s: float
+    is_again: bool
     check: Check | None = None
     is_late: bool = False
 
@@ -97,9 +106,10 @@ class Uploads:
         self._active.mkdir(exist_ok=True)
         self._begin = begin
         self._number = self._last_number()
-        self._waiting: list[str] = []
+        self._waiting = self._not_flown()
         self._running: _Running | None = None
         self._accepted: Path | None = None
+        self._taken: Path | None = None
 
     def ftp(self, now_s: float, client: Client, payload: bytes) -> list[bytes]:
         """Answers a FILE_TRANSFER_PROTOCOL payload of (system, component) with payloads for it."""
@@ -112,7 +122,7 @@ class Uploads:
         if self._running is not None:
             verdicts += self._finish(self._running, now_s, is_flying)
         if self._running is None and self._waiting:
-            verdicts += self._start(self._waiting.pop(0), now_s)
+            verdicts += self._start(*self._waiting.pop(0), now_s)
         for verdict in verdicts:
             self._publish(verdict)
         return verdicts
@@ -121,10 +131,19 @@ class Uploads:
         """The mission that was accepted last, if it was not taken yet; older ones are deleted."""
         taken, self._accepted = self._accepted, None
         if taken is not None:
+            self._taken = taken
             for folder in self._active.iterdir():
                 if not taken.is_relative_to(folder):
                     shutil.rmtree(folder, ignore_errors=True)
         return taken
+
+    def flown(self) -> None:
+        """The mission that was taken last is flown: it is not offered again after a restart."""
+        taken, self._taken = self._taken, None
+        if taken is not None:
+            number = taken.relative_to(self._active).parts[0]
+            with contextlib.suppress(OSError):  # then it is offered once more
+                (self._active / number / MARK).unlink()
 
     def close(self) -> None:
         """Ends a check that is under way."""
@@ -136,8 +155,8 @@ class Uploads:
         stored = dict.fromkeys("/".join(names_of(path)) for path in self._server.stored)
         self._server.stored.clear()
         for name in stored:
-            if name not in self._waiting and self._is_mission(name):
-                self._waiting.append(name)
+            if (self._store, name) not in self._waiting and self._is_mission(name):
+                self._waiting.append((self._store, name))
 
     def _is_mission(self, name: str) -> bool:
         try:
@@ -146,12 +165,12 @@ class Uploads:
         except Refusal:  # it is gone again
             return False
 
-    def _start(self, mission: str, now_s: float) -> list[Verdict]:
+    def _start(self, store: MissionStore, mission: str, now_s: float) -> list[Verdict]:
         self._number += 1
-        folder = self._checking / str(self._number)
-        running = _Running(self._number, mission, 0, folder, now_s + CHECK_S)
+        folder, is_again = self._checking / str(self._number), store is not self._store
+        running = _Running(self._number, mission, 0, folder, now_s + CHECK_S, is_again)
         try:
-            self._store.copy_to(folder)
+            store.copy_to(folder)
             content = (folder / mission).read_bytes()
             running.crc32 = crc32(content)
             if not content.endswith(b"\n"):
@@ -181,12 +200,14 @@ class Uploads:
         """Moves a mission that can be flown to where it is taken from."""
         folder = self._active / str(running.number)
         try:
+            (running.folder / MARK).write_text(running.mission, encoding="utf-8")
             running.folder.rename(folder)
         except OSError as error:
             return self._refuse(running, f"it cannot be made active: {error}")
         self._accepted = folder / running.mission
+        again = " again after a restart" if running.is_again else ""
         when = "; becomes active after landing" if is_flying else ""
-        text = f"{running.mission} accepted{when}"
+        text = f"{running.mission} accepted{again}{when}"
         return Verdict(running.number, running.mission, running.crc32, True, text, plan)
 
     def _refuse(self, running: _Running, reason: str) -> Verdict:
@@ -204,7 +225,21 @@ class Uploads:
 
     def _last_number(self) -> int:
         """Numbers go on after a restart, so that clients see a new verdict as one."""
+        newest = max(self._numbers(), default=0)
         try:
-            return int(json.loads(self._store.read(VERDICT))["number"])
+            return max(newest, int(json.loads(self._store.read(VERDICT))["number"]))
         except (Refusal, ValueError, KeyError, TypeError):
-            return 0
+            return newest
+
+    def _numbers(self) -> list[int]:
+        """Of the missions that were accepted and are still there."""
+        return [int(f.name) for f in self._active.iterdir() if f.name.isdecimal()]
+
+    def _not_flown(self) -> list[tuple[MissionStore, str]]:
+        """The newest mission that was accepted, if it has its mark."""
+        folder = self._active / str(max(self._numbers(), default=0))
+        try:
+            mission = (folder / MARK).read_text(encoding="utf-8")
+        except (OSError, ValueError):
+            return []
+        return [(MissionStore(folder), mission)]

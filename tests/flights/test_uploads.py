@@ -23,11 +23,13 @@ import pytest
 from ports import free_instance
 from pymavlink import mavutil
 from pymavlink.mavftp import MAVFTP
+from test_ground_station import START, Station
 from test_mavproxy import MAVProxy
 from test_mavsdk_client import mavsdk, within
 from test_sockets import Run, run
 from upload_host import UploadHost
 
+from companion.mavlink.framing import dialect
 from companion.mavlink.ftp_frames import crc32
 
 pytestmark = pytest.mark.sockets
@@ -262,3 +264,37 @@ def test_missions_are_uploaded_one_is_flown_and_watched_to_its_end(
     assert on_board.exit_code(ANSWER_S) == 0
     (folder,) = tmp_path.glob("*-hop")
     assert (folder / "mission.yaml").read_bytes() == hop.read_bytes()
+
+
+def test_a_mission_that_was_accepted_is_flown_although_the_companion_is_killed_before(
+    tmp_path: Path, run: Run
+) -> None:
+    """It goes before the mission of the command, which a service on board gives at each start."""
+    number = free_instance()
+    simulator = run("sitl", "-i", number, "--scenario", MISSION.with_suffix(".sim.yaml"))
+    simulator.until_printed(str(14550 + number), START_S)
+    command = (
+        *("companion", "run", MISSION, "--wait", "--monitor", "off", "--log-dir", tmp_path),
+        *("--connect", f"udpin://127.0.0.1:{14540 + number}"),
+    )
+    on_board = run(*command)
+    on_board.until_printed("hosting", START_S)
+    hop = like_the_papers(tmp_path, "hop", "F at(A) & F G at(Home)")
+    ground = f"udpin://0.0.0.0:{14550 + number}"
+    upload = run("companion", "upload", hop, "--connect", ground)
+    assert upload.exit_code(ANSWER_S) == 0, upload.printed
+    os.kill(on_board.pid, signal.SIGKILL)
+    assert on_board.exit_code(ANSWER_S) == -signal.SIGKILL
+    again = run(*command)
+    again.until_printed("hosting", START_S)
+    station = Station(14550 + number, 1 + number)
+    try:
+        station.until_told("hop.yaml accepted again after a restart", ANSWER_S)
+        station.until_told("hop is ready; MISSION_START flies it", ANSWER_S)
+        assert station.ask(START) == dialect.MAV_RESULT_ACCEPTED
+        station.until_told("taking off", ANSWER_S)
+    finally:
+        station.close()
+    (folder,) = tmp_path.glob("*-hop")
+    assert (folder / "mission.yaml").read_bytes() == hop.read_bytes()
+    assert not list(tmp_path.glob("*-surveillance"))

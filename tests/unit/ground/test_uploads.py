@@ -53,9 +53,9 @@ class _Door:
 class Slow:
     """A check that ends only if it is killed; or as told."""
 
-    def __init__(self) -> None:
+    def __init__(self, answer: Answer | None = None) -> None:
         self.folders: list[Path] = []
-        self.answer: Answer | None = None
+        self.answer = answer
         self.killed = 0
 
     def __call__(self, folder: Path, mission: str) -> Slow:
@@ -141,6 +141,80 @@ def test_in_flight_it_waits_for_the_landing(tmp_path: Path) -> None:
     path = uploads.take_active()  # the newest
     assert path is not None and path.name == "b.yaml"
     assert [folder.name for folder in (tmp_path / "active").iterdir()] == [path.parent.name]
+
+
+def accepted(root: Path, *names: str) -> Uploads:
+    """Missions that were accepted one after the other, by a check that takes no time."""
+    uploads = Uploads(root, Slow(Answer(True, "a plan")))
+    ground = Ground(uploads)
+    for name in names:
+        ground.put(name, MISSION + f"# {name}\n".encode())
+        assert ground.verdict().text == f"{name} accepted"
+    return uploads
+
+
+def test_what_was_accepted_and_not_flown_is_offered_again_after_a_restart(tmp_path: Path) -> None:
+    """Whether it was taken or not; as often as it takes; with a real check of all files."""
+    before = Uploads(tmp_path)
+    ground = Ground(before)
+    ground.upload_map()
+    ground.put("surveillance.yaml", MISSION)
+    number = ground.verdict().number
+    ground.put("maps/hall.pgm", b"of another mission")
+    for times in (1, 2):
+        restarted = Ground(Uploads(tmp_path))
+        verdict = restarted.verdict()
+        assert verdict.text == "surveillance.yaml accepted again after a restart"
+        assert (verdict.number, verdict.crc32) == (number + times, crc32(MISSION))
+        path = restarted.uploads.take_active()
+        assert path is not None and load_mission(path).name == "surveillance"
+    restarted.uploads.flown()
+    assert is_forgotten(tmp_path)
+
+
+def is_forgotten(root: Path) -> bool:
+    """Whether nothing is offered, and nothing is even checked, after a restart."""
+    slow = Slow()
+    uploads = Uploads(root, slow)
+    return uploads.poll(0.0) == [] and uploads.take_active() is None and slow.folders == []
+
+
+def test_the_one_that_was_accepted_last_is_offered_and_none_before_it(tmp_path: Path) -> None:
+    uploads = accepted(tmp_path, "a.yaml", "b.yaml")
+    path = uploads.take_active()
+    assert path is not None and path.name == "b.yaml"
+    again = Uploads(tmp_path, Slow(Answer(True, "a plan")))
+    assert Ground(again).verdict().mission == "b.yaml"
+    again.take_active()
+    again.flown()
+    assert is_forgotten(tmp_path)
+
+
+def test_one_that_came_in_flight_is_offered_although_another_was_flown(tmp_path: Path) -> None:
+    slow = Slow(Answer(True, "a plan"))
+    uploads = Uploads(tmp_path, slow)
+    ground = Ground(uploads)
+    ground.put("a.yaml", MISSION)
+    ground.verdict()
+    uploads.take_active()
+    uploads.flown()
+    ground.put("b.yaml", MISSION)
+    ground.verdict(is_flying=True)
+    assert Ground(Uploads(tmp_path, Slow(slow.answer))).verdict().mission == "b.yaml"
+
+
+def test_what_a_power_cut_has_broken_is_refused_and_an_upload_goes_on(tmp_path: Path) -> None:
+    uploads = accepted(tmp_path, "a.yaml")
+    path = uploads.take_active()
+    assert path is not None
+    path.write_bytes(b"")
+    (tmp_path / "incoming" / "verdict.json").unlink()
+    restarted = Ground(Uploads(tmp_path, Slow(Answer(True, "a plan"))))
+    verdict = restarted.verdict()
+    assert not verdict.is_accepted and verdict.number == 2
+    restarted.put("a.yaml", MISSION)
+    assert restarted.verdict().is_accepted
+    assert restarted.uploads.take_active() is not None
 
 
 def test_one_check_at_a_time_and_a_late_one_is_ended(tmp_path: Path) -> None:
