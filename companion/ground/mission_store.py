@@ -113,6 +113,7 @@ class MissionStore:
     def make_folder(self, path: str) -> None:
         """See `Store`."""
         with self._place(path) as (folder, name):
+            _check_ours(name)
             if sum(1 for _, is_folder, _ in self._all(()) if is_folder) >= MAX_FOLDERS:
                 raise Refusal(Nak.FAIL_ERRNO, errno.ENOSPC)
             os.mkdir(name, 0o700, dir_fd=folder)

@@ -4,11 +4,10 @@ A few thousand of each kind by default; 200,000 of each with the marker `long`.
 """
 
 import random
-import struct
 from collections.abc import Callable
 
 import pytest
-from pymavlink.generator.mavcrc import x25crc
+from garbage import KINDS, any_frame, frame, payload_of, random_bytes, truncated_frame, with_fields
 from wire import Wire
 
 from companion.mavlink.framing import Endpoint, Message, dialect
@@ -19,57 +18,14 @@ from sitl.simulation import Simulation
 STEP_EVERY = 200  # datagrams
 Garbage = Callable[[random.Random], bytes]
 
-SIZES = {"char": 1, "float": 4, "double": 8} | {
-    f"{sign}int{bits}_t": bits // 8 for sign in ("", "u") for bits in (8, 16, 32, 64)
-}
-KINDS = sorted(dialect.mavlink_map)
 TO_US = [n for n in KINDS if dialect.mavlink_map[n].msgname in AutopilotComponent.SERVICES]
-
-
-def frame(number: int, payload: bytes, rng: random.Random) -> bytes:
-    """A MAVLink 2 frame of any component, with a good checksum."""
-    system, component = rng.randrange(256), rng.randrange(256)
-    head = struct.pack(
-        "<BBBBBBBHB", 0xFD, len(payload), 0, 0, rng.randrange(256), system, component,
-        number & 0xFFFF, number >> 16,
-    )  # fmt: skip
-    crc = x25crc(head[1:] + payload)
-    crc.accumulate(bytes([dialect.mavlink_map[number].crc_extra]))
-    return head + payload + struct.pack("<H", crc.crc)
-
-
-def payload_of(number: int, rng: random.Random) -> bytes:
-    return rng.randbytes(dialect.mavlink_map[number].unpacker.size)
-
-
-def random_bytes(rng: random.Random) -> bytes:
-    return rng.choice((b"", b"\xfd", b"\xfe")) + rng.randbytes(rng.randrange(300))
-
-
-def truncated_frame(rng: random.Random) -> bytes:
-    number = rng.choice(KINDS)
-    whole = frame(number, payload_of(number, rng), rng)
-    return whole[: rng.randrange(len(whole))]
-
-
-def any_frame(rng: random.Random) -> bytes:
-    number = rng.choice(KINDS)
-    return frame(number, payload_of(number, rng), rng)
 
 
 def frame_for_the_autopilot(rng: random.Random) -> bytes:
     """A message that it answers, addressed to it, with everything else random."""
     number = rng.choice(TO_US)
-    kind = dialect.mavlink_map[number]
-    payload = bytearray(payload_of(number, rng))
-    types = dict(zip(kind.fieldnames, kind.fieldtypes, strict=True))
-    at = 0
-    for name, length in zip(kind.ordered_fieldnames, kind.array_lengths, strict=True):
-        if name in ("target_system", "target_component"):
-            payload[at] = 1
-        at += SIZES[types[name]] * max(1, length)
-    assert at == len(payload)
-    return frame(number, bytes(payload), rng)
+    us = {"target_system": b"\1", "target_component": b"\1"}
+    return frame(number, with_fields(number, payload_of(number, rng), us), rng)
 
 
 def state(simulation: Simulation) -> tuple[object, ...]:

@@ -163,6 +163,14 @@ def test_the_verdict_is_read_only(store: MissionStore) -> None:
         assert refused.value.nak is Nak.FILE_PROTECTED
 
 
+def test_no_folder_stands_where_the_verdict_will(store: MissionStore) -> None:
+    with pytest.raises(Refusal) as refused:
+        store.make_folder(VERDICT)
+    assert refused.value.nak is Nak.FILE_PROTECTED
+    store.publish(b"{}")
+    assert store.read(VERDICT) == b"{}"
+
+
 def test_a_copy_stays_as_it_was(store: MissionStore, tmp_path: Path) -> None:
     store.make_folder("maps")
     store.write("maps/m.yaml", b"old")
