@@ -33,9 +33,10 @@ TRANSLATED = {f"{group}, {kind}" for group in FORMULAS for kind in ("generalized
         ),
         (
             "flying",
-            7,
+            8,
             {
                 "field of the way to a place",
+                "field repaired",
                 "physics and control",
                 "pack MAVLink",
                 "parse MAVLink",

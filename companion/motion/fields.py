@@ -1,12 +1,15 @@
 """Fields of the way to a goal: from each free cell, how far is it and which cell comes next?
 
-Free cells form a graph with 16 moves from each: 8 neighbours and the knight's moves, so that a
-path along moves is at most 2.75 % longer than a straight one (1 / cos of half the angle between
-two moves). A move exists if every cell that it crosses or touches is free. One Dijkstra search
-from the goal over the reversed moves gives the field (scipy.sparse.csgraph); moves can be taken
-out of it by their direction, e.g. those that come into a region.
+A Dijkstra search from the goal over the moves backwards gives a field (scipy.sparse.csgraph). When
+the map has changed, only those cells are searched again whose way changes:
 
-Cells are (row, column); a flat index is row * cols + col. Points are in cells (`sight.py`).
+1. The cells whose way uses a move that is gone lose it. They, and those that new moves lead away
+   from, are searched from the cells around them, whose costs are those of real ways.
+2. Where a move would then make the way of a cell around them shorter, the region beyond is
+   searched too, and so on. In the end no move makes a way shorter, and each cost is that of a real
+   way: so costs are those of a new field, whichever regions were searched.
+
+Moves, cells and flat indices are those of `moves.py`.
 """
 
 from __future__ import annotations
@@ -18,20 +21,10 @@ import numpy.typing as npt
 from scipy import sparse
 from scipy.sparse import csgraph
 
-from companion.motion.sight import enters
+from companion.motion.moves import Cell, Cells, Lengths, Moves, lengths_of
 
-Cell = tuple[int, int]
-
-_QUADRANTS = ((1, 1), (1, -1), (-1, 1), (-1, -1))
-_MOVES: dict[Cell, tuple[Cell, ...]] = {  # move: the cells between that it crosses or touches
-    **{move: () for move in ((1, 0), (-1, 0), (0, 1), (0, -1))},
-    **{(r, c): ((r, 0), (0, c)) for r, c in _QUADRANTS},
-    **{(r, 2 * c): ((0, c), (r, c)) for r, c in _QUADRANTS},
-    **{(2 * r, c): ((r, 0), (r, c)) for r, c in _QUADRANTS},
-}
-_OFFSETS = np.array(list(_MOVES))
-_LENGTHS = np.hypot(*_OFFSETS.T)
-_REACH = 2  # the longest component of a move
+_ROUNDING = 1e-9  # cells; ways that differ by less are equally long
+_MARGIN, _WIDER = 8, 2  # cells around a region that is searched next, and by how much it grows
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,86 +32,199 @@ class Field:
     """The way to one goal.
 
     Attributes:
+        moves: that a way may use.
         cost: (rows, cols) length of the way in cells, inf where there is none.
-        onward: (rows * cols,) flat index of the next cell on the way, negative where it ends.
+        onward: (rows * cols,) flat index of the next cell on a shortest way; the cell's own where
+            the way ends or there is none.
+        searched: how many cells have been searched to make or repair it.
     """
 
-    cost: npt.NDArray[np.float64]
-    onward: npt.NDArray[np.int32]
+    moves: Moves
+    cost: Lengths
+    onward: Cells
+    searched: int
 
     def path(self, start: Cell) -> npt.NDArray[np.int_]:
-        """(n, 2) cells on the way from a cell that has one, up to the goal."""
-        cols = self.cost.shape[1]
-        flat = start[0] * cols + start[1]
-        cells = []
-        while flat >= 0:
-            cells.append(divmod(flat, cols))
-            flat = int(self.onward[flat])
-        return np.array(cells)
+        """(n, 2) cells on the way from a cell that has one, up to the goal.
+
+        Of equally short ways it is the one with the first moves, whatever the map was before.
+        """
+        cost, cols = self.cost.ravel(), self.cost.shape[1]
+        here = np.array([start[0] * cols + start[1]])
+        way = [here]
+        while cost[here] > 0:
+            ((near,), (lengths,)) = self.moves.leading_away(here)
+            ways = cost.take(near, mode="clip") + lengths
+            here = near[[np.argmax(ways <= ways.min() + _ROUNDING)]]
+            way.append(here)
+        return np.stack(np.divmod(np.concatenate(way), cols), axis=1)
 
 
-class MoveGraph:
-    """The moves between free cells, numbered by the cell where they arrive.
+def searched(moves: Moves, goal: Cell) -> Field:
+    """The way to a free cell from everywhere."""
+    cost = np.full(moves.away.shape, np.inf)
+    cost[goal] = 0.0
+    draft = _Draft(moves, cost, np.arange(cost.size))
+    draft.search(_flat((moves.away != 0) & (cost > 0)))
+    return draft.field()
+
+
+def repaired(field: Field, moves: Moves) -> Field:
+    """The way to the same goal by other moves; the goal is free on both maps."""
+    gone, new = field.moves.away & ~moves.away, moves.away & ~field.moves.away
+    has_lost = _has_lost(field.onward, Moves(gone, gone)).reshape(gone.shape)
+    draft = _Draft(moves, np.where(has_lost, np.inf, field.cost), field.onward.copy())
+    cells, margin = _flat((has_lost | (new != 0)) & (field.cost > 0)), _MARGIN
+    while cells.size:
+        cells = draft.beyond(*draft.search(cells), margin)
+        margin *= _WIDER
+    return draft.field()
+
+
+def _has_lost(onward: Cells, gone: Moves) -> npt.NDArray[np.bool_]:
+    """(rows * cols,) whether the way from each cell uses a move that is gone.
+
+    First of the cells that make the move themselves; then, in each round, of those whose way comes
+    through one of these within twice as many moves as in the round before.
+    """
+    at = _flat(gone.away)
+    near, lengths = gone.leading_away(at)
+    lost = np.zeros(len(onward), dtype=np.bool_)
+    lost[at] = np.any((near == onward[at][:, None]) & np.isfinite(lengths), axis=1)
+    before = 0
+    while (count := int(np.count_nonzero(lost))) > before:
+        before = count
+        lost |= lost[onward]
+        onward = onward[onward]
+    return lost
+
+
+class _Draft:
+    """A field in the making.
 
     Args:
-        free: (rows, cols) bool; everything outside is not free.
+        moves: that a way may use.
+        cost: (rows, cols) 0 at the goal; elsewhere the length of some real way, or inf. Changed.
+        onward: (rows * cols,) the next cell on that way. Changed.
     """
 
-    def __init__(self, free: npt.NDArray[np.bool_]) -> None:
-        self._shape = rows, cols = free.shape
-        framed = np.pad(free, _REACH)
+    def __init__(self, moves: Moves, cost: Lengths, onward: Cells) -> None:
+        self._moves = moves
+        self._shape = cost.shape
+        self._cost = cost.reshape(-1)
+        self._onward = onward
+        self._searched = 0
 
-        def is_free(row: int, col: int) -> npt.NDArray[np.bool_]:
-            """Whether the cell at an offset from each cell is free."""
-            return framed[_REACH + row :, _REACH + col :][:rows, :cols]
+    def field(self) -> Field:
+        """What has been found."""
+        return Field(self._moves, self._cost.reshape(self._shape), self._onward, self._searched)
 
-        # Moves are as clear backwards as forwards, so the mask of moves away from a cell is also
-        # the mask of moves into it, from the cell at the offset.
-        self._exists = np.empty((rows * cols, len(_MOVES)), dtype=np.bool_)
-        for i, (move, between) in enumerate(_MOVES.items()):
-            exists = free & is_free(*move)
-            for cell in between:
-                exists &= is_free(*cell)
-            self._exists[:, i] = exists.ravel()
-        flat = np.arange(rows * cols, dtype=np.int32)[:, None]
-        self._origins = (flat + (_OFFSETS @ (cols, 1)).astype(np.int32))[self._exists]
-        self._lengths = np.broadcast_to(_LENGTHS, self._exists.shape)[self._exists]
-        ends = np.cumsum(np.count_nonzero(self._exists, axis=1), dtype=np.int32)
-        self._first = np.concatenate([np.zeros(1, dtype=np.int32), ends])
-
-    def entering(self, centre: npt.NDArray[np.float64], radius: float) -> npt.NDArray[np.int_]:
-        """Moves that come into a disc from outside.
-
-        Args:
-            centre: (2,) point.
-            radius: of the disc, in cells.
+    def search(self, cells: Cells) -> tuple[Cells, Lengths]:
+        """Finds the shortest ways from some cells (n,) to those around them, and on from there.
 
         Returns:
-            (n,) numbers of moves, for `field`.
+            (k,) cells around them that would have a shorter way by a move to one of them.
+            (k,) how long it would be.
         """
-        low = np.maximum(np.floor(centre - radius).astype(int) - _REACH, 0)
-        high = np.minimum(np.ceil(centre + radius).astype(int) + _REACH, self._shape)
-        near = low + np.argwhere(np.ones(np.maximum(high - low, 0)))
-        exists = self._exists[near @ (self._shape[1], 1)]
-        numbers = self._first[near @ (self._shape[1], 1)][:, None] + np.cumsum(exists, axis=1) - 1
-        arrive = near[:, None] + 0.5
-        enter = exists & enters(arrive + _OFFSETS, arrive, centre, radius)
-        return np.asarray(numbers[enter])
+        self._searched += len(cells)
+        graph = _Graph(self._moves, cells)
+        rim = cells[graph.rim]
+        near, entries = self._moves.leading_away(rim)
+        entries += self._cost.take(near, mode="clip")
+        entries[graph.holds(near)] = np.inf
+        best = np.arange(len(rim)), np.argmin(entries, axis=1)
+        cost, onward = graph.shortest(entries[best])
+        self._cost[cells] = cost
+        self._onward[cells] = np.where(onward >= 0, cells.take(onward, mode="clip"), cells)
+        is_entry = onward[graph.rim] > len(cells)
+        self._onward[rim[is_entry]] = near[best][is_entry]
 
-    def field(self, goal: Cell, without: npt.NDArray[np.int_]) -> Field:
-        """The way to a free cell from everywhere.
+        origins, lengths = self._moves.leading_onto(rim)
+        ways = cost[graph.rim][:, None] + lengths
+        is_shorter = ways < self._cost.take(origins, mode="clip") - _ROUNDING
+        is_shorter &= ~graph.holds(origins)
+        return origins[is_shorter], ways[is_shorter]
+
+    def beyond(self, cells: Cells, ways: Lengths, margin: int) -> Cells:
+        """What to search next: where ways may be shorter, in a rectangle and a margin.
 
         Args:
-            goal: the cell where the ways end.
-            without: (n,) numbers of moves that no way may use.
+            cells: (k,) whose way is shorter.
+            ways: (k,) how long they are.
+            margin: in cells.
         """
-        lengths = self._lengths.copy()
-        lengths[without] = np.inf
-        cells = len(self._exists)
+        if not cells.size:
+            return cells
+        row, col = np.divmod(cells, self._shape[1])
+        south, west = np.maximum((row.min() - margin, col.min() - margin), 0)
+        window = np.s_[south : row.max() + margin + 1, west : col.max() + margin + 1]
+        is_next = np.zeros(self._shape, dtype=np.bool_)
+        is_next[window] = self._cost.reshape(self._shape)[window] > ways.min()
+        return _flat(is_next & (self._moves.away != 0))
+
+
+class _Graph:
+    """The moves among some cells, and from them to what is around.
+
+    Args:
+        moves: on the map.
+        cells: (n,) here they are numbered from 0 to n - 1; all others have the number n.
+
+    Attributes:
+        rim: (m,) numbers of those from which a move may lead to another cell.
+    """
+
+    def __init__(self, moves: Moves, cells: Cells) -> None:
+        self._count = count = len(cells)
+        self._number = np.full(moves.onto.size, count, dtype=np.int32)
+        self._number[cells] = np.arange(count, dtype=np.int32)
+        # Rows of 16, and space for one more row. Column by column, since large arrays in between
+        # would cost more than all the rest.
+        rows = (count, len(moves.steps))
+        size = count * len(moves.steps)
+        self._ends, self._lengths = np.empty(size + count, np.int32), np.empty(size + count)
+        lengths_of(moves.onto.ravel()[cells], out=self._lengths[:size].reshape(rows))
+        ends, is_rim = self._ends[:size].reshape(rows), np.zeros(count, dtype=np.bool_)
+        for column, step in zip(ends.T, moves.steps, strict=True):
+            column[:] = self._number.take(cells + step, mode="clip")
+            is_rim |= column == count
+        (self.rim,) = np.nonzero(is_rim)
+
+    def holds(self, cells: Cells) -> npt.NDArray[np.bool_]:
+        """Whether cells (...) are among those of the graph."""
+        return np.asarray(self._number.take(cells, mode="clip") != self._count)
+
+    def shortest(self, entries: Lengths) -> tuple[Lengths, npt.NDArray[np.int32]]:
+        """A Dijkstra search from around the cells.
+
+        Args:
+            entries: (m,) of each cell of the rim, the length of its way past the others; inf if
+                there is none.
+
+        Returns:
+            (n,) lengths of the ways, inf where there is none.
+            (n,) the cells next on the ways; n + 1: past the others; negative: there is no way.
+        """
+        count, enter = self._count, np.isfinite(entries)
+        if not enter.any():
+            return np.full(count, np.inf), np.full(count, -1, dtype=np.int32)
+        # The last two rows: what is around, where no move goes on; the start, joined to the rim.
+        first = np.arange(0, len(self._ends) - count + 1, len(self._ends) // count - 1)
+        end = first[-1] + np.count_nonzero(enter)
+        self._ends[first[-1] : end] = self.rim[enter]
+        self._lengths[first[-1] : end] = entries[enter]
+        rows = np.concatenate((first, (first[-1], end))).astype(np.int32)
         cost, onward = csgraph.dijkstra(
-            sparse.csr_array((lengths, self._origins, self._first), shape=(cells, cells)),
-            indices=goal[0] * self._shape[1] + goal[1],
+            sparse.csr_array(
+                (self._lengths[:end], self._ends[:end], rows), shape=(count + 2, count + 2)
+            ),
+            indices=np.array(count + 1),
             return_predecessors=True,
             limit=np.finfo(np.float64).max,  # a move of infinite length leads nowhere
         )
-        return Field(cost.reshape(self._shape), onward)
+        return cost[:count], onward[:count]
+
+
+def _flat(mask: npt.NDArray[np.generic]) -> Cells:
+    """Flat indices of the cells where a mask (rows, cols) is not zero."""
+    return np.flatnonzero(mask)

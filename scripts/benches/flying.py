@@ -23,6 +23,7 @@ from companion.app import Companion
 from companion.geometry import Ned
 from companion.mavlink.framing import Endpoint, Message, dialect, split_frames
 from companion.mission.loader import load_mission
+from companion.mission.model import Mission
 from companion.motion.grid import OccupancyGrid
 from companion.motion.routes import RouteMap
 from companion.motion.sensed_map import RangeScan, SensedMap
@@ -39,6 +40,8 @@ from sitl.world.scenario import PX4_HOME, read_scenario
 
 AUTOPILOT = 1  # component id
 INSTANCE = 97  # of the simulator at real time, away from any that runs
+CRATE = (122, 172)  # its south-west cell in the hall of the surveillance
+ALL = sys.maxsize  # cells
 
 
 @dataclass
@@ -74,16 +77,36 @@ def fields(runs: int) -> Iterator[Row]:
     free = ~mission.grid.occupied
     peer = median(timed(lambda: ndimage.distance_transform_edt(free), runs))
     yield Row("field of the way to a place", ours, "ms", "scipy's EDT", peer)
+    yield repairing(mission, runs)
+
+
+def repairing(mission: Mission, runs: int) -> Row:
+    """A crate comes and goes: the fields of all places, each repaired; the peer is a new one."""
+    crate = with_crate(mission.grid)
+    routes, took, new = route_map(mission), [], []
+    routes.find(ALL)
+    for i in range(runs):
+        routes.see(mission.grid if i % 2 else crate)
+        took += timed(lambda: routes.find(ALL), 1)
+        fresh = route_map(mission)
+        new += timed(lambda fresh=fresh: fresh.find(ALL), 1)
+    each = 1 / len(mission.places)
+    return Row("field repaired", each * median(took), "ms", "a new field", each * median(new))
+
+
+def with_crate(grid: OccupancyGrid) -> OccupancyGrid:
+    """The hall with a crate on the way to B."""
+    occupied = grid.occupied.copy()
+    row, col = CRATE
+    occupied[row : row + 8, col : col + 8] = True
+    return OccupancyGrid(occupied, grid.cell_m, grid.origin)
 
 
 def rerouting(runs: int) -> Iterator[Row]:
     """A scan shows a crate on the way: the map, its distance field, and a new route round it."""
     mission = load_mission(MISSION)
-    start, row, col = (10.3, 12.0), 122, 172  # before the crate; its south-west cell
-    occupied = mission.grid.occupied.copy()
-    occupied[row : row + 8, col : col + 8] = True
-    grid = OccupancyGrid(occupied, mission.grid.cell_m, mission.grid.origin)
-    lidar = Lidar(LidarSpec(), grid, Random(0))
+    start = (10.3, 12.0)  # before the crate
+    lidar = Lidar(LidarSpec(), with_crate(mission.grid), Random(0))
     scan = RangeScan(0.0, start, lidar.scan(start, 0.0), 0.0, STEP_RAD, lidar.spec.range_m)
     took: list[float] = []
     for _ in range(runs):

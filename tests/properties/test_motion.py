@@ -13,14 +13,16 @@ from typing import Any
 import networkx as nx
 import numpy as np
 import numpy.typing as npt
+import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 
 from companion.geometry import NorthEast, wrap_angle
+from companion.motion.free_space import ENTRY_M
 from companion.motion.grid import OccupancyGrid
 from companion.motion.profile import JERK_MPS3, SpeedLimits, flight_time_s
-from companion.motion.routes import ENTRY_M, Route, RouteMap, Site
+from companion.motion.routes import Route, RouteMap, Site
 from companion.motion.sight import Sight
 from companion.motion.trajectory import (
     CORNER_TIME_S,
@@ -190,6 +192,37 @@ def test_no_route_enters_the_region_of_another_place(
         outside = [i for i, (a, _) in enumerate(legs) if np.linalg.norm(a - centre) >= radius_m]
         for a, b in legs[outside[0] :] if outside else []:  # once outside, outside for good
             assert distance_to_leg(a, b, centre) >= radius_m - 1e-9
+
+
+@FAST
+@given(grids(edge=30, boxes=3), st.data())
+def test_routes_do_not_depend_on_what_the_map_was_before(
+    grid: OccupancyGrid, data: st.DataObject
+) -> None:
+    cells = np.argwhere(np.ones_like(grid.occupied)).tolist()
+    names = ("A", "B", "X")
+    radius = st.floats(0.1, 3.0).map(lambda cells: cells * grid.cell_m)
+    sites = {
+        name: Site((*draw_position(data, grid, cells), 0.0), data.draw(radius), True)
+        for name in names
+    }
+    start = draw_position(data, grid, cells)
+    routes = RouteMap(grid, sites, WIDE, grid.cell_m)
+    for _ in range(data.draw(st.integers(1, 4))):
+        routes.distance_m(start, data.draw(st.sampled_from(names)))
+        occupied = grid.occupied.copy()
+        row, col = data.draw(st.sampled_from(cells))
+        height, width = data.draw(st.sampled_from([(1, 1), (4, 4), (30, 1), (30, 15)]))
+        occupied[row : row + height, col : col + width] = data.draw(st.booleans())
+        grid = OccupancyGrid(occupied, grid.cell_m, grid.origin)
+        routes.see(grid)
+    new = RouteMap(grid, sites, WIDE, grid.cell_m)
+    for name in names:
+        assert routes.distance_m(start, name) == pytest.approx(new.distance_m(start, name))
+        route, expected = (each.route((*start, 0.0), name) for each in (routes, new))
+        assert (route is None) == (expected is None)
+        if route is not None and expected is not None:
+            np.testing.assert_allclose(route.waypoints, expected.waypoints, rtol=0, atol=1e-9)
 
 
 @FAST

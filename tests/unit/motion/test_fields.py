@@ -1,4 +1,4 @@
-"""Cost fields: closed form on an open floor, and moves that are taken out."""
+"""Cost fields: closed form on an open floor, moves that are taken out, what a repair searches."""
 
 from __future__ import annotations
 
@@ -6,16 +6,20 @@ import math
 
 import networkx as nx
 import numpy as np
+import numpy.typing as npt
 import pytest
 
-from companion.motion.fields import MoveGraph
+from companion.motion.fields import Field, repaired, searched
+from companion.motion.moves import Cell, all_of, moves_between, moves_entering
 from companion.motion.sight import Sight
 
-NONE = np.empty(0, dtype=np.int_)
+
+def field_of(free: npt.NDArray[np.bool_], goal: Cell) -> Field:
+    return searched(moves_between(free), goal)
 
 
 def test_an_open_floor_has_the_closed_form_of_sixteen_moves() -> None:
-    cost = MoveGraph(np.ones((9, 12), dtype=np.bool_)).field((4, 5), NONE).cost
+    cost = field_of(np.ones((9, 12), dtype=np.bool_), (4, 5)).cost
     for row, col in np.ndindex(9, 12):
         short, long = sorted((abs(row - 4), abs(col - 5)))
         # Straight moves and knight's moves up to slope 1/2, knight's and diagonal moves above.
@@ -29,7 +33,7 @@ def test_an_open_floor_has_the_closed_form_of_sixteen_moves() -> None:
 def test_a_path_leads_from_its_start_to_the_goal() -> None:
     free = np.ones((5, 7), dtype=np.bool_)
     free[1:, 3] = False
-    field = MoveGraph(free).field((4, 6), NONE)
+    field = field_of(free, (4, 6))
     path = field.path((4, 0))
     assert path[0].tolist() == [4, 0]
     assert path[-1].tolist() == [4, 6]
@@ -54,27 +58,53 @@ def test_costs_are_those_of_all_moves_with_a_clear_line_of_sight(seed: int) -> N
     expected = np.full(free.shape, np.inf)
     for cell, cost in nx.single_source_dijkstra_path_length(moves, goal).items():
         expected[cell] = cost
-    np.testing.assert_allclose(MoveGraph(free).field(goal, NONE).cost, expected)
+    np.testing.assert_allclose(field_of(free, goal).cost, expected)
 
 
 def test_no_move_cuts_the_corner_of_a_cell_that_is_not_free() -> None:
     free = np.array([[True, True], [False, True]])
-    assert MoveGraph(free).field((0, 0), NONE).cost[1, 1] == pytest.approx(2.0)
-    assert np.isinf(MoveGraph(np.eye(2, dtype=np.bool_)).field((0, 0), NONE).cost[1, 1])
+    assert field_of(free, (0, 0)).cost[1, 1] == pytest.approx(2.0)
+    assert np.isinf(field_of(np.eye(2, dtype=np.bool_), (0, 0)).cost[1, 1])
 
 
 def test_a_region_without_the_moves_into_it_can_be_left_only() -> None:
-    graph = MoveGraph(np.ones((9, 20), dtype=np.bool_))
-    entering = graph.entering(np.array([4.5, 10.5]), 3.0)
-    out = graph.field((4, 0), entering)
+    free = np.ones((9, 20), dtype=np.bool_)
+    moves = moves_between(free).without(moves_entering(free.shape, np.array([4.5, 10.5]), 3.0))
+    out = searched(moves, (4, 0))
     assert out.cost[4, 10] == pytest.approx(10.0)  # from the middle straight on to the goal
     assert out.cost[4, 19] > 19.0  # from beyond it around
-    into = graph.field((4, 10), entering)
+    into = searched(moves, (4, 10))
     assert np.isfinite(into.cost[4, 11])
     assert np.isinf(into.cost[4, 0])
 
 
 def test_a_region_beside_the_map_takes_no_move() -> None:
-    graph = MoveGraph(np.ones((3, 3), dtype=np.bool_))
-    assert graph.entering(np.array([-50.0, 1.0]), 2.0).size == 0
-    assert graph.entering(np.array([1.0, 50.0]), 2.0).size == 0
+    for centre in ([-50.0, 1.0], [1.0, 50.0]):
+        assert not moves_entering((3, 3), np.array(centre), 2.0).onto.any()
+
+
+def test_moves_are_seen_alike_from_both_ends() -> None:
+    """Also those that lead into one region alone: away from a cell is onto another one."""
+    shape = (12, 15)
+    discs = [(np.array([4.0, 5.0]), 2.5), (np.array([7.5, 7.5]), 3.0)]
+    entering = all_of((moves_entering(shape, *disc) for disc in discs), shape)
+    free = np.random.default_rng(0).random(shape) < 0.9
+    moves, cells = moves_between(free).without(entering), np.arange(free.size)
+    (left, left_by), (reached, reached_by) = moves.leading_away(cells), moves.leading_onto(cells)
+    away = {(a, int(b)) for a in cells for b in left[a][np.isfinite(left_by[a])]}
+    onto = {(int(a), b) for b in cells for a in reached[b][np.isfinite(reached_by[b])]}
+    assert away == onto
+    assert len(away) < np.isfinite(moves_between(free).leading_away(cells)[1]).sum()
+
+
+def test_a_repair_searches_where_ways_have_changed_alone() -> None:
+    """A crate in a hall comes and goes: a tenth of the hall lies behind it, or less."""
+    hall = np.ones((160, 240), dtype=np.bool_)
+    crate = hall.copy()
+    crate[100:116, 150:166] = False
+    empty = field_of(hall, (20, 20))
+    filled = repaired(empty, moves_between(crate))
+    assert 0 < filled.searched < 0.1 * empty.searched
+    cleared = repaired(filled, moves_between(hall))
+    assert 0 < cleared.searched < 0.15 * empty.searched
+    assert repaired(cleared, moves_between(hall)).searched == 0

@@ -245,6 +245,27 @@ def test_routes_are_those_of_a_map_made_anew() -> None:
                 assert route.waypoints.tolist() == expected.waypoints.tolist()
 
 
+def test_ways_are_found_in_parts_until_all_are_known() -> None:
+    """At least one in each part, however small."""
+    places = {name: site(3.5, 0.5 + i) for i, name in enumerate("ABCD", start=2)}
+    routes = RouteMap(grid_of(*["." * 10] * 8), places, WIDE, 0.5)
+    assert not routes.find(0)
+    assert [routes.find(1) for _ in range(5)] == [False, False, False, True, True]
+    routes.see(grid_of(*["." * 10] * 7, "." * 9 + "#"))
+    assert not routes.find(0)
+    assert routes.find(10**6) and routes.find(0)
+
+
+def test_a_place_that_was_covered_has_its_ways_again() -> None:
+    empty, covered = grid_of("......", "......"), grid_of("....##", "....##")
+    routes = RouteMap(empty, {"B": site(1.0, 5.5)}, WIDE, 0.5)
+    before = routes.distance_m((0.5, 0.5), "B")
+    routes.see(covered)
+    assert routes.distance_m((0.5, 0.5), "B") == math.inf
+    routes.see(empty)
+    assert routes.distance_m((0.5, 0.5), "B") == before < math.inf
+
+
 EMPTY = OccupancyGrid(np.zeros((80, 80), dtype=np.bool_), 0.1, (0.0, 0.0))
 
 

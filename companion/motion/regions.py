@@ -1,0 +1,50 @@
+"""Does a leg come into the region of a place that it does not lead to?
+
+A region is a disc in the plane. A leg may leave it, and lead on inside; it may not come in from
+outside. Centres and radii are in cells (`sight.py`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from companion.motion.sight import Points, enters
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Regions:
+    """The regions of some places.
+
+    Attributes:
+        names: n names of the places.
+        centres: (n, 2).
+        radii: (n,).
+    """
+
+    names: tuple[str, ...]
+    centres: Points
+    radii: npt.NDArray[np.float64]
+
+    def without(self, name: str) -> Regions:
+        """Those of the other places."""
+        return self._chosen(np.array([other != name for other in self.names], dtype=np.bool_))
+
+    def near(self, point: Points, reach: float) -> Regions:
+        """Those that a leg from a point can come to within a reach."""
+        return self._chosen(self.away(point) <= reach)
+
+    def away(self, point: Points) -> npt.NDArray[np.float64]:
+        """(n,) how far a point (2,) is from each of them; negative inside."""
+        return np.asarray(np.hypot(*(self.centres - point).T) - self.radii)
+
+    def are_entered(self, a: Points, b: Points) -> npt.NDArray[np.bool_]:
+        """(...) whether legs from a to b (..., 2) come into one of them."""
+        entered = enters(a[..., None, :], b[..., None, :], self.centres, self.radii)
+        return np.asarray(np.any(entered, axis=-1))
+
+    def _chosen(self, which: npt.NDArray[np.bool_]) -> Regions:
+        names = tuple(name for name, chosen in zip(self.names, which, strict=True) if chosen)
+        return Regions(names, self.centres[which], self.radii[which])
