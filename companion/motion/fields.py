@@ -49,15 +49,15 @@ class Field:
 
         Of equally short ways it is the one with the first moves, whatever the map was before.
         """
-        cost, cols = self.cost.ravel(), self.cost.shape[1]
-        here = np.array([start[0] * cols + start[1]])
+        cost, away, steps = self.cost.ravel(), self.moves.away.ravel(), self.moves.steps
+        here = start[0] * self.cost.shape[1] + start[1]
         way = [here]
         while cost[here] > 0:
-            ((near,), (lengths,)) = self.moves.leading_away(here)
-            ways = cost.take(near, mode="clip") + lengths
-            here = near[[np.argmax(ways <= ways.min() + _ROUNDING)]]
+            near = here + steps
+            ways = cost.take(near, mode="clip") + lengths_of(away[here])
+            here = int(near[(ways <= ways.min() + _ROUNDING).argmax()])
             way.append(here)
-        return np.stack(np.divmod(np.concatenate(way), cols), axis=1)
+        return np.stack(np.divmod(np.array(way), self.cost.shape[1]), axis=1)
 
 
 def searched(moves: Moves, goal: Cell) -> Field:
@@ -131,7 +131,6 @@ class _Draft:
         rim = cells[graph.rim]
         near, entries = self._moves.leading_away(rim)
         entries += self._cost.take(near, mode="clip")
-        entries[graph.holds(near)] = np.inf
         best = np.arange(len(rim)), np.argmin(entries, axis=1)
         cost, onward = graph.shortest(entries[best])
         self._cost[cells] = cost
@@ -142,7 +141,7 @@ class _Draft:
         origins, lengths = self._moves.leading_onto(rim)
         ways = cost[graph.rim][:, None] + lengths
         is_shorter = ways < self._cost.take(origins, mode="clip") - _ROUNDING
-        is_shorter &= ~graph.holds(origins)
+        is_shorter &= graph.is_outside(origins)
         return origins[is_shorter], ways[is_shorter]
 
     def beyond(self, cells: Cells, ways: Lengths, margin: int) -> Cells:
@@ -190,20 +189,20 @@ class _Graph:
             is_rim |= column == count
         (self.rim,) = np.nonzero(is_rim)
 
-    def holds(self, cells: Cells) -> npt.NDArray[np.bool_]:
-        """Whether cells (...) are among those of the graph."""
-        return np.asarray(self._number.take(cells, mode="clip") != self._count)
+    def is_outside(self, cells: Cells) -> npt.NDArray[np.bool_]:
+        """Whether cells (...) are none of those of the graph."""
+        return np.asarray(self._number.take(cells, mode="clip") == self._count)
 
     def shortest(self, entries: Lengths) -> tuple[Lengths, npt.NDArray[np.int32]]:
         """A Dijkstra search from around the cells.
 
         Args:
-            entries: (m,) of each cell of the rim, the length of its way past the others; inf if
-                there is none.
+            entries: (m,) of each cell of the rim, the length of a way of its own, inf if it has
+                none.
 
         Returns:
             (n,) lengths of the ways, inf where there is none.
-            (n,) the cells next on the ways; n + 1: past the others; negative: there is no way.
+            (n,) the cells next on the ways; n + 1: the way of its own; negative: there is no way.
         """
         count, enter = self._count, np.isfinite(entries)
         if not enter.any():

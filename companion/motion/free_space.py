@@ -76,6 +76,10 @@ class FreeSpace:
         """(...) whether the legs from a to b (..., 2) cross free cells only."""
         return self._free_sight.is_clear(a, b)
 
+    def may_be_clear(self, a: Points, b: Points) -> npt.NDArray[np.bool_]:
+        """A quick look at many legs: False only for those that are not clear."""
+        return self._free_sight.may_be_clear(a, b)
+
     def keeps_away(self, a: Points, b: Points) -> bool:
         """Whether a leg comes no closer to an obstacle than the clearance and its start, by a cell.
 

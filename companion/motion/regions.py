@@ -36,12 +36,20 @@ class Regions:
         """Those that a leg from a point can come to within a reach."""
         return self._chosen(self.away(point) <= reach)
 
+    def around(self, points: Points) -> Regions:
+        """Those that legs between some points (n, 2) can come to."""
+        low, high = points.min(axis=0), points.max(axis=0)
+        nearest = np.clip(self.centres, low, high)
+        return self._chosen(np.hypot(*(self.centres - nearest).T) < self.radii)
+
     def away(self, point: Points) -> npt.NDArray[np.float64]:
         """(n,) how far a point (2,) is from each of them; negative inside."""
         return np.asarray(np.hypot(*(self.centres - point).T) - self.radii)
 
     def are_entered(self, a: Points, b: Points) -> npt.NDArray[np.bool_]:
         """(...) whether legs from a to b (..., 2) come into one of them."""
+        if not self.names:
+            return np.zeros(np.broadcast_shapes(a.shape, b.shape)[:-1], dtype=np.bool_)
         entered = enters(a[..., None, :], b[..., None, :], self.centres, self.radii)
         return np.asarray(np.any(entered, axis=-1))
 

@@ -193,14 +193,11 @@ class RouteMap:
         if entry is None:
             return None
         (field, cell), space = entry, self._space
-        goal, others = self._goals[site], self._others[site]
-
-        def is_leg(a: Points, b: Points) -> npt.NDArray[np.bool_]:
-            return space.is_clear(a, b) & ~others.are_entered(a, b)
-
+        goal = self._goals[site]
         path = np.vstack([space.point(start), field.path(cell) + 0.5, space.point(goal)])
         held = 0 if space.is_clear(path[0], path[0]) else 1  # the leg out of the band
-        points = np.vstack([path[:held], pulled_tight(path[held:], is_leg)])
+        legs = _Legs(space, self._others[site].around(path))
+        points = np.vstack([path[:held], pulled_tight(path[held:], legs)])
         plane = points * space.grid.cell_m + space.grid.origin
         plane[0], plane[-1] = start[:2], goal[:2]  # exactly, whatever the rounding
         return Route(_with_altitude(plane, start[2], goal[2]))
@@ -210,6 +207,20 @@ class RouteMap:
         field = self._approaches.field(site) if self.is_connected(start, site) else None
         cell = self._space.entry(start, self._others[site], field.cost) if field else None
         return (field, cell) if field and cell else None
+
+
+@dataclass(frozen=True, slots=True)
+class _Legs:
+    """Legs across free cells that enter no other region (`taut.py`)."""
+
+    space: FreeSpace
+    others: Regions
+
+    def may_be_clear(self, a: Points, b: Points) -> npt.NDArray[np.bool_]:
+        return self.space.may_be_clear(a, b)
+
+    def are_clear(self, a: Points, b: Points) -> npt.NDArray[np.bool_]:
+        return self.space.is_clear(a, b) & ~self.others.are_entered(a, b)
 
 
 def _with_altitude(

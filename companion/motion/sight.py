@@ -18,6 +18,7 @@ Points = npt.NDArray[np.float64]
 """(..., 2) row, column, in cells."""
 
 _TOUCH = 1e-9  # cells; a leg this close to a cell touches it
+_SAMPLES = (np.arange(16) + 0.5) / 16  # shares of a leg
 
 
 class Sight:
@@ -29,6 +30,7 @@ class Sight:
 
     def __init__(self, free: npt.NDArray[np.bool_]) -> None:
         self._shape = free.shape
+        self._free = free
         # A frame of blocked cells, then the number of blocked cells west of each column, so
         # that a run of cells in one row is tested by one subtraction.
         blocked = np.pad(~free, 1, constant_values=True)
@@ -46,11 +48,22 @@ class Sight:
         """
         a, b = np.broadcast_arrays(a, b)
         limits = np.array(self._shape)
-        is_on_map = np.all((a >= 0) & (a <= limits) & (b >= 0) & (b <= limits), axis=-1)
+        is_on_map = np.all((np.minimum(a, b) >= 0) & (np.maximum(a, b) <= limits), axis=-1)
         is_northwards = (a[..., 0] <= b[..., 0])[..., None]
-        south = np.clip(np.where(is_northwards, a, b), 0, limits)
-        north = np.clip(np.where(is_northwards, b, a), 0, limits)
+        south = _between(0, np.where(is_northwards, a, b), limits)
+        north = _between(0, np.where(is_northwards, b, a), limits)
         return np.asarray(is_on_map & ~self._is_blocked(south, north))
+
+    def may_be_clear(self, a: Points, b: Points) -> npt.NDArray[np.bool_]:
+        """A quick look: False only for legs that are not clear; arguments are as above."""
+        row = a[..., 0, None] + _SAMPLES * (b - a)[..., 0, None]
+        col = a[..., 1, None] + _SAMPLES * (b - a)[..., 1, None]
+        rows, cols = self._shape
+        cells = (
+            np.minimum(row.astype(np.intp), rows - 1),
+            np.minimum(col.astype(np.intp), cols - 1),
+        )
+        return np.asarray(self._free[cells].all(axis=-1))
 
     def _is_blocked(self, south: Points, north: Points) -> npt.NDArray[np.bool_]:
         """Whether legs on the map, from their south end to their north end, meet a blocked cell."""
@@ -62,8 +75,8 @@ class Sight:
         # Along the last axis: the rows of cells that a leg passes, its last one repeated.
         first, last = np.floor(row_0 - _TOUCH), np.floor(row_1 + _TOUCH)
         row = np.minimum(first + np.arange(np.max(last - first, initial=0) + 1), last)
-        enter = col_0 + slope * (np.clip(row, row_0, row_1) - row_0)
-        leave = col_0 + slope * (np.clip(row + 1, row_0, row_1) - row_0)
+        enter = col_0 + slope * (_between(row_0, row, row_1) - row_0)
+        leave = col_0 + slope * (_between(row_0, row + 1, row_1) - row_0)
         leave = np.where(is_level, col_1, leave)
         west = np.floor(np.minimum(enter, leave) - _TOUCH)
         east = np.floor(np.maximum(enter, leave) + _TOUCH)
@@ -71,6 +84,11 @@ class Sight:
         row, west, east = (cells.astype(np.intp) + 1 for cells in (row, west, east))  # the frame
         blocked = self._blocked_before[row, east + 1] - self._blocked_before[row, west]
         return np.asarray(np.any(blocked > 0, axis=-1))
+
+
+def _between(low: npt.ArrayLike, values: Points, high: npt.ArrayLike) -> Points:
+    """numpy.clip, but quick for small arrays."""
+    return np.minimum(np.maximum(values, low), high)
 
 
 def enters(
@@ -94,6 +112,6 @@ def enters(
     to_centre = centre - a
     length2 = np.sum(leg * leg, axis=-1)
     along = np.sum(to_centre * leg, axis=-1) / np.where(length2 > 0, length2, 1.0)
-    nearest = to_centre - np.clip(along, 0.0, 1.0)[..., None] * leg
+    nearest = to_centre - _between(0.0, along, 1.0)[..., None] * leg
     is_outside = np.hypot(to_centre[..., 0], to_centre[..., 1]) >= radius
     return np.asarray(is_outside & (np.hypot(nearest[..., 0], nearest[..., 1]) < radius))

@@ -7,34 +7,48 @@ obstacle's corner come from dividing the legs.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from companion.motion.sight import Points
 
-Clear = Callable[[Points, Points], npt.NDArray[np.bool_]]
-
 _TAUT = 0.1  # cells; a path is taut when cutting it again gains less
+_AT_ONCE = 16  # legs that are tested together; of the furthest ones most are clear
 
 
-def pulled_tight(path: Points, is_clear: Clear) -> Points:
-    """The path with its detours cut off, from both ends in turn, until it is as good as taut.
+class Legs(Protocol):
+    """Which legs may be flown."""
 
-    Args:
-        path: (n, 2) in cells.
-        is_clear: whether legs (..., 2) may be flown, from the first points to the second ones.
-    """
+    def may_be_clear(self, a: Points, b: Points) -> npt.NDArray[np.bool_]:
+        """(...) quickly, for many legs from a to b (..., 2): False for none that is clear."""
 
-    def is_clear_backwards(a: Points, b: Points) -> npt.NDArray[np.bool_]:
-        return is_clear(b, a)
+    def are_clear(self, a: Points, b: Points) -> npt.NDArray[np.bool_]:
+        """(...) whether the legs from a to b (..., 2) may be flown."""
 
+
+@dataclass(frozen=True, slots=True)
+class _Backwards:
+    """Legs flown from their second point to the first."""
+
+    legs: Legs
+
+    def may_be_clear(self, a: Points, b: Points) -> npt.NDArray[np.bool_]:
+        return self.legs.may_be_clear(b, a)
+
+    def are_clear(self, a: Points, b: Points) -> npt.NDArray[np.bool_]:
+        return self.legs.are_clear(b, a)
+
+
+def pulled_tight(path: Points, legs: Legs) -> Points:
+    """The path (n, 2) with its detours cut off, from both ends in turn, until as good as taut."""
     before = math.inf
-    while before - length(path) > _TAUT:
+    while len(path) > 2 and before - length(path) > _TAUT:
         before = length(path)
-        path = _cut(_divided(path), is_clear)
-        path = _cut(_divided(path)[::-1], is_clear_backwards)[::-1]
+        path = _cut(_divided(path), legs)
+        path = _cut(_divided(path)[::-1], _Backwards(legs))[::-1]
     return path
 
 
@@ -43,14 +57,23 @@ def length(path: npt.NDArray[np.float64]) -> float:
     return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
 
 
-def _cut(path: Points, is_clear: Clear) -> Points:
+def _cut(path: Points, legs: Legs) -> Points:
     """The path with legs from each point that is kept to the furthest one in sight."""
     kept = [0]
     while kept[-1] < len(path) - 1:
-        here = kept[-1]
-        in_sight = np.flatnonzero(is_clear(path[here], path[here + 2 :]))
-        kept.append(here + 2 + int(in_sight[-1]) if in_sight.size else here + 1)
+        kept.append(_furthest(path, kept[-1], legs))
     return path[kept]
+
+
+def _furthest(path: Points, here: int, legs: Legs) -> int:
+    """The last point of a path that may be flown to from another one; at least the next."""
+    ahead = here + 2 + np.flatnonzero(legs.may_be_clear(path[here], path[here + 2 :]))
+    for end in range(len(ahead), 0, -_AT_ONCE):
+        some = ahead[max(end - _AT_ONCE, 0) : end]
+        in_sight = some[legs.are_clear(path[here], path[some])]
+        if in_sight.size:
+            return int(in_sight[-1])
+    return here + 1
 
 
 def _divided(path: Points) -> Points:

@@ -22,6 +22,7 @@ from companion.geometry import NorthEast, wrap_angle
 from companion.motion.free_space import ENTRY_M
 from companion.motion.grid import OccupancyGrid
 from companion.motion.profile import JERK_MPS3, SpeedLimits, flight_time_s
+from companion.motion.regions import Regions
 from companion.motion.routes import Route, RouteMap, Site
 from companion.motion.sight import Sight
 from companion.motion.trajectory import (
@@ -103,6 +104,32 @@ def test_sight_agrees_with_separating_axes(grid: OccupancyGrid, data: st.DataObj
     framed = np.argwhere(np.pad(grid.occupied, 1, constant_values=True)) - 1.0
     expected = not meets(a[None], b[None], framed, grown=1e-7).any()
     assert bool(Sight(~grid.occupied).is_clear(a, b)) is expected
+
+
+@FAST
+@given(grids(boxes=2), st.integers(0, 999))
+def test_a_quick_look_dismisses_no_clear_leg_and_most_others(
+    grid: OccupancyGrid, seed: int
+) -> None:
+    sight, chance = Sight(~grid.occupied), np.random.default_rng(seed)
+    a, b = chance.integers(0, 4 * np.array(grid.occupied.shape) + 1, (2, 200, 2)) / 4
+    is_clear, may_be_clear = sight.is_clear(a, b), sight.may_be_clear(a, b)
+    assert may_be_clear[is_clear].all()
+    is_inside = ((a > 0) & (b > 0) & (a < grid.occupied.shape) & (b < grid.occupied.shape)).all(1)
+    dismissed = np.count_nonzero(~may_be_clear & is_inside)
+    assert dismissed >= 0.5 * np.count_nonzero(~is_clear & is_inside)
+
+
+@FAST
+@given(st.integers(0, 999))
+def test_regions_around_a_path_are_all_that_its_legs_can_enter(seed: int) -> None:
+    chance = np.random.default_rng(seed)
+    names = tuple("ABCDEFGH")
+    regions = Regions(names, chance.uniform(-20, 20, (8, 2)), chance.uniform(0.1, 6, 8))
+    points = chance.uniform(-9, 9, (5, 2))
+    around = regions.around(points)
+    a, b = points[:, None], points[None]
+    assert np.array_equal(around.are_entered(a, b), regions.are_entered(a, b))
 
 
 @FAST
