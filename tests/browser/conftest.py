@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
+import subprocess
+import sys
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from browsing import Open, Watched
-from playwright.sync_api import Browser, sync_playwright
+from playwright.sync_api import Browser, ViewportSize, sync_playwright
 
 CHROMIUM = shutil.which("chromium")
 
@@ -27,8 +31,11 @@ def browser() -> Iterator[Browser]:
 def open_page(browser: Browser) -> Iterator[Open]:
     pages = []
 
-    def open_(origin: str, width: int = 1440, height: int = 900) -> Watched:
-        watched = Watched(browser.new_page(viewport={"width": width, "height": height}), origin)
+    def open_(
+        origin: str, width: int = 1440, height: int = 900, has_touch: bool = False
+    ) -> Watched:
+        window: ViewportSize = {"width": width, "height": height}
+        watched = Watched(browser.new_page(viewport=window, has_touch=has_touch), origin)
         pages.append(watched)
         watched.look()
         return watched
@@ -37,3 +44,15 @@ def open_page(browser: Browser) -> Iterator[Open]:
     for watched in pages:
         watched.page.close()
         assert watched.faults == []
+
+
+@pytest.fixture
+def recorded(surveillance_run: Path) -> Iterator[str]:
+    """The address of a replay."""
+    command = [sys.executable, "-m", "companion", "replay", str(surveillance_run), "--port", "0"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        address = re.search(r"http://\S+", process.stdout.readline())
+        assert address
+        yield address[0]
+        process.kill()

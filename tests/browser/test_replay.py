@@ -2,28 +2,10 @@
 
 from __future__ import annotations
 
-import re
-import subprocess
-import sys
-from collections.abc import Iterator
-from pathlib import Path
-
 import pytest
 from browsing import Open, Watched
 
 pytestmark = pytest.mark.sockets
-
-
-@pytest.fixture
-def recorded(surveillance_run: Path) -> Iterator[str]:
-    """The address of a replay."""
-    command = [sys.executable, "-m", "companion", "replay", str(surveillance_run), "--port", "0"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
-        assert process.stdout is not None
-        address = re.search(r"http://\S+", process.stdout.readline())
-        assert address
-        yield address[0]
-        process.kill()
 
 
 def time_of(replay: Watched) -> float:

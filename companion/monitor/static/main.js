@@ -7,9 +7,12 @@ import { MapView } from "./map.js";
 import { PlanView, showVehicle } from "./panels.js";
 import { Timeline } from "./timeline.js";
 import { TreeView } from "./tree.js";
+import { Zoom } from "./zoom.js";
 
 let page = null;
 let isConnected = false;
+
+const zoom = new Zoom(byId("hall"), byId("whole"), () => page?.map.look(zoom.view));
 
 const stream = new EventSource("stream");
 const on = (kind, take) => stream.addEventListener(kind, (message) => take(JSON.parse(message.data)));
@@ -27,7 +30,7 @@ function open(mission) {
   const timeline = new Timeline(history);
   timeline.connect();
   page = {
-    history, timeline, map: new MapView(mission), tree: new TreeView(), plan: new PlanView(),
+    history, timeline, map: new MapView(mission, zoom.view), tree: new TreeView(), plan: new PlanView(),
     task: new TaskView(),
   };
   byId("name").textContent = mission.name;

@@ -1,24 +1,25 @@
 // The map: distance field, places, plan, trail, vehicle. East to the right, north up; the drawing's
 // unit is the metre, and --px is the length of a pixel in it.
 
-import { byId, svg } from "./dom.js";
+import { byId, say, svg } from "./dom.js";
 
-const SCALE_M = 5;
+const SCALES_M = [10, 5, 2, 1, 0.5, 0.2, 0.1];
+const LONGEST_SCALE_PX = 120;
 const SVG_Y = (north) => -north;
 const line = (points) => points.map(([east, north]) => `${east},${SVG_Y(north)}`).join(" ");
 
 export class MapView {
-  constructor(mission) {
+  constructor(mission, view) {
     this.map = mission.map;
+    this.view = view;
     this.hall = byId("hall");
     this.overlay = byId("overlay");
     this.shade = Uint8Array.from(atob(this.map.shade), (c) => c.charCodeAt(0));
     const { rows, cols, cell_m, east_m, north_m } = this.map;
     this.width_m = cols * cell_m;
-    const height_m = rows * cell_m;
+    this.height_m = rows * cell_m;
     this.hall.style.setProperty("--ratio", cols / rows);
-    this.overlay.setAttribute(
-      "viewBox", `${east_m} ${SVG_Y(north_m + height_m)} ${this.width_m} ${height_m}`);
+    this.corner = [east_m, SVG_Y(north_m + this.height_m)];
     this.layers = Object.fromEntries(
       ["fence", "places", "cells", "path", "past", "trail", "names", "carrot", "setpoint", "vehicle"]
         .map((name) => [name, svg("g", { class: name })]));
@@ -36,10 +37,24 @@ export class MapView {
     this.paint();
   }
 
+  // Shows the part of the map that a view says, in the window as it is.
+  look(view) {
+    this.view = view;
+    this.fit();
+  }
+
   fit() {
-    this.px = this.width_m / this.hall.clientWidth;
+    const { left, top, width } = this.view;
+    this.px = (this.width_m * width) / this.hall.clientWidth;
     this.overlay.style.setProperty("--px", this.px);
-    byId("scale").style.setProperty("--length", `${SCALE_M / this.px}px`);
+    this.overlay.setAttribute("viewBox", [
+      this.corner[0] + left * this.width_m, this.corner[1] + top * this.height_m,
+      width * this.width_m, width * this.height_m].join(" "));
+    byId("raster").style.transform =
+      `scale(${1 / width}) translate(${-100 * left}%, ${-100 * top}%)`;
+    const length_m = SCALES_M.find((m) => m / this.px <= LONGEST_SCALE_PX) ?? SCALES_M.at(-1);
+    byId("scale").style.setProperty("--length", `${length_m / this.px}px`);
+    say(byId("scale"), `${length_m} m, north is up`);
     for (const text of this.names) text.setAttribute("dy", -5 * this.px);
   }
 
