@@ -112,6 +112,11 @@ class Companion:
             return self._run is not None and self._run.sortie.has_ended
         return self._is_stopping and self._run is None
 
+    @property
+    def is_idle(self) -> bool:
+        """Whether it hosts and nothing is flown, nor will be in the next step."""
+        return self._host is not None and self._run is None and not self._is_starting
+
     def stop(self) -> None:
         """Hold, land, end: what Ctrl-C asks for."""
         self._is_stopping = True
@@ -271,12 +276,17 @@ class Companion:
 def fly(companion: Companion, link: UdpLink, clock: ScaledClock, timeout_s: float) -> None:
     """Drives a companion over a link, at 20 Hz of the clock's time, until it has ended.
 
+    While nothing is flown, what arrives is answered at once: a file comes as a request after the
+    other, and each would wait for the next tick.
+
     Raises:
         LinkTimeout: no vehicle was heard in time (seconds of the clock's time).
     """
     next_tick_s = clock.now_s()
     while not companion.has_ended:
-        clock.sleep_until(next_tick_s)
+        is_tick = not (companion.is_idle and link.wait(clock.wall_s_until(next_tick_s)))
+        if is_tick:
+            clock.sleep_until(next_tick_s)
         now_s = clock.now_s()
         link.send(companion.step(now_s, link.receive()))
         if companion.is_waiting and now_s > timeout_s:
@@ -285,4 +295,5 @@ def fly(companion: Companion, link: UdpLink, clock: ScaledClock, timeout_s: floa
                 "    PX4 SITL and `sitl` send to port 14540 by themselves; is one running?\n"
                 "    QGroundControl must not listen on this port"
             )
-        next_tick_s = max(next_tick_s + TICK_S, now_s)
+        if is_tick or now_s > next_tick_s:
+            next_tick_s = max(next_tick_s + TICK_S, now_s)

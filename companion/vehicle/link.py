@@ -123,9 +123,9 @@ class UdpLink:
             except OSError:
                 continue
 
-    def wait(self, timeout_s: float) -> None:
-        """Returns when something has arrived, or after a time in wall-clock seconds."""
-        select.select([self._socket], [], [], max(0.0, timeout_s))
+    def wait(self, timeout_s: float) -> bool:
+        """Waits until something has arrived, at most so many wall-clock seconds; whether it has."""
+        return bool(select.select([self._socket], [], [], max(0.0, timeout_s))[0])
 
     def account(self) -> str:
         """What was heard so far, in words."""
@@ -156,4 +156,8 @@ class ScaledClock:
 
     def sleep_until(self, time_s: float) -> None:
         """Sleeps until a scaled time."""
-        time.sleep(max(0.0, (time_s - self.now_s()) / self._speed))
+        time.sleep(max(0.0, self.wall_s_until(time_s)))
+
+    def wall_s_until(self, time_s: float) -> float:
+        """Wall-clock seconds until a scaled time."""
+        return (time_s - self.now_s()) / self._speed

@@ -1,0 +1,151 @@
+"""`fly` between ticks: who hosts answers at once, who flies keeps to the ticks; simulated time."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import pytest
+from autopilot import Autopilot, of_type
+from synthetic import mission
+
+from companion.acting.flight import TICK_S
+from companion.acting.report import Report
+from companion.app import Companion, fly
+from companion.geometry import Ned
+from companion.mavlink.framing import Endpoint, dialect
+from companion.mission.model import Mission
+from companion.run import Recorder
+
+UNDER_WAY_S = 0.002
+"""From one end to the other."""
+START, REQUEST = dialect.MAV_CMD_MISSION_START, dialect.MAV_CMD_REQUEST_MESSAGE
+STREAM_S = 0.02
+"""Between two messages of the autopilot, so that something else arrives as well."""
+
+
+class Line:
+    """Link and clock of a companion that hosts, its host and recorder, and a ground station.
+
+    The ground station asks one question after the other, each when the last one was answered,
+    until a time; then it starts the mission.
+    """
+
+    endpoint = "udpin://0.0.0.0:14540"
+    uploads = None
+
+    def __init__(self, asks_until_s: float) -> None:
+        self.companion = Companion(mission("F at(A)"), None, host=self)
+        self.now = 0.0
+        self.steps_s: list[float] = []
+        self.beats_s: list[float] = []
+        self.began_s = self.ended_s = 0.0
+        self.answers = 0
+        self._asks_until_s = asks_until_s
+        self._autopilot, self._station = Autopilot(), Endpoint(255, 190)
+        self._ear = Endpoint(0, 0)
+        self._under_way: list[tuple[float, bytes]] = []
+        self._streamed_s = 0.0
+        self._ask(REQUEST)
+
+    # -- link and clock ------------------------------------------------------------------------
+
+    def now_s(self) -> float:
+        return self.now
+
+    def wall_s_until(self, time_s: float) -> float:
+        return time_s - self.now
+
+    def sleep_until(self, time_s: float) -> None:
+        self.now = max(self.now, time_s)
+
+    def wait(self, timeout_s: float) -> bool:
+        self._stream(self.now + timeout_s)
+        arrival_s = min((at_s for at_s, _ in self._under_way), default=float("inf"))
+        end_s = self.now + max(0.0, timeout_s)
+        self.now = max(self.now, min(arrival_s, end_s))
+        return arrival_s <= end_s
+
+    def receive(self) -> list[bytes]:
+        self._stream(self.now)
+        self.steps_s.append(self.now)
+        arrived = [datagram for at_s, datagram in self._under_way if at_s <= self.now]
+        self._under_way = [each for each in self._under_way if each[0] > self.now]
+        return arrived
+
+    def send(self, datagrams: list[bytes]) -> None:
+        for answer in self._autopilot.answer(datagrams):
+            self._under_way.append((self.now + UNDER_WAY_S, answer))
+        heard: list[Any] = [m for d in datagrams for m in self._ear.parse(d)]
+        self.beats_s += [self.now for _ in of_type(heard, "HEARTBEAT")]
+        for acknowledged in of_type(heard, "COMMAND_ACK"):
+            self.answers += acknowledged.command == REQUEST
+            if acknowledged.command == REQUEST:
+                self._ask(REQUEST if self.now < self._asks_until_s else START)
+
+    def account(self) -> str:
+        return "nothing arrived"
+
+    def _ask(self, command: int) -> None:
+        asked = dialect.MAVLink_command_long_message(1, 191, command, 0, 148, 0, 0, 0, 0, 0, 0)
+        self._under_way.append((self.now + 2 * UNDER_WAY_S, self._station.pack(asked)))
+
+    def _stream(self, until_s: float) -> None:
+        while self._streamed_s <= until_s:
+            self._under_way += [(self._streamed_s, d) for d in self._autopilot.telemetry()]
+            self._streamed_s += STREAM_S
+
+    # -- host and recorder ---------------------------------------------------------------------
+
+    def load(self, path: Path) -> Mission:
+        raise AssertionError("nothing is uploaded")
+
+    def begin_run(self, mission: Mission) -> Recorder:
+        self.began_s = self.now
+        return self
+
+    def end_run(self, recorder: Recorder) -> None:
+        self.ended_s = self.now
+        self.companion.stop()
+
+    def tell(self, report: Report) -> None:
+        """Told to nobody."""
+
+    def report(self, report: Report) -> None:
+        """Recorded nowhere."""
+
+    def packets(self, now_s: float, datagrams: list[bytes]) -> None:
+        """The same."""
+
+    def position(self, now_s: float, position: Ned) -> None:
+        """The same."""
+
+
+@pytest.fixture(scope="module")
+def line() -> Line:
+    """Ten seconds of questions, then a flight."""
+    line = Line(asks_until_s=10.0)
+    fly(line.companion, line, line, 0.0)  # type: ignore[arg-type]
+    return line
+
+
+def test_a_question_waits_for_no_tick_while_nothing_is_flown(line: Line) -> None:
+    """One after the other takes the way there and back, and no more."""
+    round_trip_s = 2 * UNDER_WAY_S
+    assert line.answers == pytest.approx(10.0 / round_trip_s, rel=0.01)
+
+
+def test_a_flight_keeps_to_the_ticks_from_its_first_step(line: Line) -> None:
+    flown = [at_s for at_s in line.steps_s if line.began_s <= at_s <= line.ended_s]
+    assert line.ended_s - line.began_s > 5.0
+    assert [b - a for a, b in pairwise(flown)] == pytest.approx([TICK_S] * (len(flown) - 1))
+    before = max(at_s for at_s in line.steps_s if at_s < line.began_s)
+    assert line.began_s - before <= TICK_S + 1e-9
+
+
+def test_the_heartbeat_is_the_same_with_and_without_questions(line: Line) -> None:
+    while_asked = [at_s for at_s in line.beats_s if at_s < 10.0]
+    gaps = [later - earlier for earlier, later in pairwise(while_asked)]
+    assert len(gaps) >= 8
+    assert all(1.0 - 1e-9 <= gap <= 1.0 + TICK_S for gap in gaps)
