@@ -28,6 +28,7 @@ from py_trees.common import Status
 from companion.acting.events import EventDetector
 from companion.acting.flight import Flight
 from companion.acting.hand_tree import build_by_hand
+from companion.acting.inquiry import Inquiry
 from companion.acting.positions import tell_positions
 from companion.acting.tree import build
 from companion.acting.tree_report import TreeReport
@@ -87,6 +88,7 @@ class Executive:
         self._idle_replans = 0
         self._positions = 0
         self._due, self._due_s = "", 0.0
+        self._inquiry: Inquiry | None = None
         self._ways = Ways(planner, flight)
 
     def sense(self, readings: Sequence[tuple[Signal, float]]) -> None:
@@ -228,22 +230,23 @@ class Executive:
         flight, task = self._flight, self._flight.task
         if not self._ways.are_known() and flight.now_s < self._due_s + PATIENCE_S:
             return self.status
-        reason, self._due = self._due, ""
         self._ways.follow()
+        problem, histories = task.problem()
+        if self._inquiry is not None and self._inquiry.is_about(problem):
+            return self._find_out_why(self._inquiry)
         flight.may_do_better = False
         try:
             if self._planner.mission.tree is not None:
                 raise NoPlanError("no plan: the mission has a tree of its own")
             if self._idle_replans > MAX_IDLE_REPLANS:
                 raise NoPlanError(f"no plan: {MAX_IDLE_REPLANS} plans in a row led nowhere")
-            lasso = self._planner.replan(*task.problem())
+            lasso = self._planner.replan(problem, histories)
         except NoPlanError as error:
-            self.replans += 1
-            self.status = TaskStatus.NO_PLAN
-            self.failure = error
-            flight.report("replan", f"replan {self.replans}: {reason}: {error}", reason=reason)
-            return self.status
-        is_kept = self.lasso is not None and self._is_rest_of(self.lasso, lasso)
+            return self._give_up(error)
+        if lasso is None:
+            self._inquiry = Inquiry(self._planner, problem)
+            return self._find_out_why(self._inquiry)
+        reason, is_kept = self._due, self.lasso is not None and self._is_rest_of(self.lasso, lasso)
         self.failure, self.is_leaving = None, False
         self._adopt(lasso)
         if not is_kept:
@@ -251,6 +254,20 @@ class Executive:
             text = f"replan {self.replans}: {reason} -> {lasso}"
             flight.report("replan", text, number=self.replans, reason=reason, **lasso.as_json())
         self._tell_tree()
+        return self.status
+
+    def _find_out_why(self, inquiry: Inquiry) -> TaskStatus:
+        """Gives up, once it is known why there is no plan."""
+        answer = inquiry.step()
+        return self._give_up(answer) if answer else self.status
+
+    def _give_up(self, error: NoPlanError) -> TaskStatus:
+        reason, self._due, self._inquiry = self._due, "", None
+        self.replans += 1
+        self.status = TaskStatus.NO_PLAN
+        self.failure = error
+        text = f"replan {self.replans}: {reason}: {error}"
+        self._flight.report("replan", text, reason=reason)
         return self.status
 
     def _rest(self) -> None:
@@ -272,7 +289,8 @@ class Executive:
     def _adopt(self, lasso: Lasso) -> None:
         flight = self._flight
         flight.laps = flight.completed = 0
-        flight.failure = ""
+        flight.failure = self._due = ""
+        self._inquiry = None
         self.needs_take_off, flight.is_grounded = flight.is_grounded, False
         self.lasso = lasso
         self._predict()

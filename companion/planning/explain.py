@@ -4,17 +4,23 @@ A smallest conflicting set is found by deletion: drop one conjunct after the oth
 as the rest still has no plan. Facts that these conjuncts mention, that some skill makes true, and
 that no sequence of skills can reach are named with what their skills lack. If one withdrawn
 belief alone would make the task possible again, it is named.
+
+That takes a search per conjunct and per belief, so in flight it is done in parts (`explaining`).
+What a search cannot answer within its limit leaves the conjunct in the set, and the belief out.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 from companion.errors import NoPlanError
 from companion.ltl.formula import atoms
 from companion.planning.domain import Action, Fact
 from companion.planning.lasso import Conjunct, Problem
+
+IsSolvable = Callable[[Problem], bool | None]
+"""Whether a problem has a plan; None if that would take too long to find out."""
 
 _SHOWN = 6  # alternatives that are listed in words
 
@@ -85,21 +91,27 @@ class NoPlan(NoPlanError):
         super().__init__(str(explanation))
 
 
-def why_no_plan(problem: Problem, is_solvable: Callable[[Problem], bool]) -> Explanation:
+def why_no_plan(problem: Problem, is_solvable: IsSolvable) -> Explanation:
     """The reason why a problem has no plan."""
+    return next(filter(None, explaining(problem, is_solvable)))
+
+
+def explaining(problem: Problem, is_solvable: IsSolvable) -> Iterator[Explanation | None]:
+    """The same in parts of one search each: None until the reason is found."""
     core = list(range(len(problem.conjuncts)))
     for i in tuple(core):
         rest = [j for j in core if j != i]
-        if not is_solvable(_only(problem, rest)):
+        if is_solvable(_only(problem, rest)) is False:
             core = rest
+        yield None
+    withdrawn, restoring = tuple(sorted(problem.withdrawn)), []
+    for belief in withdrawn:
+        if is_solvable(_with(problem, belief)):
+            restoring.append(belief)
+        yield None
     conflict = tuple(problem.conjuncts[i] for i in core)
-    withdrawn = tuple(sorted(problem.withdrawn))
-    return Explanation(
-        conflict,
-        _unreachable(problem, conflict),
-        withdrawn,
-        tuple(b for b in withdrawn if is_solvable(_with(problem, b))),
-    )
+    unreachable = _unreachable(problem, conflict)
+    yield Explanation(conflict, unreachable, withdrawn, tuple(restoring))
 
 
 def _only(problem: Problem, indices: list[int]) -> Problem:

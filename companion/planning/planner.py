@@ -19,7 +19,7 @@ from companion.planning.builtin.search import Search
 from companion.planning.check import fault
 from companion.planning.domain import Action, Fact, FlightTime, TaskModel, departures, ground
 from companion.planning.effort import IN_FLIGHT, ON_THE_GROUND, Effort
-from companion.planning.explain import NoPlan, why_no_plan
+from companion.planning.explain import Explanation, NoPlan, explaining, why_no_plan
 from companion.planning.lasso import Conjunct, Lasso, Letter, Problem, Solution
 from companion.planning.objective import Objective
 
@@ -104,7 +104,6 @@ class Planner:
         problem: Problem,
         histories: Sequence[Sequence[Letter]],
         objective: Objective = Objective.LAP,
-        effort: Effort = ON_THE_GROUND,
     ) -> Iterator[Solution]:
         """Checked solutions, each better than the one before; the last one is the best known.
 
@@ -116,12 +115,8 @@ class Planner:
             NoPlanError: there is none; the message says why.
         """
         found = False
-        for solution in self._search.solutions(problem, objective, effort):
+        for solution in self._checked(problem, histories, objective, ON_THE_GROUND):
             found = True
-            wrong = fault(problem, solution.lasso, histories)
-            if wrong is not None:
-                text = f"the planner made a wrong plan, {solution.lasso}: {wrong}"
-                raise CompanionError(text)
             yield solution
         if not found:
             raise NoPlan(why_no_plan(problem, self._search.is_solvable))
@@ -131,6 +126,31 @@ class Planner:
         *_, best = self.solutions(problem, histories)
         return best.lasso
 
-    def replan(self, problem: Problem, histories: Sequence[Sequence[Letter]]) -> Lasso:
-        """The first lasso that is found: in flight an answer has to come at once."""
-        return next(self.solutions(problem, histories, effort=IN_FLIGHT)).lasso
+    def replan(self, problem: Problem, histories: Sequence[Sequence[Letter]]) -> Lasso | None:
+        """The first lasso that is found: in flight an answer has to come at once.
+
+        None if there is none; `reasons` says why.
+
+        Raises:
+            NoPlanError: the search was given up.
+        """
+        first = next(self._checked(problem, histories, Objective.LAP, IN_FLIGHT), None)
+        return first.lasso if first else None
+
+    def reasons(self, problem: Problem) -> Iterator[Explanation | None]:
+        """Why there is no plan, in parts that are quick: None until it is known."""
+        return explaining(problem, lambda asked: self._search.is_solvable(asked, IN_FLIGHT))
+
+    def _checked(
+        self,
+        problem: Problem,
+        histories: Sequence[Sequence[Letter]],
+        objective: Objective,
+        effort: Effort,
+    ) -> Iterator[Solution]:
+        for solution in self._search.solutions(problem, objective, effort):
+            wrong = fault(problem, solution.lasso, histories)
+            if wrong is not None:
+                text = f"the planner made a wrong plan, {solution.lasso}: {wrong}"
+                raise CompanionError(text)
+            yield solution

@@ -179,11 +179,13 @@ def test_nothing_but_the_initial_state_changes_in_flight(
     rig = Rig(surveillance, surveillance_routes)
     automata = [conjunct.automaton for conjunct in rig.planner.conjuncts]
     actions = rig.planner.model.actions
-    planned = Mock(wraps=rig.planner.solutions)
-    monkeypatch.setattr(rig.planner, "solutions", planned)
+    planned, replanned = Mock(wraps=rig.planner.plan), Mock(wraps=rig.planner.replan)
+    monkeypatch.setattr(rig.planner, "plan", planned)
+    monkeypatch.setattr(rig.planner, "replan", replanned)
     fly_section_5(rig)
 
-    problems: list[Problem] = [call.args[0] for call in planned.call_args_list]
+    calls = [*planned.call_args_list, *replanned.call_args_list]
+    problems: list[Problem] = [call.args[0] for call in calls]
     assert len(problems) == 4  # after the target was found also: is the plan still the best one?
     assert translated.call_count == len(automata) == 5
     assert grounded.call_count == 1

@@ -26,7 +26,7 @@ from scipy.sparse.csgraph import connected_components
 
 from companion.planning.builtin.errands import Errands
 from companion.planning.builtin.loops import Loops, loops_of
-from companion.planning.builtin.product import Product, Restrictions
+from companion.planning.builtin.product import Product, Restrictions, SearchLimit
 from companion.planning.builtin.rounds import FAR
 from companion.planning.builtin.system import Vocabulary
 from companion.planning.builtin.ways import Stride, Ways
@@ -49,13 +49,15 @@ class Search:
         self._vocabulary = Vocabulary(actions)
         self._restrictions = Restrictions()
 
-    def is_solvable(self, problem: Problem) -> bool:
-        """Whether there is a lasso.
-
-        Raises:
-            SearchLimit: the product has too many states to search.
-        """
-        return next(self.solutions(problem), None) is not None
+    def is_solvable(self, problem: Problem, effort: Effort = ON_THE_GROUND) -> bool | None:
+        """Whether there is a lasso; None if the product has too many states to search."""
+        try:
+            product = self._product(problem, effort)
+        except SearchLimit:
+            return None
+        if not product.errands:  # then any loop will do
+            return bool(_accepting_components(product))
+        return next(_plans(product, Objective.LAP, effort), None) is not None
 
     def solutions(
         self,
@@ -70,34 +72,16 @@ class Search:
         Raises:
             SearchLimit: the product has too many states to search.
         """
-        product = Product(problem, self._vocabulary, self._restrictions, effort.edges)
-        components = _accepting_components(product)
-        if not components or not all(product.errands):
-            return
-        ways = Ways(product)
-        offers = [loops_of(product, nodes, ways, effort) for nodes in components]
-        best_ms = FAR
-        for is_second in (False, True):
-            for offer in offers if is_second else ():
-                offer.improve()
-            plan = (
-                _over_errands(product, offers, ways, objective, effort, is_second)
-                if product.errands
-                else _direct(offers, ways, objective)
+        for plan in _plans(self._product(problem, effort), objective, effort):
+            prefix, suffix = (
+                tuple(problem.actions[stride.action] for stride in part)
+                for part in (plan.prefix, plan.suffix)
             )
-            if plan is None:
-                return
-            is_last = is_second or (plan.is_final and all(loops.is_final for loops in offers))
-            if plan.cost_ms < best_ms or is_last:
-                best_ms = plan.cost_ms
-                prefix, suffix = (
-                    tuple(problem.actions[stride.action] for stride in part)
-                    for part in (plan.prefix, plan.suffix)
-                )
-                lasso = Lasso(prefix, suffix)
-                yield Solution(lasso, objective, plan.cost_ms, plan.bound_ms, ENGINE)
-            if is_last:
-                return
+            lasso = Lasso(prefix, suffix)
+            yield Solution(lasso, objective, plan.cost_ms, plan.bound_ms, ENGINE)
+
+    def _product(self, problem: Problem, effort: Effort) -> Product:
+        return Product(problem, self._vocabulary, self._restrictions, effort.edges)
 
 
 def _accepting_components(product: Product) -> list[NDArray[np.intp]]:
@@ -125,6 +109,32 @@ class _Plan(NamedTuple):
     cost_ms: int
     bound_ms: int
     is_final: bool
+
+
+def _plans(product: Product, objective: Objective, effort: Effort) -> Iterator[_Plan]:
+    """Lassos in the product, each better than the one before; none if there is none."""
+    components = _accepting_components(product)
+    if not components or not all(product.errands):
+        return
+    ways = Ways(product)
+    offers = [loops_of(product, nodes, ways, effort) for nodes in components]
+    best_ms = FAR
+    for is_second in (False, True):
+        for offer in offers if is_second else ():
+            offer.improve()
+        plan = (
+            _over_errands(product, offers, ways, objective, effort, is_second)
+            if product.errands
+            else _direct(offers, ways, objective)
+        )
+        if plan is None:
+            return
+        is_last = is_second or (plan.is_final and all(loops.is_final for loops in offers))
+        if plan.cost_ms < best_ms or is_last:
+            best_ms = plan.cost_ms
+            yield plan
+        if is_last:
+            return
 
 
 def _direct(offers: list[Loops], ways: Ways, objective: Objective) -> _Plan:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from dataclasses import replace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -13,13 +14,18 @@ from rig import Rig
 from synthetic import POSITIONS, command, event, mission, move, reading
 
 from companion.acting.executive import MAX_IDLE_REPLANS, TaskStatus
+from companion.acting.flight import TICK_S
+from companion.acting.inquiry import SEARCHES_PER_TICK
 from companion.errors import NoPlanError
 from companion.geometry import distance
 from companion.mission.model import Event, Execution, Land, Mission, Skill, TakeOff, Wait
 from companion.motion.grid import OccupancyGrid
+from companion.planning.builtin.search import Search
+from companion.planning.explain import why_no_plan
 from companion.vehicle.port import hold_at
 
 FOUND, LOW = event("found"), event("low")
+DO = command("do", "at(H)", "done")
 A_OR_B = "(G F found & G F at(A)) | (G F !found & G F at(B))"
 
 
@@ -98,7 +104,7 @@ def test_an_event_that_only_a_precondition_mentions_replans() -> None:
     rig.vehicle.answers = [(5.0, DONE)]
     rig.tick()
     rig.tick(reading("low"))
-    assert rig.executive.status is TaskStatus.NO_PLAN
+    rig.run(lambda: rig.executive.status is TaskStatus.NO_PLAN, limit_s=0.5)
     assert rig.of_kind("replan")[0].startswith("replan 1: low: no plan: task cannot hold")
 
 
@@ -150,6 +156,37 @@ def test_the_vehicle_holds_where_no_plan_is_left() -> None:
     rig.vehicle.answers = [(0.0, failed("denied"))]
     rig.run_to_the_end()
     assert rig.vehicle.setpoint == hold_at(POSITIONS["H"], 0.0)
+
+
+def test_the_reason_is_found_in_parts_while_the_vehicle_holds(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Setpoints do not wait for it; what is told is what would be told at once."""
+    conjuncts = {f"c{i}": f"F at({name}) | F done" for i, name in enumerate("AB" * 5)}
+    rig = Rig(mission({"do": "F done", **conjuncts}, skills=[DO])).begin()
+    searches = Mock(wraps=rig.planner.reasons)
+    monkeypatch.setattr(rig.planner, "reasons", searches)
+    rig.vehicle.answers = [(0.0, failed("denied"))]
+    rig.run(lambda: rig.executive.status is TaskStatus.NO_PLAN, limit_s=2.0)
+    (failed_s,) = [r.time_s for r in rig.reports if r.kind == "withdrawn"]
+    (told,) = [r for r in rig.reports if r.kind == "replan"]
+    searched = len(conjuncts) + 1 + 1  # a search per conjunct and per belief
+    assert told.time_s - failed_s == pytest.approx(TICK_S * (searched / SEARCHES_PER_TICK))
+    assert rig.vehicle.setpoint == hold_at(POSITIONS["H"], 0.0)
+    (asked,) = searches.call_args_list
+    why = why_no_plan(asked.args[0], Search().is_solvable)
+    assert told.text == f"replan 1: {told.data['reason']}: {why}"
+
+
+def test_a_belief_that_comes_back_meanwhile_gives_a_plan() -> None:
+    again = replace(event("again"), restores=frozenset({"can_do"}))
+    conjuncts = {f"c{i}": f"F at({name}) | F done" for i, name in enumerate("AB" * 5)}
+    rig = Rig(mission({"do": "F done", **conjuncts}, skills=[DO], events=[again])).begin()
+    rig.vehicle.answers = [(0.0, failed("denied")), (0.0, DONE)]
+    rig.run(lambda: bool(rig.of_kind("withdrawn")), limit_s=2.0)
+    rig.tick(reading("again"))
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED
+    assert "no plan" not in " ".join(rig.texts)
 
 
 def test_a_flapping_event_ends_in_no_plan_and_not_in_replans_for_ever() -> None:
@@ -288,7 +325,7 @@ def test_an_event_that_no_plan_survives_violates_where_the_vehicle_arrives() -> 
     for _ in range(30):
         rig.tick()
     rig.tick(reading("low"))
-    assert rig.executive.status is TaskStatus.NO_PLAN
+    rig.run(lambda: rig.executive.status is TaskStatus.NO_PLAN, limit_s=0.5)
     assert rig.texts[-1].startswith("replan 1: low: no plan: safe cannot hold from here")
     assert rig.executive.go_to("H")
     assert rig.of_kind("violation") == []
@@ -307,7 +344,7 @@ def test_an_event_that_no_plan_survives_violates_where_the_vehicle_arrives() -> 
 def test_a_violation_at_the_start_is_told_when_the_start_is_left() -> None:
     rig = safe_visit()
     rig.tick(reading("low"))
-    assert rig.executive.status is TaskStatus.NO_PLAN
+    rig.run(lambda: rig.executive.status is TaskStatus.NO_PLAN, limit_s=0.5)
     assert rig.of_kind("violation") == []
     assert rig.executive.go_to("H")
     rig.tick()
@@ -321,7 +358,7 @@ def violated_at_the_start(restarts: Iterable[str] = ()) -> Rig:
     task = {"tour": "G F at(A) & G F at(B)", "safe": "G !low", "or": "F lamp | F calm | F at(H)"}
     rig = Rig(mission(task, events=events)).begin()
     rig.tick(reading("low"))
-    assert rig.executive.status is TaskStatus.NO_PLAN
+    rig.run(lambda: rig.executive.status is TaskStatus.NO_PLAN, limit_s=0.5)
     assert rig.executive.go_to("A")
     rig.run(lambda: rig.flight.now_s > 2.0)
     assert rig.of_kind("violation") == ["safe violated at position 0: G !low"]

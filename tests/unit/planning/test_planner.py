@@ -153,11 +153,16 @@ def test_the_objective_is_passed_on() -> None:
 
 def test_no_plan_is_explained() -> None:
     made = planner(mission({"stay": "G at(H)", "go": "F at(A)"}))
-    for ask in (made.plan, made.replan):
-        with pytest.raises(NoPlanError, match="stay, go cannot hold together") as caught:
-            ask(*at_the_start(made))
-        assert isinstance(caught.value, NoPlan)
-        assert [c.name for c in caught.value.explanation.conflict] == ["stay", "go"]
+    with pytest.raises(NoPlanError, match="stay, go cannot hold together") as caught:
+        made.plan(*at_the_start(made))
+    assert isinstance(caught.value, NoPlan)
+    assert [c.name for c in caught.value.explanation.conflict] == ["stay", "go"]
+
+    problem, histories = at_the_start(made)
+    assert made.replan(problem, histories) is None
+    *searches, explanation = made.reasons(problem)
+    assert searches == [None, None]
+    assert explanation == caught.value.explanation
 
 
 def test_a_wrong_plan_is_never_handed_out(monkeypatch: pytest.MonkeyPatch) -> None:
