@@ -1,7 +1,7 @@
 """Puts everything together, and lives as long as the program: from the link to what is flown.
 
-`Companion` is a state machine: time and datagrams in, datagrams out. `fly` drives it in real
-(or scaled) time from a socket; the simulator's harness drives the same object in lockstep.
+`Companion` is a state machine: time and datagrams in, datagrams out. `driving.fly` drives it in
+real (or scaled) time from a socket; the simulator's harness drives the same object in lockstep.
 """
 
 from __future__ import annotations
@@ -10,17 +10,15 @@ from pathlib import Path
 from typing import Protocol
 
 from companion.acting.authority import loss_of_link
-from companion.acting.flight import TICK_S
 from companion.acting.phases import ON_THE_GROUND, Phase
 from companion.acting.report import Report
-from companion.errors import CompanionError, LinkTimeout
+from companion.errors import CompanionError
 from companion.ground.component import WANTED, Component
 from companion.ground.operations import Page, Standing, Uploads
 from companion.ground.parameters import BELIEF_RETRY, SPEED_MAX
 from companion.mavlink.framing import Message, source
 from companion.mission.model import Mission
 from companion.run import Recorder, Run
-from companion.vehicle.link import ScaledClock, UdpLink
 from companion.vehicle.telemetry import TELEMETRY, Telemetry
 from companion.vehicle.wire import AUTOPILOT, Wire
 
@@ -271,29 +269,3 @@ class Companion:
         vehicle = self._run.vehicle if self._run else None
         wanted = vehicle.wanted if vehicle else TELEMETRY
         self._wire.listen(wanted | WANTED, vehicle.continual if vehicle else frozenset())
-
-
-def fly(companion: Companion, link: UdpLink, clock: ScaledClock, timeout_s: float) -> None:
-    """Drives a companion over a link, at 20 Hz of the clock's time, until it has ended.
-
-    While nothing is flown, what arrives is answered at once: a file comes as a request after the
-    other, and each would wait for the next tick.
-
-    Raises:
-        LinkTimeout: no vehicle was heard in time (seconds of the clock's time).
-    """
-    next_tick_s = clock.now_s()
-    while not companion.has_ended:
-        is_tick = not (companion.is_idle and link.wait(clock.wall_s_until(next_tick_s)))
-        if is_tick:
-            clock.sleep_until(next_tick_s)
-        now_s = clock.now_s()
-        link.send(companion.step(now_s, link.receive()))
-        if companion.is_waiting and now_s > timeout_s:
-            raise LinkTimeout(
-                f"no vehicle on {link.endpoint} after {timeout_s:.0f} s: {link.account()}\n"
-                "    PX4 SITL and `sitl` send to port 14540 by themselves; is one running?\n"
-                "    QGroundControl must not listen on this port"
-            )
-        if is_tick or now_s > next_tick_s:
-            next_tick_s = max(next_tick_s + TICK_S, now_s)

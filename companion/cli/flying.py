@@ -215,7 +215,7 @@ def _print(report: Report) -> None:
 
 
 def _fly(companion: Companion, endpoint: Endpoint, speed: float, timeout_s: float) -> None:
-    from companion.app import fly
+    from companion.driving import fly
     from companion.vehicle.link import ScaledClock, UdpLink
 
     link = UdpLink(endpoint)

@@ -13,7 +13,8 @@ from synthetic import PAYLOAD, POSITIONS, command, event, mission
 
 from companion.acting.flight import TICK_S
 from companion.acting.report import Report
-from companion.app import Companion, fly
+from companion.app import Companion
+from companion.driving import fly
 from companion.errors import Aborted, LinkTimeout
 from companion.geometry import Ned
 from companion.mavlink.framing import Endpoint, dialect

@@ -1,0 +1,55 @@
+"""How is a companion driven by the clock, over a link?
+
+In real or scaled time, at 20 Hz, in one loop with no thread beside it.
+"""
+
+from __future__ import annotations
+
+import gc
+
+from companion.acting.flight import TICK_S
+from companion.app import Companion
+from companion.errors import LinkTimeout
+from companion.ground.operations import Standing
+from companion.vehicle.link import ScaledClock, UdpLink
+
+
+def fly(companion: Companion, link: UdpLink, clock: ScaledClock, timeout_s: float) -> None:
+    """Drives a companion over a link, at 20 Hz of the clock's time, until it has ended.
+
+    While nothing is flown, what arrives is answered at once: a file comes as a request after the
+    other, and each would wait for the next tick.
+
+    Raises:
+        LinkTimeout: no vehicle was heard in time (seconds of the clock's time).
+    """
+    next_tick_s, was_flying = clock.now_s(), False
+    while not companion.has_ended:
+        is_tick = not (companion.is_idle and link.wait(clock.wall_s_until(next_tick_s)))
+        if is_tick:
+            clock.sleep_until(next_tick_s)
+        now_s = clock.now_s()
+        link.send(companion.step(now_s, link.receive()))
+        if companion.is_waiting and now_s > timeout_s:
+            raise LinkTimeout(
+                f"no vehicle on {link.endpoint} after {timeout_s:.0f} s: {link.account()}\n"
+                "    PX4 SITL and `sitl` send to port 14540 by themselves; is one running?\n"
+                "    QGroundControl must not listen on this port"
+            )
+        is_flying = companion.standing is not Standing.STANDBY
+        if is_flying and not was_flying:
+            _set_aside()
+        was_flying = is_flying
+        if is_tick or now_s > next_tick_s:
+            next_tick_s = max(next_tick_s + TICK_S, now_s)
+
+
+def _set_aside() -> None:
+    """Before a flight: what is there by now is not searched for garbage any more.
+
+    With 20 sites that would take 50 ms, a tick, every other minute. What a flight leaves behind is
+    searched again before the next one.
+    """
+    gc.unfreeze()
+    gc.collect()
+    gc.freeze()
