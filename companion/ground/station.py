@@ -5,8 +5,8 @@ vehicle's system. For files MAVSDK can be told so (`set_target_compid`). Its plu
 and texts speak to the autopilot alone or do not say who spoke, so these go through
 `mavlink_direct`, which names the target in the message and the sender in the answer.
 
-A file is sent in pieces, each after the answer to the one before: at the companion's 20 ticks a
-second 4.7 KiB/s. So files that are there already, by their checksum, are not sent again.
+A file is sent in pieces, each after the answer to the one before: in flight, at the companion's 20
+ticks a second, 4.7 KiB/s. So files that are there already, by their checksum, are not sent again.
 """
 
 from __future__ import annotations

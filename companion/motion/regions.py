@@ -7,6 +7,7 @@ outside. Centres and radii are in cells (`sight.py`).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import compress
 
 import numpy as np
 import numpy.typing as npt
@@ -54,5 +55,5 @@ class Regions:
         return np.asarray(np.any(entered, axis=-1))
 
     def _chosen(self, which: npt.NDArray[np.bool_]) -> Regions:
-        names = tuple(name for name, chosen in zip(self.names, which, strict=True) if chosen)
+        names = tuple(compress(self.names, which.tolist()))
         return Regions(names, self.centres[which], self.radii[which])
