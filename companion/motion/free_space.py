@@ -114,8 +114,9 @@ class FreeSpace:
             return own_cell
         view = self._view(start, own_cell)
         cells = view.cells[np.isfinite(cost[view.cells[:, 0], view.cells[:, 1]])]
-        centres = cells.astype(np.float64) + 0.5
-        cells = cells[~others.near(point, self._reach + 1).are_entered(point, centres)]
+        near = others.near(point, self._reach + 1)
+        if near.names:
+            cells = cells[~near.are_entered(point, cells + 0.5)]
         if not len(cells):
             return None
         entry = cells[0]

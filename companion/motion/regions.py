@@ -34,8 +34,9 @@ class Regions:
         return self._chosen(np.array([other != name for other in self.names], dtype=np.bool_))
 
     def near(self, point: Points, reach: float) -> Regions:
-        """Those that a leg from a point can come to within a reach."""
-        return self._chosen(self.away(point) <= reach)
+        """Those that a leg from a point can come into within a reach: not those that it is in."""
+        away = self.away(point)
+        return self._chosen((away >= 0) & (away <= reach))
 
     def around(self, points: Points) -> Regions:
         """Those that legs between some points (n, 2) can come to."""
