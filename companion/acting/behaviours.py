@@ -11,25 +11,25 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from companion.acting.flight import Flight
+from companion.acting.predictions import Predictions
 from companion.mission.model import Command
-from companion.planning.domain import Action, Fact
+from companion.planning.domain import Action
 from companion.vehicle.port import Progress
 
 
 class AsPredicted(Behaviour):
     """Leftmost branch: do the events that matter to the plan still have their values?"""
 
-    def __init__(self, flight: Flight, predicted: dict[Fact, bool]) -> None:
+    def __init__(self, flight: Flight, predictions: Predictions) -> None:
         super().__init__("as predicted?")
         self._flight = flight
-        self._predicted = predicted
+        self._predictions = predictions
 
     def update(self) -> Status:
         """FAILURE on the first difference, which replans."""
         if self._flight.is_grounded:
             return Status.SUCCESS  # what was begun on the ground is finished first
-        facts = self._flight.task.facts
-        wrong = [f for f, holds in self._predicted.items() if (f in facts) != holds]
+        wrong = self._predictions.wrong
         self.feedback_message = ", ".join(wrong)
         return Status.FAILURE if wrong else Status.SUCCESS
 

@@ -25,11 +25,12 @@ from enum import Enum
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from companion.acting.events import EventDetector
+from companion.acting.events import EventDetector, in_words
 from companion.acting.flight import Flight
 from companion.acting.hand_tree import build_by_hand
 from companion.acting.inquiry import Inquiry
 from companion.acting.positions import tell_positions
+from companion.acting.predictions import Predictions
 from companion.acting.tree import build
 from companion.acting.tree_report import TreeReport
 from companion.acting.ways import Ways
@@ -84,7 +85,7 @@ class Executive:
         self._detector = detector
         self._root: Behaviour | None = None
         self._tree_report: TreeReport | None = None
-        self._predicted: dict[Fact, bool] = {}
+        self._predictions = Predictions(planner, flight)
         self._idle_replans = 0
         self._positions = 0
         self._due, self._due_s = "", 0.0
@@ -97,7 +98,7 @@ class Executive:
         restores: frozenset[str] = frozenset()
         for name, holds in self._detector.update(flight.now_s, readings):
             flight.task.take(events[name], holds)
-            flight.report("event", _in_words(name, holds), event=name, holds=holds)
+            flight.report("event", in_words(name, holds), event=name, holds=holds)
             restores |= events[name].restores if holds else frozenset()
         for belief in flight.task.restore(flight.now_s, restores):
             flight.report("restored", f"belief {belief} restored", belief=belief)
@@ -130,9 +131,13 @@ class Executive:
         if self._due:
             return self._plan_again()
         flight, laps = self._flight, self._flight.laps
-        self._forget_what_is_done(self.lasso)
-        if self._surprise() and not flight.is_grounded and self._is_still_best(self.lasso):
-            self._predict()
+        self._predictions.narrow(self.lasso)
+        if (
+            self._predictions.surprise
+            and not flight.is_grounded
+            and self._is_still_best(self.lasso)
+        ):
+            self._predictions.renew()
         if not flight.is_grounded and self._ways.have_changed() and self._ways.are_known():
             lost = self._ways.follow()
             if lost and not self.is_leaving and not self._is_still_best(self.lasso):
@@ -221,7 +226,9 @@ class Executive:
         task.interrupt()
         self._count_idle()
         violated = f"{', '.join(task.violated)} violated" if task.violated else ""
-        self._due = why or self._surprise() or flight.failure or violated or "a belief came back"
+        self._due = (
+            why or self._predictions.surprise or flight.failure or violated or "a belief came back"
+        )
         self._due_s = flight.now_s
         self._plan_again()
 
@@ -293,18 +300,10 @@ class Executive:
         self._inquiry = None
         self.needs_take_off, flight.is_grounded = flight.is_grounded, False
         self.lasso = lasso
-        self._predict()
-        self._forget_what_is_done(lasso)
-        self._root = build(flight, lasso, self._predicted)
+        self._predictions.renew()
+        self._predictions.narrow(lasso)
+        self._root = build(flight, lasso, self._predictions)
         self._tree_report = TreeReport(flight, self._root)
-
-    def _predict(self) -> None:
-        """The plan relies on the events' present values; the tree's leftmost branch looks here."""
-        facts, violated = self._flight.task.facts, self._flight.task.violated
-        self._predicted.clear()
-        for name, event in self._planner.mission.events.items():
-            if set(violated) <= event.restarts:
-                self._predicted[name] = name in facts
 
     def _is_still_best(self, lasso: Lasso) -> bool:
         """Whether a plan made now, as from the place left last, is the rest of the present one."""
@@ -321,29 +320,3 @@ class Executive:
     def _is_rest_of(self, lasso: Lasso, new: Lasso) -> bool:
         """Whether a new plan is what is left of another one."""
         return new.names(COMPARED) == lasso.names(COMPARED, self._flight.completed)
-
-    def _forget_what_is_done(self, lasso: Lasso) -> None:
-        """Predicts only events that the task, or a precondition still to come, mentions."""
-        left = (*lasso.prefix[self._flight.completed :], *lasso.suffix)
-        relevant = self._planner.task_facts.union(*(a.requires | a.forbids for a in left))
-        for name in self._predicted.keys() - relevant:
-            del self._predicted[name]
-
-    def _surprise(self) -> str:
-        """The events that are not as predicted, in words."""
-        facts = self._flight.task.facts
-        return "; ".join(
-            _in_words(name, name in facts)
-            for name, holds in self._predicted.items()
-            if (name in facts) != holds
-        )
-
-
-def _in_words(event: str, holds: bool) -> str:
-    """An event in words.
-
-    >>> _in_words("targetFound", True), _in_words("lowBattery", False)
-    ('target found', 'no longer low battery')
-    """
-    words = "".join(f" {c.lower()}" if c.isupper() else c for c in event).replace("_", " ").strip()
-    return words if holds else f"no longer {words}"

@@ -38,8 +38,9 @@ from companion.acting.behaviours import (
 from companion.acting.deadline import Deadline
 from companion.acting.flight import Flight
 from companion.acting.moving import MoveCommand
+from companion.acting.predictions import Predictions
 from companion.mission.model import Charge, Command, Fly, Land, TakeOff, Wait
-from companion.planning.domain import Action, Fact, Refinement, Step
+from companion.planning.domain import Action, Refinement, Step
 from companion.planning.lasso import Lasso
 
 FOR_EVER = -1
@@ -59,20 +60,20 @@ class ActionNode(Selector):
             self._flight.task.interrupt()
 
 
-def build(flight: Flight, lasso: Lasso, predicted: dict[Fact, bool]) -> Behaviour:
+def build(flight: Flight, lasso: Lasso, predictions: Predictions) -> Behaviour:
     """The tree of a lasso.
 
     Args:
         flight: what the leaves act on.
         lasso: the plan.
-        predicted: the values of events on which the plan relies.
+        predictions: the values of events on which the plan relies.
     """
     prefix = [action_tree(flight, a) for a in lasso.prefix]
     last = len(lasso.suffix) - 1
     lap = [action_tree(flight, a, ends_lap=i == last) for i, a in enumerate(lasso.suffix)]
     loop = Repeat("L", _sequence("lap", lap), num_success=FOR_EVER)
     root = Sequence("root", memory=False)
-    root.add_children([AsPredicted(flight, predicted), _sequence("plan", [*prefix, loop])])
+    root.add_children([AsPredicted(flight, predictions), _sequence("plan", [*prefix, loop])])
     return root
 
 

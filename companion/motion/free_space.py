@@ -116,7 +116,7 @@ class FreeSpace:
         cells = view.cells[np.isfinite(cost[view.cells[:, 0], view.cells[:, 1]])]
         near = others.near(point, self._reach + 1)
         if near.names:
-            cells = cells[~near.are_entered(point, cells + 0.5)]
+            cells = cells[~near.are_entered(point, cells.astype(np.float64) + 0.5)]
         if not len(cells):
             return None
         entry = cells[0]

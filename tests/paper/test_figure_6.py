@@ -14,6 +14,7 @@ from rig import Rig
 from synthetic import POSITIONS, mission, move
 
 from companion.acting.executive import TaskStatus
+from companion.acting.predictions import Predictions
 from companion.acting.tree import build
 from companion.planning.domain import WAIT, Action
 from companion.planning.lasso import Lasso
@@ -30,7 +31,11 @@ class Figure:
         self.action: Action = next(
             a for a in self.rig.planner.model.actions if a.name == "move(H, A)"
         )
-        self.root = build(self.rig.flight, Lasso((self.action,), (WAIT,)), {})
+        self.root = build(
+            self.rig.flight,
+            Lasso((self.action,), (WAIT,)),
+            Predictions(self.rig.planner, self.rig.flight),
+        )
         self.selector = self.root.children[1].children[0]
         self.triple, self.inverter = self.selector.children
         self.green, self.yellow, self.blue = self.triple.children

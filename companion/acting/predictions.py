@@ -1,0 +1,58 @@
+"""On which events does the plan rely, and which of them have turned out otherwise?
+
+Planning assumes that every event keeps its value. A change matters only if the task, or the
+precondition of an action still to come, mentions the event.
+"""
+
+from __future__ import annotations
+
+from companion.acting.events import in_words
+from companion.acting.flight import Flight
+from companion.planning.domain import Fact
+from companion.planning.lasso import Lasso
+from companion.planning.planner import Planner
+
+
+class Predictions:
+    """The values of events that the present plan relies on.
+
+    Args:
+        planner: of the mission with the events.
+        flight: knows what holds now.
+    """
+
+    def __init__(self, planner: Planner, flight: Flight) -> None:
+        self._planner = planner
+        self._flight = flight
+        self._values: dict[Fact, bool] = {}
+
+    def renew(self) -> None:
+        """Every event keeps its present value.
+
+        On the way home after a violation none is looked at but those by which all that is violated
+        begins anew.
+        """
+        facts, violated = self._flight.task.facts, set(self._flight.task.violated)
+        self._values = {
+            name: name in facts
+            for name, event in self._planner.mission.events.items()
+            if violated <= event.restarts
+        }
+
+    def narrow(self, lasso: Lasso) -> None:
+        """Leaves out the events that matter to nothing that is left of a plan."""
+        left = (*lasso.prefix[self._flight.completed :], *lasso.suffix)
+        relevant = self._planner.task_facts.union(*(a.requires | a.forbids for a in left))
+        self._values = {name: holds for name, holds in self._values.items() if name in relevant}
+
+    @property
+    def wrong(self) -> list[Fact]:
+        """The events that are not as predicted."""
+        facts = self._flight.task.facts
+        return [name for name, holds in self._values.items() if (name in facts) != holds]
+
+    @property
+    def surprise(self) -> str:
+        """The same in words, empty if there are none."""
+        facts = self._flight.task.facts
+        return "; ".join(in_words(name, name in facts) for name in self.wrong)
