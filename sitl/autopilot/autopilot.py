@@ -16,34 +16,27 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 
 from companion.geometry import Ned
 from sitl.autopilot.arming import Readiness, objection
+from sitl.autopilot.basic_modes import Hold
 from sitl.autopilot.failsafe_state import FailsafeState
 from sitl.autopilot.failsafes import Conditions, battery_level
+from sitl.autopilot.flights import Flights
 from sitl.autopilot.geofence import Area, Geofence
 from sitl.autopilot.mission import Mission
 from sitl.autopilot.mission_items import Item
-from sitl.autopilot.modes import FLIGHT_MODES, FlightMode, Hold, Need, Situation
+from sitl.autopilot.modes import FLIGHT_MODES, Need
 from sitl.autopilot.motor_control import MotorControl
 from sitl.autopilot.notices import BATTERY_NOTICES, Notice, Severity, failsafe_notices
 from sitl.autopilot.parameters import Parameters
+from sitl.autopilot.situation import FlightMode, Situation
 from sitl.flight.controllers import Target
 from sitl.flight.mixer import Motors
 from sitl.flight.physics import FlightState
 
 COMMANDER_STEPS = 5  # modes, failsafes and targets are decided every 5th step, 50 Hz at 4 ms
 _DONE_WHEN_DISARMED = ("AUTO.TAKEOFF", "AUTO.RTL", "AUTO.LAND")
-
-
-@dataclass(frozen=True, slots=True)
-class Flights:
-    """How often the vehicle was armed, and when last; 0 for never."""
-
-    count: int = 0
-    armed_s: float = 0.0
-    in_air_s: float = 0.0
 
 
 class Autopilot:
@@ -88,8 +81,6 @@ class Autopilot:
         self._refusal: str | None = None
         self._takeoff_down_m = self._lowest_takeoff()
         self._flying: FlightMode = Hold.start(self._situation())
-        self._landed_s = state.time_s
-        self._has_flown = False
         self._until_commander = 0
 
     # What can be read.
@@ -133,13 +124,11 @@ class Autopilot:
             return False
         now_s = self._state.time_s
         self.is_armed = True
-        self.flights = Flights(self.flights.count + 1, now_s)
+        self.flights.begin(now_s)
         self.parameters.set("COM_FLIGHT_UUID", self.flights.count)
         self.home = self._state.position
         self.control.arm(self._state)
         self._failsafe = FailsafeState()
-        self._landed_s = now_s
-        self._has_flown = False
         self._takeoff_down_m = min(self._takeoff_down_m, self._lowest_takeoff())
         self._until_commander = 0
         self._enter(self.intended_mode)
@@ -273,12 +262,12 @@ class Autopilot:
         return motors
 
     def _note_landing(self, was_landed: bool) -> None:
-        now_s = self._state.time_s
-        self._has_flown = True
-        self._landed_s = now_s
-        if was_landed and not self.flights.in_air_s:
-            self.flights = replace(self.flights, in_air_s=now_s)
-        self._tell(Severity.INFO, "Takeoff detected" if was_landed else "Landing detected")
+        if was_landed:
+            self.flights.take_off(self._state.time_s)
+            self._tell(Severity.INFO, "Takeoff detected")
+        else:
+            self.flights.land(self._state.time_s)
+            self._tell(Severity.INFO, "Landing detected")
 
     def _command(self) -> None:
         """Decide on failsafes, modes and disarming."""
@@ -302,7 +291,8 @@ class Autopilot:
             self._flying = follower.flying
             if follower.text:
                 self._tell(Severity.INFO, follower.text)
-        self._disarm_by_itself(now_s)
+        if self.is_landed and (text := self.flights.over(now_s, self.parameters)):
+            self._stop(text)
 
     def _conditions(self) -> Conditions:
         now_s = self._state.time_s
@@ -321,18 +311,6 @@ class Autopilot:
         if level > self.battery:
             self.notices.append(BATTERY_NOTICES[level])
         self.battery = level
-
-    def _disarm_by_itself(self, now_s: float) -> None:
-        if not self.is_landed:
-            return
-        name, text = (
-            ("COM_DISARM_LAND", "Disarmed by landing")
-            if self._has_flown
-            else ("COM_DISARM_PRFLT", "Disarmed by auto preflight disarming")
-        )
-        limit_s = self.parameters[name]
-        if limit_s > 0 and now_s - self._landed_s >= limit_s:
-            self._stop(text)
 
     def _stop(self, text: str) -> None:
         self.is_armed = False

@@ -22,9 +22,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from enum import IntEnum
 
+from sitl.autopilot.basic_modes import Hold
 from sitl.autopilot.mission_items import Command, Item, speed_before
 from sitl.autopilot.mission_legs import LEGS, NEEDS_HEIGHT, Climb, Leg
-from sitl.autopilot.modes import Hold, Return, Situation, Succession, heading
+from sitl.autopilot.return_mode import Return
+from sitl.autopilot.situation import Situation, Succession, heading
 from sitl.flight.controllers import Target
 
 CHECKED_S = 0.02  # PX4 was seen to refuse a mission 0.01 s after its upload

@@ -20,8 +20,9 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from companion.geometry import Ned, horizontal_distance, wrap_angle
+from sitl.autopilot.basic_modes import Hold, Land, Takeoff
 from sitl.autopilot.mission_items import Command, Item
-from sitl.autopilot.modes import Hold, Land, Situation, Takeoff, heading
+from sitl.autopilot.situation import Situation, heading
 from sitl.flight.controllers import Target
 
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from companion.geometry import Quaternion
 from sitl.autopilot.landing import LandDetector
-from sitl.autopilot.modes import heading
 from sitl.autopilot.parameters import Parameters
+from sitl.autopilot.situation import heading
 from sitl.flight.controllers import Cascade, Limits, Target
 from sitl.flight.mixer import MAX_THRUST_N, Motors
 from sitl.flight.physics import FlightState

@@ -17,7 +17,8 @@ from companion.mavlink import ftp
 from companion.mavlink.framing import Endpoint, Message, dialect, source
 from companion.mavlink.px4_modes import mode_name
 from companion.mavlink.statustext import chunks
-from sitl.autopilot.modes import FLIGHT_MODES, heading
+from sitl.autopilot.modes import FLIGHT_MODES
+from sitl.autopilot.situation import heading
 from sitl.link import parameters, setpoints
 from sitl.link.commands import ACCEPTED_FIRST, execute, request_from
 from sitl.link.messages import KINDS, MESSAGES, compose, message_name

@@ -5,8 +5,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.mavlink.px4_modes import MODES
-from sitl.autopilot.modes import FLIGHT_MODES, descent_mps, return_height_m
+from sitl.autopilot.basic_modes import descent_mps
+from sitl.autopilot.modes import FLIGHT_MODES
 from sitl.autopilot.parameters import Parameters
+from sitl.autopilot.return_mode import return_height_m
 
 HOME = (0.0, 0.0, 0.0)
 
