@@ -42,7 +42,7 @@ TRANSLATED = {f"{group}, {kind}" for group in FORMULAS for kind in ("generalized
                 "parse MAVLink",
             },
         ),
-        pytest.param("missions", 35, set(), marks=pytest.mark.long),  # flies them all
+        pytest.param("missions", 44, set(), marks=pytest.mark.long),  # flies them all
     ],
 )
 def test_every_row_is_measured(group: str, count: int, with_peer: set[str]) -> None:

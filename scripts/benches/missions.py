@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+import gc
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from statistics import median
+from time import perf_counter
 
 from benches import Row, timed
 from benches.shipped import shipped
 from companion.acting.report import Report
 from companion.acting.task_state import TaskState
+from companion.app import Companion
 from companion.geometry import Ned, distance
+from companion.ground.operations import Standing
 from companion.mavlink.framing import Endpoint, split_frames
+from companion.mission.model import Mission
 from companion.planning.planner import Planner
-from companion.run import flight_times, route_map
+from companion.run import Recorder, flight_times, route_map
 from sitl.simulation import Simulation
 
 SETPOINT = bytes([84, 0, 0])  # id of SET_POSITION_TARGET_LOCAL_NED, in bytes 7 to 9 of a frame
@@ -60,6 +66,26 @@ class Tracking:
             self.gaps_m.append(distance(self.setpoint, truth))
 
 
+class Stopwatch(Companion):
+    """Takes the time of its steps while it has the vehicle.
+
+    Args:
+        ticks_s: where the times go.
+    """
+
+    def __init__(self, ticks_s: list[float], mission: Mission, recorder: Recorder) -> None:
+        super().__init__(mission, recorder)
+        self._ticks_s = ticks_s
+
+    def step(self, now_s: float, datagrams: list[bytes]) -> list[bytes]:
+        """One tick."""
+        start_s = perf_counter()
+        packets = super().step(now_s, datagrams)
+        if self.standing is Standing.ACTIVE:
+            self._ticks_s.append(perf_counter() - start_s)
+        return packets
+
+
 def planning(runs: int) -> Iterator[Row]:
     """The search for the first plan; the way between places is known."""
     for path in sorted({flight.mission: flight for flight in shipped()}.values(), key=str):
@@ -74,11 +100,17 @@ def planning(runs: int) -> Iterator[Row]:
 
 
 def flying(runs: int) -> Iterator[Row]:
-    """Setpoint against vehicle, and the room that was left; the same each time."""
+    """Setpoint against vehicle, and the room that was left, the same each time; what ticks take."""
     for flight in shipped():
-        seen = flight.fly(flight.load(), Tracking)
+        ticks_s: list[float] = []
+        mission = flight.load()
+        gc.collect()
+        gc.freeze()  # as before any flight by the clock
+        seen = flight.fly(mission, Tracking, companion=partial(Stopwatch, ticks_s))
+        gc.unfreeze()
         assert isinstance(seen, Tracking)
         square = sum(gap_m**2 for gap_m in seen.gaps_m) / len(seen.gaps_m)
         yield Row(f"{flight.name}: gap to setpoint, RMS", 100 * math.sqrt(square), "cm")
         yield Row(f"{flight.name}: gap to setpoint, worst", 100 * max(seen.gaps_m), "cm")
         yield Row(f"{flight.name}: least clearance", 100 * min(seen.clearances_m), "cm")
+        yield Row(f"{flight.name}: slowest tick of {len(ticks_s)}", 1000 * max(ticks_s), "ms")

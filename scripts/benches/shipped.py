@@ -41,12 +41,13 @@ class Shipped:
         mission: Mission,
         recorder: Callable[[Simulation], Recorder],
         seed: int = 0,
+        companion: Callable[[Mission, Recorder], Companion] = Companion,
     ) -> Recorder:
         """Flies it to its end, however it ends; the recorder is made for the simulation."""
         scenario, grid = read_scenario(self.scenario)
         simulation = Simulation(scenario, grid, seed=seed, links=frozenset({LinkName.OFFBOARD}))
         witness = recorder(simulation)
-        fly_in_lockstep(Companion(mission, witness), simulation)
+        fly_in_lockstep(companion(mission, witness), simulation)
         return witness
 
 
