@@ -1,7 +1,7 @@
 """What does a PDDL domain say of a mission? Its actions as skills, its types as sets.
 
-The domain and problem files are read by unified-planning and written in the mission's own
-terms, as if the author had: facts such as `in(p1, Home)`, effects such as
+The domain and problem files (`pddl_files.py`) are written in the mission's own terms, as if the
+author had: facts such as `in(p1, Home)`, effects such as
 `free & (wants(c, x) -> delivered(x))`. So they are checked, and errors are explained, in the
 same way. What an action does in the world (`execute`) stands in the mission file.
 
@@ -16,51 +16,23 @@ Source: McDermott et al., PDDL, 1998; the paper, last point of Section III-C.
 from __future__ import annotations
 
 import itertools
-import re
-import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from companion.documents import Document, did_you_mean
-from companion.errors import FormulaError, Location, MissionError
+from companion.errors import FormulaError, MissionError
 from companion.mission.literals import parse_fact
+from companion.mission.pddl_files import parsed
 from companion.mission.schema import MissionFile, SkillEntry
 
 if TYPE_CHECKING:
     from unified_planning.model import Action, Effect, FNode, Problem, Type, Variable
 
-INSTALL = "pip install 'mav-companion[planners]'"
-MAX_BYTES = 65_536  # as of a mission file
 OF_THE_DOMAIN = ("parameters", "precondition", "effect", "distinct")  # and not of the mission
-_KEYS = ("domain", "problem")
 TOTAL_COST = "total-cost"
 MAX_EXPANSION = 10_000  # choices for the variables of all forall together
-
-_FEATURES = (
-    "it needs :strips, :typing, :negative-preconditions, :equality, :conditional-effects, "
-    ":universal-preconditions or :action-costs, and its sections in the order :requirements, "
-    ":types, :constants, :predicates, :functions, :action"
-)
-_FOREIGN = {
-    "TIMED_EFFECTS": "facts that change at a time",
-    "CONTINUOUS_TIME": "actions with durations",
-    "PROCESSES": "processes",
-    "EVENTS": "events (they stand in the mission file)",
-    "TRAJECTORY_CONSTRAINTS": "constraints (write them as lines of the task)",
-    "STATE_INVARIANTS": "constraints (write them as lines of the task)",
-    "HIERARCHICAL": "tasks and methods",
-    "CONTINGENT": "unknown facts and observations",
-}
-"""Features of unified-planning that a mission has no word for."""
-
-_PLACE = re.compile(
-    r"[.,]? *(?:\(at char \d+\), \(|(?:error )?(?:in expression )?(?:found )?(?:from|at)? *)"
-    r"line: ?(\d+), col:? ?(\d+)",
-    re.IGNORECASE,
-)
-_QUOTED = re.compile(r"^UP\w+\((['\"])(.*?)\1?\)?$")  # an error of the reader inside another
 
 Binding = Mapping[str, str]
 """What stands for the variables of a universal effect."""
@@ -84,62 +56,8 @@ def with_domain(
         raise MissionError(
             "a problem without a domain", document.key_at("problem"), "add domain: FILE.pddl"
         )
-    imported = _Import(file, document, _parsed(folder, file, document))
+    imported = _Import(file, document, parsed(folder, file, document))
     return imported.merged(), imported.predicates()
-
-
-def _parsed(folder: Path, file: MissionFile, document: Document) -> Problem:
-    try:
-        from unified_planning.environment import get_environment
-        from unified_planning.io import PDDLReader
-    except ImportError:
-        what, hint = "PDDL needs unified-planning", f"install it: {INSTALL}"
-        raise MissionError(what, document.where("domain"), hint) from None
-    names = [name for name in (file.domain, file.problem) if name is not None]
-    texts = [_text(folder / name, document, key) for name, key in zip(names, _KEYS, strict=False)]
-    # A type and an object may share a name. The reader needs its global environment for forall.
-    get_environment().error_used_name = False
-    for last, (name, key) in enumerate(zip(names, _KEYS, strict=False)):
-        try:  # the domain alone first, so that an error is known to be in one file
-            with warnings.catch_warnings(action="ignore"):
-                problem = PDDLReader().parse_problem_string(*texts[: last + 1])
-            features = problem.kind.features
-        except Exception as error:  # the reader checks little and fails in any way on bad input
-            reason, place = _reason(error)
-            where = Location(str(folder / name), *place) if place else document.where(key)
-            what = f"{name} cannot be read as PDDL: {reason[:300]}"
-            raise MissionError(what, where, _FEATURES) from error
-        for feature, words in _FOREIGN.items():
-            if feature in features:
-                what = f"{name} has {words}, which are not supported"
-                raise MissionError(what, document.where(key), _FEATURES)
-    return problem
-
-
-def _reason(error: Exception) -> tuple[str, tuple[int, int] | None]:
-    """What the reader found, in one line, and at which line and column if it says so."""
-    if isinstance(error, RecursionError):
-        return "it is nested too deeply", None
-    if isinstance(error, KeyError):
-        return f"there is no type {error.args[0]}", None
-    if isinstance(error, TypeError | IndexError | AttributeError | AssertionError):
-        return "an expression has too few parts, or brackets in the wrong place", None
-    text = " ".join(str(error).split()) or type(error).__name__
-    place = _PLACE.search(text)
-    reason = _QUOTED.sub(r"\2", text[: place.start()] if place else text)
-    return reason, (int(place[1]), int(place[2])) if place else None
-
-
-def _text(path: Path, document: Document, key: str) -> str:
-    try:
-        with path.open("rb") as stream:
-            data = stream.read(MAX_BYTES + 1)
-        if len(data) > MAX_BYTES:
-            raise MissionError(f"{path.name} has more than {MAX_BYTES} bytes", document.where(key))
-        return data.decode("utf-8")
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise MissionError(f"{path} cannot be read: {reason}", document.where(key)) from error
 
 
 @dataclass(frozen=True)
