@@ -47,8 +47,8 @@ def fly(companion: Companion, link: UdpLink, clock: ScaledClock, timeout_s: floa
 def _set_aside() -> None:
     """Before a flight: what is there by now is not searched for garbage any more.
 
-    With 20 sites that would take 50 ms, a tick, every other minute. What a flight leaves behind is
-    searched again before the next one.
+    With 20 sites that took 50 ms, a tick, once in a flight of a minute. What a flight leaves behind
+    is searched again before the next one.
     """
     gc.unfreeze()
     gc.collect()

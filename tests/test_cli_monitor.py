@@ -19,13 +19,12 @@ from urllib.error import URLError
 
 import pytest
 from autopilot import Autopilot, of_type
+from notes import Notes
 from synthetic import mission
 
 from companion.acting.flight import TICK_S
-from companion.acting.report import Report
 from companion.app import Companion
 from companion.cli.monitoring import Page, monitored
-from companion.geometry import Ned
 from companion.mavlink.framing import Endpoint, dialect
 from companion.mavlink.parameters import INT32, decode, encode
 
@@ -34,27 +33,17 @@ GONE_S = 10.0
 NAME = b"CMP_MONITOR"
 
 
-class Flight:
+class Flight(Notes):
     """A companion that flies to A, with an autopilot and a ground station, tick by tick."""
 
     def __init__(self, page: Page | None) -> None:
+        super().__init__()
         self.companion = Companion(mission("F at(A)"), self, page=page)
-        self.texts: list[str] = []
         self.told: list[str] = []
         self._autopilot, self._station = Autopilot(), Endpoint(255, 190)
         self._ear = Endpoint(0, 0)
         self._answers: list[bytes] = []
         self._ticks = 0
-
-    def report(self, report: Report) -> None:
-        if report.is_told:
-            self.texts.append(report.text)
-
-    def packets(self, now_s: float, datagrams: list[bytes]) -> None:
-        """Kept nowhere."""
-
-    def position(self, now_s: float, position: Ned) -> None:
-        """The same."""
 
     def tick(self, *messages: Any) -> list[Any]:
         """One tick, in which the ground station says something; what the companion said."""

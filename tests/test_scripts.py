@@ -101,7 +101,9 @@ def test_a_moved_repository_is_installed_anew(clone: Path) -> None:
     assert installations(copy) == [str(clone), str(copy)]
 
 
-@pytest.mark.skipif(shutil.which("flock") is None, reason="this machine has no flock")
+@pytest.mark.skipif(
+    shutil.which("flock") is None, reason="without flock, as on macOS, scripts do not wait"
+)
 def test_two_at_once_install_once(clone: Path) -> None:
     provide(clone, PYTHON)
     for process in [start(clone), start(clone)]:

@@ -131,13 +131,10 @@ class Executive:
         if self._due:
             return self._plan_again()
         flight, laps = self._flight, self._flight.laps
-        self._predictions.narrow(self.lasso)
-        if (
-            self._predictions.surprise
-            and not flight.is_grounded
-            and self._is_still_best(self.lasso)
-        ):
-            self._predictions.renew()
+        predictions = self._predictions
+        predictions.narrow(self.lasso)
+        if predictions.wrong and not flight.is_grounded and self._is_still_best(self.lasso):
+            predictions.renew()
         if not flight.is_grounded and self._ways.have_changed() and self._ways.are_known():
             lost = self._ways.follow()
             if lost and not self.is_leaving and not self._is_still_best(self.lasso):
@@ -239,8 +236,10 @@ class Executive:
             return self.status
         self._ways.follow()
         problem, histories = task.problem()
-        if self._inquiry is not None and self._inquiry.is_about(problem):
-            return self._find_out_why(self._inquiry)
+        if self._inquiry is not None:
+            if self._inquiry.is_about(problem):
+                return self._find_out_why(self._inquiry)
+            self._count_idle()  # what flaps must not be asked about for ever
         flight.may_do_better = False
         try:
             if self._planner.mission.tree is not None:

@@ -1,7 +1,7 @@
 """Why has the task no plan, asked in flight?
 
 The answer takes a search per conjunct and per withdrawn belief: 0.3 s with 20 sites, too long for
-setpoints to wait. So it is found in parts, one in each tick, while the vehicle holds.
+setpoints to wait. So it is found in parts, a few searches in each tick, while the vehicle holds.
 """
 
 from __future__ import annotations
@@ -25,18 +25,12 @@ class Inquiry:
     """
 
     def __init__(self, planner: Planner, problem: Problem) -> None:
-        self._problem = problem
+        self._about = _what_decides(problem)
         self._parts = planner.reasons(problem)
 
     def is_about(self, problem: Problem) -> bool:
-        """Whether a problem is the same, as far as it decides on whether there is a plan.
-
-        Positions and costs do not.
-        """
-        mine = self._problem
-        return (mine.facts, mine.withdrawn) == (problem.facts, problem.withdrawn) and (
-            mine.automaton_states == problem.automaton_states
-        )
+        """Whether a problem differs from this one in nothing but costs, which change in the air."""
+        return self._about == _what_decides(problem)
 
     def step(self) -> NoPlan | None:
         """The part of a tick; the answer with the last one."""
@@ -44,3 +38,9 @@ class Inquiry:
             if explanation is not None:
                 return NoPlan(explanation)
         return None
+
+
+def _what_decides(problem: Problem) -> tuple[object, ...]:
+    """All of a problem that decides on whether there is a plan."""
+    actions = tuple(action.name for action in problem.actions)
+    return actions, problem.facts, problem.withdrawn, problem.automaton_states

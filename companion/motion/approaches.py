@@ -17,9 +17,7 @@ from companion.motion.moves import Moves, all_of, moves_between, moves_entering
 from companion.motion.regions import Regions
 from companion.motion.sight import Points
 
-_LEAST = (
-    2000  # cells; a repair takes as long as the search of so many, however few it has to search
-)
+_LEAST = 2000  # cells: a repair takes as long as a search of so many, however few it searches
 
 
 class Approaches:

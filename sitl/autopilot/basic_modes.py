@@ -7,6 +7,7 @@ Source: PX4 user guide, "Flight Modes (Multicopter)"; PX4, src/modules/navigator
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Self
 
 from companion.geometry import Ned
 from sitl.autopilot.parameters import Parameters
@@ -84,38 +85,26 @@ class Land(Endless):
     yaw_rad: float
 
     @classmethod
-    def start(cls, now: Situation) -> Land:
+    def start(cls, now: Situation) -> Self:
         """Over the point where the vehicle can stop."""
         north, east, _ = stopping_point(now)
         return cls(north, east, heading(now.state))
 
     def target(self, now: Situation) -> Target:
-        """Down, slower near the ground."""
-        speed = descent_mps(now.home[2] - now.state.position[2], now.parameters)
+        """Down."""
+        speed = self._speed_mps(now)
         return Target((self.north_m, self.east_m, None), (0.0, 0.0, speed), yaw_rad=self.yaw_rad)
 
+    def _speed_mps(self, now: Situation) -> float:
+        """Slower near the ground."""
+        return descent_mps(now.home[2] - now.state.position[2], now.parameters)
 
-@dataclass(slots=True)
-class SinkWithoutPilot(Endless):
-    """Position control with nobody at the sticks."""
 
-    north_m: float
-    east_m: float
-    yaw_rad: float
+class SinkWithoutPilot(Land):
+    """Position control with nobody at the sticks: a landing at one speed."""
 
-    @classmethod
-    def start(cls, now: Situation) -> SinkWithoutPilot:
-        """Over the point where the vehicle can stop."""
-        north, east, _ = stopping_point(now)
-        return cls(north, east, heading(now.state))
-
-    def target(self, now: Situation) -> Target:
-        """Down, slowly."""
-        return Target(
-            (self.north_m, self.east_m, None),
-            (0.0, 0.0, SINK_WITHOUT_PILOT_MPS),
-            yaw_rad=self.yaw_rad,
-        )
+    def _speed_mps(self, now: Situation) -> float:
+        return SINK_WITHOUT_PILOT_MPS
 
 
 @dataclass(slots=True)

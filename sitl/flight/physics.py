@@ -146,9 +146,8 @@ class Physics:
 
     def step(self, motors: Motors) -> FlightState:
         """Move on by one step with these motor commands."""
-        set_1, set_2, set_3, set_4 = self._set_commands
-        m_1, m_2, m_3, m_4 = motors
-        set_1(m_1), set_2(m_2), set_3(m_3), set_4(m_4)
+        for set_command, command in zip(self._set_commands, motors, strict=True):
+            set_command(command)
         self._fdm.run()
         self._steps += 1
         before, self.state = self.state, self._read()

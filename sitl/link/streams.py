@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import heapq
 
-from companion.mavlink.framing import dialect
+from sitl.link.messages import KINDS
 from sitl.link.routing import LinkName
 
 RATES_HZ: dict[str, tuple[float, float]] = {
@@ -46,7 +46,6 @@ RATES_HZ: dict[str, tuple[float, float]] = {
 """Message -> Hz on each link; 0 is off by default and may be asked for."""
 
 _COLUMN = {LinkName.GCS: 0, LinkName.OFFBOARD: 1}
-_IDS = {dialect.mavlink_map[i].msgname: i for i in dialect.mavlink_map}
 
 
 class Streams:
@@ -63,7 +62,7 @@ class Streams:
             for name, rates in RATES_HZ.items()
         }
         self._intervals_s = {name: s for name, s in self._defaults_s.items() if s > 0}
-        self._queue = [(now_s, _IDS[name], name) for name in self._intervals_s]
+        self._queue = [(now_s, KINDS[name].id, name) for name in self._intervals_s]
         heapq.heapify(self._queue)
 
     def due(self, now_s: float) -> list[str]:
@@ -92,7 +91,7 @@ class Streams:
         self._queue = [entry for entry in self._queue if entry[2] != name]
         if interval_s > 0:
             self._intervals_s[name] = interval_s
-            self._queue.append((now_s + interval_s, _IDS[name], name))
+            self._queue.append((now_s + interval_s, KINDS[name].id, name))
         heapq.heapify(self._queue)
         return True
 

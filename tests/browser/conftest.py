@@ -19,7 +19,7 @@ CHROMIUM = shutil.which("chromium")
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
-    if CHROMIUM is None:
+    if CHROMIUM is None:  # a contributor may do without; CI installs it, so there it is a fault
         give_up = pytest.fail if os.environ.get("CI") else pytest.skip
         give_up("needs a browser: apt install chromium")
     with sync_playwright() as playwright:

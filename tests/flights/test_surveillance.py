@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 import pytest
 from lockstep import SETPOINT, World
+from notes import Notes
 from pymavlink import mavutil
 
 from companion.acting.report import FOR_PROGRAMS, Report
@@ -299,13 +300,8 @@ def start_command(log_dir: Path, hash_seed: str) -> subprocess.Popen[str]:
 
 
 def test_a_vehicle_that_says_nothing_ends_the_wait(surveillance: Mission, hall: World) -> None:
-    class Nobody:
-        def report(self, report: Report) -> None: ...
-        def packets(self, now_s: float, datagrams: list[bytes]) -> None: ...
-        def position(self, now_s: float, position: Ned) -> None: ...
-
     elsewhere = Simulation(*hall, seed=0, links=frozenset({LinkName.GCS}))
     with pytest.raises(LinkTimeout, match="not heard in 3 s") as caught:
-        fly_in_lockstep(Companion(surveillance, Nobody()), elsewhere, timeout_s=3.0)
+        fly_in_lockstep(Companion(surveillance, Notes()), elsewhere, timeout_s=3.0)
     assert caught.value.exit_code == 4
     assert elsewhere.flight.time_s == pytest.approx(3.0, abs=0.1)

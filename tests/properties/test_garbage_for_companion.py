@@ -17,12 +17,12 @@ from typing import Any
 import pytest
 from autopilot import Autopilot
 from garbage import KINDS, any_frame, frame, payload_of, random_bytes, truncated_frame, with_fields
+from notes import Notes
 from synthetic import mission
 
 from companion.acting.flight import TICK_S
 from companion.acting.report import Report
 from companion.app import Companion
-from companion.geometry import Ned
 from companion.ground.checking import Answer
 from companion.ground.component import Component
 from companion.ground.parameters import NAMES
@@ -88,11 +88,11 @@ def means_nothing(datagram: bytes) -> bool:
     return True
 
 
-class Aboard:
+class Aboard(Notes):
     """A companion, the recorder of its runs and their host, with an autopilot without physics."""
 
     def __init__(self, root: Path | None = None) -> None:
-        self.texts: list[str] = []
+        super().__init__()
         self.runs = 0
         self.uploads = Uploads(root, lambda folder, mission: Refused()) if root else None
         flown = mission(TASK)
@@ -104,16 +104,6 @@ class Aboard:
         self._autopilot, self._ear = Autopilot(), Endpoint(0, 0)
         self._answers: list[bytes] = []
         self._ticks = 0
-
-    def report(self, report: Report) -> None:
-        if report.is_told:
-            self.texts.append(report.text)
-
-    def packets(self, now_s: float, datagrams: list[bytes]) -> None:
-        """Kept nowhere."""
-
-    def position(self, now_s: float, position: Ned) -> None:
-        """The same."""
 
     def load(self, path: Path) -> Mission:
         raise AssertionError("nothing that was uploaded here may be flown")

@@ -9,13 +9,13 @@ from typing import Any
 
 import pytest
 from autopilot import Autopilot, of_type
+from notes import Notes
 from synthetic import mission
 
 from companion.acting.flight import TICK_S
 from companion.acting.report import Report
 from companion.app import Companion
 from companion.driving import fly
-from companion.geometry import Ned
 from companion.mavlink.framing import Endpoint, dialect
 from companion.mission.model import Mission
 from companion.run import Recorder
@@ -27,7 +27,7 @@ STREAM_S = 0.02
 """Between two messages of the autopilot, so that something else arrives as well."""
 
 
-class Line:
+class Line(Notes):
     """Link and clock of a companion that hosts, its host and recorder, and a ground station.
 
     The ground station asks one question after the other, each when the last one was answered,
@@ -38,6 +38,7 @@ class Line:
     uploads = None
 
     def __init__(self, asks_until_s: float) -> None:
+        super().__init__()
         self.companion = Companion(mission("F at(A)"), None, host=self)
         self.now = 0.0
         self.steps_s: list[float] = []
@@ -114,15 +115,6 @@ class Line:
 
     def tell(self, report: Report) -> None:
         """Told to nobody."""
-
-    def report(self, report: Report) -> None:
-        """Recorded nowhere."""
-
-    def packets(self, now_s: float, datagrams: list[bytes]) -> None:
-        """The same."""
-
-    def position(self, now_s: float, position: Ned) -> None:
-        """The same."""
 
 
 @pytest.fixture(scope="module")

@@ -189,6 +189,17 @@ def test_a_belief_that_comes_back_meanwhile_gives_a_plan() -> None:
     assert "no plan" not in " ".join(rig.texts)
 
 
+def test_what_flaps_while_the_reason_is_looked_for_does_not_hold_the_vehicle_for_ever() -> None:
+    conjuncts = {f"c{i}": f"F at({name}) | F done" for i, name in enumerate("AB" * 5)}
+    rig = Rig(mission({"do": "F done", **conjuncts}, skills=[DO], events=[FOUND])).begin()
+    rig.vehicle.answers = [(0.0, failed("denied"))]
+    rig.run(lambda: bool(rig.of_kind("withdrawn")), limit_s=2.0)
+    for i in range(10):
+        rig.tick(reading("found", float(i % 2 == 0)))
+    assert rig.executive.status is TaskStatus.NO_PLAN
+    assert f"{MAX_IDLE_REPLANS} plans in a row led nowhere" in rig.texts[-1]
+
+
 def test_a_flapping_event_ends_in_no_plan_and_not_in_replans_for_ever() -> None:
     rig = Rig(mission(A_OR_B, events=[FOUND])).begin()
     rig.tick()

@@ -250,7 +250,7 @@ def test_a_bomb_harms_nobody(tmp_path: Path, text: bytes) -> None:
     assert not ground.verdict().is_accepted
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="limits are read from /proc")
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux shows them, in /proc")
 def test_the_child_has_limits_before_it_reads_anything(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe.yaml")  # reading it waits for ever
     check = ChildCheck(tmp_path, "pipe.yaml")
