@@ -285,11 +285,10 @@ def test_a_mission_that_was_accepted_is_flown_although_the_companion_is_killed_b
     assert upload.exit_code(ANSWER_S) == 0, upload.printed
     os.kill(on_board.pid, signal.SIGKILL)
     assert on_board.exit_code(ANSWER_S) == -signal.SIGKILL
-    again = run(*command)
-    again.until_printed("hosting", START_S)
-    station = Station(14550 + number, 1 + number)
+    station = Station(14550 + number, 1 + number)  # listens before the first word
     try:
-        station.until_told("hop.yaml accepted again after a restart", ANSWER_S)
+        run(*command)
+        station.until_told("hop.yaml accepted again after a restart", START_S + ANSWER_S)
         station.until_told("hop is ready; MISSION_START flies it", ANSWER_S)
         assert station.ask(START) == dialect.MAV_RESULT_ACCEPTED
         station.until_told("taking off", ANSWER_S)
