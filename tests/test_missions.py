@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from companion.acting.task_state import TaskState
 from companion.errors import NoPlanError
 from companion.ltl.parser import parse
 from companion.mission.loader import load_mission
 from companion.planning.check import fault
+from companion.planning.flight_times import flight_times, route_map
 from companion.planning.planner import Planner
-from companion.run import flight_times, route_map
+from companion.planning.task_state import TaskState
 from sitl.world.scenario import read_scenario
 
 MISSIONS = Path(__file__).parents[1] / "missions"

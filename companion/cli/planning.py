@@ -191,9 +191,9 @@ class _Question:
     @classmethod
     def read(cls, path: Path, supposed: Supposition | None = None) -> _Question:
         """From a mission's first state, or from a supposed one."""
-        from companion.acting.task_state import TaskState
+        from companion.planning.flight_times import flight_times, route_map
         from companion.planning.planner import Planner
-        from companion.run import flight_times, route_map
+        from companion.planning.task_state import TaskState
 
         mission = load(path)
         planner = Planner(mission, flight_times(mission, route_map(mission)), time.perf_counter)

@@ -20,6 +20,7 @@ from companion.geometry import ned_from_enu
 from companion.ltl.formula import Formula, Operator, eventually
 from companion.ltl.parser import parse
 from companion.maps import read_map
+from companion.mission.clearance import CLEARANCE_M
 from companion.mission.conditions import parse_condition
 from companion.mission.literals import parse_fact, parse_literals
 from companion.mission.model import Atom, Event, Limits, Mission, Otherwise, Place, Skill
@@ -31,12 +32,6 @@ from companion.mission.tree import read_tree
 from companion.mission.vocabulary import Vocabulary
 from companion.motion.grid import OccupancyGrid
 
-RADIUS_M = 0.35  # of the vehicle
-MARGIN_M = 0.10
-"""What has to stay free beside the vehicle, wherever it really flies."""
-DEVIATION_M = 0.15
-"""How much nearer than its route it may come: tracking, map cells, the way to a stop."""
-CLEARANCE_M = RADIUS_M + MARGIN_M + DEVIATION_M
 GOAL = "goal"  # name of the conjunct that a plain goal makes
 _TASK_HINT = "add task: {NAME: FORMULA}, what must hold, or goal: FACTS, what must hold once"
 _SHOWN = 20  # names listed in a message

@@ -13,14 +13,15 @@ from time import perf_counter
 from benches import Row, timed
 from benches.shipped import shipped
 from companion.acting.report import Report
-from companion.acting.task_state import TaskState
 from companion.app import Companion
 from companion.geometry import Ned, distance
 from companion.ground.operations import Standing
 from companion.mavlink.framing import Endpoint, split_frames
 from companion.mission.model import Mission
+from companion.planning.flight_times import flight_times, route_map
 from companion.planning.planner import Planner
-from companion.run import Recorder, flight_times, route_map
+from companion.planning.task_state import TaskState
+from companion.run import Recorder
 from sitl.simulation import Simulation
 
 SETPOINT = bytes([84, 0, 0])  # id of SET_POSITION_TARGET_LOCAL_NED, in bytes 7 to 9 of a frame

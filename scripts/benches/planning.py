@@ -10,16 +10,16 @@ import numpy as np
 
 from benches import MISSION, Row, timed
 from benches.worlds import Asked, at_the_start, patrol, straight, target_found
-from companion.acting.task_state import TaskState
 from companion.geometry import Ned
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
 from companion.motion.routes import RouteMap
 from companion.planning.engines import solve_with
+from companion.planning.flight_times import flight_times, route_map
 from companion.planning.lasso import Solution
 from companion.planning.objective import Encoding, Objective
 from companion.planning.planner import Planner
-from companion.run import flight_times, route_map
+from companion.planning.task_state import TaskState
 
 ENGINE = "fast-downward"
 

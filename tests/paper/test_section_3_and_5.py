@@ -16,7 +16,6 @@ from rig import Rig
 from synthetic import command, event, mission, reading
 
 from companion.acting.executive import TaskStatus
-from companion.acting.task_state import TaskState
 from companion.ltl.parser import parse
 from companion.ltl.semantics import holds
 from companion.ltl.translate import translate
@@ -24,6 +23,7 @@ from companion.mission.model import Mission, Signal
 from companion.motion.routes import RouteMap
 from companion.planning.domain import ground
 from companion.planning.lasso import Problem, word
+from companion.planning.task_state import TaskState
 
 TARGET = (Signal("NAMED_VALUE_INT", "target", "value"), 1.0)
 SITES = ("Home", "A", "B", "C", "r1", "r2", "r3")

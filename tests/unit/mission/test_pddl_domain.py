@@ -12,13 +12,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from companion.acting.task_state import TaskState
 from companion.errors import MissionError
 from companion.ltl.parser import parse
 from companion.mission.loader import load_mission
 from companion.mission.model import Fly, Mission
 from companion.planning.domain import ground
 from companion.planning.planner import Planner
+from companion.planning.task_state import TaskState
 
 ROOT = Path(__file__).parents[3]
 EXAMPLE = ROOT / "tests" / "data" / "delivery"

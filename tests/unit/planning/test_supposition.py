@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-from companion.acting.task_state import TaskState
 from companion.errors import MissionError
 from companion.mission.model import Mission
 from companion.motion.routes import RouteMap
+from companion.planning.flight_times import flight_times
 from companion.planning.planner import Planner
 from companion.planning.supposition import Supposition
-from companion.run import flight_times
+from companion.planning.task_state import TaskState
 
 
 @pytest.fixture
