@@ -18,10 +18,10 @@ from companion.geometry import Ned, distance
 from companion.ground.operations import Standing
 from companion.mavlink.framing import Endpoint, split_frames
 from companion.mission.model import Mission
+from companion.mission_run import Recorder
 from companion.planning.flight_times import flight_times, route_map
 from companion.planning.planner import Planner
 from companion.planning.task_state import TaskState
-from companion.run import Recorder
 from sitl.simulation import Simulation
 
 SETPOINT = bytes([84, 0, 0])  # id of SET_POSITION_TARGET_LOCAL_NED, in bytes 7 to 9 of a frame
