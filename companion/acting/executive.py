@@ -118,7 +118,7 @@ class Executive:
             self._tell_tree()
             return
         self._ways.follow()
-        lasso = self._planner.plan(*self._flight.task.problem())
+        lasso = self._planner.solve(*self._flight.task.problem()).lasso
         self._adopt(lasso)
         self._flight.report("plan", f"plan: {lasso}", number=0, task=task, **lasso.as_json())
         self._tell_tree()

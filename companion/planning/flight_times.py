@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Mapping
 
+from companion.documents import did_you_mean
+from companion.errors import MissionError
 from companion.geometry import Ned
 from companion.ltl.formula import atoms
 from companion.mission.clearance import CLEARANCE_M
@@ -32,7 +35,21 @@ def flight_times(
     def flight_time(origin: str, goal: str) -> float:
         start = here() if origin == HERE else routes.goal(origin)
         if start is None:
-            return float("inf")
+            return math.inf
         return flight_time_s(routes.distance_m(start[:2], goal), limits)
 
     return flight_time
+
+
+def from_table(mission: Mission, table: Mapping[tuple[str, str], float]) -> FlightTime:
+    """Flight times as a table has them: seconds by origin and goal; no route between others.
+
+    Raises:
+        MissionError: the mission does not have a place of the table.
+    """
+    for pair in table:
+        for name in pair:
+            if name not in mission.places and name != HERE:
+                hint = did_you_mean(name, mission.places)
+                raise MissionError(f"no place {name}, of which a flight time is given", hint=hint)
+    return lambda origin, goal: table.get((origin, goal), math.inf)

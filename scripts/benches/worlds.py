@@ -48,11 +48,6 @@ def straight(mission: Mission) -> FlightTime:
     return lambda origin, goal: math.dist(positions[origin], positions[goal]) / SPEED_MPS
 
 
-def at_the_start(planner: Planner) -> Asked:
-    """The first problem."""
-    return TaskState(planner).problem()
-
-
 def target_found(planner: Planner, goal: str) -> Asked:
     """The target is found on the first flight, which leads to some place."""
     task = TaskState(planner)

@@ -18,7 +18,6 @@ from companion.mission.loader import load_mission
 from companion.mission.model import Fly, Mission
 from companion.planning.domain import ground
 from companion.planning.planner import Planner
-from companion.planning.task_state import TaskState
 
 ROOT = Path(__file__).parents[3]
 EXAMPLE = ROOT / "tests" / "data" / "delivery"
@@ -90,7 +89,7 @@ def test_start_and_goal(delivery: Mission) -> None:
 def test_the_parcels_are_carried_one_at_a_time(delivery: Mission) -> None:
     """Every plan is checked by the planner itself; this one is the only sensible order."""
     planner = Planner(delivery, lambda origin, goal: 10.0)
-    assert str(planner.plan(*TaskState(planner).problem())) == (
+    assert str(planner.plan()) == (
         "pick_up(p1, Home), move(Home, A), hand_over(A), move(A, Home), "
         "pick_up(p2, Home), move(Home, B), hand_over(B), (wait)^w"
     )
