@@ -1,0 +1,63 @@
+"""A companion on a link: PX4, or any simulator of one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from companion.api.results import FlightResult, FlownTrajectory, OnEvent, recording
+from companion.app import Companion
+from companion.driving import fly
+from companion.mission.model import Mission
+from companion.vehicle.link import ScaledClock, UdpLink, parse_url
+
+OFFBOARD_URL = "udpin://0.0.0.0:14540"
+"""Where PX4 sends its offboard stream."""
+
+
+def run(
+    mission: Mission,
+    connect: str = OFFBOARD_URL,
+    *,
+    folder: Path | str | None = None,
+    on_event: OnEvent | None = None,
+    accepts_weak_failsafes: bool = False,
+    timeout_s: float = 30.0,
+) -> FlightResult:
+    """Flies a mission on a vehicle, to its end.
+
+    >>> from companion import load_mission, run
+    >>> mission = load_mission("missions/surveillance.yaml")
+    >>> run(mission, "udpin://127.0.0.1:14999", timeout_s=0.1)  # nothing sends there
+    Traceback (most recent call last):
+    ...
+    companion.errors.LinkTimeout: no vehicle on udpin://127.0.0.1:14999 after 0 s: ...
+
+    Args:
+        mission: what to do.
+        connect: `udpin://HOST:PORT` to listen, `udpout://HOST:PORT` to send first.
+        folder: where to write a run folder; none by default.
+        on_event: told of each event that is news for people.
+        accepts_weak_failsafes: fly although the autopilot's own failsafes are weak.
+        timeout_s: seconds to wait for a vehicle.
+
+    Returns:
+        What happened; its trajectory is where the autopilot believed to be.
+
+    Raises:
+        LinkError: the link cannot be opened.
+        LinkTimeout: no vehicle was heard in time.
+    """
+    link = UdpLink(parse_url(connect))
+    try:
+        with recording(mission, folder, on_event) as recorder:
+            companion = Companion(mission, recorder, accepts_weak_failsafes)
+            fly(companion, link, ScaledClock(1.0), timeout_s)
+    finally:
+        link.close()
+    return FlightResult(
+        mission=mission,
+        events=tuple(recorder.events),
+        trajectory=FlownTrajectory.of(recorder.positions),
+        failure=companion.failure,
+        folder=Path(folder) if folder is not None else None,
+    )
