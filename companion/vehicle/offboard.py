@@ -7,8 +7,9 @@ not for here (`ground/component.py`).
 Rules:
 1. Other systems than the vehicle's are ignored.
 2. Every setpoint passes the gate (`gate.py`); nothing repeats a setpoint by itself.
-3. A goal is pursued until it is observed (`goals.py`).
-4. A mode that our goal does not pass through was chosen by somebody else: our authority ends, at
+3. A skill's command passes the rules of `mavlink/payload_commands.py`.
+4. A goal is pursued until it is observed (`goals.py`).
+5. A mode that our goal does not pass through was chosen by somebody else: our authority ends, at
    once. Nothing is streamed or commanded after that, unless an operator gives it back (`regain`).
 
 Source: https://mavlink.io/en/services/command.html, PX4's offboard mode.
@@ -21,6 +22,7 @@ from dataclasses import dataclass
 
 from companion.mavlink.commands import CommandSender, Parameters
 from companion.mavlink.framing import Message, dialect, source
+from companion.mavlink.payload_commands import why_not_sent
 from companion.mission.model import Signal
 from companion.motion.sensed_map import RangeScan
 from companion.vehicle.gate import Envelope, admit
@@ -184,13 +186,16 @@ class MavlinkVehicle:
     def send_command(self, component: int, command: int, parameters: tuple[float, ...]) -> int:
         """See `port.Vehicle`."""
         p1, p2, p3, p4, p5, p6, p7 = (*parameters, *[0.0] * (7 - len(parameters)))
-        return self._start(component, command, (p1, p2, p3, p4, p5, p6, p7))
+        ticket = self._start(component, command, (p1, p2, p3, p4, p5, p6, p7))
+        if why_not := why_not_sent(component, command):
+            self._commands.refuse(ticket, f"not sent: {why_not}")
+        return ticket
 
     def command_outcome(self, ticket: int) -> Outcome:
         """See `port.Vehicle`."""
         exchange = self._commands[ticket]
         if exchange.has_failed:
-            return Outcome(Progress.FAILED, exchange.result.replace("_", " ").lower())
+            return Outcome(Progress.FAILED, exchange.in_words)
         return Outcome(Progress.DONE if exchange.result else Progress.RUNNING)
 
     def forget_command(self, ticket: int) -> None:
@@ -214,8 +219,7 @@ class MavlinkVehicle:
         if pursuit.ticket is not None:
             exchange = self._commands[pursuit.ticket]
             if exchange.has_failed:
-                answer = exchange.result.replace("_", " ").lower()
-                return self._because(f"not {pursuit.goal.value}: {answer}")
+                return self._because(f"not {pursuit.goal.value}: {exchange.in_words}")
             if not exchange.result or self._now_s < exchange.next_send_s + ASK_AGAIN_S:
                 return ""
             self._end_command()
@@ -291,7 +295,7 @@ class MavlinkVehicle:
             self._read(signal, message)
 
     def _watch_authority(self) -> None:
-        """Rule 4. The mode in which a goal was begun is ours only until it was left."""
+        """Rule 5. The mode in which a goal was begun is ours only until it was left."""
         heard, pursuit = self._telemetry, self._pursuit
         if pursuit is None or heard.mode is None or not heard.is_armed:
             return
