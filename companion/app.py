@@ -121,6 +121,11 @@ class Companion:
         if self._run is not None:
             self._run.sortie.stop()
 
+    def rehearse(self) -> None:
+        """Plans the only run once, before its clock begins: with many places it takes seconds."""
+        if self._run is not None:
+            self._run.sortie.rehearse()
+
     def hang_up(self) -> None:
         """The terminal is gone: the flight goes on, and its record says so."""
         self._has_hung_up = True
