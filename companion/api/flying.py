@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from types import FrameType
 
 from companion.api.results import FlightResult, FlownTrajectory, OnEvent, recording
 from companion.app import Companion
@@ -24,6 +28,9 @@ def run(
     timeout_s: float = 30.0,
 ) -> FlightResult:
     """Flies a mission on a vehicle, to its end.
+
+    The first Ctrl-C holds, lands and ends the flight; the second leaves the vehicle to its own
+    failsafe. In another thread than the main one there is no such handler.
 
     >>> from companion import load_mission, run
     >>> mission = load_mission("missions/surveillance.yaml")
@@ -51,7 +58,8 @@ def run(
     try:
         with recording(mission, folder, on_event) as recorder:
             companion = Companion(mission, recorder, accepts_weak_failsafes)
-            fly(companion, link, ScaledClock(1.0), timeout_s)
+            with _stopped_by_interrupt(companion):
+                fly(companion, link, ScaledClock(1.0), timeout_s)
     finally:
         link.close()
     return FlightResult(
@@ -61,3 +69,22 @@ def run(
         failure=companion.failure,
         folder=Path(folder) if folder is not None else None,
     )
+
+
+@contextmanager
+def _stopped_by_interrupt(companion: Companion) -> Iterator[None]:
+    """Ctrl-C asks the companion to end, once."""
+
+    def stop(number: int, _: FrameType | None) -> None:
+        signal.signal(number, before)
+        companion.stop()
+
+    try:
+        before = signal.signal(signal.SIGINT, stop)
+    except ValueError:  # not the main thread
+        yield
+        return
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
