@@ -18,7 +18,7 @@ from companion.ground.operations import Page, Standing, Uploads
 from companion.ground.parameters import BELIEF_RETRY, SPEED_MAX
 from companion.mavlink.framing import Message, source
 from companion.mission.model import Mission
-from companion.run import Recorder, Run
+from companion.mission_run import Recorder, Run
 from companion.vehicle.telemetry import TELEMETRY, Telemetry
 from companion.vehicle.wire import AUTOPILOT, Wire
 

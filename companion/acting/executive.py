@@ -111,7 +111,7 @@ class Executive:
             NoPlanError: there is none.
         """
         if self._planner.mission.tree is None:
-            self._planner.plan(*self._flight.task.problem())
+            self._planner.solve(*self._flight.task.problem())
 
     def plan(self) -> None:
         """Makes the first plan.
@@ -127,7 +127,7 @@ class Executive:
             self._tell_tree()
             return
         self._ways.follow()
-        lasso = self._planner.plan(*self._flight.task.problem())
+        lasso = self._planner.solve(*self._flight.task.problem()).lasso
         self._adopt(lasso)
         self._flight.report("plan", f"plan: {lasso}", number=0, task=task, **lasso.as_json())
         self._tell_tree()
