@@ -10,7 +10,7 @@ from dataclasses import replace
 from typing import Protocol
 
 from companion.acting.assembly import assemble
-from companion.acting.events import EventDetector
+from companion.acting.event_detector import EventDetector
 from companion.acting.report import Report
 from companion.acting.sortie import Sortie
 from companion.geometry import Ned

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from fakes import FakeVehicle
 
 from companion.acting.assembly import assemble
-from companion.acting.events import EventDetector
+from companion.acting.event_detector import EventDetector
 from companion.acting.executive import TaskStatus
 from companion.acting.flight import TICK_S
 from companion.acting.report import Report

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from companion.acting.events import EventDetector
+from companion.acting.event_detector import EventDetector
 from companion.acting.executive import Executive
 from companion.acting.flight import Flight
-from companion.acting.grounding import Symbols
+from companion.acting.symbols import Symbols
 from companion.geometry import Ned
 from companion.mission.model import Mission
 from companion.motion.routes import RouteMap

@@ -4,10 +4,7 @@ G(found -> F reported) & G(reported -> X at(Home))
 4 states, 3 propositions, 1 set of accepting transitions
 """
 
-import networkx as nx
-from matplotlib.figure import Figure
-
-from companion import parse_formula, to_hoa, translate
+from companion import parse_formula, translate
 
 formula = parse_formula("G (found -> F reported) & G (reported -> X at(Home))")
 automaton = translate(formula)
