@@ -15,7 +15,7 @@ from ports import free_instance
 pytestmark = pytest.mark.sockets
 
 SURVEILLANCE = Path(__file__).parents[2] / "missions" / "surveillance.yaml"
-SPEED = 2
+SPEED = 1
 TRAIL = "document.querySelector('.trail polyline').getAttribute('points')"
 LINES = "[...document.querySelectorAll('#lines li span')].map(line => line.textContent)"
 
