@@ -32,9 +32,10 @@ class Watched:
             self.faults.append(f"asked for {url}")
 
     def texts(self, selector: str) -> list[str]:
-        """What all elements of a kind say."""
-        say = "all => all.map(each => (each.innerText ?? each.textContent).trim())"
-        return [str(text) for text in self.page.locator(selector).evaluate_all(say)]
+        """What all elements of a kind say; found and read at once, for the page goes on."""
+        say = """selector => [...document.querySelectorAll(selector)].map(
+            each => (each.innerText ?? each.textContent).trim())"""
+        return [str(text) for text in self.page.evaluate(say, selector)]
 
     def until(self, condition: str) -> None:
         """Waits until an expression of the page's own language holds.
@@ -43,7 +44,11 @@ class Watched:
         """
         assert self.comes_true(lambda: self.page.evaluate(condition)), f"{condition}\n{self.faults}"
 
-    def comes_true(self, is_so: Callable[[], bool], limit_s: float = LIMIT_S) -> bool:
+    def shows(self, selector: str, *texts: str) -> bool:
+        """Waits until all elements of a kind say this, in order."""
+        return self.comes_true(lambda: self.texts(selector) == [*texts])
+
+    def comes_true(self, is_so: Callable[[], object], limit_s: float = LIMIT_S) -> bool:
         """Looks again and again, while the page goes on, until something is so."""
         end_s = time.monotonic() + limit_s
         while not is_so():
