@@ -29,8 +29,7 @@ from companion.cli.terminal import Terminal
 from companion.mavlink.framing import Endpoint, dialect
 from companion.mavlink.parameters import INT32, decode, encode
 
-HTTP_S = 30.0
-GONE_S = 10.0
+HTTP_S = GONE_S = 300.0  # wall time that no answer and no end needs
 NAME = b"CMP_MONITOR"
 
 

@@ -20,7 +20,7 @@ from companion.mission.loader import load_mission
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 MISSION = (MISSIONS / "surveillance.yaml").read_bytes()
-LIMIT_S = 60.0
+LIMIT_S = 300.0
 
 
 class Ground(Client):
