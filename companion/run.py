@@ -23,7 +23,7 @@ from companion.mavlink.framing import Message
 from companion.mission.loader import CLEARANCE_M
 from companion.mission.model import Mission, Place, Signal
 from companion.motion.profile import SpeedLimits, flight_time_s
-from companion.motion.routes import RouteMap, Site
+from companion.motion.routes import PlaceRegion, RouteMap
 from companion.motion.sensed_map import SensedMap
 from companion.planning.domain import HERE, FlightTime
 from companion.planning.planner import Planner
@@ -50,7 +50,7 @@ def route_map(mission: Mission) -> RouteMap:
     """The routes of a mission: the places that its task mentions are not crossed by chance."""
     mentioned = frozenset().union(*(atoms(f) for f in mission.task.values()))
     sites = {
-        name: Site(place.position, place.radius_m, is_exclusive=f"at({name})" in mentioned)
+        name: PlaceRegion(place.position, place.radius_m, is_exclusive=f"at({name})" in mentioned)
         for name, place in mission.places.items()
     }
     return RouteMap(mission.grid, sites, mission.limits.fence, CLEARANCE_M)
