@@ -4,6 +4,7 @@
     +- MissionError           exit 2, a file from outside is wrong: file:line:column
     |  +- FormulaError        with a caret under the offending token
     +- NoPlanError            exit 3, the task cannot be done, and why
+    |  +- SearchLimit         a search was given up: whether there is a plan is not known
     +- LinkError              exit 4, no vehicle to talk to
     |  +- LinkTimeout
     +- Aborted                exit 5, the pilot or a failsafe ended the flight
@@ -126,3 +127,22 @@ class TaskViolated(CompanionError):
     """A recorded flight does not satisfy its task."""
 
     exit_code = 6
+
+
+class SearchLimit(NoPlanError):
+    """A search was given up at a limit of its effort; whether there is a plan is not known.
+
+    Args:
+        limit: the limit that was reached, with its number.
+
+    >>> print(SearchLimit("80,000 edges of the product"))
+    the search was given up at its limit of 80,000 edges of the product; there may be a plan
+        simplify the task, or ask another planner: companion plan --engine fast-downward
+    """
+
+    def __init__(self, limit: str) -> None:
+        self.limit = limit
+        super().__init__(
+            f"the search was given up at its limit of {limit}; there may be a plan\n"
+            "    simplify the task, or ask another planner: companion plan --engine fast-downward"
+        )

@@ -18,7 +18,7 @@ from companion.mission.tree_nodes import Tree, actions
 from companion.planning.builtin.search import Search
 from companion.planning.check import fault
 from companion.planning.domain import Action, Fact, FlightTime, TaskModel, departures, ground
-from companion.planning.effort import IN_FLIGHT, ON_THE_GROUND, Effort
+from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT, Effort
 from companion.planning.explain import Explanation, NoPlan, explaining, why_no_plan
 from companion.planning.lasso import Conjunct, Lasso, Letter, Problem, Solution
 from companion.planning.objective import Objective
@@ -113,16 +113,17 @@ class Planner:
 
         Raises:
             NoPlanError: there is none; the message says why.
+            SearchLimit: the search was given up.
         """
         found = False
-        for solution in self._checked(problem, histories, objective, ON_THE_GROUND):
+        for solution in self._checked(problem, histories, objective, BEFORE_FLIGHT):
             found = True
             yield solution
         if not found:
             raise NoPlan(why_no_plan(problem, self._search.is_solvable))
 
     def plan(self, problem: Problem, histories: Sequence[Sequence[Letter]]) -> Lasso:
-        """The best lasso that is found. Raises NoPlanError as `solutions` does."""
+        """The best lasso that is found. Raises as `solutions` does."""
         *_, best = self.solutions(problem, histories)
         return best.lasso
 
@@ -132,7 +133,7 @@ class Planner:
         None if there is none; `reasons` says why.
 
         Raises:
-            NoPlanError: the search was given up.
+            SearchLimit: the search was given up.
         """
         first = next(self._checked(problem, histories, Objective.LAP, IN_FLIGHT), None)
         return first.lasso if first else None
