@@ -4,11 +4,11 @@
     +- MissionError           exit 2, a file from outside is wrong: file:line:column
     |  +- FormulaError        with a caret under the offending token
     +- NoPlanError            exit 3, the task cannot be done, and why
-    |  +- SearchLimit         a search was given up: whether there is a plan is not known
     +- LinkError              exit 4, no vehicle to talk to
     |  +- LinkTimeout
     +- Aborted                exit 5, the pilot or a failsafe ended the flight
     +- TaskViolated           exit 6, a recorded flight does not satisfy its task
+    +- SearchLimit            exit 7, a search was given up: whether there is a plan is not known
 
 A message has three parts: what happened, where, what to do. Expected outcomes (a failed skill,
 a blocked route) are values and never exceptions. `cli.py` is the only place that catches.
@@ -129,7 +129,7 @@ class TaskViolated(CompanionError):
     exit_code = 6
 
 
-class SearchLimit(NoPlanError):
+class SearchLimit(CompanionError):
     """A search was given up at a limit of its effort; whether there is a plan is not known.
 
     Args:
@@ -139,6 +139,8 @@ class SearchLimit(NoPlanError):
     the search was given up at its limit of 80,000 edges of the product; there may be a plan
         simplify the task, or ask another planner: companion plan --engine fast-downward
     """
+
+    exit_code = 7
 
     def __init__(self, limit: str) -> None:
         self.limit = limit

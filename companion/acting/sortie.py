@@ -21,7 +21,7 @@ from companion.acting.executive import Executive, TaskStatus
 from companion.acting.flight import Flight
 from companion.acting.homing import Homing
 from companion.acting.phases import ON_THE_GROUND, STEPS, UNDER_TASK, Phase, Step
-from companion.errors import Aborted, CompanionError, NoPlanError
+from companion.errors import Aborted, CompanionError, NoPlanError, SearchLimit
 from companion.geometry import horizontal_distance
 from companion.mission.model import Otherwise, Place, Signal
 from companion.vehicle.failsafes import REQUIREMENTS, weaknesses
@@ -217,7 +217,7 @@ class Sortie:
             return
         try:
             self._executive.plan()
-        except NoPlanError as error:
+        except (NoPlanError, SearchLimit) as error:
             self._end(error)
             return
         self._checking_since_s = self._flight.now_s
