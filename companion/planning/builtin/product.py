@@ -19,6 +19,7 @@ import itertools
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -29,6 +30,9 @@ from companion.ltl.restriction import Restriction, restricted
 from companion.planning.builtin.transition_system import FactBits, TransitionSystem
 from companion.planning.effort import BEFORE_FLIGHT
 from companion.planning.lasso import Conjunct, Problem
+
+if TYPE_CHECKING:
+    import networkx
 
 MIN_ONE_SHOT_GOALS = 4
 """Goals to be met once are kept out of the product if there are so many: each would double it."""
@@ -60,6 +64,7 @@ class Product:
     """The reachable product of a problem.
 
     Attributes:
+        system: the transition system under the product.
         nodes: how many there are.
         initial: nodes at which a plan may begin.
         marks: for each node the marks (bits) met on the way into it.
@@ -89,7 +94,7 @@ class Product:
         max_edges: int = BEFORE_FLIGHT.product_edges,
     ) -> None:
         self._problem, self._bits, self._max_edges = problem, bits, max_edges
-        self._system = TransitionSystem(problem.actions, problem.facts, bits)
+        self.system = TransitionSystem(problem.actions, problem.facts, bits)
         self._conjuncts: list[Conjunct] = []  # whose automata are read
         self._automata: list[_MaskedAutomaton] = []
         choices: list[list[int]] = []
@@ -115,7 +120,7 @@ class Product:
             raise SearchLimit(f"{max_edges:,} initial states of the product")
         self.all_marks = (1 << marks) - 1
         self._joint: dict[tuple[int, tuple[int, ...]], list[tuple[tuple[int, ...], int]]] = {}
-        initial = [(self._system.start, states, 0) for states in itertools.product(*choices)]
+        initial = [(self.system.start, states, 0) for states in itertools.product(*choices)]
         self._nodes = self._explore(initial)
         self.one_shot_goals = [
             [node for node, (facts, _, _) in enumerate(self._nodes) if goal.leaves(pending, facts)]
@@ -142,10 +147,45 @@ class Product:
             strict=True,
         )
 
+    def to_networkx(self) -> networkx.DiGraph:
+        """The explored product as a graph.
+
+        Each node, by number, has the `facts` that hold of those that can change, the
+        `automaton_states`, one for each of the graph's `conjuncts`, the `marks` met on the way
+        into it, and the `goals` it meets, of the graph's number of `one_shot_goals` that are kept
+        out of the product. Each edge has the `action` by name and its `cost_ms`. The graph also
+        has the `initial` nodes, the number of `marks`, and as `constant` the facts that always
+        hold. The automata are those under the constants, so their states are not numbered as in
+        the problem.
+        """
+        import networkx
+
+        graph = networkx.DiGraph(
+            initial=tuple(self.initial),
+            conjuncts=tuple(str(conjunct.formula) for conjunct in self._conjuncts),
+            one_shot_goals=len(self.one_shot_goals),
+            marks=self.all_marks.bit_length(),
+            constant=self._bits.facts(self.system.constant),
+        )
+        met_at = [frozenset(nodes) for nodes in self.one_shot_goals]
+        for node, (facts, states, marks) in enumerate(self._nodes):
+            graph.add_node(
+                node,
+                facts=self._bits.facts(facts),
+                automaton_states=states,
+                marks=tuple(mark for mark in range(marks.bit_length()) if marks >> mark & 1),
+                goals=tuple(goal for goal, nodes in enumerate(met_at) if node in nodes),
+            )
+        for node in range(self.nodes):
+            for action, cost_ms, target in self.edges(node):
+                name = self._problem.actions[action].name
+                graph.add_edge(node, target, action=name, cost_ms=cost_ms)
+        return graph
+
     def _constant(self, proposition: str) -> bool | None:
         """The value of a proposition that keeps it; None for others."""
         bit = self._bits.bit(proposition)
-        return None if bit & self._system.changing else bool(bit & self._system.constant)
+        return None if bit & self.system.changing else bool(bit & self.system.constant)
 
     def _explore(self, initial: list[Node]) -> list[Node]:
         """Finds all nodes and edges from the initial nodes on; returns the nodes."""
@@ -153,7 +193,7 @@ class Product:
         self.initial = list(range(len(initial)))
         nodes = list(initial)
         first, targets, costs, actions = [0], [], [], []
-        successors_of = self._system.successors
+        successors_of = self.system.successors
         for state, automata, _ in nodes:  # grows while it is read
             cheapest: dict[int, tuple[int, int]] = {}
             for after, action, cost_ms in successors_of(state):

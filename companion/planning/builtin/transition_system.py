@@ -10,9 +10,16 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
+from companion.errors import SearchLimit
 from companion.planning.domain import Action, ConditionalEffect, Fact
+
+if TYPE_CHECKING:
+    import networkx
+
+MAX_GRAPH_STATES = 100_000
+"""States of a transition system that are given out as a graph."""
 
 
 class MaskedEffect(NamedTuple):
@@ -147,6 +154,38 @@ class TransitionSystem:
         if found is None:
             found = self._successors[state] = sorted(self._applied(state), key=_action)
         return found
+
+    def to_networkx(self, max_states: int = MAX_GRAPH_STATES) -> networkx.MultiDiGraph:
+        """All states that can be reached, and the actions between them, as a graph.
+
+        Nodes are numbered, 0 is the start; each has its `facts`, of those that can change. Edges
+        have the `action` by name, which is their key, and its `cost_ms`. The graph has the facts
+        that always hold as `constant`.
+
+        Raises:
+            SearchLimit: there are more states than `max_states`.
+
+        >>> from companion.planning.domain import WAIT
+        >>> graph = TransitionSystem([WAIT], frozenset({"day"}), FactBits(())).to_networkx()
+        >>> list(graph.edges(keys=True)), graph.nodes[0]["facts"], graph.graph["constant"]
+        ([(0, 0, 'wait')], frozenset(), frozenset({'day'}))
+        """
+        import networkx
+
+        graph = networkx.MultiDiGraph(constant=self._bits.facts(self.constant))
+        states = [self.start]
+        number_of = {self.start: 0}
+        for number, state in enumerate(states):  # grows while it is read
+            graph.add_node(number, facts=self._bits.facts(state))
+            for after, action, cost_ms in self.successors(state):
+                if after not in number_of:
+                    number_of[after] = len(states)
+                    states.append(after)
+                name = self._actions[action].name
+                graph.add_edge(number, number_of[after], name, action=name, cost_ms=cost_ms)
+            if len(states) > max_states:
+                raise SearchLimit(f"{max_states:,} states of the transition system")
+        return graph
 
     def _applied(self, state: int) -> Iterator[Successor]:
         candidates = [self._always]

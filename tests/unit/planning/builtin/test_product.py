@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -76,6 +78,50 @@ def test_of_equal_effects_the_cheapest_action_is_kept_and_of_equal_costs_the_fir
     several = [action(f"do{i}", "", "done", cost_s) for i, cost_s in enumerate([3, 1, 2, 1])]
     made = product(asking("F done", several, [()]))
     assert {action for action, _, _ in made.edges(made.initial[0])} == {1}
+
+
+# -- As a graph ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("formula", FORMULAS)
+def test_its_graph_has_the_same_nodes_and_edges_in_words(formula: str) -> None:
+    asked = on_the_map(formula)
+    made = product(asked)
+    graph = made.to_networkx()
+    assert list(graph) == list(range(made.nodes))
+    assert graph.graph["initial"] == tuple(made.initial)
+    assert sum(1 << mark for mark in range(graph.graph["marks"])) == made.all_marks
+    assert graph.graph["conjuncts"] == tuple(str(c.formula) for c in asked.conjuncts)
+    for node, data in graph.nodes(data=True):
+        assert sum(1 << mark for mark in data["marks"]) == made.marks[node]
+        assert len(data["automaton_states"]) == len(asked.conjuncts)
+        for _, target, edge in graph.out_edges(node, data=True):
+            (action,) = [a for a in asked.actions if a.name == edge["action"]]
+            assert action.is_applicable(data["facts"])
+            assert action.apply(data["facts"]) == graph.nodes[target]["facts"]
+            assert edge["cost_ms"] == action.cost_ms
+        assert len(graph.out_edges(node)) == len(list(made.edges(node)))
+    states = {(d["facts"], d["automaton_states"]) for _, d in graph.nodes(data=True)}
+    assert len(states) == len(set(made.state_of))
+
+
+def test_its_graph_tells_constants_and_goals_that_are_kept_out() -> None:
+    places = "HABCD"
+    task = " & ".join(f"F at({p})" for p in places[1:])
+    asked = problem(places, unit_legs(places), f"{task} & G !found")
+    made = product(replace(asked, facts=asked.facts | {"day"}))
+    graph = made.to_networkx()
+    assert graph.graph["constant"] == {"day"}
+    assert graph.graph["conjuncts"] == ()
+    assert graph.graph["one_shot_goals"] == 4
+    met = {next(iter(d["facts"])): d["goals"] for _, d in graph.nodes(data=True)}
+    assert met == {f"at({p})": (i,) if i >= 0 else () for i, p in enumerate(places, start=-1)}
+
+
+def test_networkx_is_loaded_for_graphs_alone() -> None:
+    code = "import sys, companion.planning.builtin.search; print('networkx' in sys.modules)"
+    ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert ended.stdout.strip() == "False"
 
 
 # -- What is left out ------------------------------------------------------------------------------

@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from problems import action, move
 
+from companion.errors import SearchLimit
 from companion.planning.builtin.transition_system import FactBits, TransitionSystem
 from companion.planning.domain import WAIT, Action, ConditionalEffect
 
@@ -72,6 +73,38 @@ def test_successors_are_what_the_actions_do_in_every_reachable_state(
         ]
         successors = found.successors(bits.mask(facts) & found.changing)
         assert [tuple(successor) for successor in successors] == expected
+
+
+@given(actions(), st.frozensets(st.sampled_from(FACTS)))
+def test_its_graph_has_every_reachable_state_and_every_action_there(
+    made: list[Action], start: frozenset[str]
+) -> None:
+    _, found = system(made, start)
+    graph = found.to_networkx()
+    constant = graph.graph["constant"]
+    facts = {node: held | constant for node, held in graph.nodes(data="facts")}
+    assert facts[0] == start
+    assert sorted(map(sorted, facts.values())) == sorted(map(sorted, reachable(made, start)))
+    expected = {
+        (before, action.apply(before), action.name, action.cost_ms)
+        for before in facts.values()
+        for action in made
+        if action.is_applicable(before)
+    }
+    edges = [
+        (facts[a], facts[b], data["action"], data["cost_ms"])
+        for a, b, data in graph.edges(data=True)
+    ]
+    assert len(edges) == len(expected) and set(edges) == expected
+    assert all(key == data["action"] for *_, key, data in graph.edges(keys=True, data=True))
+
+
+def test_a_graph_of_too_many_states_is_refused() -> None:
+    toggles = [action(f"set_{i}", "", f"x{i}") for i in range(10)]
+    _, found = system(toggles, frozenset())
+    assert len(found.to_networkx()) == 1024
+    with pytest.raises(SearchLimit, match="1,000 states of the transition system"):
+        found.to_networkx(max_states=1000)
 
 
 @given(actions(), st.frozensets(st.sampled_from(FACTS)))
