@@ -15,7 +15,7 @@ from synthetic import POSITIONS, command, event, mission, move, reading
 
 from companion.acting.executive import MAX_IDLE_REPLANS, TaskStatus
 from companion.acting.flight import TICK_S
-from companion.acting.inquiry import SEARCHES_PER_TICK
+from companion.acting.replanning.explanation import SEARCHES_PER_TICK
 from companion.errors import NoPlanError, SearchLimit
 from companion.geometry import distance
 from companion.mission.model import Event, Execution, Land, Mission, Skill, TakeOff, Wait
@@ -297,7 +297,7 @@ def test_a_belief_about_here_can_be_to_blame() -> None:
     rig.task.interrupt()
     rig.task.withdraw(frozenset({"trans_ok(here, A)", "trans_ok(H, A)"}))
     with pytest.raises(NoPlanError, match=r"or trans_ok\(here, A\) there would be a plan"):
-        rig.planner.plan(*rig.task.problem())
+        rig.planner.solve(*rig.task.problem())
 
 
 def test_a_search_that_is_given_up_in_flight_is_told_as_that(
