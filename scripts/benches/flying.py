@@ -1,4 +1,4 @@
-"""How fast are routes, physics, MAVLink, and a whole flight?"""
+"""The speed of routes, physics, MAVLink, and a whole flight."""
 
 from __future__ import annotations
 
