@@ -35,8 +35,8 @@ TRANSLATED = {f"{group}, {kind}" for group in FORMULAS for kind in ("generalized
             "flying",
             8,
             {
-                "field of the way to a place",
-                "field repaired",
+                "cost-to-go of a place",
+                "cost-to-go repaired",
                 "physics and control",
                 "pack MAVLink",
                 "parse MAVLink",

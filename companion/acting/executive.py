@@ -34,7 +34,7 @@ from companion.acting.positions import tell_positions
 from companion.acting.replanning.assumptions import Assumptions
 from companion.acting.replanning.explanation import ExplanationSearch
 from companion.acting.replanning.reachability import Reachability
-from companion.errors import NoPlanError
+from companion.errors import NoPlanError, SearchLimit
 from companion.mission.model import Fly, Signal
 from companion.planning.domain import WAIT, Action, Fact, departures
 from companion.planning.lasso import Lasso
@@ -64,7 +64,7 @@ class Executive:
         status: how the task stands.
         replans: how often it has planned again.
         lasso: the present plan.
-        failure: why the task has no plan; None while it has one.
+        failure: why the task has no plan, or none was found; None while it has one.
         is_leaving: the present plan is a flight to a place, in want of one for the task.
         needs_take_off: a new plan was made while the vehicle was on the ground by the old one.
 
@@ -78,7 +78,7 @@ class Executive:
         self.status = TaskStatus.RUNNING
         self.replans = 0
         self.lasso: Lasso | None = None
-        self.failure: NoPlanError | None = None
+        self.failure: NoPlanError | SearchLimit | None = None
         self.is_leaving = self.needs_take_off = False
         self._planner = planner
         self._flight = flight
@@ -109,6 +109,7 @@ class Executive:
 
         Raises:
             NoPlanError: there is none.
+            SearchLimit: none was found within the limits of the search.
         """
         if self._planner.mission.tree is None:
             self._planner.solve(*self._flight.task.problem())
@@ -118,6 +119,7 @@ class Executive:
 
         Raises:
             NoPlanError: there is none.
+            SearchLimit: none was found within the limits of the search.
         """
         task = {name: str(formula) for name, formula in self._planner.mission.task.items()}
         if (tree := self._planner.mission.tree) is not None:
@@ -260,7 +262,7 @@ class Executive:
             if self._idle_replans > MAX_IDLE_REPLANS:
                 raise NoPlanError(f"no plan: {MAX_IDLE_REPLANS} plans in a row led nowhere")
             lasso = self._planner.replan(problem, histories)
-        except NoPlanError as error:
+        except (NoPlanError, SearchLimit) as error:
             return self._give_up(error)
         if lasso is None:
             self._inquiry = ExplanationSearch(self._planner, problem)
@@ -280,7 +282,7 @@ class Executive:
         answer = inquiry.step()
         return self._give_up(answer) if answer else self.status
 
-    def _give_up(self, error: NoPlanError) -> TaskStatus:
+    def _give_up(self, error: NoPlanError | SearchLimit) -> TaskStatus:
         reason, self._due, self._inquiry = self._due, "", None
         self.replans += 1
         self.status = TaskStatus.NO_PLAN
@@ -323,10 +325,10 @@ class Executive:
         return new is not None and self._is_rest_of(lasso, new)
 
     def _plan_now(self) -> Lasso | None:
-        """The plan that would be made now; None if there is none."""
+        """The plan that would be made now; None if none is found."""
         try:
             return self._planner.replan(*self._flight.task.problem())
-        except NoPlanError:
+        except (NoPlanError, SearchLimit):
             return None
 
     def _is_rest_of(self, lasso: Lasso, new: Lasso) -> bool:

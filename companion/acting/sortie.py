@@ -22,7 +22,7 @@ from companion.acting.executive import Executive, TaskStatus
 from companion.acting.flight import Flight
 from companion.acting.phases import ON_THE_GROUND, STEPS, UNDER_TASK, Phase, Step
 from companion.acting.return_home import ReturnHome
-from companion.errors import Aborted, CompanionError, NoPlanError
+from companion.errors import Aborted, CompanionError, NoPlanError, SearchLimit
 from companion.geometry import horizontal_distance
 from companion.mission.model import Otherwise, Place, Signal
 from companion.vehicle.failsafes import REQUIREMENTS, weaknesses
@@ -112,9 +112,9 @@ class Sortie:
     def rehearse(self) -> None:
         """Makes the first plan once before anything is timed; the one at the start is quick then.
 
-        A plan that does not exist is told at the start.
+        A plan that does not exist, or is not found, is told at the start.
         """
-        with suppress(NoPlanError):
+        with suppress(NoPlanError, SearchLimit):
             self._executive.rehearse()
 
     # -- the operator --------------------------------------------------------------------------
@@ -226,7 +226,7 @@ class Sortie:
             return
         try:
             self._executive.plan()
-        except NoPlanError as error:
+        except (NoPlanError, SearchLimit) as error:
             self._end(error)
             return
         self._enter(Phase.CHECKING)

@@ -1,4 +1,4 @@
-"""How fast are routes, physics, MAVLink, and a whole flight?"""
+"""The speed of routes, physics, MAVLink, and a whole flight."""
 
 from __future__ import annotations
 
@@ -63,25 +63,25 @@ class Flight:
         self.datagrams += datagrams
 
 
-def fields(runs: int) -> Iterator[Row]:
-    """A place's field of the way to it; the peer is the distance field of the same map."""
+def cost_to_go(runs: int) -> Iterator[Row]:
+    """The cost-to-go of a place; the peer is the distance field of the same map."""
     mission = load_mission(MISSION)
     home = mission.places["Home"].position
 
-    def first_way_to(goal: str) -> float:
-        routes = route_map(mission)  # keeps the fields that it has found
+    def first_path_to(goal: str) -> float:
+        routes = route_map(mission)  # keeps what it has found
         return timed(lambda: routes.distance_m(home[:2], goal), 1)[0]
 
     goals = [name for name in mission.places if name != "Home"]
-    ours = median(first_way_to(goals[i % len(goals)]) for i in range(runs))
+    ours = median(first_path_to(goals[i % len(goals)]) for i in range(runs))
     free = ~mission.grid.occupied
     peer = median(timed(lambda: ndimage.distance_transform_edt(free), runs))
-    yield Row("field of the way to a place", ours, "ms", "scipy's EDT", peer)
+    yield Row("cost-to-go of a place", ours, "ms", "scipy's EDT", peer)
     yield repairing(mission, runs)
 
 
 def repairing(mission: Mission, runs: int) -> Row:
-    """A crate comes and goes: the fields of all places, each repaired; the peer is a new one."""
+    """A crate comes and goes: each place's cost-to-go is repaired; the peer is a new search."""
     crate = with_crate(mission.grid)
     routes, took, new = route_map(mission), [], []
     routes.find(ALL)
@@ -91,7 +91,7 @@ def repairing(mission: Mission, runs: int) -> Row:
         fresh = route_map(mission)
         new += timed(lambda fresh=fresh: fresh.find(ALL), 1)
     each = 1 / len(mission.places)
-    return Row("field repaired", each * median(took), "ms", "a new field", each * median(new))
+    return Row("cost-to-go repaired", each * median(took), "ms", "a new search", each * median(new))
 
 
 def with_crate(grid: OccupancyGrid) -> OccupancyGrid:

@@ -16,11 +16,12 @@ from synthetic import POSITIONS, command, event, mission, move, reading
 from companion.acting.executive import MAX_IDLE_REPLANS, TaskStatus
 from companion.acting.flight import TICK_S
 from companion.acting.replanning.explanation import SEARCHES_PER_TICK
-from companion.errors import NoPlanError
+from companion.errors import NoPlanError, SearchLimit
 from companion.geometry import distance
 from companion.mission.model import Event, Execution, Land, Mission, Skill, TakeOff, Wait
 from companion.motion.grid import OccupancyGrid
 from companion.planning.builtin.search import Search
+from companion.planning.effort import IN_FLIGHT
 from companion.planning.explain import why_no_plan
 from companion.vehicle.port import hold_at
 
@@ -297,6 +298,21 @@ def test_a_belief_about_here_can_be_to_blame() -> None:
     rig.task.withdraw(frozenset({"trans_ok(here, A)", "trans_ok(H, A)"}))
     with pytest.raises(NoPlanError, match=r"or trans_ok\(here, A\) there would be a plan"):
         rig.planner.solve(*rig.task.problem())
+
+
+def test_a_search_that_is_given_up_in_flight_is_told_as_that(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    rig = Rig(search_and_report()).begin()
+    rig.tick()
+    tiny = replace(IN_FLIGHT, product_edges=3)
+    monkeypatch.setattr("companion.planning.planner.IN_FLIGHT", tiny)
+    rig.tick(reading("found"))
+    assert rig.run_to_the_end() is TaskStatus.NO_PLAN
+    assert isinstance(rig.executive.failure, SearchLimit)
+    (told,) = rig.of_kind("replan")
+    assert told.startswith("replan 1: found: the search was given up at its limit of 3 edges")
+    assert "there may be a plan" in told
 
 
 def test_a_map_that_has_changed_takes_moves_out_of_the_next_plan() -> None:

@@ -10,11 +10,18 @@ from synthetic import command, event, mission, reading
 from companion.acting.authority import LINK_LOST_S
 from companion.acting.phases import STEPS, Phase
 from companion.acting.sortie import ANSWER_TIMEOUT_S, Sortie
-from companion.errors import Aborted, LinkError, NoPlanError
+from companion.errors import Aborted, LinkError, NoPlanError, SearchLimit
 from companion.mission.model import Mission, Otherwise, Signal
+from companion.planning.effort import Effort
 from companion.vehicle.port import Goal, Mode
 
 NEVER = (1e9, RUNNING)
+OTHERWISE = {
+    Otherwise.LAND: Goal.LANDED,
+    Otherwise.HOLD: Goal.HOLDING,
+    Otherwise.RETURN_HOME: Goal.LANDED,
+}
+"""The last goal of a sortie without a plan."""
 NO_WAY_OUT = command("do", "at(A)", "done")
 """When it is refused at A, "F done" has no plan any longer."""
 
@@ -51,6 +58,12 @@ class Run:
         report = self.rig.flight.reports[-1]
         assert report.kind == "end" and self.sortie.has_ended
         return report.text, report.data["exit_code"]
+
+
+def give_up_searches(monkeypatch: pytest.MonkeyPatch, effort: str) -> None:
+    """Searches have a limit that they reach at once."""
+    tiny = Effort(product_edges=1, dijkstra_edges=1, held_karp_additions=1)
+    monkeypatch.setattr(f"companion.planning.planner.{effort}", tiny)
 
 
 def test_a_sortie_that_goes_well() -> None:
@@ -355,6 +368,35 @@ def test_when_the_way_home_fails_as_well_it_lands_where_it_is() -> None:
     assert run.texts.count("returning to H") == 1
     assert run.vehicle.pursued[-2:] == [Goal.HOLDING, Goal.LANDED]
     assert run.end[1] == NoPlanError.exit_code
+
+
+@pytest.mark.parametrize(("otherwise", "goal"), OTHERWISE.items())
+def test_a_search_that_is_given_up_in_flight_leads_to_otherwise(
+    monkeypatch: pytest.MonkeyPatch, otherwise: Otherwise, goal: Goal
+) -> None:
+    """At A it is refused, and the other skill that would do is not found."""
+    other = command("other", "at(H)", "done", cost_s=99.0)
+    run = Run(mission("F done", skills=[NO_WAY_OUT, other], otherwise=otherwise))
+    run.vehicle.answers = [(0.0, failed("denied"))]
+    run.until(Phase.TASK)
+    give_up_searches(monkeypatch, "IN_FLIGHT")
+    run.until(Phase.ENDED)
+    text, code = run.end
+    assert code == SearchLimit.exit_code == 7
+    assert "the search was given up at its limit of 1 edges of the product; there may be" in text
+    assert run.vehicle.pursued[-1] is goal
+    assert ("returning to H" in run.texts) is (otherwise is Otherwise.RETURN_HOME)
+
+
+def test_a_first_search_that_is_given_up_ends_the_sortie_on_the_ground(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    give_up_searches(monkeypatch, "BEFORE_FLIGHT")
+    run = Run()
+    run.sortie.rehearse()
+    run.until(Phase.ENDED)
+    assert run.end[1] == SearchLimit.exit_code
+    assert run.vehicle.pursued == []
 
 
 # -- reports ---------------------------------------------------------------------------------------
