@@ -26,7 +26,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from companion.ground.ftp_sessions import MAX_FILE_BYTES
-from companion.mavlink.ftp_frames import Nak, Refusal
+from companion.mavlink.ftp_frames import FtpRefusal, Nak
 
 VERDICT = "verdict.json"
 MAX_FILES = 64
@@ -53,14 +53,14 @@ def names_of(path: str) -> tuple[str, ...]:
     """The names that a path consists of; none for the root.
 
     Raises:
-        Refusal: it cannot be a path of ours.
+        FtpRefusal: it cannot be a path of ours.
 
     >>> names_of("/maps/hall.yaml")
     ('maps', 'hall.yaml')
     """
     names = tuple(name for name in path.split("/") if name)
     if len(names) > MAX_DEPTH or not all(map(_NAME.fullmatch, names)):
-        raise Refusal(Nak.FILE_NOT_FOUND)
+        raise FtpRefusal(Nak.FILE_NOT_FOUND)
     return names
 
 
@@ -115,7 +115,7 @@ class MissionStore:
         with self._place(path) as (folder, name):
             _check_ours(name)
             if sum(1 for _, is_folder, _ in self._all(()) if is_folder) >= MAX_FOLDERS:
-                raise Refusal(Nak.FAIL_ERRNO, errno.ENOSPC)
+                raise FtpRefusal(Nak.FAIL_ERRNO, errno.ENOSPC)
             os.mkdir(name, 0o700, dir_fd=folder)
 
     def remove_folder(self, path: str) -> None:
@@ -127,11 +127,11 @@ class MissionStore:
         """See `Store`."""
         with self._place(old) as (source, old_name), self._place(new) as (target, new_name):
             if stat.S_ISDIR(_status(source, old_name).st_mode):
-                raise Refusal(Nak.FILE_PROTECTED)
+                raise FtpRefusal(Nak.FILE_PROTECTED)
             _check_ours(old_name)
             _check_file_name(new_name)
             if _status_if_any(target, new_name) is not None:
-                raise Refusal(Nak.FILE_EXISTS)
+                raise FtpRefusal(Nak.FILE_EXISTS)
             os.rename(old_name, new_name, src_dir_fd=source, dst_dir_fd=target)
 
     def copy_to(self, target: Path) -> None:
@@ -150,16 +150,16 @@ class MissionStore:
         """Whether a file of some size may be written."""
         _check_file_name(name)
         if size > MAX_FILE_BYTES:
-            raise Refusal(Nak.FAIL_ERRNO, errno.EFBIG)
+            raise FtpRefusal(Nak.FAIL_ERRNO, errno.EFBIG)
         sizes = [status.st_size for _, is_folder, status in self._all(()) if not is_folder]
         files, total_bytes = len(sizes) + 1, sum(sizes) + size
         replaced = _status_if_any(folder, name)
         if replaced is not None:
             if not stat.S_ISREG(replaced.st_mode):
-                raise Refusal(Nak.FILE_EXISTS)
+                raise FtpRefusal(Nak.FILE_EXISTS)
             files, total_bytes = files - 1, total_bytes - replaced.st_size
         if files > MAX_FILES or total_bytes > MAX_TOTAL_BYTES:
-            raise Refusal(Nak.FAIL_ERRNO, errno.ENOSPC)
+            raise FtpRefusal(Nak.FAIL_ERRNO, errno.ENOSPC)
 
     def _all(
         self, names: tuple[str, ...]
@@ -186,7 +186,7 @@ class MissionStore:
             yield folder
         except OSError as error:
             number = error.errno or 0
-            raise Refusal(_NAKS.get(number, Nak.FAIL_ERRNO), number % 256) from error
+            raise FtpRefusal(_NAKS.get(number, Nak.FAIL_ERRNO), number % 256) from error
         finally:
             if folder >= 0:
                 os.close(folder)
@@ -196,7 +196,7 @@ class MissionStore:
         """The folder that a path leads to, and its last name."""
         names = names_of(path)
         if not names:
-            raise Refusal(Nak.FILE_PROTECTED)  # the root itself
+            raise FtpRefusal(Nak.FILE_PROTECTED)  # the root itself
         with self._open(names[:-1]) as folder:
             yield folder, names[-1]
 
@@ -220,19 +220,19 @@ def _status_if_any(folder: int, name: str) -> os.stat_result | None:
 
 def _check_ours(name: str) -> None:
     if name == VERDICT:
-        raise Refusal(Nak.FILE_PROTECTED)
+        raise FtpRefusal(Nak.FILE_PROTECTED)
 
 
 def _check_file_name(name: str) -> None:
     if not name.endswith(_SUFFIXES):
-        raise Refusal(Nak.FILE_PROTECTED)
+        raise FtpRefusal(Nak.FILE_PROTECTED)
 
 
 def _content(folder: int, name: str) -> bytes:
     file = os.open(name, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC, dir_fd=folder)
     with os.fdopen(file, "rb") as stream:
         if not stat.S_ISREG(os.fstat(file).st_mode):
-            raise Refusal(Nak.FILE_NOT_FOUND)
+            raise FtpRefusal(Nak.FILE_NOT_FOUND)
         return stream.read(MAX_FILE_BYTES)
 
 

@@ -38,7 +38,7 @@ from companion.ground.checking import Answer, Check, ChildCheck
 from companion.ground.ftp import FtpServer
 from companion.ground.ftp_sessions import Client
 from companion.ground.mission_store import VERDICT, MissionStore, names_of
-from companion.mavlink.ftp_frames import Refusal, crc32
+from companion.mavlink.ftp_frames import FtpRefusal, crc32
 
 CHECK_S = 30.0
 CUT_OFF = "the last line has no line break, so a part may be missing; end it with one"
@@ -162,7 +162,7 @@ class Uploads:
         try:
             is_yaml = name.endswith((".yaml", ".yml"))
             return is_yaml and not _MAP.search(self._store.read(name))
-        except Refusal:  # it is gone again
+        except FtpRefusal:  # it is gone again
             return False
 
     def _start(self, store: MissionStore, mission: str, now_s: float) -> list[Verdict]:
@@ -176,7 +176,7 @@ class Uploads:
             if not content.endswith(b"\n"):
                 return [self._refuse(running, CUT_OFF)]
             running.check = self._begin(folder, mission)
-        except (OSError, Refusal) as error:
+        except (OSError, FtpRefusal) as error:
             return [self._refuse(running, f"it cannot be checked: {error}")]
         self._running = running
         return []
@@ -220,7 +220,7 @@ class Uploads:
     def _publish(self, verdict: Verdict) -> None:
         try:
             self._store.publish(verdict.as_json())
-        except Refusal:  # the disk is full; it is told all the same
+        except FtpRefusal:  # the disk is full; it is told all the same
             return
 
     def _last_number(self) -> int:
@@ -228,7 +228,7 @@ class Uploads:
         newest = max(self._numbers(), default=0)
         try:
             return max(newest, int(json.loads(self._store.read(VERDICT))["number"]))
-        except (Refusal, ValueError, KeyError, TypeError):
+        except (FtpRefusal, ValueError, KeyError, TypeError):
             return newest
 
     def _numbers(self) -> list[int]:

@@ -9,7 +9,7 @@ Source: https://mavlink.io/en/services/ftp.html.
 from __future__ import annotations
 
 from companion.mavlink.framing import Message, dialect, source
-from companion.mavlink.ftp_frames import Nak, Refusal, nak, read_request
+from companion.mavlink.ftp_frames import FtpRefusal, Nak, nak, read_request
 
 
 def refusal(message: Message) -> Message | None:
@@ -17,5 +17,5 @@ def refusal(message: Message) -> Message | None:
     request = read_request(bytes(message.payload))
     if request is None:
         return None
-    payload = nak(request, Refusal(Nak.FILE_NOT_FOUND))
+    payload = nak(request, FtpRefusal(Nak.FILE_NOT_FOUND))
     return dialect.MAVLink_file_transfer_protocol_message(0, *source(message), list(payload))

@@ -53,7 +53,7 @@ class Nak(IntEnum):
     FILE_NOT_FOUND = 10
 
 
-class Refusal(Exception):
+class FtpRefusal(Exception):
     """A request cannot be done.
 
     Args:
@@ -68,7 +68,7 @@ class Refusal(Exception):
 
 
 @dataclass(frozen=True, slots=True)
-class Request:
+class FtpRequest:
     """What a client asks.
 
     Attributes:
@@ -87,16 +87,16 @@ class Request:
         """The data as texts that end in NUL or with the data.
 
         Raises:
-            Refusal: it is not UTF-8.
+            FtpRefusal: it is not UTF-8.
         """
         raw = self.data.removesuffix(b"\0")
         try:
             return tuple(part.decode() for part in raw.split(b"\0"))
         except UnicodeDecodeError:
-            raise Refusal(Nak.FAIL) from None
+            raise FtpRefusal(Nak.FAIL) from None
 
 
-def read_request(payload: bytes) -> Request | None:
+def read_request(payload: bytes) -> FtpRequest | None:
     """The request in a payload; None for a reply, or for less than a header."""
     if len(payload) < _HEADER.size:
         return None
@@ -104,11 +104,11 @@ def read_request(payload: bytes) -> Request | None:
     if opcode >= ACK:
         return None
     data = payload[_HEADER.size : _HEADER.size + size].ljust(min(size, DATA_BYTES), b"\0")
-    return Request(sequence, session, opcode, size, offset, data)
+    return FtpRequest(sequence, session, opcode, size, offset, data)
 
 
 def ack(
-    request: Request,
+    request: FtpRequest,
     data: bytes = b"",
     *,
     session: int | None = None,
@@ -138,7 +138,7 @@ def ack(
     return (header + data).ljust(PAYLOAD_BYTES, b"\0")
 
 
-def nak(request: Request, refusal: Refusal) -> bytes:
+def nak(request: FtpRequest, refusal: FtpRefusal) -> bytes:
     """A reply that says no."""
     reason = bytes([refusal.nak])
     if refusal.nak is Nak.FAIL_ERRNO:
