@@ -14,7 +14,7 @@ from companion.acting.phases import ON_THE_GROUND, Phase
 from companion.acting.report import Report
 from companion.errors import CompanionError
 from companion.ground.component import WANTED, Component
-from companion.ground.operations import Page, Standing, Uploads
+from companion.ground.operations import Page, Standing, UploadService
 from companion.ground.parameters import BELIEF_RETRY, SPEED_MAX
 from companion.mavlink.framing import Message, source
 from companion.mission.model import Mission
@@ -31,7 +31,7 @@ class Host(Protocol):
     """Keeps the files of a companion that flies several sorties."""
 
     @property
-    def uploads(self) -> Uploads | None:
+    def uploads(self) -> UploadService | None:
         """Missions from outside."""
 
     def load(self, path: Path) -> Mission:

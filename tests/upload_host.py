@@ -11,7 +11,8 @@ import threading
 import time
 from pathlib import Path
 
-from companion.ground.uploads import Uploads, Verdict
+from companion.ground.upload_states import UploadVerdict
+from companion.ground.uploads import Uploads
 from companion.ground.watching import EXIT_CODE
 from companion.mavlink.framing import Endpoint, Message, dialect, source
 from companion.mavlink.statustext import chunks
@@ -34,7 +35,7 @@ class UploadHost:
 
     def __init__(self, port: int, root: Path, loss: float = 0.0, exit_code: int = 0) -> None:
         self.uploads = Uploads(root)
-        self.verdicts: list[Verdict] = []
+        self.verdicts: list[UploadVerdict] = []
         self.failure: Exception | None = None
         self._link = UdpLink(Address(True, "127.0.0.1", port))
         self._endpoint = Endpoint(0, COMPANION)

@@ -11,7 +11,7 @@ from companion.cli.arguments import load
 
 if TYPE_CHECKING:
     from companion.acting.report import Report
-    from companion.ground.operations import Uploads
+    from companion.ground.operations import UploadService
     from companion.mission.model import Mission
     from companion.record.run_folder import RunFolder
     from companion.run import Recorder
@@ -32,7 +32,7 @@ class Hangar:
         open_folder: Callable[[Mission], RunFolder],
         close_folder: Callable[[RunFolder], None],
         tell: Callable[[Report], None],
-        uploads: Uploads | None,
+        uploads: UploadService | None,
     ) -> None:
         self.uploads = uploads
         self._open_folder = open_folder
@@ -49,7 +49,7 @@ class Hangar:
         """See `Host`."""
         self._open = self._open_folder(mission)
         if self.uploads is not None:
-            self.uploads.flown()
+            self.uploads.started()
         return self._open
 
     def end_run(self, recorder: Recorder) -> None:

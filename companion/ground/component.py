@@ -28,7 +28,7 @@ from typing import ClassVar
 
 from companion.acting.report import Report
 from companion.ground import about
-from companion.ground.operations import Operations, Page, Standing, Uploads
+from companion.ground.operations import Operations, Page, Standing, UploadService
 from companion.ground.parameters import MONITOR, TEXT_LEVEL, CompanionParameters
 from companion.ground.texts import INFO, WARNING, Texts, severity
 from companion.mavlink import ftp
@@ -65,7 +65,7 @@ class Component:
     """
 
     def __init__(
-        self, operations: Operations, uploads: Uploads | None = None, page: Page | None = None
+        self, operations: Operations, uploads: UploadService | None = None, page: Page | None = None
     ) -> None:
         effects = {TEXT_LEVEL: self._tell_up_to, MONITOR: self._switch_page}
         self.parameters = CompanionParameters(effects)

@@ -13,6 +13,8 @@ from enum import Enum
 from pathlib import Path
 from typing import Protocol
 
+from companion.ground.upload_states import UploadVerdict
+
 
 class Standing(Enum):
     """How the companion stands, as far as ground stations care."""
@@ -57,29 +59,17 @@ class Page(Protocol):
         """Serves it or ends it, if it can; a line for people, where it is or why it is not."""
 
 
-class Verdict(Protocol):
-    """What became of an uploaded mission."""
-
-    @property
-    def text(self) -> str:
-        """One line for people."""
-
-    @property
-    def is_accepted(self) -> bool:
-        """Whether it may be flown."""
-
-
-class Uploads(Protocol):
+class UploadService(Protocol):
     """Missions that come over MAVLink FTP. No call may block."""
 
     def ftp(self, now_s: float, client: tuple[int, int], payload: bytes) -> list[bytes]:
         """The replies to a FILE_TRANSFER_PROTOCOL payload of a (system, component)."""
 
-    def poll(self, now_s: float, is_flying: bool) -> Sequence[Verdict]:
-        """What was found out since the last call; in flight a mission has to wait."""
+    def poll(self, now_s: float, is_flying: bool) -> Sequence[UploadVerdict]:
+        """Returns the new verdicts; what is accepted in flight waits for the landing."""
 
     def take_active(self) -> Path | None:
-        """A mission that was accepted and not taken yet; asked only while nothing is flown."""
+        """Makes the accepted mission the active one; called only while nothing is flown."""
 
-    def flown(self) -> None:
-        """The mission that was taken last is started, and need not be offered again."""
+    def started(self) -> None:
+        """The active mission is started, and need not be offered again."""

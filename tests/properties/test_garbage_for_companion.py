@@ -23,7 +23,7 @@ from synthetic import mission
 from companion.acting.flight import TICK_S
 from companion.acting.report import Report
 from companion.app import Companion
-from companion.ground.checking import Answer
+from companion.ground.checking import CheckResult
 from companion.ground.component import Component
 from companion.ground.parameters import NAMES
 from companion.ground.uploads import Uploads
@@ -146,8 +146,8 @@ class Aboard(Notes):
 class Refused:
     """A check that is over at once."""
 
-    def poll(self) -> Answer:
-        return Answer(False, "no mission")
+    def poll(self) -> CheckResult:
+        return CheckResult(False, "no mission")
 
     def kill(self) -> None:
         """It is over."""
