@@ -16,7 +16,7 @@ from companion.acting.report import Report
 from companion.acting.task_state import TaskState
 from companion.app import Companion
 from companion.geometry import Ned, distance
-from companion.ground.operations import Standing
+from companion.ground.operations import SystemStatus
 from companion.mavlink.framing import Endpoint, split_frames
 from companion.mission.model import Mission
 from companion.planning.planner import Planner
@@ -81,7 +81,7 @@ class Stopwatch(Companion):
         """One tick."""
         start_s = perf_counter()
         packets = super().step(now_s, datagrams)
-        if self.standing is Standing.ACTIVE:
+        if self.system_status is SystemStatus.ACTIVE:
             self._ticks_s.append(perf_counter() - start_s)
         return packets
 
