@@ -17,7 +17,7 @@ E = TypeVar("E", bound=Enum)
 
 
 @dataclass(frozen=True, slots=True)
-class Transition(Generic[S, E]):
+class StateTransition(Generic[S, E]):
     """One row of a table.
 
     Attributes:
@@ -41,7 +41,7 @@ class TransitionTable(Generic[S, E]):
     ...     SHUT = "shut"
     >>> class Push(Enum):
     ...     PUSHED = "pushed"
-    >>> table = TransitionTable(Transition(Door.OPEN, Push.PUSHED, Door.SHUT, "the bell rings"))
+    >>> table = TransitionTable(StateTransition(Door.OPEN, Push.PUSHED, Door.SHUT, "the bell rings"))
     >>> table.next(Door.OPEN, Push.PUSHED)
     <Door.SHUT: 'shut'>
     >>> table.next(Door.SHUT, Push.PUSHED)
@@ -53,12 +53,12 @@ class TransitionTable(Generic[S, E]):
         ValueError: two transitions begin with the same event in the same state.
     """
 
-    def __init__(self, *transitions: Transition[S, E]) -> None:
+    def __init__(self, *transitions: StateTransition[S, E]) -> None:
         self._rows = {(row.state, row.event): row for row in transitions}
         if len(self._rows) < len(transitions):
             raise ValueError("two transitions have the same state and event")
 
-    def __iter__(self) -> Iterator[Transition[S, E]]:
+    def __iter__(self) -> Iterator[StateTransition[S, E]]:
         return iter(self._rows.values())
 
     def next(self, state: S | None, event: E) -> S:

@@ -7,7 +7,7 @@ Each diagram stands between two lines of a page, and is replaced as a whole:
 
 Run it after a change of a table; a test compares the pages with the tables. To draw one more
 table, add it to DIAGRAMS and the two lines to its page. What is drawn is a sequence of rows with
-the attributes of `companion.transitions.Transition`: state, event, then, effect.
+the attributes of `companion.transitions.StateTransition`: state, event, then, effect.
 
 Usage: python scripts/make_diagrams.py
 """
@@ -20,10 +20,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from companion.ground import ftp_sessions, upload_states
-from companion.transitions import Transition
+from companion.transitions import StateTransition
 
 DOCS = Path(__file__).parent.parent / "docs"
-Rows = Iterable[Transition[Any, Any]]
+Rows = Iterable[StateTransition[Any, Any]]
 
 
 class Diagram(NamedTuple):

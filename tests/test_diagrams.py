@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from companion.transitions import Transition, TransitionTable
+from companion.transitions import StateTransition, TransitionTable
 
 SCRIPT: dict[str, Any] = runpy.run_path(
     str(Path(__file__).parents[1] / "scripts" / "make_diagrams.py")
@@ -31,10 +31,10 @@ class Touch(Enum):
 
 
 TABLE = TransitionTable(
-    Transition(None, Touch.MADE, Lamp.OFF, "it is dark"),
-    Transition(Lamp.OFF, Touch.PRESSED, Lamp.ON, "it is bright"),
-    Transition(Lamp.ON, Touch.KICKED, Lamp.BROKEN, "it is dark again"),
-    Transition(Lamp.ON, Touch.DROPPED, Lamp.BROKEN, "it is dark again"),
+    StateTransition(None, Touch.MADE, Lamp.OFF, "it is dark"),
+    StateTransition(Lamp.OFF, Touch.PRESSED, Lamp.ON, "it is bright"),
+    StateTransition(Lamp.ON, Touch.KICKED, Lamp.BROKEN, "it is dark again"),
+    StateTransition(Lamp.ON, Touch.DROPPED, Lamp.BROKEN, "it is dark again"),
 )
 
 
@@ -93,4 +93,4 @@ def test_an_event_that_cannot_occur_is_an_error_and_two_rows_for_one_too() -> No
     with pytest.raises(ValueError, match="no transition from off on kicked"):
         TABLE.next(Lamp.OFF, Touch.KICKED)
     with pytest.raises(ValueError, match="same state and event"):
-        TransitionTable(*TABLE, Transition(Lamp.OFF, Touch.PRESSED, Lamp.OFF, "twice"))
+        TransitionTable(*TABLE, StateTransition(Lamp.OFF, Touch.PRESSED, Lamp.OFF, "twice"))

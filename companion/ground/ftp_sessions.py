@@ -21,7 +21,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 
 from companion.mavlink.ftp_frames import FtpRefusal, Nak
-from companion.transitions import Transition, TransitionTable
+from companion.transitions import StateTransition, TransitionTable
 
 MAX_SESSIONS = 8
 MAX_SESSIONS_OF_CLIENT = 4
@@ -60,20 +60,26 @@ class SessionEvent(Enum):
 _S, _E = SessionState, SessionEvent
 _DROP = "what was written is dropped, the file stays as it was"
 TRANSITIONS = TransitionTable(
-    Transition(None, _E.OPENED_TO_READ, _S.READING, "a copy of the file is kept for the client"),
-    Transition(None, _E.OPENED_TO_WRITE, _S.WRITING, "a copy is begun: empty, or the file's"),
-    Transition(_S.READING, _E.READ, _S.READING, "a part of the copy is sent"),
-    Transition(_S.READING, _E.WRITE_REFUSED, _S.CLOSED, "refused with FileProtected"),
-    Transition(_S.READING, _E.TERMINATED, _S.CLOSED, "nothing"),
-    Transition(_S.READING, _E.RESET, _S.CLOSED, "nothing"),
-    Transition(_S.READING, _E.EXPIRED, _S.CLOSED, "nothing"),
-    Transition(_S.WRITING, _E.READ, _S.WRITING, "a part of the copy is sent"),
-    Transition(_S.WRITING, _E.WRITTEN, _S.WRITING, "the data is put into the copy"),
-    Transition(_S.WRITING, _E.WRITE_REFUSED, _S.DROPPED, f"refused: too large, or gaps; {_DROP}"),
-    Transition(_S.WRITING, _E.TERMINATED, _S.COMPLETE, "the copy becomes the file, in one step"),
-    Transition(_S.WRITING, _E.TERMINATED_WITH_GAPS, _S.DROPPED, f"refused with Fail; {_DROP}"),
-    Transition(_S.WRITING, _E.RESET, _S.DROPPED, _DROP),
-    Transition(_S.WRITING, _E.EXPIRED, _S.DROPPED, _DROP),
+    StateTransition(
+        None, _E.OPENED_TO_READ, _S.READING, "a copy of the file is kept for the client"
+    ),
+    StateTransition(None, _E.OPENED_TO_WRITE, _S.WRITING, "a copy is begun: empty, or the file's"),
+    StateTransition(_S.READING, _E.READ, _S.READING, "a part of the copy is sent"),
+    StateTransition(_S.READING, _E.WRITE_REFUSED, _S.CLOSED, "refused with FileProtected"),
+    StateTransition(_S.READING, _E.TERMINATED, _S.CLOSED, "nothing"),
+    StateTransition(_S.READING, _E.RESET, _S.CLOSED, "nothing"),
+    StateTransition(_S.READING, _E.EXPIRED, _S.CLOSED, "nothing"),
+    StateTransition(_S.WRITING, _E.READ, _S.WRITING, "a part of the copy is sent"),
+    StateTransition(_S.WRITING, _E.WRITTEN, _S.WRITING, "the data is put into the copy"),
+    StateTransition(
+        _S.WRITING, _E.WRITE_REFUSED, _S.DROPPED, f"refused: too large, or gaps; {_DROP}"
+    ),
+    StateTransition(
+        _S.WRITING, _E.TERMINATED, _S.COMPLETE, "the copy becomes the file, in one step"
+    ),
+    StateTransition(_S.WRITING, _E.TERMINATED_WITH_GAPS, _S.DROPPED, f"refused with Fail; {_DROP}"),
+    StateTransition(_S.WRITING, _E.RESET, _S.DROPPED, _DROP),
+    StateTransition(_S.WRITING, _E.EXPIRED, _S.DROPPED, _DROP),
 )
 """Rule 1: the life of a session."""
 

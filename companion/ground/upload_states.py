@@ -18,7 +18,7 @@ import json
 from dataclasses import asdict, dataclass
 from enum import Enum
 
-from companion.transitions import Transition, TransitionTable
+from companion.transitions import StateTransition, TransitionTable
 
 FORMAT_VERSION = 1
 """Of verdict.json."""
@@ -57,19 +57,21 @@ _S, _E = UploadState, UploadEvent
 _ACCEPT = "its copy is moved to where it is taken from, in one step; the verdict is told"
 _REFUSE = "its copy is deleted, the verdict is told; nothing else changes"
 TRANSITIONS = TransitionTable(
-    Transition(None, _E.STORED, _S.QUEUED, "it waits for the checks before it"),
-    Transition(None, _E.FOUND, _S.QUEUED, "it waits as if it had just been stored"),
-    Transition(_S.QUEUED, _E.BEGUN, _S.CHECKING, "a child process checks a copy of all files"),
-    Transition(_S.QUEUED, _E.UNUSABLE, _S.REFUSED, _REFUSE),
-    Transition(_S.CHECKING, _E.PASSED, _S.ACCEPTED, _ACCEPT),
-    Transition(_S.CHECKING, _E.FAILED, _S.REFUSED, _REFUSE),
-    Transition(_S.CHECKING, _E.TIMED_OUT, _S.OVERDUE, "the child process is ended"),
-    Transition(_S.OVERDUE, _E.PASSED, _S.ACCEPTED, _ACCEPT),
-    Transition(_S.OVERDUE, _E.FAILED, _S.REFUSED, _REFUSE),
-    Transition(_S.ACCEPTED, _E.TAKEN, _S.ACTIVE, "it is read; MISSION_START flies it from now on"),
-    Transition(_S.ACCEPTED, _E.NEWER_ACCEPTED, _S.REPLACED, "it is not flown any more"),
-    Transition(_S.ACTIVE, _E.STARTED, _S.STARTED, "it is not found again after a restart"),
-    Transition(_S.ACTIVE, _E.NEWER_ACTIVE, _S.REPLACED, "its files are deleted"),
+    StateTransition(None, _E.STORED, _S.QUEUED, "it waits for the checks before it"),
+    StateTransition(None, _E.FOUND, _S.QUEUED, "it waits as if it had just been stored"),
+    StateTransition(_S.QUEUED, _E.BEGUN, _S.CHECKING, "a child process checks a copy of all files"),
+    StateTransition(_S.QUEUED, _E.UNUSABLE, _S.REFUSED, _REFUSE),
+    StateTransition(_S.CHECKING, _E.PASSED, _S.ACCEPTED, _ACCEPT),
+    StateTransition(_S.CHECKING, _E.FAILED, _S.REFUSED, _REFUSE),
+    StateTransition(_S.CHECKING, _E.TIMED_OUT, _S.OVERDUE, "the child process is ended"),
+    StateTransition(_S.OVERDUE, _E.PASSED, _S.ACCEPTED, _ACCEPT),
+    StateTransition(_S.OVERDUE, _E.FAILED, _S.REFUSED, _REFUSE),
+    StateTransition(
+        _S.ACCEPTED, _E.TAKEN, _S.ACTIVE, "it is read; MISSION_START flies it from now on"
+    ),
+    StateTransition(_S.ACCEPTED, _E.NEWER_ACCEPTED, _S.REPLACED, "it is not flown any more"),
+    StateTransition(_S.ACTIVE, _E.STARTED, _S.STARTED, "it is not found again after a restart"),
+    StateTransition(_S.ACTIVE, _E.NEWER_ACTIVE, _S.REPLACED, "its files are deleted"),
 )
 """The life of an uploaded mission."""
 
