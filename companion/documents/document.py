@@ -18,8 +18,15 @@ from typing import TypeAlias, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from companion.documents.problems import first_problem
-from companion.documents.yaml_tree import Listing, Node, Scalar, Table, Value, read_tree
+from companion.documents.diagnostics import first_diagnostic
+from companion.documents.yaml_tree import (
+    MappingNode,
+    Node,
+    ScalarNode,
+    SequenceNode,
+    Value,
+    read_tree,
+)
 from companion.errors import FormulaError, Location, MissionError
 
 Key = str | int
@@ -42,9 +49,9 @@ def validate(text: str, path: str, model: type[M]) -> tuple[M, Document]:
     try:
         return model.model_validate_json(json.dumps(document.data()), strict=True), document
     except ValidationError as error:
-        problem = first_problem(error, model, document.data(), document.position)
-        at = document.key_at if problem.is_about_key else document.where
-        raise MissionError(problem.what, at(*problem.keys), problem.hint) from None
+        found = first_diagnostic(error, model, document.data(), document.position)
+        at = document.key_at if found.is_about_key else document.where
+        raise MissionError(found.what, at(*found.keys), found.hint) from None
 
 
 class Document:
@@ -70,8 +77,8 @@ class Document:
     def key_at(self, *keys: Key) -> Location:
         """Place of a key itself; of the item for an index, of the parent if it does not exist."""
         parent, _ = self._nearest(keys[:-1])
-        if keys and isinstance(parent, Table) and (entry := parent.entries.get(str(keys[-1]))):
-            return entry.key_at
+        if keys and isinstance(parent, MappingNode) and str(keys[-1]) in parent.entries:
+            return parent.entries[str(keys[-1])].key_at
         return self.where(*keys) if self._nearest(keys)[1] else self.key_at(*keys[:-1])
 
     def position(self, *keys: Key) -> tuple[int, int]:
@@ -93,7 +100,7 @@ class Document:
             The start of the scalar if it has escapes, which break the correspondence.
         """
         node, is_found = self._nearest(keys)
-        if not is_found or not isinstance(node, Scalar) or not isinstance(node.value, str):
+        if not is_found or not isinstance(node, ScalarNode) or not isinstance(node.value, str):
             return node.where
         inner = self._inner_start(node)
         indices = [i for i in range(inner, node.end) if not self._text[i].isspace()]
@@ -113,7 +120,7 @@ class Document:
         except FormulaError as error:
             raise error.located(self.inside(error.offset, *keys)) from None
 
-    def _inner_start(self, scalar: Scalar) -> int:
+    def _inner_start(self, scalar: ScalarNode) -> int:
         """Index after the opening quote, or after the header line of a block scalar."""
         opening = self._text[scalar.start]
         if opening in "|>":
@@ -124,11 +131,11 @@ class Document:
         """The node at the keys, or the nearest parent and False."""
         node = self._root
         for key in keys:
-            if isinstance(node, Table) and str(key) in node.entries:
+            if isinstance(node, MappingNode) and str(key) in node.entries:
                 node = node.entries[str(key)].node
-            elif isinstance(node, Listing) and isinstance(key, int) and key < len(node.items):
+            elif isinstance(node, SequenceNode) and isinstance(key, int) and key < len(node.items):
                 node = node.items[key]
-            elif isinstance(node, Scalar) and key == 0:
+            elif isinstance(node, ScalarNode) and key == 0:
                 continue  # one text may stand where a list is expected
             else:
                 return node, False
@@ -136,8 +143,8 @@ class Document:
 
 
 def _plain(node: Node) -> Data:
-    if isinstance(node, Scalar):
+    if isinstance(node, ScalarNode):
         return node.value
-    if isinstance(node, Listing):
+    if isinstance(node, SequenceNode):
         return [_plain(item) for item in node.items]
     return {key: _plain(entry.node) for key, entry in node.entries.items()}

@@ -42,7 +42,7 @@ Value = str | int | float | bool | None
 
 
 @dataclass(frozen=True, slots=True)
-class Scalar:
+class ScalarNode:
     """One value; `start` and `end` are indices into the text, quotes and markers included."""
 
     where: Location
@@ -52,7 +52,7 @@ class Scalar:
 
 
 @dataclass(frozen=True, slots=True)
-class Listing:
+class SequenceNode:
     """A YAML sequence."""
 
     where: Location
@@ -60,7 +60,7 @@ class Listing:
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
+class MappingEntry:
     """One key of a mapping with its value."""
 
     key_at: Location
@@ -68,14 +68,14 @@ class Entry:
 
 
 @dataclass(frozen=True, slots=True)
-class Table:
+class MappingNode:
     """A YAML mapping."""
 
     where: Location
-    entries: dict[str, Entry]
+    entries: dict[str, MappingEntry]
 
 
-Node = Scalar | Listing | Table
+Node = ScalarNode | SequenceNode | MappingNode
 
 
 def read_tree(text: str, path: str) -> Node:
@@ -171,13 +171,13 @@ class _TreeReader:
             raise MissionError(f"nested deeper than {MAX_DEPTH} levels", where)
         self._refuse_references(event, where)
         if isinstance(event, SequenceStartEvent):
-            return self._listing(where, depth)
+            return self._sequence(where, depth)
         if isinstance(event, MappingStartEvent):
-            return self._table(where, depth)
+            return self._mapping(where, depth)
         assert isinstance(event, ScalarEvent)
         value = event.value if event.style else _plain_value(event.value, where)
         self._refuse_surrogates(event.value, where)
-        return Scalar(where, value, event.start_mark.index, event.end_mark.index)
+        return ScalarNode(where, value, event.start_mark.index, event.end_mark.index)
 
     def _refuse_surrogates(self, text: str, where: Location) -> None:
         if re.search("[\ud800-\udfff]", text):
@@ -209,14 +209,14 @@ class _TreeReader:
                 "put quotes around a text that begins with !, e.g. '!at(A)'",
             )
 
-    def _listing(self, where: Location, depth: int) -> Listing:
+    def _sequence(self, where: Location, depth: int) -> SequenceNode:
         items = []
         while not isinstance(event := next(self._events), SequenceEndEvent):
             items.append(self._node(event, depth + 1))
-        return Listing(where, tuple(items))
+        return SequenceNode(where, tuple(items))
 
-    def _table(self, where: Location, depth: int) -> Table:
-        entries: dict[str, Entry] = {}
+    def _mapping(self, where: Location, depth: int) -> MappingNode:
+        entries: dict[str, MappingEntry] = {}
         while not isinstance(event := next(self._events), MappingEndEvent):
             key_at = self._where(event)
             self._refuse_references(event, key_at)
@@ -234,10 +234,10 @@ class _TreeReader:
                     f"first given in line {entries[key].key_at.line}; keep one of them",
                 )
             node = self._node(next(self._events), depth + 1)
-            if isinstance(node, Scalar) and node.start == node.end:  # nothing after the colon
-                node = Scalar(key_at, node.value, node.start, node.end)
-            entries[key] = Entry(key_at, node)
-        return Table(where, entries)
+            if isinstance(node, ScalarNode) and node.start == node.end:  # nothing after the colon
+                node = ScalarNode(key_at, node.value, node.start, node.end)
+            entries[key] = MappingEntry(key_at, node)
+        return MappingNode(where, entries)
 
 
 _WORDS: dict[str, Value] = {

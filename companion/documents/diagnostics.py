@@ -23,7 +23,7 @@ _SIMILAR = 0.6  # difflib's own cutoff for close matches
 
 
 @dataclass(frozen=True, slots=True)
-class Problem:
+class Diagnostic:
     """One problem; `is_about_key` if the key is wrong and not its value."""
 
     what: str
@@ -46,12 +46,12 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     return f"Did you mean {best}?" if similarity(best) >= _SIMILAR else ""
 
 
-def first_problem(
+def first_diagnostic(
     error: ValidationError,
     model: type[BaseModel],
     data: object,
     position: Callable[..., tuple[int, int]],
-) -> Problem:
+) -> Diagnostic:
     """The problem to tell.
 
     Args:
@@ -67,7 +67,7 @@ def first_problem(
     details.sort(key=lambda item: (item[1]["type"] != "extra_forbidden", position(*item[0])))
     keys = details[0][0]
     alike = [detail for where, detail in details if where == keys]  # the branches of a union
-    return _problem(alike, keys, model.model_json_schema(), data)
+    return _diagnostic(alike, keys, model.model_json_schema(), data)
 
 
 def _existing_keys(loc: Sequence[str | int], data: object) -> Keys:
@@ -84,28 +84,28 @@ def _existing_keys(loc: Sequence[str | int], data: object) -> Keys:
     return tuple(keys)
 
 
-def _problem(details: list[Detail], keys: Keys, root: Schema, data: object) -> Problem:
+def _diagnostic(details: list[Detail], keys: Keys, root: Schema, data: object) -> Diagnostic:
     detail = details[0]
     kind, name = detail["type"], detail["loc"][-1] if detail["loc"] else ""
     if kind == "missing" and isinstance(name, str):
         description = _schema_at(root, (*keys, name)).get("description", "")
         hint = _sentence(name, description)
-        return Problem(f"the key {name} is missing{_of(keys)}", keys, hint, True)
+        return Diagnostic(f"the key {name} is missing{_of(keys)}", keys, hint, True)
     if kind == "extra_forbidden":
         known = list(_schema_at(root, keys[:-1]).get("properties", ()))
         hint = f"known keys are {', '.join(known)}. {did_you_mean(str(keys[-1]), known)}".strip()
-        return Problem(f"unknown key {_short(keys[-1])}{_of(keys[:-1])}", keys, hint, True)
+        return Diagnostic(f"unknown key {_short(keys[-1])}{_of(keys[:-1])}", keys, hint, True)
     if name == "[key]":
         expected = _RULES[kind](detail["ctx"]) if kind in _RULES else detail["msg"]
-        return Problem(f"{_short(keys[-1])} is not a name", keys, f"expected {expected}", True)
+        return Diagnostic(f"{_short(keys[-1])} is not a name", keys, f"expected {expected}", True)
     return _wrong_value(details, keys, _schema_at(root, keys), _at(data, keys))
 
 
-def _wrong_value(details: list[Detail], keys: Keys, schema: Schema, value: object) -> Problem:
+def _wrong_value(details: list[Detail], keys: Keys, schema: Schema, value: object) -> Diagnostic:
     subject = keys[-1] if keys and isinstance(keys[-1], str) else _subject(keys)
     kind, message = details[0]["type"], details[0]["msg"]
     if kind not in _RULES:  # a validator's own words
-        return Problem(f"{subject}: {message.removeprefix('Value error, ')}", keys, "", False)
+        return Diagnostic(f"{subject}: {message.removeprefix('Value error, ')}", keys, "", False)
     expected = dict.fromkeys(
         _RULES[d["type"]](d.get("ctx", {})) for d in details if d["type"] in _RULES
     )
@@ -114,7 +114,7 @@ def _wrong_value(details: list[Detail], keys: Keys, schema: Schema, value: objec
         words = [w for phrase in expected for w in phrase.replace(" or ", ", ").split(", ")]
         hint = f"{did_you_mean(value, words)} {hint}".strip()
     what = f"{subject} is {_describe(value)}, expected {' or '.join(expected)}"
-    return Problem(what, keys, hint, False)
+    return Diagnostic(what, keys, hint, False)
 
 
 _RULES: dict[str, Callable[[Schema], str]] = {
