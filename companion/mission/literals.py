@@ -9,7 +9,7 @@ from __future__ import annotations
 from companion.errors import FormulaError
 from companion.ltl.formula import Formula, Operator, conjuncts
 from companion.ltl.parser import parse
-from companion.mission.model import Atom, Conditional, Literal
+from companion.mission.model import Atom, ConditionalEffectTemplate, Literal
 
 
 def parse_literals(text: str) -> tuple[Literal, ...]:
@@ -24,7 +24,7 @@ def parse_literals(text: str) -> tuple[Literal, ...]:
     return tuple(_literal(part, text) for part in conjuncts(parse(text)))
 
 
-def parse_effect(text: str) -> tuple[tuple[Literal, ...], tuple[Conditional, ...]]:
+def parse_effect(text: str) -> tuple[tuple[Literal, ...], tuple[ConditionalEffectTemplate, ...]]:
     """Read an effect: facts joined by &, and (condition -> effect) in parentheses.
 
     >>> plain, conditional = parse_effect("free & !has(x) & (lit & !late -> delivered(x))")
@@ -35,13 +35,13 @@ def parse_effect(text: str) -> tuple[tuple[Literal, ...], tuple[Conditional, ...
         FormulaError: not a formula, or one with other operators than &, ! and ->.
     """
     plain: list[Literal] = []
-    conditional: list[Conditional] = []
+    conditional: list[ConditionalEffectTemplate] = []
     for part in conjuncts(parse(text)):
         if part.operator is Operator.IMPLIES:
             condition, effect = (
                 tuple(_literal(fact, text) for fact in conjuncts(side)) for side in part.operands
             )
-            conditional.append(Conditional(condition, effect))
+            conditional.append(ConditionalEffectTemplate(condition, effect))
         else:
             plain.append(_literal(part, text))
     return tuple(plain), tuple(conditional)

@@ -112,7 +112,7 @@ class Literal:
 
 
 @dataclass(frozen=True, slots=True)
-class Conditional:
+class ConditionalEffectTemplate:
     """An effect that only comes if a condition holds before the skill."""
 
     condition: tuple[Literal, ...]
@@ -207,7 +207,7 @@ class Skill:
     execute: tuple[Execution, ...]
     tries: int
     timeout_s: float | None
-    conditional: tuple[Conditional, ...] = ()
+    conditional: tuple[ConditionalEffectTemplate, ...] = ()
     distinct: tuple[tuple[str, ...], ...] = ()
     is_planned: bool = True
     retry_after_s: float | None = None

@@ -22,13 +22,13 @@ Name = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$", max_length=40)]
 Text = Annotated[str, Field(min_length=1)]
 
 
-class Entry(BaseModel):
+class StrictModel(BaseModel):
     """Part of a mission file; unknown keys are refused."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
-class LimitsEntry(Entry):
+class LimitsEntry(StrictModel):
     """What no setpoint may leave."""
 
     speed_mps: Annotated[float, Field(gt=0, le=20, description="Greatest speed, m/s.")]
@@ -45,7 +45,7 @@ class LimitsEntry(Entry):
     ]
 
 
-class PlaceEntry(Entry):
+class PlaceEntry(StrictModel):
     """A point, in metres from the home position, with a region around it."""
 
     east_m: Annotated[float, Field(description="Metres east of home.")]
@@ -63,7 +63,7 @@ def _given(value: Any) -> Any:
     return value
 
 
-class EventEntry(Entry):
+class EventEntry(StrictModel):
     """A fact that the vehicle observes and cannot choose."""
 
     when: Annotated[
@@ -103,7 +103,7 @@ def _listed(value: Any) -> Any:
     return [value] if isinstance(value, str) else value
 
 
-class SkillEntry(Entry):
+class SkillEntry(StrictModel):
     """An action template: the planner uses it with every binding of its parameters."""
 
     parameters: Annotated[
@@ -175,7 +175,7 @@ class SkillEntry(Entry):
     ] = None
 
 
-class MissionFile(Entry):
+class MissionFile(StrictModel):
     """A mission: what must hold, not where to fly next."""
 
     model_config = ConfigDict(title="Mission")

@@ -36,7 +36,7 @@ def build_skills(file: MissionFile, document: Document, vocabulary: Vocabulary) 
     skills: dict[str, Skill] = {}
     instances = effects = 0
     for name, entry in file.skills.items():
-        skills[name] = _Builder(name, entry, file, document, vocabulary).build()
+        skills[name] = _SkillBuilder(name, entry, file, document, vocabulary).build()
         own = math.prod(len(file.sets[s]) for s in entry.parameters.values())
         instances += own
         effects += own * len(skills[name].conditional)
@@ -98,7 +98,7 @@ def _called(name: str, skills: Mapping[str, Skill], seen: frozenset[str]) -> fro
 
 
 @dataclass(frozen=True, slots=True)
-class _Builder:
+class _SkillBuilder:
     name: str
     entry: SkillEntry
     file: MissionFile

@@ -40,11 +40,11 @@ def read_tree(
     Raises:
         MissionError: with the place of the first node that cannot be used.
     """
-    return _Reader(document, skills, sets, vocabulary).node(data, ("tree",))
+    return _WrittenTreeReader(document, skills, sets, vocabulary).node(data, ("tree",))
 
 
 @dataclass(frozen=True, slots=True)
-class _Reader:
+class _WrittenTreeReader:
     document: Document
     skills: Mapping[str, Skill]
     sets: Mapping[str, Collection[str]]
