@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from companion.run import Recorder
 
 
-class Hangar:
+class SortieHost:
     """Fulfils `app.Host` with files.
 
     Args:

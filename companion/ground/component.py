@@ -31,7 +31,7 @@ from companion.acting.report import Report
 from companion.ground import about
 from companion.ground.operations import MonitorPage, Operations, SystemStatus, UploadService
 from companion.ground.parameters import MONITOR, TEXT_LEVEL, CompanionParameters
-from companion.ground.texts import INFO, WARNING, Texts, severity
+from companion.ground.texts import INFO, WARNING, StatusTextQueue, severity
 from companion.mavlink import ftp
 from companion.mavlink.framing import Message, dialect, source
 from companion.mission.model import Signal
@@ -78,7 +78,7 @@ class Component:
         self._uploads = uploads
         self._page = page
         self.parameters.put(MONITOR, self._is_page_served)
-        self._texts = Texts()
+        self._texts = StatusTextQueue()
         self._out: list[Message] = []
         self._ending: list[Message] = []
         self._events: list[tuple[Signal, float]] = []

@@ -29,7 +29,7 @@ from companion.mavlink.parameters import INT32, REAL32, asked_for, decode, value
 
 
 @dataclass(frozen=True, slots=True)
-class Parameter:
+class ParameterMetadata:
     """One parameter, of a MAV_PARAM_TYPE; it can only be read if it has only one value."""
 
     param_type: int
@@ -52,11 +52,11 @@ BELIEF_RETRY, MONITOR, SPEED_MAX, TEXT_LEVEL, TICK = (
 )
 TICK_HZ = round(1 / TICK_S)
 PARAMETERS = {
-    BELIEF_RETRY: Parameter(REAL32, -1.0, -1.0, 3600.0),
-    MONITOR: Parameter(INT32, 0, 0, 1),
-    SPEED_MAX: Parameter(REAL32, 50.0, 0.1, 50.0),
-    TEXT_LEVEL: Parameter(INT32, 6, 0, 7),
-    TICK: Parameter(INT32, TICK_HZ, TICK_HZ, TICK_HZ),
+    BELIEF_RETRY: ParameterMetadata(REAL32, -1.0, -1.0, 3600.0),
+    MONITOR: ParameterMetadata(INT32, 0, 0, 1),
+    SPEED_MAX: ParameterMetadata(REAL32, 50.0, 0.1, 50.0),
+    TEXT_LEVEL: ParameterMetadata(INT32, 6, 0, 7),
+    TICK: ParameterMetadata(INT32, TICK_HZ, TICK_HZ, TICK_HZ),
 }
 NAMES = tuple(PARAMETERS)
 
@@ -118,7 +118,7 @@ class CompanionParameters:
         return value_message(name, value, param_type, len(NAMES), NAMES.index(name))
 
 
-def _value_of(request: Message, parameter: Parameter) -> float | None:
+def _value_of(request: Message, parameter: ParameterMetadata) -> float | None:
     """The number that PARAM_SET carries; None if it is of another type, or no number."""
     if request.param_type != parameter.param_type:
         return None

@@ -48,7 +48,7 @@ def severity(report: Report) -> int:
     return SEVERITIES.get(report.kind, INFO)
 
 
-class Texts:
+class StatusTextQueue:
     """The queue of texts.
 
     Attributes:

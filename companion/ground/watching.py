@@ -21,7 +21,7 @@ NAMES = ("HEARTBEAT", "STATUSTEXT", "SYS_STATUS", "GLOBAL_POSITION_INT", "NAMED_
 """Messages that are looked at."""
 
 
-class Watch:
+class WatchedFlight:
     """What was heard so far.
 
     Attributes:
@@ -32,7 +32,7 @@ class Watch:
     def __init__(self, now_s: float) -> None:
         self.exit_code: int | None = None
         self.heard_s = now_s
-        self._texts = Texts()
+        self._texts = StatusTextAssembler()
         self._mode = "?"
         self._is_armed = False
         self._battery_percent = -1
@@ -75,7 +75,7 @@ class Watch:
             self._height_m = int(fields["relative_alt"]) / 1000
 
 
-class Texts:
+class StatusTextAssembler:
     """Joins the chunks of texts (https://mavlink.io/en/messages/common.html#STATUSTEXT)."""
 
     def __init__(self) -> None:
@@ -85,7 +85,7 @@ class Texts:
     def take(self, text: str, number: int, chunk: int) -> list[str]:
         """Takes a chunk; the texts that are complete. A chunk that is lost is left out.
 
-        >>> texts = Texts()
+        >>> texts = StatusTextAssembler()
         >>> texts.take("a" * 50, 7, 0), texts.take("!", 7, 1)[0][-2:]
         ([], 'a!')
         """
