@@ -14,10 +14,10 @@ ROUND = 256
 SILENCE_S = 0.25  # after a longer pause the next message is taken for a new one
 
 
-class Order:
+class SequenceTracker:
     """The order in which one component has sent what comes in on one link.
 
-    >>> order = Order()
+    >>> order = SequenceTracker()
     >>> [order.is_overtaken(0.0, "HEARTBEAT", number) for number in (254, 0, 255, 0)]
     [False, False, True, False]
     """
