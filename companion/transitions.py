@@ -41,7 +41,8 @@ class TransitionTable(Generic[S, E]):
     ...     SHUT = "shut"
     >>> class Push(Enum):
     ...     PUSHED = "pushed"
-    >>> table = TransitionTable(StateTransition(Door.OPEN, Push.PUSHED, Door.SHUT, "the bell rings"))
+    >>> row = StateTransition(Door.OPEN, Push.PUSHED, Door.SHUT, "the bell rings")
+    >>> table = TransitionTable(row)
     >>> table.next(Door.OPEN, Push.PUSHED)
     <Door.SHUT: 'shut'>
     >>> table.next(Door.SHUT, Push.PUSHED)
