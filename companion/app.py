@@ -1,4 +1,4 @@
-"""Puts everything together, and lives as long as the program: from the link to what is flown.
+"""The companion from the link to what is flown; it lives as long as the program.
 
 `Companion` is a state machine: time and datagrams in, datagrams out. `driving.fly` drives it in
 real (or scaled) time from a socket; the simulator's harness drives the same object in lockstep.

@@ -62,7 +62,7 @@ def watch(connect: Connect = GROUND_STATION, timeout: Timeout = 30.0) -> None:
 
 
 def _mavsdk_url(url: str) -> str:
-    """MAVSDK's spelling; an ambiguous `udp:` is refused as everywhere."""
+    """Returns MAVSDK's spelling of a URL; an ambiguous `udp:` is refused as everywhere."""
     from companion.vehicle.link import parse_url
 
     return str(parse_url(url))

@@ -1,4 +1,4 @@
-"""YAML from outside: validated, with the place of every key, and problems in plain words."""
+"""YAML from outside: validated, with the place of every key, and errors in plain words."""
 
 from companion.documents.diagnostics import did_you_mean
 from companion.documents.document import Document, validate

@@ -1,6 +1,6 @@
-"""What is wrong with a document, in plain words: pydantic's error list as one problem.
+"""Diagnostics of a document in plain words: pydantic's list of errors as one of them.
 
-Of several problems the first in the file is told, unknown keys before all others: a misspelt key
+Of several errors the first in the file is shown, unknown keys before all others: a misspelt key
 is the reason why the right one is missing. What a person can do about it is taken from the JSON
 Schema of the model: the keys that exist there and the description of the field.
 """
@@ -24,7 +24,14 @@ _SIMILAR = 0.6  # difflib's own cutoff for close matches
 
 @dataclass(frozen=True, slots=True)
 class Diagnostic:
-    """One problem; `is_about_key` if the key is wrong and not its value."""
+    """What is wrong, where, and what to do.
+
+    Attributes:
+        what: in one line.
+        keys: of the place in the document.
+        hint: what to do; may be empty.
+        is_about_key: whether the key is wrong and not its value.
+    """
 
     what: str
     keys: Keys
@@ -33,7 +40,7 @@ class Diagnostic:
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """A question with the most similar known word, or nothing.
+    """Returns a question with the most similar known word; empty if none is similar.
 
     >>> did_you_mean("palces", ["places", "sets"])
     'Did you mean places?'
@@ -52,7 +59,7 @@ def first_diagnostic(
     data: object,
     position: Callable[..., tuple[int, int]],
 ) -> Diagnostic:
-    """The problem to tell.
+    """Returns the diagnostic to show.
 
     Args:
         error: what pydantic found.
@@ -71,7 +78,7 @@ def first_diagnostic(
 
 
 def _existing_keys(loc: Sequence[str | int], data: object) -> Keys:
-    """The keys of the document in pydantic's location, which names union branches as well."""
+    """Returns the document's keys in pydantic's location, which names union branches as well."""
     keys: list[str | int] = []
     for part in loc:
         if isinstance(data, dict) and part in data:
@@ -141,7 +148,7 @@ _RULES: dict[str, Callable[[Schema], str]] = {
 
 
 def _schema_at(root: Schema, keys: Keys) -> Schema:
-    """The part of a JSON Schema that describes the value at some keys; {} if there is none."""
+    """Returns the part of a JSON Schema that describes the value at some keys; {} without one."""
     schema = root
     for key in keys:
         schema = _step(_resolved(root, schema), key)
@@ -162,7 +169,7 @@ def _step(schema: Schema, key: str | int) -> Schema:
 
 
 def _resolved(root: Schema, schema: Schema) -> Schema:
-    """Follows a reference; of alternatives the one that is a mapping or list."""
+    """Follows a reference; of alternatives, to the one that is a mapping or list."""
     for choice in schema.get("anyOf", ()):
         if {"$ref", "items", "properties"} & choice.keys():
             return _resolved(root, choice)

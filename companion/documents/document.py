@@ -1,8 +1,8 @@
-"""Is this YAML text what the model says, and if not, what is wrong at which line and column?
+"""Validation of a YAML text against a pydantic model, with line and column of what is wrong.
 
-In go a text and a pydantic model, out come the validated model and a `Document` which finds the
-place of each of its keys and values again, for checks that come later. Neither opens a file.
-Missions and the simulator's scenarios are read through here.
+In go a text and a model, out come the validated model and a `Document`, which finds the place of
+each key and value again for later checks. Neither opens a file. Missions and the simulator's
+scenarios are read through here.
 
 The YAML itself is read by yaml_tree.py, with limits on size and depth. Validation is strict, as
 for JSON: a quoted "3" is no number. Messages name what was expected in plain words; their hint
@@ -35,7 +35,7 @@ M = TypeVar("M", bound=BaseModel)
 
 
 def validate(text: str, path: str, model: type[M]) -> tuple[M, Document]:
-    """Read a YAML text as a model.
+    """Reads a YAML text as a model.
 
     Args:
         text: the whole file.
@@ -67,27 +67,27 @@ class Document:
         self._root = read_tree(self._text, path)
 
     def data(self) -> Data:
-        """The content as plain dicts, lists and scalars."""
+        """Returns the content as plain dicts, lists and scalars."""
         return _plain(self._root)
 
     def where(self, *keys: Key) -> Location:
-        """Place of a value; of the nearest parent that exists, if it does not."""
+        """Returns the place of a value, or of the nearest parent that exists."""
         return self._nearest(keys)[0].where
 
     def key_at(self, *keys: Key) -> Location:
-        """Place of a key itself; of the item for an index, of the parent if it does not exist."""
+        """Returns the place of a key itself, of the item for an index, or of the nearest parent."""
         parent, _ = self._nearest(keys[:-1])
         if keys and isinstance(parent, MappingNode) and str(keys[-1]) in parent.entries:
             return parent.entries[str(keys[-1])].key_at
         return self.where(*keys) if self._nearest(keys)[1] else self.key_at(*keys[:-1])
 
     def position(self, *keys: Key) -> tuple[int, int]:
-        """Line and column of a value, to sort by."""
+        """Returns line and column of a value, to sort by."""
         where = self.where(*keys)
         return (where.line, where.column)
 
     def inside(self, offset: int, *keys: Key) -> Location:
-        """Place of one character of a scalar, however the scalar is written.
+        """Returns the place of one character of a scalar, however the scalar is written.
 
         YAML folds lines and drops indentation but keeps every other character, so the n-th
         character that is not white space is the same in the file and in the value.
@@ -114,21 +114,21 @@ class Document:
 
     @contextmanager
     def locating(self, *keys: Key) -> Iterator[None]:
-        """Formula errors from the block are about this scalar: give them their place in it."""
+        """Gives formula errors from the block their place in this scalar."""
         try:
             yield
         except FormulaError as error:
             raise error.located(self.inside(error.offset, *keys)) from None
 
     def _inner_start(self, scalar: ScalarNode) -> int:
-        """Index after the opening quote, or after the header line of a block scalar."""
+        """Returns the index after the opening quote, or after the header line of a block scalar."""
         opening = self._text[scalar.start]
         if opening in "|>":
             return self._text.index("\n", scalar.start)
         return scalar.start + (opening in "\"'")
 
     def _nearest(self, keys: tuple[Key, ...]) -> tuple[Node, bool]:
-        """The node at the keys, or the nearest parent and False."""
+        """Returns the node at the keys and True, or the nearest parent and False."""
         node = self._root
         for key in keys:
             if isinstance(node, MappingNode) and str(key) in node.entries:

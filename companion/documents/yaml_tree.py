@@ -1,4 +1,4 @@
-"""What does a YAML text from outside say, and where does it say it?
+"""YAML from outside as a tree in which every node knows its place in the text.
 
 In goes the text, out comes a tree of plain values in which every key and value knows its place.
 The text is not trusted: its size is limited before anything reads it and its depth while it is
@@ -7,7 +7,7 @@ not finite are refused, so that what a person reads is what the program gets.
 
 Plain scalars follow the core schema of YAML 1.2.2, section 10.3.2: only `true` and `false` are
 truth values, so a place may be called `no` or `on`; a date is a text. Keys are always texts. The
-tokens come from ruamel.yaml. Left out on purpose: what the values mean (see documents.py).
+tokens come from ruamel.yaml. Left out: what the values mean (document.py).
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ Node = ScalarNode | SequenceNode | MappingNode
 
 
 def read_tree(text: str, path: str) -> Node:
-    """The tree of a YAML text.
+    """Returns the tree of a YAML text.
 
     Args:
         text: line breaks are "\\n", no byte order mark.
@@ -252,7 +252,7 @@ _LONGEST_NUMBER = 40  # characters; no quantity of ours needs more
 
 
 def _plain_value(text: str, where: Location) -> Value:
-    """Value of a scalar without quotes (YAML 1.2.2, 10.3.2)."""
+    """Returns the value of a scalar without quotes (YAML 1.2.2, 10.3.2)."""
     if text in _WORDS:
         return _WORDS[text]
     if _NOT_FINITE.fullmatch(text):

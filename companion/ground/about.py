@@ -40,7 +40,7 @@ def heartbeat(status: SystemStatus) -> Message:
 
 
 class ProtocolVersion:
-    """PROTOCOL_VERSION, as `framing.Endpoint.pack` needs a message."""
+    """The message PROTOCOL_VERSION, with what packing it takes."""
 
     id = 300
     msgname = "PROTOCOL_VERSION"

@@ -22,9 +22,10 @@ _ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "NO_COLOR": 
 
 @dataclass(frozen=True, slots=True)
 class CheckResult:
-    """What came out of a check.
+    """The result of a check.
 
     Attributes:
+        is_good: whether the mission can be flown.
         text: the plan, or what is wrong and where.
     """
 

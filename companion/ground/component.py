@@ -55,7 +55,7 @@ REQUESTED: dict[int, Callable[[], Message]] = {
 
 
 class Component:
-    """What ground stations see of the companion.
+    """The companion as ground stations see it.
 
     Args:
         operations: does what operators ask for.
@@ -116,7 +116,7 @@ class Component:
             self._ending.append(_exit_code(now_s, code))
 
     def transmit(self, now_s: float, is_last: bool = False) -> list[Message]:
-        """What has to leave now; at the end of a run all that is left to say."""
+        """Returns the messages that leave now; at the end of a run all that are left."""
         if not self._system:
             return []  # nobody is there, and what is sent would be lost
         if self.parameters[MONITOR] and not self._is_page_served:
@@ -133,7 +133,7 @@ class Component:
         return messages + self._texts.rest() + ending
 
     def _is_for_us(self, message: Message) -> bool:
-        """Whether it is addressed to us; to all, for services that all offer."""
+        """Whether a message is addressed to us; or to all, for services that all offer."""
         system, component = message.target_system, message.target_component
         if message.get_type() in self.FOR_ALL:
             return system in (EVERYBODY, self._system) and component in (EVERYBODY, COMPONENT)
@@ -223,7 +223,7 @@ class Component:
         return self._page is not None and self._page.is_served
 
     def _switch_page(self, value: float) -> float:
-        """Does it if it can be done; whether the page is served then."""
+        """Serves or ends the page, if that can be done; returns whether it is served then."""
         is_on = bool(value)
         if self._page is not None and is_on is not self._is_page_served:
             text = self._page.switch(is_on)
@@ -232,7 +232,7 @@ class Component:
         return self._is_page_served
 
     def _ping(self, message: Message) -> None:
-        """An answer to all who are not on board: the autopilot's is for what is far away."""
+        """Answers pings from off board; those of the autopilot are for ground stations."""
         is_for_all = message.target_system == message.target_component == EVERYBODY
         if is_for_all and message.get_srcSystem() != self._system:
             pong = dialect.MAVLink_ping_message(message.time_usec, message.seq, *source(message))
@@ -286,7 +286,7 @@ WANTED = frozenset(Component.SERVICES)
 
 
 def _parameters(message: Message) -> list[float]:
-    """param1 to param7 of COMMAND_LONG, or what stands for them in COMMAND_INT."""
+    """Returns param1 to param7 of COMMAND_LONG, or their counterparts in COMMAND_INT."""
     if message.get_type() == "COMMAND_LONG":
         names = ("param1", "param2", "param3", "param4", "param5", "param6", "param7")
     else:

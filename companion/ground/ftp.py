@@ -56,10 +56,10 @@ class Store(Protocol):
     """Files and folders below one root. Every method may raise `FtpRefusal`."""
 
     def entries(self, path: str) -> list[str]:
-        """What is in a folder, as the protocol lists it: Dname, or Fname, a tab and the size."""
+        """Returns a folder's entries in the protocol's form: Dname, or Fname, a tab, the size."""
 
     def read(self, path: str) -> bytes:
-        """What is in a file."""
+        """Returns the content of a file."""
 
     def check_writable(self, path: str) -> None:
         """Raises if no file can be written there."""
@@ -82,14 +82,14 @@ class Store(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class _Asked:
-    """Who asks what, and when."""
+    """A request, its client and its time."""
 
     now_s: float
     client: Client
     request: FtpRequest
 
     def path(self) -> str:
-        """The one path in the request."""
+        """Returns the one path in the request."""
         texts = self.request.texts()
         if len(texts) != 1:
             raise FtpRefusal(Nak.FAIL)
@@ -113,7 +113,7 @@ class FtpServer:
         self._newest: dict[tuple[Client, int], tuple[float, bytes, list[bytes]]] = {}
 
     def receive(self, now_s: float, client: Client, payload: bytes) -> list[bytes]:
-        """Does what a client asks.
+        """Does what a client asks and returns the replies.
 
         Args:
             client: its system and component id.

@@ -34,7 +34,7 @@ Client = tuple[int, int]
 
 
 class SessionState(Enum):
-    """Where a session is."""
+    """The state of a session; the final ones are CLOSED, COMPLETE and DROPPED."""
 
     READING = "reading"
     WRITING = "writing"
@@ -124,7 +124,7 @@ class Session:
 
 
 def _joined(ranges: list[tuple[int, int]]) -> list[tuple[int, int]]:
-    """Disjoint ranges in order, of ranges that may touch or overlap.
+    """Returns disjoint ranges in order, of ranges that may touch or overlap.
 
     >>> _joined([(0, 4), (8, 9), (4, 6)])
     [(0, 6), (8, 9)]

@@ -1,4 +1,4 @@
-"""Where do uploaded files lie, and what may a stranger do there?
+"""The folder of uploaded files, and what a client of MAVLink FTP may do in it.
 
 A door: it opens files, all below one folder. Rules:
 1. A path is a list of names between slashes, from the root whether or not it begins with one.
@@ -8,7 +8,7 @@ A door: it opens files, all below one folder. Rules:
 2. Each folder on the way is opened in the one before, and never through a symbolic link. So no
    path leaves the root, whatever lies there and whoever changes it meanwhile.
 3. A file has at most 256 KiB; there are at most 64 files and 64 folders, and 4 MiB in all.
-4. A file is written beside its place, under a name that no client can say, and then renamed.
+4. A file is written beside its place, under a name that no client can use, and then renamed.
 5. `verdict.json` is ours; clients may read it.
 
 It does not wait for the disk (fsync): a tick would wait with it. After a power cut an upload may
@@ -50,7 +50,7 @@ _NAKS = {
 
 
 def names_of(path: str) -> tuple[str, ...]:
-    """The names that a path consists of; none for the root.
+    """Returns the names that a path consists of; none for the root.
 
     Raises:
         FtpRefusal: it cannot be a path of ours.
@@ -76,7 +76,7 @@ class MissionStore:
         self.root = root.resolve()
 
     def entries(self, path: str) -> list[str]:
-        """See `Store`."""
+        """Returns a folder's entries in the protocol's form: Dname, or Fname, a tab, the size."""
         with self._open(names_of(path)) as folder:
             return sorted(
                 f"D{name}" if stat.S_ISDIR(status.st_mode) else f"F{name}\t{status.st_size}"
@@ -84,17 +84,17 @@ class MissionStore:
             )
 
     def read(self, path: str) -> bytes:
-        """See `Store`."""
+        """Returns the content of a file."""
         with self._place(path) as (folder, name):
             return _content(folder, name)
 
     def check_writable(self, path: str) -> None:
-        """See `Store`."""
+        """Raises if no file can be written there."""
         with self._place(path) as (folder, name):
             self._check_new(folder, name, 0)
 
     def write(self, path: str, content: bytes) -> None:
-        """See `Store`."""
+        """Makes or replaces a file at once."""
         with self._place(path) as (folder, name):
             self._check_new(folder, name, len(content))
             _replace(folder, name, content)
@@ -105,13 +105,13 @@ class MissionStore:
             _replace(folder, VERDICT, verdict)
 
     def remove(self, path: str) -> None:
-        """See `Store`."""
+        """Removes a file, but not `verdict.json`."""
         with self._place(path) as (folder, name):
             _check_ours(name)
             os.unlink(name, dir_fd=folder)
 
     def make_folder(self, path: str) -> None:
-        """See `Store`."""
+        """Makes a folder in one that exists, up to 64 of them."""
         with self._place(path) as (folder, name):
             _check_ours(name)
             if sum(1 for _, is_folder, _ in self._all(()) if is_folder) >= MAX_FOLDERS:
@@ -119,12 +119,12 @@ class MissionStore:
             os.mkdir(name, 0o700, dir_fd=folder)
 
     def remove_folder(self, path: str) -> None:
-        """See `Store`."""
+        """Removes an empty folder."""
         with self._place(path) as (folder, name):
             os.rmdir(name, dir_fd=folder)
 
     def rename(self, old: str, new: str) -> None:
-        """See `Store`."""
+        """Gives a file another name; replaces nothing."""
         with self._place(old) as (source, old_name), self._place(new) as (target, new_name):
             if stat.S_ISDIR(_status(source, old_name).st_mode):
                 raise FtpRefusal(Nak.FILE_PROTECTED)
@@ -147,7 +147,7 @@ class MissionStore:
                 os.link(self.root.joinpath(*names), target.joinpath(*names), follow_symlinks=False)
 
     def _check_new(self, folder: int, name: str, size: int) -> None:
-        """Whether a file of some size may be written."""
+        """Raises if a file of some size may not be written."""
         _check_file_name(name)
         if size > MAX_FILE_BYTES:
             raise FtpRefusal(Nak.FAIL_ERRNO, errno.EFBIG)
@@ -164,7 +164,7 @@ class MissionStore:
     def _all(
         self, names: tuple[str, ...]
     ) -> Iterator[tuple[tuple[str, ...], bool, os.stat_result]]:
-        """Everything below a folder: names, whether it is a folder, status; folders first."""
+        """Yields all below a folder: names, whether it is a folder, status; folders first."""
         with self._open(names) as folder:
             listed = _listed(folder)
         for name, status in listed:
@@ -175,7 +175,7 @@ class MissionStore:
 
     @contextmanager
     def _open(self, names: tuple[str, ...]) -> Iterator[int]:
-        """A folder, opened name by name."""
+        """Opens a folder, name by name."""
         folder = -1
         try:
             folder = os.open(self.root, _FOLDER)
@@ -193,7 +193,7 @@ class MissionStore:
 
     @contextmanager
     def _place(self, path: str) -> Iterator[tuple[int, str]]:
-        """The folder that a path leads to, and its last name."""
+        """Opens the folder that a path leads to; yields it and the last name of the path."""
         names = names_of(path)
         if not names:
             raise FtpRefusal(Nak.FILE_PROTECTED)  # the root itself
@@ -202,7 +202,7 @@ class MissionStore:
 
 
 def _listed(folder: int) -> list[tuple[str, os.stat_result]]:
-    """Files and folders in a folder that clients may know of."""
+    """Returns the files and folders in a folder that clients may know of."""
     listed = [(name, _status(folder, name)) for name in os.listdir(folder) if _NAME.fullmatch(name)]
     return [(n, s) for n, s in listed if stat.S_ISDIR(s.st_mode) or stat.S_ISREG(s.st_mode)]
 

@@ -26,7 +26,7 @@ class SystemStatus(Enum):
 
 
 class Operations(Protocol):
-    """Whoever flies."""
+    """What an operator can ask of the companion."""
 
     @property
     def system_status(self) -> SystemStatus:
@@ -54,7 +54,7 @@ class MonitorPage(Protocol):
 
     @property
     def is_served(self) -> bool:
-        """Whether it is there; it may end by itself."""
+        """Whether the page is served; it may end by itself."""
 
     def switch(self, is_on: bool) -> str:
         """Serves it or ends it, if it can; returns a line for people: its address, or why not."""

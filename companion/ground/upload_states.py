@@ -25,7 +25,7 @@ FORMAT_VERSION = 1
 
 
 class UploadState(Enum):
-    """Where an uploaded mission is."""
+    """The state of an uploaded mission; the final ones are REFUSED, STARTED and REPLACED."""
 
     QUEUED = "queued"
     CHECKING = "checking"
@@ -81,7 +81,7 @@ IN_CHECK = (UploadState.CHECKING, UploadState.OVERDUE)
 
 @dataclass(frozen=True, slots=True)
 class UploadVerdict:
-    """What was found about an uploaded mission.
+    """The result of the check of an uploaded mission.
 
     Attributes:
         number: counts the verdicts.

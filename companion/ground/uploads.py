@@ -54,7 +54,7 @@ CUT_OFF = "the last line has no line break, so a part may be missing; end it wit
 _MAP = re.compile(rb"""^["']?image["']?[ \t]*:""", re.MULTILINE)
 MARK = ".not-flown"
 """In the folder of an accepted mission that was not started: a file with the mission's path.
-No client can say its name, and it is not copied."""
+No client can use its name, and it is not copied."""
 
 
 @dataclass
@@ -80,7 +80,7 @@ class _Upload:
     check: MissionCheck | None = None
 
     def verdict(self, is_accepted: bool, text: str, details: str) -> UploadVerdict:
-        """Returns what was found about it."""
+        """Returns the verdict on it."""
         return UploadVerdict(self.number, self.mission, self.crc32, is_accepted, text, details)
 
 
@@ -227,7 +227,7 @@ class Uploads:
         return upload.verdict(True, f"{upload.mission} accepted{again}{when}", plan)
 
     def _refuse(self, upload: _Upload, event: UploadEvent, reason: str) -> UploadVerdict:
-        """Leaves everything as it was."""
+        """Deletes the copy of a mission that cannot be flown; nothing else changes."""
         self._advance(upload, event)
         shutil.rmtree(upload.folder, ignore_errors=True)
         first, mission = (reason.splitlines() or ["?"])[0], upload.mission
@@ -241,7 +241,7 @@ class Uploads:
             return
 
     def _last_number(self) -> int:
-        """Numbers go on after a restart, so that clients see a new verdict as one."""
+        """Returns the number of the last verdict before a restart; a new one has to be greater."""
         newest = max(self._numbers(), default=0)
         try:
             return max(newest, int(json.loads(self._store.read(VERDICT))["number"]))
@@ -249,7 +249,7 @@ class Uploads:
             return newest
 
     def _numbers(self) -> list[int]:
-        """Of the missions that were accepted and are still there."""
+        """Returns the numbers of the missions that were accepted and are still there."""
         return [int(f.name) for f in self._active.iterdir() if f.name.isdecimal()]
 
     def _find_not_started(self) -> None:

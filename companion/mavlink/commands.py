@@ -1,4 +1,4 @@
-"""The command protocol, sender's side: ask until there is a final answer. No I/O.
+"""The sender's side of the command protocol: a command is repeated until its final answer. No I/O.
 
 Rules (https://mavlink.io/en/services/command.html):
 1. A command is sent again every 0.5 s until it is answered, with `confirmation` counted up.
@@ -108,7 +108,7 @@ class CommandSender:
         command: int,
         parameters: Parameters,
     ) -> int:
-        """Begins a command to (system, component); returns its ticket."""
+        """Begins a command to (system, component) and returns its ticket."""
         self._tickets += 1
         self._exchanges[self._tickets] = Exchange(
             *target, command, parameters, deadline_s=now_s + SILENCE_S, next_send_s=now_s

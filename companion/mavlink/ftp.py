@@ -1,7 +1,6 @@
-"""What does a component without files answer to MAVLink FTP? That it has none.
+"""MAVLink FTP of a component without files: each request is refused at once with FileNotFound.
 
-Clients try FTP first for parameters and metadata, and wait for seconds where nobody answers. So
-each request is refused at once with FileNotFound, and they go on without.
+Clients try FTP first for parameters and metadata, and wait for seconds where nobody answers.
 
 Source: https://mavlink.io/en/services/ftp.html.
 """
@@ -13,7 +12,7 @@ from companion.mavlink.ftp_frames import FtpRefusal, Nak, nak, read_request
 
 
 def refusal(message: Message) -> Message | None:
-    """The answer to a FILE_TRANSFER_PROTOCOL message; None to what is no request."""
+    """Returns the answer to a FILE_TRANSFER_PROTOCOL message; None to what is no request."""
     request = read_request(bytes(message.payload))
     if request is None:
         return None

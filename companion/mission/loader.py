@@ -1,11 +1,11 @@
-"""Can this mission be flown as it is written? Reads a mission file and the map next to it.
+"""Loads a mission file and the map next to it, and checks what can be checked without planning.
 
 A door: it opens files. Out comes the frozen `Mission` of model.py in SI units and local NED, or
 one MissionError with file:line:column. In the order of the checks: the YAML and its keys
 (documents.py, schema.py), names, the places on the map, events, skills, and last the facts that
 `initially` and `task` mention, against all that the mission defines.
 
-Whether the task can be fulfilled is a question for the planner.
+Whether the task can be fulfilled is found by the planner.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ RESERVED_PLACE = "here"  # the planner's name for where an interrupted move leav
 
 
 def load_mission(path: Path) -> Mission:
-    """Read a mission file and its map.
+    """Reads a mission file and its map.
 
     Raises:
         MissionError: a file is missing, or anything in it cannot be used.
@@ -86,7 +86,7 @@ def load_mission(path: Path) -> Mission:
 
 
 def read_text(path: Path) -> str:
-    """The text of a file; bytes that are not UTF-8 stay, for the YAML reader to locate.
+    """Returns the text of a file; bytes that are not UTF-8 stay, for the YAML reader to locate.
 
     Raises:
         MissionError: it cannot be read.
@@ -117,7 +117,7 @@ def _grid(path: Path, document: Document) -> OccupancyGrid:
 
 
 def _check_names(file: MissionFile, document: Document) -> None:
-    """Names that formulas cannot use or that mean two things, and the members of sets."""
+    """Refuses names that formulas cannot use or that mean two things, and wrong members of sets."""
     if RESERVED_PLACE in file.places:
         raise MissionError(
             f"a place cannot be called {RESERVED_PLACE}",
@@ -165,7 +165,7 @@ def _listing(names: Iterable[str]) -> str:
 
 
 def _operator(name: str) -> Operator | None:
-    """What the formula language reads a name as; None if it cannot stand alone."""
+    """Returns the operator that a name is in formulas; None if it cannot stand alone."""
     try:
         return parse(name).operator
     except FormulaError:
@@ -212,7 +212,7 @@ def _check_restored(file: MissionFile, skills: Mapping[str, Skill], document: Do
 
 
 def _initially(file: MissionFile, document: Document, vocabulary: Vocabulary) -> list[Atom]:
-    """The facts that are listed; exactly one of them says where the vehicle is."""
+    """Returns the facts that are listed; exactly one of them says where the vehicle is."""
     facts: list[Atom] = []
     for index, text in enumerate(file.initially):
         with document.locating("initially", index):
@@ -234,7 +234,7 @@ def _initially(file: MissionFile, document: Document, vocabulary: Vocabulary) ->
 def _check_reachable_names(
     skills: Mapping[str, Skill], given: Collection[str], document: Document
 ) -> None:
-    """A misspelt condition would be a fact of its own that nothing ever makes true.
+    """Refuses a condition that nothing ever makes true, such as a misspelt one.
 
     Args:
         given: names of facts that need no skill: events, what holds at the start, what PDDL

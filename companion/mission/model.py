@@ -93,7 +93,7 @@ class Atom:
     arguments: tuple[str, ...]
 
     def ground(self, binding: Mapping[str, str]) -> str:
-        """The fact under a binding of parameters; names without a binding stand for themselves.
+        """Returns the fact under a binding; names without a binding stand for themselves.
 
         >>> Atom("at", ("from",)).ground({"from": "A"})
         'at(A)'

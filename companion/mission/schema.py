@@ -1,4 +1,4 @@
-"""What a mission file may contain: the model of its YAML, key by key.
+"""The model of a mission file's YAML, key by key.
 
 This is the written form, in people's units (east, north, up; seconds). loader.py makes the
 checked `Mission` of model.py from it. The descriptions become the JSON Schema
@@ -23,7 +23,7 @@ Text = Annotated[str, Field(min_length=1)]
 
 
 class StrictModel(BaseModel):
-    """Part of a mission file; unknown keys are refused."""
+    """A mapping of a mission file; unknown keys are refused."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
@@ -57,7 +57,7 @@ class PlaceEntry(StrictModel):
 
 
 def _given(value: Any) -> Any:
-    """A key that may be left out may not be left empty: that is a line somebody forgot."""
+    """Refuses an optional key without a value: that is a line somebody forgot."""
     if value is None:
         raise PydanticCustomError("empty", "has no value; write one, or remove the key")
     return value
@@ -99,7 +99,7 @@ class EventEntry(StrictModel):
 
 
 def _listed(value: Any) -> Any:
-    """A single fact is a list of one."""
+    """Makes a list of a single fact."""
     return [value] if isinstance(value, str) else value
 
 
@@ -292,7 +292,7 @@ class MissionFile(StrictModel):
 
 
 def json_schema() -> dict[str, Any]:
-    """The JSON Schema (draft 2020-12) of a mission file."""
+    """Returns the JSON Schema (draft 2020-12) of a mission file."""
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         **MissionFile.model_json_schema(),

@@ -35,7 +35,7 @@ def read_tree(
     sets: Mapping[str, Collection[str]],
     vocabulary: Vocabulary,
 ) -> Tree:
-    """The tree under the key `tree`.
+    """Reads the tree under the key `tree`.
 
     Raises:
         MissionError: with the place of the first node that cannot be used.
