@@ -78,7 +78,7 @@ def load_mission(path: Path) -> Mission:
         sets=sets,
         events=events,
         skills=skills,
-        initially=frozenset(fact.ground({}) for fact in facts),
+        initially=frozenset(fact.instantiate({}) for fact in facts),
         task=_task(file, document, vocabulary),
         otherwise=Otherwise(file.otherwise),
         tree=read_tree(file.tree, document, skills, sets, vocabulary) if file.tree else None,

@@ -92,10 +92,10 @@ class Atom:
     name: str
     arguments: tuple[str, ...]
 
-    def ground(self, binding: Mapping[str, str]) -> str:
+    def instantiate(self, binding: Mapping[str, str]) -> str:
         """Returns the fact under a binding; names without a binding stand for themselves.
 
-        >>> Atom("at", ("from",)).ground({"from": "A"})
+        >>> Atom("at", ("from",)).instantiate({"from": "A"})
         'at(A)'
         """
         if not self.arguments:

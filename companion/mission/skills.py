@@ -70,7 +70,7 @@ def _check_calls(
             raise MissionError(
                 f"{step.skill} is called with {len(step.arguments)} arguments",
                 where,
-                f"write {Atom(step.skill, tuple(wanted)).ground({})}",
+                f"write {Atom(step.skill, tuple(wanted)).instantiate({})}",
             )
         known = {parameter for parameter, _ in skills[name].parameters} | constants
         for argument in step.arguments:

@@ -98,7 +98,7 @@ class _WrittenTreeReader:
             self.vocabulary.check(text)
         facts = {True: set[str](), False: set[str]()}
         for literal in literals:
-            facts[literal.is_positive].add(literal.atom.ground({}))
+            facts[literal.is_positive].add(literal.atom.instantiate({}))
         return Check(text, frozenset(facts[True]), frozenset(facts[False]))
 
     def _act(self, text: str, keys: tuple[str | int, ...]) -> Act:
@@ -116,7 +116,7 @@ class _WrittenTreeReader:
                 hint = f"{parameter} is one of {members}. {did_you_mean(argument, self.sets[name])}"
                 where = self.document.where(*keys)
                 raise MissionError(f"{argument} is not in {name}", where, hint.rstrip())
-        return Act(atom.ground({}))
+        return Act(atom.instantiate({}))
 
     def _error(self, what: str, keys: tuple[str | int, ...]) -> MissionError:
         return MissionError(what, self.document.where(*keys), _HINT)

@@ -106,12 +106,12 @@ class Vocabulary:
             raise FormulaError(f"{atom.name} has {count}", text, offset, length, hint)
 
     def _example(self, name: str) -> str:
-        return Atom(name, tuple(domain[0] for domain in self._uses[name][0])).ground({})
+        return Atom(name, tuple(domain[0] for domain in self._uses[name][0])).instantiate({})
 
     def _similar(self, atom: Atom) -> str:
         """Returns the most similar fact, with one argument or the name replaced."""
         facts = [
-            Atom(atom.name, (*atom.arguments[:i], place, *atom.arguments[i + 1 :])).ground({})
+            Atom(atom.name, (*atom.arguments[:i], place, *atom.arguments[i + 1 :])).instantiate({})
             for use in self._uses.get(atom.name, [])[:1]
             for i, domain in enumerate(use)
             for place in domain
@@ -119,11 +119,11 @@ class Vocabulary:
         ]
         if atom.name not in self._uses:
             facts = [
-                Atom(name, atom.arguments).ground({})
+                Atom(name, atom.arguments).instantiate({})
                 for name, uses in self._uses.items()
                 if len(uses[0]) == len(atom.arguments)
             ]
-        return did_you_mean(atom.ground({}), facts)
+        return did_you_mean(atom.instantiate({}), facts)
 
     def _domain_listing(self, atom: Atom) -> str:
         things = (*self._places, *self._objects)
