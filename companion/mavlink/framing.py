@@ -21,8 +21,8 @@ os.environ.setdefault("MAVLINK20", "1")  # pymavlink starts in version 1 otherwi
 from pymavlink.dialects.v20 import common as dialect
 
 __all__ = [
-    "Endpoint",
     "Fields",
+    "MavlinkCodec",
     "Message",
     "choose",
     "dialect",
@@ -45,8 +45,13 @@ Fields = tuple[Any, ...]
 """A message's fields in the order of its definition; extensions at its end may be left out."""
 
 
-class Endpoint:
-    """One component's voice and ear on one link; keeps the link's sequence numbers.
+class MavlinkCodec:
+    """Packs and parses the frames of one component on one link; keeps its sequence numbers.
+
+    >>> codec = MavlinkCodec(1, 191)
+    >>> (message,) = codec.parse(codec.pack(dialect.MAVLink_ping_message(0, 7, 0, 0)))
+    >>> message.seq, source(message)
+    (7, (1, 191))
 
     Args:
         system: own system id.

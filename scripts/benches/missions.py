@@ -17,7 +17,7 @@ from companion.acting.task_state import TaskState
 from companion.app import Companion
 from companion.geometry import Ned, distance
 from companion.ground.operations import SystemStatus
-from companion.mavlink.framing import Endpoint, split_frames
+from companion.mavlink.framing import MavlinkCodec, split_frames
 from companion.mission.model import Mission
 from companion.planning.planner import Planner
 from companion.run import Recorder, flight_times, route_map
@@ -41,7 +41,7 @@ class Tracking:
     clearances_m: list[float] = field(default_factory=list)
     is_on_task: bool = False
     setpoint: Ned | None = None
-    ear: Endpoint = field(default_factory=lambda: Endpoint(0, 0))
+    ear: MavlinkCodec = field(default_factory=lambda: MavlinkCodec(0, 0))
 
     def report(self, report: Report) -> None:
         """The task lasts until something else is flown than its plan."""

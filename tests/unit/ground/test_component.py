@@ -18,7 +18,7 @@ from companion.acting.report import Report
 from companion.ground.component import WANTED, Component
 from companion.ground.operations import SystemStatus
 from companion.ground.parameters import NAMES
-from companion.mavlink.framing import Endpoint, dialect
+from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mavlink.parameters import INT32, REAL32, decode, encode
 from companion.mission.model import Signal
 from companion.outcomes import Refusal
@@ -71,7 +71,7 @@ class Radio:
         self._wire = Wire()
         self._wire.listen(WANTED, frozenset())
         self._wire.parse(Autopilot().telemetry())
-        self._ear = Endpoint(0, 0)
+        self._ear = MavlinkCodec(0, 0)
 
     def raw(self, *datagrams: bytes) -> list[Any]:
         """One tick; what left, as messages."""
@@ -86,7 +86,7 @@ class Radio:
         return sent
 
     def say(self, *messages: Any, sender: tuple[int, int] = STATION) -> list[Any]:
-        return self.raw(*(Endpoint(*sender).pack(m) for m in messages))
+        return self.raw(*(MavlinkCodec(*sender).pack(m) for m in messages))
 
     def run(self, seconds: float) -> list[Any]:
         return [m for _ in range(round(seconds / TICK_S)) for m in self.raw()]
@@ -209,7 +209,7 @@ def test_a_command_to_somebody_else_is_theirs_to_answer(
 
 def test_several_ask_in_one_tick_and_each_gets_its_own_answer(radio: Radio) -> None:
     stations = [(250 + i, 190 + i) for i in range(5)]
-    packed = [Endpoint(*s).pack(command(31100 + i)) for i, s in enumerate(stations)]
+    packed = [MavlinkCodec(*s).pack(command(31100 + i)) for i, s in enumerate(stations)]
     answers = of_type(radio.raw(*packed), "COMMAND_ACK")
     got = {(a.target_system, a.target_component): a.command for a in answers}
     assert got == {station: 31100 + i for i, station in enumerate(stations)}
@@ -262,7 +262,7 @@ def test_the_protocol_version_is_laid_out_as_common_xml_says(radio: Radio) -> No
             if length > 1:
                 crc.accumulate(bytes([length]))
         assert (crc.crc & 0xFF) ^ (crc.crc >> 8) == version.crc_extra
-        frame = Endpoint(1, 191).pack(version)
+        frame = MavlinkCodec(1, 191).pack(version)
         assert frame[7:10] == (300).to_bytes(3, "little")
         assert frame[10:15] == b"\xc8\0\xc8\0\xc8"  # zeros at the end are left out
 

@@ -8,14 +8,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.ground.watching import EXIT_CODE, StatusTextAssembler, WatchedFlight
-from companion.mavlink.framing import Endpoint, Message, dialect
+from companion.mavlink.framing import MavlinkCodec, Message, dialect
 from companion.mavlink.px4_modes import custom_mode
 from companion.mavlink.statustext import chunks
 
 
 def heard(watch: WatchedFlight, component: int, message: Message) -> list[str]:
     """What MAVSDK hands on of a message: its name and its fields."""
-    (received,) = Endpoint(0, 0).parse(Endpoint(1, component).pack(message))
+    (received,) = MavlinkCodec(0, 0).parse(MavlinkCodec(1, component).pack(message))
     fields: dict[str, Any] = received.to_dict()
     return watch.take(1.0, component, fields.pop("mavpackettype"), fields)
 

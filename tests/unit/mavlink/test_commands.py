@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.mavlink.commands import CommandSender, result_name
-from companion.mavlink.framing import Endpoint, dialect
+from companion.mavlink.framing import MavlinkCodec, dialect
 
 RESEND_S, SILENCE_S, PROGRESS_S, REJECTION_PAUSE_S, MAX_REJECTIONS = 0.5, 5.0, 10.0, 1.0, 10
 """The numbers of the protocol's rules, written down once more on purpose."""
@@ -21,7 +21,7 @@ RESULTS = {entry.name[11:]: number for number, entry in dialect.enums["MAV_RESUL
 def ack(result: str, sender: tuple[int, int] = PAYLOAD, command: int = USER_1) -> Any:
     """A COMMAND_ACK after its way over the wire."""
     message = dialect.MAVLink_command_ack_message(command, RESULTS[result])
-    return Endpoint(0, 0).parse(Endpoint(*sender).pack(message))[0]
+    return MavlinkCodec(0, 0).parse(MavlinkCodec(*sender).pack(message))[0]
 
 
 class Talk:
