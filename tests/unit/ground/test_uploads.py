@@ -236,6 +236,28 @@ def test_one_check_at_a_time_and_a_late_one_is_ended(tmp_path: Path) -> None:
     assert len(slow.folders) == 2
 
 
+def test_a_check_that_was_ended_just_as_it_passed_is_accepted(tmp_path: Path) -> None:
+    uploads = Uploads(tmp_path, slow := Slow())
+    ground = Ground(uploads)
+    ground.put("a.yaml", MISSION)
+    for now_s in (0.0, CHECK_S + 0.1, CHECK_S + 0.2):
+        assert uploads.poll(now_s) == []
+        slow.answer = None  # it has not ended yet
+    assert slow.killed == 1
+    slow.answer = CheckResult(True, "a plan")
+    assert ground.verdict().is_accepted
+    assert uploads.take_active() is not None
+
+
+def test_of_two_that_were_accepted_only_the_newest_is_started(tmp_path: Path) -> None:
+    uploads = accepted(tmp_path, "a.yaml", "b.yaml")
+    assert uploads.take_active() is not None
+    assert uploads.take_active() is None
+    uploads.started()
+    uploads.started()  # the same mission is flown once more
+    assert is_forgotten(tmp_path)
+
+
 @pytest.mark.parametrize(
     "text",
     [
