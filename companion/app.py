@@ -18,8 +18,8 @@ from companion.ground.operations import MonitorPage, SystemStatus, UploadService
 from companion.ground.parameters import BELIEF_RETRY, SPEED_MAX
 from companion.mavlink.framing import Message, source
 from companion.mission.model import Mission
+from companion.mission_run import Recorder, Run
 from companion.outcomes import Refusal
-from companion.run import Recorder, Run
 from companion.vehicle.telemetry import TELEMETRY, Telemetry
 from companion.vehicle.wire import AUTOPILOT, Wire
 

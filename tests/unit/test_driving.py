@@ -18,7 +18,7 @@ from companion.app import Companion
 from companion.driving import fly
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mission.model import Mission
-from companion.run import Recorder
+from companion.mission_run import Recorder
 
 UNDER_WAY_S = 0.002
 """From one end to the other."""

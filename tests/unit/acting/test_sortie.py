@@ -12,7 +12,6 @@ from companion.acting.phases import STEPS, Phase
 from companion.acting.sortie import ANSWER_TIMEOUT_S, Sortie
 from companion.errors import Aborted, LinkError, NoPlanError
 from companion.mission.model import Mission, Otherwise, Signal
-from companion.run import home_of
 from companion.vehicle.port import Goal, Mode
 
 NEVER = (1e9, RUNNING)
@@ -28,7 +27,7 @@ class Run:
         self.rig = Rig(asked or mission("F at(A)"), vehicle=self.vehicle)
         asked = self.rig.mission
         self.sortie = Sortie(
-            self.rig.flight, self.rig.executive, home_of(asked), asked.otherwise, accepts_weak
+            self.rig.flight, self.rig.executive, asked.home, asked.otherwise, accepts_weak
         )
 
     def step(self, *readings: tuple[Signal, float]) -> None:
