@@ -25,12 +25,15 @@ from companion.acting.return_home import ReturnHome
 from companion.errors import Aborted, CompanionError, NoPlanError, SearchLimit
 from companion.geometry import horizontal_distance
 from companion.mission.model import Otherwise, Place, Signal
+from companion.outcomes import Refusal
 from companion.vehicle.failsafes import REQUIREMENTS, weaknesses
 from companion.vehicle.port import Outcome, Progress, VehicleState
 
 ANSWER_TIMEOUT_S = 5.0
 """How long the autopilot may take to answer for its parameters."""
-GROUNDED = "the vehicle is landing or on the ground by its plan; nothing interrupts that"
+ON_THE_GROUND_BY_PLAN = Refusal(
+    "the vehicle is landing or on the ground by its plan; nothing interrupts that"
+)
 
 
 class Sortie:
@@ -119,47 +122,47 @@ class Sortie:
 
     # -- the operator --------------------------------------------------------------------------
 
-    def pause(self) -> str:
-        """Holds in the air with the task frozen; returns why it does not, or ""."""
+    def pause(self) -> Refusal | None:
+        """Holds in the air with the task frozen."""
         if self.phase is Phase.PAUSED:
-            return ""
+            return None
         if self.phase not in UNDER_TASK:
-            return f"no pause while {self.phase.value}"
+            return Refusal(f"no pause while {self.phase.value}")
         if self._flight.is_grounded:
-            return GROUNDED
+            return ON_THE_GROUND_BY_PLAN
         self._freeze(Phase.PAUSED)
-        return ""
+        return None
 
-    def go_on(self) -> str:
-        """Goes on from here after a pause or a loss of control; returns why it does not, or ""."""
+    def resume(self) -> Refusal | None:
+        """Goes on from here after a pause or a loss of control."""
         if self.phase in (Phase.TASK, Phase.RETURNING):
-            return ""
+            return None
         if self.phase is Phase.PAUSED:
             self._enter(self._flown)
-            return ""
+            return None
         if self.phase is not Phase.YIELDED:
-            return f"nothing to go on with while {self.phase.value}"
-        if reason := not_handed_over(self._flight.vehicle.state, self._flight.now_s):
-            return reason
+            return Refusal(f"nothing to resume while {self.phase.value}")
+        if refusal := not_handed_over(self._flight.vehicle.state, self._flight.now_s):
+            return refusal
         self._flight.vehicle.regain()
         self._flight.setpoint = None  # hold where the vehicle is, not where it was taken from us
         self._flight.report("phase", "control given back by the operator")
         self._enter(Phase.OFFBOARD)
-        return ""
+        return None
 
-    def go_home(self) -> str:
-        """Leaves the task for a flight home and lands; returns why it does not, or ""."""
+    def return_home(self) -> Refusal | None:
+        """Leaves the task for a flight home and lands."""
         if self.phase in (Phase.RETURNING, Phase.LANDING):
-            return ""
+            return None
         if self.phase not in UNDER_TASK:
-            return f"no return while {self.phase.value}"
+            return Refusal(f"no return while {self.phase.value}")
         if self._flight.is_grounded:
-            return GROUNDED
+            return ON_THE_GROUND_BY_PLAN
         if self._homing is None:
             self._executive.stop()
             self._homing = ReturnHome(self._flight, self._home.name)
         self._enter(Phase.RETURNING)
-        return ""
+        return None
 
     def stop(self) -> None:
         """Holds, lands and ends from the next step on; on the ground it ends at once.
