@@ -73,5 +73,7 @@ def build_by_hand(flight: Flight, node: Tree, actions: Mapping[str, Action]) -> 
             return RetryDecorator("retry", build_by_hand(flight, steps, actions), times)
         case Watch(condition, steps):
             watch = Sequence(f"watch {condition.text}", memory=False)
-            watch.add_children([FactsHold(flight, condition), build_by_hand(flight, steps, actions)])
+            watch.add_children(
+                [FactsHold(flight, condition), build_by_hand(flight, steps, actions)]
+            )
             return watch

@@ -53,7 +53,6 @@ class TreeReport:
         self._flight.report("status", text, changed=changed)
 
 
-
 def _feedback(node: Behaviour) -> str:
     """Why a leaf has failed; "" for everything else."""
     is_failed_leaf = not node.children and node.status is Status.FAILURE
