@@ -10,7 +10,7 @@ import gc
 from companion.acting.flight import TICK_S
 from companion.app import Companion
 from companion.errors import LinkTimeout
-from companion.ground.operations import Standing
+from companion.ground.operations import SystemStatus
 from companion.vehicle.link import ScaledClock, UdpLink
 
 
@@ -38,7 +38,7 @@ def fly(companion: Companion, link: UdpLink, clock: ScaledClock, timeout_s: floa
                 "    PX4 SITL and `sitl` send to port 14540 by themselves; is one running?\n"
                 "    QGroundControl must not listen on this port"
             )
-        is_flying = companion.standing is not Standing.STANDBY
+        is_flying = companion.system_status is not SystemStatus.STANDBY
         if is_flying and not was_flying:
             _set_aside()
         was_flying = is_flying

@@ -38,7 +38,7 @@ from companion.vehicle.port import Progress, VehicleState
 
 ANSWER_TIMEOUT_S = 5.0
 """How long the autopilot may take to answer for its parameters."""
-LANDED_BY_PLAN = Refusal(
+ON_THE_GROUND_BY_PLAN = Refusal(
     "the vehicle is landing or on the ground by its plan; nothing interrupts that"
 )
 
@@ -122,7 +122,7 @@ class Sortie:
         if self.phase not in UNDER_TASK:
             return Refusal(f"no pause while {self.phase.value}")
         if self._flight.progress.is_landed_by_plan:
-            return LANDED_BY_PLAN
+            return ON_THE_GROUND_BY_PLAN
         self._freeze()
         self._on(SortieEvent.PAUSED)
         return None
@@ -151,7 +151,7 @@ class Sortie:
         if self.phase not in UNDER_TASK:
             return Refusal(f"no return while {self.phase.value}")
         if self._flight.progress.is_landed_by_plan:
-            return LANDED_BY_PLAN
+            return ON_THE_GROUND_BY_PLAN
         if self._return_home is None:
             self._executive.stop()
             self._return_home = ReturnHome(self._flight, self._home.name)

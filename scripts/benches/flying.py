@@ -21,7 +21,7 @@ from benches import MISSION, ROOT, Row, timed
 from companion.acting.report import Report
 from companion.app import Companion
 from companion.geometry import Ned
-from companion.mavlink.framing import Endpoint, Message, dialect, split_frames
+from companion.mavlink.framing import MavlinkCodec, Message, dialect, split_frames
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
 from companion.motion.grid import OccupancyGrid
@@ -193,7 +193,7 @@ def take_off(udp: socket.socket) -> None:
     """
     port, _ = PORTS[LinkName.OFFBOARD]
     system = 1 + INSTANCE
-    station = Endpoint(255, 190)
+    station = MavlinkCodec(255, 190)
     takeoff, arm = dialect.MAV_CMD_NAV_TAKEOFF, dialect.MAV_CMD_COMPONENT_ARM_DISARM
     for command, parameters in ((takeoff, (0, 0, 0, *(math.nan,) * 4)), (arm, (1, *(0,) * 6))):
         message = dialect.MAVLink_command_long_message(system, AUTOPILOT, command, 0, *parameters)
@@ -210,14 +210,14 @@ def take_off(udp: socket.socket) -> None:
 def mavlink(frames: list[bytes], runs: int) -> Iterator[Row]:
     """Messages per second, one frame a datagram; the peer is pymavlink's own code."""
     frames = frames[: 200 * runs]
-    endpoint = Endpoint(1, AUTOPILOT)
+    codec = MavlinkCodec(1, AUTOPILOT)
     plain = dialect.MAVLink(None, srcSystem=1, srcComponent=AUTOPILOT)
-    messages: list[Message] = [m for frame in frames for m in endpoint.parse(frame)]
+    messages: list[Message] = [m for frame in frames for m in codec.parse(frame)]
 
     def rate(call: Callable[[Any], object], items: Sequence[object]) -> float:
         return 1000 * len(items) / median(timed(lambda: [call(item) for item in items], 3))
 
     peer = rate(lambda message: message.pack(plain), messages)
-    yield Row("pack MAVLink", rate(endpoint.pack, messages), "messages/s", "pymavlink", peer)
+    yield Row("pack MAVLink", rate(codec.pack, messages), "messages/s", "pymavlink", peer)
     peer = rate(plain.parse_buffer, frames)
-    yield Row("parse MAVLink", rate(endpoint.parse, frames), "messages/s", "pymavlink", peer)
+    yield Row("parse MAVLink", rate(codec.parse, frames), "messages/s", "pymavlink", peer)

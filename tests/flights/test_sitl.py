@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 from ports import free_instance
 
-from companion.mavlink.framing import Endpoint, dialect
+from companion.mavlink.framing import MavlinkCodec, dialect
 from sitl.link.routing import LinkName
 from sitl.link.server import HOST, PORTS
 
@@ -46,7 +46,7 @@ def running(*arguments: object, **environment: str) -> Iterator[subprocess.Popen
 
 def hear(instance: int, seconds: float) -> list[Any]:
     """What the offboard link of an instance sends to a client that speaks to it."""
-    client, messages = Endpoint(255, 190), []
+    client, messages = MavlinkCodec(255, 190), []
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as udp:
         udp.settimeout(1.0)
         heartbeat = dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3)

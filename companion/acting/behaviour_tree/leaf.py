@@ -1,7 +1,7 @@
 """The root of all leaves of the tree, and the reason why a tree has failed.
 
-A leaf that fails says why in its `feedback_message`, as is usual with py_trees. Nothing else carries
-a reason upwards: who wants to know why a node has failed asks `failure_of`.
+A leaf that fails says why in its `feedback_message`, as is usual with py_trees. Nothing else
+carries a reason upwards: who wants to know why a node has failed asks `failure_of`.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ import pytest
 from autopilot import Autopilot
 
 from companion.errors import LinkError
-from companion.mavlink.framing import Endpoint as Speaker
+from companion.mavlink.framing import MavlinkCodec as Speaker
 from companion.mavlink.framing import dialect
 from companion.vehicle.link import Endpoint, ScaledClock, UdpLink, parse_url
 
