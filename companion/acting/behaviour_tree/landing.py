@@ -1,8 +1,8 @@
 """The leaves that leave the air: landing, charging, taking off again.
 
 While the vehicle is on the ground by its own plan (`PlanProgress.is_landed_by_plan`), nothing
-interrupts the plan, and to be disarmed is no loss of control. A vehicle whose plan fails there takes
-off again before the next plan begins (`sortie.py`).
+interrupts the plan, and to be disarmed is no loss of control. A vehicle whose plan fails there
+takes off again before the next plan begins (`sortie.py`).
 """
 
 from __future__ import annotations
