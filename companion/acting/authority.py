@@ -1,4 +1,4 @@
-"""Whose is the vehicle? Why it is no longer ours to fly, or never was, and when it is ours again.
+"""Authority over the vehicle: why it is no longer ours to fly, or never was, and when it is again.
 
 Control that was lost comes back only by an explicit "go on" of the operator, and only if the
 vehicle is armed, in the air and on hold (AUTO.LOITER), with no failsafe, a fresh position and a
@@ -36,7 +36,7 @@ def loss_of_control(phase: Phase, state: VehicleState, flight: Flight) -> Compan
     if phase in ON_THE_GROUND and (state.is_armed or not state.is_landed):
         return Aborted("the vehicle is armed or flying already; it is left alone")
     is_flying = phase in (Phase.OFFBOARD, *UNDER_TASK, Phase.HOLDING)
-    if is_flying and not state.is_armed and not flight.is_grounded:
+    if is_flying and not state.is_armed and not flight.progress.is_landed_by_plan:
         return Aborted("the vehicle was disarmed")
     return None
 

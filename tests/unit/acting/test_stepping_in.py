@@ -99,7 +99,7 @@ def reason(refusal: Refusal | None) -> str:
 
 
 def test_nothing_interrupts_a_vehicle_on_the_ground_by_its_plan(flown: Stepping) -> None:
-    flown.rig.flight.is_grounded = True
+    flown.rig.flight.progress.is_landed_by_plan = True
     assert flown.sortie.pause() == flown.sortie.return_home() == ON_THE_GROUND_BY_PLAN
     assert flown.sortie.phase is Phase.TASK
 
@@ -115,7 +115,7 @@ def test_a_return_that_finds_no_way_lands_where_it_is(flown: Stepping) -> None:
 
 def test_a_return_is_not_left_for_the_task(flown: Stepping) -> None:
     assert flown.sortie.return_home() is None
-    flown.rig.flight.may_do_better = True
+    flown.rig.executive._assumptions.note_restored_beliefs()
     flown.until(Phase.ENDED)
     assert math.dist(flown.position[:2], (0.0, 0.0)) < 0.3
     assert not [text for text in flown.texts if text.startswith("replan")]
