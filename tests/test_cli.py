@@ -58,22 +58,24 @@ def free_port() -> int:
 
 
 OPTIONS = {
-    "check": ["--within", "--json"],
+    "check": ["--within", "--json", "--verbose"],
     "plan": [
         *("--at", "--set", "--unset", "--without", "--objective"),
-        *("--engine", "--encoding", "--timeout", "--pddl", "--json"),
+        *("--engine", "--encoding", "--timeout", "--pddl", "--json", "--verbose"),
     ],
     "ltl": ["--format", "--state-based", "--monolithic", "--batch", "--exclusive"],
     "run": [
         *("--connect", "--accept-weak-failsafes", "--wait", "--timeout", "--log-dir", "--monitor"),
+        "--verbose",
     ],
     "sim": [
         *("--scenario", "--speed", "--seed", "--instance", "--timeout", "--log-dir", "--monitor"),
+        "--verbose",
     ],
     "audit": ["--json"],
     "replay": ["--port", "--open"],
-    "upload": ["--connect", "--start", "--timeout"],
-    "watch": ["--connect", "--timeout"],
+    "upload": ["--connect", "--start", "--timeout", "--verbose"],
+    "watch": ["--connect", "--timeout", "--verbose"],
 }
 
 

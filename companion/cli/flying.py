@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from companion.cli.arguments import MissionFile, load
+from companion.cli.log_lines import Verbose
 from companion.cli.monitoring import DEFAULT_ADDRESS, Monitor, monitored
 from companion.errors import CompanionError, MissionError
 
@@ -60,6 +61,7 @@ def run(
     timeout: Timeout = 30.0,
     log_dir: LogDir = DEFAULT_LOG_DIR,
     monitor: Monitor = None,
+    verbose: Verbose = False,
 ) -> None:
     """Flies a mission on a vehicle: PX4, or a simulator that was started separately.
 
@@ -96,6 +98,7 @@ def sim(
     timeout: Timeout = 30.0,
     log_dir: LogDir = DEFAULT_LOG_DIR,
     monitor: Monitor = None,
+    verbose: Verbose = False,
 ) -> None:
     """Flies a mission in the bundled simulator. QGroundControl connects to it by itself."""
     from companion.app import Companion

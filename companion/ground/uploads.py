@@ -28,6 +28,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import logging
 import re
 import shutil
 from collections.abc import Callable
@@ -48,6 +49,8 @@ FORMAT_VERSION = 1
 MARK = ".not-flown"
 """In the folder of an accepted mission that was not flown: a file with the mission's path.
 No client can say its name, and it is not copied."""
+
+log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,6 +170,7 @@ class Uploads:
 
     def _start(self, store: MissionStore, mission: str, now_s: float) -> list[Verdict]:
         self._number += 1
+        log.debug("check %d of %s begins", self._number, mission)
         folder, is_again = self._checking / str(self._number), store is not self._store
         running = _Running(self._number, mission, 0, folder, now_s + CHECK_S, is_again)
         try:
@@ -218,6 +222,7 @@ class Uploads:
         return Verdict(running.number, mission, running.crc32, False, text, reason)
 
     def _publish(self, verdict: Verdict) -> None:
+        log.debug("check %d: %s", verdict.number, verdict.text)
         try:
             self._store.publish(verdict.as_json())
         except Refusal:  # the disk is full; it is told all the same

@@ -8,6 +8,7 @@ moves are grounded again: other costs, and none without a route.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Iterator, Sequence
 
 from companion.errors import CompanionError
@@ -22,6 +23,8 @@ from companion.planning.effort import IN_FLIGHT, ON_THE_GROUND, Effort
 from companion.planning.explain import Explanation, NoPlan, explaining, why_no_plan
 from companion.planning.lasso import Conjunct, Lasso, Letter, Problem, Solution
 from companion.planning.objective import Objective
+
+log = logging.getLogger(__name__)
 
 
 class Planner:
@@ -53,6 +56,21 @@ class Planner:
         self.flight_time = flight_time
         self.without_a_move: frozenset[Fact] = frozenset()
         self._search = Search(self.model.actions)
+        self._log_sizes()
+
+    def _log_sizes(self) -> None:
+        log.debug("%d actions, %d beliefs", len(self.model.actions), len(self.model.beliefs))
+        for name, automaton in ((c.name, c.automaton) for c in self.conjuncts):
+            log.debug(
+                "automaton of %s: %d states, %d transitions, %d marks",
+                name,
+                automaton.states,
+                len(automaton.transitions),
+                automaton.marks,
+            )
+        if self.translating_s:  # it was measured
+            times_ms = 1000 * self.grounding_s, 1000 * self.translating_s
+            log.debug("instantiated in %.1f ms, translated in %.1f ms", *times_ms)
 
     def reground(self) -> None:
         """Takes over flight times that have changed; what was ever believed stays a belief."""

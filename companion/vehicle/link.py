@@ -7,6 +7,7 @@ MAVSDK and another to pymavlink, so it is refused.
 
 from __future__ import annotations
 
+import logging
 import re
 import select
 import socket
@@ -22,6 +23,8 @@ MAVLINK2_MAGIC = 0xFD
 AUTOPILOT_COMPONENT = 1
 MAX_DATAGRAM = 65535
 RECEIVE_BUFFER = 1 << 20
+
+log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,6 +104,8 @@ class UdpLink:
             except ConnectionError:  # an ICMP "nobody listens" of an earlier send
                 continue
             datagrams.append(datagram)
+            if sender[0] not in self._heard:
+                log.debug("first datagram from %s:%d, %d bytes", *sender, len(datagram))
             self._heard[sender[0]] = self._heard.get(sender[0], 0) + 1
             if len(datagram) > 8 and datagram[0] == MAVLINK2_MAGIC:
                 self._mavlink += 1
@@ -110,8 +115,9 @@ class UdpLink:
         """Answers go to where the first vehicle's autopilot was heard last."""
         if component == AUTOPILOT_COMPONENT and self._system in (None, system):
             self._system = system
-            if self.endpoint.is_listening:
+            if self.endpoint.is_listening and self._peer != sender:
                 self._peer = sender
+                log.debug("answers go to %s:%d, the autopilot of system %d", *sender, system)
 
     def send(self, datagrams: list[bytes]) -> None:
         """Sends to the vehicle; what the network does not take is lost, as on a radio."""
