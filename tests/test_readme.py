@@ -15,6 +15,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from first_installation import environment
 from ports import free_instance
 
 ROOT = Path(__file__).parents[1]
@@ -111,9 +112,11 @@ def test_commands_stand_in_blocks_that_say_so() -> None:
 
 @pytest.fixture
 def start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Start:
-    """Starts a command as it is installed, where only the missions are."""
+    """Starts a command as scripts/fly installs it, where only the missions are."""
     shutil.copytree(ROOT / "missions", tmp_path / "missions")
     monkeypatch.setenv("COMPANION_LOG_DIR", str(tmp_path / "runs"))
+    for name, value in environment(tmp_path / "hiding").items():
+        monkeypatch.setenv(name, value)
 
     def run(command: str) -> subprocess.Popen[str]:
         program, *arguments = shlex.split(command)

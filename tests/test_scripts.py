@@ -1,12 +1,19 @@
-"""scripts/fly and its virtual environment, with a Python that only notes what it is asked for."""
+"""scripts/fly and its virtual environment, with a Python that only notes what it is asked for.
+
+What README.md's commands need of it is shown where they are run: `first_installation.py` hides the
+rest from them.
+"""
 
 from __future__ import annotations
 
+import os
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
+from first_installation import environment, hidden_modules, shown_extras
 
 ROOT = Path(__file__).parents[1]
 TOOLS = ("bash", "cat", "chmod", "cmp", "cp", "dirname", "flock", "mkdir")
@@ -26,6 +33,8 @@ case "$*" in
         ;;
 esac
 """
+SHOWN = "bench,planners"
+"""The extras that README.md's commands need."""
 NO_VENV = '#!/usr/bin/env bash\n[[ "$*" != *ensurepip* ]]\n'
 
 
@@ -81,7 +90,7 @@ def test_the_first_use_installs_and_the_second_does_not(clone: Path) -> None:
     assert len(err.splitlines()) == 1
     assert "installing" in err
     assert fly(clone, "other.yaml", "--help") == ("companion sim other.yaml --help\n", "")
-    assert installations(clone) == [str(clone)]
+    assert installations(clone) == [f"{clone}[{SHOWN}]"]
 
 
 def test_a_changed_project_is_installed_again(clone: Path) -> None:
@@ -89,7 +98,7 @@ def test_a_changed_project_is_installed_again(clone: Path) -> None:
     fly(clone)
     (clone / "pyproject.toml").write_text("[project]\nname = 'new'\n", encoding="utf-8")
     fly(clone)
-    assert installations(clone) == [str(clone)] * 2
+    assert installations(clone) == [f"{clone}[{SHOWN}]"] * 2
 
 
 def test_a_moved_repository_is_installed_anew(clone: Path) -> None:
@@ -98,7 +107,7 @@ def test_a_moved_repository_is_installed_anew(clone: Path) -> None:
     fly(clone)
     copy = shutil.copytree(clone, clone.parent / "copy")
     fly(copy)
-    assert installations(copy) == [str(clone), str(copy)]
+    assert installations(copy) == [f"{clone}[{SHOWN}]", f"{copy}[{SHOWN}]"]
 
 
 @pytest.mark.skipif(
@@ -109,7 +118,7 @@ def test_two_at_once_install_once(clone: Path) -> None:
     for process in [start(clone), start(clone)]:
         process.communicate(timeout=60)
         assert process.returncode == 0
-    assert installations(clone) == [str(clone)]
+    assert installations(clone) == [f"{clone}[{SHOWN}]"]
 
 
 @pytest.mark.parametrize(
@@ -128,3 +137,22 @@ def test_without_a_usable_python_it_says_so(clone: Path, python: str | None, rea
     assert (process.returncode, out) == (1, "")
     assert err == f"Python 3.11 or newer is needed: {reason}\n"
     assert not (clone / ".venv").exists()
+
+
+def test_what_only_the_tests_need_is_hidden_from_the_commands(tmp_path: Path) -> None:
+    """So a command of README.md that needs more than scripts/fly installs fails in its test."""
+    assert shown_extras() == set(SHOWN.split(","))
+    hidden, without = hidden_modules(shown_extras()), hidden_modules([])
+    assert {"hypothesis", "mypy", "playwright", "pytest"} <= hidden
+    assert not {"companion", "numpy", "psutil", "unified_planning", "up_fast_downward"} & hidden
+    assert {"psutil", "up_fast_downward", "up_pyperplan"} <= without
+    script = "import numpy, psutil\ntry: import pytest\nexcept ModuleNotFoundError: print('none')"
+    done = subprocess.run(
+        [sys.executable, "-c", script],
+        env=os.environ | environment(tmp_path),
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=True,
+    )
+    assert done.stdout == "none\n"
