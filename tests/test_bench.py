@@ -15,6 +15,8 @@ from pathlib import Path
 import pytest
 from first_installation import environment
 
+pytestmark = pytest.mark.slow
+
 BENCH = Path(__file__).parents[1] / "scripts" / "bench"
 FORMULAS = ("dac", "eh", "sb", "mission", "mission-combo")
 TRANSLATED = {f"{group}, {kind}" for group in FORMULAS for kind in ("generalized", "state-based")}

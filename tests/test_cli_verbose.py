@@ -17,6 +17,8 @@ from companion.cli.log_lines import MAX_BYTES, UnblockingHandler, show_log_lines
 from companion.mavlink.commands import SILENCE_S, CommandSender
 from companion.vehicle.link import UdpLink, parse_url
 
+pytestmark = pytest.mark.slow
+
 SURVEILLANCE = Path(__file__).parents[1] / "missions" / "surveillance.yaml"
 PLAN = (sys.executable, "-m", "companion", "plan", str(SURVEILLANCE))
 FULL = Path("/dev/full")

@@ -320,6 +320,7 @@ def _tokens(name: str) -> list[str]:
 TOKENS = [*_tokens(DOMAIN), *_tokens(PROBLEM), "or", "exists", "=", "#t", "5", "increase"]
 
 
+@pytest.mark.slow
 @settings(max_examples=25)
 @given(
     st.sampled_from([DOMAIN, PROBLEM]),
