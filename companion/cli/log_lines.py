@@ -10,17 +10,15 @@ if it cannot be written as it stands.
 from __future__ import annotations
 
 import logging
-import os
-import select
 import sys
 from typing import Annotated
 
 import typer
 
+from companion.cli.terminal import write_at_once
+
 FORMAT = "%(asctime)s.%(msecs)03d  %(name)s  %(message)s"
 TIME_FORMAT = "%H:%M:%S"
-MAX_BYTES = 4096
-"""PIPE_BUF of Linux: a pipe that can be written to takes as much without waiting."""
 
 
 class UnblockingHandler(logging.Handler):
@@ -29,10 +27,7 @@ class UnblockingHandler(logging.Handler):
     def emit(self, record: logging.LogRecord) -> None:
         """Writes a record if that can be done at once."""
         try:
-            line = self.format(record).encode(errors="backslashreplace")[: MAX_BYTES - 1] + b"\n"
-            number = sys.stderr.fileno()
-            if select.select([], [number], [], 0.0)[1]:
-                os.write(number, line)
+            write_at_once(sys.stderr, self.format(record) + "\n")
         except Exception:  # whatever is wrong with a log line, the flight goes on
             return
 
