@@ -1,4 +1,4 @@
-"""scripts/fly and its virtual environment, with a Python that only notes what it is asked for.
+"""scripts/fly, scripts/test and their environment, with a Python that only notes what it is asked.
 
 What README.md's commands need of it is shown where they are run: `first_installation.py` hides the
 rest from them.
@@ -19,17 +19,22 @@ ROOT = Path(__file__).parents[1]
 TOOLS = ("bash", "cat", "chmod", "cmp", "cp", "dirname", "flock", "mkdir")
 
 PYTHON = """#!/usr/bin/env bash
-# Is new enough, makes environments that hold itself and a companion, installs by a note.
+# Is new enough, makes environments that hold itself and our tools, installs by a note.
 log="${BASH_SOURCE[0]%/*}/../../log"
 case "$*" in
     "-m venv --clear "*)
         mkdir -p "$4/bin"
         cp "${BASH_SOURCE[0]}" "$4/bin/python"
-        echo 'echo companion "$@"' >"$4/bin/companion"
-        chmod +x "$4/bin/companion"
+        for tool in companion ruff mypy lint-imports; do
+            echo "echo $tool" '"$@"' >"$4/bin/$tool"
+            chmod +x "$4/bin/$tool"
+        done
         ;;
     "-m pip install "*)
         echo "${@: -1}" >>"$log"
+        ;;
+    "-m pytest "*)
+        echo "${@:2}"
         ;;
 esac
 """
@@ -59,10 +64,10 @@ def provide(clone: Path, script: str) -> None:
     python.chmod(0o755)
 
 
-def start(clone: Path, *arguments: str) -> subprocess.Popen[str]:
-    """scripts/fly, from another folder."""
+def start(clone: Path, *arguments: str, script: str = "fly") -> subprocess.Popen[str]:
+    """A script, from another folder."""
     return subprocess.Popen(
-        ["bash", str(clone / "scripts" / "fly"), *arguments],
+        ["bash", str(clone / "scripts" / script), *arguments],
         cwd=clone.parent,
         env={"PATH": str(clone.parent / "bin")},
         stdout=subprocess.PIPE,
@@ -156,3 +161,56 @@ def test_what_only_the_tests_need_is_hidden_from_the_commands(tmp_path: Path) ->
         check=True,
     )
     assert done.stdout == "none\n"
+
+
+CHECKS = ["ruff check .", "ruff format --check .", "mypy", "lint-imports --no-logo"]
+ALL_CORES = "pytest --quiet --numprocesses logical -m "
+FAST = "not flight and not slow and not alone and not sockets and not long"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "ran"),
+    [
+        (
+            [],
+            [
+                *CHECKS,
+                f"{ALL_CORES}not alone and not sockets and not long",
+                "pytest --quiet -m alone and not long",
+            ],
+        ),
+        (["--fast"], [*CHECKS, ALL_CORES + FAST]),
+        (["--fast", "-k", "lasso"], [*CHECKS, f"{ALL_CORES}{FAST} -k lasso"]),
+        (["-m", "sockets"], ["pytest -m sockets"]),
+    ],
+)
+def test_what_the_tests_are_asked_for(clone: Path, arguments: list[str], ran: list[str]) -> None:
+    provide(clone, PYTHON)
+    process = start(clone, *arguments, script="test")
+    out, err = process.communicate(timeout=60)
+    assert process.returncode == 0, err
+    assert out.splitlines() == ran
+    assert installations(clone) == [f"{clone}[{SHOWN},test]"]
+
+
+def test_what_flies_and_what_is_slow_is_not_fast() -> None:
+    """By folder, by hand, by a fixture, by an import."""
+    not_fast = {
+        "tests/flights/test_surveillance.py",
+        "tests/properties/test_ltl.py",
+        "tests/test_bench.py",
+        "tests/test_cli_audit.py",
+        "tests/unit/sitl/test_autopilot.py",
+    }
+    fast = {"tests/test_architecture.py", "tests/unit/ltl/test_hoa.py", "companion/geometry.py"}
+    command = [sys.executable, "-m", "pytest", "--collect-only", "-q", "-m", FAST]
+    done = subprocess.run(
+        [*command, *not_fast, *fast],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    collected = {line.partition("::")[0] for line in done.stdout.splitlines() if "::" in line}
+    assert collected == fast, done.stdout

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import shutil
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -179,12 +178,6 @@ def test_a_condition_may_be_about_what_never_holds(spoil: Spoil) -> None:
 
 def test_an_object_may_have_the_name_of_a_type(spoil: Spoil) -> None:
     assert "depot" in spoil(PROBLEM, "p1 p2 - parcel", "p1 p2 depot - parcel").sets["parcel"]
-
-
-def test_without_the_reader(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "unified_planning.io", None)
-    with pytest.raises(MissionError, match=r"pip install 'mav-companion\[planners\]'"):
-        load_mission(EXAMPLE / "delivery.yaml")
 
 
 SPOILT = [
