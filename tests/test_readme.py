@@ -65,6 +65,7 @@ ELSEWHERE = {
     "companion replay runs/2026-11-21T101500-surveillance": "tests/test_cli_replay.py",
     "scripts/fly --speed max": ".ci/run",
     "scripts/test": ".ci/run",
+    "scripts/test --fast": "tests/test_scripts.py",
 }
 """Command -> the file that runs it."""
 

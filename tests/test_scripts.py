@@ -185,6 +185,7 @@ FAST = "not flight and not slow and not alone and not sockets and not long"
     ],
 )
 def test_what_the_tests_are_asked_for(clone: Path, arguments: list[str], ran: list[str]) -> None:
+    """As `scripts/test --fast`, and without it."""
     provide(clone, PYTHON)
     process = start(clone, *arguments, script="test")
     out, err = process.communicate(timeout=60)
