@@ -222,6 +222,7 @@ def test_a_port_in_use(companion: Companion, taken_port: int) -> None:
     assert "another program has the port" in ended.err
 
 
+@pytest.mark.slow
 def test_the_module_is_the_command(tmp_path: Path) -> None:
     """Exit code and streams of a process of its own."""
     done = subprocess.run(
@@ -256,6 +257,7 @@ def test_a_machine_without_jsbsim(companion: Companion, monkeypatch: pytest.Monk
     assert "needs jsbsim" in ended.err
 
 
+@pytest.mark.slow
 def test_a_simulator_that_cannot_start(companion: Companion) -> None:
     """Another one has the ports; that one must not be flown in its place."""
     instance = free_instance()

@@ -160,6 +160,7 @@ def test_a_flight_goes_on_when_the_terminal_hangs_up(tmp_path: Path) -> None:
     assert "signal" in kinds(tmp_path)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no /dev/full")
 def test_other_commands_say_that_their_output_cannot_be_written() -> None:
     command = [sys.executable, "-m", "companion", "ltl", "F p"]

@@ -144,6 +144,7 @@ def test_without_a_usable_python_it_says_so(clone: Path, python: str | None, rea
     assert not (clone / ".venv").exists()
 
 
+@pytest.mark.slow
 def test_what_only_the_tests_need_is_hidden_from_the_commands(tmp_path: Path) -> None:
     """So a command of README.md that needs more than scripts/fly installs fails in its test."""
     assert shown_extras() == set(SHOWN.split(","))
@@ -165,6 +166,8 @@ def test_what_only_the_tests_need_is_hidden_from_the_commands(tmp_path: Path) ->
 
 CHECKS = ["ruff check .", "ruff format --check .", "mypy", "lint-imports --no-logo"]
 ALL_CORES = "pytest --quiet --numprocesses logical -m "
+NOT_READ = "--ignore tests/flights --ignore tests/browser --ignore tests/properties"
+"""Folders without a fast test, which take seconds to import."""
 FAST = "not flight and not slow and not alone and not sockets and not long"
 
 
@@ -179,8 +182,8 @@ FAST = "not flight and not slow and not alone and not sockets and not long"
                 "pytest --quiet -m alone and not long",
             ],
         ),
-        (["--fast"], [*CHECKS, ALL_CORES + FAST]),
-        (["--fast", "-k", "lasso"], [*CHECKS, f"{ALL_CORES}{FAST} -k lasso"]),
+        (["--fast"], [*CHECKS, f"{ALL_CORES}{FAST} {NOT_READ}"]),
+        (["--fast", "-k", "lasso"], [*CHECKS, f"{ALL_CORES}{FAST} {NOT_READ} -k lasso"]),
         (["-m", "sockets"], ["pytest -m sockets"]),
     ],
 )
@@ -194,6 +197,7 @@ def test_what_the_tests_are_asked_for(clone: Path, arguments: list[str], ran: li
     assert installations(clone) == [f"{clone}[{SHOWN},test]"]
 
 
+@pytest.mark.slow
 def test_what_flies_and_what_is_slow_is_not_fast() -> None:
     """By folder, by hand, by a fixture, by an import."""
     not_fast = {

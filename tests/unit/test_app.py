@@ -247,6 +247,7 @@ def test_flight_times_are_those_of_the_map() -> None:
     assert seconds("here", "A") == pytest.approx(3.0 / 2.0 + 2.0 / 2.0 + 2.0 / JERK_MPS3, abs=0.4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ticks", range(12))
 def test_no_command_leaves_after_a_stop_on_the_ground(ticks: int) -> None:
     world = World(mission("F at(A)"))

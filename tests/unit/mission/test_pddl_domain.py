@@ -338,6 +338,7 @@ def test_any_spoilt_text_is_a_mission_or_a_mission_error(
     assert ground(mission, lambda a, b: 1.0).actions
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "old", "new", "message"), SPOILT)
 def test_a_mistake_is_answered(spoil: Spoil, name: str, old: str, new: str, message: str) -> None:
     with pytest.raises(MissionError) as caught:
