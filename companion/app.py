@@ -18,7 +18,7 @@ from companion.ground.operations import Page, Standing, Uploads
 from companion.ground.parameters import BELIEF_RETRY, SPEED_MAX
 from companion.mavlink.framing import Message, source
 from companion.mission.model import Mission
-from companion.run import Recorder, Run
+from companion.mission_run import Recorder, Run
 from companion.vehicle.telemetry import TELEMETRY, Telemetry
 from companion.vehicle.wire import AUTOPILOT, Wire
 
@@ -120,6 +120,11 @@ class Companion:
         self._is_stopping = True
         if self._run is not None:
             self._run.sortie.stop()
+
+    def rehearse(self) -> None:
+        """Plans the only run once, before its clock begins: with many places it takes seconds."""
+        if self._run is not None:
+            self._run.sortie.rehearse()
 
     def hang_up(self) -> None:
         """The terminal is gone: the flight goes on, and its record says so."""

@@ -13,14 +13,15 @@ Whose the vehicle is, and when it is handed over again, is asked in authority.py
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 
 from py_trees.common import Status
 
 from companion.acting.authority import loss_of_control, loss_of_link, not_handed_over
 from companion.acting.executive import Executive, TaskStatus
 from companion.acting.flight import Flight
-from companion.acting.homing import Homing
 from companion.acting.phases import ON_THE_GROUND, STEPS, UNDER_TASK, Phase, Step
+from companion.acting.return_home import ReturnHome
 from companion.errors import Aborted, CompanionError, NoPlanError
 from companion.geometry import horizontal_distance
 from companion.mission.model import Otherwise, Place, Signal
@@ -65,9 +66,9 @@ class Sortie:
         self._otherwise = otherwise
         self._accepts_weak_failsafes = accepts_weak_failsafes
         self._may_yield = may_yield
-        self._homing: Homing | None = None
+        self._homing: ReturnHome | None = None
         self._is_frozen = False
-        self._checking_since_s = 0.0
+        self._asked_s: float | None = None
         self._is_stopping = self._was_stopped = False
         self._was_refused = False
 
@@ -107,6 +108,14 @@ class Sortie:
             self._flight.hold()
         else:
             self._work(STEPS[self.phase])
+
+    def rehearse(self) -> None:
+        """Makes the first plan once before anything is timed; the one at the start is quick then.
+
+        A plan that does not exist is told at the start.
+        """
+        with suppress(NoPlanError):
+            self._executive.rehearse()
 
     # -- the operator --------------------------------------------------------------------------
 
@@ -148,7 +157,7 @@ class Sortie:
             return GROUNDED
         if self._homing is None:
             self._executive.stop()
-            self._homing = Homing(self._flight, self._home.name)
+            self._homing = ReturnHome(self._flight, self._home.name)
         self._enter(Phase.RETURNING)
         return ""
 
@@ -220,14 +229,19 @@ class Sortie:
         except NoPlanError as error:
             self._end(error)
             return
-        self._checking_since_s = self._flight.now_s
         self._enter(Phase.CHECKING)
 
     def _check_failsafes(self) -> None:
-        """Goes on to arming when the autopilot's failsafes are known and strong, or accepted."""
-        vehicle = self._flight.vehicle
+        """Goes on to arming when the autopilot's failsafes are known and strong, or accepted.
+
+        The time for an answer begins with the question: the tick before has planned, which may
+        have taken longer than an answer may.
+        """
+        vehicle, now_s = self._flight.vehicle, self._flight.now_s
+        if self._asked_s is None:
+            self._asked_s = now_s
         values = {r.parameter: vehicle.parameter(r.parameter) for r in REQUIREMENTS}
-        is_late = self._flight.now_s - self._checking_since_s > ANSWER_TIMEOUT_S
+        is_late = now_s - self._asked_s > ANSWER_TIMEOUT_S
         if None in values.values() and not is_late:
             return
         weak = weaknesses(values)

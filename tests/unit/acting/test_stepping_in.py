@@ -15,7 +15,6 @@ from companion.acting.authority import FRESH_S, not_handed_over
 from companion.acting.flight import TICK_S
 from companion.acting.phases import Phase
 from companion.acting.sortie import GROUNDED, Sortie
-from companion.run import home_of
 from companion.vehicle.port import MODE_KNOWN_S, Goal, Mode, VehicleState
 
 PATROL = "G F at(A) & G F at(B)"
@@ -31,7 +30,7 @@ class Stepping:
         self.sortie = Sortie(
             self.rig.flight,
             self.rig.executive,
-            home_of(asked),
+            asked.home,
             asked.otherwise,
             may_yield=may_yield,
         )
