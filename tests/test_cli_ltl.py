@@ -14,6 +14,8 @@ from pathlib import Path
 import pytest
 from commands import Companion, Ended
 
+pytestmark = pytest.mark.slow
+
 PAPER = "G ((F at(A) | targetFound) & (F at(B) | targetFound))"
 
 

@@ -124,6 +124,7 @@ def test_an_address_that_is_none_is_refused(companion: Companion, address: str) 
     assert "neither HOST:PORT nor off" in ended.err
 
 
+@pytest.mark.flight
 def test_a_page_that_cannot_be_served_keeps_nobody_from_flying(
     companion: Companion, tmp_path: Path
 ) -> None:
@@ -135,6 +136,7 @@ def test_a_page_that_cannot_be_served_keeps_nobody_from_flying(
     assert "task satisfied, landed" in ended.out
 
 
+@pytest.mark.flight
 def test_a_server_that_cannot_start_keeps_nobody_from_flying(tmp_path: Path) -> None:
     """As if uvicorn were not installed."""
     (tmp_path / "uvicorn.py").write_text("raise ImportError('no uvicorn here')\n")

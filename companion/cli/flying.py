@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from companion.cli.arguments import MissionFile, load
+from companion.cli.log_lines import Verbose
 from companion.cli.monitoring import DEFAULT_ADDRESS, Monitor, monitored
 from companion.cli.terminal import Terminal, undisturbed
 from companion.errors import MissionError
@@ -58,6 +59,7 @@ def run(
     timeout: Timeout = 30.0,
     log_dir: LogDir = DEFAULT_LOG_DIR,
     monitor: Monitor = None,
+    verbose: Verbose = False,
 ) -> None:
     """Flies a mission on a vehicle: PX4, or a simulator that was started separately.
 
@@ -99,6 +101,7 @@ def sim(
     timeout: Timeout = 30.0,
     log_dir: LogDir = DEFAULT_LOG_DIR,
     monitor: Monitor = None,
+    verbose: Verbose = False,
 ) -> None:
     """Flies a mission in the bundled simulator. QGroundControl connects to it by itself."""
     from companion.api.simulating import lockstep, world_of

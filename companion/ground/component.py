@@ -24,6 +24,7 @@ intervals and missions (UNSUPPORTED), TIMESYNC.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from typing import ClassVar
 
@@ -52,6 +53,8 @@ REQUESTED: dict[int, Callable[[], Message]] = {
     about.ProtocolVersion.id: about.protocol_version,
 }
 """Message id -> what MAV_CMD_REQUEST_MESSAGE gets; HEARTBEAT besides."""
+
+log = logging.getLogger(__name__)
 
 
 class Component:
@@ -143,6 +146,7 @@ class Component:
 
     def _command(self, message: Message) -> None:
         result = self._do(message.command, _parameters(message))
+        log.debug("command %d of %d/%d: result %d", message.command, *source(message), result)
         answer = dialect.MAVLink_command_ack_message(
             message.command, result, 0, 0, *source(message)
         )

@@ -29,6 +29,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import logging
 import math
 import re
 import shutil
@@ -55,6 +56,8 @@ _MAP = re.compile(rb"""^["']?image["']?[ \t]*:""", re.MULTILINE)
 MARK = ".not-flown"
 """In the folder of an accepted mission that was not started: a file with the mission's path.
 No client can use its name, and it is not copied."""
+
+log = logging.getLogger(__name__)
 
 
 @dataclass
@@ -182,6 +185,7 @@ class Uploads:
 
     def _begin_check(self, upload: _Upload, now_s: float) -> list[UploadVerdict]:
         upload.deadline_s = now_s + CHECK_S
+        log.debug("check %d of %s begins", upload.number, upload.mission)
         try:
             upload.store.copy_to(upload.folder)
             content = (upload.folder / upload.mission).read_bytes()

@@ -11,6 +11,7 @@ moves are grounded again: other costs, and none without a route.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 from companion.errors import CompanionError
@@ -31,6 +32,8 @@ from companion.planning.supposition import supposed_facts, supposed_withdrawn
 
 BUILT_IN = "built-in"
 """The engine that plans unless another one is named."""
+
+log = logging.getLogger(__name__)
 
 
 class Planner:
@@ -78,6 +81,21 @@ class Planner:
         self.flight_time = flight_time
         self.without_a_move: frozenset[Fact] = frozenset()
         self._search = Search(self.model.actions)
+        self._log_sizes()
+
+    def _log_sizes(self) -> None:
+        log.debug("%d actions, %d beliefs", len(self.model.actions), len(self.model.beliefs))
+        for name, automaton in ((c.name, c.automaton) for c in self.conjuncts):
+            log.debug(
+                "automaton of %s: %d states, %d transitions, %d marks",
+                name,
+                automaton.states,
+                len(automaton.transitions),
+                automaton.marks,
+            )
+        if self.translating_s:  # it was measured
+            times_ms = 1000 * self.grounding_s, 1000 * self.translating_s
+            log.debug("instantiated in %.1f ms, translated in %.1f ms", *times_ms)
 
     def reground(self) -> None:
         """Takes over flight times that have changed; what was ever believed stays a belief."""

@@ -213,6 +213,7 @@ def test_every_setpoint_of_a_flight_stays_within_the_limits() -> None:
     assert [r for r in world.notes.reports if r.kind == "gate"] == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ticks", range(12))
 def test_no_command_leaves_after_a_stop_on_the_ground(ticks: int) -> None:
     world = World(mission("F at(A)"))
