@@ -14,7 +14,7 @@ from companion.api.results import FlightResult, FlownTrajectory, OnEvent, record
 from companion.app import Companion
 from companion.documents import Given, read_source
 from companion.errors import CompanionError
-from companion.ground.operations import Page
+from companion.ground.operations import MonitorPage
 from companion.mission.model import Mission
 from companion.mission_run import Recorder
 
@@ -97,7 +97,7 @@ def lockstep(
     *,
     seed: int = 0,
     instance: int = 0,
-    page: Page | None = None,
+    page: MonitorPage | None = None,
 ) -> LockstepFlight:
     """A flight of `simulate` that is still to be flown, and may be flown tick by tick.
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from companion.cli.arguments import MissionFile, load
+from companion.cli.log_lines import Verbose
 from companion.cli.monitoring import DEFAULT_ADDRESS, Monitor, monitored
 from companion.cli.terminal import Terminal, undisturbed
 from companion.errors import MissionError
@@ -58,6 +59,7 @@ def run(
     timeout: Timeout = 30.0,
     log_dir: LogDir = DEFAULT_LOG_DIR,
     monitor: Monitor = None,
+    verbose: Verbose = False,
 ) -> None:
     """Flies a mission on a vehicle: PX4, or a simulator that was started separately.
 
@@ -99,6 +101,7 @@ def sim(
     timeout: Timeout = 30.0,
     log_dir: LogDir = DEFAULT_LOG_DIR,
     monitor: Monitor = None,
+    verbose: Verbose = False,
 ) -> None:
     """Flies a mission in the bundled simulator. QGroundControl connects to it by itself."""
     from companion.api.simulating import lockstep, world_of
@@ -195,7 +198,7 @@ def _host(
 ) -> None:
     """Waits for ground stations to start sorties, until it is stopped."""
     from companion.app import Companion
-    from companion.cli.hosting import Hangar
+    from companion.cli.hosting import SortieHost
     from companion.ground.uploads import Uploads
 
     terminal = Terminal()
@@ -214,14 +217,14 @@ def _host(
             return folder
 
         uploads = Uploads(log_dir.expanduser() / UPLOADS)
-        hangar = Hangar(open_folder, close_folder, tell, uploads)
-        companion = Companion(mission, None, accepts_weak, hangar, page)
+        host = SortieHost(open_folder, close_folder, tell, uploads)
+        companion = Companion(mission, None, accepts_weak, host, page)
         try:
             what = f"to fly {mission.name}" if mission else "and a mission"
             terminal.say(f"hosting    waits for MAV_CMD_MISSION_START {what}; Ctrl-C ends it")
             _fly(companion, endpoint, terminal, speed=1.0, timeout_s=0.0)
         finally:
-            hangar.close()
+            host.close()
             uploads.close()
 
 

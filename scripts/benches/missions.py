@@ -14,8 +14,8 @@ from benches.shipped import shipped
 from companion.acting.report import Report
 from companion.app import Companion
 from companion.geometry import Ned, distance
-from companion.ground.operations import Standing
-from companion.mavlink.framing import Endpoint, split_frames
+from companion.ground.operations import SystemStatus
+from companion.mavlink.framing import MavlinkCodec, split_frames
 from companion.planning.planner import Planner
 from sitl.simulation import Simulation
 
@@ -37,7 +37,7 @@ class Tracking:
     clearances_m: list[float] = field(default_factory=list)
     is_on_task: bool = False
     setpoint: Ned | None = None
-    ear: Endpoint = field(default_factory=lambda: Endpoint(0, 0))
+    ear: MavlinkCodec = field(default_factory=lambda: MavlinkCodec(0, 0))
 
     def report(self, report: Report) -> None:
         """The task lasts until something else is flown than its plan."""
@@ -70,7 +70,7 @@ def timed_steps(companion: Companion) -> list[float]:
     def timed_step(now_s: float, datagrams: list[bytes]) -> list[bytes]:
         start_s = perf_counter()
         packets = step(now_s, datagrams)
-        if companion.standing is Standing.ACTIVE:
+        if companion.system_status is SystemStatus.ACTIVE:
             ticks_s.append(perf_counter() - start_s)
         return packets
 
