@@ -11,7 +11,7 @@ import logging
 from companion.acting.flight import TICK_S
 from companion.app import Companion
 from companion.errors import LinkTimeout
-from companion.ground.operations import Standing
+from companion.ground.operations import SystemStatus
 from companion.vehicle.link import ScaledClock, UdpLink
 
 log = logging.getLogger(__name__)
@@ -41,7 +41,7 @@ def fly(companion: Companion, link: UdpLink, clock: ScaledClock, timeout_s: floa
                 "    PX4 SITL and `sitl` send to port 14540 by themselves; is one running?\n"
                 "    QGroundControl must not listen on this port"
             )
-        is_flying = companion.standing is not Standing.STANDBY
+        is_flying = companion.system_status is not SystemStatus.STANDBY
         if is_flying and not was_flying:
             _set_aside()
         was_flying = is_flying

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 from commands import Companion, Ended
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 
 from companion.app import Companion as Flier
 from companion.cli import main
@@ -26,7 +26,9 @@ from sitl.link.routing import LinkName
 from sitl.simulation import Simulation
 from sitl.world.scenario import read_scenario
 
-settings.register_profile("untimed", deadline=None)  # machines are noisy
+settings.register_profile(  # machines are noisy
+    "untimed", deadline=None, suppress_health_check=[HealthCheck.too_slow]
+)
 settings.load_profile("untimed")
 
 TESTS = Path(__file__).parent

@@ -90,7 +90,7 @@ def lint_imports(folder: Path) -> subprocess.CompletedProcess[str]:
         env={"COLUMNS": "500"},  # a verdict stands on one line
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=600,
         check=False,
     )
 

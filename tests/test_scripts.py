@@ -79,7 +79,7 @@ def start(clone: Path, *arguments: str, script: str = "fly") -> subprocess.Popen
 def fly(clone: Path, *arguments: str) -> tuple[str, str]:
     """What scripts/fly prints, and what it tells on standard error."""
     process = start(clone, *arguments)
-    out, err = process.communicate(timeout=60)
+    out, err = process.communicate(timeout=600)
     assert process.returncode == 0, err
     return out, err
 
@@ -121,7 +121,7 @@ def test_a_moved_repository_is_installed_anew(clone: Path) -> None:
 def test_two_at_once_install_once(clone: Path) -> None:
     provide(clone, PYTHON)
     for process in [start(clone), start(clone)]:
-        process.communicate(timeout=60)
+        process.communicate(timeout=600)
         assert process.returncode == 0
     assert installations(clone) == [f"{clone}[{SHOWN}]"]
 
@@ -138,7 +138,7 @@ def test_without_a_usable_python_it_says_so(clone: Path, python: str | None, rea
     if python:
         provide(clone, python)
     process = start(clone)
-    out, err = process.communicate(timeout=60)
+    out, err = process.communicate(timeout=600)
     assert (process.returncode, out) == (1, "")
     assert err == f"Python 3.11 or newer is needed: {reason}\n"
     assert not (clone / ".venv").exists()

@@ -202,7 +202,7 @@ def _host(
 ) -> None:
     """Waits for ground stations to start sorties, until it is stopped."""
     from companion.app import Companion
-    from companion.cli.hosting import Hangar
+    from companion.cli.hosting import SortieHost
     from companion.ground.uploads import Uploads
 
     terminal = Terminal()
@@ -221,14 +221,14 @@ def _host(
             return folder
 
         uploads = Uploads(log_dir.expanduser() / UPLOADS)
-        hangar = Hangar(open_folder, close_folder, tell, uploads)
-        companion = Companion(mission, None, accepts_weak, hangar, page)
+        host = SortieHost(open_folder, close_folder, tell, uploads)
+        companion = Companion(mission, None, accepts_weak, host, page)
         try:
             what = f"to fly {mission.name}" if mission else "and a mission"
             terminal.say(f"hosting    waits for MAV_CMD_MISSION_START {what}; Ctrl-C ends it")
             _fly(companion, endpoint, terminal, speed=1.0, timeout_s=0.0)
         finally:
-            hangar.close()
+            host.close()
             uploads.close()
 
 

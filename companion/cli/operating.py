@@ -66,7 +66,7 @@ def watch(
 
 
 def _mavsdk_url(url: str) -> str:
-    """MAVSDK's spelling; an ambiguous `udp:` is refused as everywhere."""
+    """Returns MAVSDK's spelling of a URL; an ambiguous `udp:` is refused as everywhere."""
     from companion.vehicle.link import parse_url
 
     return str(parse_url(url))
@@ -133,11 +133,11 @@ async def _watch(url: str, timeout_s: float) -> int:
     from rich.live import Live
 
     from companion.ground.station import COMPANION, connected
-    from companion.ground.watching import NAMES, Watch
+    from companion.ground.watching import NAMES, WatchedFlight
 
     typer.echo(f"waiting    for a companion on {url}")
     async with connected(url, timeout_s) as station:
-        seen, messages = Watch(time.monotonic()), station.messages(NAMES)
+        seen, messages = WatchedFlight(time.monotonic()), station.messages(NAMES)
         heard = await _next(messages)
         typer.echo(f"watching   component {COMPANION} of system {station.system}")
         console = Console(highlight=False, markup=False, soft_wrap=True)

@@ -1,4 +1,4 @@
-"""The command protocol, sender's side: ask until there is a final answer. No I/O.
+"""The sender's side of the command protocol: a command is repeated until its final answer. No I/O.
 
 Rules (https://mavlink.io/en/services/command.html):
 1. A command is sent again every 0.5 s until it is answered, with `confirmation` counted up.
@@ -18,6 +18,7 @@ import logging
 from dataclasses import dataclass
 
 from companion.mavlink.framing import Message, dialect, source
+from companion.outcomes import Refusal
 
 RESEND_S = 0.5
 SILENCE_S = 5.0
@@ -36,9 +37,9 @@ class Exchange:
     """One command under way.
 
     Attributes:
-        result: name of the final MAV_RESULT without its prefix, "" while there is none,
-            "NO_ANSWER" for silence.
-        refusal: why it is not sent at all; "" if it may be.
+        result: name of the final MAV_RESULT without its prefix, None while there is none,
+            "NO_ANSWER" for silence, "REFUSED" if it is not sent at all.
+        refusal: why it is not sent.
     """
 
     system: int
@@ -49,19 +50,21 @@ class Exchange:
     next_send_s: float
     confirmation: int = 0
     rejections: int = 0
-    result: str = ""
+    result: str | None = None
     is_answered: bool = False
-    refusal: str = ""
+    refusal: Refusal | None = None
 
     @property
     def has_failed(self) -> bool:
-        """A final answer, and not the wanted one."""
-        return self.result not in ("", "ACCEPTED")
+        """Whether the final answer is there and is not the wanted one."""
+        return self.result not in (None, "ACCEPTED")
 
     @property
     def in_words(self) -> str:
         """The final answer for people."""
-        return self.refusal or self.result.replace("_", " ").lower()
+        if self.refusal is not None:
+            return self.refusal.reason
+        return (self.result or "no answer yet").replace("_", " ").lower()
 
     def receive(self, now_s: float, ack: Message) -> None:
         """Takes a COMMAND_ACK for this command."""
@@ -79,8 +82,8 @@ class Exchange:
             self.result = result
 
     def due(self, now_s: float) -> Message | None:
-        """The COMMAND_LONG to send now, if any."""
-        if self.result:
+        """Returns the COMMAND_LONG to send now, if any."""
+        if self.result is not None:
             return None
         if now_s >= self.deadline_s:
             self.result = "NO_ANSWER"
@@ -118,14 +121,14 @@ class CommandSender:
         command: int,
         parameters: Parameters,
     ) -> int:
-        """Begins a command to (system, component); returns its ticket."""
+        """Begins a command to (system, component) and returns its ticket."""
         self._tickets += 1
         self._exchanges[self._tickets] = Exchange(
             *target, command, parameters, deadline_s=now_s + SILENCE_S, next_send_s=now_s
         )
         return self._tickets
 
-    def refuse(self, ticket: int, refusal: str) -> None:
+    def refuse(self, ticket: int, refusal: Refusal) -> None:
         """Ends a command before it is sent, as a failure with a reason."""
         exchange = self._exchanges[ticket]
         exchange.result, exchange.refusal = "REFUSED", refusal
@@ -149,12 +152,12 @@ class CommandSender:
                 return
 
     def due(self, now_s: float) -> list[Message]:
-        """The messages to send now."""
+        """Returns the messages to send now."""
         return [m for e in self._exchanges.values() if (m := e.due(now_s)) is not None]
 
 
 def result_name(result: int) -> str:
-    """MAV_RESULT in words, e.g. "DENIED".
+    """Returns the name of a MAV_RESULT without its prefix.
 
     >>> result_name(2)
     'DENIED'

@@ -1,4 +1,4 @@
-"""What stands in a mission's PDDL files? unified-planning reads them.
+"""A mission's PDDL files, read by unified-planning.
 
 Its reader checks little and fails in many ways; here each failure becomes an error that says what
 is wrong, where, and what PDDL may use.
@@ -47,7 +47,7 @@ _QUOTED = re.compile(r"^UP\w+\((['\"])(.*?)\1?\)?$")  # an error of the reader i
 
 
 def parsed(folder: Path, file: MissionFile, document: Document) -> Problem:
-    """The PDDL files of a mission, as unified-planning reads them.
+    """Returns the PDDL files of a mission as unified-planning reads them.
 
     Args:
         folder: where the files are.
@@ -83,7 +83,7 @@ def parsed(folder: Path, file: MissionFile, document: Document) -> Problem:
 
 
 def _reason(error: Exception) -> tuple[str, tuple[int, int] | None]:
-    """What the reader found, in one line, and at which line and column if it says so."""
+    """Returns what the reader found, in one line, with line and column if it gives them."""
     if isinstance(error, RecursionError):
         return "it is nested too deeply", None
     if isinstance(error, KeyError):

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import logging
 
-from companion.mavlink.framing import Endpoint, choose, dialect, source
+from companion.mavlink.framing import MavlinkCodec, choose, dialect, source
 from companion.vehicle.wire import is_autopilot
 
 SILENT_S = 3.0
@@ -40,7 +40,7 @@ class AutopilotAddress:
         self.system: int | None = None
         self.address: Address | None = None
         self._heard_s = 0.0
-        self._ear = Endpoint(0, 0)
+        self._ear = MavlinkCodec(0, 0)
 
     def hear(self, now_s: float, sender: Address, datagram: bytes) -> None:
         """Takes a datagram into account.

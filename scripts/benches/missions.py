@@ -15,8 +15,8 @@ from benches.shipped import shipped
 from companion.acting.report import Report
 from companion.app import Companion
 from companion.geometry import Ned, distance
-from companion.ground.operations import Standing
-from companion.mavlink.framing import Endpoint, split_frames
+from companion.ground.operations import SystemStatus
+from companion.mavlink.framing import MavlinkCodec, split_frames
 from companion.mission.model import Mission
 from companion.mission_run import Recorder
 from companion.planning.planner import Planner
@@ -40,7 +40,7 @@ class Tracking:
     clearances_m: list[float] = field(default_factory=list)
     is_on_task: bool = False
     setpoint: Ned | None = None
-    ear: Endpoint = field(default_factory=lambda: Endpoint(0, 0))
+    ear: MavlinkCodec = field(default_factory=lambda: MavlinkCodec(0, 0))
 
     def report(self, report: Report) -> None:
         """The task lasts until something else is flown than its plan."""
@@ -80,7 +80,7 @@ class Stopwatch(Companion):
         """One tick."""
         start_s = perf_counter()
         packets = super().step(now_s, datagrams)
-        if self.standing is Standing.ACTIVE:
+        if self.system_status is SystemStatus.ACTIVE:
             self._ticks_s.append(perf_counter() - start_s)
         return packets
 

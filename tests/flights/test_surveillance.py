@@ -279,7 +279,7 @@ def test_equal_seeds_give_equal_bytes_in_every_process(
         for hash_seed in ("1", "2")
     ]
     for log_dir, child in children:
-        printed, _ = child.communicate(timeout=120)
+        printed, _ = child.communicate(timeout=600)
         assert child.returncode == 0, printed
         (folder,) = log_dir.iterdir()
         written.append((folder / "events.jsonl").read_bytes())

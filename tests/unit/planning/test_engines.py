@@ -29,7 +29,7 @@ pytest.importorskip("up_fast_downward")
 
 V1, V4, V5 = Encoding
 TARGET = (Signal("NAMED_VALUE_INT", "target", "value"), 1.0)
-LIMIT_S = 60.0
+LIMIT_S = 600.0
 TASKS = [
     "G (F at(A) & F at(B))",
     "F (at(A) & F at(B))",

@@ -13,7 +13,7 @@ from companion.errors import CompanionError, NoPlanError
 from companion.ltl.automaton import successors
 from companion.planning.builtin.search import Search
 from companion.planning.check import fault
-from companion.planning.effort import IN_FLIGHT, ON_THE_GROUND, Effort
+from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT, Effort
 from companion.planning.explain import NoPlan
 from companion.planning.lasso import Lasso, Problem, Solution
 from companion.planning.objective import Objective
@@ -125,7 +125,7 @@ def test_a_replan_is_the_first_plan_and_a_plan_the_best(monkeypatch: pytest.Monk
     assert list(made.solutions(*made.initial_problem())) == offered
 
 
-def test_in_flight_less_is_tried_than_on_the_ground(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_in_flight_less_is_tried_than_before(monkeypatch: pytest.MonkeyPatch) -> None:
     tried = []
     solutions = Search.solutions
 
@@ -137,10 +137,10 @@ def test_in_flight_less_is_tried_than_on_the_ground(monkeypatch: pytest.MonkeyPa
     made = planner(mission("F at(A)"))
     made.plan()
     made.replan(*made.initial_problem())
-    assert tried == [ON_THE_GROUND, IN_FLIGHT]
-    assert IN_FLIGHT.edges < ON_THE_GROUND.edges
-    assert IN_FLIGHT.ways < ON_THE_GROUND.ways
-    assert IN_FLIGHT.additions < ON_THE_GROUND.additions
+    assert tried == [BEFORE_FLIGHT, IN_FLIGHT]
+    assert IN_FLIGHT.product_edges < BEFORE_FLIGHT.product_edges
+    assert IN_FLIGHT.dijkstra_edges < BEFORE_FLIGHT.dijkstra_edges
+    assert IN_FLIGHT.held_karp_additions < BEFORE_FLIGHT.held_karp_additions
 
 
 def test_the_objective_is_passed_on() -> None:

@@ -1,9 +1,10 @@
-"""What has to be met once: the best way over all of it to a loop, by trying every order."""
+"""One-shot goals: the best path over all of them to a loop, by trying every order."""
 
 from __future__ import annotations
 
 import itertools
 import random
+from dataclasses import replace
 
 import pytest
 from problems import action, asking, histories, problem, random_legs, unit_legs
@@ -12,21 +13,21 @@ from reference_search import best_lap_and_prefix
 from companion.planning.builtin.search import Search
 from companion.planning.check import fault
 from companion.planning.domain import WAIT
-from companion.planning.effort import ON_THE_GROUND, Effort
+from companion.planning.effort import BEFORE_FLIGHT, Effort
 from companion.planning.lasso import Problem, Solution
 from companion.planning.objective import Objective
 
-ANY_ORDER = Effort(edges=ON_THE_GROUND.edges, ways=ON_THE_GROUND.ways, additions=0)
+ANY_ORDER = replace(BEFORE_FLIGHT, held_karp_additions=0)
 
 
-def best(asked: Problem, effort: Effort = ON_THE_GROUND) -> Solution:
+def best(asked: Problem, effort: Effort = BEFORE_FLIGHT) -> Solution:
     *_, solution = Search(asked.actions).solutions(asked, effort=effort)
     assert fault(asked, solution.lasso, histories(asked)) is None
     return solution
 
 
 @pytest.mark.parametrize("sites", range(4, 8))
-def test_the_prefix_is_the_shortest_way_over_all_sites(sites: int) -> None:
+def test_the_prefix_is_the_shortest_path_over_all_sites(sites: int) -> None:
     """The closed form of a path: it begins at H and ends anywhere."""
     places = "HABCDEFG"[: sites + 1]
     legs = random_legs(random.Random(sites), places)
@@ -39,7 +40,7 @@ def test_the_prefix_is_the_shortest_way_over_all_sites(sites: int) -> None:
     assert found.lasso.prefix_cost_ms == round(1000 * least)
 
 
-def test_the_errands_come_before_a_loop_that_is_best_elsewhere() -> None:
+def test_the_goals_come_before_a_loop_that_is_best_elsewhere() -> None:
     """The loop between X and Y is the best, and the way there passes A to D first."""
     places = "HABCDXY"
     legs = {**unit_legs(places), ("X", "Y"): 0.3, ("Y", "X"): 0.3}
@@ -50,7 +51,7 @@ def test_the_errands_come_before_a_loop_that_is_best_elsewhere() -> None:
 
 
 @pytest.mark.parametrize("objective", Objective)
-def test_a_loop_that_is_out_of_reach_after_the_errands_is_not_taken(objective: Objective) -> None:
+def test_a_loop_that_is_out_of_reach_after_the_goals_is_not_taken(objective: Objective) -> None:
     """X and Y are nearest to each other, but from A to D the way leads only to P and Q."""
     legs = {(a, b): 1.0 for a, b in itertools.permutations("HABCD", 2) if b != "H"}
     legs |= {("H", "X"): 1.0, ("X", "Y"): 0.3, ("Y", "X"): 0.3}
@@ -61,18 +62,18 @@ def test_a_loop_that_is_out_of_reach_after_the_errands_is_not_taken(objective: O
     assert {a.name for a in found.lasso.suffix} == {"move(P, Q)", "move(Q, P)"}
 
 
-def test_where_no_way_leads_back_the_order_is_the_only_one() -> None:
+def test_where_no_path_leads_back_the_order_is_the_only_one() -> None:
     """A river: whoever has passed a site never comes back to it."""
     places = "HDBEACGF"
     legs = {leg: 1.0 for leg in itertools.combinations(places, 2)}
     asked = problem(places, legs, " & ".join(f"F at({p})" for p in sorted(places[1:])))
-    for effort in (ON_THE_GROUND, ANY_ORDER):
+    for effort in (BEFORE_FLIGHT, ANY_ORDER):
         visited = [a.name[-2] for a in best(asked, effort).lasso.prefix]
         assert visited == [*places[1:]]
 
 
-def test_an_errand_that_leads_away_from_the_best_loop_is_done_nevertheless() -> None:
-    """No way leads back from D, so it comes last, and a loop at home is out of the question."""
+def test_a_goal_that_leads_away_from_the_best_loop_is_met_nevertheless() -> None:
+    """No path leads back from D, so it comes last, and a loop at home is out of the question."""
     legs = {(a, b): 1.0 for a, b in itertools.permutations("HABCD", 2) if a != "D"}
     asked = problem("HABCD", legs, " & ".join(f"F at({p})" for p in "ABCD"))
     lasso = best(asked).lasso
@@ -81,7 +82,7 @@ def test_an_errand_that_leads_away_from_the_best_loop_is_done_nevertheless() -> 
     assert list(Search().solutions(away)) == []
 
 
-def test_an_errand_that_cannot_be_done_leaves_no_plan() -> None:
+def test_a_goal_that_cannot_be_met_leaves_no_plan() -> None:
     asked = problem("HABC", unit_legs("HABC"), "F at(A) & F at(B) & F at(C) & F at(H) & F lit")
     assert list(Search().solutions(asked)) == []
     switch = action("switch", "at(C) & key", "lit")
@@ -108,7 +109,7 @@ def test_what_held_at_the_start_may_have_to_be_met_again() -> None:
     assert any(a.name.endswith(", H)") for a in lasso.prefix)
 
 
-def test_one_step_may_do_several_errands() -> None:
+def test_one_action_may_meet_several_goals() -> None:
     all_at_once = action("all", "", "a & b & c & d", 9.0)
     one_by_one = [action(f"do_{x}", "", x, 3.0) for x in "abcd"]
     asked = asking("F a & F b & F c & F d", [*one_by_one, all_at_once, WAIT], [()])

@@ -1,6 +1,6 @@
-"""What is wrong with a document, in plain words: pydantic's error list as one problem.
+"""Diagnostics of a document in plain words: pydantic's list of errors as one of them.
 
-Of several problems the first in the file is told, unknown keys before all others: a misspelt key
+Of several errors the first in the file is shown, unknown keys before all others: a misspelt key
 is the reason why the right one is missing. What a person can do about it is taken from the JSON
 Schema of the model: the keys that exist there and the description of the field.
 """
@@ -23,8 +23,15 @@ _SIMILAR = 0.6  # difflib's own cutoff for close matches
 
 
 @dataclass(frozen=True, slots=True)
-class Problem:
-    """One problem; `is_about_key` if the key is wrong and not its value."""
+class Diagnostic:
+    """What is wrong, where, and what to do.
+
+    Attributes:
+        what: in one line.
+        keys: of the place in the document.
+        hint: what to do; may be empty.
+        is_about_key: whether the key is wrong and not its value.
+    """
 
     what: str
     keys: Keys
@@ -33,7 +40,7 @@ class Problem:
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """A question with the most similar known word, or nothing.
+    """Returns a question with the most similar known word; empty if none is similar.
 
     >>> did_you_mean("palces", ["places", "sets"])
     'Did you mean places?'
@@ -46,13 +53,13 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     return f"Did you mean {best}?" if similarity(best) >= _SIMILAR else ""
 
 
-def first_problem(
+def first_diagnostic(
     error: ValidationError,
     model: type[BaseModel],
     data: object,
     position: Callable[..., tuple[int, ...]],
-) -> Problem:
-    """The problem to tell.
+) -> Diagnostic:
+    """Returns the diagnostic to show.
 
     Args:
         error: what pydantic found.
@@ -67,11 +74,11 @@ def first_problem(
     details.sort(key=lambda item: (item[1]["type"] != "extra_forbidden", position(*item[0])))
     keys = details[0][0]
     alike = [detail for where, detail in details if where == keys]  # the branches of a union
-    return _problem(alike, keys, model.model_json_schema(), data)
+    return _diagnostic(alike, keys, model.model_json_schema(), data)
 
 
 def _existing_keys(loc: Sequence[str | int], data: object) -> Keys:
-    """The keys of the document in pydantic's location, which names union branches as well."""
+    """Returns the document's keys in pydantic's location, which names union branches as well."""
     keys: list[str | int] = []
     for part in loc:
         if isinstance(data, dict) and part in data:
@@ -84,28 +91,28 @@ def _existing_keys(loc: Sequence[str | int], data: object) -> Keys:
     return tuple(keys)
 
 
-def _problem(details: list[Detail], keys: Keys, root: Schema, data: object) -> Problem:
+def _diagnostic(details: list[Detail], keys: Keys, root: Schema, data: object) -> Diagnostic:
     detail = details[0]
     kind, name = detail["type"], detail["loc"][-1] if detail["loc"] else ""
     if kind == "missing" and isinstance(name, str):
         description = _schema_at(root, (*keys, name)).get("description", "")
         hint = _sentence(name, description)
-        return Problem(f"the key {name} is missing{_of(keys)}", keys, hint, True)
+        return Diagnostic(f"the key {name} is missing{_of(keys)}", keys, hint, True)
     if kind == "extra_forbidden":
         known = list(_schema_at(root, keys[:-1]).get("properties", ()))
         hint = f"known keys are {', '.join(known)}. {did_you_mean(str(keys[-1]), known)}".strip()
-        return Problem(f"unknown key {_short(keys[-1])}{_of(keys[:-1])}", keys, hint, True)
+        return Diagnostic(f"unknown key {_short(keys[-1])}{_of(keys[:-1])}", keys, hint, True)
     if name == "[key]":
         expected = _RULES[kind](detail["ctx"]) if kind in _RULES else detail["msg"]
-        return Problem(f"{_short(keys[-1])} is not a name", keys, f"expected {expected}", True)
+        return Diagnostic(f"{_short(keys[-1])} is not a name", keys, f"expected {expected}", True)
     return _wrong_value(details, keys, _schema_at(root, keys), _at(data, keys))
 
 
-def _wrong_value(details: list[Detail], keys: Keys, schema: Schema, value: object) -> Problem:
+def _wrong_value(details: list[Detail], keys: Keys, schema: Schema, value: object) -> Diagnostic:
     subject = keys[-1] if keys and isinstance(keys[-1], str) else _subject(keys)
     kind, message = details[0]["type"], details[0]["msg"]
     if kind not in _RULES:  # a validator's own words
-        return Problem(f"{subject}: {message.removeprefix('Value error, ')}", keys, "", False)
+        return Diagnostic(f"{subject}: {message.removeprefix('Value error, ')}", keys, "", False)
     expected = dict.fromkeys(
         _RULES[d["type"]](d.get("ctx", {})) for d in details if d["type"] in _RULES
     )
@@ -114,7 +121,7 @@ def _wrong_value(details: list[Detail], keys: Keys, schema: Schema, value: objec
         words = [w for phrase in expected for w in phrase.replace(" or ", ", ").split(", ")]
         hint = f"{did_you_mean(value, words)} {hint}".strip()
     what = f"{subject} is {_describe(value)}, expected {' or '.join(expected)}"
-    return Problem(what, keys, hint, False)
+    return Diagnostic(what, keys, hint, False)
 
 
 _RULES: dict[str, Callable[[Schema], str]] = {
@@ -141,7 +148,7 @@ _RULES: dict[str, Callable[[Schema], str]] = {
 
 
 def _schema_at(root: Schema, keys: Keys) -> Schema:
-    """The part of a JSON Schema that describes the value at some keys; {} if there is none."""
+    """Returns the part of a JSON Schema that describes the value at some keys; {} without one."""
     schema = root
     for key in keys:
         schema = _step(_resolved(root, schema), key)
@@ -162,7 +169,7 @@ def _step(schema: Schema, key: str | int) -> Schema:
 
 
 def _resolved(root: Schema, schema: Schema) -> Schema:
-    """Follows a reference; of alternatives the one that is a mapping or list."""
+    """Follows a reference; of alternatives, to the one that is a mapping or list."""
     for choice in schema.get("anyOf", ()):
         if {"$ref", "items", "properties"} & choice.keys():
             return _resolved(root, choice)

@@ -1,8 +1,9 @@
-"""What is left of a task once everything that cannot change is taken out of it?
+"""A task reduced to what can change: without constants, and without actions out of reach.
 
 Actions that can never be applied are left out, and so is each fact that keeps its value: events,
-beliefs, places that cannot be reached. What changes is grouped into variables: the places of one
-vehicle are one variable with as many values, for exactly one of them holds at a time.
+beliefs, places that cannot be reached. The facts that change are grouped into variables: the
+places of one vehicle are one variable with as many values, for exactly one of them holds at a
+time.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from companion.ltl.automaton import BuchiAutomaton
-from companion.planning.builtin.system import TransitionSystem, Vocabulary
+from companion.planning.builtin.transition_system import FactBits, TransitionSystem
 from companion.planning.domain import Action, ConditionalEffect, Fact
 from companion.planning.lasso import Conjunct, Problem
 
@@ -22,12 +23,12 @@ LARGEST_COST = 2**31 - 1
 
 
 @dataclass(frozen=True)
-class Grounded:
-    """The moving parts of a problem.
+class ReducedTask:
+    """The part of a problem that can change.
 
     Attributes:
         actions: those that may ever be applicable, without constants; parallel to `origins`.
-        origins: the same actions as the problem has them.
+        origins: the same actions as in the problem.
         changing: the facts that may change, sorted.
         init: those of them that hold now.
         always: the facts that always hold; all others never do.
@@ -54,13 +55,13 @@ class Grounded:
         return action.cost_ms // self.unit_ms
 
     def constants(self, propositions: Iterable[str]) -> Mapping[str, bool]:
-        """The values of those propositions that keep theirs."""
+        """The values of those propositions that are constant."""
         changing = frozenset(self.changing)
         return {p: p in self.always for p in propositions if p not in changing}
 
     @cached_property
     def variables(self) -> tuple[tuple[Fact, ...], ...]:
-        """Facts of which exactly one holds at a time; a fact of its own is alone."""
+        """Groups of facts of which exactly one holds at a time; other facts are groups of one."""
         groups: dict[str, list[Fact]] = {}
         for fact in self.changing:
             groups.setdefault(fact.partition("(")[0], []).append(fact)
@@ -87,7 +88,7 @@ class Grounded:
         )
 
     def lap_weight(self, automata: Iterable[BuchiAutomaton]) -> tuple[int, bool]:
-        """How many times more a loop costs than a prefix, and whether that puts the lap first.
+        """The factor by which actions cost more in the loop, and whether it puts the lap first.
 
         A shortest prefix passes no state of the product twice, which bounds it. Where a weight
         above that bound would make costs too large a lesser one is taken.
@@ -100,21 +101,20 @@ class Grounded:
         return min(needed, possible), needed <= possible
 
 
-def grounded(problem: Problem) -> Grounded:
-    """The moving parts of a problem, by relaxed reachability (`system.py`)."""
-    vocabulary = Vocabulary(problem.actions)
-    steps = vocabulary.steps(problem.actions)
-    system = TransitionSystem(steps, vocabulary.mask(problem.facts))
+def reduced_task(problem: Problem) -> ReducedTask:
+    """The part of a problem that can change, by relaxed reachability (`transition_system.py`)."""
+    bits = FactBits(problem.actions)
+    system = TransitionSystem(problem.actions, problem.facts, bits)
     reached = system.changing | system.constant
     possible = [
-        problem.actions[step.action]
-        for step in steps
-        if not step.requires & ~reached and not step.forbids & system.constant
+        problem.actions[masked.number]
+        for masked in system.masked
+        if not masked.requires & ~reached and not masked.forbids & system.constant
     ]
     named = problem.facts.union(*(a.adds | a.deletes | _conditionally(a) for a in possible))
-    changing = frozenset(f for f in named if vocabulary.bit(f) & system.changing)
+    changing = frozenset(f for f in named if bits.bit(f) & system.changing)
     always = problem.facts - changing
-    return Grounded(
+    return ReducedTask(
         tuple(_without_constants(action, changing, always) for action in possible),
         tuple(possible),
         tuple(sorted(changing)),

@@ -6,15 +6,15 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from companion.motion.sight import Sight, enters
+from companion.motion.line_of_sight import LineOfSight, enters_disc
 
 
-def sight(*rows: str) -> Sight:
-    """Sight over a drawing, its last line southmost; # is blocked."""
-    return Sight(np.array([[cell != "#" for cell in row] for row in reversed(rows)]))
+def sight(*rows: str) -> LineOfSight:
+    """Lines of sight over a drawing, its last line southmost; # is blocked."""
+    return LineOfSight(np.array([[cell != "#" for cell in row] for row in reversed(rows)]))
 
 
-def is_clear(over: Sight, a: tuple[float, float], b: tuple[float, float]) -> bool:
+def is_clear(over: LineOfSight, a: tuple[float, float], b: tuple[float, float]) -> bool:
     forwards = over.is_clear(np.array(a), np.array(b))
     assert over.is_clear(np.array(b), np.array(a)) == forwards
     return bool(forwards)
@@ -101,4 +101,4 @@ def test_entering_a_unit_disc(
     def point(x: tuple[float, float]) -> npt.NDArray[np.float64]:
         return np.array([x[0] + 5.0, x[1] + 7.0])
 
-    assert bool(enters(point(a), point(b), point((0, 0)), 1.0)) is expected
+    assert bool(enters_disc(point(a), point(b), point((0, 0)), 1.0)) is expected

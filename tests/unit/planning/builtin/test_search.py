@@ -13,11 +13,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from problems import action, asking, find_lasso, histories, names, problem, unit_legs
 
-from companion.planning.builtin.product import SearchLimit
+from companion.errors import SearchLimit
 from companion.planning.builtin.search import Search
 from companion.planning.check import fault
 from companion.planning.domain import WAIT, Action
-from companion.planning.effort import ON_THE_GROUND
+from companion.planning.effort import BEFORE_FLIGHT
 from companion.planning.lasso import Lasso, Problem
 from companion.planning.objective import Objective
 
@@ -39,7 +39,7 @@ def test_equal_laps_fall_to_the_order_of_the_actions() -> None:
     )
 
 
-def test_equal_ways_fall_to_the_order_of_the_actions() -> None:
+def test_equal_paths_fall_to_the_order_of_the_actions() -> None:
     found = find_lasso(
         problem("HABC", unit_legs("HABC"), "F (at(C) & X at(H)) | F (at(B) & X at(H))")
     )
@@ -104,7 +104,7 @@ def test_patrolling_is_the_shortest_tour(data: st.DataObject, sites: int) -> Non
 
 
 def _closure(places: str, legs: dict[tuple[str, str], float]) -> dict[tuple[str, str], float]:
-    """Floyd and Warshall: the shortest way between two places, over any others."""
+    """Floyd and Warshall: the shortest path between two places, over any others."""
     best = dict(legs)
     for via, a, b in itertools.product(places, repeat=3):
         if a != b and via not in (a, b):
@@ -201,7 +201,20 @@ def test_whether_there_is_a_plan_is_asked_for_the_first_one_alone() -> None:
     assert not search.is_solvable(problem("HA", unit_legs("HA"), "F at(A) & G at(H)"))
 
 
+def test_whether_there_is_a_plan_may_take_too_long_to_find_out() -> None:
+    """At either limit: of the product, and of the searches from one-shot goals."""
+    asked = problem("HABCD", unit_legs("HABCD"), "F at(A) & F at(B) & F at(C) & F at(D)")
+    for effort in (
+        replace(BEFORE_FLIGHT, product_edges=3),
+        replace(BEFORE_FLIGHT, dijkstra_edges=3),
+    ):
+        assert Search().is_solvable(asked, effort) is None
+        with pytest.raises(SearchLimit, match="given up at its limit of 3 edges"):
+            list(Search().solutions(asked, effort=effort))
+    assert Search().is_solvable(asked)
+
+
 def test_a_limit_is_not_taken_for_no_plan() -> None:
     asked = problem("HAB", unit_legs("HAB"), "G F at(A) & G F at(B)")
-    with pytest.raises(SearchLimit, match="no plan found"):
-        list(Search().solutions(asked, effort=replace(ON_THE_GROUND, edges=3)))
+    with pytest.raises(SearchLimit, match="limit of 3 edges of the product; there may be a plan"):
+        list(Search().solutions(asked, effort=replace(BEFORE_FLIGHT, product_edges=3)))

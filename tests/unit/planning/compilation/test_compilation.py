@@ -24,8 +24,8 @@ from companion.planning.compilation.classical import ClassicalAction, ClassicalP
 from companion.planning.compilation.conditional import unread
 from companion.planning.compilation.decode import decode
 from companion.planning.compilation.encode import encode
-from companion.planning.compilation.grounded import grounded
 from companion.planning.compilation.monolithic import monolithic
+from companion.planning.compilation.reduced_task import reduced_task
 from companion.planning.domain import WAIT, ConditionalEffect
 from companion.planning.lasso import Conjunct, Lasso, Problem
 from companion.planning.objective import Encoding, Objective
@@ -170,7 +170,7 @@ def test_what_cannot_change_is_left_out() -> None:
     never = action("upload", requires={"found"}, adds={"reported"})
     asked = problem("HA", unit_costs("HA"), "G (found -> F reported) & G F at(A)", extra=(never,))
     asked = replace(asked, facts=asked.facts | {"belief"})
-    task = grounded(asked)
+    task = reduced_task(asked)
     assert task.changing == ("at(A)", "at(H)")
     assert task.variables == (("at(A)", "at(H)"),)
     assert [a.name for a in task.actions] == ["move(H, A)", "move(A, H)", "wait"]
@@ -182,7 +182,7 @@ def test_what_cannot_change_is_left_out() -> None:
 def test_places_are_no_variable_if_a_vehicle_can_be_at_two() -> None:
     twin = action("twin", requires={"at(H)"}, adds={"at(A)"})
     asked = problem("HA", unit_costs("HA"), "G F at(A)", extra=(twin,))
-    assert grounded(asked).variables == (("at(A)",), ("at(H)",))
+    assert reduced_task(asked).variables == (("at(A)",), ("at(H)",))
 
 
 @given(
@@ -241,7 +241,7 @@ def test_plain_strips_is_plain() -> None:
 
 
 @pytest.mark.parametrize("encoding", Encoding)
-def test_the_worst_wait_is_refused(encoding: Encoding) -> None:
+def test_the_bottleneck_is_refused(encoding: Encoding) -> None:
     asked = problem("HA", unit_costs("HA"), "G F at(A)")
     with pytest.raises(CompanionError, match="bottleneck"):
         encode(asked_of(encoding, asked), encoding, Objective.BOTTLENECK)
