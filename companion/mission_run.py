@@ -9,19 +9,14 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Protocol
 
+from companion.acting.assembly import assemble
 from companion.acting.event_detector import EventDetector
-from companion.acting.executive import Executive
-from companion.acting.flight import Flight
 from companion.acting.report import Report
 from companion.acting.sortie import Sortie
-from companion.acting.symbols import Symbols
 from companion.geometry import Ned
 from companion.mavlink.framing import Message
 from companion.mission.model import Mission, Signal
 from companion.motion.sensed_map import SensedMap
-from companion.planning.flight_times import flight_times, route_map
-from companion.planning.planner import Planner
-from companion.planning.task_state import TaskState
 from companion.vehicle.gate import Envelope
 from companion.vehicle.offboard import MavlinkVehicle
 from companion.vehicle.telemetry import Telemetry
@@ -64,7 +59,6 @@ class Run:
         accepts_weak_failsafes: bool,
         may_yield: bool,
     ) -> None:
-        routes = route_map(mission)
         detector = EventDetector(mission.events)
         home, limits = mission.home, mission.limits
         self.mission = mission
@@ -78,20 +72,17 @@ class Run:
             takeoff_up_m=-home.position[2],
         )
         self.awaited = frozenset(s.field for s in detector.signals if s.message == "COMMAND")
-        planner = Planner(mission, flight_times(mission, routes, self._position))
-        self.flight = Flight(
-            vehicle=self.vehicle,
-            task=TaskState(planner),
-            routes=routes,
-            limits=limits,
-            symbols=Symbols(mission.places, routes),
-        )
-        executive = Executive(planner, self.flight, detector)
+        acting = assemble(mission, self.vehicle, detector)
+        self.flight = acting.flight
         self.sortie = Sortie(
-            self.flight, executive, home, mission.otherwise, accepts_weak_failsafes, may_yield
+            acting.flight,
+            acting.executive,
+            home,
+            mission.otherwise,
+            accepts_weak_failsafes,
+            may_yield,
         )
         self._map = SensedMap(mission.grid)
-        self._routes = routes
 
     def step(
         self, now_s: float, messages: list[Message], asked: list[tuple[Signal, float]]
@@ -99,7 +90,7 @@ class Run:
         """One tick: reads what arrived and acts; returns what happened."""
         readings = asked + self.vehicle.receive(now_s, messages)
         if any([self._map.integrate(scan) for scan in self.vehicle.scans]):
-            self._routes.see(self._map.grid)
+            self.flight.routes.see(self._map.grid)
         self.sortie.step(now_s, readings)
         reports = self.flight.reports.copy()
         self.flight.reports.clear()

@@ -14,17 +14,13 @@ import pytest
 from commands import Companion, Ended
 from hypothesis import HealthCheck, settings
 
-from companion.app import Companion as Flier
+from companion.api.simulating import lockstep, world_of
 from companion.cli import main
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
 from companion.motion.routes import RouteMap
 from companion.planning.flight_times import route_map
 from companion.record.run_folder import RunFolder
-from sitl.harness import fly_in_lockstep
-from sitl.link.routing import LinkName
-from sitl.simulation import Simulation
-from sitl.world.scenario import read_scenario
 
 settings.register_profile(  # machines are noisy
     "untimed", deadline=None, suppress_health_check=[HealthCheck.too_slow]
@@ -71,12 +67,10 @@ def surveillance_routes(surveillance: Mission) -> RouteMap:
 @pytest.fixture(scope="session")
 def surveillance_run(surveillance: Mission, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The run folder of the paper's mission, flown in lockstep; to be read only."""
-    scenario, grid = read_scenario(MISSIONS / "surveillance.sim.yaml")
     run = RunFolder(
         tmp_path_factory.mktemp("runs") / "run", surveillance, 1_700_000_000.0, lambda report: None
     )
-    simulation = Simulation(scenario, grid, seed=0, links=frozenset({LinkName.OFFBOARD}))
-    fly_in_lockstep(Flier(surveillance, run), simulation)
+    lockstep(surveillance, world_of(surveillance), run).fly()
     run.close()
     return run.folder
 

@@ -43,7 +43,7 @@ SPOILERS = {
         "companion.ltl.hoa",
         "No cycles are allowed in companion.ltl.",
     ),
-    "The companion knows the simulator in one command alone": Spoiler(
+    "The companion knows the simulator in one module alone": Spoiler(
         "companion/app.py",
         "sitl.results",
         "companion.app -> sitl.results",

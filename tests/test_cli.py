@@ -251,7 +251,7 @@ def test_help_does_not_wait_for_slow_imports() -> None:
 
 
 def test_a_machine_without_jsbsim(companion: Companion, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("companion.cli.flying.find_spec", lambda name: None)
+    monkeypatch.setattr("companion.api.simulating.find_spec", lambda name: None)
     ended = companion("sim", SURVEILLANCE)
     assert ended.code == 1
     assert "needs jsbsim" in ended.err

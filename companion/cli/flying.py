@@ -6,7 +6,6 @@ import signal
 import time
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
-from importlib.util import find_spec
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Annotated
@@ -17,16 +16,14 @@ from companion.cli.arguments import MissionFile, load
 from companion.cli.log_lines import Verbose
 from companion.cli.monitoring import DEFAULT_ADDRESS, Monitor, monitored
 from companion.cli.terminal import Terminal, undisturbed
-from companion.errors import CompanionError, MissionError
+from companion.errors import MissionError
 
 if TYPE_CHECKING:
     from companion.acting.report import Report
     from companion.app import Companion
     from companion.mission.model import Mission
-    from companion.motion.grid import OccupancyGrid
     from companion.record.run_folder import RunFolder
     from companion.vehicle.link import Endpoint
-    from sitl.world.scenario import Scenario
 
 LogDir = Annotated[
     Path,
@@ -107,22 +104,17 @@ def sim(
     verbose: Verbose = False,
 ) -> None:
     """Flies a mission in the bundled simulator. QGroundControl connects to it by itself."""
+    from companion.api.simulating import lockstep, world_of
     from companion.app import Companion
     from companion.simulator import simulator
     from companion.vehicle.link import Endpoint
-    from sitl.world.scenario import read_scenario
 
-    if find_spec("jsbsim") is None:
-        raise CompanionError(
-            "the simulator needs jsbsim, which has no wheel for Linux on ARM\n"
-            "    fly a simulator on another machine: companion run MISSION --connect URL"
-        )
     factor = _speed(speed)
     loaded = load(mission)
     path = scenario or mission.with_suffix(".sim.yaml")
     if scenario is None and not path.exists():
         raise MissionError(f"there is no scenario {path}", hint="name one with --scenario")
-    world, grid = read_scenario(path)
+    world = world_of(loaded, path)
     address = monitor or ("off" if factor is None else DEFAULT_ADDRESS)
     terminal = Terminal()
     with (
@@ -131,10 +123,14 @@ def sim(
         monitored(address, terminal.say) as page,
     ):
         page.show(folder.folder)
-        companion = Companion(loaded, folder, page=page)
         if factor is None:
-            _fly_in_lockstep(companion, world, grid, terminal, seed, instance, timeout)
+            flight = lockstep(loaded, world, folder, seed=seed, instance=instance, page=page)
+            companion = flight.companion
+            with _stoppable(companion, terminal), undisturbed(companion.hang_up):
+                flight.fly(timeout)
+            _raise_failure(companion)
             return
+        companion = Companion(loaded, folder, page=page)
         options = ["--scenario", path, "--speed", factor, "--seed", seed, "--instance", instance]
         terminal.say(
             f"vehicle    simulated, {factor:g} x real time; "
@@ -251,27 +247,6 @@ def _fly(
             fly(companion, link, ScaledClock(speed), timeout_s)
     finally:
         link.close()
-
-
-def _fly_in_lockstep(
-    companion: Companion,
-    world: Scenario,
-    grid: OccupancyGrid | None,
-    terminal: Terminal,
-    seed: int,
-    instance: int,
-    timeout_s: float,
-) -> None:
-    from sitl.harness import fly_in_lockstep
-    from sitl.link.routing import LinkName
-    from sitl.simulation import Simulation
-
-    simulation = Simulation(
-        world, grid, seed=seed, instance=instance, links=frozenset({LinkName.OFFBOARD})
-    )
-    with _stoppable(companion, terminal), undisturbed(companion.hang_up):
-        fly_in_lockstep(companion, simulation, timeout_s)
-    _raise_failure(companion)
 
 
 def _raise_failure(companion: Companion) -> None:

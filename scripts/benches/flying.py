@@ -19,7 +19,7 @@ from scipy import ndimage
 
 from benches import MISSION, ROOT, Row, timed
 from companion.acting.report import Report
-from companion.app import Companion
+from companion.api.simulating import lockstep, world_of
 from companion.geometry import Ned
 from companion.mavlink.framing import MavlinkCodec, Message, dialect, split_frames
 from companion.mission.loader import load_mission
@@ -31,12 +31,11 @@ from companion.planning.flight_times import route_map
 from sitl.flight.controllers import Cascade, Target
 from sitl.flight.mixer import Motors
 from sitl.flight.physics import Physics
-from sitl.harness import fly_in_lockstep
 from sitl.link.routing import LinkName
 from sitl.link.server import HOST, PORTS
-from sitl.simulation import DT_S, Simulation
+from sitl.simulation import DT_S
 from sitl.world.lidar import STEP_RAD, Lidar, LidarSpec
-from sitl.world.scenario import PX4_HOME, read_scenario
+from sitl.world.scenario import PX4_HOME
 
 AUTOPILOT = 1  # component id
 INSTANCE = 97  # of the simulator at real time, away from any that runs
@@ -150,18 +149,15 @@ def flying(runs: int) -> Iterator[Row]:
     speeds = []
     for _ in range(max(1, runs // 10)):
         mission = load_mission(MISSION)
-        scenario, grid = read_scenario(MISSION.with_suffix(".sim.yaml"))
-        flight = Flight()
-        links = frozenset({LinkName.OFFBOARD})
-        companion = Companion(mission, flight)
-        simulation = Simulation(scenario, grid, seed=0, links=links)
+        seen = Flight()
+        flight = lockstep(mission, world_of(mission), seen)
         start_s = perf_counter()
-        fly_in_lockstep(companion, simulation)
-        speeds.append(flight.end_s / (perf_counter() - start_s))
-        if companion.failure is not None:
-            raise companion.failure
+        flight.fly()
+        speeds.append(seen.end_s / (perf_counter() - start_s))
+        if flight.companion.failure is not None:
+            raise flight.companion.failure
     yield Row("simulator and companion in lockstep", median(speeds), "x real time")
-    frames = [frame for datagram in flight.datagrams for frame in split_frames(datagram)]
+    frames = [frame for datagram in seen.datagrams for frame in split_frames(datagram)]
     yield from mavlink([f for f in frames if f[6] == AUTOPILOT], runs)
 
 
