@@ -63,10 +63,10 @@ SPOILERS = {
         "companion.acting.flight",
         "companion.monitor.feed -> companion.acting.flight",
     ),
-    "Clocks, sockets, files, processes and chance come in through doors": Spoiler(
+    "The pure core opens nothing": Spoiler(
         "companion/motion/trajectory.py",
-        "random",
-        "companion.motion.trajectory -> random",
+        "socket",
+        "companion.motion.trajectory -> socket",
     ),
     "Only the composition roots open doors": Spoiler(
         "companion/acting/sortie.py",
