@@ -73,10 +73,10 @@ SPOILERS = {
         "companion.vehicle.link",
         "companion.acting.sortie -> companion.vehicle.link",
     ),
-    "Each library is met in one place": Spoiler(
+    "Each large library is met in one place": Spoiler(
         "companion/planning/lasso.py",
-        "networkx",
-        "companion.planning.lasso -> networkx",
+        "pymavlink",
+        "companion.planning.lasso -> pymavlink",
     ),
 }
 
