@@ -1,10 +1,9 @@
-"""Labels, the subset construction, and strongly connected components."""
+"""Labels, the subset construction, and figures."""
 
 from __future__ import annotations
 
 from itertools import chain, combinations
 
-import networkx as nx
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -15,7 +14,6 @@ from companion.ltl.automaton import (
     Statistics,
     Transition,
     statistics,
-    strong_components,
     successors,
 )
 from companion.ltl.parser import parse
@@ -49,32 +47,6 @@ def test_successors_follow_every_run() -> None:
     assert successors(automaton, frozenset({0}), frozenset({"a"})) == {0, 1}
     assert successors(automaton, frozenset({0, 1}), frozenset()) == {0, 2}
     assert successors(automaton, frozenset({2}), frozenset()) == frozenset()
-
-
-GRAPHS = st.integers(1, 12).flatmap(
-    lambda n: st.lists(st.lists(st.integers(0, n - 1), max_size=4), min_size=n, max_size=n)
-)
-
-
-@given(GRAPHS)
-def test_components_are_those_of_networkx_in_reverse_topological_order(
-    graph: list[list[int]],
-) -> None:
-    reference = nx.DiGraph([(node, t) for node, targets in enumerate(graph) for t in targets])
-    reference.add_nodes_from(range(len(graph)))
-    components = strong_components(graph)
-    assert set(map(frozenset, components)) == set(
-        map(frozenset, nx.strongly_connected_components(reference))
-    )
-    seen: set[int] = set()
-    for component in components:
-        seen.update(component)
-        assert all(target in seen for node in component for target in graph[node])
-
-
-def test_components_of_a_long_path_do_not_recurse() -> None:
-    path = [[node + 1] for node in range(50_000)] + [[]]
-    assert len(strong_components(path)) == 50_001
 
 
 @pytest.mark.parametrize(
