@@ -43,6 +43,11 @@ SPOILERS = {
         "companion.ltl.hoa",
         "No cycles are allowed in companion.ltl.",
     ),
+    "Temporal logic needs nothing of ours but errors": Spoiler(
+        "companion/ltl/formula.py",
+        "companion.geometry",
+        "companion.ltl.formula -> companion.geometry",
+    ),
     "The companion knows the simulator in one command alone": Spoiler(
         "companion/app.py",
         "sitl.results",

@@ -15,6 +15,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import networkx
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +79,30 @@ class BuchiAutomaton:
         for transition in self.transitions:
             leaving[transition.source].append(transition)
         return tuple(map(tuple, leaving))
+
+    def to_networkx(self) -> networkx.MultiDiGraph:
+        """The automaton as a networkx graph, with the text of a label and the marks on each edge.
+
+        >>> from companion.ltl.parser import parse
+        >>> from companion.ltl.translate import translate
+        >>> graph = translate(parse("G F p")).to_networkx()
+        >>> list(graph.nodes(data="initial"))
+        [(0, True)]
+        >>> list(graph.edges(data=True))
+        [(0, 0, {'label': 'p', 'marks': (0,)}), (0, 0, {'label': '!p', 'marks': ()})]
+
+        Returns:
+            States as nodes, with `initial`; transitions as edges, with `label` and `marks`; the
+            graph has `name` and `marks`, how many there are.
+        """
+        import networkx  # takes longer to load than most automata to make
+
+        graph = networkx.MultiDiGraph(name=self.name, marks=self.marks)
+        for state in range(self.states):
+            graph.add_node(state, initial=state in self.initial)
+        for t in self.transitions:
+            graph.add_edge(t.source, t.target, label=str(t.label), marks=tuple(sorted(t.marks)))
+        return graph
 
     @cached_property
     def has_state_acceptance(self) -> bool:

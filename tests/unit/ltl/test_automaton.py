@@ -1,7 +1,9 @@
-"""Labels, the subset construction, and figures."""
+"""Labels, the subset construction, figures, and automata as networkx graphs."""
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from itertools import chain, combinations
 
 import pytest
@@ -93,3 +95,21 @@ def test_determinism_and_completeness_are_about_letters(labels: list[Label]) -> 
     readers = [sum(label.matches(letter) for label in labels) for letter in EVERY_LETTER]
     assert figures.is_deterministic is (max(readers) <= 1)
     assert figures.is_complete is (min(readers) >= 1)
+
+
+def test_a_networkx_graph_has_all_states_and_transitions() -> None:
+    automaton = translate(parse("(a U b) & G F c | X !a"))
+    graph = automaton.to_networkx()
+    assert graph.graph == {"name": automaton.name, "marks": automaton.marks}
+    assert {s for s, is_initial in graph.nodes(data="initial") if is_initial} == automaton.initial
+    assert sorted(graph.nodes) == list(range(automaton.states))
+    assert sorted((*ends, *data.values()) for *ends, data in graph.edges(data=True)) == sorted(
+        (t.source, t.target, str(t.label), tuple(sorted(t.marks))) for t in automaton.transitions
+    )
+
+
+def test_networkx_is_loaded_when_it_is_asked_for() -> None:
+    script = "import sys, companion.ltl.translate; print(*sys.modules)"
+    command = [sys.executable, "-c", script]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert "networkx" not in done.stdout.split()
