@@ -12,6 +12,8 @@ from py_trees.common import Status
 
 from companion.acting.flight import Flight
 from companion.acting.predictions import Predictions
+from companion.flight_events.facts import BeliefWithdrawn
+from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFailed
 from companion.mission.model import Command
 from companion.planning.domain import Action
 from companion.vehicle.port import Progress
@@ -77,9 +79,9 @@ class Effects(Behaviour):
         flight, action = self._flight, self._action
         flight.task.complete(action)
         if action.destination is not None and len(action.execute) == 1:
-            flight.report("at", f"at {action.destination}", action=action.name)
+            flight.report(PlaceReached(action.destination, action.name))
         elif action.assumes or action.adds:
-            flight.report("done", f"{action.name} done", action=action.name)
+            flight.report(SkillCompleted(action.name))
         flight.failure = ""
         flight.completed += 1
         flight.laps += self._ends_lap
@@ -102,13 +104,14 @@ class Withdraw(Behaviour):
         flight, action = self._flight, self._action
         if flight.task.running is not action:
             return Status.SUCCESS
-        flight.failure = f"{action.name} failed: {flight.failure}"
-        flight.report("failed", flight.failure, action=action.name)
+        failed = SkillFailed(action.name, flight.failure)
+        flight.failure = failed.text
+        flight.report(failed)
         after_s = flight.belief_retry_s if action.retry_after_s is None else action.retry_after_s
         retry_s = None if after_s is None else flight.now_s + after_s
         flight.task.withdraw(action.assumes, retry_s)
         for belief in sorted(action.assumes):
-            flight.report("withdrawn", f"belief {belief} withdrawn", belief=belief)
+            flight.report(BeliefWithdrawn(belief))
         return Status.SUCCESS
 
 

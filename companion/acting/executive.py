@@ -25,7 +25,7 @@ from enum import Enum
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from companion.acting.events import EventDetector, in_words
+from companion.acting.events import EventDetector
 from companion.acting.flight import Flight
 from companion.acting.hand_tree import build_by_hand
 from companion.acting.inquiry import Inquiry
@@ -35,6 +35,15 @@ from companion.acting.tree import build
 from companion.acting.tree_report import TreeReport
 from companion.acting.ways import Ways
 from companion.errors import NoPlanError
+from companion.flight_events.facts import BeliefRestored, MissionEventChanged
+from companion.flight_events.plans import (
+    LapCompleted,
+    NoPlanFound,
+    PlanMade,
+    PlanReplaced,
+    WrittenTreeAdopted,
+)
+from companion.flight_events.skills import WrittenTreeFailed
 from companion.mission.model import Fly, Signal
 from companion.planning.domain import WAIT, Action, Fact, departures
 from companion.planning.lasso import Lasso
@@ -98,10 +107,10 @@ class Executive:
         restores: frozenset[str] = frozenset()
         for name, holds in self._detector.update(flight.now_s, readings):
             flight.task.take(events[name], holds)
-            flight.report("event", in_words(name, holds), event=name, holds=holds)
+            flight.report(MissionEventChanged(name, holds))
             restores |= events[name].restores if holds else frozenset()
         for belief in flight.task.restore(flight.now_s, restores):
-            flight.report("restored", f"belief {belief} restored", belief=belief)
+            flight.report(BeliefRestored(belief))
             flight.may_do_better = True
 
     def plan(self) -> None:
@@ -113,14 +122,14 @@ class Executive:
         task = {name: str(formula) for name, formula in self._planner.mission.task.items()}
         if (tree := self._planner.mission.tree) is not None:
             self._root = build_by_hand(self._flight, tree, self._planner.actions_of(tree))
-            self._flight.report("plan", "the mission's own tree", number=0, task=task)
+            self._flight.report(WrittenTreeAdopted(task))
             self._tree_report = TreeReport(self._flight, self._root)
             self._tell_tree()
             return
         self._ways.follow()
         lasso = self._planner.plan(*self._flight.task.problem())
         self._adopt(lasso)
-        self._flight.report("plan", f"plan: {lasso}", number=0, task=task, **lasso.as_json())
+        self._flight.report(PlanMade(task, lasso.planned))
         self._tell_tree()
 
     def tick(self) -> TaskStatus:
@@ -155,7 +164,7 @@ class Executive:
             self.status = TaskStatus.SATISFIED
             self._rest()
         elif flight.laps > laps:
-            flight.report("lap", f"lap {flight.laps} done", lap=flight.laps)
+            flight.report(LapCompleted(flight.laps))
         return self.status
 
     def _tick_by_hand(self, root: Behaviour) -> TaskStatus:
@@ -169,8 +178,9 @@ class Executive:
         elif root.status is Status.FAILURE:
             self._flight.task.interrupt()
             self.status = TaskStatus.NO_PLAN
-            self.failure = NoPlanError(f"the tree has failed: {self._flight.failure}")
-            self._flight.report("failed", str(self.failure))
+            failed = WrittenTreeFailed(self._flight.failure)
+            self.failure = NoPlanError(failed.text)
+            self._flight.report(failed)
         return self.status
 
     def go_to(self, place: str) -> bool:
@@ -257,8 +267,7 @@ class Executive:
         self._adopt(lasso)
         if not is_kept:
             self.replans += 1
-            text = f"replan {self.replans}: {reason} -> {lasso}"
-            flight.report("replan", text, number=self.replans, reason=reason, **lasso.as_json())
+            flight.report(PlanReplaced(self.replans, reason, lasso.planned))
         self._tell_tree()
         return self.status
 
@@ -272,8 +281,7 @@ class Executive:
         self.replans += 1
         self.status = TaskStatus.NO_PLAN
         self.failure = error
-        text = f"replan {self.replans}: {reason}: {error}"
-        self._flight.report("replan", text, reason=reason)
+        self._flight.report(NoPlanFound(self.replans, reason, str(error)))
         return self.status
 
     def _rest(self) -> None:

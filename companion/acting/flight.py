@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from companion.acting.grounding import Symbols
-from companion.acting.report import Report
 from companion.acting.task_state import TaskState
+from companion.flight_events.event import FlightEvent, Stamped
+from companion.flight_events.skills import SymbolMoved
 from companion.mission.model import Limits
 from companion.motion.routes import RouteMap
 from companion.vehicle.port import Setpoint, Vehicle, hold_at
@@ -44,19 +45,17 @@ class Flight:
     may_do_better: bool = False
     is_grounded: bool = False
     belief_retry_s: float | None = None
-    reports: list[Report] = field(default_factory=list)
+    reports: list[Stamped] = field(default_factory=list)
     setpoint: Setpoint | None = None
 
-    def report(self, kind: str, text: str, **data: object) -> None:
+    def report(self, event: FlightEvent) -> None:
         """Notes something that happened now."""
-        self.reports.append(Report(round(self.now_s, 3), kind, text, data))
+        self.reports.append(Stamped(round(self.now_s, 3), event))
 
     def tell_symbol(self, place: str) -> None:
         """Notes that a place is flown to at another waypoint."""
         value = self.symbols[place]
-        north, east, _ = value.position
-        text = f"{place} is now {east:.1f} m east, {north:.1f} m north ({value.source})"
-        self.report("symbol", text, place=place, position=value.position, source=value.source)
+        self.report(SymbolMoved(place, value.position, value.source))
 
     def fly(self, setpoint: Setpoint) -> None:
         """Streams a setpoint from now on."""

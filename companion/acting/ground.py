@@ -13,6 +13,8 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from companion.acting.flight import Flight
+from companion.flight_events.event import FlightEvent
+from companion.flight_events.sortie import BatteryCharged, VehicleAirborne, VehicleLanded
 from companion.vehicle.port import Goal, Progress
 
 NO_CHARGE_S = 120.0
@@ -46,12 +48,12 @@ class Reach(Behaviour):
             self._left.pop(0)
         if self._left:
             return Status.RUNNING
-        flight.report("phase", self.reached())
+        flight.report(self.reached())
         return Status.SUCCESS
 
     @abstractmethod
-    def reached(self) -> str:
-        """What the last goal means for the flight, and how people are told."""
+    def reached(self) -> FlightEvent:
+        """Takes over what the last goal means for the flight; returns what has happened."""
 
 
 class Land(Reach):
@@ -59,10 +61,10 @@ class Land(Reach):
 
     goals = (Goal.LANDED,)
 
-    def reached(self) -> str:
+    def reached(self) -> FlightEvent:
         """The last setpoint is outdated: the vehicle will hold where it takes off."""
         self._flight.setpoint = None
-        return "landed on the way"
+        return VehicleLanded()
 
 
 class TakeOff(Reach):
@@ -70,10 +72,10 @@ class TakeOff(Reach):
 
     goals = (Goal.ARMED, Goal.AIRBORNE, Goal.OFFBOARD)
 
-    def reached(self) -> str:
+    def reached(self) -> FlightEvent:
         """The plan may be interrupted again."""
         self._flight.is_grounded = False
-        return "in the air again"
+        return VehicleAirborne()
 
 
 class Charge(Behaviour):
@@ -94,7 +96,7 @@ class Charge(Behaviour):
         flight, state = self._flight, self._flight.vehicle.state
         percent = state.battery_percent if state else None
         if percent is not None and percent >= self._percent:
-            flight.report("phase", f"charged to {percent} %")
+            flight.report(BatteryCharged(percent))
             return Status.SUCCESS
         if percent is not None and percent > self._most:
             self._most, self._since_s = percent, flight.now_s

@@ -18,27 +18,9 @@ landing     LANDED             end       end
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import Enum
 
+from companion.flight_events.sortie import Phase
 from companion.vehicle.port import Goal
-
-
-class Phase(Enum):
-    """Where the sortie is."""
-
-    WAITING = "waiting for the vehicle"
-    CHECKING = "checking the autopilot's failsafes"
-    ARMING = "arming"
-    TAKE_OFF = "taking off"
-    OFFBOARD = "entering OFFBOARD"
-    TASK = "flying the task"
-    PAUSED = "paused"
-    RETURNING = "returning home as asked"
-    YIELDED = "yielded"
-    HOLDING = "holding"
-    PARTING = "leaving the vehicle on hold"
-    LANDING = "landing"
-    ENDED = "ended"
 
 
 @dataclass(frozen=True, slots=True)

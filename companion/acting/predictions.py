@@ -6,8 +6,8 @@ precondition of an action still to come, mentions the event.
 
 from __future__ import annotations
 
-from companion.acting.events import in_words
 from companion.acting.flight import Flight
+from companion.flight_events.facts import in_words
 from companion.planning.domain import Fact
 from companion.planning.lasso import Lasso
 from companion.planning.planner import Planner

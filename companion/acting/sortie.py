@@ -20,8 +20,26 @@ from companion.acting.authority import loss_of_control, loss_of_link, not_handed
 from companion.acting.executive import Executive, TaskStatus
 from companion.acting.flight import Flight
 from companion.acting.homing import Homing
-from companion.acting.phases import ON_THE_GROUND, STEPS, UNDER_TASK, Phase, Step
+from companion.acting.phases import ON_THE_GROUND, STEPS, UNDER_TASK, Step
 from companion.errors import Aborted, CompanionError, NoPlanError
+from companion.flight_events.event import FlightEvent
+from companion.flight_events.sortie import (
+    ControlRegained,
+    ControlYielded,
+    GoalFailed,
+    Phase,
+    PhaseEntered,
+    ReturnBegun,
+    ReturnedAsAsked,
+    ReturnFailed,
+    RunEnded,
+    RunFailed,
+    SetpointRefused,
+    StoppedAsAsked,
+    StopRequested,
+    TaskSatisfied,
+    WeakFailsafeAccepted,
+)
 from companion.geometry import horizontal_distance
 from companion.mission.model import Otherwise, Place, Signal
 from companion.vehicle.failsafes import REQUIREMENTS, weaknesses
@@ -134,7 +152,7 @@ class Sortie:
             return reason
         self._flight.vehicle.regain()
         self._flight.setpoint = None  # hold where the vehicle is, not where it was taken from us
-        self._flight.report("phase", "control given back by the operator")
+        self._flight.report(ControlRegained())
         self._enter(Phase.OFFBOARD)
         return ""
 
@@ -163,7 +181,7 @@ class Sortie:
         self._is_stopping, self._was_stopped = False, True
         if self.phase in (Phase.HOLDING, Phase.LANDING):
             return
-        self._flight.report("phase", "stopping as asked")
+        self._flight.report(StopRequested())
         state = self._flight.vehicle.state
         is_ours = self.phase not in (*ON_THE_GROUND, Phase.YIELDED)
         if not is_ours or state is None or not state.is_armed:
@@ -176,7 +194,7 @@ class Sortie:
         """Reports when the gate begins to hold back setpoints."""
         refusal = self._flight.vehicle.refusal
         if refusal and not self._was_refused:
-            self._flight.report("gate", f"setpoint refused, holding: {refusal}", reason=refusal)
+            self._flight.report(SetpointRefused(refusal))
         self._was_refused = bool(refusal)
 
     def _lose(self, loss: CompanionError, state: VehicleState) -> None:
@@ -185,7 +203,7 @@ class Sortie:
         if not (has_yielded and self._may_yield and state.is_armed) or state.is_landed:
             self._end(loss)
             return
-        self._freeze(Phase.YIELDED, f"{loss}; hold, then continue, gives it back")
+        self._freeze(Phase.YIELDED, ControlYielded(str(loss)))
         self._flight.vehicle.release()
 
     def _await_operator(self, state: VehicleState) -> None:
@@ -195,14 +213,14 @@ class Sortie:
         elif state.is_landed and not state.is_armed:
             self._end(Aborted(self._flight.vehicle.lost_authority))
 
-    def _freeze(self, phase: Phase, text: str = "") -> None:
+    def _freeze(self, phase: Phase, event: FlightEvent | None = None) -> None:
         """Interrupts what is flown, to go on with it later."""
         if self._homing is None:
             self._executive.stop()
         else:
             self._homing.stop()
         self._is_frozen = True
-        self._enter(phase, text)
+        self._enter(phase, event)
 
     @property
     def _flown(self) -> Phase:
@@ -238,7 +256,7 @@ class Sortie:
             )
             return
         for line in weak:
-            self._flight.report("phase", f"accepted: {line}")
+            self._flight.report(WeakFailsafeAccepted(line))
         self._enter(Phase.ARMING)
 
     def _work(self, step: Step) -> None:
@@ -250,7 +268,7 @@ class Sortie:
         elif outcome.progress is Progress.FAILED:
             if self.failure is None:
                 self.failure = Aborted(outcome.reason)
-            self._flight.report("phase", outcome.reason)
+            self._flight.report(GoalFailed(outcome.reason))
             self._enter(step.if_failed)
 
     def _fly_task(self) -> None:
@@ -272,8 +290,9 @@ class Sortie:
         if status is Status.SUCCESS:
             self._enter(Phase.LANDING)
         elif status is Status.FAILURE:
-            self.failure = Aborted(f"cannot return to {self._home.name}: {self._flight.failure}")
-            self._flight.report("phase", str(self.failure))
+            failed = ReturnFailed(self._home.name, self._flight.failure)
+            self.failure = Aborted(failed.text)
+            self._flight.report(failed)
             self._enter(Phase.HOLDING)
 
     def _without_plan(self) -> None:
@@ -281,29 +300,29 @@ class Sortie:
         executive, home = self._executive, self._home.name
         may_return = self._otherwise is Otherwise.RETURN_HOME and not executive.is_leaving
         if may_return and executive.go_to(home):
-            self._flight.report("phase", f"returning to {home}")
+            self._flight.report(ReturnBegun(home))
         else:
             self.failure = executive.failure
             is_hold = self._otherwise is Otherwise.HOLD
             self._enter(Phase.PARTING if is_hold else Phase.HOLDING)
 
-    def _enter(self, phase: Phase, text: str = "") -> None:
+    def _enter(self, phase: Phase, event: FlightEvent | None = None) -> None:
+        """Enters a phase, and reports that, by an event that says more where there is one."""
         self.phase = phase
         if phase is Phase.ENDED:
             self._flight.vehicle.release()
-            text, code = self._ending()
-            self._flight.report("end", text, exit_code=code)
+            self._flight.report(self._ending())
         else:
-            self._flight.report("phase", text or phase.value)
+            self._flight.report(event or PhaseEntered(phase))
 
-    def _ending(self) -> tuple[str, int]:
-        """How the sortie has ended, in words and as an exit code."""
+    def _ending(self) -> RunEnded:
+        """How the sortie has ended."""
         if self.failure is not None:
-            return str(self.failure), self.failure.exit_code
+            return RunFailed(str(self.failure), self.failure.exit_code)
         if self._homing is not None and not self._was_stopped:
-            return "returned as asked, landed", 0
+            return ReturnedAsAsked()
         is_satisfied = self._executive.status is TaskStatus.SATISFIED
-        return ("task satisfied, landed" if is_satisfied else "stopped as asked"), 0
+        return TaskSatisfied() if is_satisfied else StoppedAsAsked()
 
     def _end(self, failure: CompanionError) -> None:
         self.failure = failure

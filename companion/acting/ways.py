@@ -12,9 +12,10 @@ is no way (Fig. 6 of the paper).
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 
 from companion.acting.flight import Flight
+from companion.flight_events.facts import PlacesConnected, PlacesCutOff
 from companion.planning.domain import Fact
 from companion.planning.planner import Planner
 
@@ -62,21 +63,18 @@ class Ways:
             self._have_changed = False
         lost, held = flight.task.cut_off(self._planner.without_a_move)
         if held:
-            self._tell(f"a way again: {self._named(held)} restored", held=held)
+            flight.report(PlacesConnected(self._named(held), restored=tuple(held)))
             flight.may_do_better = True
         if not lost:
             return ""
-        text = f"no way on the map as seen: {self._named(lost)} withdrawn"
-        self._tell(text, lost=lost)
-        return text
+        cut_off = PlacesCutOff(self._named(lost), withdrawn=tuple(lost))
+        flight.report(cut_off)
+        return cut_off.text
 
     def _named(self, beliefs: list[Fact]) -> str:
         gone, known = self._planner.without_a_move, self._planner.model.beliefs
         alike = beliefs if gone.isdisjoint(beliefs) else gone
         return in_words(beliefs, alike, known)
-
-    def _tell(self, text: str, lost: Sequence[Fact] = (), held: Sequence[Fact] = ()) -> None:
-        self._flight.report("map", text, withdrawn=list(lost), restored=list(held))
 
     def _unreachable(self) -> frozenset[str]:
         """The places from which walls divide the vehicle."""

@@ -18,8 +18,8 @@ from companion.cli.monitoring import DEFAULT_ADDRESS, Monitor, monitored
 from companion.errors import CompanionError, MissionError
 
 if TYPE_CHECKING:
-    from companion.acting.report import Report
     from companion.app import Companion
+    from companion.flight_events.event import Stamped
     from companion.mission.model import Mission
     from companion.motion.grid import OccupancyGrid
     from companion.record.run_folder import RunFolder
@@ -155,7 +155,7 @@ def _recorded(mission: Mission, log_dir: Path) -> Iterator[RunFolder]:
         _close_folder(folder)
 
 
-def _open_folder(mission: Mission, log_dir: Path, tell: Callable[[Report], None]) -> RunFolder:
+def _open_folder(mission: Mission, log_dir: Path, tell: Callable[[Stamped], None]) -> RunFolder:
     from companion.record.run_folder import RunFolder
 
     now_s = time.time()
@@ -203,15 +203,16 @@ def _host(
             uploads.close()
 
 
-def _tell(report: Report) -> None:
-    if report.data.get("exit_code"):
-        return  # a failure is printed once, by `main`
-    _print(report)
+def _tell(stamped: Stamped) -> None:
+    from companion.flight_events.sortie import RunFailed
+
+    if not isinstance(stamped.event, RunFailed):  # a failure is printed once, by `main`
+        _print(stamped)
 
 
-def _print(report: Report) -> None:
-    minutes, seconds = divmod(report.time_s, 60)
-    typer.echo(f" {int(minutes):02d}:{seconds:04.1f}  {report.text}")
+def _print(stamped: Stamped) -> None:
+    minutes, seconds = divmod(stamped.time_s, 60)
+    typer.echo(f" {int(minutes):02d}:{seconds:04.1f}  {stamped.event.text}")
 
 
 def _fly(companion: Companion, endpoint: Endpoint, speed: float, timeout_s: float) -> None:

@@ -132,11 +132,23 @@ def _alternatives(event: type[FlightEvent], name: str) -> str:
 # -- tables of docs/run-folder.md ------------------------------------------------------------------
 
 
+def with_tables(page: str) -> str:
+    """A page with its tables made anew; each stands between two comments that name it."""
+    for name, table in {"kinds": kinds_table, "fields": fields_table}.items():
+        before, opening, rest = page.partition(f"<!-- generated: {name} of events -->\n")
+        _, closing, after = rest.partition("<!-- end -->\n")
+        page = f"{before}{opening}\n{table()}\n{closing}{after}"
+    return page
+
+
 def kinds_table() -> str:
-    """A row for each class: its kind, its text, its keys, and what happened."""
+    """A row for each class: its kind, its text, its fields, and what happened."""
     rows = []
     for event in RECORDED:
-        keys = ", ".join(f"`{field.name}`" for field in keys_of(event))
+        keys = [f"`{field.name}`" for field in keys_of(event)]
+        spoken = [f"`{f.name}`" for f in fields_of(event) if f.carrier is Carrier.TEXT]
+        if spoken:
+            keys.append(f"*{', '.join(spoken)}*")
         summary = _summary(event).removesuffix(".")
         what = summary[0].lower() + summary[1:]
         rows.append(
@@ -144,11 +156,11 @@ def kinds_table() -> str:
                 f"`{event.kind}`",
                 f"`{event.__name__}`",
                 f"`{_plain(event.template)}`",
-                keys,
+                ", ".join(keys),
                 what if event.is_told else f"{what}; not printed in flight",
             )
         )
-    return _table(("kind", "class", "`text`", "further fields", "what happened"), rows)
+    return _table(("kind", "class", "`text`", "fields", "what happened"), rows)
 
 
 def fields_table() -> str:
