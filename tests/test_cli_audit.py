@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 from commands import Companion
-
 from companion.acting.report import FOR_PROGRAMS
+
 from companion.app import Companion as Flier
 from companion.ltl.formula import conjuncts
 from companion.ltl.parser import parse

@@ -11,8 +11,9 @@ from collections.abc import Callable
 from random import Random
 from typing import Any, NamedTuple
 
-from companion.acting.flight import TICK_S
 from companion.acting.report import Report
+
+from companion.acting.flight import TICK_S
 from companion.app import Companion
 from companion.geometry import Ned
 from companion.mavlink.framing import Endpoint, dialect

@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from companion.acting.report import Report
 from lockstep import COMPANION, VEHICLE, Lockstep, World
 
-from companion.acting.report import Report
 from companion.app import Companion
 from companion.geometry import distance, horizontal_distance
 from companion.mavlink.framing import Endpoint, dialect

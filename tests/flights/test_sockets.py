@@ -21,11 +21,11 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from companion.acting.report import FOR_PROGRAMS
 from ports import free_instance
 from test_mavsdk_client import first, mavsdk
 from test_shipped import SHIPPED
 
-from companion.acting.report import FOR_PROGRAMS
 from companion.record.audit import audit
 from companion.record.events import read_events
 from sitl.link.server import PORTS

@@ -19,11 +19,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from companion.acting.report import FOR_PROGRAMS, Report
 from lockstep import SETPOINT, World
 from notes import Notes
 from pymavlink import mavutil
 
-from companion.acting.report import FOR_PROGRAMS, Report
 from companion.app import Companion
 from companion.errors import LinkTimeout
 from companion.geometry import Ned, horizontal_distance, is_in_polygon

@@ -15,10 +15,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from companion.acting.report import Report
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 
-from companion.acting.report import Report
 from companion.app import Companion
 from companion.geometry import Ned, horizontal_distance
 from companion.mission.model import Mission

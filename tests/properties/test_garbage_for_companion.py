@@ -16,12 +16,12 @@ from typing import Any
 
 import pytest
 from autopilot import Autopilot
+from companion.acting.report import Report
 from garbage import KINDS, any_frame, frame, payload_of, random_bytes, truncated_frame, with_fields
 from notes import Notes
 from synthetic import mission
 
 from companion.acting.flight import TICK_S
-from companion.acting.report import Report
 from companion.app import Companion
 from companion.ground.checking import Answer
 from companion.ground.component import Component

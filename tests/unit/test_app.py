@@ -9,10 +9,10 @@ from itertools import pairwise
 
 import pytest
 from autopilot import ARM, LAND, SET_MODE, TAKE_OFF, Autopilot, named, of_type
+from companion.acting.report import Report
 from synthetic import PAYLOAD, POSITIONS, command, event, mission
 
 from companion.acting.flight import TICK_S
-from companion.acting.report import Report
 from companion.app import Companion
 from companion.driving import fly
 from companion.errors import Aborted, LinkTimeout

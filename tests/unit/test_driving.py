@@ -9,11 +9,11 @@ from typing import Any
 
 import pytest
 from autopilot import Autopilot, of_type
+from companion.acting.report import Report
 from notes import Notes
 from synthetic import mission
 
 from companion.acting.flight import TICK_S
-from companion.acting.report import Report
 from companion.app import Companion
 from companion.driving import fly
 from companion.mavlink.framing import Endpoint, dialect

@@ -10,11 +10,11 @@ from typing import Any
 
 import pytest
 from autopilot import ACCEPTED, ARM, Autopilot, of_type
+from companion.acting.report import Report
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from companion.acting.flight import TICK_S
-from companion.acting.report import Report
 from companion.ground.component import WANTED, Component
 from companion.ground.operations import Standing
 from companion.ground.parameters import NAMES

@@ -5,10 +5,10 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import Any
 
+from companion.acting.report import Report
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.acting.report import Report
 from companion.ground.texts import LONGEST, MESSAGE_S, PATIENCE_S, Texts, severity
 from companion.mavlink.framing import dialect
 

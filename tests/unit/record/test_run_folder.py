@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 from autopilot import Autopilot
+from companion.acting.report import Report
 from PIL import Image
 from pymavlink import mavutil
 from synthetic import mission
 
-from companion.acting.report import Report
 from companion.mavlink.framing import Endpoint, dialect
 from companion.record.figure import Trail, draw_flight
 from companion.record.run_folder import RunFolder
