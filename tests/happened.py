@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, TypeVar
 
 from companion.flight_events.event import FlightEvent, Stamped
+from companion.flight_events.plans import PlanMade, PlanReplaced
 from companion.flight_events.skills import PlaceReached
 
 E = TypeVar("E", bound=FlightEvent)
@@ -23,6 +24,14 @@ class Happened:
     def events(self) -> list[FlightEvent]:
         """What people are told of."""
         return [stamped.event for stamped in self.reports if stamped.event.is_told]
+
+    @property
+    def story(self) -> list[FlightEvent | str]:
+        """What people are told of; of plans the lasso alone, e.g. "move(H, A), (wait)^w"."""
+        return [
+            str(event.plan) if isinstance(event, PlanMade | PlanReplaced) else event
+            for event in self.events
+        ]
 
     @property
     def places(self) -> list[str]:
