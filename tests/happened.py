@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.plans import PlanMade, PlanReplaced
 from companion.flight_events.skills import PlaceReached
 
 E = TypeVar("E", bound=FlightEvent)
+
+
+class Replan(NamedTuple):
+    """Why there is another plan, and its lasso."""
+
+    reason: str
+    lasso: str
 
 
 class Happened:
@@ -26,12 +33,9 @@ class Happened:
         return [stamped.event for stamped in self.reports if stamped.event.is_told]
 
     @property
-    def story(self) -> list[FlightEvent | str]:
+    def story(self) -> list[FlightEvent | str | Replan]:
         """What people are told of; of plans the lasso alone, e.g. "move(H, A), (wait)^w"."""
-        return [
-            str(event.plan) if isinstance(event, PlanMade | PlanReplaced) else event
-            for event in self.events
-        ]
+        return [_in_short(event) for event in self.events]
 
     @property
     def places(self) -> list[str]:
@@ -50,6 +54,15 @@ class Happened:
     def time_of(self, kind: type[FlightEvent], **fields: Any) -> float:
         """When the first of them happened."""
         return next(s.time_s for s in self.reports if _is(s.event, kind, fields))
+
+
+def _in_short(event: FlightEvent) -> FlightEvent | str | Replan:
+    match event:
+        case PlanMade():
+            return str(event.plan)
+        case PlanReplaced():
+            return Replan(event.reason, str(event.plan))
+    return event
 
 
 def _is(event: FlightEvent, kind: type[E], fields: dict[str, Any]) -> bool:

@@ -7,6 +7,7 @@ selector
 
 from __future__ import annotations
 
+from happened import Replan
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 from py_trees.decorators import Retry
@@ -17,7 +18,6 @@ from companion.acting.executive import TaskStatus
 from companion.acting.predictions import Predictions
 from companion.acting.tree import build
 from companion.flight_events.facts import BeliefWithdrawn
-from companion.flight_events.plans import PlanReplaced
 from companion.flight_events.skills import SkillFailed, SymbolMoved
 from companion.planning.domain import WAIT, Action
 from companion.planning.lasso import Lasso
@@ -138,8 +138,8 @@ def test_the_failure_of_the_root_replans_without_the_deleted_transition() -> Non
     rig.vehicle.drift = (0.0, 0.0, 0.0)
     failed = SkillFailed("move(H, A)", "still 0.5 m from A")
     story = [event for event in rig.story if not isinstance(event, SymbolMoved)]
-    assert story[1:] == [failed, BeliefWithdrawn("trans_ok(H, A)"), "move(here, A), (wait)^w"]
-    assert rig.one(PlanReplaced).reason == failed.text
+    replan = Replan(failed.text, "move(here, A), (wait)^w")
+    assert story[1:] == [failed, BeliefWithdrawn("trans_ok(H, A)"), replan]
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
     assert rig.task.withdrawn == {"trans_ok(H, A)"}
 

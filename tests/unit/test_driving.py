@@ -9,13 +9,13 @@ from typing import Any
 
 import pytest
 from autopilot import Autopilot, of_type
-from companion.acting.report import Report
 from notes import Notes
 from synthetic import mission
 
 from companion.acting.flight import TICK_S
 from companion.app import Companion
 from companion.driving import fly
+from companion.flight_events.event import Stamped
 from companion.mavlink.framing import Endpoint, dialect
 from companion.mission.model import Mission
 from companion.run import Recorder
@@ -113,7 +113,7 @@ class Line(Notes):
         self.ended_s, self.set_aside = self.now, gc.get_freeze_count()
         self.companion.stop()
 
-    def tell(self, report: Report) -> None:
+    def tell(self, stamped: Stamped) -> None:
         """Told to nobody."""
 
 
