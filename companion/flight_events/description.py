@@ -10,11 +10,11 @@ from collections.abc import Iterable, Mapping
 from enum import Enum
 from string import Formatter
 from types import NoneType, UnionType
-from typing import Any, get_args, get_origin, get_type_hints
+from typing import Any, get_args, get_origin
 
 from companion.flight_events.catalogue import RECORDED
 from companion.flight_events.event import FlightEvent
-from companion.flight_events.fields import Carrier, EventField, fields_of, keys_of
+from companion.flight_events.fields import Carrier, EventField, fields_of, item_types, keys_of
 
 Schema = dict[str, Any]
 SCALARS = {str: "string", int: "integer", float: "number", bool: "boolean", NoneType: "null"}
@@ -84,7 +84,7 @@ def _type(type_: Any, definitions: dict[str, Schema]) -> Schema:
     if issubclass(type_, Enum):
         return {"enum": [member.value for member in type_]}
     if issubclass(type_, tuple):
-        return _array(tuple(get_type_hints(type_).values()), definitions)
+        return _array(item_types(type_), definitions)
     return _reference(type_, definitions)
 
 

@@ -58,14 +58,19 @@ def fields_of(owner: type) -> tuple[EventField, ...]:
     return _declared(owner)
 
 
-@cache
-def _declared(owner: type) -> tuple[EventField, ...]:
-    hints = get_type_hints(owner, include_extras=True)
-    return tuple(_field(each, hints[each.name]) for each in dataclasses.fields(owner))
-
-
 def keys_of(owner: type) -> tuple[EventField, ...]:
     """The fields that are keys, those of inline dataclasses included."""
+    return _keys(owner)
+
+
+@cache
+def item_types(owner: type) -> tuple[Any, ...]:
+    """The types of a named tuple's items."""
+    return tuple(get_type_hints(owner).values())
+
+
+@cache
+def _keys(owner: type) -> tuple[EventField, ...]:
     found: list[EventField] = []
     for field in fields_of(owner):
         if field.carrier is Carrier.KEY:
@@ -73,6 +78,12 @@ def keys_of(owner: type) -> tuple[EventField, ...]:
         elif field.carrier is Carrier.KEYS:
             found += keys_of(field.type)
     return tuple(found)
+
+
+@cache
+def _declared(owner: type) -> tuple[EventField, ...]:
+    hints = get_type_hints(owner, include_extras=True)
+    return tuple(_field(each, hints[each.name]) for each in dataclasses.fields(owner))
 
 
 def _field(declared: dataclasses.Field[Any], hint: Any) -> EventField:

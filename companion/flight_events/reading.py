@@ -92,12 +92,15 @@ def _read(
 ) -> FlightEvent:
     values = _from_keys(event, data)
     in_text = [field for field in fields_of(event) if field.carrier is Carrier.TEXT]
-    if in_text or is_text_due:
+    if in_text:
         found = re.fullmatch(_pattern(event, data), text, re.DOTALL)
         if found is None:
             raise Unfit(f'the text is not "{event.template}"')
         values |= {field.name: _from_text(field.type, found[field.name]) for field in in_text}
-    return event(**values)
+    made = event(**values)
+    if (in_text or is_text_due) and made.text != text:
+        raise Unfit(f'the text is not "{event.template}"')
+    return made
 
 
 def _from_keys(owner: type, data: Mapping[str, Any]) -> dict[str, Any]:

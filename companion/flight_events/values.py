@@ -10,9 +10,9 @@ import math
 from collections.abc import Mapping
 from enum import Enum
 from types import NoneType, UnionType
-from typing import Any, get_args, get_origin, get_type_hints
+from typing import Any, get_args, get_origin
 
-from companion.flight_events.fields import keys_of
+from companion.flight_events.fields import item_types, keys_of
 
 _SCALARS = (str, int, bool, NoneType)
 
@@ -52,11 +52,17 @@ def _converted(type_: Any, value: Any) -> Any:
         _demand(isinstance(value, dict))
         return {key: _converted(arguments[1], each) for key, each in value.items()}
     if issubclass(type_, Enum):
-        _demand(value in [member.value for member in type_])
-        return type_(value)
+        return _member(type_, value)
     if issubclass(type_, tuple):
-        return type_(*_tuple(tuple(get_type_hints(type_).values()), value))
+        return type_(*_tuple(item_types(type_), value))
     return _object(type_, value)
+
+
+def _member(type_: type[Enum], value: Any) -> Enum:
+    try:
+        return type_(value)
+    except ValueError as error:
+        raise Unfit from error
 
 
 def _demand(is_fit: bool) -> None:
