@@ -8,18 +8,15 @@ from typing import Any
 from fakes import FakeVehicle
 from happened import Happened
 
-from companion.acting.events import EventDetector
-from companion.acting.executive import Executive, TaskStatus
-from companion.acting.flight import TICK_S, Flight
-from companion.acting.grounding import Symbols
-from companion.acting.task_state import TaskState
+from companion.acting.assembly import assemble
+from companion.acting.event_detector import EventDetector
+from companion.acting.executive import TaskStatus
+from companion.acting.flight import TICK_S
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.word import PositionLeft
 from companion.mission.model import Mission, Signal
 from companion.motion.routes import RouteMap
 from companion.planning.lasso import Lasso
-from companion.planning.planner import Planner
-from companion.run import flight_times, home_of, route_map
 
 
 class Rig(Happened):
@@ -42,28 +39,15 @@ class Rig(Happened):
         routes: RouteMap | None = None,
         vehicle: FakeVehicle | None = None,
     ) -> None:
-        home = home_of(mission)
-        routes = routes or route_map(mission)
+        home = mission.home
         self.mission = mission
         self.vehicle = vehicle or FakeVehicle(home.position).take_off(-home.position[2])
-        self.planner = Planner(
-            mission,
-            flight_times(
-                mission, routes, lambda: self.vehicle.state.position if self.vehicle.state else None
-            ),
-        )
-        self.task = TaskState(self.planner)
-        self.flight = Flight(
-            vehicle=self.vehicle,
-            task=self.task,
-            routes=routes,
-            limits=mission.limits,
-            symbols=Symbols(mission.places, routes),
-        )
+        acting = assemble(mission, self.vehicle, EventDetector(mission.events), routes)
+        self.planner, self.flight, self.executive = acting.planner, acting.flight, acting.executive
+        self.task = acting.flight.task
         self.reports: list[Stamped] = []
         self.positions: list[PositionLeft] = []
         self.plans: list[Lasso] = []
-        self.executive = Executive(self.planner, self.flight, EventDetector(mission.events))
         self._ticks = 0
 
     def begin(self) -> Rig:

@@ -19,6 +19,7 @@ from companion.flight_events.hosting import (
     MissionUnreadable,
     RecordingFailed,
     RunNotRecordable,
+    TerminalHungUp,
     UploadChecked,
 )
 from companion.flight_events.plans import (
@@ -92,6 +93,7 @@ EVENTS: tuple[type[FlightEvent], ...] = (
     MissionReady,
     MissionUnreadable,
     RunNotRecordable,
+    TerminalHungUp,
     RecordingFailed,
     TreeBuilt,
     NodesChanged,

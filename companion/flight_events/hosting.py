@@ -1,4 +1,4 @@
-"""Events about what surrounds flights: uploaded missions, and the run folder."""
+"""Events about what surrounds flights: uploaded missions, the terminal, the run folder."""
 
 from __future__ import annotations
 
@@ -64,6 +64,14 @@ class RunNotRecordable(UploadEvent):
 
     reason: InText[str]
     is_refused: IsRefused = field(default=True, init=False)
+
+
+@dataclass(frozen=True, slots=True)
+class TerminalHungUp(FlightEvent):
+    """The terminal has hung up (SIGHUP), and the flight goes on."""
+
+    kind = "signal"
+    template = "the terminal has hung up (SIGHUP); the flight goes on"
 
 
 @dataclass(frozen=True, slots=True)

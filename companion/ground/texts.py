@@ -1,8 +1,9 @@
-"""Events as STATUSTEXT for ground stations, no faster than a link survives.
+"""Events as STATUSTEXT to ground stations, at a rate that a radio link can carry.
 
 Each event that people are told becomes one text; what is longer than a message goes in chunks with
-a common id. Texts of one moment (a failure, a belief, a plan) would be a burst: they wait in a
-queue. Who waits too long is left out unless it is a warning or worse, so that what is read is news.
+a common id. Texts of one moment (a failure, a belief, a plan) would be a burst, so they wait in a
+queue. A text that has waited too long is left out unless it is a warning or worse: what is read is
+news.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ INFO: int = dialect.MAV_SEVERITY_INFO
 
 
 def severity(event: FlightEvent) -> int:
-    """MAV_SEVERITY of an event."""
+    """Returns the MAV_SEVERITY of an event."""
     match event:
         case RunFailed():
             return CRITICAL
@@ -50,7 +51,7 @@ def severity(event: FlightEvent) -> int:
     return INFO
 
 
-class Texts:
+class StatusTextQueue:
     """The queue of texts.
 
     Attributes:
@@ -64,7 +65,7 @@ class Texts:
         self._next_s = 0.0
 
     def tell(self, now_s: float, severity: int, text: str) -> None:
-        """Puts a text of any length and lines into the queue."""
+        """Puts a text into the queue, however long it is and however many lines it has."""
         if severity > self.level:
             return
         one_line = "; ".join(line.strip() for line in text.splitlines() if line.strip())
@@ -75,7 +76,7 @@ class Texts:
         self._queue.append((now_s, severity, chunks(severity, one_line, self._number)))
 
     def due(self, now_s: float) -> list[Message]:
-        """The message to send now, if any."""
+        """Returns the message to send now, if any."""
         if not self._queue or now_s < self._next_s:
             return []
         self._next_s = now_s + MESSAGE_S
@@ -89,7 +90,7 @@ class Texts:
         return [first]
 
     def rest(self) -> list[Message]:
-        """All that is left, at the end."""
+        """Returns all that is left, at the end of a run."""
         left = [m for _, _, messages in self._queue for m in messages]
         self._queue.clear()
         return left

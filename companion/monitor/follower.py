@@ -27,7 +27,7 @@ from companion.flight_events.tree import ActionTreeNode, TreeBuilt
 from companion.flight_events.word import PositionLeft
 from companion.geometry import Ned, enu_from_ned
 from companion.ltl.parser import parse
-from companion.mission.loader import CLEARANCE_M
+from companion.mission.clearance import CLEARANCE_M
 from companion.monitor.automata import TaskReader
 from companion.monitor.page_events import (
     DERIVED,

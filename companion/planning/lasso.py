@@ -1,4 +1,4 @@
-"""What planning asks and answers: a Problem, and a Lasso that solves it.
+"""The planning problem, and the lasso that solves it.
 
 A lasso is a finite prefix of actions and a loop that is repeated for ever (Section III-A). Its
 word is the sequence of facts at the positions it passes.
@@ -39,7 +39,7 @@ class Problem:
     """A planning problem; between replans only the last three fields change.
 
     Attributes:
-        actions: grounded actions; their order breaks ties.
+        actions: instances of skills; their order breaks ties.
         conjuncts: the task.
         facts: what holds now.
         automaton_states: per conjunct, the states its automaton may be in after reading the
@@ -73,11 +73,11 @@ class Lasso:
 
     @property
     def ends_at_rest(self) -> bool:
-        """Whether nothing but rest is left after the prefix: the task is then done."""
+        """Whether the loop is nothing but rest: after the prefix the task is done."""
         return all(a is WAIT for a in self.suffix)
 
     def names(self, count: int, start: int = 0) -> list[str]:
-        """So many of its actions by name, without the first ones.
+        """The names of `count` actions from position `start` on.
 
         >>> lap = Lasso((), (WAIT,))
         >>> lap.names(2, start=7)
@@ -110,12 +110,12 @@ def _planned(action: Action) -> PlannedAction:
 
 @dataclass(frozen=True)
 class Solution:
-    """A lasso and what is known of its quality.
+    """A plan: a lasso, and what is known of its quality.
 
     Attributes:
-        cost_ms: the objective: the lap, or prefix and lap together, or the worst wait.
+        cost_ms: the objective: the lap, or prefix and lap together, or the bottleneck.
         bound_ms: no lasso has a lower objective; 0 if nothing is known.
-        engine: who found it.
+        engine: name of the planner that found it.
     """
 
     lasso: Lasso
@@ -123,6 +123,29 @@ class Solution:
     cost_ms: int
     bound_ms: int
     engine: str
+
+    @property
+    def prefix(self) -> tuple[Action, ...]:
+        """The actions that are done once, first."""
+        return self.lasso.prefix
+
+    @property
+    def loop(self) -> tuple[Action, ...]:
+        """The actions that are then repeated for ever, at least one."""
+        return self.lasso.suffix
+
+    @property
+    def cost_s(self) -> float:
+        """The objective, seconds."""
+        return self.cost_ms / 1000
+
+    @property
+    def bound_s(self) -> float | None:
+        """What no plan's objective is below, seconds; None if nothing is known."""
+        return self.bound_ms / 1000 if self.bound_ms else None
+
+    def __str__(self) -> str:
+        return str(self.lasso)
 
     @property
     def is_optimal(self) -> bool:
@@ -134,8 +157,8 @@ class Solution:
         return {
             **json_of(self.lasso.planned),
             "objective": self.objective.value,
-            "cost_s": self.cost_ms / 1000,
-            "bound_s": self.bound_ms / 1000 if self.bound_ms else None,
+            "cost_s": self.cost_s,
+            "bound_s": self.bound_s,
             "optimal": self.is_optimal,
             "engine": self.engine,
             "reason": None,

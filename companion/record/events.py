@@ -9,11 +9,11 @@ that is not as docs/run-folder.md describes it is refused with its line.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from companion.errors import FormulaError, Location, MissionError
+from companion.errors import FormulaError, KeyPath, Location, MissionError
 from companion.flight_events.event import Stamped
 from companion.flight_events.plans import PlanMade, WrittenTreeAdopted
 from companion.flight_events.reading import read_line
@@ -64,16 +64,28 @@ def read_events(folder: Path) -> RunRecord:
         whole.append(rest)
     places = [Location(str(path), number, 1) for number in range(1, len(whole) + 1)]
     events = [read_line(line, where) for line, where in zip(whole, places, strict=True)]
-    return _record(path, list(zip(events, places, strict=True)), is_torn)
+    return _record(zip(events, places, strict=True), str(path), is_torn)
 
 
-def _record(path: Path, lines: list[tuple[Stamped, Location]], is_torn: bool) -> RunRecord:
+def record_of(events: Iterable[Stamped]) -> RunRecord:
+    """What the events of a run say of the task.
+
+    Raises:
+        MissionError: no plan was made.
+    """
+    placed = ((event, KeyPath(("events", number))) for number, event in enumerate(events))
+    return _record(placed, "the run", is_torn=False)
+
+
+def _record(
+    events: Iterable[tuple[Stamped, Location | KeyPath]], name: str, is_torn: bool
+) -> RunRecord:
     task: dict[str, Formula] | None = None
     positions: list[PositionLeft] = []
     times_s: list[float] = []
     violations: set[tuple[str, int]] = set()
     ending: RunEnded | None = None
-    for stamped, where in lines:
+    for stamped, where in events:
         match stamped.event:
             case PlanMade(task=texts) | WrittenTreeAdopted(task=texts):
                 task = _formulas(texts, where)
@@ -87,7 +99,7 @@ def _record(path: Path, lines: list[tuple[Stamped, Location]], is_torn: bool) ->
                 ending = end
     if task is None:
         why = f": {ending.text}" if ending else ""
-        raise MissionError(f"{path}: no plan was made in this run, so nothing was flown{why}")
+        raise MissionError(f"{name}: no plan was made in this run, so nothing was flown{why}")
     return RunRecord(task, tuple(positions), tuple(times_s), frozenset(violations), ending, is_torn)
 
 
@@ -99,13 +111,13 @@ def _is_json(text: bytes) -> bool:
     return True
 
 
-def _formulas(task: Mapping[str, str], where: Location) -> dict[str, Formula]:
+def _formulas(task: Mapping[str, str], where: Location | KeyPath) -> dict[str, Formula]:
     try:
         return {name: parse(text) for name, text in task.items()}
     except FormulaError as error:
         raise error.located(where) from error
 
 
-def _demand_next(number: int, due: int, where: Location) -> None:
+def _demand_next(number: int, due: int, where: Location | KeyPath) -> None:
     if number != due:
         raise MissionError(f"position {number} stands where {due} is due", where)

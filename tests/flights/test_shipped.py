@@ -19,7 +19,7 @@ from companion.flight_events.skills import (
     SkillFailed,
 )
 from companion.flight_events.sortie import RunFailed, TaskSatisfied
-from companion.mission.loader import MARGIN_M
+from companion.mission.clearance import MARGIN_M
 from sitl.world.collision import VEHICLE_RADIUS_M
 
 NO_PLAN = """\

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
 from itertools import pairwise
 
 import pytest
@@ -26,10 +25,8 @@ from companion.flight_events.sortie import (
     TaskSatisfied,
 )
 from companion.geometry import Ned
-from companion.mavlink.framing import Endpoint, dialect
-from companion.mission.model import Mission, Place
-from companion.motion.profile import JERK_MPS3
-from companion.run import flight_times, home_of, route_map
+from companion.mavlink.framing import MavlinkCodec, dialect
+from companion.mission.model import Mission
 
 
 class Notes(Happened):
@@ -110,7 +107,7 @@ def test_a_flight_from_the_ground_to_the_ground() -> None:
 
 def test_all_that_came_and_left_is_recorded() -> None:
     world = World(mission("F at(A)")).fly()
-    ear = Endpoint(0, 0)
+    ear = MavlinkCodec(0, 0)
     recorded = [d for _, datagrams in world.notes.datagrams for d in datagrams]
     senders = {m.get_srcComponent() for d in recorded for m in ear.parse(d)}
     assert senders == {1, 191}
@@ -207,7 +204,7 @@ def test_a_command_of_a_skill_reaches_its_component() -> None:
 def test_an_event_off_the_wire_replans() -> None:
     asked = mission("G (F at(A) | found) & G (F at(B) | found)", events=[event("found")])
     world = World(asked)
-    detector = Endpoint(1, 26)
+    detector = MavlinkCodec(1, 26)
     world.neighbour = lambda datagrams: [detector.pack(named("found", world.now > 7.0))]
     world.fly()
     assert [event for event in world.notes.story if isinstance(event, Replan)] == [
@@ -225,37 +222,7 @@ def test_every_setpoint_of_a_flight_stays_within_the_limits() -> None:
     assert world.notes.of(SetpointRefused) == []
 
 
-# -- what is put together --------------------------------------------------------------------------
-
-
-def test_home_is_where_the_mission_begins() -> None:
-    asked = mission("F at(H)", initially=["at(B)", "loaded"])
-    assert home_of(asked).name == "B"
-
-
-def test_only_places_of_the_task_are_not_crossed_by_chance() -> None:
-    """C, A and the middle of the room: M is in the way only if the task mentions it."""
-    straight = math.hypot(6.0, 6.0)
-    for task, is_in_the_way in (("F at(A)", False), ("F at(A) & G !at(M)", True)):
-        asked = mission(task, places="HAC")
-        middle = Place("M", (3.0, 3.0, -2.0), 1.0)
-        routes = route_map(replace(asked, places={**asked.places, "M": middle}))
-        route = routes.route(POSITIONS["C"], "A")
-        assert route is not None
-        assert (route.length_m > straight + 0.1) is is_in_the_way
-
-
-def test_flight_times_are_those_of_the_map() -> None:
-    """At rest at both ends: d/v + v/a + a/j; a way along cells is a little longer."""
-    asked = mission("F at(A)")
-    here: Ned | None = None
-    seconds = flight_times(asked, route_map(asked), lambda: here)
-    assert seconds("H", "A") == pytest.approx(6.0 / 2.0 + 2.0 / 2.0 + 2.0 / JERK_MPS3, abs=0.4)
-    assert seconds("here", "A") == math.inf
-    here = (3.0, 0.0, -2.0)
-    assert seconds("here", "A") == pytest.approx(3.0 / 2.0 + 2.0 / 2.0 + 2.0 / JERK_MPS3, abs=0.4)
-
-
+@pytest.mark.slow
 @pytest.mark.parametrize("ticks", range(12))
 def test_no_command_leaves_after_a_stop_on_the_ground(ticks: int) -> None:
     world = World(mission("F at(A)"))

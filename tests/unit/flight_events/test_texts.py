@@ -22,6 +22,7 @@ from companion.flight_events.hosting import (
     MissionUnreadable,
     RecordingFailed,
     RunNotRecordable,
+    TerminalHungUp,
     UploadChecked,
 )
 from companion.flight_events.plans import (
@@ -134,6 +135,7 @@ TEXTS: list[tuple[FlightEvent, str]] = [
     (MissionReady("hop"), "hop is ready; MISSION_START flies it"),
     (MissionUnreadable("no such file"), "the mission cannot be read: no such file"),
     (RunNotRecordable("disk full"), "no run folder, so nothing is flown: disk full"),
+    (TerminalHungUp(), "the terminal has hung up (SIGHUP); the flight goes on"),
     (
         RecordingFailed("No space left on device"),
         "the run folder cannot be written, the flight goes on: No space left on device",

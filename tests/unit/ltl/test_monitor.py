@@ -80,6 +80,7 @@ def marks(runs: Runs) -> range:
     return range(runs.automaton.marks)
 
 
+@pytest.mark.slow
 @settings(max_examples=150)
 @given(FORMULAS, HISTORIES)
 def test_false_iff_no_continuation_satisfies_and_true_iff_all_do(
@@ -104,6 +105,7 @@ def test_a_verdict_stays(formula: Formula, letters: list[Letter], letter: Letter
         assert monitor.after(letter).verdict is monitor.verdict
 
 
+@pytest.mark.slow
 @given(HISTORIES)
 def test_what_is_to_happen_infinitely_often_stays_open(letters: list[Letter]) -> None:
     for formula in ("G F p", "F G p", "G (p -> F q)"):

@@ -18,6 +18,8 @@ from companion.ltl.parser import parse
 from companion.ltl.state_based import state_based
 from companion.ltl.translate import translate
 
+pytestmark = pytest.mark.slow
+
 TABLE = Path(__file__).parents[2] / "data" / "formulas.tsv"
 
 VALID = {"sb-11", "sb-12"}

@@ -16,7 +16,8 @@ from hypothesis import strategies as st
 
 from companion.errors import FormulaError, MissionError
 from companion.ltl.parser import parse
-from companion.mission.loader import CLEARANCE_M, load_mission
+from companion.mission.clearance import CLEARANCE_M
+from companion.mission.loader import load_mission
 from companion.mission.model import (
     Atom,
     Charge,
@@ -361,6 +362,7 @@ EDITS = st.lists(
 )  # fmt: skip
 
 
+@pytest.mark.slow
 @given(edits=EDITS)
 @settings(max_examples=250, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_edits_raise_nothing_but_mission_errors(

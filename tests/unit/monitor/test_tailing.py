@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from companion.flight_events.event import Stamped
 from companion.flight_events.sortie import GoalFailed, Phase, PhaseEntered
 from companion.flight_events.writing import line_of
-from companion.mavlink.framing import Endpoint, dialect
+from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.monitor.tailing import EventLines, TlogFrames
 
 HAPPENED = [Stamped(i / 10, GoalFailed("“é”" * i)) for i in range(6)]
@@ -23,7 +23,7 @@ EVENTS = "".join(
 
 
 def frame(value: int) -> bytes:
-    return Endpoint(1, 26).pack(dialect.MAVLink_named_value_int_message(value, b"it", value))
+    return MavlinkCodec(1, 26).pack(dialect.MAVLink_named_value_int_message(value, b"it", value))
 
 
 BATCHES = [(10.0, [frame(1), frame(2)]), (10.05, [frame(3)]), (10.1, [frame(4), frame(5)])]

@@ -25,7 +25,7 @@ from companion.flight_events.plans import (
 from companion.flight_events.skills import PlaceReached
 from companion.flight_events.sortie import Phase, PhaseEntered, RunFailed, StoppedAsAsked
 from companion.flight_events.word import PositionLeft
-from companion.mavlink.framing import Endpoint, dialect
+from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.record.figure import Trail, draw_flight
 from companion.record.run_folder import RunFolder
 
@@ -59,7 +59,7 @@ def lines(run: RunFolder) -> list[dict[str, object]]:
 
 def value(number: int) -> bytes:
     message = dialect.MAVLink_named_value_int_message(number, b"target", number)
-    return Endpoint(1, 26).pack(message)
+    return MavlinkCodec(1, 26).pack(message)
 
 
 def test_the_mission_is_kept_as_it_was_written(run: RunFolder) -> None:
