@@ -24,7 +24,7 @@ from companion.geometry import GlobalOrigin
 from sitl.link.routing import LinkName
 from sitl.link.server import PORTS, Server
 from sitl.simulation import Simulation
-from sitl.world.scenario import PX4_HOME, Scenario, ScenarioDefaults, read_scenario
+from sitl.world.scenario import PX4_HOME, Scenario, read_scenario
 
 PERIOD_S = 0.004  # the loop looks at the clock this often, and at once when a datagram arrives
 MAX_JUMP_S = 0.1  # wall time; more than this behind, simulated time slows down
@@ -151,8 +151,7 @@ def _simulate(
     stop: _Stop,
 ) -> None:
     fallback = home or default_home(dict(os.environ))
-    defaults = ScenarioDefaults(home=fallback)
-    world, grid = read_scenario(path, defaults) if path else (Scenario(home=fallback), None)
+    world, grid = read_scenario(path, fallback) if path else (Scenario(home=fallback), None)
     if home:
         world = replace(world, home=home)  # the command line wins over the file
     with Server(instance) as server:

@@ -63,9 +63,9 @@ def simulate(
     Args:
         mission: what to do.
         scenario: the world: a path, a YAML text, or data (docs/scenario.md). In a text or data the
-            map is the mission's and the start its first place, unless they say otherwise. By
-            default NAME.sim.yaml beside a mission file NAME.yaml, if there is one; else a world
-            without wind in which nothing happens.
+            map is the mission's, unless they name another one. By default NAME.sim.yaml beside
+            a mission file NAME.yaml, if there is one; else a world without wind in which nothing
+            happens.
         seed: of wind, sensors and the estimate.
         folder: where to write a run folder; none by default.
         on_event: told of each event that is news for people.
@@ -132,13 +132,10 @@ def world_of(mission: Mission, scenario: Given | None = None) -> World:
             "the simulator needs jsbsim, which has no wheel for Linux on ARM\n"
             "    fly a simulator on another machine: companion run MISSION --connect URL"
         )
-    from sitl.world.scenario import ScenarioDefaults, read_scenario
+    from sitl.world.scenario import read_scenario
 
     if scenario is None:
-        beside = Path(mission.path).with_suffix(".sim.yaml")
-        scenario = beside if mission.path and beside.exists() else {"version": 1}
+        beside = Path(mission.path).with_suffix(".sim.yaml") if mission.path else None
+        scenario = beside if beside is not None and beside.exists() else {"version": 1}
     source = read_source(scenario, "scenario")
-    if source.path is not None:
-        return read_scenario(source)
-    north, east, _ = mission.home.position
-    return read_scenario(source, ScenarioDefaults(start=(north, east, 0.0), grid=mission.grid))
+    return read_scenario(source, default_map=None if source.path else mission.grid)

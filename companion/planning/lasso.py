@@ -135,6 +135,16 @@ class Solution:
         return self.lasso.suffix
 
     @property
+    def prefix_cost_s(self) -> float:
+        """Cost of the prefix, seconds."""
+        return self.lasso.prefix_cost_ms / 1000
+
+    @property
+    def lap_cost_s(self) -> float:
+        """Cost of one lap of the loop, seconds."""
+        return self.lasso.lap_cost_ms / 1000
+
+    @property
     def cost_s(self) -> float:
         """The objective, seconds."""
         return self.cost_ms / 1000

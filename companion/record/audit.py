@@ -16,7 +16,7 @@ from enum import Enum
 
 from companion.flight_events.word import PositionLeft
 from companion.ltl.formula import Formula, conjuncts
-from companion.ltl.monitor import Monitor, Verdict
+from companion.ltl.monitor import Monitor, TruthValue
 from companion.ltl.semantics import Letter, holds
 from companion.record.events import RunRecord
 
@@ -50,7 +50,7 @@ class Finding:
     formula: Formula
     outcome: ConjunctOutcome
     position: int | None
-    states: tuple[Verdict, ...]
+    states: tuple[TruthValue, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +100,7 @@ class _Reading:
     name: str
     formula: Formula
     begun: int
-    states: tuple[Verdict, ...]
+    states: tuple[TruthValue, ...]
     violated: tuple[int, ...]
 
 
@@ -110,9 +110,9 @@ def _read(name: str, formula: Formula, positions: Iterable[PositionLeft]) -> _Re
     for position in positions:
         if name in position.restarted:
             monitor, begun = fresh, position.number
-        before, monitor = monitor.verdict, monitor.after(frozenset(position.facts))
-        states.append(monitor.verdict)
-        if before is not Verdict.FALSE and monitor.verdict is Verdict.FALSE:
+        before, monitor = monitor.truth_value, monitor.after(frozenset(position.facts))
+        states.append(monitor.truth_value)
+        if before is not TruthValue.FALSE and monitor.truth_value is TruthValue.FALSE:
             violated.append(position.number)
     return _Reading(name, formula, begun, tuple(states), tuple(violated))
 
@@ -121,9 +121,9 @@ def _finding(reading: _Reading, positions: tuple[PositionLeft, ...]) -> Finding:
     outcome, number = ConjunctOutcome.OPEN, None
     if reading.violated:
         outcome, number = ConjunctOutcome.VIOLATED, reading.violated[0]
-    elif Verdict.TRUE in reading.states[reading.begun :]:
+    elif TruthValue.TRUE in reading.states[reading.begun :]:
         outcome = ConjunctOutcome.FULFILLED
-        number = reading.states.index(Verdict.TRUE, reading.begun)
+        number = reading.states.index(TruthValue.TRUE, reading.begun)
     elif positions and positions[-1].for_ever:
         word: list[Letter] = [frozenset(each.facts) for each in positions[reading.begun :]]
         is_satisfied = holds(reading.formula, word[:-1], word[-1:])

@@ -1,7 +1,7 @@
 """Translates a formula, and draws its Büchi automaton to automaton.png.
 
 G(found -> F reported) & G(reported -> X at(Home))
-4 states, 3 propositions, 1 set of accepting transitions
+3 states, 3 propositions, 1 set of accepting transitions
 """
 
 from companion import parse_formula, translate

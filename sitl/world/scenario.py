@@ -87,39 +87,24 @@ class Scenario:
     map_path: Path | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class ScenarioDefaults:
-    """The world as far as a scenario does not say it.
-
-    Attributes:
-        home: where local NED (0, 0, 0) lies.
-        start: where the vehicle stands at first.
-        grid: the map; None is a world without walls.
-    """
-
-    home: GlobalOrigin = PX4_HOME
-    start: Ned = (0.0, 0.0, 0.0)
-    grid: OccupancyGrid | None = None
-
-
-NO_DEFAULTS = ScenarioDefaults()
-
-
 def read_scenario(
-    given: Given | Source, defaults: ScenarioDefaults = NO_DEFAULTS
+    given: Given | Source,
+    default_home: GlobalOrigin = PX4_HOME,
+    default_map: OccupancyGrid | None = None,
 ) -> tuple[Scenario, OccupancyGrid | None]:
     """A scenario and its map.
 
     Args:
         given: the path of its file, to which its map lies relative; or a YAML text; or data.
-        defaults: what holds if the scenario does not say it.
+        default_home: where home is if it is not said.
+        default_map: the map if none is named.
 
     Raises:
         MissionError: a file cannot be read, or says something that cannot be.
     """
     source = given if isinstance(given, Source) else read_source(given, "scenario")
-    scenario, document = _parse(source, defaults)
-    grid = defaults.grid if scenario.map_path is None else read_map(scenario.map_path)
+    scenario, document = _parse(source, default_home, default_map is not None)
+    grid = default_map if scenario.map_path is None else read_map(scenario.map_path)
     now = TrueMap(grid, scenario.obstacles).grid
     if now and now.clearance_m(scenario.start[:2]) < VEHICLE_RADIUS_M:
         raise MissionError(
@@ -136,13 +121,15 @@ def parse_scenario(text: str, path: Path) -> Scenario:
     Raises:
         MissionError: with the place in the file.
     """
-    return _parse(Source(text, str(path), path.parent, path), NO_DEFAULTS)[0]
+    return _parse(Source(text, str(path), path.parent, path), PX4_HOME, has_default_map=False)[0]
 
 
-def _parse(source: Source, defaults: ScenarioDefaults) -> tuple[Scenario, Document]:
+def _parse(
+    source: Source, default_home: GlobalOrigin, has_default_map: bool
+) -> tuple[Scenario, Document]:
     model, document = validate(source.content, source.name, ScenarioModel)
     map_path = source.folder / model.map if model.map else None
-    if map_path is None and defaults.grid is not None:
+    if map_path is None and has_default_map:
         model = model.model_copy(update={"map": DEFAULT_MAP})
     for name, value in model.parameters.items():
         _check_parameter(name, value, document)
@@ -157,10 +144,8 @@ def _parse(source: Source, defaults: ScenarioDefaults) -> tuple[Scenario, Docume
     scenario = Scenario(
         home=GlobalOrigin(home.latitude_deg, home.longitude_deg, home.altitude_m)
         if home
-        else defaults.home,
-        start=ned_from_enu(start.east_m, start.north_m, 0.0)
-        if "start" in model.model_fields_set
-        else defaults.start,
+        else default_home,
+        start=ned_from_enu(start.east_m, start.north_m, 0.0),
         yaw_rad=math.radians(start.heading_deg),
         wind=ned_from_enu(wind.east_mps, wind.north_mps, 0.0),
         turbulence_mps=wind.turbulence_mps,

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 from reference_search import best_lap_and_prefix
-from synthetic import command, event, mission, planner
+from synthetic import command, event, mission, move, planner
 
 from companion.errors import CompanionError, NoPlanError
 from companion.ltl.automaton import successors
@@ -163,6 +163,36 @@ def test_no_plan_is_explained() -> None:
     *searches, explanation = made.reasons(problem)
     assert searches == [None, None]
     assert explanation == caught.value.explanation
+
+
+def test_it_is_explained_without_a_plan_alone() -> None:
+    made = planner(mission({"go": "F at(A)"}, skills=[move(precondition="at(from) & !shut")]))
+    assert made.explain() is None
+    reason = made.explain(facts={"shut"})
+    assert reason is not None
+    assert [conjunct.name for conjunct in reason.conflict] == ["go"]
+    blocked = {f"trans_ok({place}, A)" for place in "HB"}
+    reason = made.explain(without=blocked)
+    assert reason is not None
+    assert set(reason.restoring) == blocked
+
+
+def test_flight_times_are_those_of_the_map_unless_others_are_given() -> None:
+    asked = mission("F at(B)")
+    assert str(Planner(asked).plan()) == "move(H, B), (wait)^w"
+    table = {("H", "A"): 1.0, ("A", "B"): 1.0}
+    assert str(Planner(asked, table).plan()) == "move(H, A), move(A, B), (wait)^w"
+    detour = Planner(asked, lambda origin, goal: 9.0 if (origin, goal) == ("H", "B") else 1.0)
+    assert str(detour.plan()) == "move(H, A), move(A, B), (wait)^w"
+
+
+def test_a_plan_is_a_prefix_and_a_loop_with_their_costs() -> None:
+    plan = planner(mission("F at(A)")).plan()
+    assert [action.name for action in plan.prefix] == ["move(H, A)"]
+    assert [action.name for action in plan.loop] == ["wait"]
+    assert (plan.prefix_cost_s, plan.lap_cost_s) == (4.0, 0.1)
+    assert (plan.cost_s, plan.bound_s, plan.is_optimal) == (0.1, 0.1, True)
+    assert plan.as_json()["optimal"]
 
 
 def test_a_wrong_plan_is_never_handed_out(monkeypatch: pytest.MonkeyPatch) -> None:
