@@ -184,8 +184,8 @@ class Uploads:
             return False
 
     def _begin_check(self, upload: _Upload, now_s: float) -> list[UploadVerdict]:
-        upload.deadline_s = now_s + CHECK_S
         log.debug("check %d of %s begins", upload.number, upload.mission)
+        upload.deadline_s = now_s + CHECK_S
         try:
             upload.store.copy_to(upload.folder)
             content = (upload.folder / upload.mission).read_bytes()
@@ -239,6 +239,7 @@ class Uploads:
         return upload.verdict(False, text, reason)
 
     def _publish(self, verdict: UploadVerdict) -> None:
+        log.debug("check %d: %s", verdict.number, verdict.text)
         try:
             self._store.publish(verdict.as_json())
         except FtpRefusal:  # the disk is full; it is told all the same

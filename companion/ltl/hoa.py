@@ -1,4 +1,4 @@
-"""How do other tools read our automata? Text in the Hanoi Omega-Automata format, version 1.
+"""Automata as text that other tools read: the Hanoi Omega-Automata format, version 1.
 
 Generalized Büchi acceptance, marks on transitions or on states; explicit labels; one line a state
 and a transition. Texts of several automata may follow each other: that is a stream of automata.

@@ -115,6 +115,14 @@ class Command:
 Run = Callable[..., Command]
 
 
+def simulated(run: Run, mission: Path, speed: int, instance: int, log_dir: Path) -> Command:
+    """`companion sim`; without the page, which takes as much time as the flight."""
+    return run(
+        *("companion", "sim", mission, "--speed", speed, "-i", instance, "--log-dir", log_dir),
+        *("--monitor", "off"),
+    )
+
+
 @pytest.fixture
 def run() -> Iterator[Run]:
     """Starts commands, and ends them all."""
@@ -158,9 +166,7 @@ def sequence(log_dir: Path) -> str:
 def test_a_ground_station_watches_the_simulated_mission(
     run: Run, instance: int, tmp_path: Path
 ) -> None:
-    companion = run(
-        *("companion", "sim", SURVEILLANCE, "--speed", SPEED, "-i", instance, "--log-dir", tmp_path)
-    )
+    companion = simulated(run, SURVEILLANCE, SPEED, instance, tmp_path)
     companion.until_printed("ground station on UDP port", START_S)
     asyncio.run(watch(GROUND_STATION + instance))
     assert companion.exit_code() == 0, companion.printed
@@ -211,8 +217,8 @@ def test_the_mission_flies_on_a_simulator_started_separately(
 
 MISSIONS = SURVEILLANCE.parent
 SPEEDS = [4, 2, 1]
-"""At 4, two processes take half a core, and a pause of 0.25 s is a lost link in flight. A speed
-that was too fast for the machine is not tried again."""
+"""At 4, a pause of 0.25 s is a lost link in flight. A speed that was too fast for the machine is
+not tried again."""
 LOST = "a failsafe of the autopilot has control"
 
 
@@ -243,10 +249,7 @@ def fly(run: Run, mission: str, instance: int, log_dir: Path, until: str = "") -
     while True:
         speed = SPEEDS[0]
         folder = log_dir / str(speed)
-        path = MISSIONS / f"{mission}.yaml"
-        companion = run(
-            *("companion", "sim", path, "--speed", speed, "-i", instance, "--log-dir", folder)
-        )
+        companion = simulated(run, MISSIONS / f"{mission}.yaml", speed, instance, folder)
         if until and companion.has_printed(until):
             os.kill(companion.pid, signal.SIGINT)
         code = companion.exit_code()
@@ -285,9 +288,7 @@ def test_a_patrol_lands_charges_and_goes_on_in_two_processes(
 @pytest.fixture
 def flying(run: Run, instance: int, tmp_path: Path) -> Command:
     """A simulated flight on its way from A to B."""
-    companion = run(
-        *("companion", "sim", SURVEILLANCE, "--speed", SPEED, "-i", instance, "--log-dir", tmp_path)
-    )
+    companion = simulated(run, SURVEILLANCE, SPEED, instance, tmp_path)
     companion.until_printed("at A")
     return companion
 

@@ -123,7 +123,7 @@ def test_a_state_that_accepts_everything_is_known() -> None:
 
 
 @pytest.mark.parametrize(
-    ("formula", "constants", "is_errand"),
+    ("formula", "constants", "is_one_shot"),
     [
         ("F a", {}, True),
         ("F (a | b)", {"b": False}, True),
@@ -140,9 +140,9 @@ def test_a_state_that_accepts_everything_is_known() -> None:
         ("F a", {"a": False}, False),
     ],
 )
-def test_what_waits_for_one_letter_is_an_errand(
-    formula: str, constants: dict[str, bool], is_errand: bool
+def test_what_waits_for_one_letter_is_a_one_shot_goal(
+    formula: str, constants: dict[str, bool], is_one_shot: bool
 ) -> None:
     part, states = initial_states(formula, constants)
-    assert (bool(states) and set(states) <= part.errands) is is_errand
-    assert not part.errands & part.everything
+    assert (bool(states) and set(states) <= part.one_shot_goals) is is_one_shot
+    assert not part.one_shot_goals & part.everything

@@ -18,8 +18,7 @@ from yardstick import Stopwatch
 
 from companion.ltl.formula import atoms, conjuncts
 from companion.ltl.parser import parse
-from companion.ltl.state_based import state_based
-from companion.ltl.translate import translate
+from companion.ltl.translate import state_based, translate
 
 pytestmark = pytest.mark.alone
 

@@ -1,14 +1,18 @@
-"""Labels as sets of letters: what cubes read, back to cubes, and exclusive propositions."""
+"""Cubes as sets of letters and back, exclusive propositions, and the order of cubes."""
 
 from __future__ import annotations
 
 from itertools import product
+from pathlib import Path
 
+import pytest
+from drawn_graphs import CUBES
 from hypothesis import given
 from hypothesis import strategies as st
+from mypy import api as mypy
 
 from companion.ltl.automaton import Label
-from companion.ltl.letters import MAX_LETTERS, Alphabet
+from companion.ltl.labels import MAX_LETTERS, Alphabet, Cube, CubeOrder, joined
 
 NAMES = ("a", "b", "c", "d")
 PLAIN = Alphabet(NAMES)
@@ -74,3 +78,54 @@ def test_fifty_places_are_few_letters_and_fifty_propositions_are_not() -> None:
     assert Alphabet([*places, "q", "r"], frozenset(places)).is_small
     assert not Alphabet(places).is_small
     assert Alphabet(places[: MAX_LETTERS.bit_length() - 1]).is_small
+
+
+@given(st.sets(CUBES))
+def test_joined_cubes_read_the_same_letters_and_are_no_more(cubes: set[Cube]) -> None:
+    alphabet = Alphabet(("a", "b"))
+    fewer = joined(cubes)
+    read = [sum({1 << i for c in some for i in range(4) if int(alphabet.letters(c)) >> i & 1})
+            for some in (cubes, fewer)]  # fmt: skip
+    assert read[0] == read[1]
+    assert len(fewer) <= len(cubes)
+
+
+@given(st.sets(CUBES, min_size=1), st.data())
+def test_the_order_of_cubes_says_what_includes_what(cubes: set[Cube], data: st.DataObject) -> None:
+    order = CubeOrder(cubes)
+    one, *others = data.draw(st.lists(st.sampled_from(sorted(cubes)), min_size=1))
+    union = 0
+    for other in others:
+        union |= int(order.letters(other))
+    is_covered = any(other & one == other for other in others)
+    assert (int(order.letters(one)) & ~union == 0) is is_covered
+
+
+@given(st.sets(CUBES, min_size=1))
+def test_of_a_set_the_weakest_cubes_are_named(cubes: set[Cube]) -> None:
+    order = CubeOrder(cubes)
+    union = order.letters(min(cubes))
+    for cube in cubes:
+        union |= order.letters(cube)
+    weakest = {c for c in cubes if not any(c != d and d & c == d for d in cubes)}
+    assert set(order.cubes(union)) == weakest
+
+
+@pytest.mark.parametrize(
+    "mixture",
+    ["cube & letters", "letters | cube", "cube << 1", "alphabet.letters(letters)", "plain(cube)"],
+)
+def test_the_type_checker_tells_cubes_from_sets_of_letters(tmp_path: Path, mixture: str) -> None:
+    program = tmp_path / "program.py"
+    lines = [
+        "from companion.ltl.labels import Alphabet, Cube, LetterSet",
+        "def mixed(cube: Cube, letters: LetterSet, alphabet: Alphabet) -> None:",
+        "    def plain(bits: int) -> int: return bits",
+        "    print(cube | cube, letters & ~letters, alphabet.letters(cube), plain(int(cube)))",
+        f"    {mixture}",
+    ]
+    program.write_text("\n".join(lines), encoding="utf-8")
+    cache = str(Path(__file__).parents[3] / ".mypy_cache")
+    report, _, _ = mypy.run(["--strict", "--cache-dir", cache, str(program)])
+    assert f"{program.name}:5: error" in report
+    assert "Found 1 error in 1 file" in report

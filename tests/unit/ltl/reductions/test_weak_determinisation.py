@@ -7,7 +7,8 @@ import random
 import pytest
 from oracle import Sample, accepted, random_words, satisfying
 
-from companion.ltl.automaton import BuchiAutomaton, statistics, strong_components
+from companion.ltl.automaton import BuchiAutomaton, statistics
+from companion.ltl.components import strong_components
 from companion.ltl.formula import Formula, negate
 from companion.ltl.parser import parse
 from companion.ltl.translate import translate

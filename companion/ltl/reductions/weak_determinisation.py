@@ -1,36 +1,41 @@
-"""Has the language a weak deterministic automaton? Then the smallest of them is unique.
+"""Weak determinisation: the smallest weak deterministic automaton of a language, if it has one.
 
 Most missions are *obligations*: what a run is in for in the end depends only on the component in
 which it stays. Their automata come from the powerset construction: a component accepts if one of
 its cycles does, since all of them agree. If the language is no obligation the result accepts
 something else; so it is compared with an automaton of the language and one of its complement.
+The smallest weak deterministic automaton of a language is unique.
 
-Labels are sets of letters (`letters.py`). Source: Löding, Efficient minimization of deterministic
-weak omega-automata, IPL 2001; Dax, Eisinger and Klaedtke, Mechanizing the powerset construction
-for restricted classes of omega-automata, ATVA 2007.
+Source: Löding, Efficient minimization of deterministic weak omega-automata, IPL 2001; Dax, Eisinger
+and Klaedtke, Mechanizing the powerset construction for restricted classes of omega-automata,
+ATVA 2007.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import reduce
 from operator import or_
 
-from companion.ltl.automaton import strong_components
+from companion.ltl.bitsets import indices
 from companion.ltl.budget import Budget
-from companion.ltl.reduction import Edge, Graph, indices, reachable
+from companion.ltl.components import strong_components
+from companion.ltl.graph import LabelledEdge, LabelledGraph, Marks, Nodes, reachable
+from companion.ltl.labels import LetterSet, highest_letter, lowest_letter
+from companion.ltl.reductions.bisimulation import bisimilar, redirected
+from companion.ltl.reductions.simulation import leaders
 
 POWERSET_MARGIN = 8
-"""How many times larger than an automaton its powerset may be."""
+"""The most states of a powerset for each state of the automaton."""
 
-Steps = list[dict[int, int]]
+Steps = list[dict[int, LetterSet]]
 """For each state of a complete deterministic automaton the letters that lead to each target."""
 
 
 @dataclass(frozen=True, slots=True)
-class _Weak:
+class _WeakAutomaton:
     """A complete deterministic automaton; a run accepts if it stays among accepting states."""
 
     steps: Steps
@@ -38,8 +43,11 @@ class _Weak:
 
 
 def weak_deterministic(
-    graph: Graph, every: int, complement: Callable[[], Graph], budget: Budget
-) -> Graph | None:
+    graph: LabelledGraph[LetterSet],
+    every: LetterSet,
+    complement: Callable[[], LabelledGraph[LetterSet]],
+    budget: Budget,
+) -> LabelledGraph[LetterSet] | None:
     """The smallest weak deterministic automaton of a language; its dead state is left out.
 
     Args:
@@ -54,23 +62,25 @@ def weak_deterministic(
         TranslationLimit: the budget is spent.
     """
     determined = _powerset(graph, every, budget)
-    weak = determined and _weak(graph, *determined)
+    weak = determined and _coloured(graph, *determined)
     if weak is None or _meets(weak, graph, False, budget):
         return None
     return None if _meets(weak, complement(), True, budget) else _minimal(weak)
 
 
-def _powerset(graph: Graph, every: int, budget: Budget) -> tuple[Steps, list[int]] | None:
-    """The subset construction, and the set of nodes of each of its states; None if too many."""
+def _powerset(
+    graph: LabelledGraph[LetterSet], every: LetterSet, budget: Budget
+) -> tuple[Steps, list[Nodes]] | None:
+    """The subset construction, and the nodes of each of its states; None if too many."""
     number_of = {1: 0}
-    pending = [1]
+    pending: list[Nodes] = [1]
     steps: Steps = []
     for nodes in pending:  # grows while it is read
-        cells = {0: every}  # the nodes that some letters lead to
+        cells: dict[Nodes, LetterSet] = {0: every}  # the nodes that some letters lead to
         for node in indices(nodes):
             for label, _, target in graph.edges[node]:
                 budget.spend(len(cells), every.bit_length())
-                split: dict[int, int] = defaultdict(int)
+                split: dict[Nodes, LetterSet] = defaultdict(LetterSet)
                 for reached, letters in cells.items():
                     if letters & label:
                         split[reached | 1 << target] |= letters & label
@@ -87,7 +97,9 @@ def _powerset(graph: Graph, every: int, budget: Budget) -> tuple[Steps, list[int
     return steps, pending
 
 
-def _weak(graph: Graph, steps: Steps, nodes_of: Sequence[int]) -> _Weak | None:
+def _coloured(
+    graph: LabelledGraph[LetterSet], steps: Steps, nodes_of: Sequence[Nodes]
+) -> _WeakAutomaton | None:
     """The powerset with its accepting states; None if two cycles of a component disagree.
 
     States that no cycle passes get the colour that lets most states be equal: a component is
@@ -104,27 +116,22 @@ def _weak(graph: Graph, steps: Steps, nodes_of: Sequence[int]) -> _Weak | None:
         if len(component) > 1 or component[0] in steps[component[0]]:
             verdicts = {
                 _accepts(graph, nodes_of[component[0]], _cycle(steps, component, letter_of))
-                for letter_of in (_lowest, _highest)
+                for letter_of in (lowest_letter, highest_letter)
             }
             if len(verdicts) > 1:
                 return None
             colour -= colour % 2 == verdicts.pop()
         colours.append(colour)
-    return _Weak(steps, [colours[component_of[n]] % 2 == 0 for n in range(len(steps))])
+    accepting = [colours[component_of[n]] % 2 == 0 for n in range(len(steps))]
+    return _WeakAutomaton(steps, accepting)
 
 
-def _lowest(letters: int) -> int:
-    return letters & -letters
-
-
-def _highest(letters: int) -> int:
-    return 1 << letters.bit_length() - 1
-
-
-def _cycle(steps: Steps, component: list[int], letter_of: Callable[[int], int]) -> list[int]:
+def _cycle(
+    steps: Steps, component: list[int], letter_of: Callable[[LetterSet], LetterSet]
+) -> list[LetterSet]:
     """Letters (each a set of one) along a shortest cycle through the first of some states."""
     inside = set(component)
-    came_from: dict[int, tuple[int, int]] = {}
+    came_from: dict[int, tuple[int, LetterSet]] = {}
     pending = [component[0]]
     for state in pending:  # grows while it is read
         for target, letters in steps[state].items():
@@ -139,30 +146,32 @@ def _cycle(steps: Steps, component: list[int], letter_of: Callable[[int], int]) 
     return word[::-1]
 
 
-def _accepts(graph: Graph, nodes: int, loop: Sequence[int]) -> bool:
+def _accepts(graph: LabelledGraph[LetterSet], nodes: Nodes, loop: Sequence[LetterSet]) -> bool:
     """Whether a word that repeats for ever is accepted from one of some nodes."""
     number_of = {(node, 0): i for i, node in enumerate(indices(nodes))}
     pending = list(number_of)
-    edges: list[list[Edge]] = []
+    successors: list[list[tuple[int, Marks]]] = []
     for node, place in pending:  # grows while it is read
         after = (place + 1) % len(loop)
-        edges.append([])
+        successors.append([])
         for label, marks, target in graph.edges[node]:
             if label & loop[place]:
                 number = number_of.setdefault((target, after), len(pending))
                 if number == len(pending):
                     pending.append((target, after))
-                edges[-1].append(Edge(label, marks, number))
-    return _has_accepting_cycle(edges, (1 << graph.marks) - 1, [True] * len(edges))
+                successors[-1].append((number, marks))
+    return _has_accepting_cycle(successors, graph.marks, [True] * len(pending))
 
 
-def _meets(weak: _Weak, graph: Graph, accepting: bool, budget: Budget) -> bool:
+def _meets(
+    weak: _WeakAutomaton, graph: LabelledGraph[LetterSet], accepting: bool, budget: Budget
+) -> bool:
     """Whether a word of the graph leads the weak automaton to accept, or to reject."""
     number_of = {(0, 0): 0}
     pending = [(0, 0)]
-    edges: list[list[Edge]] = []
+    successors: list[list[tuple[int, Marks]]] = []
     for state, node in pending:  # grows while it is read
-        edges.append([])
+        successors.append([])
         budget.spend(len(graph.edges[node]) * len(weak.steps[state]))
         for label, marks, target in graph.edges[node]:
             for after, letters in weak.steps[state].items():
@@ -170,68 +179,29 @@ def _meets(weak: _Weak, graph: Graph, accepting: bool, budget: Budget) -> bool:
                     number = number_of.setdefault((after, target), len(pending))
                     if number == len(pending):
                         pending.append((after, target))
-                    edges[-1].append(Edge(label, marks, number))
+                    successors[-1].append((number, marks))
     is_wanted = [weak.accepting[state] is accepting for state, _ in pending]
-    return _has_accepting_cycle(edges, (1 << graph.marks) - 1, is_wanted)
+    return _has_accepting_cycle(successors, graph.marks, is_wanted)
 
 
 def _has_accepting_cycle(
-    edges: Sequence[Sequence[Edge]], every_mark: int, is_wanted: Sequence[bool]
+    successors: Sequence[Sequence[tuple[int, Marks]]], marks: int, is_wanted: Sequence[bool]
 ) -> bool:
-    for component in strong_components([[e.target for e in leaving] for leaving in edges]):
+    """Whether a component of wanted nodes has all marks, given targets and marks of the edges."""
+    every_mark = (1 << marks) - 1
+    for component in strong_components([[t for t, _ in leaving] for leaving in successors]):
         inside = set(component)
-        marks = [e.marks for node in component for e in edges[node] if e.target in inside]
-        if marks and is_wanted[component[0]] and reduce(or_, marks) == every_mark:
+        met = [m for node in component for target, m in successors[node] if target in inside]
+        if met and is_wanted[component[0]] and reduce(or_, met) == every_mark:
             return True
     return False
 
 
-def _minimal(weak: _Weak) -> Graph:
-    """States that accept the same words made one, as in finite automata (Moore)."""
-    block = [int(accepts) for accepts in weak.accepting]
-    count = 0
-    while True:
-        number_of: dict[Hashable, int] = {}
-        finer = []
-        for state, step in enumerate(weak.steps):
-            letters_to: dict[int, int] = defaultdict(int)
-            for target, letters in step.items():
-                letters_to[block[target]] |= letters
-            key = (block[state], frozenset(letters_to.items()))
-            finer.append(number_of.setdefault(key, len(number_of)))
-        block = finer
-        if len(number_of) == count:
-            break
-        count = len(number_of)
-    edges: list[list[Edge]] = [[] for _ in range(count)]
-    for state, step in enumerate(weak.steps):
-        if not edges[block[state]]:
-            letters_to = defaultdict(int)
-            for target, letters in step.items():
-                letters_to[block[target]] |= letters
-            edges[block[state]] = [
-                Edge(letters, int(weak.accepting[state]), target)
-                for target, letters in letters_to.items()
-            ]
-    return reachable(edges, 1, block[0])
-
-
-def conjoined(one: Graph, other: Graph, budget: Budget) -> Graph:
-    """Accepts the words that both graphs accept."""
-    width = max((e.label.bit_length() for leaving in one.edges for e in leaving), default=0)
-    number_of = {(0, 0): 0}
-    pending = [(0, 0)]
-    edges: list[list[Edge]] = []
-    for first, second in pending:  # grows while it is read
-        budget.spend(5 * len(one.edges[first]) * len(other.edges[second]), width)
-        joint: dict[tuple[int, int], int] = defaultdict(int)
-        for label, marks, target in one.edges[first]:
-            for also, more, partner in other.edges[second]:
-                if label & also:
-                    number = number_of.setdefault((target, partner), len(pending))
-                    if number == len(pending):
-                        pending.append((target, partner))
-                    joint[marks | more << one.marks, number] |= label & also
-        budget.keep(len(joint), width)
-        edges.append([Edge(letters, *kind) for kind, letters in joint.items()])
-    return Graph(edges, one.marks + other.marks)
+def _minimal(weak: _WeakAutomaton) -> LabelledGraph[LetterSet]:
+    """States that accept the same words made one, as in finite automata."""
+    edges = [
+        [LabelledEdge(letters, int(accepts), target) for target, letters in step.items()]
+        for step, accepts in zip(weak.steps, weak.accepting, strict=True)
+    ]
+    leader = leaders(bisimilar(edges, [int(x) for x in weak.accepting], Budget.unlimited()))
+    return reachable([redirected(leaving, leader) for leaving in edges], 1, leader[0])
