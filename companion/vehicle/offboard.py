@@ -191,7 +191,7 @@ class MavlinkVehicle:
         return Outcome(Progress.FAILED, failure) if failure else Outcome(Progress.RUNNING)
 
     def send_command(self, component: int, command: int, parameters: tuple[float, ...]) -> int:
-        """Starts a skill's command, which is refused if it is none for payloads; returns its ticket."""
+        """Starts a skill's command if payloads take it; returns its ticket."""
         p1, p2, p3, p4, p5, p6, p7 = (*parameters, *[0.0] * (7 - len(parameters)))
         ticket = self._start(component, command, (p1, p2, p3, p4, p5, p6, p7))
         if why_not := why_not_sent(component, command):
