@@ -10,7 +10,7 @@ from happened import Happened
 
 from companion.acting.assembly import assemble
 from companion.acting.event_detector import EventDetector
-from companion.acting.executive import TaskStatus
+from companion.acting.executive_states import TaskStatus
 from companion.acting.flight import TICK_S
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.word import PositionLeft
