@@ -9,9 +9,10 @@ import gc
 
 from companion.acting.flight import TICK_S
 from companion.app import Companion
+from companion.clock import ScaledClock
 from companion.errors import LinkTimeout
 from companion.ground.operations import Standing
-from companion.vehicle.link import ScaledClock, UdpLink
+from companion.vehicle.link import UdpLink
 
 
 def fly(companion: Companion, link: UdpLink, clock: ScaledClock, timeout_s: float) -> None:

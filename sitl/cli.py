@@ -11,7 +11,6 @@ import os
 import select
 import signal
 import sys
-import time
 from dataclasses import replace
 from pathlib import Path
 from types import FrameType
@@ -19,6 +18,7 @@ from typing import Annotated, Any
 
 import typer
 
+from companion.clock import ScaledClock
 from companion.errors import CompanionError
 from companion.geometry import GlobalOrigin
 from sitl.link.routing import LinkName
@@ -28,27 +28,6 @@ from sitl.world.scenario import PX4_HOME, Scenario, read_scenario
 
 PERIOD_S = 0.004  # the loop looks at the clock this often, and at once when a datagram arrives
 MAX_JUMP_S = 0.1  # wall time; more than this behind, simulated time slows down
-
-
-class ScaledClock:
-    """Simulated time for a moving monotonic time.
-
-    Args:
-        speed: simulated seconds per second.
-        wall_s: monotonic time now, which is simulated time 0.
-    """
-
-    def __init__(self, speed: float, wall_s: float) -> None:
-        self._speed = speed
-        self._wall_s = wall_s
-        self._now_s = 0.0
-
-    def advance(self, wall_s: float) -> float:
-        """Simulated time at a monotonic time; at most `MAX_JUMP_S` of it counts."""
-        passed_s = min(max(0.0, wall_s - self._wall_s), MAX_JUMP_S)
-        self._wall_s = wall_s
-        self._now_s += passed_s * self._speed
-        return self._now_s
 
 
 class _Stop:
@@ -165,11 +144,11 @@ def _simulate(
             f"companion on UDP {offboard} (local {PORTS[LinkName.OFFBOARD][0] + instance})"
         )
         sys.stdout.flush()
-        clock = ScaledClock(speed, time.monotonic())
+        clock = ScaledClock(speed, MAX_JUMP_S)
         told = 0
         while not stop.is_set:
             datagrams = server.receive(PERIOD_S)
-            server.send(simulation.step(clock.advance(time.monotonic()), datagrams))
+            server.send(simulation.step(clock.now_s(), datagrams))
             for time_s, text in simulation.happened[told:]:
                 told += 1
                 if not is_quiet:

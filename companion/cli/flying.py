@@ -215,8 +215,9 @@ def _print(report: Report) -> None:
 
 
 def _fly(companion: Companion, endpoint: Endpoint, speed: float, timeout_s: float) -> None:
+    from companion.clock import ScaledClock
     from companion.driving import fly
-    from companion.vehicle.link import ScaledClock, UdpLink
+    from companion.vehicle.link import UdpLink
 
     link = UdpLink(endpoint)
     try:
