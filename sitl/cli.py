@@ -44,7 +44,7 @@ class _Stop:
 
     @property
     def is_set(self) -> bool:
-        """Whether to end."""
+        """True once it is to end."""
         if self._is_attended and not self._is_set and select.select([sys.stdin], [], [], 0.0)[0]:
             self._is_set = not os.read(sys.stdin.fileno(), 1024)
         return self._is_set
@@ -110,9 +110,9 @@ def simulate(
     """
     try:
         if check:
-            happenings = read_scenario(check)[0].happenings
-            plural = "" if len(happenings) == 1 else "s"
-            typer.echo(f"{check}: a good scenario, {len(happenings)} event{plural}")
+            count = len(read_scenario(check)[0].events)
+            plural = "" if count == 1 else "s"
+            typer.echo(f"{check}: a good scenario, {count} event{plural}")
             return
         _simulate(scenario, speed, instance, home, seed, quiet, _Stop(attended))
     except CompanionError as error:
@@ -149,7 +149,7 @@ def _simulate(
         while not stop.is_set:
             datagrams = server.receive(PERIOD_S)
             server.send(simulation.step(clock.now_s(), datagrams))
-            for time_s, text in simulation.happened[told:]:
+            for time_s, text in simulation.event_log[told:]:
                 told += 1
                 if not is_quiet:
                     print(f"sitl: {time_s:.2f} s: {text}", flush=True)

@@ -1,4 +1,4 @@
-"""Which parameters does this autopilot have, and what are their values?
+"""The autopilot's parameters and their values.
 
 The table holds PX4's names, types and defaults (PX4 1.16, quadrotor in SITL): those that our
 modes and failsafes read, and those without which a ground station complains. A new parameter is
@@ -162,7 +162,7 @@ AIRFRAME_DEFAULTS: dict[str, float] = {
     "COM_OBL_RC_ACT": 5,  # hold when the offboard stream is lost; PX4's 0 sinks without a pilot
     "COM_LOW_BAT_ACT": 3,  # return at critical, land at emergency; PX4's 0 only warns
 }
-"""What this airframe sets otherwise, like `param set-default` in a PX4 airframe file."""
+"""This airframe's own defaults, like `param set-default` in a PX4 airframe file."""
 
 _NAMES = list(PARAMETERS)
 
@@ -184,7 +184,7 @@ class Parameters:
         return self._values[name]
 
     def set(self, name: str, value: float) -> None:
-        """Store a value; a float that is not finite changes nothing.
+        """Stores a value; a float that is not finite changes nothing.
 
         Raises:
             KeyError: an unknown name.

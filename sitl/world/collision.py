@@ -1,4 +1,4 @@
-"""Has the vehicle hit a wall, or the ground with more than its legs?
+"""Collisions with walls, and with the ground by more than the legs.
 
 Walls are the occupied cells of the true map and have no upper end; off the map counts as a wall.
 The vehicle is a disc. Accuracy is that of the map's distance field: about one cell. The flight
@@ -16,8 +16,8 @@ VEHICLE_RADIUS_M = 0.35
 UPRIGHT = 0.5  # cosine of the tilt at which the body touches the ground beside the legs
 
 
-class CollisionWatch:
-    """Counts how often the vehicle came to touch a wall.
+class CollisionCounter:
+    """Counts the contacts of the vehicle with walls.
 
     Args:
         grid: the true map; None is a world without walls.
@@ -33,7 +33,7 @@ class CollisionWatch:
         self._is_touching = False
 
     def update(self, position: Ned) -> bool:
-        """Take a position; true when a collision begins there."""
+        """Takes a position; true when a collision begins there."""
         if self.grid is None:
             return False
         was_touching = self._is_touching
@@ -44,7 +44,7 @@ class CollisionWatch:
 
 
 def is_wreck(state: FlightState) -> bool:
-    """Whether the body touches the ground: fallen over, or hit harder than the legs can take."""
+    """True if the body touches the ground: fallen over, or hit harder than the legs can take."""
     _, x, y, _ = state.attitude
     is_upright = 1 - 2 * (x * x + y * y) > UPRIGHT
     down = state.position[2]

@@ -1,4 +1,4 @@
-"""What does the world do to the vehicle? The scenario file `NAME.sim.yaml`.
+"""The scenario file `NAME.sim.yaml`: the world in which a mission is flown.
 
 A scenario holds what the mission must not know: the true map, the wind, where a target appears,
 what the payload answers, how full the battery is, which parameters differ. It is read by the
@@ -36,15 +36,15 @@ from companion.maps import read_map
 from companion.mavlink.parameters import INT32, encode
 from companion.motion.grid import OccupancyGrid
 from sitl.autopilot.parameters import PARAMETERS
-from sitl.results import Result
+from sitl.results import MavResult
 from sitl.world.collision import VEHICLE_RADIUS_M
-from sitl.world.detector import Circle
-from sitl.world.happenings import AtPlace, Happening
 from sitl.world.lidar import LidarSpec
 from sitl.world.obstacles import Obstacle, TrueMap
-from sitl.world.payload import Answer, PayloadScript, Site
-from sitl.world.reading import command_number, read_happenings, read_obstacles
+from sitl.world.payload import PayloadAnswer, PayloadScript, PayloadSite
+from sitl.world.reading import command_number, read_events, read_obstacles
+from sitl.world.scenario_events import ScenarioEvent, VisitTrigger
 from sitl.world.schema import PayloadModel, ScenarioModel
+from sitl.world.visits import Circle
 
 PX4_HOME = GlobalOrigin(47.397742, 8.545594, 488.0)  # PX4's default in SITL: Irchelpark, Zurich
 
@@ -64,7 +64,7 @@ class Scenario:
         detector: component id of the target detector; None is no detector.
         lidar: None is no lidar.
         pads: charging pads, each with its current in amperes.
-        happenings: in the order of the file.
+        events: in the order of the file.
         map_path: None is a world without walls.
     """
 
@@ -81,7 +81,7 @@ class Scenario:
     lidar: LidarSpec | None = None
     obstacles: tuple[Obstacle, ...] = ()
     pads: tuple[tuple[Circle, float], ...] = ()
-    happenings: tuple[Happening, ...] = ()
+    events: tuple[ScenarioEvent, ...] = ()
     map_path: Path | None = None
 
 
@@ -131,11 +131,6 @@ def _parse(text: str, path: Path, default_home: GlobalOrigin) -> tuple[Scenario,
         _check_parameter(name, value, document)
     _check_components(model, document)
     start, home, wind = model.start, model.home, model.wind
-    seen = model.target.seen if model.target else None
-    sighting = (
-        AtPlace(Circle((seen.north_m, seen.east_m), seen.radius_m), seen.visit) if seen else None
-    )
-    first = (Happening(sighting, (("target", "seen"),), "target: seen"),) if sighting else ()
     lidar = model.lidar_on_board
     scenario = Scenario(
         home=GlobalOrigin(home.latitude_deg, home.longitude_deg, home.altitude_m)
@@ -155,10 +150,19 @@ def _parse(text: str, path: Path, default_home: GlobalOrigin) -> tuple[Scenario,
         pads=tuple(
             (Circle((pad.north_m, pad.east_m), pad.radius_m), pad.current_a) for pad in model.pads
         ),
-        happenings=first + read_happenings(model, document),
+        events=_first_sighting(model) + read_events(model, document),
         map_path=path.parent / model.map if model.map else None,
     )
     return scenario, document
+
+
+def _first_sighting(model: ScenarioModel) -> tuple[ScenarioEvent, ...]:
+    """The event that the key `target: {seen: ...}` stands for."""
+    seen = model.target.seen if model.target else None
+    if seen is None:
+        return ()
+    trigger = VisitTrigger(Circle((seen.north_m, seen.east_m), seen.radius_m), seen.visit)
+    return (ScenarioEvent(trigger, (("target", "seen"),), "target: seen"),)
 
 
 def _check_components(model: ScenarioModel, document: Document) -> None:
@@ -194,7 +198,11 @@ def _check_parameter(name: str, value: float, document: Document) -> None:
 def _payload(model: PayloadModel, document: Document) -> PayloadScript:
     command = command_number(model.command, document, "payload", "command")
     sites = tuple(
-        Site((site.north_m, site.east_m), site.radius_m, Answer(Result[site.result], site.after_s))
+        PayloadSite(
+            (site.north_m, site.east_m),
+            site.radius_m,
+            PayloadAnswer(MavResult[site.result], site.after_s),
+        )
         for site in model.answers
     )
-    return PayloadScript(model.component, command, sites, Result[model.otherwise])
+    return PayloadScript(model.component, command, sites, MavResult[model.otherwise])

@@ -133,7 +133,7 @@ def test_a_vehicle_that_holds_stays_and_leaves_away_from_what_has_come_near(
     happens = appears("command: MAV_CMD_USER_1, nth: 1")
     flown = Flown(surveillance, tmp_path, a_crate(shape, is_late=True), happens)
     assert flown.is_unhurt
-    (seen_s,) = [t_s for t_s, text in flown.simulation.happened if "crate" in text]
+    (seen_s,) = [t_s for t_s, text in flown.simulation.event_log if "crate" in text]
     failed_s = next(r.time_s for r in flown.reports if r.text == "upload(r1) failed: denied")
     assert failed_s - seen_s > 1.0
     r1 = surveillance.places["r1"].position

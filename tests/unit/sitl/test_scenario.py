@@ -10,12 +10,12 @@ from PIL import Image
 from companion.errors import MissionError
 from companion.geometry import GlobalOrigin
 from companion.mavlink.framing import dialect
-from sitl.results import Result
-from sitl.world.detector import Circle
-from sitl.world.happenings import AtPlace, Happening
+from sitl.results import MavResult
 from sitl.world.lidar import LidarSpec
-from sitl.world.payload import Answer, PayloadScript, Site
+from sitl.world.payload import PayloadAnswer, PayloadScript, PayloadSite
 from sitl.world.scenario import PX4_HOME, Scenario, parse_scenario, read_scenario
+from sitl.world.scenario_events import ScenarioEvent, VisitTrigger
+from sitl.world.visits import Circle
 
 FULL = """\
 version: 1
@@ -51,14 +51,16 @@ def test_every_key_is_read_into_local_ned() -> None:
         parameters={"COM_OBL_RC_ACT": 4, "MIS_TAKEOFF_ALT": 3.5},
         detector=30,
         lidar=LidarSpec(),
-        happenings=(
-            Happening(AtPlace(Circle((13.0, 5.0), 0.8), 2), (("target", "seen"),), "target: seen"),
+        events=(
+            ScenarioEvent(
+                VisitTrigger(Circle((13.0, 5.0), 0.8), 2), (("target", "seen"),), "target: seen"
+            ),
         ),
         payload=PayloadScript(
             25,
             dialect.MAV_CMD_USER_1,
-            (Site((4.0, 9.0), 1.0, Answer(Result.FAILED, 2.0)),),
-            Result.ACCEPTED,
+            (PayloadSite((4.0, 9.0), 1.0, PayloadAnswer(MavResult.FAILED, 2.0)),),
+            MavResult.ACCEPTED,
         ),
         map_path=Path("missions/maps/hall.yaml"),
     )

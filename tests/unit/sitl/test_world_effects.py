@@ -11,7 +11,7 @@ from wire import NAN, Wire, gcs_heartbeat
 from companion.errors import MissionError
 from companion.mavlink.framing import dialect
 from companion.motion.grid import OccupancyGrid
-from sitl.results import Result
+from sitl.results import MavResult
 from sitl.world.obstacles import Obstacle, TrueMap
 from sitl.world.scenario import parse_scenario
 from sitl.world.schema import json_schema
@@ -31,7 +31,7 @@ def fly(text: str, grid: OccupancyGrid | None = None) -> Wire:
 def take_off(wire: Wire, up_m: float) -> None:
     altitude_m = wire.simulation._vehicle.origin.altitude_m + up_m
     wire.command(dialect.MAV_CMD_NAV_TAKEOFF, 0, 0, 0, NAN, NAN, NAN, altitude_m)
-    assert wire.arm() == [Result.ACCEPTED]
+    assert wire.arm() == [MavResult.ACCEPTED]
     wire.run_until(lambda: wire.simulation.flight.position[2] < 0.3 - up_m, 20.0)
 
 
@@ -82,7 +82,7 @@ def test_a_step_of_charge_calls_the_failsafe_and_a_full_battery_gives_the_vehicl
     assert wire.simulation.mode == "AUTO.LAND"
     wire.run(1.5)
     assert wire.simulation.mode == "AUTO.LAND"
-    assert wire.set_mode("AUTO.LOITER") == [Result.ACCEPTED] * 2
+    assert wire.set_mode("AUTO.LOITER") == [MavResult.ACCEPTED] * 2
     wire.run(8.0)
     assert wire.simulation.mode == "AUTO.LOITER"
     assert wire.simulation.is_armed
@@ -93,10 +93,10 @@ def test_no_current_is_sent_as_unknown() -> None:
     wire = fly("")
     for current_a in (-0.014, -0.01, -0.006):
         wire.simulation._vehicle.state = wire.simulation.flight._replace(current_a=current_a)
-        link = wire.simulation._component._links[wire.link]
+        link = wire.simulation._autopilot_component._links[wire.link]
         for number in (dialect.MAVLINK_MSG_ID_BATTERY_STATUS, dialect.MAVLINK_MSG_ID_SYS_STATUS):
             assert link.request_message(number)
-        assert [message.current_battery for message in link.later[-2:]] == [0, 0]
+        assert [message.current_battery for message in link.next_step[-2:]] == [0, 0]
 
 
 # -- GPS, arming, wind -----------------------------------------------------------------------------
@@ -125,10 +125,10 @@ def test_arming_is_refused_with_its_reason_until_it_is_allowed() -> None:
     events = "  - {at_s: 1, arming: {refused: no blades}}\n  - {at_s: 3, arming: {allowed: true}}\n"
     wire = fly("happens:\n" + events)
     wire.run(2.0)
-    assert wire.arm() == [Result.TEMPORARILY_REJECTED]
+    assert wire.arm() == [MavResult.TEMPORARILY_REJECTED]
     assert wire.texts()[-1] == "Arming denied: no blades"
     wire.run(2.0)
-    assert wire.arm() == [Result.ACCEPTED]
+    assert wire.arm() == [MavResult.ACCEPTED]
 
 
 def test_wind_from_a_command_on_leans_the_vehicle() -> None:
@@ -149,12 +149,12 @@ def test_an_obstacle_that_appears_around_the_vehicle_breaks_it_and_is_told() -> 
     wire = fly(crate + "happens:\n  - {at_s: 9, obstacle: {name: crate, present: true}}\n", grid)
     take_off(wire, 2.0)
     wire.run(10.0 - wire.now_s)
-    assert [text for _, text in wire.simulation.happened] == [
+    assert [text for _, text in wire.simulation.event_log] == [
         "obstacle: name crate, present True",
         "Collision with a wall",
     ]
     assert not wire.simulation.is_armed
-    assert wire.arm() == [Result.TEMPORARILY_REJECTED]
+    assert wire.arm() == [MavResult.TEMPORARILY_REJECTED]
 
 
 # -- obstacles and files ---------------------------------------------------------------------------
