@@ -18,7 +18,7 @@ from companion.ground.operations import Page, Standing, Uploads
 from companion.ground.parameters import BELIEF_RETRY, SPEED_MAX
 from companion.mavlink.framing import Message, source
 from companion.mission.model import Mission
-from companion.run import Recorder, Run
+from companion.mission_run import Recorder, Run
 from companion.vehicle.telemetry import TELEMETRY, Telemetry
 from companion.vehicle.wire import AUTOPILOT, Wire
 
@@ -88,7 +88,7 @@ class Companion:
         self._mission = mission
         self._accepts_weak_failsafes = accepts_weak_failsafes
         self._run: Run | None = None
-        self._is_starting = self._is_stopping = False
+        self._is_starting = self._is_stopping = self._has_hung_up = False
         self._adjusted = -1
         self._now_s = 0.0
         if mission is not None and recorder is not None:
@@ -121,11 +121,23 @@ class Companion:
         if self._run is not None:
             self._run.sortie.stop()
 
+    def rehearse(self) -> None:
+        """Plans the only run once, before its clock begins: with many places it takes seconds."""
+        if self._run is not None:
+            self._run.sortie.rehearse()
+
+    def hang_up(self) -> None:
+        """The terminal is gone: the flight goes on, and its record says so."""
+        self._has_hung_up = True
+
     def step(self, now_s: float, datagrams: list[bytes]) -> list[bytes]:
         """One tick: reads what arrived, acts, returns what has to leave."""
         self._now_s = now_s
         if self._is_starting:
             self._launch()
+        if self._has_hung_up:
+            self._has_hung_up = False
+            self._say("the terminal has hung up (SIGHUP); the flight goes on", kind="signal")
         if self._wire.system:  # before that, nobody would hear what is told
             self._poll()
         messages = self._wire.parse(datagrams)
@@ -248,9 +260,10 @@ class Companion:
             for verdict in self._host.uploads.poll(self._now_s, is_flying):
                 self._say(verdict.text, is_refused=not verdict.is_accepted)
 
-    def _say(self, text: str, is_refused: bool = False) -> None:
+    def _say(self, text: str, is_refused: bool = False, kind: str = "upload") -> None:
         """News that is not of the flight; in its records if there is one."""
-        report = Report(round(self._now_s, 3), "upload", text, {"is_refused": is_refused})
+        data = {"is_refused": is_refused} if kind == "upload" else {}
+        report = Report(round(self._now_s, 3), kind, text, data)
         if self._run is not None:
             self._run.flight.reports.append(report)
         elif self._host is not None:

@@ -24,14 +24,16 @@ def fly(companion: Companion, link: UdpLink, clock: ScaledClock, timeout_s: floa
     Raises:
         LinkTimeout: no vehicle was heard in time (seconds of the clock's time).
     """
-    next_tick_s, was_flying = clock.now_s(), False
+    companion.rehearse()
+    begun_s = next_tick_s = clock.now_s()
+    was_flying = False
     while not companion.has_ended:
         is_tick = not (companion.is_idle and link.wait(clock.wall_s_until(next_tick_s)))
         if is_tick:
             clock.sleep_until(next_tick_s)
         now_s = clock.now_s()
         link.send(companion.step(now_s, link.receive()))
-        if companion.is_waiting and now_s > timeout_s:
+        if companion.is_waiting and now_s - begun_s > timeout_s:
             raise LinkTimeout(
                 f"no vehicle on {link.endpoint} after {timeout_s:.0f} s: {link.account()}\n"
                 "    PX4 SITL and `sitl` send to port 14540 by themselves; is one running?\n"

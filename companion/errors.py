@@ -32,22 +32,47 @@ class Location:
     line: int
     column: int
 
+    @property
+    def inside(self) -> str:
+        """The place for a reader who knows the file."""
+        return f"line {self.line}"
+
     def __str__(self) -> str:
         return f"{self.path}:{self.line}:{self.column}"
 
 
+@dataclass(frozen=True, slots=True)
+class KeyPath:
+    """A place in data that was given as Python values: the keys and indices that lead there.
+
+    >>> str(KeyPath(("places", "A", "east_m"))), str(KeyPath(("initially", 0)))
+    ('places.A.east_m', 'initially[0]')
+    """
+
+    keys: tuple[str | int, ...]
+
+    @property
+    def inside(self) -> str:
+        """The place for a reader who knows the data."""
+        return str(self)
+
+    def __str__(self) -> str:
+        steps = (f"[{key}]" if isinstance(key, int) else f".{key}" for key in self.keys)
+        return "".join(steps).removeprefix(".") or "top level"
+
+
 class MissionError(CompanionError):
-    """A mission, map or scenario file that cannot be used.
+    """A mission, map or scenario that cannot be used.
 
     Args:
         what: what is wrong, in one line.
-        where: the place in the file, if known.
+        where: the place in the file, or in the data, if known.
         hint: what to do about it; may have several lines.
     """
 
     exit_code = 2
 
-    def __init__(self, what: str, where: Location | None = None, hint: str = "") -> None:
+    def __init__(self, what: str, where: Location | KeyPath | None = None, hint: str = "") -> None:
         self.what = what
         self.where = where
         self.hint = hint
@@ -67,7 +92,7 @@ class FormulaError(MissionError):
         offset: index into `text` of the offending token.
         length: characters to underline.
         hint: what was expected, or which name was perhaps meant.
-        where: the place of the token in a file, once the caller knows it.
+        where: the place of the token in a file or in data, once the caller knows it.
     """
 
     def __init__(
@@ -77,7 +102,7 @@ class FormulaError(MissionError):
         offset: int,
         length: int = 1,
         hint: str = "",
-        where: Location | None = None,
+        where: Location | KeyPath | None = None,
     ) -> None:
         self.text = text
         self.offset = offset
@@ -95,7 +120,7 @@ class FormulaError(MissionError):
         caret = " " * at + "^" * width
         super().__init__(what, where, "\n".join(filter(None, [line, f"{caret}  {hint}".rstrip()])))
 
-    def located(self, where: Location) -> FormulaError:
+    def located(self, where: Location | KeyPath) -> FormulaError:
         """The same error, placed in a file."""
         return FormulaError(self.what, self.text, self.offset, self.length, self.advice, where)
 

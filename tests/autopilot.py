@@ -41,6 +41,7 @@ class Autopilot:
         results: MAV_RESULTs with which a command is answered, in order; None is no answer. The
             last one stays; without an entry it is ACCEPTED.
         is_idle: accepted commands have no effect.
+        unsent: names of messages that are lost on the way.
         heard: every message that was addressed to it or to all.
     """
 
@@ -59,6 +60,7 @@ class Autopilot:
         self.parameters = {"COM_OF_LOSS_T": 1.0, "COM_OBL_RC_ACT": 5.0, "COM_LOW_BAT_ACT": 3.0}
         self.results: dict[int, list[int | None]] = {}
         self.is_idle = False
+        self.unsent: set[str] = set()
         self.heard: list[Any] = []
 
     def telemetry(self) -> list[bytes]:
@@ -81,6 +83,7 @@ class Autopilot:
                 dialect.MAVLink_local_position_ned_message(0, *self.position, *self.velocity),
                 battery(self.battery_percent),
             )
+            if message.get_type() not in self.unsent
         ]
 
     def answer(self, datagrams: list[bytes]) -> list[bytes]:
@@ -106,7 +109,7 @@ class Autopilot:
         if message.command == ARM:
             self.is_armed = True
         elif message.command == TAKE_OFF:
-            self.is_landed = False
+            self.is_landed, self.mode = False, "AUTO.LOITER"
             self.position[2] = self.home_altitude_m - message.param7 + self.home[2]
         elif message.command == LAND:
             self.is_landed, self.is_armed, self.mode = True, False, "AUTO.LAND"

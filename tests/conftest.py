@@ -15,8 +15,8 @@ from companion.cli import main
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
 from companion.motion.routes import RouteMap
+from companion.planning.flight_times import route_map
 from companion.record.run_folder import RunFolder
-from companion.run import route_map
 from sitl.harness import fly_in_lockstep
 from sitl.link.routing import LinkName
 from sitl.simulation import Simulation

@@ -11,12 +11,12 @@ from companion.acting.executive import Executive, TaskStatus
 from companion.acting.flight import TICK_S, Flight
 from companion.acting.grounding import Symbols
 from companion.acting.report import Report
-from companion.acting.task_state import TaskState
 from companion.mission.model import Mission, Signal
 from companion.motion.routes import RouteMap
+from companion.planning.flight_times import flight_times, route_map
 from companion.planning.lasso import Lasso
 from companion.planning.planner import Planner
-from companion.run import flight_times, home_of, route_map
+from companion.planning.task_state import TaskState
 
 
 class Rig:
@@ -39,7 +39,7 @@ class Rig:
         routes: RouteMap | None = None,
         vehicle: FakeVehicle | None = None,
     ) -> None:
-        home = home_of(mission)
+        home = mission.home
         routes = routes or route_map(mission)
         self.mission = mission
         self.vehicle = vehicle or FakeVehicle(home.position).take_off(-home.position[2])

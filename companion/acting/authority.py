@@ -1,8 +1,8 @@
 """Whose is the vehicle? Why it is no longer ours to fly, or never was, and when it is ours again.
 
 Control that was lost comes back only by an explicit "go on" of the operator, and only if the
-vehicle is armed, in the air and on hold (AUTO.LOITER), with no failsafe and a fresh position: the
-pilot hands it over by choosing hold, the operator takes it by saying so.
+vehicle is armed, in the air and on hold (AUTO.LOITER), with no failsafe, a fresh position and a
+mode heard just now: the pilot hands it over by choosing hold, the operator takes it by saying so.
 """
 
 from __future__ import annotations
@@ -46,6 +46,8 @@ def not_handed_over(state: VehicleState | None, now_s: float) -> str:
         return "no fresh position"
     if not state.is_armed or state.is_landed:
         return "the vehicle is not in the air"
+    if not state.is_mode_known(now_s):
+        return "the mode is not known"
     if state.is_failsafe:
         return "a failsafe of the autopilot is active"
     if state.mode is not Mode.LOITER:

@@ -104,6 +104,15 @@ class Executive:
             flight.report("restored", f"belief {belief} restored", belief=belief)
             flight.may_do_better = True
 
+    def rehearse(self) -> None:
+        """Searches the first plan and forgets it; what the search has learned is kept.
+
+        Raises:
+            NoPlanError: there is none.
+        """
+        if self._planner.mission.tree is None:
+            self._planner.solve(*self._flight.task.problem())
+
     def plan(self) -> None:
         """Makes the first plan.
 
@@ -118,7 +127,7 @@ class Executive:
             self._tell_tree()
             return
         self._ways.follow()
-        lasso = self._planner.plan(*self._flight.task.problem())
+        lasso = self._planner.solve(*self._flight.task.problem()).lasso
         self._adopt(lasso)
         self._flight.report("plan", f"plan: {lasso}", number=0, task=task, **lasso.as_json())
         self._tell_tree()

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 
 from companion.acting.grounding import Symbols
 from companion.acting.report import Report
-from companion.acting.task_state import TaskState
 from companion.mission.model import Limits
 from companion.motion.routes import RouteMap
+from companion.planning.task_state import TaskState
 from companion.vehicle.port import Setpoint, Vehicle, hold_at
 
 TICK_S = 0.05

@@ -6,10 +6,10 @@ fact that the vehicle cannot choose has changed), `violation` (a conjunct of the
 any more), `route` (a flight was rerouted or stopped by what was seen), `symbol` (a place is flown
 to at another waypoint), `map` (beliefs were given up, or are held again, by the map as seen),
 `gate` (a setpoint was held back), `lap`, `phase` (a step of the sortie), `upload` (what became of a
-mission that a ground station sent), `record` (the run folder cannot be written; told, and not in
-it) and `end`; and for programs alone `position` (a position of the word was left), `tree` (another
-tree is ticked) and `status` (nodes of it have another status). docs/run-folder.md describes the
-data of each.
+mission that a ground station sent), `signal` (the terminal has hung up), `record` (the run folder
+cannot be written; told, and not in it) and `end`; and for programs alone `position` (a position of
+the word was left), `tree` (another tree is ticked) and `status` (nodes of it have another status).
+docs/run-folder.md describes the data of each.
 """
 
 from __future__ import annotations

@@ -13,6 +13,7 @@ Whose the vehicle is, and when it is handed over again, is asked in authority.py
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 
 from py_trees.common import Status
 
@@ -67,7 +68,7 @@ class Sortie:
         self._may_yield = may_yield
         self._homing: Homing | None = None
         self._is_frozen = False
-        self._checking_since_s = 0.0
+        self._asked_s: float | None = None
         self._is_stopping = self._was_stopped = False
         self._was_refused = False
 
@@ -107,6 +108,14 @@ class Sortie:
             self._flight.hold()
         else:
             self._work(STEPS[self.phase])
+
+    def rehearse(self) -> None:
+        """Makes the first plan once before anything is timed; the one at the start is quick then.
+
+        A plan that does not exist is told at the start.
+        """
+        with suppress(NoPlanError):
+            self._executive.rehearse()
 
     # -- the operator --------------------------------------------------------------------------
 
@@ -220,14 +229,19 @@ class Sortie:
         except NoPlanError as error:
             self._end(error)
             return
-        self._checking_since_s = self._flight.now_s
         self._enter(Phase.CHECKING)
 
     def _check_failsafes(self) -> None:
-        """Goes on to arming when the autopilot's failsafes are known and strong, or accepted."""
-        vehicle = self._flight.vehicle
+        """Goes on to arming when the autopilot's failsafes are known and strong, or accepted.
+
+        The time for an answer begins with the question: the tick before has planned, which may
+        have taken longer than an answer may.
+        """
+        vehicle, now_s = self._flight.vehicle, self._flight.now_s
+        if self._asked_s is None:
+            self._asked_s = now_s
         values = {r.parameter: vehicle.parameter(r.parameter) for r in REQUIREMENTS}
-        is_late = self._flight.now_s - self._checking_since_s > ANSWER_TIMEOUT_S
+        is_late = now_s - self._asked_s > ANSWER_TIMEOUT_S
         if None in values.values() and not is_late:
             return
         weak = weaknesses(values)

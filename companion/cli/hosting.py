@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from companion.acting.report import Report
     from companion.ground.operations import Uploads
     from companion.mission.model import Mission
+    from companion.mission_run import Recorder
     from companion.record.run_folder import RunFolder
-    from companion.run import Recorder
 
 
 class Hangar:

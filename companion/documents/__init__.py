@@ -1,6 +1,6 @@
-"""YAML from outside: validated, with the place of every key, and problems in plain words."""
+"""YAML and data from outside: validated, with the place of every key, problems in plain words."""
 
-from companion.documents.document import Document, validate
+from companion.documents.document import Document, TextDocument, validate
 from companion.documents.problems import did_you_mean
 
-__all__ = ["Document", "did_you_mean", "validate"]
+__all__ = ["Document", "TextDocument", "did_you_mean", "validate"]

@@ -50,7 +50,7 @@ def first_problem(
     error: ValidationError,
     model: type[BaseModel],
     data: object,
-    position: Callable[..., tuple[int, int]],
+    position: Callable[..., tuple[int, ...]],
 ) -> Problem:
     """The problem to tell.
 
@@ -58,7 +58,7 @@ def first_problem(
         error: what pydantic found.
         model: what was validated.
         data: the document as plain values.
-        position: line and column of the value at some keys.
+        position: what to sort the values at some keys by.
     """
     details: list[tuple[Keys, Detail]] = [
         (_existing_keys(detail["loc"], data), dict(detail))

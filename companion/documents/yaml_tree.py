@@ -33,7 +33,7 @@ from ruamel.yaml.events import (
 )
 from ruamel.yaml.reader import ReaderError
 
-from companion.errors import Location, MissionError
+from companion.errors import KeyPath, Location, MissionError
 
 MAX_BYTES = 64 * 1024  # a mission of 100 places has 10 KiB; a parser's time grows with the size
 MAX_DEPTH = 16  # our own files nest 5 deep; the tree is read by recursion
@@ -45,7 +45,7 @@ Value = str | int | float | bool | None
 class Scalar:
     """One value; `start` and `end` are indices into the text, quotes and markers included."""
 
-    where: Location
+    where: Location | KeyPath
     value: Value
     start: int
     end: int
@@ -55,7 +55,7 @@ class Scalar:
 class Listing:
     """A YAML sequence."""
 
-    where: Location
+    where: Location | KeyPath
     items: tuple[Node, ...]
 
 
@@ -63,7 +63,7 @@ class Listing:
 class Entry:
     """One key of a mapping with its value."""
 
-    key_at: Location
+    key_at: Location | KeyPath
     node: Node
 
 
@@ -71,7 +71,7 @@ class Entry:
 class Table:
     """A YAML mapping."""
 
-    where: Location
+    where: Location | KeyPath
     entries: dict[str, Entry]
 
 
@@ -217,6 +217,7 @@ class _TreeReader:
 
     def _table(self, where: Location, depth: int) -> Table:
         entries: dict[str, Entry] = {}
+        lines: dict[str, int] = {}
         while not isinstance(event := next(self._events), MappingEndEvent):
             key_at = self._where(event)
             self._refuse_references(event, key_at)
@@ -231,12 +232,12 @@ class _TreeReader:
                 raise MissionError(
                     f"the key {key} is given twice",
                     key_at,
-                    f"first given in line {entries[key].key_at.line}; keep one of them",
+                    f"first given in line {lines[key]}; keep one of them",
                 )
             node = self._node(next(self._events), depth + 1)
             if isinstance(node, Scalar) and node.start == node.end:  # nothing after the colon
                 node = Scalar(key_at, node.value, node.start, node.end)
-            entries[key] = Entry(key_at, node)
+            entries[key], lines[key] = Entry(key_at, node), key_at.line
         return Table(where, entries)
 
 

@@ -35,6 +35,7 @@ class Exchange:
     Attributes:
         result: name of the final MAV_RESULT without its prefix, "" while there is none,
             "NO_ANSWER" for silence.
+        refusal: why it is not sent at all; "" if it may be.
     """
 
     system: int
@@ -47,11 +48,17 @@ class Exchange:
     rejections: int = 0
     result: str = ""
     is_answered: bool = False
+    refusal: str = ""
 
     @property
     def has_failed(self) -> bool:
         """A final answer, and not the wanted one."""
         return self.result not in ("", "ACCEPTED")
+
+    @property
+    def in_words(self) -> str:
+        """The final answer for people."""
+        return self.refusal or self.result.replace("_", " ").lower()
 
     def receive(self, now_s: float, ack: Message) -> None:
         """Takes a COMMAND_ACK for this command."""
@@ -104,6 +111,11 @@ class CommandSender:
             *target, command, parameters, deadline_s=now_s + SILENCE_S, next_send_s=now_s
         )
         return self._tickets
+
+    def refuse(self, ticket: int, refusal: str) -> None:
+        """Ends a command before it is sent, as a failure with a reason."""
+        exchange = self._exchanges[ticket]
+        exchange.result, exchange.refusal = "REFUSED", refusal
 
     def forget(self, ticket: int) -> None:
         """Ends a command: nothing more is sent, answers are ignored."""

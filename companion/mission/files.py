@@ -10,9 +10,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from companion.documents import Document, validate
+from companion.documents.sources import read_source
 from companion.errors import MissionError
 from companion.maps import image_of
-from companion.mission.loader import read_text
 from companion.mission.schema import MissionFile
 
 
@@ -26,22 +26,29 @@ def files_of(path: Path, within: Path) -> tuple[Path, ...]:
     Raises:
         MissionError: the mission or its map cannot be read, or a file lies elsewhere.
     """
-    file, document = validate(read_text(path), str(path), MissionFile)
-    map_path = path.parent / file.map
-    _check_within(map_path, within, file.map, document, ["map"])
-    try:
-        image = image_of(map_path)
-    except MissionError as error:
-        if error.where is not None:
-            raise
-        raise MissionError(error.what, document.where("map"), error.hint) from error
-    _check_within(image, within, f"the image of {file.map}", document, ["map"])
+    file, document = validate(read_source(path, "mission").content, str(path), MissionFile)
     others: list[Path] = []
+    if isinstance(file.map, str):
+        others += _map_files(path.parent, file.map, within, document)
     for key, name in (("domain", file.domain), ("problem", file.problem)):
         if name is not None:
             others.append(path.parent / name)
             _check_within(others[-1], within, name, document, [key])
-    return (image, map_path, *others, path)
+    return (*others, path)
+
+
+def _map_files(folder: Path, name: str, within: Path, document: Document) -> tuple[Path, Path]:
+    """The image of a map file, and the file."""
+    path = folder / name
+    _check_within(path, within, name, document, ["map"])
+    try:
+        image = image_of(path)
+    except MissionError as error:
+        if error.where is not None:
+            raise
+        raise MissionError(error.what, document.where("map"), error.hint) from error
+    _check_within(image, within, f"the image of {name}", document, ["map"])
+    return image, path
 
 
 def _check_within(

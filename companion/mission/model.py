@@ -246,3 +246,8 @@ class Mission:
     task: Mapping[str, Formula]
     otherwise: Otherwise
     tree: Tree | None = None
+
+    @property
+    def home(self) -> Place:
+        """The place where the mission begins."""
+        return next(p for name, p in self.places.items() if f"at({name})" in self.initially)

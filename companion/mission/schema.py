@@ -28,6 +28,27 @@ class Entry(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
+Span = Annotated[tuple[float, float], Field(description="[from, to], metres from home.")]
+
+
+class WallEntry(Entry):
+    """A box on the map that is occupied."""
+
+    east_m: Span
+    north_m: Span
+
+
+class MapEntry(Entry):
+    """An area with walls, in place of a map file; what lies outside of it is occupied."""
+
+    east_m: Span
+    north_m: Span
+    cell_m: Annotated[float, Field(ge=0.01, le=10, description="Edge of a cell, metres.")] = 0.1
+    walls: Annotated[
+        list[WallEntry], Field(description="Boxes: [{east_m: [4, 5], north_m: [0, 6]}, ...].")
+    ] = []
+
+
 class LimitsEntry(Entry):
     """What no setpoint may leave."""
 
@@ -194,10 +215,11 @@ class MissionFile(Entry):
         Field(description="Axes of all positions. Only enu: metres east, north and up of home."),
     ] = "enu"
     map: Annotated[
-        Text,
+        Text | MapEntry,
         Field(
-            description="Map file (ROS map_server YAML), relative to this file: what the vehicle "
-            "is told beforehand."
+            description="What the vehicle is told of the world beforehand: a map file (ROS "
+            "map_server YAML), relative to this file, or an area with walls: {east_m: [-2, 12], "
+            "north_m: [-2, 12], walls: [{east_m: [4, 5], north_m: [0, 6]}]}."
         ),
     ]
     limits: Annotated[

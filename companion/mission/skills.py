@@ -231,7 +231,7 @@ class _Builder:
                     f"{atom.name} is an event, so the skill {self.name} cannot set it",
                     self.document.where("skills", self.name, *keys),
                     "an event is read off MAVLink; use another fact, or remove the event in "
-                    f"line {self.document.key_at('events', atom.name).line}",
+                    f"{self.document.key_at('events', atom.name).inside}",
                 )
 
     def _refuse_unused(self, atoms: list[Atom], execute: tuple[Execution, ...]) -> None:

@@ -24,7 +24,7 @@ import numpy.typing as npt
 from companion.errors import CompanionError
 from companion.geometry import Ned, enu_from_ned
 from companion.ltl.parser import parse
-from companion.mission.loader import CLEARANCE_M
+from companion.mission.clearance import CLEARANCE_M
 from companion.monitor.automata import TaskReader
 from companion.monitor.scene import Scene, read_scene
 from companion.monitor.tailing import EventLines, TlogFrames

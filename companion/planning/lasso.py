@@ -112,7 +112,7 @@ def _step(action: Action) -> Mapping[str, object]:
 
 @dataclass(frozen=True)
 class Solution:
-    """A lasso and what is known of its quality.
+    """A plan: a lasso, and what is known of its quality.
 
     Attributes:
         cost_ms: the objective: the lap, or prefix and lap together, or the worst wait.
@@ -127,6 +127,29 @@ class Solution:
     engine: str
 
     @property
+    def prefix(self) -> tuple[Action, ...]:
+        """The actions that are done once, first."""
+        return self.lasso.prefix
+
+    @property
+    def loop(self) -> tuple[Action, ...]:
+        """The actions that are then repeated for ever, at least one."""
+        return self.lasso.suffix
+
+    @property
+    def cost_s(self) -> float:
+        """The objective, seconds."""
+        return self.cost_ms / 1000
+
+    @property
+    def bound_s(self) -> float | None:
+        """What no plan's objective is below, seconds; None if nothing is known."""
+        return self.bound_ms / 1000 if self.bound_ms else None
+
+    def __str__(self) -> str:
+        return str(self.lasso)
+
+    @property
     def is_optimal(self) -> bool:
         """Whether it is proved that no lasso is better."""
         return self.cost_ms <= self.bound_ms
@@ -136,8 +159,8 @@ class Solution:
         return {
             **self.lasso.as_json(),
             "objective": self.objective.value,
-            "cost_s": self.cost_ms / 1000,
-            "bound_s": self.bound_ms / 1000 if self.bound_ms else None,
+            "cost_s": self.cost_s,
+            "bound_s": self.bound_s,
             "optimal": self.is_optimal,
             "engine": self.engine,
             "reason": None,

@@ -49,7 +49,7 @@ class Wire:
         if self.system:
             return messages
         for at, message in enumerate(messages):
-            if _is_autopilot(message):
+            if is_autopilot(message):
                 self._endpoint = Endpoint(source(message)[0], COMPONENT)
                 return messages[at:]
         return []
@@ -63,7 +63,8 @@ def _ids(names: frozenset[str]) -> frozenset[int]:
     return frozenset(n for n, kind in dialect.mavlink_map.items() if kind.msgname in names)
 
 
-def _is_autopilot(message: Message) -> bool:
+def is_autopilot(message: Message) -> bool:
+    """Whether a message is the HEARTBEAT of an autopilot, which a decoded frame vouches for."""
     return bool(
         message.get_type() == "HEARTBEAT"
         and message.get_srcComponent() == AUTOPILOT

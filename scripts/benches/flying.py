@@ -27,7 +27,7 @@ from companion.mission.model import Mission
 from companion.motion.grid import OccupancyGrid
 from companion.motion.routes import RouteMap
 from companion.motion.sensed_map import RangeScan, SensedMap
-from companion.run import route_map
+from companion.planning.flight_times import route_map
 from sitl.flight.controllers import Cascade, TrajectorySetpoint
 from sitl.flight.mixer import Motors
 from sitl.flight.physics import Physics

@@ -13,14 +13,13 @@ from time import perf_counter
 from benches import Row, timed
 from benches.shipped import shipped
 from companion.acting.report import Report
-from companion.acting.task_state import TaskState
 from companion.app import Companion
 from companion.geometry import Ned, distance
 from companion.ground.operations import Standing
 from companion.mavlink.framing import Endpoint, split_frames
 from companion.mission.model import Mission
+from companion.mission_run import Recorder
 from companion.planning.planner import Planner
-from companion.run import Recorder, flight_times, route_map
 from sitl.simulation import Simulation
 
 SETPOINT = bytes([84, 0, 0])  # id of SET_POSITION_TARGET_LOCAL_NED, in bytes 7 to 9 of a frame
@@ -90,13 +89,8 @@ def planning(runs: int) -> Iterator[Row]:
     """The search for the first plan; the way between places is known."""
     for path in sorted({flight.mission: flight for flight in shipped()}.values(), key=str):
         mission = path.load()
-        planner = Planner(mission, flight_times(mission, route_map(mission)))
-        problem = TaskState(planner).problem()
-
-        def plan(planner: Planner = planner, problem: object = problem) -> object:
-            return planner.plan(*problem)  # type: ignore[misc]
-
-        yield Row(f"{mission.name}: first plan", median(timed(plan, max(3, runs // 5))), "ms")
+        took = timed(Planner(mission).plan, max(3, runs // 5))
+        yield Row(f"{mission.name}: first plan", median(took), "ms")
 
 
 def flying(runs: int) -> Iterator[Row]:

@@ -9,17 +9,17 @@ from time import perf_counter
 import numpy as np
 
 from benches import MISSION, Row, timed
-from benches.worlds import Asked, at_the_start, patrol, straight, target_found
-from companion.acting.task_state import TaskState
+from benches.worlds import Asked, patrol, straight, target_found
 from companion.geometry import Ned
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
 from companion.motion.routes import RouteMap
 from companion.planning.engines import solve_with
+from companion.planning.flight_times import flight_times, route_map
 from companion.planning.lasso import Solution
 from companion.planning.objective import Encoding, Objective
 from companion.planning.planner import Planner
-from companion.run import flight_times, route_map
+from companion.planning.task_state import TaskState
 
 ENGINE = "fast-downward"
 
@@ -28,9 +28,7 @@ def loading(runs: int) -> Iterator[Row]:
     """From the mission file to the first plan."""
 
     def first_plan() -> None:
-        loaded = load_mission(MISSION)
-        planner = Planner(loaded, flight_times(loaded, route_map(loaded)))
-        planner.plan(*TaskState(planner).problem())
+        Planner(load_mission(MISSION)).plan()
 
     yield Row("load, ground and plan", median(timed(first_plan, max(1, runs // 4))), "ms")
 
@@ -101,7 +99,7 @@ def _answers(sites: int, upload_sites: int, seed: int) -> list[tuple[float, Solu
     """The solutions of a patrol with the milliseconds after which each came."""
     mission = patrol(sites, upload_sites, seed)
     planner = Planner(mission, straight(mission))
-    asked = at_the_start(planner)
+    asked = planner.initial_problem()
     start_s = perf_counter()
     return [(1000 * (perf_counter() - start_s), s) for s in planner.solutions(*asked)]
 

@@ -10,7 +10,7 @@ from benches import ROOT
 from companion.app import Companion
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
-from companion.run import Recorder
+from companion.mission_run import Recorder
 from sitl.harness import fly_in_lockstep
 from sitl.link.routing import LinkName
 from sitl.simulation import Simulation

@@ -87,6 +87,17 @@ class Cut:
         return [] if self.is_cut else datagrams
 
 
+class Deaf:
+    """Messages of one kind are lost while it is deaf."""
+
+    def __init__(self, message_id: int) -> None:
+        self.is_deaf = False
+        self._header = message_id.to_bytes(3, "little")
+
+    def __call__(self, now_s: float, datagrams: list[bytes]) -> list[bytes]:
+        return [d for d in datagrams if not (self.is_deaf and d[7:10] == self._header)]
+
+
 class Lockstep:
     """One flight; it is also the recorder of its companion.
 
@@ -179,6 +190,11 @@ class Lockstep:
         """Lets time pass."""
         for _ in range(round(seconds / TICK_S)):
             self.tick()
+
+    def run_for(self, seconds: float) -> Lockstep:
+        """Lets time pass, in a chain of calls."""
+        self.run(seconds)
+        return self
 
     def until(self, is_so: Callable[[], bool], limit_s: float = 150.0) -> Lockstep:
         """Lets time pass until something is so; the test fails if that takes too long."""

@@ -18,7 +18,6 @@ from companion.ltl.semantics import Letter, holds
 from companion.mission.loader import load_mission
 from companion.mission.model import Fly, Mission
 from companion.planning.domain import Action, departures, ground
-from companion.run import home_of
 from sitl.world.scenario import read_scenario
 
 MISSIONS = Path(__file__).parents[2] / "missions"
@@ -117,5 +116,5 @@ def _actions(mission: Mission) -> tuple[Action, ...]:
 
 def distance_from_home_m(flight: ShippedFlight) -> float:
     """Of the vehicle at the end, from the place on the ground below Home."""
-    north, east, _ = home_of(flight.mission).position
+    north, east, _ = flight.mission.home.position
     return distance(flight.truth[-1], (north, east, 0.0))

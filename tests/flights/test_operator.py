@@ -19,7 +19,7 @@ from companion.geometry import distance, horizontal_distance
 from companion.mavlink.framing import Endpoint, dialect
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
-from companion.run import Recorder
+from companion.mission_run import Recorder
 from sitl.link.routing import LinkName
 from sitl.world.scenario import read_scenario
 

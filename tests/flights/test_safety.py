@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
-from lockstep import Air, Cut, Jittery, Lockstep, Lossy, Said, World
+from lockstep import Air, Cut, Deaf, Jittery, Lockstep, Lossy, Said, World
 
 from companion.app import Companion
 from companion.errors import Aborted, LinkError, NoPlanError
@@ -69,6 +69,35 @@ def test_the_pilot_wins(mode: str, start: Start) -> None:
     assert flight.texts[-1] == f"the pilot has control, in {mode}"
     assert flight.exit_code == 5
     assert isinstance(flight.companion.failure, Aborted)
+
+
+@pytest.mark.parametrize("after_s", [0.1, 0.3, 0.6, 0.9, 1.2, 1.5, 2.0, 3.0, 4.0, 5.0])
+def test_the_pilot_wins_from_the_first_command_on(after_s: float, start: Start) -> None:
+    """While it arms, climbs, and enters OFFBOARD."""
+    flight = start(has_station=True).until_reported("arming").run_for(after_s)
+    flight.station_chooses("AUTO.RTL")
+    switched_s = flight.now_s
+    flight.until_the_end().run(5.0)
+    assert flight.texts[-1] == "the pilot has control, in AUTO.RTL"
+    assert flight.exit_code == 5
+    assert all(said.time_s <= switched_s + 0.1 for said in flight.commands + flight.setpoints)
+
+
+@pytest.mark.parametrize("silence_s", [1.2, 2.0, 3.0, 8.0])
+@pytest.mark.parametrize("after_s", [0.0, 0.8])
+def test_lost_heartbeats_at_the_take_off_fake_no_take_over(
+    silence_s: float, after_s: float, start: Start, undisturbed: Lockstep
+) -> None:
+    up = Deaf(0)  # HEARTBEAT
+    flight = start(up=up).until_reported("taking off").run_for(after_s)
+    up.is_deaf = True
+    flight.run(silence_s)
+    up.is_deaf = False
+    flight.until_reported("at A")
+    begun = len(flight.texts)
+    assert flight.texts == undisturbed.texts[:begun]
+    modes = flown_modes(flight)
+    assert modes == flown_modes(undisturbed)[: len(modes)]  # the take-off had ended before OFFBOARD
 
 
 def test_a_mode_that_the_autopilot_refuses_changes_nothing(

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import pytest
 from shipped import ShippedFlight, distance_from_home_m
 
-from companion.mission.loader import MARGIN_M
+from companion.mission.clearance import MARGIN_M
 from sitl.world.collision import VEHICLE_RADIUS_M
 
 NO_PLAN = """\

@@ -16,7 +16,6 @@ from rig import Rig
 from synthetic import command, event, mission, reading
 
 from companion.acting.executive import TaskStatus
-from companion.acting.task_state import TaskState
 from companion.ltl.parser import parse
 from companion.ltl.semantics import holds
 from companion.ltl.translate import translate
@@ -24,6 +23,7 @@ from companion.mission.model import Mission, Signal
 from companion.motion.routes import RouteMap
 from companion.planning.domain import ground
 from companion.planning.lasso import Problem, word
+from companion.planning.task_state import TaskState
 
 TARGET = (Signal("NAMED_VALUE_INT", "target", "value"), 1.0)
 SITES = ("Home", "A", "B", "C", "r1", "r2", "r3")
@@ -179,8 +179,8 @@ def test_nothing_but_the_initial_state_changes_in_flight(
     rig = Rig(surveillance, surveillance_routes)
     automata = [conjunct.automaton for conjunct in rig.planner.conjuncts]
     actions = rig.planner.model.actions
-    planned, replanned = Mock(wraps=rig.planner.plan), Mock(wraps=rig.planner.replan)
-    monkeypatch.setattr(rig.planner, "plan", planned)
+    planned, replanned = Mock(wraps=rig.planner.solve), Mock(wraps=rig.planner.replan)
+    monkeypatch.setattr(rig.planner, "solve", planned)
     monkeypatch.setattr(rig.planner, "replan", replanned)
     fly_section_5(rig)
 
@@ -257,9 +257,9 @@ def test_without_its_history_the_planner_would_visit_it_again() -> None:
     rig.run_until("at B")
     forgetful = TaskState(rig.planner)
     forgetful.facts = frozenset({"at(B)"})
-    assert str(rig.planner.plan(*rig.task.problem())) == "(wait)^w"
+    assert str(rig.planner.solve(*rig.task.problem())) == "(wait)^w"
     again = "move(B, A), move(A, B), (wait)^w"
-    assert str(rig.planner.plan(*forgetful.problem())) == again
+    assert str(rig.planner.solve(*forgetful.problem())) == again
 
 
 def test_an_event_may_restart_a_conjunct(surveillance: Mission, rig: Rig) -> None:

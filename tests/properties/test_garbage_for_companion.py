@@ -29,7 +29,7 @@ from companion.ground.parameters import NAMES
 from companion.ground.uploads import Uploads
 from companion.mavlink.framing import Endpoint, dialect
 from companion.mission.model import Mission
-from companion.run import Recorder
+from companion.mission_run import Recorder
 
 TASK = "G F at(A) & G F at(B)"
 PER_TICK = 4

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
 from itertools import pairwise
 
 import pytest
@@ -18,9 +17,7 @@ from companion.driving import fly
 from companion.errors import Aborted, LinkTimeout
 from companion.geometry import Ned
 from companion.mavlink.framing import Endpoint, dialect
-from companion.mission.model import Mission, Place
-from companion.motion.profile import JERK_MPS3
-from companion.run import flight_times, home_of, route_map
+from companion.mission.model import Mission
 
 
 class Notes:
@@ -214,37 +211,6 @@ def test_every_setpoint_of_a_flight_stays_within_the_limits() -> None:
         assert -1.5 <= s.x <= 7.5 and -1.5 <= s.y <= 7.5 and -4.0 <= s.z <= -0.5
         assert math.hypot(s.vx, s.vy, s.vz) <= 2.0 * 1.01
     assert [r for r in world.notes.reports if r.kind == "gate"] == []
-
-
-# -- what is put together --------------------------------------------------------------------------
-
-
-def test_home_is_where_the_mission_begins() -> None:
-    asked = mission("F at(H)", initially=["at(B)", "loaded"])
-    assert home_of(asked).name == "B"
-
-
-def test_only_places_of_the_task_are_not_crossed_by_chance() -> None:
-    """C, A and the middle of the room: M is in the way only if the task mentions it."""
-    straight = math.hypot(6.0, 6.0)
-    for task, is_in_the_way in (("F at(A)", False), ("F at(A) & G !at(M)", True)):
-        asked = mission(task, places="HAC")
-        middle = Place("M", (3.0, 3.0, -2.0), 1.0)
-        routes = route_map(replace(asked, places={**asked.places, "M": middle}))
-        route = routes.route(POSITIONS["C"], "A")
-        assert route is not None
-        assert (route.length_m > straight + 0.1) is is_in_the_way
-
-
-def test_flight_times_are_those_of_the_map() -> None:
-    """At rest at both ends: d/v + v/a + a/j; a way along cells is a little longer."""
-    asked = mission("F at(A)")
-    here: Ned | None = None
-    seconds = flight_times(asked, route_map(asked), lambda: here)
-    assert seconds("H", "A") == pytest.approx(6.0 / 2.0 + 2.0 / 2.0 + 2.0 / JERK_MPS3, abs=0.4)
-    assert seconds("here", "A") == math.inf
-    here = (3.0, 0.0, -2.0)
-    assert seconds("here", "A") == pytest.approx(3.0 / 2.0 + 2.0 / 2.0 + 2.0 / JERK_MPS3, abs=0.4)
 
 
 @pytest.mark.parametrize("ticks", range(12))

@@ -18,7 +18,7 @@ from companion.app import Companion
 from companion.driving import fly
 from companion.mavlink.framing import Endpoint, dialect
 from companion.mission.model import Mission
-from companion.run import Recorder
+from companion.mission_run import Recorder
 
 UNDER_WAY_S = 0.002
 """From one end to the other."""
@@ -151,3 +151,12 @@ def test_the_heartbeat_is_the_same_with_and_without_questions(line: Line) -> Non
 def test_in_flight_what_was_there_before_is_not_searched_for_garbage(line: Line) -> None:
     assert line.set_aside_before == 0
     assert line.set_aside > 10_000
+
+
+def test_what_takes_long_is_done_before_the_clock_is_read() -> None:
+    """Planning 20 sites takes seconds, in which no heartbeat leaves and time-outs run."""
+    line, done = Line(asks_until_s=0.0), []
+    line.companion.rehearse = lambda: done.append(line.steps_s.copy())  # type: ignore[method-assign]
+    fly(line.companion, line, line, 0.0)  # type: ignore[arg-type]
+    gc.unfreeze()
+    assert done == [[]]

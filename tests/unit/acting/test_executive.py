@@ -296,7 +296,7 @@ def test_a_belief_about_here_can_be_to_blame() -> None:
     rig.task.interrupt()
     rig.task.withdraw(frozenset({"trans_ok(here, A)", "trans_ok(H, A)"}))
     with pytest.raises(NoPlanError, match=r"or trans_ok\(here, A\) there would be a plan"):
-        rig.planner.plan(*rig.task.problem())
+        rig.planner.solve(*rig.task.problem())
 
 
 def test_a_map_that_has_changed_takes_moves_out_of_the_next_plan() -> None:

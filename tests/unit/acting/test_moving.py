@@ -24,7 +24,7 @@ from companion.acting.moving import (
 from companion.geometry import distance
 from companion.motion.grid import OccupancyGrid
 from companion.motion.profile import JERK_MPS3
-from companion.run import route_map
+from companion.planning.flight_times import route_map
 from companion.vehicle.port import Setpoint, hold_at
 
 

@@ -29,7 +29,6 @@ from companion.mission.model import (
 )
 from companion.planning.domain import ground
 from companion.planning.lasso import Lasso
-from companion.run import home_of
 from companion.vehicle.port import Goal
 
 LOW = event("low")
@@ -146,7 +145,7 @@ def test_a_charger_that_gives_nothing_is_given_up_and_the_sortie_takes_off_again
     rig = Rig(asked)
     vehicle = rig.vehicle
     vehicle.change(battery_percent=20, is_landed=True, is_armed=False, position=(0.0, 0.0, 0.0))
-    sortie = Sortie(rig.flight, rig.executive, home_of(asked), asked.otherwise)
+    sortie = Sortie(rig.flight, rig.executive, asked.home, asked.otherwise)
 
     def until(text: str, limit_s: float = 400.0) -> None:
         for _ in range(round(limit_s * 20)):

@@ -12,7 +12,6 @@ from companion.acting.phases import STEPS, Phase
 from companion.acting.sortie import ANSWER_TIMEOUT_S, Sortie
 from companion.errors import Aborted, LinkError, NoPlanError
 from companion.mission.model import Mission, Otherwise, Signal
-from companion.run import home_of
 from companion.vehicle.port import Goal, Mode
 
 NEVER = (1e9, RUNNING)
@@ -28,7 +27,7 @@ class Run:
         self.rig = Rig(asked or mission("F at(A)"), vehicle=self.vehicle)
         asked = self.rig.mission
         self.sortie = Sortie(
-            self.rig.flight, self.rig.executive, home_of(asked), asked.otherwise, accepts_weak
+            self.rig.flight, self.rig.executive, asked.home, asked.otherwise, accepts_weak
         )
 
     def step(self, *readings: tuple[Signal, float]) -> None:
@@ -179,6 +178,37 @@ def test_an_autopilot_that_does_not_answer_is_given_its_time() -> None:
     run.until(Phase.ENDED)
     assert run.rig.flight.now_s - start_s == pytest.approx(ANSWER_TIMEOUT_S, abs=0.11)
     assert "COM_OBL_RC_ACT was not answered" in run.end[0]
+
+
+def test_the_time_for_an_answer_begins_with_the_question() -> None:
+    """The tick before has planned, and taken longer than an answer may."""
+    run = Run()
+    run.vehicle.parameters.clear()
+    run.until(Phase.CHECKING)
+    late_s = run.rig.flight.now_s + 2 * ANSWER_TIMEOUT_S
+    run.vehicle.step(late_s)
+    run.sortie.step(late_s, [])
+    run.vehicle.step(late_s + ANSWER_TIMEOUT_S)
+    run.sortie.step(late_s + ANSWER_TIMEOUT_S, [])
+    assert run.sortie.phase is Phase.CHECKING
+    run.vehicle.step(late_s + ANSWER_TIMEOUT_S + 0.1)
+    run.sortie.step(late_s + ANSWER_TIMEOUT_S + 0.1, [])
+    assert run.sortie.has_ended
+    assert "was not answered" in run.end[0]
+
+
+def test_a_rehearsal_changes_nothing() -> None:
+    plain, rehearsed = Run(), Run()
+    rehearsed.sortie.rehearse()
+    assert rehearsed.texts == []
+    assert rehearsed.until(Phase.ENDED).texts == plain.until(Phase.ENDED).texts
+
+
+def test_a_rehearsal_without_a_plan_leaves_the_telling_to_the_start() -> None:
+    run = Run(mission("F at(A) & G !at(A)"))
+    run.sortie.rehearse()
+    assert run.texts == []
+    assert run.until(Phase.ENDED).end[1] == NoPlanError.exit_code
 
 
 # -- loss of control -------------------------------------------------------------------------------

@@ -15,8 +15,7 @@ from companion.acting.authority import FRESH_S, not_handed_over
 from companion.acting.flight import TICK_S
 from companion.acting.phases import Phase
 from companion.acting.sortie import GROUNDED, Sortie
-from companion.run import home_of
-from companion.vehicle.port import Goal, Mode, VehicleState
+from companion.vehicle.port import MODE_KNOWN_S, Goal, Mode, VehicleState
 
 PATROL = "G F at(A) & G F at(B)"
 
@@ -31,7 +30,7 @@ class Stepping:
         self.sortie = Sortie(
             self.rig.flight,
             self.rig.executive,
-            home_of(asked),
+            asked.home,
             asked.otherwise,
             may_yield=may_yield,
         )
@@ -156,10 +155,11 @@ def test_without_somebody_who_may_give_it_back_it_ends() -> None:
 def test_it_is_handed_over_only_if_all_is_so() -> None:
     """All combinations: one alone that is wrong, and all of them, is a refusal."""
     good = VehicleState(
-        10.0, (0.0, 0.0, -2.0), (0.0, 0.0, 0.0), 0.0, Mode.LOITER, True, False, False, 80
+        10.0, (0.0, 0.0, -2.0), (0.0, 0.0, 0.0), 0.0, Mode.LOITER, True, False, False, 80, 10.0
     )
     wrong: list[dict[str, object]] = [
         {"stamp_s": 10.0 - FRESH_S - 0.01},
+        {"mode_s": 10.0 - MODE_KNOWN_S - 0.01},
         {"is_armed": False},
         {"is_landed": True},
         {"is_failsafe": True},

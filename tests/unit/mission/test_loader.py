@@ -16,7 +16,8 @@ from hypothesis import strategies as st
 
 from companion.errors import FormulaError, MissionError
 from companion.ltl.parser import parse
-from companion.mission.loader import CLEARANCE_M, load_mission
+from companion.mission.clearance import CLEARANCE_M
+from companion.mission.loader import load_mission
 from companion.mission.model import (
     Atom,
     Charge,
@@ -111,6 +112,7 @@ SPOILT: list[tuple[str, str, str, str]] = [
     ("    until:", "    restores: [§canUplod]\n    until:", "restores canUplod", "mean canUpload?"),
     ("command(payload", "command(§paylaod", "unknown component paylaod", "mean payload?"),
     ("MAV_CMD_USER_1", "§MAV_CMD_USR_1", "unknown command MAV_CMD_USR_1", "MAV_CMD_USER_1?"),
+    ("MAV_CMD_USER_1", "§MAV_CMD_COMPONENT_ARM_DISARM", "is not a command for payloads", "land()"),
     ("1.5, -2", "1.5, §nan", "nan is not a number", "1.5"),
     ("1.5, -2", "1.5, §1e39", "1e39 is not a number", "1.5"),
     ("cost: 10", "cost: §flight_time", "upload does not fly", "write seconds"),

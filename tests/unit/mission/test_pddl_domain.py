@@ -12,7 +12,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from companion.acting.task_state import TaskState
 from companion.errors import MissionError
 from companion.ltl.parser import parse
 from companion.mission.loader import load_mission
@@ -90,7 +89,7 @@ def test_start_and_goal(delivery: Mission) -> None:
 def test_the_parcels_are_carried_one_at_a_time(delivery: Mission) -> None:
     """Every plan is checked by the planner itself; this one is the only sensible order."""
     planner = Planner(delivery, lambda origin, goal: 10.0)
-    assert str(planner.plan(*TaskState(planner).problem())) == (
+    assert str(planner.plan()) == (
         "pick_up(p1, Home), move(Home, A), hand_over(A), move(A, Home), "
         "pick_up(p2, Home), move(Home, B), hand_over(B), (wait)^w"
     )

@@ -23,7 +23,7 @@ from companion.planning.check import fault
 from companion.planning.compilation.encode import encode
 from companion.planning.domain import ConditionalEffect
 from companion.planning.engines import EngineError, solve, solve_with
-from companion.planning.lasso import Lasso, Letter, Problem
+from companion.planning.lasso import Lasso, Letter, Problem, Solution
 from companion.planning.objective import Encoding, Objective
 
 pytest.importorskip("up_fast_downward")
@@ -57,20 +57,20 @@ def phases(surveillance: Mission, surveillance_routes: RouteMap) -> list[Asked]:
     """Section V: the start; a target on the way to B; r1 refuses the upload."""
     rig = Rig(surveillance, surveillance_routes)
     asked: list[Asked] = []
-    plan, replan = rig.planner.plan, rig.planner.replan
+    solve, replan = rig.planner.solve, rig.planner.replan
 
     def noted(problem: Problem, histories: Sequence[Sequence[Letter]]) -> None:
         asked.append(Asked(problem, [list(letters) for letters in histories]))
 
-    def noting_plan(problem: Problem, histories: Sequence[Sequence[Letter]]) -> Lasso:
+    def noting_solve(problem: Problem, histories: Sequence[Sequence[Letter]]) -> Solution:
         noted(problem, histories)
-        return plan(problem, histories)
+        return solve(problem, histories)
 
-    def noting_replan(problem: Problem, histories: Sequence[Sequence[Letter]]) -> Lasso:
+    def noting_replan(problem: Problem, histories: Sequence[Sequence[Letter]]) -> Lasso | None:
         noted(problem, histories)
         return replan(problem, histories)
 
-    rig.planner.plan, rig.planner.replan = noting_plan, noting_replan  # type: ignore[method-assign]
+    rig.planner.solve, rig.planner.replan = noting_solve, noting_replan  # type: ignore[method-assign]
     rig.begin()
     rig.vehicle.answers = [(2.0, failed("denied")), (1.0, DONE)]
     rig.run_until("at A", times=2)

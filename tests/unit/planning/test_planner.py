@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 from reference_search import best_lap_and_prefix
-from synthetic import at_the_start, command, event, mission, planner
+from synthetic import command, event, mission, planner
 
 from companion.errors import CompanionError, NoPlanError
 from companion.ltl.automaton import successors
@@ -44,7 +44,7 @@ def test_beliefs_hold_but_for_those_that_were_withdrawn() -> None:
 
 def test_between_two_problems_only_the_initial_state_differs() -> None:
     made = planner(mission("F at(A)"))
-    first, _ = at_the_start(made)
+    first, _ = made.initial_problem()
     later = made.problem(frozenset({"at(B)"}), (frozenset({0}),))
     assert later.actions is first.actions
     assert later.conjuncts is first.conjuncts
@@ -75,7 +75,7 @@ def test_a_withdrawn_belief_about_here_is_not_held() -> None:
 
 def test_a_plan() -> None:
     made = planner(mission("F at(A) & F at(B)"))
-    assert str(made.plan(*at_the_start(made))) == "move(H, A), move(A, B), (wait)^w"
+    assert str(made.plan()) == "move(H, A), move(A, B), (wait)^w"
 
 
 TASKS = [
@@ -106,7 +106,7 @@ def test_interrupted_on_the_way_it_plans_from_there_and_forgets_nothing(
     here = frozenset({"at(here)"}) | events
     problem = made.problem(here, tuple(states), is_en_route=True)
     histories = [letters for _ in made.conjuncts]
-    best = made.plan(problem, histories)
+    best = made.solve(problem, histories).lasso
     assert best_lap_and_prefix(problem) == (best.lap_cost_ms, best.prefix_cost_ms)
     for lasso in (best, made.replan(problem, histories)):
         assert fault(problem, lasso, histories) is None
@@ -120,9 +120,9 @@ def test_a_replan_is_the_first_plan_and_a_plan_the_best(monkeypatch: pytest.Monk
     plans = [Lasso((go, back, go), (wait,)), Lasso((go,), (wait,))]
     offered = [Solution(plan, Objective.LAP, 100, 100, "test") for plan in plans]
     monkeypatch.setattr(Search, "solutions", lambda *args: iter(offered))
-    assert made.replan(*at_the_start(made)) == plans[0]
-    assert made.plan(*at_the_start(made)) == plans[1]
-    assert list(made.solutions(*at_the_start(made))) == offered
+    assert made.replan(*made.initial_problem()) == plans[0]
+    assert made.plan().lasso == plans[1]
+    assert list(made.solutions(*made.initial_problem())) == offered
 
 
 def test_in_flight_less_is_tried_than_on_the_ground(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -135,8 +135,8 @@ def test_in_flight_less_is_tried_than_on_the_ground(monkeypatch: pytest.MonkeyPa
 
     monkeypatch.setattr(Search, "solutions", spied)
     made = planner(mission("F at(A)"))
-    made.plan(*at_the_start(made))
-    made.replan(*at_the_start(made))
+    made.plan()
+    made.replan(*made.initial_problem())
     assert tried == [ON_THE_GROUND, IN_FLIGHT]
     assert IN_FLIGHT.edges < ON_THE_GROUND.edges
     assert IN_FLIGHT.ways < ON_THE_GROUND.ways
@@ -145,8 +145,8 @@ def test_in_flight_less_is_tried_than_on_the_ground(monkeypatch: pytest.MonkeyPa
 
 def test_the_objective_is_passed_on() -> None:
     made = planner(mission("G F (at(A) & X at(H)) | G F at(B)"))
-    by_sum = list(made.solutions(*at_the_start(made), Objective.SUM))[-1]
-    by_lap = list(made.solutions(*at_the_start(made)))[-1]
+    by_sum = list(made.solutions(*made.initial_problem(), Objective.SUM))[-1]
+    by_lap = list(made.solutions(*made.initial_problem()))[-1]
     assert (by_sum.objective, by_lap.objective) == (Objective.SUM, Objective.LAP)
     assert by_lap.cost_ms == 100 < by_sum.lasso.lap_cost_ms + by_sum.lasso.prefix_cost_ms
 
@@ -154,11 +154,11 @@ def test_the_objective_is_passed_on() -> None:
 def test_no_plan_is_explained() -> None:
     made = planner(mission({"stay": "G at(H)", "go": "F at(A)"}))
     with pytest.raises(NoPlanError, match="stay, go cannot hold together") as caught:
-        made.plan(*at_the_start(made))
+        made.plan()
     assert isinstance(caught.value, NoPlan)
     assert [c.name for c in caught.value.explanation.conflict] == ["stay", "go"]
 
-    problem, histories = at_the_start(made)
+    problem, histories = made.initial_problem()
     assert made.replan(problem, histories) is None
     *searches, explanation = made.reasons(problem)
     assert searches == [None, None]
@@ -171,9 +171,9 @@ def test_a_wrong_plan_is_never_handed_out(monkeypatch: pytest.MonkeyPatch) -> No
     wait = made.model.actions[-1]
     wrong = Solution(Lasso((), (wait,)), Objective.LAP, 100, 100, "test")
     monkeypatch.setattr(Search, "solutions", lambda *args: iter([wrong]))
-    for ask in (made.plan, made.replan):
+    for ask in (made.solve, made.replan):
         with pytest.raises(CompanionError, match=r"wrong plan.*does not satisfy task"):
-            ask(*at_the_start(made))
+            ask(*made.initial_problem())
 
 
 def test_what_it_takes_is_measured_by_the_clock_it_is_given() -> None:
@@ -190,11 +190,11 @@ def test_moves_cost_what_they_cost_now_and_none_is_planned_without_a_route() -> 
     asked = mission("F at(B)")
     seconds = {("H", "B"): 8.0}
     made = Planner(asked, lambda origin, goal: seconds.get((origin, goal), 3.0))
-    assert str(made.plan(*at_the_start(made))) == "move(H, A), move(A, B), (wait)^w"
+    assert str(made.plan()) == "move(H, A), move(A, B), (wait)^w"
     beliefs, actions = made.model.beliefs, made.model.actions
     seconds |= {("H", "B"): 5.0, ("H", "A"): math.inf}
     made.reground()
-    assert str(made.plan(*at_the_start(made))) == "move(H, B), (wait)^w"
+    assert str(made.plan()) == "move(H, B), (wait)^w"
     assert made.model.beliefs == beliefs
     assert "move(H, A)" not in {a.name for a in made.model.actions}
     assert [a for a in made.model.actions if a.name == "move(A, B)"] == [
@@ -203,7 +203,7 @@ def test_moves_cost_what_they_cost_now_and_none_is_planned_without_a_route() -> 
     seconds |= {("H", "B"): 8.0, ("H", "A"): 3.0}
     made.reground()
     assert made.model.actions == actions
-    assert str(made.plan(*at_the_start(made))) == "move(H, A), move(A, B), (wait)^w"
+    assert str(made.plan()) == "move(H, A), move(A, B), (wait)^w"
 
 
 def test_moves_that_no_longer_exist_are_no_way_out() -> None:
@@ -212,4 +212,4 @@ def test_moves_that_no_longer_exist_are_no_way_out() -> None:
     seconds |= {(origin, "B"): math.inf for origin in "HAC"}
     made.reground()
     with pytest.raises(NoPlanError):
-        made.plan(*at_the_start(made))
+        made.plan()

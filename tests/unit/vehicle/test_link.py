@@ -128,7 +128,9 @@ def deliver(peer: Peer, made: UdpLink, *datagrams: bytes) -> list[bytes]:
     return received
 
 
-def test_a_listener_answers_whoever_sends_autopilot_frames(peer: Peer, listener: UdpLink) -> None:
+def test_a_listener_answers_the_autopilot_that_sends_heartbeats(
+    peer: Peer, listener: UdpLink
+) -> None:
     assert deliver(peer, listener, heartbeat()) == [heartbeat()]
     listener.send([b"one", b"two"])
     assert [peer.socket.recv(100) for _ in range(2)] == [b"one", b"two"]

@@ -29,6 +29,8 @@ from companion.mission.model import Signal
 from companion.vehicle.port import Goal, Mode, Progress, Setpoint, hold_at
 
 RETURN = dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH
+USER_1 = dialect.MAV_CMD_USER_1
+DISARM = dialect.MAV_CMD_COMPONENT_ARM_DISARM
 SETPOINT = "SET_POSITION_TARGET_LOCAL_NED"
 AHEAD = Setpoint((0.5, 0.2, -2.0), (1.0, 0.5, 0.1), (0.3, 0.2, 0.1), 0.4)
 
@@ -153,7 +155,9 @@ def test_a_position_that_is_not_a_number_is_no_position(meeting: Meeting, number
     for _ in range(12):
         meeting.autopilot.position = [number, 0.0, -2.0]
         sent = of_type(meeting.tick(), SETPOINT)
-    assert known is not None and meeting.vehicle.state == known
+    state = meeting.vehicle.state
+    assert known is not None and state is not None
+    assert (state.position, state.yaw_rad) == (known.position, known.yaw_rad)
     assert [m.vx for m in sent] == [0.0]  # old by now, so it holds
 
 
@@ -162,16 +166,16 @@ def test_a_position_that_is_not_a_number_is_no_position(meeting: Meeting, number
 
 def payload(answer: int, target: tuple[int, int] = (1, 191)) -> bytes:
     """An answer of the payload to our command."""
-    message = dialect.MAVLink_command_ack_message(RETURN, answer, 0, 0, *target)
+    message = dialect.MAVLink_command_ack_message(USER_1, answer, 0, 0, *target)
     return Endpoint(1, 25).pack(message)
 
 
 @pytest.mark.parametrize("target", [(1, 191), (0, 0)])  # to us, or by a sender that names nobody
 def test_a_command_to_a_component_and_its_answer(meeting: Meeting, target: tuple[int, int]) -> None:
     meeting.tick()
-    ticket = meeting.vehicle.send_command(25, RETURN, (1.5, -2.0))
+    ticket = meeting.vehicle.send_command(25, USER_1, (1.5, -2.0))
     (sent,) = of_type(meeting.tick(), "COMMAND_LONG")
-    assert (sent.target_system, sent.target_component, sent.command) == (1, 25, RETURN)
+    assert (sent.target_system, sent.target_component, sent.command) == (1, 25, USER_1)
     assert [sent.param1, sent.param2, sent.param3, sent.param7] == [1.5, -2.0, 0.0, 0.0]
     assert meeting.vehicle.command_outcome(ticket).progress is Progress.RUNNING
     meeting.tick(payload(ACCEPTED, target))
@@ -180,7 +184,7 @@ def test_a_command_to_a_component_and_its_answer(meeting: Meeting, target: tuple
 
 def test_a_refusal_is_handed_on_in_words(meeting: Meeting) -> None:
     meeting.tick()
-    ticket = meeting.vehicle.send_command(25, RETURN, ())
+    ticket = meeting.vehicle.send_command(25, USER_1, ())
     meeting.tick(payload(dialect.MAV_RESULT_TEMPORARILY_REJECTED))
     assert meeting.vehicle.command_outcome(ticket).progress is Progress.RUNNING
     meeting.tick(payload(dialect.MAV_RESULT_UNSUPPORTED))
@@ -190,8 +194,8 @@ def test_a_refusal_is_handed_on_in_words(meeting: Meeting) -> None:
 
 def test_an_answer_to_somebody_else_is_not_ours(meeting: Meeting) -> None:
     meeting.tick()
-    ticket = meeting.vehicle.send_command(25, RETURN, ())
-    theirs = dialect.MAVLink_command_ack_message(RETURN, ACCEPTED, 0, 0, 255, 190)
+    ticket = meeting.vehicle.send_command(25, USER_1, ())
+    theirs = dialect.MAVLink_command_ack_message(USER_1, ACCEPTED, 0, 0, 255, 190)
     meeting.tick(Endpoint(1, 25).pack(theirs))
     meeting.tick(Endpoint(2, 25).pack(theirs))
     assert meeting.vehicle.command_outcome(ticket).progress is Progress.RUNNING
@@ -199,8 +203,18 @@ def test_an_answer_to_somebody_else_is_not_ours(meeting: Meeting) -> None:
 
 def test_a_forgotten_command_is_not_sent_again(meeting: Meeting) -> None:
     meeting.tick()
-    meeting.vehicle.forget_command(meeting.vehicle.send_command(25, RETURN, ()))
+    meeting.vehicle.forget_command(meeting.vehicle.send_command(25, USER_1, ()))
     assert of_type(meeting.run(3.0), "COMMAND_LONG") == []
+
+
+@pytest.mark.parametrize("component", [0, 1, 25])
+def test_a_command_that_moves_the_vehicle_never_leaves(component: int, meeting: Meeting) -> None:
+    meeting.tick()
+    ticket = meeting.vehicle.send_command(component, DISARM, (0.0, 21196.0))
+    assert of_type(meeting.run(1.0), "COMMAND_LONG") == []
+    outcome = meeting.vehicle.command_outcome(ticket)
+    assert outcome.progress is Progress.FAILED
+    assert outcome.reason.startswith("not sent: ")
 
 
 # -- readings --------------------------------------------------------------------------------------

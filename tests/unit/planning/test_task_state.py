@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 from synthetic import command, event, mission
 
-from companion.acting.task_state import TaskState
 from companion.ltl.automaton import successors
 from companion.mission.model import Mission
 from companion.planning.domain import WAIT, Action, departures
 from companion.planning.planner import Planner
+from companion.planning.task_state import TaskState
 
 BELIEFS = {f"trans_ok({a}, {b})" for a in "HAB" for b in "HAB" if a != b}
 

@@ -6,7 +6,6 @@ and time in, messages out; who owns the link and lives longer is `app.py`.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Protocol
 
@@ -16,17 +15,13 @@ from companion.acting.flight import Flight
 from companion.acting.grounding import Symbols
 from companion.acting.report import Report
 from companion.acting.sortie import Sortie
-from companion.acting.task_state import TaskState
 from companion.geometry import Ned
-from companion.ltl.formula import atoms
 from companion.mavlink.framing import Message
-from companion.mission.loader import CLEARANCE_M
-from companion.mission.model import Mission, Place, Signal
-from companion.motion.profile import SpeedLimits, flight_time_s
-from companion.motion.routes import RouteMap, Site
+from companion.mission.model import Mission, Signal
 from companion.motion.sensed_map import SensedMap
-from companion.planning.domain import HERE, FlightTime
+from companion.planning.flight_times import flight_times, route_map
 from companion.planning.planner import Planner
+from companion.planning.task_state import TaskState
 from companion.vehicle.gate import Envelope
 from companion.vehicle.offboard import MavlinkVehicle
 from companion.vehicle.telemetry import Telemetry
@@ -44,37 +39,6 @@ class Recorder(Protocol):
 
     def position(self, now_s: float, position: Ned) -> None:
         """Where the vehicle is, once per tick."""
-
-
-def route_map(mission: Mission) -> RouteMap:
-    """The routes of a mission: the places that its task mentions are not crossed by chance."""
-    mentioned = frozenset().union(*(atoms(f) for f in mission.task.values()))
-    sites = {
-        name: Site(place.position, place.radius_m, is_exclusive=f"at({name})" in mentioned)
-        for name, place in mission.places.items()
-    }
-    return RouteMap(mission.grid, sites, mission.limits.fence, CLEARANCE_M)
-
-
-def flight_times(
-    mission: Mission, routes: RouteMap, here: Callable[[], Ned | None] = lambda: None
-) -> FlightTime:
-    """Seconds of flight between places; `here` says where the vehicle is, between them."""
-
-    limits = SpeedLimits(mission.limits.speed_mps)
-
-    def flight_time(origin: str, goal: str) -> float:
-        start = here() if origin == HERE else routes.goal(origin)
-        if start is None:
-            return float("inf")
-        return flight_time_s(routes.distance_m(start[:2], goal), limits)
-
-    return flight_time
-
-
-def home_of(mission: Mission) -> Place:
-    """The place where the mission begins."""
-    return next(p for name, p in mission.places.items() if f"at({name})" in mission.initially)
 
 
 class Run:
@@ -102,7 +66,7 @@ class Run:
     ) -> None:
         routes = route_map(mission)
         detector = EventDetector(mission.events)
-        home, limits = home_of(mission), mission.limits
+        home, limits = mission.home, mission.limits
         self.mission = mission
         self.recorder = recorder
         self.start_s = start_s
