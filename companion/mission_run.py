@@ -9,12 +9,12 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Protocol
 
-from companion.acting.events import EventDetector
+from companion.acting.event_detector import EventDetector
 from companion.acting.executive import Executive
 from companion.acting.flight import Flight
-from companion.acting.grounding import Symbols
 from companion.acting.report import Report
 from companion.acting.sortie import Sortie
+from companion.acting.symbols import Symbols
 from companion.geometry import Ned
 from companion.mavlink.framing import Message
 from companion.mission.model import Mission, Signal

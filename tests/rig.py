@@ -6,11 +6,11 @@ from collections.abc import Callable, Mapping
 
 from fakes import FakeVehicle
 
-from companion.acting.events import EventDetector
+from companion.acting.event_detector import EventDetector
 from companion.acting.executive import Executive, TaskStatus
 from companion.acting.flight import TICK_S, Flight
-from companion.acting.grounding import Symbols
 from companion.acting.report import Report
+from companion.acting.symbols import Symbols
 from companion.mission.model import Mission, Signal
 from companion.motion.routes import RouteMap
 from companion.planning.flight_times import flight_times, route_map

@@ -25,15 +25,15 @@ from enum import Enum
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from companion.acting.events import EventDetector, in_words
+from companion.acting.behaviour_tree.builder import build
+from companion.acting.behaviour_tree.hand_built import build_by_hand
+from companion.acting.behaviour_tree.tree_report import TreeReport
+from companion.acting.event_detector import EventDetector, in_words
 from companion.acting.flight import Flight
-from companion.acting.hand_tree import build_by_hand
-from companion.acting.inquiry import Inquiry
 from companion.acting.positions import tell_positions
-from companion.acting.predictions import Predictions
-from companion.acting.tree import build
-from companion.acting.tree_report import TreeReport
-from companion.acting.ways import Ways
+from companion.acting.replanning.assumptions import Assumptions
+from companion.acting.replanning.explanation import ExplanationSearch
+from companion.acting.replanning.reachability import Reachability
 from companion.errors import NoPlanError
 from companion.mission.model import Fly, Signal
 from companion.planning.domain import WAIT, Action, Fact, departures
@@ -85,12 +85,12 @@ class Executive:
         self._detector = detector
         self._root: Behaviour | None = None
         self._tree_report: TreeReport | None = None
-        self._predictions = Predictions(planner, flight)
+        self._predictions = Assumptions(planner, flight)
         self._idle_replans = 0
         self._positions = 0
         self._due, self._due_s = "", 0.0
-        self._inquiry: Inquiry | None = None
-        self._ways = Ways(planner, flight)
+        self._inquiry: ExplanationSearch | None = None
+        self._reachability = Reachability(planner, flight)
 
     def sense(self, readings: Sequence[tuple[Signal, float]]) -> None:
         """Takes readings off the wire and turns them into facts."""
@@ -126,7 +126,7 @@ class Executive:
             self._tree_report = TreeReport(self._flight, self._root)
             self._tell_tree()
             return
-        self._ways.follow()
+        self._reachability.follow()
         lasso = self._planner.solve(*self._flight.task.problem()).lasso
         self._adopt(lasso)
         self._flight.report("plan", f"plan: {lasso}", number=0, task=task, **lasso.as_json())
@@ -140,12 +140,16 @@ class Executive:
         if self._due:
             return self._plan_again()
         flight, laps = self._flight, self._flight.laps
-        predictions = self._predictions
-        predictions.narrow(self.lasso)
-        if predictions.wrong and not flight.is_grounded and self._is_still_best(self.lasso):
-            predictions.renew()
-        if not flight.is_grounded and self._ways.have_changed() and self._ways.are_known():
-            lost = self._ways.follow()
+        assumptions = self._predictions
+        assumptions.narrow(self.lasso)
+        if assumptions.wrong and not flight.is_grounded and self._is_still_best(self.lasso):
+            assumptions.renew()
+        if (
+            not flight.is_grounded
+            and self._reachability.have_changed()
+            and self._reachability.are_known()
+        ):
+            lost = self._reachability.follow()
             if lost and not self.is_leaving and not self._is_still_best(self.lasso):
                 self._replan(lost)
                 return self.status
@@ -241,9 +245,9 @@ class Executive:
     def _plan_again(self) -> TaskStatus:
         """Makes the plan that is due, once the ways on the map are known; the vehicle holds."""
         flight, task = self._flight, self._flight.task
-        if not self._ways.are_known() and flight.now_s < self._due_s + PATIENCE_S:
+        if not self._reachability.are_known() and flight.now_s < self._due_s + PATIENCE_S:
             return self.status
-        self._ways.follow()
+        self._reachability.follow()
         problem, histories = task.problem()
         if self._inquiry is not None:
             if self._inquiry.is_about(problem):
@@ -259,7 +263,7 @@ class Executive:
         except NoPlanError as error:
             return self._give_up(error)
         if lasso is None:
-            self._inquiry = Inquiry(self._planner, problem)
+            self._inquiry = ExplanationSearch(self._planner, problem)
             return self._find_out_why(self._inquiry)
         reason, is_kept = self._due, self.lasso is not None and self._is_rest_of(self.lasso, lasso)
         self.failure, self.is_leaving = None, False
@@ -271,7 +275,7 @@ class Executive:
         self._tell_tree()
         return self.status
 
-    def _find_out_why(self, inquiry: Inquiry) -> TaskStatus:
+    def _find_out_why(self, inquiry: ExplanationSearch) -> TaskStatus:
         """Gives up, once it is known why there is no plan."""
         answer = inquiry.step()
         return self._give_up(answer) if answer else self.status

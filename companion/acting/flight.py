@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from companion.acting.grounding import Symbols
 from companion.acting.report import Report
+from companion.acting.symbols import Symbols
 from companion.mission.model import Limits
 from companion.motion.routes import RouteMap
 from companion.planning.task_state import TaskState

@@ -20,8 +20,8 @@ from py_trees.common import Status
 from companion.acting.authority import loss_of_control, loss_of_link, not_handed_over
 from companion.acting.executive import Executive, TaskStatus
 from companion.acting.flight import Flight
-from companion.acting.homing import Homing
 from companion.acting.phases import ON_THE_GROUND, STEPS, UNDER_TASK, Phase, Step
+from companion.acting.return_home import ReturnHome
 from companion.errors import Aborted, CompanionError, NoPlanError
 from companion.geometry import horizontal_distance
 from companion.mission.model import Otherwise, Place, Signal
@@ -66,7 +66,7 @@ class Sortie:
         self._otherwise = otherwise
         self._accepts_weak_failsafes = accepts_weak_failsafes
         self._may_yield = may_yield
-        self._homing: Homing | None = None
+        self._homing: ReturnHome | None = None
         self._is_frozen = False
         self._asked_s: float | None = None
         self._is_stopping = self._was_stopped = False
@@ -157,7 +157,7 @@ class Sortie:
             return GROUNDED
         if self._homing is None:
             self._executive.stop()
-            self._homing = Homing(self._flight, self._home.name)
+            self._homing = ReturnHome(self._flight, self._home.name)
         self._enter(Phase.RETURNING)
         return ""
 

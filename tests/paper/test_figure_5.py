@@ -11,8 +11,8 @@ import py_trees
 from rig import Rig
 from synthetic import command, mission
 
-from companion.acting.predictions import Predictions
-from companion.acting.tree import build
+from companion.acting.behaviour_tree.builder import build
+from companion.acting.replanning.assumptions import Assumptions
 from companion.mission.model import Mission
 from companion.motion.routes import RouteMap
 
@@ -24,7 +24,7 @@ def text_of(root: py_trees.behaviour.Behaviour) -> list[str]:
 def tree_of_the_plan(rig: Rig) -> list[str]:
     lasso = rig.begin().executive.lasso
     assert lasso is not None
-    return text_of(build(rig.flight, lasso, Predictions(rig.planner, rig.flight)))
+    return text_of(build(rig.flight, lasso, Assumptions(rig.planner, rig.flight)))
 
 
 def move_as_text(origin: str, goal: str) -> list[str]:

@@ -13,9 +13,9 @@ from py_trees.decorators import Retry
 from rig import Rig
 from synthetic import POSITIONS, mission, move
 
+from companion.acting.behaviour_tree.builder import build
 from companion.acting.executive import TaskStatus
-from companion.acting.predictions import Predictions
-from companion.acting.tree import build
+from companion.acting.replanning.assumptions import Assumptions
 from companion.planning.domain import WAIT, Action
 from companion.planning.lasso import Lasso
 
@@ -34,7 +34,7 @@ class Figure:
         self.root = build(
             self.rig.flight,
             Lasso((self.action,), (WAIT,)),
-            Predictions(self.rig.planner, self.rig.flight),
+            Assumptions(self.rig.planner, self.rig.flight),
         )
         self.selector = self.root.children[1].children[0]
         self.triple, self.inverter = self.selector.children

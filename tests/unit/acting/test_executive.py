@@ -15,7 +15,7 @@ from synthetic import POSITIONS, command, event, mission, move, reading
 
 from companion.acting.executive import MAX_IDLE_REPLANS, TaskStatus
 from companion.acting.flight import TICK_S
-from companion.acting.inquiry import SEARCHES_PER_TICK
+from companion.acting.replanning.explanation import SEARCHES_PER_TICK
 from companion.errors import NoPlanError
 from companion.geometry import distance
 from companion.mission.model import Event, Execution, Land, Mission, Skill, TakeOff, Wait

@@ -13,14 +13,14 @@ from py_trees.common import Status
 from rig import Rig
 from synthetic import POSITIONS
 
-from companion.acting.flight import TICK_S
-from companion.acting.moving import (
+from companion.acting.behaviour_tree.move import (
     ARRIVAL_M,
     ARRIVAL_TIMEOUT_S,
     BRAKING_MPS2,
     LAG_M,
     MoveCommand,
 )
+from companion.acting.flight import TICK_S
 from companion.geometry import distance
 from companion.motion.grid import OccupancyGrid
 from companion.motion.profile import JERK_MPS3

@@ -6,14 +6,14 @@ precondition of an action still to come, mentions the event.
 
 from __future__ import annotations
 
-from companion.acting.events import in_words
+from companion.acting.event_detector import in_words
 from companion.acting.flight import Flight
 from companion.planning.domain import Fact
 from companion.planning.lasso import Lasso
 from companion.planning.planner import Planner
 
 
-class Predictions:
+class Assumptions:
     """The values of events that the present plan relies on.
 
     Args:

@@ -25,7 +25,7 @@ SHOWN = 6
 """So many beliefs are named at most."""
 
 
-class Ways:
+class Reachability:
     """The moves of a planner on the map of a flight."""
 
     def __init__(self, planner: Planner, flight: Flight) -> None:

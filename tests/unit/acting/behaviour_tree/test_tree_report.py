@@ -7,10 +7,10 @@ from py_trees.behaviour import Behaviour
 from rig import Rig
 from synthetic import command, mission, move
 
-from companion.acting.predictions import Predictions
+from companion.acting.behaviour_tree.builder import build
+from companion.acting.behaviour_tree.tree_report import TreeReport
+from companion.acting.replanning.assumptions import Assumptions
 from companion.acting.report import Report
-from companion.acting.tree import build
-from companion.acting.tree_report import TreeReport
 
 
 class Reader:
@@ -43,7 +43,7 @@ def test_what_was_told_is_the_tree_at_every_tick() -> None:
     """A lap and a bit: nodes run, succeed, and are reset when the loop begins again."""
     rig, reader = Rig(mission("G F at(A) & G F at(H)")), Reader()
     lasso = rig.planner.solve(*rig.task.problem()).lasso
-    root = build(rig.flight, lasso, Predictions(rig.planner, rig.flight))
+    root = build(rig.flight, lasso, Assumptions(rig.planner, rig.flight))
     report = TreeReport(rig.flight, root)
     seen, quiet = set(), 0
     for _ in range(400):

@@ -10,8 +10,8 @@ from py_trees.common import Status
 from rig import Rig
 from synthetic import PAYLOAD, POSITIONS, USER_1, command, event, mission
 
-from companion.acting.behaviours import (
-    AsPredicted,
+from companion.acting.behaviour_tree.leaves import (
+    AssumptionsHold,
     Effects,
     Precondition,
     Rest,
@@ -20,7 +20,7 @@ from companion.acting.behaviours import (
     Withdraw,
 )
 from companion.acting.flight import TICK_S
-from companion.acting.predictions import Predictions
+from companion.acting.replanning.assumptions import Assumptions
 from companion.mission.model import Command
 from companion.motion.grid import OccupancyGrid
 from companion.planning.domain import WAIT, Action
@@ -40,11 +40,11 @@ def action(rig: Rig, name: str) -> Action:
 @pytest.mark.parametrize("present", [True, False])
 def test_as_predicted_compares_each_event(predicted: bool, present: bool) -> None:
     rig = a_rig()
-    predictions = Predictions(rig.planner, rig.flight)
+    assumptions = Assumptions(rig.planner, rig.flight)
     rig.task.take(event("found"), predicted)
-    predictions.renew()
+    assumptions.renew()
     rig.task.take(event("found"), present)
-    leaf = AsPredicted(rig.flight, predictions)
+    leaf = AssumptionsHold(rig.flight, assumptions)
     expected = Status.SUCCESS if predicted == present else Status.FAILURE
     assert tick(rig, leaf) is expected
     assert leaf.feedback_message == ("" if predicted == present else "found")

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from rig import Rig
 from synthetic import POSITIONS, mission
 
-from companion.acting.grounding import INSIDE_M, REFUSED_S, SAME_M, SAMPLES, Symbols, Value, around
+from companion.acting.symbols import INSIDE_M, REFUSED_S, SAME_M, SAMPLES, Symbols, Value, around
 from companion.geometry import Ned, distance, horizontal_distance
 from companion.mission.model import Place
 from companion.motion.grid import OccupancyGrid

@@ -25,9 +25,10 @@ from py_trees.common import Status
 from py_trees.composites import Selector, Sequence
 from py_trees.decorators import Inverter, Repeat, Retry
 
-from companion.acting import ground
-from companion.acting.behaviours import (
-    AsPredicted,
+from companion.acting.behaviour_tree import landing
+from companion.acting.behaviour_tree.deadline import Deadline
+from companion.acting.behaviour_tree.leaves import (
+    AssumptionsHold,
     Effects,
     Precondition,
     Rest,
@@ -35,10 +36,9 @@ from companion.acting.behaviours import (
     UpdateParam,
     Withdraw,
 )
-from companion.acting.deadline import Deadline
+from companion.acting.behaviour_tree.move import MoveCommand
 from companion.acting.flight import Flight
-from companion.acting.moving import MoveCommand
-from companion.acting.predictions import Predictions
+from companion.acting.replanning.assumptions import Assumptions
 from companion.mission.model import Charge, Command, Fly, Land, TakeOff, Wait
 from companion.planning.domain import Action, Refinement, Step
 from companion.planning.lasso import Lasso
@@ -60,20 +60,20 @@ class ActionNode(Selector):
             self._flight.task.interrupt()
 
 
-def build(flight: Flight, lasso: Lasso, predictions: Predictions) -> Behaviour:
+def build(flight: Flight, lasso: Lasso, assumptions: Assumptions) -> Behaviour:
     """The tree of a lasso.
 
     Args:
         flight: what the leaves act on.
         lasso: the plan.
-        predictions: the values of events on which the plan relies.
+        assumptions: the values of events on which the plan relies.
     """
     prefix = [action_tree(flight, a) for a in lasso.prefix]
     last = len(lasso.suffix) - 1
     lap = [action_tree(flight, a, ends_lap=i == last) for i, a in enumerate(lasso.suffix)]
     loop = Repeat("L", _sequence("lap", lap), num_success=FOR_EVER)
     root = Sequence("root", memory=False)
-    root.add_children([AsPredicted(flight, predictions), _sequence("plan", [*prefix, loop])])
+    root.add_children([AssumptionsHold(flight, assumptions), _sequence("plan", [*prefix, loop])])
     return root
 
 
@@ -113,11 +113,11 @@ def _step(flight: Flight, step: Step, tries: int, timeout_s: float | None) -> Be
         case Wait(duration_s):
             return Rest(flight, duration_s)
         case Land():
-            return ground.Land(flight, "land")
+            return landing.Land(flight, "land")
         case TakeOff():
-            return ground.TakeOff(flight, "take off")
+            return landing.TakeOff(flight, "take off")
         case Charge(percent):
-            return ground.Charge(flight, percent)
+            return landing.Charge(flight, percent)
         case Refinement():
             return _refinement(flight, step)
 

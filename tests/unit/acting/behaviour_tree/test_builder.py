@@ -10,17 +10,17 @@ from py_trees.decorators import Inverter, Repeat, Retry
 from rig import Rig
 from synthetic import command, mission, move
 
-from companion.acting.behaviours import Rest, SendCommand, UpdateParam
-from companion.acting.moving import MoveCommand
-from companion.acting.predictions import Predictions
-from companion.acting.tree import build
+from companion.acting.behaviour_tree.builder import build
+from companion.acting.behaviour_tree.leaves import Rest, SendCommand, UpdateParam
+from companion.acting.behaviour_tree.move import MoveCommand
+from companion.acting.replanning.assumptions import Assumptions
 from companion.planning.lasso import Lasso
 
 
 def tree_of(rig: Rig, prefix: list[str], suffix: list[str]) -> Behaviour:
     known = {a.name: a for a in rig.planner.model.actions}
     lasso = Lasso(tuple(known[n] for n in prefix), tuple(known[n] for n in suffix))
-    return build(rig.flight, lasso, Predictions(rig.planner, rig.flight))
+    return build(rig.flight, lasso, Assumptions(rig.planner, rig.flight))
 
 
 def plan_of(root: Behaviour) -> Behaviour:

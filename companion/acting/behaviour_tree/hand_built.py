@@ -10,8 +10,8 @@ from py_trees.composites import Selector, Sequence
 from py_trees.decorators import Repeat as RepeatDecorator
 from py_trees.decorators import Retry as RetryDecorator
 
+from companion.acting.behaviour_tree.builder import FOR_EVER, action_tree
 from companion.acting.flight import Flight
-from companion.acting.tree import FOR_EVER, action_tree
 from companion.mission.tree_nodes import (
     Act,
     Check,

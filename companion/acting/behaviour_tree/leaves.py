@@ -11,19 +11,19 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from companion.acting.flight import Flight
-from companion.acting.predictions import Predictions
+from companion.acting.replanning.assumptions import Assumptions
 from companion.mission.model import Command
 from companion.planning.domain import Action
 from companion.vehicle.port import Progress
 
 
-class AsPredicted(Behaviour):
+class AssumptionsHold(Behaviour):
     """Leftmost branch: do the events that matter to the plan still have their values?"""
 
-    def __init__(self, flight: Flight, predictions: Predictions) -> None:
+    def __init__(self, flight: Flight, assumptions: Assumptions) -> None:
         super().__init__("as predicted?")
         self._flight = flight
-        self._predictions = predictions
+        self._predictions = assumptions
 
     def update(self) -> Status:
         """FAILURE on the first difference, which replans."""

@@ -16,7 +16,7 @@ SEARCHES_PER_TICK = 2
 """One takes 4 ms with 20 sites."""
 
 
-class Inquiry:
+class ExplanationSearch:
     """Finds out why a problem has no plan.
 
     Args:

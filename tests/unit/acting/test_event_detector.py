@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.acting.events import EventDetector
+from companion.acting.event_detector import EventDetector
 from companion.mission.conditions import parse_condition
 from companion.mission.model import Event, Signal
 

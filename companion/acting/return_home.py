@@ -10,15 +10,15 @@ from py_trees.common import Status
 from py_trees.composites import Sequence
 from py_trees.decorators import Retry
 
-from companion.acting.behaviours import UpdateParam
+from companion.acting.behaviour_tree.leaves import UpdateParam
+from companion.acting.behaviour_tree.move import MoveCommand
 from companion.acting.flight import Flight
-from companion.acting.moving import MoveCommand
 
 TRIES = 3
 """Waypoints of the place that are tried (MAX_TRY, Fig. 6)."""
 
 
-class Homing:
+class ReturnHome:
     """A flight to one place."""
 
     def __init__(self, flight: Flight, place: str) -> None:

@@ -14,8 +14,8 @@ from py_trees.common import Status
 from py_trees.composites import Selector, Sequence
 from py_trees.decorators import Decorator, Repeat
 
+from companion.acting.behaviour_tree.builder import ActionNode
 from companion.acting.flight import Flight
-from companion.acting.tree import ActionNode
 
 
 class TreeReport:

@@ -10,12 +10,12 @@ from fakes import DONE, failed
 from rig import Rig
 from synthetic import command, event, mission, reading, skill
 
+from companion.acting.behaviour_tree.builder import build
+from companion.acting.behaviour_tree.landing import NO_CHARGE_S
 from companion.acting.executive import TaskStatus
-from companion.acting.ground import NO_CHARGE_S
 from companion.acting.phases import Phase
-from companion.acting.predictions import Predictions
+from companion.acting.replanning.assumptions import Assumptions
 from companion.acting.sortie import Sortie
-from companion.acting.tree import build
 from companion.mission.model import (
     Charge,
     Command,
@@ -70,7 +70,7 @@ def test_the_tree_is_refined_down_to_primitives() -> None:
     rig = Rig(charging())
     action = next(a for a in rig.planner.model.actions if a.name == "charge(H, A)")
     lines = py_trees.display.ascii_tree(
-        build(rig.flight, Lasso((), (action,)), Predictions(rig.planner, rig.flight))
+        build(rig.flight, Lasso((), (action,)), Assumptions(rig.planner, rig.flight))
     ).splitlines()
     start = next(i for i, line in enumerate(lines) if "{-} steps" in line)
     assert [line.strip() for line in lines[start : start + 9]] == [
