@@ -18,6 +18,7 @@ from companion.acting.symbols import Symbols
 from companion.geometry import Ned
 from companion.mavlink.framing import Message
 from companion.mission.model import Mission, Signal
+from companion.motion.live_speed_limit import LiveSpeedLimit
 from companion.motion.sensed_map import SensedMap
 from companion.planning.flight_times import flight_times, route_map
 from companion.planning.planner import Planner
@@ -66,24 +67,34 @@ class Run:
     ) -> None:
         routes = route_map(mission)
         detector = EventDetector(mission.events)
-        home, limits = mission.home, mission.limits
+        home, limits, profile = mission.home, mission.limits, mission.vehicle
+        self._speed_limit = LiveSpeedLimit(mission.speed_limits)
         self.mission = mission
         self.recorder = recorder
         self.start_s = start_s
         self.vehicle = MavlinkVehicle(
             wire,
             telemetry,
-            Envelope(limits.fence, limits.up_m, limits.speed_mps),
+            Envelope(
+                limits.fence,
+                limits.up_m,
+                mission.speed_limits.speed_mps,
+                profile.climb_mps,
+                profile.descent_mps,
+                profile.carrot_m,
+            ),
             detector.signals,
             takeoff_up_m=-home.position[2],
         )
         self.awaited = frozenset(s.field for s in detector.signals if s.message == "COMMAND")
-        planner = Planner(mission, flight_times(mission, routes, self._position))
+        times = flight_times(mission, routes, self._position, lambda: self._speed_limit.target)
+        planner = Planner(mission, times)
         self.flight = Flight(
             vehicle=self.vehicle,
             task=TaskState(planner),
             routes=routes,
-            limits=limits,
+            speed_limit=self._speed_limit,
+            profile=profile,
             symbols=Symbols(mission.places, routes),
         )
         executive = Executive(planner, self.flight, detector)
@@ -97,6 +108,8 @@ class Run:
         self, now_s: float, messages: list[Message], asked: list[tuple[Signal, float]]
     ) -> list[Report]:
         """One tick: reads what arrived and acts; returns what happened."""
+        self._speed_limit.advance(now_s)
+        self.vehicle.set_speed_limit(self._speed_limit.now_mps)
         readings = asked + self.vehicle.receive(now_s, messages)
         if any([self._map.integrate(scan) for scan in self.vehicle.scans]):
             self._routes.see(self._map.grid)
@@ -116,10 +129,8 @@ class Run:
             self.recorder.report(replace(report, time_s=time_s))
 
     def adjust(self, speed_max_mps: float, belief_retry_s: float) -> None:
-        """What the companion's parameters say; a flight that has begun keeps its speed."""
-        limits = self.mission.limits
-        speed_mps = min(limits.speed_mps, speed_max_mps)
-        self.flight.limits = replace(limits, speed_mps=speed_mps)
+        """Takes over the companion's parameters; a flight under way is slowed, if need be."""
+        self._speed_limit.set_operator_limit(speed_max_mps)
         self.flight.belief_retry_s = belief_retry_s if belief_retry_s >= 0.0 else None
 
     def _position(self) -> Ned | None:

@@ -1,7 +1,8 @@
-"""Writes missions/*.schema.json from the models of mission and scenario files.
+"""Writes missions/*.schema.json from the models of mission, scenario and vehicle files.
 
 Editors with a YAML language server complete and check the files from them. Run it after a change
-of companion/mission/schema.py or sitl/world/schema.py; tests compare the files with the models.
+of companion/mission/schema.py, companion/vehicle_files.py or sitl/world/schema.py; tests compare
+the files with the models.
 
 Usage: python scripts/make_schema.py
 """
@@ -11,6 +12,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+from companion import vehicle_files as vehicle
 from companion.mission import schema as mission
 from sitl.world import schema as scenario
 
@@ -18,6 +20,7 @@ FOLDER = Path(__file__).parent.parent / "missions"
 SCHEMAS = {
     "mission.schema.json": mission.json_schema,
     "scenario.schema.json": scenario.json_schema,
+    "vehicle.schema.json": vehicle.json_schema,
 }
 
 

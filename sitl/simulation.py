@@ -15,7 +15,7 @@ from random import Random
 from companion.mavlink.framing import Endpoint, Message, source
 from companion.motion.grid import OccupancyGrid
 from sitl.autopilot.autopilot import Autopilot
-from sitl.autopilot.parameters import Parameters
+from sitl.autopilot.parameters import Parameters, vehicle_defaults
 from sitl.flight.estimate import Estimator
 from sitl.flight.physics import FlightState, Physics
 from sitl.flight.sensors import Sensors
@@ -75,7 +75,8 @@ class Simulation:
         self._truth = state = self._physics.state
         self._estimator = Estimator(Random(f"estimate {seed}"))
         self._sensors = Sensors(scenario.home, Random(f"sensors {seed}"), state)
-        parameters = Parameters({**scenario.parameters, "MAV_SYS_ID": system})
+        own = vehicle_defaults(scenario.vehicle)
+        parameters = Parameters({**own, **scenario.parameters, "MAV_SYS_ID": system})
         self._autopilot = Autopilot(parameters, state)
         self._vehicle = SimulatedVehicle(
             self._autopilot, state, scenario.home, self._sensors, self._physics.battery

@@ -12,6 +12,7 @@ from companion.acting.flight import TICK_S, Flight
 from companion.acting.report import Report
 from companion.acting.symbols import Symbols
 from companion.mission.model import Mission, Signal
+from companion.motion.live_speed_limit import LiveSpeedLimit
 from companion.motion.routes import RouteMap
 from companion.planning.flight_times import flight_times, route_map
 from companion.planning.lasso import Lasso
@@ -43,10 +44,14 @@ class Rig:
         routes = routes or route_map(mission)
         self.mission = mission
         self.vehicle = vehicle or FakeVehicle(home.position).take_off(-home.position[2])
+        self.speed_limit = LiveSpeedLimit(mission.speed_limits)
         self.planner = Planner(
             mission,
             flight_times(
-                mission, routes, lambda: self.vehicle.state.position if self.vehicle.state else None
+                mission,
+                routes,
+                lambda: self.vehicle.state.position if self.vehicle.state else None,
+                lambda: self.speed_limit.target,
             ),
         )
         self.task = TaskState(self.planner)
@@ -54,7 +59,8 @@ class Rig:
             vehicle=self.vehicle,
             task=self.task,
             routes=routes,
-            limits=mission.limits,
+            speed_limit=self.speed_limit,
+            profile=mission.vehicle,
             symbols=Symbols(mission.places, routes),
         )
         self.reports: list[Report] = []
@@ -82,6 +88,7 @@ class Rig:
         """One tick passes for the vehicle and the clock; nothing acts."""
         self._ticks += 1
         self.flight.now_s = self._ticks * TICK_S
+        self.speed_limit.advance(self.flight.now_s)
         self.vehicle.step(self.flight.now_s)
 
     def tick(self, *readings: tuple[Signal, float]) -> TaskStatus:

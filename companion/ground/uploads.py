@@ -1,7 +1,8 @@
 """What becomes of a file that a ground station uploads?
 
-A mission (a YAML file that is no map) is checked and planned as soon as it is complete, together
-with the files that are there by then; so maps and PDDL go first. Rules:
+A mission (a YAML file that is neither a map nor a vehicle profile) is checked and planned as soon
+as it is complete, together with the files that are there by then; so these and PDDL go first.
+Rules:
 1. Checked is a copy (`checking/N`), in a child process, one at a time; nobody waits for it.
 2. A mission that can be flown becomes `active/N`, with its files, in one step. One that cannot
    changes nothing but the verdict.
@@ -42,7 +43,8 @@ from companion.mavlink.ftp_frames import Refusal, crc32
 
 CHECK_S = 30.0
 CUT_OFF = "the last line has no line break, so a part may be missing; end it with one"
-_MAP = re.compile(rb"""^["']?image["']?[ \t]*:""", re.MULTILINE)
+_NO_MISSION = re.compile(rb"""^["']?(image|radius_m)["']?[ \t]*:""", re.MULTILINE)
+"""A key that maps have, or vehicle profiles, and missions only deeper inside."""
 FORMAT_VERSION = 1
 """Of verdict.json."""
 MARK = ".not-flown"
@@ -161,7 +163,7 @@ class Uploads:
     def _is_mission(self, name: str) -> bool:
         try:
             is_yaml = name.endswith((".yaml", ".yml"))
-            return is_yaml and not _MAP.search(self._store.read(name))
+            return is_yaml and not _NO_MISSION.search(self._store.read(name))
         except Refusal:  # it is gone again
             return False
 

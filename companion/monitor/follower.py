@@ -24,7 +24,6 @@ import numpy.typing as npt
 from companion.errors import CompanionError
 from companion.geometry import Ned, enu_from_ned
 from companion.ltl.parser import parse
-from companion.mission.clearance import CLEARANCE_M
 from companion.monitor.automata import TaskReader
 from companion.monitor.scene import Scene, read_scene
 from companion.monitor.tailing import EventLines, TlogFrames
@@ -70,7 +69,7 @@ class Follower:
         self._waiting: deque[Event] = deque()
         self._watcher = Watcher(scene.grid)
         self._grid = scene.grid
-        self._routes = RouteMap(scene.grid, scene.sites, scene.fence, CLEARANCE_M)
+        self._routes = RouteMap(scene.grid, scene.sites, scene.fence, scene.clearance_m)
         self._task: TaskReader | None = None
         self._is_written = False  # the tree is the mission's own, and no way is planned
         self._next_s = 0.0

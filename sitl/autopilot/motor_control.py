@@ -58,6 +58,7 @@ class MotorControl:
                 speed_mps=limit["MPC_XY_VEL_MAX"],
                 climb_mps=limit["MPC_Z_VEL_MAX_UP"],
                 descent_mps=limit["MPC_Z_VEL_MAX_DN"],
+                acceleration_mps2=max(0.1, limit["MPC_ACC_HOR_MAX"]),  # any value may be stored
             )
         )
         self._cascade.reset(heading(state))

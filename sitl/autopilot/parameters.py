@@ -13,6 +13,7 @@ import math
 from collections.abc import Mapping
 
 from companion.mavlink.parameters import INT32, REAL32
+from companion.vehicle_profile import VehicleProfile
 
 PARAMETERS: dict[str, tuple[int, float]] = {
     "BAT1_CAPACITY": (REAL32, -1.0),
@@ -163,6 +164,18 @@ AIRFRAME_DEFAULTS: dict[str, float] = {
     "COM_LOW_BAT_ACT": 3,  # return at critical, land at emergency; PX4's 0 only warns
 }
 """This airframe's own defaults, like `param set-default` in a PX4 airframe file."""
+
+
+def vehicle_defaults(vehicle: VehicleProfile) -> dict[str, float]:
+    """The defaults that a vehicle profile sets, of the limits that the controllers keep to."""
+    return {
+        "MPC_XY_VEL_MAX": vehicle.speed_mps,
+        "MPC_Z_VEL_MAX_UP": vehicle.climb_mps,
+        "MPC_Z_VEL_MAX_DN": vehicle.descent_mps,
+        "MPC_ACC_HOR_MAX": vehicle.max_acceleration_mps2,
+        "MPC_JERK_MAX": vehicle.jerk_mps3,
+    }
+
 
 _NAMES = list(PARAMETERS)
 

@@ -12,7 +12,6 @@ from companion.geometry import Ned
 from companion.motion.grid import OccupancyGrid
 from sitl.flight.physics import LEG_M, FlightState
 
-VEHICLE_RADIUS_M = 0.35
 UPRIGHT = 0.5  # cosine of the tilt at which the body touches the ground beside the legs
 
 
@@ -21,14 +20,16 @@ class CollisionCounter:
 
     Args:
         grid: the true map; None is a world without walls.
+        radius_m: of the vehicle.
 
     Attributes:
         grid: may be replaced when the map changes.
         count: of collisions so far.
     """
 
-    def __init__(self, grid: OccupancyGrid | None) -> None:
+    def __init__(self, grid: OccupancyGrid | None, radius_m: float) -> None:
         self.count = 0
+        self._radius_m = radius_m
         self.grid = grid
         self._is_touching = False
 
@@ -37,7 +38,7 @@ class CollisionCounter:
         if self.grid is None:
             return False
         was_touching = self._is_touching
-        self._is_touching = self.grid.clearance_m(position[:2]) < VEHICLE_RADIUS_M
+        self._is_touching = self.grid.clearance_m(position[:2]) < self._radius_m
         has_begun = self._is_touching and not was_touching
         self.count += has_begun
         return has_begun

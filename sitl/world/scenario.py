@@ -7,6 +7,7 @@ are degrees clockwise from north; inside, everything is local NED and radians.
 
     version: 1
     map: maps/hall.yaml
+    vehicle: {profile: quad_35cm, radius_m: 0.4}
     start: {east_m: 2, north_m: 2, heading_deg: 90}
     wind: {east_mps: 2, north_mps: 0, turbulence_mps: 0.3}
     target: {component: 26, seen: {east_m: 5, north_m: 13, radius_m: 0.8, visit: 2}}
@@ -19,7 +20,7 @@ are degrees clockwise from north; inside, everything is local NED and radians.
     happens:
       - {at_s: 30, obstacle: {name: crate, present: true}}
 
-`read_scenario` is a door: it opens the file and its map. The rest is pure.
+A door: it opens the file, its map and its vehicle profile.
 """
 
 from __future__ import annotations
@@ -35,9 +36,10 @@ from companion.geometry import GlobalOrigin, Ned, ned_from_enu
 from companion.maps import read_map
 from companion.mavlink.parameters import INT32, encode
 from companion.motion.grid import OccupancyGrid
+from companion.vehicle_files import read_vehicle
+from companion.vehicle_profile import VehicleProfile
 from sitl.autopilot.parameters import PARAMETERS
 from sitl.results import MavResult
-from sitl.world.collision import VEHICLE_RADIUS_M
 from sitl.world.lidar import LidarSpec
 from sitl.world.obstacles import Obstacle, TrueMap
 from sitl.world.payload import PayloadAnswer, PayloadScript, PayloadSite
@@ -55,6 +57,7 @@ class Scenario:
 
     Attributes:
         home: where local NED (0, 0, 0) lies.
+        vehicle: as it truly is; the mission may think otherwise.
         start: where the vehicle stands at first.
         yaw_rad: where it looks at first.
         wind: the air's velocity, NED.
@@ -69,6 +72,7 @@ class Scenario:
     """
 
     home: GlobalOrigin = PX4_HOME
+    vehicle: VehicleProfile = field(default_factory=VehicleProfile)
     start: Ned = (0.0, 0.0, 0.0)
     yaw_rad: float = 0.0
     wind: Ned = (0.0, 0.0, 0.0)
@@ -107,17 +111,18 @@ def read_scenario(
         return scenario, None
     grid = read_map(scenario.map_path)
     now = TrueMap(grid, scenario.obstacles).grid
-    if now and now.clearance_m(scenario.start[:2]) < VEHICLE_RADIUS_M:
+    radius_m = scenario.vehicle.radius_m
+    if now and now.clearance_m(scenario.start[:2]) < radius_m:
         raise MissionError(
             "the start lies in a wall or an obstacle, too near one, or off the map",
             document.where("start"),
-            f"the vehicle needs {VEHICLE_RADIUS_M} m around it",
+            f"the vehicle needs {radius_m} m around it",
         )
     return scenario, grid
 
 
 def parse_scenario(text: str, path: Path, default_home: GlobalOrigin = PX4_HOME) -> Scenario:
-    """The scenario of a text; the map is not opened.
+    """The scenario of a text; the map is not opened, but a vehicle profile that has a file is.
 
     Raises:
         MissionError: with the place in the file.
@@ -136,6 +141,7 @@ def _parse(text: str, path: Path, default_home: GlobalOrigin) -> tuple[Scenario,
         home=GlobalOrigin(home.latitude_deg, home.longitude_deg, home.altitude_m)
         if home
         else default_home,
+        vehicle=read_vehicle(model.vehicle, path.parent, document),
         start=ned_from_enu(start.east_m, start.north_m, 0.0),
         yaw_rad=math.radians(start.heading_deg),
         wind=ned_from_enu(wind.east_mps, wind.north_mps, 0.0),

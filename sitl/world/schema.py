@@ -10,6 +10,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from companion.vehicle_files import VehicleEntry, VehicleKey
+
 ResultName = Literal["ACCEPTED", "TEMPORARILY_REJECTED", "DENIED", "FAILED"]
 
 
@@ -206,6 +208,7 @@ class ScenarioModel(_Strict):
     """The whole file."""
 
     version: Annotated[Literal[1], _described("of this format")]
+    vehicle: VehicleKey = VehicleEntry()
     map: Annotated[str | None, _described("ROS map_server YAML file, relative to this file")] = None
     start: Annotated[StartModel, _described("where the vehicle stands at first")] = StartModel()
     home: Annotated[HomeModel | None, _described("where on the earth home lies")] = None

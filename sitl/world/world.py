@@ -53,7 +53,7 @@ class World:
     ) -> None:
         self._physics, self._estimator, self._autopilot = physics, estimator, autopilot
         self._map = TrueMap(grid, scenario.obstacles)
-        self.collisions = CollisionCounter(self._map.grid)
+        self.collisions = CollisionCounter(self._map.grid, scenario.vehicle.radius_m)
         self.detector = TargetDetector(scenario.detector) if scenario.detector else None
         self.payload = Payload(scenario.payload) if scenario.payload else None
         self.lidar = Lidar(scenario.lidar, self._map.grid, rng) if scenario.lidar else None

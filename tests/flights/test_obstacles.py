@@ -14,8 +14,10 @@ from lockstep import Lockstep
 
 from companion.geometry import horizontal_distance
 from companion.mission.model import Mission
-from sitl.world.collision import VEHICLE_RADIUS_M
+from companion.vehicle_profile import VehicleProfile
 from sitl.world.scenario import read_scenario
+
+QUAD = VehicleProfile()
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 STRAIGHT_TO_B = "circle: {east_m: 15.3, north_m: 10.3, radius_m: 0.5}"
@@ -53,7 +55,7 @@ class Flown(Lockstep):
     @property
     def is_unhurt(self) -> bool:
         """Nothing was touched, and nothing came as near as the vehicle is wide."""
-        return self.simulation.collisions == 0 and self.least_m >= VEHICLE_RADIUS_M
+        return self.simulation.collisions == 0 and self.least_m >= QUAD.radius_m
 
 
 def a_crate(shape: str, is_late: bool = False) -> str:

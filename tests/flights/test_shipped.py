@@ -11,8 +11,10 @@ from dataclasses import dataclass
 import pytest
 from shipped import ShippedFlight, distance_from_home_m
 
-from companion.mission.clearance import MARGIN_M
-from sitl.world.collision import VEHICLE_RADIUS_M
+from companion.vehicle_profile import VehicleProfile
+
+QUAD = VehicleProfile()
+
 
 NO_PLAN = """\
 no plan: upload cannot hold from here.
@@ -122,7 +124,7 @@ def flies_as_told(shipped: Shipped, seed: int) -> None:
     assert flight.story == list(shipped.story)
     assert flight.exit_code == shipped.exit_code
     assert flight.simulation.collisions == 0
-    assert flight.clearance_m >= VEHICLE_RADIUS_M + MARGIN_M
+    assert flight.clearance_m >= QUAD.radius_m + QUAD.margin_m
     assert distance_from_home_m(flight) < 0.5
     assert not flight.simulation.is_armed
     kept = [line for line in flight.mission.task if line not in shipped.broken]

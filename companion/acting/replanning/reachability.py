@@ -32,6 +32,7 @@ class Reachability:
         self._planner = planner
         self._flight = flight
         self._grounded_on = self._looked_at = flight.routes.version
+        self._costed_at = flight.speed_limit.version
         self._cut_off = self._unreachable()
         self._have_changed = False
 
@@ -51,10 +52,16 @@ class Reachability:
         return is_known or self._flight.routes.find(CELLS_PER_TICK)
 
     def follow(self) -> str:
-        """Moves cost what they cost on the map as it is now; what is not believed any more."""
+        """Moves cost what they cost on the map, and at the speed limit, as they are now.
+
+        Returns:
+            What is not believed any more, in words.
+        """
         flight, state = self._flight, self._flight.vehicle.state
-        if self._grounded_on != flight.routes.version and state is not None:
+        is_map_new = self._grounded_on != flight.routes.version
+        if state is not None and (is_map_new or self._costed_at != flight.speed_limit.version):
             self._grounded_on = flight.routes.version
+            self._costed_at = flight.speed_limit.version
             for place in flight.symbols.follow_map(state.position, flight.now_s):
                 flight.tell_symbol(place)
             self._planner.reground()

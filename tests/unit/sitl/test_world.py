@@ -133,11 +133,11 @@ def walled() -> OccupancyGrid:
 
 
 def test_collisions_are_counted_when_they_begin() -> None:
-    watch = CollisionCounter(walled())
+    watch = CollisionCounter(walled(), 0.35)
     begins = [watch.update((north, 0.0, -2.0)) for north in (0.0, 4.5, 4.82, 4.9, 4.0, 4.9)]
     assert begins == [False, False, True, False, False, True]
     assert watch.count == 2
-    assert not CollisionCounter(None).update((1e6, 1e6, 0.0))
+    assert not CollisionCounter(None, 0.35).update((1e6, 1e6, 0.0))
 
 
 def test_a_vehicle_that_falls_over_is_a_wreck_that_lies_still() -> None:

@@ -11,6 +11,8 @@ from wire import NAN, Wire, gcs_heartbeat
 from companion.errors import MissionError
 from companion.mavlink.framing import dialect
 from companion.motion.grid import OccupancyGrid
+from companion.vehicle_profile import VehicleProfile
+from sitl.autopilot.parameters import PARAMETERS, vehicle_defaults
 from sitl.results import MavResult
 from sitl.world.obstacles import Obstacle, TrueMap
 from sitl.world.scenario import parse_scenario
@@ -33,6 +35,43 @@ def take_off(wire: Wire, up_m: float) -> None:
     wire.command(dialect.MAV_CMD_NAV_TAKEOFF, 0, 0, 0, NAN, NAN, NAN, altitude_m)
     assert wire.arm() == [MavResult.ACCEPTED]
     wire.run_until(lambda: wire.simulation.flight.position[2] < 0.3 - up_m, 20.0)
+
+
+# -- the vehicle ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("vehicle", "collisions"), [("quad_35cm", 0), ("{radius_m: 1.2}", 1)])
+def test_a_wider_vehicle_touches_what_its_mission_passes(vehicle: str, collisions: int) -> None:
+    occupied = np.zeros((200, 200), dtype=np.bool_)
+    occupied[120:122, :] = True  # 2 m to the north
+    grid = OccupancyGrid(occupied, 0.1, (-10.0, -10.0))
+    wire = fly(f"vehicle: {vehicle}\n", grid)
+    wire.fly_offboard(0.0, 0.0, -2.0)
+    wire.run(5.0, send=lambda: wire.setpoint(1.0, 0.0, -2.0))
+    assert wire.simulation.collisions == collisions
+
+
+def test_the_vehicle_sets_defaults_of_the_autopilot() -> None:
+    vehicle = "vehicle: {speed_mps: 1, climb_mps: 0.4, max_acceleration_mps2: 2}\n"
+    wire = fly(f"{vehicle}parameters: {{MPC_Z_VEL_MAX_UP: 0.6}}\n")
+    parameters = wire.simulation._autopilot.parameters
+    names = ("MPC_XY_VEL_MAX", "MPC_Z_VEL_MAX_UP", "MPC_Z_VEL_MAX_DN", "MPC_ACC_HOR_MAX")
+    assert [parameters[name] for name in names] == [1.0, 0.6, 1.5, 2.0]
+    wire.fly_offboard(0.0, 0.0, -2.0)
+    speeds, climbs = [], []
+    for _ in range(100):
+        wire.run(0.1, send=lambda: wire.setpoint(20.0, 0.0, -8.0))
+        north_mps, _, down_mps = wire.simulation.flight.velocity
+        speeds.append(north_mps)
+        climbs.append(-down_mps)
+    assert 0.95 < max(speeds) < 1.1
+    assert 0.55 < max(climbs) < 0.7
+
+
+def test_the_default_vehicle_has_the_defaults_of_px4() -> None:
+    assert {name: PARAMETERS[name][1] for name in vehicle_defaults(VehicleProfile())} == (
+        vehicle_defaults(VehicleProfile())
+    )
 
 
 # -- battery and pads ------------------------------------------------------------------------------
