@@ -42,6 +42,8 @@ class _Evidence(IntEnum):
     AIRBORNE = 3
 
 
+_CONTACT, _REST, _NO_REST, _AIRBORNE = _Evidence
+
 _TRANSITIONS: tuple[tuple[LandState, LandState, LandState, LandState], ...] = (
     (LandState.LANDED, LandState.LANDED, LandState.LIFTING_OFF, LandState.IN_AIR),
     (LandState.LANDED, LandState.LANDED, LandState.LIFTING_OFF, LandState.IN_AIR),
@@ -49,6 +51,9 @@ _TRANSITIONS: tuple[tuple[LandState, LandState, LandState, LandState], ...] = (
     (LandState.GROUND_CONTACT, LandState.LANDED, LandState.IN_AIR, LandState.IN_AIR),
 )
 """State, then evidence -> the next state."""
+_IS_LANDED = (True, True, False, False)
+_HAS_CONTACT = (True, False, False, True)
+"""Of each state; looked up several times in each step of 4 ms."""
 
 
 class LandDetector:
@@ -66,12 +71,12 @@ class LandDetector:
     @property
     def is_landed(self) -> bool:
         """The vehicle counts as landed."""
-        return self.state <= LandState.LIFTING_OFF
+        return _IS_LANDED[self.state]
 
     @property
     def has_ground_contact(self) -> bool:
         """The vehicle has rested on the ground for long enough to stop the rotors."""
-        return self.state in (LandState.LANDED, LandState.GROUND_CONTACT)
+        return _HAS_CONTACT[self.state]
 
     def update(
         self, state: FlightState, is_climbing: bool, max_vertical_mps: float, dt_s: float
@@ -84,19 +89,14 @@ class LandDetector:
             max_vertical_mps: faster is no rest (LNDMC_Z_VEL_MAX).
             dt_s: time since the state before.
         """
-        evidence = self._evidence(state, is_climbing, max_vertical_mps, dt_s)
-        self.state = _TRANSITIONS[self.state][evidence]
-
-    def _evidence(
-        self, state: FlightState, is_climbing: bool, max_vertical_mps: float, dt_s: float
-    ) -> _Evidence:
-        if not state.is_on_ground:
+        if state.is_on_ground:
+            self._airborne_s = 0.0
+            is_resting = not is_climbing and abs(state.velocity[2]) <= max_vertical_mps
+            self._rest_s = self._rest_s + dt_s if is_resting else 0.0
+            contact = _CONTACT if self._rest_s >= CONTACT_S else _NO_REST
+            evidence = _REST if self._rest_s >= LANDED_S else contact
+        else:
             self._rest_s = 0.0
             self._airborne_s += dt_s
-            return _Evidence.AIRBORNE if self._airborne_s >= AIRBORNE_S else _Evidence.NO_REST
-        self._airborne_s = 0.0
-        is_resting = not is_climbing and abs(state.velocity[2]) <= max_vertical_mps
-        self._rest_s = self._rest_s + dt_s if is_resting else 0.0
-        if self._rest_s >= LANDED_S:
-            return _Evidence.REST
-        return _Evidence.CONTACT if self._rest_s >= CONTACT_S else _Evidence.NO_REST
+            evidence = _AIRBORNE if self._airborne_s >= AIRBORNE_S else _NO_REST
+        self.state = _TRANSITIONS[self.state][evidence]
