@@ -9,20 +9,14 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Protocol
 
+from companion.acting.assembly import assemble
 from companion.acting.event_detector import EventDetector
-from companion.acting.executive import Executive
-from companion.acting.flight import Flight
 from companion.acting.report import Report
 from companion.acting.sortie import Sortie
-from companion.acting.symbols import Symbols
 from companion.geometry import Ned
 from companion.mavlink.framing import Message
 from companion.mission.model import Mission, Signal
-from companion.motion.live_speed_limit import LiveSpeedLimit
 from companion.motion.sensed_map import SensedMap
-from companion.planning.flight_times import flight_times, route_map
-from companion.planning.planner import Planner
-from companion.planning.task_state import TaskState
 from companion.vehicle.gate import Envelope
 from companion.vehicle.offboard import MavlinkVehicle
 from companion.vehicle.telemetry import Telemetry
@@ -65,10 +59,8 @@ class Run:
         accepts_weak_failsafes: bool,
         may_yield: bool,
     ) -> None:
-        routes = route_map(mission)
         detector = EventDetector(mission.events)
         home, limits, profile = mission.home, mission.limits, mission.vehicle
-        self._speed_limit = LiveSpeedLimit(mission.speed_limits)
         self.mission = mission
         self.recorder = recorder
         self.start_s = start_s
@@ -87,32 +79,27 @@ class Run:
             takeoff_up_m=-home.position[2],
         )
         self.awaited = frozenset(s.field for s in detector.signals if s.message == "COMMAND")
-        times = flight_times(mission, routes, self._position, lambda: self._speed_limit.target)
-        planner = Planner(mission, times)
-        self.flight = Flight(
-            vehicle=self.vehicle,
-            task=TaskState(planner),
-            routes=routes,
-            speed_limit=self._speed_limit,
-            profile=profile,
-            symbols=Symbols(mission.places, routes),
-        )
-        executive = Executive(planner, self.flight, detector)
+        acting = assemble(mission, self.vehicle, detector)
+        self.flight = acting.flight
         self.sortie = Sortie(
-            self.flight, executive, home, mission.otherwise, accepts_weak_failsafes, may_yield
+            acting.flight,
+            acting.executive,
+            home,
+            mission.otherwise,
+            accepts_weak_failsafes,
+            may_yield,
         )
         self._map = SensedMap(mission.grid)
-        self._routes = routes
 
     def step(
         self, now_s: float, messages: list[Message], asked: list[tuple[Signal, float]]
     ) -> list[Report]:
         """One tick: reads what arrived and acts; returns what happened."""
-        self._speed_limit.advance(now_s)
-        self.vehicle.set_speed_limit(self._speed_limit.now_mps)
+        self.flight.speed_limit.advance(now_s)
+        self.vehicle.set_speed_limit(self.flight.speed_limit.now_mps)
         readings = asked + self.vehicle.receive(now_s, messages)
         if any([self._map.integrate(scan) for scan in self.vehicle.scans]):
-            self._routes.see(self._map.grid)
+            self.flight.routes.see(self._map.grid)
         self.sortie.step(now_s, readings)
         reports = self.flight.reports.copy()
         self.flight.reports.clear()
@@ -130,7 +117,7 @@ class Run:
 
     def adjust(self, speed_max_mps: float, belief_retry_s: float) -> None:
         """Takes over the companion's parameters; a flight under way is slowed, if need be."""
-        self._speed_limit.set_operator_limit(speed_max_mps)
+        self.flight.speed_limit.set_operator_limit(speed_max_mps)
         self.flight.belief_retry_s = belief_retry_s if belief_retry_s >= 0.0 else None
 
     def _position(self) -> Ned | None:

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from random import Random
 
-from companion.mavlink.framing import Endpoint, Message, source
+from companion.mavlink.framing import MavlinkCodec, Message, source
 from companion.motion.grid import OccupancyGrid
 from sitl.autopilot.autopilot import Autopilot
 from sitl.autopilot.parameters import Parameters, vehicle_defaults
@@ -97,7 +97,7 @@ class Simulation:
         self._local = frozenset(addresses)
         self._router = Router(links, self._local)
         self._autopilot_component = AutopilotComponent(system, self._vehicle, links, self._router)
-        self._endpoints = {link: Endpoint(system, AUTOPILOT) for link in links}
+        self._codecs = {link: MavlinkCodec(system, AUTOPILOT) for link in links}
         self._steps = 0
 
     @property
@@ -137,8 +137,8 @@ class Simulation:
         """
         out: Outgoing = []
         for link, datagram in datagrams:
-            if link in self._endpoints:
-                for message in self._endpoints[link].parse(datagram):
+            if link in self._codecs:
+                for message in self._codecs[link].parse(datagram):
                     self._receive(link, message, out)
         out += self._autopilot_component.flush()
         due = int(now_s / DT_S + 1e-6)

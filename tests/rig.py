@@ -6,18 +6,14 @@ from collections.abc import Callable, Mapping
 
 from fakes import FakeVehicle
 
+from companion.acting.assembly import assemble
 from companion.acting.event_detector import EventDetector
-from companion.acting.executive import Executive, TaskStatus
-from companion.acting.flight import TICK_S, Flight
+from companion.acting.executive import TaskStatus
+from companion.acting.flight import TICK_S
 from companion.acting.report import Report
-from companion.acting.symbols import Symbols
 from companion.mission.model import Mission, Signal
-from companion.motion.live_speed_limit import LiveSpeedLimit
 from companion.motion.routes import RouteMap
-from companion.planning.flight_times import flight_times, route_map
 from companion.planning.lasso import Lasso
-from companion.planning.planner import Planner
-from companion.planning.task_state import TaskState
 
 
 class Rig:
@@ -41,32 +37,14 @@ class Rig:
         vehicle: FakeVehicle | None = None,
     ) -> None:
         home = mission.home
-        routes = routes or route_map(mission)
         self.mission = mission
         self.vehicle = vehicle or FakeVehicle(home.position).take_off(-home.position[2])
-        self.speed_limit = LiveSpeedLimit(mission.speed_limits)
-        self.planner = Planner(
-            mission,
-            flight_times(
-                mission,
-                routes,
-                lambda: self.vehicle.state.position if self.vehicle.state else None,
-                lambda: self.speed_limit.target,
-            ),
-        )
-        self.task = TaskState(self.planner)
-        self.flight = Flight(
-            vehicle=self.vehicle,
-            task=self.task,
-            routes=routes,
-            speed_limit=self.speed_limit,
-            profile=mission.vehicle,
-            symbols=Symbols(mission.places, routes),
-        )
+        acting = assemble(mission, self.vehicle, EventDetector(mission.events), routes)
+        self.planner, self.flight, self.executive = acting.planner, acting.flight, acting.executive
+        self.task, self.speed_limit = acting.flight.task, acting.flight.speed_limit
         self.reports: list[Report] = []
         self.positions: list[Mapping[str, object]] = []
         self.plans: list[Lasso] = []
-        self.executive = Executive(self.planner, self.flight, EventDetector(mission.events))
         self._ticks = 0
 
     @property

@@ -13,16 +13,11 @@ import pytest
 from commands import Companion
 
 from companion.acting.report import FOR_PROGRAMS
-from companion.app import Companion as Flier
+from companion.api.simulating import simulate
 from companion.ltl.formula import conjuncts
 from companion.ltl.parser import parse
 from companion.ltl.semantics import holds
 from companion.mission.loader import load_mission
-from companion.record.run_folder import RunFolder
-from sitl.harness import fly_in_lockstep
-from sitl.link.routing import LinkName
-from sitl.simulation import Simulation
-from sitl.world.scenario import read_scenario
 
 ROOT = Path(__file__).parents[1]
 MISSIONS = ROOT / "missions"
@@ -32,12 +27,7 @@ DOCUMENTED = "companion audit runs/2026-11-21T101500-surveillance"
 
 def fly(mission: Path, folder: Path) -> Path:
     """A flight of a mission in the surveillance mission's world; its run folder."""
-    scenario, grid = read_scenario(MISSIONS / "surveillance.sim.yaml")
-    loaded = load_mission(mission)
-    run = RunFolder(folder, loaded, 0.0, lambda report: None)
-    simulation = Simulation(scenario, grid, seed=0, links=frozenset({LinkName.OFFBOARD}))
-    fly_in_lockstep(Flier(loaded, run), simulation)
-    run.close()
+    simulate(load_mission(mission), MISSIONS / "surveillance.sim.yaml", folder=folder)
     return folder
 
 

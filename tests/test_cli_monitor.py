@@ -26,11 +26,10 @@ from companion.acting.flight import TICK_S
 from companion.app import Companion
 from companion.cli.monitoring import Page, monitored
 from companion.cli.terminal import Terminal
-from companion.mavlink.framing import Endpoint, dialect
+from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mavlink.parameters import INT32, decode, encode
 
-HTTP_S = 30.0
-GONE_S = 10.0
+HTTP_S = GONE_S = 300.0  # wall time that no answer and no end needs
 NAME = b"CMP_MONITOR"
 
 
@@ -41,8 +40,8 @@ class Flight(Notes):
         super().__init__()
         self.companion = Companion(mission("F at(A)"), self, page=page)
         self.told: list[str] = []
-        self._autopilot, self._station = Autopilot(), Endpoint(255, 190)
-        self._ear = Endpoint(0, 0)
+        self._autopilot, self._station = Autopilot(), MavlinkCodec(255, 190)
+        self._ear = MavlinkCodec(0, 0)
         self._answers: list[bytes] = []
         self._ticks = 0
 

@@ -131,6 +131,7 @@ def assert_it_flew(flight: subprocess.Popen[str], folder: Path) -> None:
     assert kinds(folder)[-1] == "end"
 
 
+@pytest.mark.flight
 def test_a_flight_outlives_who_reads_its_output(tmp_path: Path) -> None:
     """As in `companion sim ... | head -1`."""
     flight = fly(tmp_path, subprocess.PIPE)
@@ -141,12 +142,14 @@ def test_a_flight_outlives_who_reads_its_output(tmp_path: Path) -> None:
     assert_it_flew(flight, tmp_path)
 
 
+@pytest.mark.flight
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no /dev/full")
 def test_a_full_disk_under_its_output_stops_no_flight(tmp_path: Path) -> None:
     with open("/dev/full", "w") as full:
         assert_it_flew(fly(tmp_path, full), tmp_path)
 
 
+@pytest.mark.flight
 def test_a_flight_goes_on_when_the_terminal_hangs_up(tmp_path: Path) -> None:
     flight = fly(tmp_path, subprocess.PIPE)
     assert flight.stdout is not None
@@ -157,6 +160,7 @@ def test_a_flight_goes_on_when_the_terminal_hangs_up(tmp_path: Path) -> None:
     assert "signal" in kinds(tmp_path)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no /dev/full")
 def test_other_commands_say_that_their_output_cannot_be_written() -> None:
     command = [sys.executable, "-m", "companion", "ltl", "F p"]

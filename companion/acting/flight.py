@@ -1,4 +1,4 @@
-"""What behaviours act on: the vehicle, the task, the map, the clock, and the last failure."""
+"""What behaviours act on: the vehicle, the task, the map, the clock, and the plan's progress."""
 
 from __future__ import annotations
 
@@ -17,6 +17,21 @@ TICK_S = 0.05
 
 
 @dataclass
+class PlanProgress:
+    """How far a plan has come. Each plan has its own; its leaves alone write it.
+
+    Attributes:
+        completed: skills that were completed.
+        laps: laps of the loop.
+        is_landed_by_plan: the plan has landed the vehicle, and has not taken off again.
+    """
+
+    completed: int = 0
+    laps: int = 0
+    is_landed_by_plan: bool = False
+
+
+@dataclass
 class Flight:
     """One flight of one mission, shared by all behaviours of its tree.
 
@@ -25,13 +40,9 @@ class Flight:
         profile: of the vehicle that the mission is written for.
         symbols: where each place is to be flown to; read late, so that it may change in flight.
         now_s: time of the tick, set before each tick.
-        completed: skills of the present plan that were completed.
-        laps: laps of the present plan's loop.
-        failure: why the last skill failed.
-        may_do_better: a belief has come back, so that another plan may be better.
+        progress: of the present plan.
         belief_retry_s: time after which a belief that a failure withdrew is held again, where the
             mission does not say; None is never.
-        is_grounded: the plan has landed the vehicle, and has not taken off again.
         reports: what happened and has not been collected yet.
     """
 
@@ -42,11 +53,7 @@ class Flight:
     profile: VehicleProfile
     symbols: Symbols
     now_s: float = 0.0
-    completed: int = 0
-    laps: int = 0
-    failure: str = ""
-    may_do_better: bool = False
-    is_grounded: bool = False
+    progress: PlanProgress = field(default_factory=PlanProgress)
     belief_retry_s: float | None = None
     reports: list[Report] = field(default_factory=list)
     setpoint: Setpoint | None = None
@@ -66,6 +73,10 @@ class Flight:
         """Streams a setpoint from now on."""
         self.setpoint = setpoint
         self.vehicle.fly(setpoint)
+
+    def forget_setpoint(self) -> None:
+        """Holds from now on where the vehicle is, not where its last setpoint was."""
+        self.setpoint = None
 
     def hold(self) -> None:
         """Stays where the last setpoint was, or where the vehicle is in the air."""

@@ -1,8 +1,9 @@
-"""What do ground stations hear of a flight? Reports as STATUSTEXT, no faster than a link survives.
+"""Reports of a flight as STATUSTEXT to ground stations, at a rate that a radio link can carry.
 
 Each report that people are told becomes one text; what is longer than a message goes in chunks with
-a common id. Texts of one moment (a failure, a belief, a plan) would be a burst: they wait in a
-queue. Who waits too long is left out unless it is a warning or worse, so that what is read is news.
+a common id. Texts of one moment (a failure, a belief, a plan) would be a burst, so they wait in a
+queue. A text that has waited too long is left out unless it is a warning or worse: what is read is
+news.
 """
 
 from __future__ import annotations
@@ -42,13 +43,13 @@ FAILED_END: int = dialect.MAV_SEVERITY_CRITICAL
 
 
 def severity(report: Report) -> int:
-    """How bad a report is."""
+    """Returns the MAV_SEVERITY of a report."""
     if report.data.get("exit_code") or report.data.get("is_refused"):
         return FAILED_END if report.kind == "end" else WARNING
     return SEVERITIES.get(report.kind, INFO)
 
 
-class Texts:
+class StatusTextQueue:
     """The queue of texts.
 
     Attributes:
@@ -62,7 +63,7 @@ class Texts:
         self._next_s = 0.0
 
     def tell(self, now_s: float, severity: int, text: str) -> None:
-        """Puts a text of any length and lines into the queue."""
+        """Puts a text into the queue, however long it is and however many lines it has."""
         if severity > self.level:
             return
         one_line = "; ".join(line.strip() for line in text.splitlines() if line.strip())
@@ -73,7 +74,7 @@ class Texts:
         self._queue.append((now_s, severity, chunks(severity, one_line, self._number)))
 
     def due(self, now_s: float) -> list[Message]:
-        """The message to send now, if any."""
+        """Returns the message to send now, if any."""
         if not self._queue or now_s < self._next_s:
             return []
         self._next_s = now_s + MESSAGE_S
@@ -87,7 +88,7 @@ class Texts:
         return [first]
 
     def rest(self) -> list[Message]:
-        """All that is left, at the end."""
+        """Returns all that is left, at the end of a run."""
         left = [m for _, _, messages in self._queue for m in messages]
         self._queue.clear()
         return left

@@ -17,7 +17,7 @@ import numpy as np
 from companion.errors import MissionError
 from companion.geometry import NorthEast, ned_from_enu
 from companion.motion.grid import OccupancyGrid
-from companion.motion.routes import Site
+from companion.motion.routes import PlaceRegion
 from companion.vehicle_profile import VehicleProfile
 
 SCENE = "scene.json"
@@ -38,7 +38,7 @@ class Scene:
     start_unix_s: float
     grid: OccupancyGrid
     fence: tuple[NorthEast, ...]
-    sites: dict[str, Site]
+    sites: dict[str, PlaceRegion]
     clearance_m: float
 
 
@@ -77,7 +77,7 @@ def _scene(data: dict[str, Any]) -> Scene:
     origin = (float(about["north_m"]), float(about["east_m"]))
     grid = OccupancyGrid(bits.reshape(shape).astype(np.bool_), float(about["cell_m"]), origin)
     sites = {
-        str(place["name"]): Site(
+        str(place["name"]): PlaceRegion(
             ned_from_enu(*map(float, place["enu"])), float(place["radius_m"]), place["in_task"]
         )
         for place in data["places"]

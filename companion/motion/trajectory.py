@@ -1,4 +1,4 @@
-"""Trajectories: where along its route should the vehicle be at a time, and how fast?
+"""Trajectories: position, velocity and heading along a route at each time.
 
 The vehicle follows the legs of a route exactly, from rest (or from a motion along the first leg)
 to rest. On each leg the speed changes as fast as the limits of acceleration and jerk allow
@@ -39,7 +39,7 @@ _STRAIGHT = 1e-6  # radians; legs that turn by less are one
 _REACH = (
     0.99  # share of a leg that a change of speed may take; profiles that just fit are not found
 )
-_RUN_OUT = 1.03  # of the shortest way to a stop; more than 1 / _REACH
+_RUN_OUT = 1.03  # of the shortest distance to a stop; more than 1 / _REACH
 _MIN_LEVEL_SHARE = 1e-3  # of a leg; a steeper leg has no heading
 
 
@@ -148,7 +148,7 @@ def motion_of(velocity: Ned, acceleration: Ned) -> Motion:
 
 
 def run_out(position: Ned, velocity: Ned, acceleration: Ned, limits: SpeedLimits) -> Ned:
-    """Where a moving vehicle can come to rest, straight ahead, with a little room.
+    """The point straight ahead where a moving vehicle can come to rest, with a little room.
 
     >>> north, *_ = run_out((0.0, 0.0, -2.0), (2.0, 0.0, 0.0), AT_REST, SpeedLimits(2.0, 2.0, 8.0))
     >>> round(north, 3)
@@ -195,27 +195,27 @@ def _corner_motions(
     first = limits[0]
     corners = first.acceleration_mps2 * CORNER_TIME_S / (2 * np.maximum(half_jump, 1e-9))
     legs = [min(a.speed_mps, b.speed_mps) for a, b in pairwise(limits)]
-    most = [*np.minimum(corners, legs).tolist(), 0.0]
+    max_mps = [*np.minimum(corners, legs).tolist(), 0.0]
     rooms_m = [_REACH * length_m for length_m in lengths_m]
     start = Motion(min(start.speed_mps, first.speed_mps), start.acceleration_mps2)
-    ends = _reachable(most, rooms_m, start, limits)
-    if not _can_brake(start, ends[0], rooms_m[0], first):  # to a stop it takes less
-        ends = _reachable([0.0, *most[1:]], rooms_m, start, limits)
+    ends = _reachable(max_mps, rooms_m, start, limits)
+    if not _can_brake(start, ends[0], rooms_m[0], first):  # a stop takes less room
+        ends = _reachable([0.0, *max_mps[1:]], rooms_m, start, limits)
     if not _can_brake(start, ends[0], rooms_m[0], first):
         start = Motion(min(start.speed_mps, first.reached_mps(ends[0], rooms_m[0])))
     return [start, *map(Motion, ends)]
 
 
 def _reachable(
-    most_mps: list[float], rooms_m: list[float], start: Motion, limits: list[SpeedLimits]
+    max_mps: list[float], rooms_m: list[float], start: Motion, limits: list[SpeedLimits]
 ) -> list[float]:
     """The greatest speeds at the ends of legs, each reachable from those beside it."""
-    ends = most_mps.copy()
-    speed_mps, way_m = limits[0].released(start)
+    ends = max_mps.copy()
+    speed_mps, used_m = limits[0].released(start)
     for leg, room_m in enumerate(rooms_m):
-        is_room = room_m > way_m
-        reached_mps = limits[leg].reached_mps(speed_mps, room_m - way_m) if is_room else 0.0
-        speed_mps, way_m = min(ends[leg], reached_mps), 0.0
+        is_room = room_m > used_m
+        reached_mps = limits[leg].reached_mps(speed_mps, room_m - used_m) if is_room else 0.0
+        speed_mps, used_m = min(ends[leg], reached_mps), 0.0
         ends[leg] = speed_mps
     for leg in range(len(ends) - 1, 0, -1):
         ends[leg - 1] = min(ends[leg - 1], limits[leg].reached_mps(ends[leg], rooms_m[leg]))
@@ -245,8 +245,8 @@ def _turns(
     return turns
 
 
-def _limited(angle_rad: float, most_rad: float) -> float:
-    return math.copysign(min(abs(angle_rad), most_rad), angle_rad)
+def _limited(angle_rad: float, max_rad: float) -> float:
+    return math.copysign(min(abs(angle_rad), max_rad), angle_rad)
 
 
 def _ned(vector: npt.NDArray[np.float64]) -> Ned:

@@ -206,7 +206,7 @@ def _flies(mission: Mission, skill: Skill) -> bool:
 
 def _beliefs(mission: Mission, skill: Skill, binding: dict[str, str]) -> frozenset[Fact]:
     """What a skill and those that refine it assume."""
-    assumed = {atom.ground(binding) for atom in skill.assumes}
+    assumed = {atom.instantiate(binding) for atom in skill.assumes}
     for step in skill.execute:
         if isinstance(step, Do):
             inner = mission.skills[step.skill]
@@ -229,7 +229,7 @@ def _refined(mission: Mission, skill: Skill, binding: dict[str, str]) -> tuple[S
         elif isinstance(step, Do):
             inner = mission.skills[step.skill]
             own = _own(inner, step, binding)
-            name = Atom(inner.name, tuple(own)).ground(own)
+            name = Atom(inner.name, tuple(own)).instantiate(own)
             below = _refined(mission, inner, own)
             steps.append(Refinement(name, below, inner.tries, inner.timeout_s))
         else:
@@ -265,7 +265,7 @@ def _instance(
     if requires & forbids:
         return None
     return Action(
-        name=Atom(skill.name, tuple(name for name, _ in skill.parameters)).ground(binding),
+        name=Atom(skill.name, tuple(name for name, _ in skill.parameters)).instantiate(binding),
         skill=skill.name,
         requires=requires | assumes,
         forbids=forbids,
@@ -289,6 +289,6 @@ def _facts(
 ) -> tuple[frozenset[Fact], frozenset[Fact]]:
     """The facts of the positive and of the negative literals."""
     return (
-        frozenset(x.atom.ground(binding) for x in literals if x.is_positive),
-        frozenset(x.atom.ground(binding) for x in literals if not x.is_positive),
+        frozenset(x.atom.instantiate(binding) for x in literals if x.is_positive),
+        frozenset(x.atom.instantiate(binding) for x in literals if not x.is_positive),
     )

@@ -1,4 +1,4 @@
-"""What planning asks and answers: a Problem, and a Lasso that solves it.
+"""The planning problem, and the lasso that solves it.
 
 A lasso is a finite prefix of actions and a loop that is repeated for ever (Section III-A). Its
 word is the sequence of facts at the positions it passes.
@@ -38,7 +38,7 @@ class Problem:
     """A planning problem; between replans only the last three fields change.
 
     Attributes:
-        actions: grounded actions; their order breaks ties.
+        actions: instances of skills; their order breaks ties.
         conjuncts: the task.
         facts: what holds now.
         automaton_states: per conjunct, the states its automaton may be in after reading the
@@ -72,11 +72,11 @@ class Lasso:
 
     @property
     def ends_at_rest(self) -> bool:
-        """Whether nothing but rest is left after the prefix: the task is then done."""
+        """Whether the loop is nothing but rest: after the prefix the task is done."""
         return all(a is WAIT for a in self.suffix)
 
     def names(self, count: int, start: int = 0) -> list[str]:
-        """So many of its actions by name, without the first ones.
+        """The names of `count` actions from position `start` on.
 
         >>> lap = Lasso((), (WAIT,))
         >>> lap.names(2, start=7)
@@ -115,9 +115,9 @@ class Solution:
     """A plan: a lasso, and what is known of its quality.
 
     Attributes:
-        cost_ms: the objective: the lap, or prefix and lap together, or the worst wait.
+        cost_ms: the objective: the lap, or prefix and lap together, or the bottleneck.
         bound_ms: no lasso has a lower objective; 0 if nothing is known.
-        engine: who found it.
+        engine: name of the planner that found it.
     """
 
     lasso: Lasso
@@ -135,6 +135,16 @@ class Solution:
     def loop(self) -> tuple[Action, ...]:
         """The actions that are then repeated for ever, at least one."""
         return self.lasso.suffix
+
+    @property
+    def prefix_cost_s(self) -> float:
+        """Cost of the prefix, seconds."""
+        return self.lasso.prefix_cost_ms / 1000
+
+    @property
+    def lap_cost_s(self) -> float:
+        """Cost of one lap of the loop, seconds."""
+        return self.lasso.lap_cost_ms / 1000
 
     @property
     def cost_s(self) -> float:

@@ -11,6 +11,7 @@ moves are grounded again: other costs, and none without a route.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 from companion.errors import CompanionError
@@ -22,7 +23,7 @@ from companion.mission.tree_nodes import Tree, actions
 from companion.planning.builtin.search import Search
 from companion.planning.check import fault
 from companion.planning.domain import Action, Fact, FlightTime, TaskModel, departures, ground
-from companion.planning.effort import IN_FLIGHT, ON_THE_GROUND, Effort
+from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT, Effort
 from companion.planning.explain import Explanation, NoPlan, explaining, why_no_plan
 from companion.planning.flight_times import flight_times, from_table, route_map
 from companion.planning.lasso import Conjunct, Lasso, Letter, Problem, Solution
@@ -31,6 +32,8 @@ from companion.planning.supposition import supposed_facts, supposed_withdrawn
 
 BUILT_IN = "built-in"
 """The engine that plans unless another one is named."""
+
+log = logging.getLogger(__name__)
 
 
 class Planner:
@@ -78,6 +81,21 @@ class Planner:
         self.flight_time = flight_time
         self.without_a_move: frozenset[Fact] = frozenset()
         self._search = Search(self.model.actions)
+        self._log_sizes()
+
+    def _log_sizes(self) -> None:
+        log.debug("%d actions, %d beliefs", len(self.model.actions), len(self.model.beliefs))
+        for name, automaton in ((c.name, c.automaton) for c in self.conjuncts):
+            log.debug(
+                "automaton of %s: %d states, %d transitions, %d marks",
+                name,
+                automaton.states,
+                len(automaton.transitions),
+                automaton.marks,
+            )
+        if self.translating_s:  # it was measured
+            times_ms = 1000 * self.grounding_s, 1000 * self.translating_s
+            log.debug("instantiated in %.1f ms, translated in %.1f ms", *times_ms)
 
     def reground(self) -> None:
         """Takes over flight times that have changed; what was ever believed stays a belief."""
@@ -149,7 +167,8 @@ class Planner:
         Raises:
             NoPlan: there is none; its `explanation` says why.
             MissionError: the mission does not know one of the names.
-            CompanionError: the engine failed, or the search was given up at its limit.
+            SearchLimit: the search was given up: whether there is a plan is not known.
+            CompanionError: the engine failed.
         """
         problem, histories = self.initial_problem(at=at, facts=facts, without=without)
         if engine == BUILT_IN:
@@ -178,6 +197,7 @@ class Planner:
 
         Raises:
             MissionError: the mission does not know one of the names.
+            SearchLimit: the search was given up: whether there is a plan is not known.
         """
         try:
             next(self.solutions(*self.initial_problem(at=at, facts=facts, without=without)))
@@ -216,9 +236,10 @@ class Planner:
 
         Raises:
             NoPlan: there is none; its `explanation` says why.
+            SearchLimit: the search was given up.
         """
         found = False
-        for solution in self._checked(problem, histories, objective, ON_THE_GROUND):
+        for solution in self._checked(problem, histories, objective, BEFORE_FLIGHT):
             found = True
             yield solution
         if not found:
@@ -230,7 +251,7 @@ class Planner:
         histories: Sequence[Sequence[Letter]],
         objective: Objective = Objective.LAP,
     ) -> Solution:
-        """The best solution that is found. Raises NoPlan as `solutions` does."""
+        """The best solution that is found. Raises as `solutions` does."""
         *_, best = self.solutions(problem, histories, objective)
         return best
 
@@ -240,7 +261,7 @@ class Planner:
         None if there is none; `reasons` says why.
 
         Raises:
-            NoPlanError: the search was given up.
+            SearchLimit: the search was given up.
         """
         first = next(self._checked(problem, histories, Objective.LAP, IN_FLIGHT), None)
         return first.lasso if first else None

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from companion.ltl.formula import Formula, conjuncts
-from companion.ltl.monitor import Monitor, Verdict
+from companion.ltl.monitor import Monitor, TruthValue
 from companion.ltl.semantics import Letter, holds
 from companion.record.events import LeftPosition, RunRecord
 
@@ -49,7 +49,7 @@ class Finding:
     formula: Formula
     outcome: Outcome
     position: int | None
-    states: tuple[Verdict, ...]
+    states: tuple[TruthValue, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +99,7 @@ class _Reading:
     name: str
     formula: Formula
     begun: int
-    states: tuple[Verdict, ...]
+    states: tuple[TruthValue, ...]
     violated: tuple[int, ...]
 
 
@@ -109,9 +109,9 @@ def _read(name: str, formula: Formula, positions: Iterable[LeftPosition]) -> _Re
     for position in positions:
         if name in position.restarted:
             monitor, begun = fresh, position.number
-        before, monitor = monitor.verdict, monitor.after(position.facts)
-        states.append(monitor.verdict)
-        if before is not Verdict.FALSE and monitor.verdict is Verdict.FALSE:
+        before, monitor = monitor.truth_value, monitor.after(position.facts)
+        states.append(monitor.truth_value)
+        if before is not TruthValue.FALSE and monitor.truth_value is TruthValue.FALSE:
             violated.append(position.number)
     return _Reading(name, formula, begun, tuple(states), tuple(violated))
 
@@ -120,8 +120,8 @@ def _finding(reading: _Reading, positions: tuple[LeftPosition, ...]) -> Finding:
     outcome, number = Outcome.OPEN, None
     if reading.violated:
         outcome, number = Outcome.VIOLATED, reading.violated[0]
-    elif Verdict.TRUE in reading.states[reading.begun :]:
-        outcome, number = Outcome.FULFILLED, reading.states.index(Verdict.TRUE, reading.begun)
+    elif TruthValue.TRUE in reading.states[reading.begun :]:
+        outcome, number = Outcome.FULFILLED, reading.states.index(TruthValue.TRUE, reading.begun)
     elif positions and positions[-1].is_for_ever:
         word: list[Letter] = [position.facts for position in positions[reading.begun :]]
         is_satisfied = holds(reading.formula, word[:-1], word[-1:])

@@ -9,12 +9,12 @@ tolerated. Anything else that is not as documented is refused with its line.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
-from companion.errors import FormulaError, Location, MissionError
+from companion.errors import FormulaError, KeyPath, Location, MissionError
 from companion.ltl.formula import Formula
 from companion.ltl.parser import parse
 
@@ -75,6 +75,21 @@ def read_events(folder: Path) -> RunRecord:
     if rest and not is_torn:
         whole.append(rest)
     lines = [_Line.read(text, Location(str(path), i, 1)) for i, text in enumerate(whole, 1)]
+    return _record(lines, str(path), is_torn)
+
+
+def record_of(events: Iterable[Mapping[str, object]]) -> RunRecord:
+    """What the events of a run, each as its line has it, say of the task.
+
+    Raises:
+        MissionError: no plan was made.
+    """
+    texts = (json.dumps(event).encode() for event in events)
+    lines = [_Line.read(text, KeyPath(("events", i))) for i, text in enumerate(texts)]
+    return _record(lines, "the run", is_torn=False)
+
+
+def _record(lines: Iterable[_Line], name: str, is_torn: bool) -> RunRecord:
     task: dict[str, Formula] | None = None
     positions: list[LeftPosition] = []
     violations: set[tuple[str, int]] = set()
@@ -91,7 +106,7 @@ def read_events(folder: Path) -> RunRecord:
                 ending = line.value("text", str)
     if task is None:
         why = f": {ending}" if ending else ""
-        raise MissionError(f"{path}: no plan was made in this run, so nothing was flown{why}")
+        raise MissionError(f"{name}: no plan was made in this run, so nothing was flown{why}")
     return RunRecord(task, tuple(positions), frozenset(violations), ending, is_torn)
 
 
@@ -108,10 +123,10 @@ class _Line:
     """One line, checked as far as it is read."""
 
     data: dict[str, Any]
-    where: Location
+    where: Location | KeyPath
 
     @classmethod
-    def read(cls, text: bytes, where: Location) -> _Line:
+    def read(cls, text: bytes, where: Location | KeyPath) -> _Line:
         try:
             data = json.loads(text)
         except (ValueError, RecursionError) as error:

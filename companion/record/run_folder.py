@@ -28,6 +28,11 @@ from companion.record.scene import scene
 FLUSH_S = 0.2
 
 
+def as_line(event: Report) -> dict[str, object]:
+    """An event as its line of events.jsonl has it."""
+    return {"t_s": event.time_s, "kind": event.kind, "text": event.text, **event.data}
+
+
 class RunFolder:
     """Writes a run folder while the run goes on.
 
@@ -62,9 +67,8 @@ class RunFolder:
         """Appends a line to events.jsonl, at once; a plan also becomes a file."""
         if report.is_told:
             self._tell(report)
-        line = {"t_s": report.time_s, "kind": report.kind, "text": report.text, **report.data}
         with self._going_on():
-            self._events.write(json.dumps(line) + "\n")
+            self._events.write(json.dumps(as_line(report)) + "\n")
             self._events.flush()
             if report.kind in ("plan", "replan") and "loop" in report.data:
                 self._plan(report.data)

@@ -28,6 +28,7 @@ from companion.mavlink.framing import Message, dialect, source
 from companion.mavlink.payload_commands import why_not_sent
 from companion.mission.model import Signal
 from companion.motion.sensed_map import RangeScan
+from companion.outcomes import Refusal
 from companion.vehicle.gate import Envelope, admit
 from companion.vehicle.goals import APPROACHES
 from companion.vehicle.parameters import ParameterReader
@@ -199,7 +200,7 @@ class MavlinkVehicle:
         p1, p2, p3, p4, p5, p6, p7 = (*parameters, *[0.0] * (7 - len(parameters)))
         ticket = self._start(component, command, (p1, p2, p3, p4, p5, p6, p7))
         if why_not := why_not_sent(component, command):
-            self._commands.refuse(ticket, f"not sent: {why_not}")
+            self._commands.refuse(ticket, Refusal(f"not sent: {why_not}"))
         return ticket
 
     def command_outcome(self, ticket: int) -> Outcome:

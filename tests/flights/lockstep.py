@@ -15,7 +15,7 @@ from companion.acting.flight import TICK_S
 from companion.acting.report import Report
 from companion.app import Companion
 from companion.geometry import Ned
-from companion.mavlink.framing import Endpoint, dialect
+from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mavlink.px4_modes import MODES
 from companion.mission.model import Mission
 from companion.motion.grid import OccupancyGrid
@@ -142,10 +142,10 @@ class Lockstep:
         self.modes: list[tuple[float, str]] = []
         self.armings = 0
         self._up, self._down = up, down
-        self._station = Endpoint(255, 190)
+        self._station = MavlinkCodec(255, 190)
         self._has_station = has_station
-        self._ear, self._vehicle_ear = Endpoint(0, 0), Endpoint(0, 0)
-        self._station_ear = Endpoint(0, 0)
+        self._ear, self._vehicle_ear = MavlinkCodec(0, 0), MavlinkCodec(0, 0)
+        self._station_ear = MavlinkCodec(0, 0)
         self._to_vehicle: list[tuple[LinkName, bytes]] = []
         self._was_armed = False
         self._ticks = 0

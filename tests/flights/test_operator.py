@@ -18,7 +18,7 @@ from companion.acting.flight import TICK_S
 from companion.acting.report import Report
 from companion.app import Companion
 from companion.geometry import distance, horizontal_distance
-from companion.mavlink.framing import Endpoint, dialect
+from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
 from companion.mission_run import Recorder
@@ -337,7 +337,7 @@ def test_five_ground_stations_each_get_their_own_answers(flight: Operated) -> No
     """Four ask at once and one has stopped; nobody waits for another."""
     flight.run(3.0)
     numbers = [RETURN, PAUSE, 31014, dialect.MAV_CMD_DO_SET_MISSION_CURRENT]
-    stations = [Endpoint(250 - i, 190) for i in range(5)]
+    stations = [MavlinkCodec(250 - i, 190) for i in range(5)]
     for station, number in zip(stations, numbers, strict=False):
         message = dialect.MAVLink_command_long_message(VEHICLE, COMPANION, number, 0, *[0] * 7)
         flight._to_vehicle.append((LinkName.GCS, station.pack(message)))

@@ -24,6 +24,7 @@ from notes import Notes
 from pymavlink import mavutil
 
 from companion.acting.report import FOR_PROGRAMS, Report
+from companion.api.simulating import lockstep
 from companion.app import Companion
 from companion.errors import LinkTimeout
 from companion.geometry import Ned, horizontal_distance, is_in_polygon
@@ -31,7 +32,7 @@ from companion.mission.model import Mission
 from companion.record.run_folder import RunFolder
 from companion.vehicle_profile import VehicleProfile
 from sitl.flight.physics import FlightState
-from sitl.harness import fly_in_lockstep
+from sitl.harness import LockstepFlight
 from sitl.link.routing import LinkName
 from sitl.simulation import Simulation
 
@@ -40,7 +41,6 @@ QUAD = VehicleProfile()
 SURVEILLANCE = Path(__file__).parents[2] / "missions" / "surveillance.yaml"
 STORED = Path(__file__).parents[1] / "data" / "surveillance.events.txt"
 START_UNIX_S = 1_700_000_000.0
-ON_BOARD = frozenset({LinkName.OFFBOARD})
 
 Event = dict[str, Any]
 
@@ -79,9 +79,10 @@ class Flown:
 class Witness:
     """A recorder that keeps the run folder, and what was true at each tick."""
 
-    def __init__(self, folder: RunFolder, flown: Flown) -> None:
+    flown: Flown
+
+    def __init__(self, folder: RunFolder) -> None:
         self._folder = folder
-        self._flown = flown
 
     def report(self, report: Report) -> None:
         self._folder.report(report)
@@ -91,16 +92,17 @@ class Witness:
 
     def position(self, now_s: float, position: Ned) -> None:
         self._folder.position(now_s, position)
-        self._flown.truth.append((now_s, self._flown.simulation.flight))
+        self.flown.truth.append((now_s, self.flown.simulation.flight))
 
 
 def fly(mission: Mission, hall: World, seed: int, path: Path) -> Flown:
-    scenario, grid = hall
-    flown = Flown(path, Simulation(scenario, grid, seed=seed, links=ON_BOARD))
     folder = RunFolder(path, mission, START_UNIX_S, lambda report: None)
-    companion = Companion(mission, Witness(folder, flown))
-    fly_in_lockstep(companion, flown.simulation)
+    witness = Witness(folder)
+    flight = lockstep(mission, hall, witness, seed=seed)
+    flown = witness.flown = Flown(path, flight.simulation)
+    flight.fly()
     folder.close()
+    companion = flight.companion
     flown.exit_code = companion.failure.exit_code if companion.failure else 0
     return flown
 
@@ -281,7 +283,7 @@ def test_equal_seeds_give_equal_bytes_in_every_process(
         for hash_seed in ("1", "2")
     ]
     for log_dir, child in children:
-        printed, _ = child.communicate(timeout=120)
+        printed, _ = child.communicate(timeout=600)
         assert child.returncode == 0, printed
         (folder,) = log_dir.iterdir()
         written.append((folder / "events.jsonl").read_bytes())
@@ -304,6 +306,6 @@ def start_command(log_dir: Path, hash_seed: str) -> subprocess.Popen[str]:
 def test_a_vehicle_that_says_nothing_ends_the_wait(surveillance: Mission, hall: World) -> None:
     elsewhere = Simulation(*hall, seed=0, links=frozenset({LinkName.GCS}))
     with pytest.raises(LinkTimeout, match="not heard in 3 s") as caught:
-        fly_in_lockstep(Companion(surveillance, Notes()), elsewhere, timeout_s=3.0)
+        LockstepFlight(Companion(surveillance, Notes()), elsewhere).fly(timeout_s=3.0)
     assert caught.value.exit_code == 4
     assert elsewhere.flight.time_s == pytest.approx(3.0, abs=0.1)

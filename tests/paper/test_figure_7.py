@@ -19,15 +19,11 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 
 from companion.acting.report import Report
-from companion.app import Companion
+from companion.api.simulating import lockstep, world_of
 from companion.geometry import Ned, horizontal_distance
 from companion.mission.model import Mission
 from companion.record.figure import Trail, figure_of
 from companion.record.run_folder import RunFolder
-from sitl.harness import fly_in_lockstep
-from sitl.link.routing import LinkName
-from sitl.simulation import Simulation
-from sitl.world.scenario import read_scenario
 
 SCENARIO = Path(__file__).parents[2] / "missions" / "surveillance.sim.yaml"
 
@@ -61,10 +57,7 @@ def flown(surveillance: Mission, tmp_path_factory: pytest.TempPathFactory) -> Fl
     reports: list[Report] = []
     path = tmp_path_factory.mktemp("figure7")
     folder = RunFolder(path, surveillance, 0.0, reports.append)
-    scenario, grid = read_scenario(SCENARIO)
-    links = frozenset({LinkName.OFFBOARD})
-    simulation = Simulation(scenario, grid, seed=0, links=links)
-    fly_in_lockstep(Companion(surveillance, folder), simulation)
+    lockstep(surveillance, world_of(surveillance), folder).fly()
     folder.close()
     return Flown(path, folder.trail, reports)
 

@@ -23,11 +23,11 @@ from synthetic import mission
 from companion.acting.flight import TICK_S
 from companion.acting.report import Report
 from companion.app import Companion
-from companion.ground.checking import Answer
+from companion.ground.checking import CheckResult
 from companion.ground.component import Component
 from companion.ground.parameters import NAMES
 from companion.ground.uploads import Uploads
-from companion.mavlink.framing import Endpoint, dialect
+from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mission.model import Mission
 from companion.mission_run import Recorder
 
@@ -81,7 +81,7 @@ def garbage(rng: random.Random, knows: bool) -> bytes:
 
 def means_nothing(datagram: bytes) -> bool:
     """Whether it sets and commands nothing that the companion knows, nor comes from on board."""
-    for message in Endpoint(0, 0).parse(datagram):
+    for message in MavlinkCodec(0, 0).parse(datagram):
         is_known = getattr(message, "command", 0) in KNOWN
         if is_known or message.get_type() == "PARAM_SET" or message.get_srcSystem() == 1:
             return False
@@ -101,7 +101,7 @@ class Aboard(Notes):
         )
         self.beats_s: list[float] = []
         self.acknowledged = 0
-        self._autopilot, self._ear = Autopilot(), Endpoint(0, 0)
+        self._autopilot, self._ear = Autopilot(), MavlinkCodec(0, 0)
         self._answers: list[bytes] = []
         self._ticks = 0
 
@@ -146,8 +146,8 @@ class Aboard(Notes):
 class Refused:
     """A check that is over at once."""
 
-    def poll(self) -> Answer:
-        return Answer(False, "no mission")
+    def poll(self) -> CheckResult:
+        return CheckResult(False, "no mission")
 
     def kill(self) -> None:
         """It is over."""
@@ -155,7 +155,7 @@ class Refused:
 
 def asked_in(datagrams: list[bytes]) -> Counter[tuple[int, int, int]]:
     """The commands to component 191, by who sent them."""
-    ear = Endpoint(0, 0)
+    ear = MavlinkCodec(0, 0)
     messages: list[Any] = [m for d in datagrams for m in ear.parse(d)]
     return Counter(
         (m.get_srcSystem(), m.get_srcComponent(), m.command)

@@ -16,7 +16,7 @@ from companion.app import Companion
 from companion.driving import fly
 from companion.errors import Aborted, LinkTimeout
 from companion.geometry import Ned
-from companion.mavlink.framing import Endpoint, dialect
+from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mission.model import Mission
 
 
@@ -99,7 +99,7 @@ def test_a_flight_from_the_ground_to_the_ground() -> None:
 
 def test_all_that_came_and_left_is_recorded() -> None:
     world = World(mission("F at(A)")).fly()
-    ear = Endpoint(0, 0)
+    ear = MavlinkCodec(0, 0)
     recorded = [d for _, datagrams in world.notes.datagrams for d in datagrams]
     senders = {m.get_srcComponent() for d in recorded for m in ear.parse(d)}
     assert senders == {1, 191}
@@ -195,7 +195,7 @@ def test_a_command_of_a_skill_reaches_its_component() -> None:
 def test_an_event_off_the_wire_replans() -> None:
     asked = mission("G (F at(A) | found) & G (F at(B) | found)", events=[event("found")])
     world = World(asked)
-    detector = Endpoint(1, 26)
+    detector = MavlinkCodec(1, 26)
     world.neighbour = lambda datagrams: [detector.pack(named("found", world.now > 7.0))]
     world.fly()
     assert [t.split(":")[1] for t in world.notes.texts if t.startswith("replan")] == [
@@ -213,6 +213,7 @@ def test_every_setpoint_of_a_flight_stays_within_the_limits() -> None:
     assert [r for r in world.notes.reports if r.kind == "gate"] == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ticks", range(12))
 def test_no_command_leaves_after_a_stop_on_the_ground(ticks: int) -> None:
     world = World(mission("F at(A)"))

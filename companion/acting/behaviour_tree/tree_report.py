@@ -43,7 +43,7 @@ class TreeReport:
         if statuses == self._statuses:
             return
         changed = [
-            [number, status.value, self._feedback(node)]
+            [number, status.value, _feedback(node)]
             for number, (node, status) in enumerate(zip(self._nodes, statuses, strict=True))
             if status is not self._statuses[number]
         ]
@@ -52,12 +52,11 @@ class TreeReport:
         text = f"{tip.name}: {tip.status.value}" if tip else "nothing runs"
         self._flight.report("status", text, changed=changed)
 
-    def _feedback(self, node: Behaviour) -> str:
-        """What a leaf has to say; why it failed, if it says nothing itself."""
-        if node.children or node.status is Status.INVALID:
-            return ""
-        is_failure = node.status is Status.FAILURE
-        return node.feedback_message or (self._flight.failure if is_failure else "")
+
+def _feedback(node: Behaviour) -> str:
+    """Why a leaf has failed; "" for everything else."""
+    is_failed_leaf = not node.children and node.status is Status.FAILURE
+    return node.feedback_message if is_failed_leaf else ""
 
 
 def _preorder(node: Behaviour, depth: int) -> Iterator[tuple[Behaviour, int]]:

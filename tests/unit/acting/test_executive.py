@@ -13,14 +13,15 @@ from fakes import DONE, RUNNING, failed
 from rig import Rig
 from synthetic import POSITIONS, command, event, mission, move, reading
 
-from companion.acting.executive import MAX_IDLE_REPLANS, TaskStatus
+from companion.acting.executive import MAX_IDLE_REPLANS, REPLAN_TRIGGERS, TaskStatus
 from companion.acting.flight import TICK_S
 from companion.acting.replanning.explanation import SEARCHES_PER_TICK
-from companion.errors import NoPlanError
+from companion.errors import NoPlanError, SearchLimit
 from companion.geometry import distance
 from companion.mission.model import Event, Execution, Land, Mission, Skill, TakeOff, Wait
 from companion.motion.grid import OccupancyGrid
 from companion.planning.builtin.search import Search
+from companion.planning.effort import IN_FLIGHT
 from companion.planning.explain import why_no_plan
 from companion.vehicle.port import hold_at
 
@@ -197,7 +198,7 @@ def test_what_flaps_while_the_reason_is_looked_for_does_not_hold_the_vehicle_for
     for i in range(10):
         rig.tick(reading("found", float(i % 2 == 0)))
     assert rig.executive.status is TaskStatus.NO_PLAN
-    assert f"{MAX_IDLE_REPLANS} plans in a row led nowhere" in rig.texts[-1]
+    assert f"{MAX_IDLE_REPLANS} plans in a row led nowhere" in rig.of_kind("replan")[-1]
 
 
 def test_a_flapping_event_ends_in_no_plan_and_not_in_replans_for_ever() -> None:
@@ -297,6 +298,21 @@ def test_a_belief_about_here_can_be_to_blame() -> None:
     rig.task.withdraw(frozenset({"trans_ok(here, A)", "trans_ok(H, A)"}))
     with pytest.raises(NoPlanError, match=r"or trans_ok\(here, A\) there would be a plan"):
         rig.planner.solve(*rig.task.problem())
+
+
+def test_a_search_that_is_given_up_in_flight_is_told_as_that(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    rig = Rig(search_and_report()).begin()
+    rig.tick()
+    tiny = replace(IN_FLIGHT, product_edges=3)
+    monkeypatch.setattr("companion.planning.planner.IN_FLIGHT", tiny)
+    rig.tick(reading("found"))
+    assert rig.run_to_the_end() is TaskStatus.NO_PLAN
+    assert isinstance(rig.executive.failure, SearchLimit)
+    (told,) = rig.of_kind("replan")
+    assert told.startswith("replan 1: found: the search was given up at its limit of 3 edges")
+    assert "there may be a plan" in told
 
 
 def test_a_map_that_has_changed_takes_moves_out_of_the_next_plan() -> None:
@@ -406,7 +422,7 @@ def test_a_task_that_is_violated_on_the_ground_is_not_satisfied_in_the_end(
     """There nothing interrupts the plan, so a position comes that it did not foresee."""
     task = {"goal": "F serviced", "safe": "G !low"}
     rig = Rig(mission(task, skills=[service(*steps)], events=[LOW])).begin()
-    rig.run(lambda: rig.flight.is_grounded)
+    rig.run(lambda: rig.flight.progress.is_landed_by_plan)
     rig.tick(reading("low"))
     rig.run_until("service done")
     rig.tick(reading("low", 0.0))  # the facts are again as the plan has them
@@ -414,3 +430,33 @@ def test_a_task_that_is_violated_on_the_ground_is_not_satisfied_in_the_end(
     assert rig.of_kind("violation") == ["safe violated at position 1: G !low"]
     (told,) = rig.of_kind("replan")
     assert re.match(r"replan 1: (low|safe violated): no plan: safe cannot hold from here", told)
+
+
+# -- states and triggers ---------------------------------------------------------------------------
+
+
+def test_the_state_says_what_is_done() -> None:
+    rig = Rig(mission("F done", skills=[DO], events=[FOUND]))
+    states = [rig.executive.state]
+    rig.vehicle.answers = [(0.0, failed("denied"))]
+    rig.begin()
+    states.append(rig.executive.state)
+    while rig.executive.status is TaskStatus.RUNNING:
+        rig.tick()
+        if rig.executive.state is not states[-1]:
+            states.append(rig.executive.state)
+    names = [state.name for state in states]
+    assert names in (
+        ["IDLE", "EXECUTING", "EXPLAINING", "WITHOUT_PLAN"],
+        ["IDLE", "EXECUTING", "WITHOUT_PLAN"],  # the reason was found in the same tick
+    )
+
+
+def test_the_triggers_are_looked_at_in_their_order() -> None:
+    """What the map and the beliefs say is known before the tree acts on it."""
+    assert [trigger.name for trigger in REPLAN_TRIGGERS] == [
+        "the map cuts off a belief of the plan",
+        "the task has a plan again",
+        "the tree has failed",
+        "the task is violated",
+    ]

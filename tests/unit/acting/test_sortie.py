@@ -8,13 +8,21 @@ from rig import Rig
 from synthetic import command, event, mission, reading
 
 from companion.acting.authority import LINK_LOST_S
-from companion.acting.phases import STEPS, Phase
+from companion.acting.phases import GOALS, TRANSITIONS, Phase, SortieEvent
 from companion.acting.sortie import ANSWER_TIMEOUT_S, Sortie
-from companion.errors import Aborted, LinkError, NoPlanError
+from companion.errors import Aborted, LinkError, NoPlanError, SearchLimit
 from companion.mission.model import Mission, Otherwise, Signal
+from companion.planning.effort import Effort
 from companion.vehicle.port import Goal, Mode
 
 NEVER = (1e9, RUNNING)
+OTHERWISE = {
+    Otherwise.LAND: Goal.LANDED,
+    Otherwise.HOLD: Goal.HOLDING,
+    Otherwise.RETURN_HOME: Goal.LANDED,
+}
+"""The last goal of a sortie without a plan."""
+FINISHED = (SortieEvent.REACHED, SortieEvent.FAILED, SortieEvent.SATISFIED)
 NO_WAY_OUT = command("do", "at(A)", "done")
 """When it is refused at A, "F done" has no plan any longer."""
 
@@ -53,6 +61,12 @@ class Run:
         return report.text, report.data["exit_code"]
 
 
+def give_up_searches(monkeypatch: pytest.MonkeyPatch, effort: str) -> None:
+    """Searches have a limit that they reach at once."""
+    tiny = Effort(product_edges=1, dijkstra_edges=1, held_karp_additions=1)
+    monkeypatch.setattr(f"companion.planning.planner.{effort}", tiny)
+
+
 def test_a_sortie_that_goes_well() -> None:
     run = Run().until(Phase.ENDED)
     assert run.texts == [
@@ -87,9 +101,9 @@ def test_setpoints_are_streamed_before_offboard_is_entered() -> None:
 @pytest.mark.parametrize("phase", [Phase.ARMING, Phase.TAKE_OFF, Phase.OFFBOARD])
 def test_a_goal_that_fails_is_followed_by_what_the_table_says(phase: Phase) -> None:
     run = Run()
-    run.vehicle.script[STEPS[phase].goal] = (1.0, failed("not there: denied"))
+    run.vehicle.script[GOALS[phase]] = (1.0, failed("not there: denied"))
     run.until(phase)
-    run.until(STEPS[phase].if_failed)
+    run.until(TRANSITIONS.next(phase, SortieEvent.FAILED))
     assert "not there: denied" in run.texts
     run.until(Phase.ENDED)
     assert run.end == ("not there: denied", Aborted.exit_code)
@@ -211,14 +225,40 @@ def test_a_rehearsal_without_a_plan_leaves_the_telling_to_the_start() -> None:
     assert run.until(Phase.ENDED).end[1] == NoPlanError.exit_code
 
 
+# -- the table -------------------------------------------------------------------------------------
+
+
+def test_each_phase_is_reached_and_left() -> None:
+    left = {row.state for row in TRANSITIONS}
+    reached = {row.then for row in TRANSITIONS}
+    assert left == set(Phase) - {Phase.ENDED}
+    assert reached == set(Phase) - {Phase.WAITING}
+
+
+def test_every_phase_can_be_given_up() -> None:
+    for phase in set(Phase) - {Phase.ENDED}:
+        assert TRANSITIONS.next(phase, SortieEvent.GIVEN_UP) is Phase.ENDED
+
+
+def test_only_the_operator_leads_out_of_a_takeover() -> None:
+    events = {row.event for row in TRANSITIONS if row.state is Phase.YIELDED}
+    assert events == {SortieEvent.HANDED_BACK, SortieEvent.STOPPED, SortieEvent.GIVEN_UP}
+
+
+def test_a_vehicle_that_may_be_in_the_air_is_not_left_without_a_hold_or_a_landing() -> None:
+    """But for a pilot or a failsafe that has it, and a mission that asks for a hold."""
+    ending = {row.state for row in TRANSITIONS if row.then is Phase.ENDED and row.event in FINISHED}
+    assert ending == {Phase.ARMING, Phase.PARTING, Phase.LANDING}
+
+
 # -- loss of control -------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("phase", [Phase.ARMING, Phase.TAKE_OFF, Phase.OFFBOARD, Phase.TASK])
 def test_the_pilot_wins_in_every_phase(phase: Phase) -> None:
     run = Run()
-    if phase in STEPS:
-        run.vehicle.script[STEPS[phase].goal] = NEVER
+    if phase in GOALS:
+        run.vehicle.script[GOALS[phase]] = NEVER
     run.until(phase)
     run.step()
     run.vehicle.lost_authority = "the pilot has control, in POSCTL"
@@ -355,6 +395,35 @@ def test_when_the_way_home_fails_as_well_it_lands_where_it_is() -> None:
     assert run.texts.count("returning to H") == 1
     assert run.vehicle.pursued[-2:] == [Goal.HOLDING, Goal.LANDED]
     assert run.end[1] == NoPlanError.exit_code
+
+
+@pytest.mark.parametrize(("otherwise", "goal"), OTHERWISE.items())
+def test_a_search_that_is_given_up_in_flight_leads_to_otherwise(
+    monkeypatch: pytest.MonkeyPatch, otherwise: Otherwise, goal: Goal
+) -> None:
+    """At A it is refused, and the other skill that would do is not found."""
+    other = command("other", "at(H)", "done", cost_s=99.0)
+    run = Run(mission("F done", skills=[NO_WAY_OUT, other], otherwise=otherwise))
+    run.vehicle.answers = [(0.0, failed("denied"))]
+    run.until(Phase.TASK)
+    give_up_searches(monkeypatch, "IN_FLIGHT")
+    run.until(Phase.ENDED)
+    text, code = run.end
+    assert code == SearchLimit.exit_code == 7
+    assert "the search was given up at its limit of 1 edges of the product; there may be" in text
+    assert run.vehicle.pursued[-1] is goal
+    assert ("returning to H" in run.texts) is (otherwise is Otherwise.RETURN_HOME)
+
+
+def test_a_first_search_that_is_given_up_ends_the_sortie_on_the_ground(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    give_up_searches(monkeypatch, "BEFORE_FLIGHT")
+    run = Run()
+    run.sortie.rehearse()
+    run.until(Phase.ENDED)
+    assert run.end[1] == SearchLimit.exit_code
+    assert run.vehicle.pursued == []
 
 
 # -- reports ---------------------------------------------------------------------------------------

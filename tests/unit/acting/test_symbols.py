@@ -15,7 +15,7 @@ from companion.acting.symbols import INSIDE_M, REFUSED_S, SAME_M, SAMPLES, Symbo
 from companion.geometry import Ned, distance, horizontal_distance
 from companion.mission.model import Place
 from companion.motion.grid import OccupancyGrid
-from companion.motion.routes import RouteMap, Site
+from companion.motion.routes import PlaceRegion, RouteMap
 
 HOME: Ned = (0.0, 0.0, -2.0)
 WIDE = Place("A", (5.0, 0.0, -2.0), 2.0)
@@ -24,7 +24,9 @@ FENCE = ((-9.0, -9.0), (-9.0, 9.0), (9.0, 9.0), (9.0, -9.0))
 
 def world(*blocked: tuple[float, float]) -> tuple[Symbols, RouteMap]:
     """20 m by 20 m with 0.4 m boxes, and one wide place."""
-    routes = RouteMap(grid(*blocked), {"A": Site(WIDE.position, WIDE.radius_m, False)}, FENCE, 0.6)
+    routes = RouteMap(
+        grid(*blocked), {"A": PlaceRegion(WIDE.position, WIDE.radius_m, False)}, FENCE, 0.6
+    )
     return Symbols({"A": WIDE}, routes), routes
 
 
@@ -93,7 +95,7 @@ def test_a_waypoint_beyond_a_wall_is_not_taken() -> None:
     """Free, but no way leads there: the test of reachability refuses what the other one lets by."""
     wall = [(7.0, e / 5) for e in range(-50, 50)]
     place = Place("A", (7.0, 0.0, -2.0), 2.5)
-    routes = RouteMap(grid(*wall), {"A": Site(place.position, 2.5, False)}, FENCE, 0.6)
+    routes = RouteMap(grid(*wall), {"A": PlaceRegion(place.position, 2.5, False)}, FENCE, 0.6)
     symbols = Symbols({"A": place}, routes)
     assert symbols.ground("A", HOME, 1.0)
     assert symbols["A"].position[0] < 7.0

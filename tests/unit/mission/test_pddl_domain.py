@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import shutil
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -180,12 +179,6 @@ def test_an_object_may_have_the_name_of_a_type(spoil: Spoil) -> None:
     assert "depot" in spoil(PROBLEM, "p1 p2 - parcel", "p1 p2 depot - parcel").sets["parcel"]
 
 
-def test_without_the_reader(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "unified_planning.io", None)
-    with pytest.raises(MissionError, match=r"pip install 'mav-companion\[planners\]'"):
-        load_mission(EXAMPLE / "delivery.yaml")
-
-
 SPOILT = [
     ("delivery.yaml", "  pick_up:", "  pick:", "the domain has no action pick"),
     ("delivery.yaml", "cost: flight_time", "effect: at(to)", "effect of move stands in the domain"),
@@ -319,6 +312,7 @@ def _tokens(name: str) -> list[str]:
 TOKENS = [*_tokens(DOMAIN), *_tokens(PROBLEM), "or", "exists", "=", "#t", "5", "increase"]
 
 
+@pytest.mark.slow
 @settings(max_examples=25)
 @given(
     st.sampled_from([DOMAIN, PROBLEM]),
@@ -343,6 +337,7 @@ def test_any_spoilt_text_is_a_mission_or_a_mission_error(
     assert ground(mission, lambda a, b: 1.0).actions
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "old", "new", "message"), SPOILT)
 def test_a_mistake_is_answered(spoil: Spoil, name: str, old: str, new: str, message: str) -> None:
     with pytest.raises(MissionError) as caught:

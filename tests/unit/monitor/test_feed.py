@@ -26,15 +26,27 @@ def run(surveillance_run: Path) -> Follower:
 async def received(stream: AsyncIterator[str]) -> list[tuple[str, Any]]:
     """What can be had without waiting for news."""
     found = []
-    try:
-        while True:
-            text = await asyncio.wait_for(anext(stream), 0.02)
-            for block in text.split("\n\n"):
-                kind, _, data = block.partition("\ndata: ")
-                if data:
-                    found.append((kind.removeprefix("event: "), json.loads(data)))
-    except (TimeoutError, StopAsyncIteration):
-        return found
+    while (text := await next_without_news(stream)) is not None:
+        for block in text.split("\n\n"):
+            kind, _, data = block.partition("\ndata: ")
+            if data:
+                found.append((kind.removeprefix("event: "), json.loads(data)))
+    return found
+
+
+async def next_without_news(stream: AsyncIterator[str]) -> str | None:
+    """The next text; None at the end, or if the stream waits after it has had its turn."""
+
+    async def read() -> str | None:
+        return await anext(stream, None)
+
+    reading = asyncio.create_task(read())
+    await asyncio.sleep(0)
+    if not reading.done():
+        reading.cancel()
+        await asyncio.wait([reading])
+        return None
+    return reading.result()
 
 
 def test_a_client_that_comes_late_gets_all_there_was(run: Follower) -> None:

@@ -15,16 +15,12 @@ import numpy as np
 import pytest
 from pymavlink import mavutil
 
-from companion.app import Companion
+from companion.api.simulating import lockstep, world_of
 from companion.errors import MissionError
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
 from companion.monitor.follower import Follower
 from companion.record.run_folder import RunFolder
-from sitl.harness import fly_in_lockstep
-from sitl.link.routing import LinkName
-from sitl.simulation import Simulation
-from sitl.world.scenario import read_scenario
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 DERIVED = {"automata", "states", "path", "cells"}
@@ -169,19 +165,17 @@ def test_the_map_comes_with_its_distance_field(whole: Follower, surveillance: Mi
 
 def test_cells_that_were_seen_are_those_of_the_companions_own_map(tmp_path: Path) -> None:
     mission = load_mission(MISSIONS / "inspection.yaml")
-    scenario, truth = read_scenario(MISSIONS / "inspection.sim.yaml")
     folder = RunFolder(tmp_path / "run", mission, 1.7e9, lambda report: None)
-    companion = Companion(mission, folder)
-    simulation = Simulation(scenario, truth, seed=0, links=frozenset({LinkName.OFFBOARD}))
-    fly_in_lockstep(companion, simulation)
+    flight = lockstep(mission, world_of(mission), folder)
+    flight.fly()
     folder.close()
     occupied = mission.grid.occupied.copy()
     for event in of_kind(read_whole(tmp_path / "run"), "cells"):
         for row, col, is_occupied in event["cells"]:
             assert occupied[row, col] != is_occupied
             occupied[row, col] = is_occupied
-    assert companion._run is not None
-    assert np.array_equal(occupied, companion._run._map.grid.occupied)
+    assert flight.companion._run is not None
+    assert np.array_equal(occupied, flight.companion._run._map.grid.occupied)
     assert np.any(occupied != mission.grid.occupied)
 
 

@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.mavlink.framing import Endpoint, dialect
+from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.monitor.tailing import EventLines, TlogFrames
 
 LINES = [{"t_s": i / 10, "kind": "phase", "text": "“é”" * i} for i in range(6)]
@@ -18,7 +18,7 @@ EVENTS = "".join(json.dumps(line, ensure_ascii=False) + "\n" for line in LINES).
 
 
 def frame(value: int) -> bytes:
-    return Endpoint(1, 26).pack(dialect.MAVLink_named_value_int_message(value, b"it", value))
+    return MavlinkCodec(1, 26).pack(dialect.MAVLink_named_value_int_message(value, b"it", value))
 
 
 BATCHES = [(10.0, [frame(1), frame(2)]), (10.05, [frame(3)]), (10.1, [frame(4), frame(5)])]

@@ -13,7 +13,7 @@ from pymavlink import mavutil
 from synthetic import mission
 
 from companion.acting.report import Report
-from companion.mavlink.framing import Endpoint, dialect
+from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.record.figure import Trail, draw_flight
 from companion.record.run_folder import RunFolder
 
@@ -40,7 +40,7 @@ def lines(run: RunFolder) -> list[dict[str, object]]:
 
 def value(number: int) -> bytes:
     message = dialect.MAVLink_named_value_int_message(number, b"target", number)
-    return Endpoint(1, 26).pack(message)
+    return MavlinkCodec(1, 26).pack(message)
 
 
 def test_the_mission_is_kept_as_it_was_written(run: RunFolder) -> None:

@@ -52,6 +52,20 @@ def test_a_tree_may_break_the_task_and_that_is_told() -> None:
     ]
 
 
+def test_a_belief_that_comes_back_does_not_stop_the_tree() -> None:
+    """Nothing better can be planned for it."""
+    do = replace(command("do", "", "done"), retry_after_s=0.5)
+    either = Fallback((Act("do"), Act("move(H, A)")))
+    steps = Steps((either, Act("move(A, B)")))
+    rig = Rig(replace(mission({}, skills=[do]), tree=steps)).begin()
+    rig.vehicle.answers = [(0.1, failed("denied"))]
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED
+    assert rig.texts[1:] == [
+        *("do failed: denied", "belief can_do withdrawn", "belief can_do restored"),
+        *("at A", "at B"),
+    ]
+
+
 def test_a_failure_ends_the_task_in_words() -> None:
     rig = fly(Act("do"), Act("move(H, A)"))
     rig.vehicle.answers = [(0.1, failed("denied"))]

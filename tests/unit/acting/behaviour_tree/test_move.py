@@ -73,8 +73,9 @@ def test_without_a_route_a_move_fails(why: str) -> None:
         rig.flight.routes = route_map(replace(rig.mission, grid=walled_in("A")))
     else:
         rig.vehicle.state = None
-    assert tick(rig, MoveCommand(rig.flight, "A", None)) is Status.FAILURE
-    assert rig.flight.failure == "no clear route to A"
+    leaf = MoveCommand(rig.flight, "A", None)
+    assert tick(rig, leaf) is Status.FAILURE
+    assert leaf.feedback_message == "no clear route to A"
 
 
 def test_the_setpoint_waits_for_a_vehicle_that_falls_behind() -> None:
@@ -112,8 +113,9 @@ def test_a_vehicle_that_came_to_rest_far_away_begins_again_from_there() -> None:
 def test_a_vehicle_that_settles_beside_the_place_has_not_arrived() -> None:
     rig = a_rig()
     rig.vehicle.drift = (0.0, 0.5, 0.0)
-    assert run(rig, MoveCommand(rig.flight, "A", None)) is Status.FAILURE
-    assert rig.flight.failure == "still 0.5 m from A"
+    leaf = MoveCommand(rig.flight, "A", None)
+    assert run(rig, leaf) is Status.FAILURE
+    assert leaf.feedback_message == "still 0.5 m from A"
     flown_s = len(rig.vehicle.flown) * TICK_S
     assert ARRIVAL_TIMEOUT_S < flown_s < ARRIVAL_TIMEOUT_S + 6.0
 
@@ -127,8 +129,9 @@ def test_a_vehicle_that_settles_near_enough_has() -> None:
 def test_a_move_ends_at_its_timeout_and_holds() -> None:
     rig = a_rig()
     start_s = later(rig)
-    assert run(rig, MoveCommand(rig.flight, "A", timeout_s=1.0)) is Status.FAILURE
-    assert rig.flight.failure == "not there after 1 s"
+    leaf = MoveCommand(rig.flight, "A", timeout_s=1.0)
+    assert run(rig, leaf) is Status.FAILURE
+    assert leaf.feedback_message == "not there after 1 s"
     assert rig.flight.now_s - start_s == pytest.approx(1.0, abs=3 * TICK_S)
     assert rig.vehicle.setpoint is not None
     assert rig.vehicle.setpoint.velocity == (0.0, 0.0, 0.0)
@@ -216,7 +219,7 @@ def test_without_a_way_it_comes_to_a_stop_before_the_wall_and_fails_there() -> N
     grid = crate(4.6, -2.0, 4.8, 8.0)
     rig.flight.routes.see(grid)
     assert run(rig, leaf) is Status.FAILURE
-    assert rig.flight.failure == "no clear route to A"
+    assert leaf.feedback_message == "no clear route to A"
     assert [r.text for r in rig.flight.reports] == [
         "the way to A is not clear: stopping",
         "the way to A is not clear: no route",

@@ -12,7 +12,7 @@ from synthetic import command, event, mission, reading, skill
 
 from companion.acting.behaviour_tree.builder import build
 from companion.acting.behaviour_tree.landing import NO_CHARGE_S
-from companion.acting.executive import TaskStatus
+from companion.acting.executive import ExecutiveState, TaskStatus
 from companion.acting.phases import Phase
 from companion.acting.replanning.assumptions import Assumptions
 from companion.acting.sortie import Sortie
@@ -90,7 +90,8 @@ def test_steps_are_done_one_after_the_other() -> None:
     shoot = steps("shoot", Fly("to"), PHOTO, Wait(1.0), PHOTO)
     rig = Rig(mission("F at(A) & F at(B)", skills=[shoot]), None).begin()
     action = next(a for a in rig.planner.model.actions if a.name == "shoot(H, A)")
-    rig.executive._adopt(Lasso((action,), (next(iter(rig.planner.model.actions)),)))
+    lasso = Lasso((action,), (next(iter(rig.planner.model.actions)),))
+    rig.executive._adopt(lasso, ExecutiveState.EXECUTING)
     rig.run_until("shoot(H, A) done")
     assert [sent[1] for sent in rig.vehicle.sent] == [31010, 31010]
 

@@ -54,7 +54,7 @@ def test_what_was_told_is_the_tree_at_every_tick() -> None:
         rig.flight.reports.clear()
         assert reader.statuses == [node.status.value for node in nodes_of(root)]
         seen |= set(reader.statuses)
-    assert rig.flight.laps >= 1
+    assert rig.flight.progress.laps >= 1
     assert seen == {"RUNNING", "SUCCESS", "INVALID"}
     assert quiet > 350, "a tick that changes nothing tells nothing"
 

@@ -130,7 +130,7 @@ def test_what_was_refused_is_not_believed_again_because_of_a_way() -> None:
     before = rig.task.withdrawn
     for walled_in in (("B",), ()):
         show(rig, *walled_in)
-        rig.executive._ways.follow()
+        rig.executive._reachability.follow()
     assert rig.task.withdrawn == before == {"can_do"}
 
 
