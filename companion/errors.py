@@ -8,6 +8,7 @@
     |  +- LinkTimeout
     +- Aborted                exit 5, the pilot or a failsafe ended the flight
     +- TaskViolated           exit 6, a recorded flight does not satisfy its task
+    +- SearchLimit            exit 7, a search was given up: whether there is a plan is not known
 
 A message has three parts: what happened, where, what to do. Expected outcomes (a failed skill,
 a blocked route) are values and never exceptions. `cli.py` is the only place that catches.
@@ -151,3 +152,24 @@ class TaskViolated(CompanionError):
     """A recorded flight does not satisfy its task."""
 
     exit_code = 6
+
+
+class SearchLimit(CompanionError):
+    """A search was given up at a limit of its effort; whether there is a plan is not known.
+
+    Args:
+        limit: the limit that was reached, with its number.
+
+    >>> print(SearchLimit("80,000 edges of the product"))
+    the search was given up at its limit of 80,000 edges of the product; there may be a plan
+        simplify the task, or ask another planner: companion plan --engine fast-downward
+    """
+
+    exit_code = 7
+
+    def __init__(self, limit: str) -> None:
+        self.limit = limit
+        super().__init__(
+            f"the search was given up at its limit of {limit}; there may be a plan\n"
+            "    simplify the task, or ask another planner: companion plan --engine fast-downward"
+        )

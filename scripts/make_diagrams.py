@@ -19,6 +19,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from companion.acting import phases
 from companion.ground import ftp_sessions, upload_states
 from companion.transitions import StateTransition
 
@@ -35,6 +36,7 @@ class Diagram(NamedTuple):
 
 
 DIAGRAMS = (
+    Diagram("sortie", "sortie.md", phases.TRANSITIONS),
     Diagram("upload", "uploads.md", upload_states.TRANSITIONS),
     Diagram("FTP session", "uploads.md", ftp_sessions.TRANSITIONS),
 )

@@ -1,4 +1,4 @@
-"""Whose is the vehicle? Why it is no longer ours to fly, or never was, and when it is ours again.
+"""Authority over the vehicle: why it is no longer ours to fly, or never was, and when it is again.
 
 Control that was lost comes back only by an explicit "go on" of the operator, and only if the
 vehicle is armed, in the air and on hold (AUTO.LOITER), with no failsafe, a fresh position and a
@@ -8,8 +8,9 @@ mode heard just now: the pilot hands it over by choosing hold, the operator take
 from __future__ import annotations
 
 from companion.acting.flight import Flight
-from companion.acting.phases import ON_THE_GROUND, UNDER_TASK, Phase
+from companion.acting.phases import ON_THE_GROUND, UNDER_TASK
 from companion.errors import Aborted, CompanionError, LinkError
+from companion.flight_events.sortie import Phase
 from companion.outcomes import Refusal
 from companion.vehicle.port import Mode, VehicleState
 
@@ -36,7 +37,7 @@ def loss_of_control(phase: Phase, state: VehicleState, flight: Flight) -> Compan
     if phase in ON_THE_GROUND and (state.is_armed or not state.is_landed):
         return Aborted("the vehicle is armed or flying already; it is left alone")
     is_flying = phase in (Phase.OFFBOARD, *UNDER_TASK, Phase.HOLDING)
-    if is_flying and not state.is_armed and not flight.is_grounded:
+    if is_flying and not state.is_armed and not flight.progress.is_landed_by_plan:
         return Aborted("the vehicle was disarmed")
     return None
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from companion.cli.arguments import MissionFile
+from companion.cli.log_lines import Verbose
 from companion.errors import LinkError, LinkTimeout, MissionError
 
 if TYPE_CHECKING:
@@ -41,6 +42,7 @@ def upload(
     connect: Connect = GROUND_STATION,
     start: Annotated[bool, typer.Option(help="Start the mission once it is accepted.")] = False,
     timeout: Timeout = 30.0,
+    verbose: Verbose = False,
 ) -> None:
     """Sends a mission and its files to a companion, which checks it. Needs `companion run`.
 
@@ -52,7 +54,9 @@ def upload(
     asyncio.run(_upload(files, _mavsdk_url(connect), start, timeout))
 
 
-def watch(connect: Connect = GROUND_STATION, timeout: Timeout = 30.0) -> None:
+def watch(
+    connect: Connect = GROUND_STATION, timeout: Timeout = 30.0, verbose: Verbose = False
+) -> None:
     """Prints what a companion says, until its run has ended: with that run's exit code."""
     try:
         code = asyncio.run(_watch(_mavsdk_url(connect), timeout))

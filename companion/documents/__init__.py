@@ -2,5 +2,14 @@
 
 from companion.documents.diagnostics import did_you_mean
 from companion.documents.document import Document, TextDocument, validate
+from companion.documents.sources import Given, Source, read_source
 
-__all__ = ["Document", "TextDocument", "did_you_mean", "validate"]
+__all__ = [
+    "Document",
+    "Given",
+    "Source",
+    "TextDocument",
+    "did_you_mean",
+    "read_source",
+    "validate",
+]

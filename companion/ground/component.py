@@ -24,10 +24,12 @@ intervals and missions (UNSUPPORTED), TIMESYNC.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from typing import ClassVar
 
-from companion.acting.report import Report
+from companion.flight_events.event import FlightEvent
+from companion.flight_events.sortie import RunEnded
 from companion.ground import about
 from companion.ground.operations import MonitorPage, Operations, SystemStatus, UploadService
 from companion.ground.parameters import MONITOR, TEXT_LEVEL, CompanionParameters
@@ -52,6 +54,8 @@ REQUESTED: dict[int, Callable[[], Message]] = {
     about.ProtocolVersion.id: about.protocol_version,
 }
 """Message id -> what MAV_CMD_REQUEST_MESSAGE gets; HEARTBEAT besides."""
+
+log = logging.getLogger(__name__)
 
 
 class Component:
@@ -107,13 +111,12 @@ class Component:
                 service(self, message)
         return self._events
 
-    def tell(self, now_s: float, report: Report) -> None:
-        """Puts a report that is news for people into the queue of texts."""
-        if report.is_told:
-            self._texts.tell(now_s, severity(report), report.text)
-        code = report.data.get("exit_code")
-        if isinstance(code, int):
-            self._ending.append(_exit_code(now_s, code))
+    def tell(self, now_s: float, event: FlightEvent) -> None:
+        """Puts an event that is news for people into the queue of texts."""
+        if event.is_told:
+            self._texts.tell(now_s, severity(event), event.text)
+        if isinstance(event, RunEnded):
+            self._ending.append(_exit_code(now_s, event.exit_code))
 
     def transmit(self, now_s: float, is_last: bool = False) -> list[Message]:
         """Returns the messages that leave now; at the end of a run all that are left."""
@@ -143,6 +146,7 @@ class Component:
 
     def _command(self, message: Message) -> None:
         result = self._do(message.command, _parameters(message))
+        log.debug("command %d of %d/%d: result %d", message.command, *source(message), result)
         answer = dialect.MAVLink_command_ack_message(
             message.command, result, 0, 0, *source(message)
         )

@@ -17,6 +17,7 @@ Source: https://mavlink.io/en/services/ftp.html; clients' differences: MAVSDK 4.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
@@ -37,6 +38,9 @@ from companion.mavlink.ftp_frames import (
 BURST = 16
 REPEAT_S = 10.0
 MAX_REMEMBERED = 64  # replies
+
+log = logging.getLogger(__name__)
+
 _CHANGING = frozenset(
     {
         Opcode.TERMINATE_SESSION,
@@ -133,6 +137,7 @@ class FtpServer:
         try:
             replies = self._do(_Asked(now_s, client, request))
         except FtpRefusal as refusal:
+            log.debug("refused request %d of %d/%d: %s", request.opcode, *client, refusal.nak.name)
             replies = [nak(request, refusal)]
         self._newest.pop(session, None)
         self._newest.pop((client, 0), None)
@@ -166,6 +171,7 @@ class FtpServer:
             raise FtpRefusal(Nak.FAIL)
         if state is SessionState.COMPLETE:
             self._store.write(session.path, bytes(session.content))
+            log.debug("%d/%d wrote %s, %d bytes", *asked.client, session.path, len(session.content))
             self.stored.append(session.path)
         return [ack(asked.request)]
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import logging
 import tempfile
 from collections.abc import AsyncGenerator, AsyncIterator, Callable, Iterable
 from contextlib import asynccontextmanager
@@ -36,6 +37,8 @@ PAUSE_S = 0.5
 
 ProgressCallback = Callable[[int, int], None]
 """Called with the number of bytes sent and the number in all."""
+
+log = logging.getLogger(__name__)
 
 
 class Heard(NamedTuple):
@@ -102,6 +105,7 @@ class Station:
                 f"no companion (component {COMPANION}) on system {self.system}\n"
                 "    `companion run --connect URL` has to run on board"
             ) from None
+        log.debug("heard component %d of system %d", COMPANION, self.system)
         await self._ftp.set_target_compid(COMPANION)
 
     async def messages(self, names: Iterable[str]) -> AsyncGenerator[Heard]:
@@ -137,6 +141,7 @@ class Station:
             LinkError: the companion does not take it.
             LinkTimeout: there was no answer.
         """
+        log.debug("sending %s as %s", local, remote)
         for folder in reversed(remote.parents[:-1]):
             try:
                 await self._ftp.create_directory(str(folder))
@@ -181,6 +186,7 @@ class Station:
             async with asyncio.timeout(timeout_s):
                 while True:
                     verdict = await self.verdict()
+                    log.debug("verdict %s", verdict and verdict["number"])
                     if verdict and verdict["number"] > after and verdict["crc32"] == checksum:
                         return verdict
                     await asyncio.sleep(PAUSE_S)
@@ -199,6 +205,7 @@ class Station:
             ack = await self._direct.send_command(message)
         except MavsdkError as error:
             raise LinkTimeout(f"the companion does not answer command {number}") from error
+        log.debug("command %d: %s", number, ack.fields_json)
         return int(json.loads(ack.fields_json)["result"])
 
 

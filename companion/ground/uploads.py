@@ -29,6 +29,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import logging
 import math
 import re
 import shutil
@@ -55,6 +56,8 @@ _MAP = re.compile(rb"""^["']?image["']?[ \t]*:""", re.MULTILINE)
 MARK = ".not-flown"
 """In the folder of an accepted mission that was not started: a file with the mission's path.
 No client can use its name, and it is not copied."""
+
+log = logging.getLogger(__name__)
 
 
 @dataclass
@@ -181,6 +184,7 @@ class Uploads:
             return False
 
     def _begin_check(self, upload: _Upload, now_s: float) -> list[UploadVerdict]:
+        log.debug("check %d of %s begins", upload.number, upload.mission)
         upload.deadline_s = now_s + CHECK_S
         try:
             upload.store.copy_to(upload.folder)
@@ -235,6 +239,7 @@ class Uploads:
         return upload.verdict(False, text, reason)
 
     def _publish(self, verdict: UploadVerdict) -> None:
+        log.debug("check %d: %s", verdict.number, verdict.text)
         try:
             self._store.publish(verdict.as_json())
         except FtpRefusal:  # the disk is full; it is told all the same

@@ -14,6 +14,7 @@ command still listens: a later failure overrides.
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass
 
 from companion.mavlink.framing import Message, dialect, source
@@ -27,6 +28,8 @@ MAX_REJECTIONS = 10
 
 Parameters = tuple[float, float, float, float, float, float, float]
 """param1 to param7 of COMMAND_LONG."""
+
+log = logging.getLogger(__name__)
 
 
 @dataclass
@@ -66,6 +69,7 @@ class Exchange:
     def receive(self, now_s: float, ack: Message) -> None:
         """Takes a COMMAND_ACK for this command."""
         result = result_name(ack.result)
+        log.debug("command %d to %d/%d: %s", self.command, self.system, self.component, result)
         self.is_answered = True
         if result == "IN_PROGRESS":
             self.deadline_s = now_s + PROGRESS_S
@@ -83,11 +87,20 @@ class Exchange:
             return None
         if now_s >= self.deadline_s:
             self.result = "NO_ANSWER"
+            log.debug("command %d to %d/%d: no answer", self.command, self.system, self.component)
             return None
         if self.is_answered or now_s < self.next_send_s:
             return None
         message = dialect.MAVLink_command_long_message(
             self.system, self.component, self.command, self.confirmation, *self.parameters
+        )
+        log.debug(
+            "command %d to %d/%d: sent, confirmation %d, parameters %s",
+            self.command,
+            self.system,
+            self.component,
+            self.confirmation,
+            self.parameters,
         )
         self.confirmation = min(255, self.confirmation + 1)
         self.next_send_s = now_s + RESEND_S

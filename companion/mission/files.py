@@ -9,8 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from companion.documents import Document, validate
-from companion.documents.sources import read_source
+from companion.documents import Document, read_source, validate
 from companion.errors import MissionError
 from companion.maps import image_of
 from companion.mission.schema import MissionFile

@@ -15,8 +15,7 @@ import json
 from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 
-from companion.documents import Document, did_you_mean, validate
-from companion.documents.sources import Given, Source, read_source
+from companion.documents import Document, Given, Source, did_you_mean, read_source, validate
 from companion.errors import FormulaError, MissionError
 from companion.geometry import ned_from_enu
 from companion.ltl.formula import Formula, Operator, eventually

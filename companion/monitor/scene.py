@@ -1,4 +1,4 @@
-"""In which world does a run take place? Reads the scene.json of its folder.
+"""Reads the scene.json of a run folder: the world in which the run takes place.
 
 docs/run-folder.md describes the file. Lengths are metres; inside they become local NED.
 """
@@ -17,7 +17,7 @@ import numpy as np
 from companion.errors import MissionError
 from companion.geometry import NorthEast, ned_from_enu
 from companion.motion.grid import OccupancyGrid
-from companion.motion.routes import Site
+from companion.motion.routes import PlaceRegion
 
 SCENE = "scene.json"
 MAX_CELLS = 16_000_000
@@ -36,7 +36,7 @@ class Scene:
     start_unix_s: float
     grid: OccupancyGrid
     fence: tuple[NorthEast, ...]
-    sites: dict[str, Site]
+    sites: dict[str, PlaceRegion]
 
 
 def read_scene(folder: Path) -> Scene:
@@ -74,7 +74,7 @@ def _scene(data: dict[str, Any]) -> Scene:
     origin = (float(about["north_m"]), float(about["east_m"]))
     grid = OccupancyGrid(bits.reshape(shape).astype(np.bool_), float(about["cell_m"]), origin)
     sites = {
-        str(place["name"]): Site(
+        str(place["name"]): PlaceRegion(
             ned_from_enu(*map(float, place["enu"])), float(place["radius_m"]), place["in_task"]
         )
         for place in data["places"]

@@ -1,16 +1,16 @@
-"""Profiles: how fast can the speed along a straight leg change, and what does it take?
+"""Speed profiles along a straight leg, under limits of speed, acceleration and jerk.
 
-The speed, its change (acceleration) and the change of that (jerk) are limited. The quickest change
-from one speed to another, with no acceleration at both, is in closed form: the acceleration rises
-and falls with the greatest jerk j, and holds between, if the change is greater than a^2 / j,
+The quickest change from one speed to another, with no acceleration at both, has a closed form: the
+acceleration rises and falls with the greatest jerk j, and holds between, if the change is greater
+than a^2 / j,
 
     T = |v1 - v0| / a + a / j,   else   T = 2 sqrt(|v1 - v0| / j);   s = (v0 + v1) / 2 T
 
 by symmetry (Biagiotti and Melchiorri, Trajectory Planning for Automatic Machines and Robots, 2008,
-section 3.4). From these follow the speed that can be reached within a way, the way to a stop and
-the time of a flight from rest to rest. The quickest profile along a leg of given length between
-given speeds, from an acceleration too, is Ruckig's (Berscheid and Kroeger, Jerk-limited Real-time
-Trajectory Generation with Arbitrary Target States, RSS 2021).
+section 3.4). From these follow the speed that can be reached within a distance, the distance to a
+stop and the time of a flight from rest to rest. The quickest profile along a leg of given length
+between given speeds, from an acceleration too, is Ruckig's (Berscheid and Kroeger, Jerk-limited
+Real-time Trajectory Generation with Arbitrary Target States, RSS 2021).
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _REST_MPS = 1e-9  # slower is at rest
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """A speed, at least 0, and how it changes."""
+    """A speed, at least 0, and its rate of change."""
 
     speed_mps: float
     acceleration_mps2: float = 0.0
@@ -54,11 +54,11 @@ class SpeedLimits:
         return change_mps / self.acceleration_mps2 + ramp_s
 
     def change_m(self, from_mps: float, to_mps: float) -> float:
-        """The way that such a change takes."""
+        """The distance that such a change takes."""
         return (from_mps + to_mps) / 2 * self.change_s(from_mps, to_mps)
 
     def reached_mps(self, from_mps: float, within_m: float) -> float:
-        """The greatest speed that can be reached within a way, up to the limit.
+        """The greatest speed that can be reached within a distance, up to the limit.
 
         The inverse of `change_m`: a quadratic in the speed or, if the acceleration is not reached,
         a cubic in the square root of the change.
@@ -77,23 +77,23 @@ class SpeedLimits:
         return min(reached_mps, self.speed_mps)
 
     def released(self, motion: Motion) -> tuple[float, float]:
-        """The speed when the acceleration has been let go of, and the way until then."""
+        """The speed once the acceleration is brought to zero, and the distance until then."""
         ramp_s = abs(motion.acceleration_mps2) / self.jerk_mps3
         change_mps = motion.acceleration_mps2 * ramp_s / 2
-        way_m = (motion.speed_mps + change_mps * 2 / 3) * ramp_s
-        return motion.speed_mps + change_mps, way_m
+        distance_m = (motion.speed_mps + change_mps * 2 / 3) * ramp_s
+        return motion.speed_mps + change_mps, distance_m
 
     def braking(self, motion: Motion) -> tuple[float, float]:
-        """The speed, without acceleration, at which a brake begins, and how far ahead that is.
+        """The speed, without acceleration, at which braking begins, and the distance to there.
 
-        Less than 0, thus behind, if the vehicle is braking already, as if it had begun there.
+        The distance is negative if the vehicle is braking already: there it would have begun.
         """
         ramp_s = motion.acceleration_mps2 / self.jerk_mps3
         speed_mps = motion.speed_mps + motion.acceleration_mps2 * ramp_s / 2
         return speed_mps, (motion.speed_mps + self.jerk_mps3 * ramp_s**2 / 3) * ramp_s
 
     def stop_m(self, motion: Motion) -> float:
-        """The shortest way to a stop.
+        """The shortest distance to a stop.
 
         >>> SpeedLimits(2.0, 2.0, 8.0).stop_m(Motion(2.0))
         1.25
@@ -117,7 +117,7 @@ def flight_time_s(distance_m: float, limits: SpeedLimits) -> float:
 def quickest(
     length_m: float, start: Motion, end_mps: float, limits: SpeedLimits
 ) -> ruckig.Trajectory:
-    """The quickest way along a leg, to a speed with no acceleration.
+    """The quickest profile along a leg, to a speed with no acceleration.
 
     Raises:
         ArithmeticError: Ruckig finds none.

@@ -12,7 +12,7 @@ from companion.ltl.formula import atoms
 from companion.mission.clearance import CLEARANCE_M
 from companion.mission.model import Mission
 from companion.motion.profile import SpeedLimits, flight_time_s
-from companion.motion.routes import RouteMap, Site
+from companion.motion.routes import PlaceRegion, RouteMap
 from companion.planning.domain import HERE, FlightTime
 
 
@@ -20,7 +20,7 @@ def route_map(mission: Mission) -> RouteMap:
     """The routes of a mission: the places that its task mentions are not crossed by chance."""
     mentioned = frozenset().union(*(atoms(f) for f in mission.task.values()))
     sites = {
-        name: Site(place.position, place.radius_m, is_exclusive=f"at({name})" in mentioned)
+        name: PlaceRegion(place.position, place.radius_m, is_exclusive=f"at({name})" in mentioned)
         for name, place in mission.places.items()
     }
     return RouteMap(mission.grid, sites, mission.limits.fence, CLEARANCE_M)

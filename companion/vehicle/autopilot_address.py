@@ -12,6 +12,8 @@ Source: https://mavlink.io/en/services/heartbeat.html. No I/O.
 
 from __future__ import annotations
 
+import logging
+
 from companion.mavlink.framing import MavlinkCodec, choose, dialect, source
 from companion.vehicle.wire import is_autopilot
 
@@ -22,6 +24,8 @@ Address = tuple[str, int]
 """Host and port."""
 
 _HEARTBEAT = frozenset({dialect.MAVLINK_MSG_ID_HEARTBEAT})
+
+log = logging.getLogger(__name__)
 
 
 class AutopilotAddress:
@@ -57,4 +61,6 @@ class AutopilotAddress:
         if system != self.system:
             return
         if self.address in (None, sender) or now_s - self._heard_s > SILENT_S:
+            if self.address != sender:
+                log.debug("answers go to %s:%d, the autopilot of system %d", *sender, system)
             self.address, self._heard_s = sender, now_s

@@ -1,4 +1,4 @@
-"""How fast are routes, physics, MAVLink, and a whole flight?"""
+"""The speed of routes, physics, MAVLink, and a whole flight."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ import psutil
 from scipy import ndimage
 
 from benches import MISSION, ROOT, Row, timed
-from companion.acting.report import Report
-from companion.app import Companion
+from companion.api.simulating import lockstep, world_of
+from companion.flight_events.event import Stamped
 from companion.geometry import Ned
 from companion.mavlink.framing import MavlinkCodec, Message, dialect, split_frames
 from companion.mission.loader import load_mission
@@ -31,12 +31,11 @@ from companion.planning.flight_times import route_map
 from sitl.flight.controllers import Cascade, Target
 from sitl.flight.mixer import Motors
 from sitl.flight.physics import Physics
-from sitl.harness import fly_in_lockstep
 from sitl.link.routing import LinkName
 from sitl.link.server import HOST, PORTS
-from sitl.simulation import DT_S, Simulation
+from sitl.simulation import DT_S
 from sitl.world.lidar import STEP_RAD, Lidar, LidarSpec
-from sitl.world.scenario import PX4_HOME, read_scenario
+from sitl.world.scenario import PX4_HOME
 
 AUTOPILOT = 1  # component id
 INSTANCE = 97  # of the simulator at real time, away from any that runs
@@ -51,8 +50,8 @@ class Flight:
     end_s: float = 0.0
     datagrams: list[bytes] = field(default_factory=list)
 
-    def report(self, report: Report) -> None:
-        """Reports are not needed."""
+    def report(self, stamped: Stamped) -> None:
+        """Events are not needed."""
 
     def position(self, now_s: float, position: Ned) -> None:
         """Positions are not needed."""
@@ -63,25 +62,25 @@ class Flight:
         self.datagrams += datagrams
 
 
-def fields(runs: int) -> Iterator[Row]:
-    """A place's field of the way to it; the peer is the distance field of the same map."""
+def cost_to_go(runs: int) -> Iterator[Row]:
+    """The cost-to-go of a place; the peer is the distance field of the same map."""
     mission = load_mission(MISSION)
     home = mission.places["Home"].position
 
-    def first_way_to(goal: str) -> float:
-        routes = route_map(mission)  # keeps the fields that it has found
+    def first_path_to(goal: str) -> float:
+        routes = route_map(mission)  # keeps what it has found
         return timed(lambda: routes.distance_m(home[:2], goal), 1)[0]
 
     goals = [name for name in mission.places if name != "Home"]
-    ours = median(first_way_to(goals[i % len(goals)]) for i in range(runs))
+    ours = median(first_path_to(goals[i % len(goals)]) for i in range(runs))
     free = ~mission.grid.occupied
     peer = median(timed(lambda: ndimage.distance_transform_edt(free), runs))
-    yield Row("field of the way to a place", ours, "ms", "scipy's EDT", peer)
+    yield Row("cost-to-go of a place", ours, "ms", "scipy's EDT", peer)
     yield repairing(mission, runs)
 
 
 def repairing(mission: Mission, runs: int) -> Row:
-    """A crate comes and goes: the fields of all places, each repaired; the peer is a new one."""
+    """A crate comes and goes: each place's cost-to-go is repaired; the peer is a new search."""
     crate = with_crate(mission.grid)
     routes, took, new = route_map(mission), [], []
     routes.find(ALL)
@@ -91,7 +90,7 @@ def repairing(mission: Mission, runs: int) -> Row:
         fresh = route_map(mission)
         new += timed(lambda fresh=fresh: fresh.find(ALL), 1)
     each = 1 / len(mission.places)
-    return Row("field repaired", each * median(took), "ms", "a new field", each * median(new))
+    return Row("cost-to-go repaired", each * median(took), "ms", "a new search", each * median(new))
 
 
 def with_crate(grid: OccupancyGrid) -> OccupancyGrid:
@@ -150,18 +149,15 @@ def flying(runs: int) -> Iterator[Row]:
     speeds = []
     for _ in range(max(1, runs // 10)):
         mission = load_mission(MISSION)
-        scenario, grid = read_scenario(MISSION.with_suffix(".sim.yaml"))
-        flight = Flight()
-        links = frozenset({LinkName.OFFBOARD})
-        companion = Companion(mission, flight)
-        simulation = Simulation(scenario, grid, seed=0, links=links)
+        seen = Flight()
+        flight = lockstep(mission, world_of(mission), seen)
         start_s = perf_counter()
-        fly_in_lockstep(companion, simulation)
-        speeds.append(flight.end_s / (perf_counter() - start_s))
-        if companion.failure is not None:
-            raise companion.failure
+        flight.fly()
+        speeds.append(seen.end_s / (perf_counter() - start_s))
+        if flight.companion.failure is not None:
+            raise flight.companion.failure
     yield Row("simulator and companion in lockstep", median(speeds), "x real time")
-    frames = [frame for datagram in flight.datagrams for frame in split_frames(datagram)]
+    frames = [frame for datagram in seen.datagrams for frame in split_frames(datagram)]
     yield from mavlink([f for f in frames if f[6] == AUTOPILOT], runs)
 
 

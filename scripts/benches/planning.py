@@ -1,4 +1,4 @@
-"""How fast are plans, and how good?"""
+"""The speed of planning, and the quality of plans."""
 
 from __future__ import annotations
 

@@ -12,10 +12,11 @@ from rig import Rig
 from synthetic import POSITIONS, mission
 
 from companion.acting.symbols import INSIDE_M, REFUSED_S, SAME_M, SAMPLES, Symbols, Value, around
+from companion.flight_events.skills import PlaceReached, SymbolMoved
 from companion.geometry import Ned, distance, horizontal_distance
 from companion.mission.model import Place
 from companion.motion.grid import OccupancyGrid
-from companion.motion.routes import RouteMap, Site
+from companion.motion.routes import PlaceRegion, RouteMap
 
 HOME: Ned = (0.0, 0.0, -2.0)
 WIDE = Place("A", (5.0, 0.0, -2.0), 2.0)
@@ -24,7 +25,9 @@ FENCE = ((-9.0, -9.0), (-9.0, 9.0), (9.0, 9.0), (9.0, -9.0))
 
 def world(*blocked: tuple[float, float]) -> tuple[Symbols, RouteMap]:
     """20 m by 20 m with 0.4 m boxes, and one wide place."""
-    routes = RouteMap(grid(*blocked), {"A": Site(WIDE.position, WIDE.radius_m, False)}, FENCE, 0.6)
+    routes = RouteMap(
+        grid(*blocked), {"A": PlaceRegion(WIDE.position, WIDE.radius_m, False)}, FENCE, 0.6
+    )
     return Symbols({"A": WIDE}, routes), routes
 
 
@@ -93,7 +96,7 @@ def test_a_waypoint_beyond_a_wall_is_not_taken() -> None:
     """Free, but no way leads there: the test of reachability refuses what the other one lets by."""
     wall = [(7.0, e / 5) for e in range(-50, 50)]
     place = Place("A", (7.0, 0.0, -2.0), 2.5)
-    routes = RouteMap(grid(*wall), {"A": Site(place.position, 2.5, False)}, FENCE, 0.6)
+    routes = RouteMap(grid(*wall), {"A": PlaceRegion(place.position, 2.5, False)}, FENCE, 0.6)
     symbols = Symbols({"A": place}, routes)
     assert symbols.ground("A", HOME, 1.0)
     assert symbols["A"].position[0] < 7.0
@@ -115,9 +118,9 @@ def test_a_try_that_fails_is_followed_by_another_waypoint() -> None:
     rig = Rig(mission("F at(A)")).begin()
     rig.tick()
     rig.vehicle.is_stuck = True
-    rig.run(lambda: bool(rig.of_kind("symbol")), 200.0)
+    rig.run(lambda: bool(rig.of(SymbolMoved, place="A")), 200.0)
     rig.vehicle.is_stuck = False
-    rig.run_until("at A")
+    rig.run_until(PlaceReached, place="A")
     assert rig.vehicle.state is not None
     gap_m = horizontal_distance(rig.vehicle.state.position, POSITIONS["A"])
     assert 0.0 < gap_m <= rig.mission.places["A"].radius_m

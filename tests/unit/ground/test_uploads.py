@@ -19,9 +19,11 @@ from companion.ground.uploads import CHECK_S, Uploads
 from companion.mavlink.ftp_frames import Opcode, crc32
 from companion.mission.loader import load_mission
 
+pytestmark = pytest.mark.slow
+
 MISSIONS = Path(__file__).parents[3] / "missions"
 MISSION = (MISSIONS / "surveillance.yaml").read_bytes()
-LIMIT_S = 60.0
+LIMIT_S = 300.0
 
 
 class Ground(Client):

@@ -7,13 +7,13 @@ from typing import Any
 
 import pytest
 from reference_search import best_lap_and_prefix
-from synthetic import command, event, mission, planner
+from synthetic import command, event, mission, move, planner
 
 from companion.errors import CompanionError, NoPlanError
 from companion.ltl.automaton import successors
 from companion.planning.builtin.search import Search
 from companion.planning.check import fault
-from companion.planning.effort import IN_FLIGHT, ON_THE_GROUND, Effort
+from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT, Effort
 from companion.planning.explain import NoPlan
 from companion.planning.lasso import Lasso, Problem, Solution
 from companion.planning.objective import Objective
@@ -125,7 +125,7 @@ def test_a_replan_is_the_first_plan_and_a_plan_the_best(monkeypatch: pytest.Monk
     assert list(made.solutions(*made.initial_problem())) == offered
 
 
-def test_in_flight_less_is_tried_than_on_the_ground(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_in_flight_less_is_tried_than_before(monkeypatch: pytest.MonkeyPatch) -> None:
     tried = []
     solutions = Search.solutions
 
@@ -137,10 +137,10 @@ def test_in_flight_less_is_tried_than_on_the_ground(monkeypatch: pytest.MonkeyPa
     made = planner(mission("F at(A)"))
     made.plan()
     made.replan(*made.initial_problem())
-    assert tried == [ON_THE_GROUND, IN_FLIGHT]
-    assert IN_FLIGHT.edges < ON_THE_GROUND.edges
-    assert IN_FLIGHT.ways < ON_THE_GROUND.ways
-    assert IN_FLIGHT.additions < ON_THE_GROUND.additions
+    assert tried == [BEFORE_FLIGHT, IN_FLIGHT]
+    assert IN_FLIGHT.product_edges < BEFORE_FLIGHT.product_edges
+    assert IN_FLIGHT.dijkstra_edges < BEFORE_FLIGHT.dijkstra_edges
+    assert IN_FLIGHT.held_karp_additions < BEFORE_FLIGHT.held_karp_additions
 
 
 def test_the_objective_is_passed_on() -> None:
@@ -165,6 +165,36 @@ def test_no_plan_is_explained() -> None:
     assert explanation == caught.value.explanation
 
 
+def test_it_is_explained_without_a_plan_alone() -> None:
+    made = planner(mission({"go": "F at(A)"}, skills=[move(precondition="at(from) & !shut")]))
+    assert made.explain() is None
+    reason = made.explain(facts={"shut"})
+    assert reason is not None
+    assert [conjunct.name for conjunct in reason.conflict] == ["go"]
+    blocked = {f"trans_ok({place}, A)" for place in "HB"}
+    reason = made.explain(without=blocked)
+    assert reason is not None
+    assert set(reason.restoring) == blocked
+
+
+def test_flight_times_are_those_of_the_map_unless_others_are_given() -> None:
+    asked = mission("F at(B)")
+    assert str(Planner(asked).plan()) == "move(H, B), (wait)^w"
+    table = {("H", "A"): 1.0, ("A", "B"): 1.0}
+    assert str(Planner(asked, table).plan()) == "move(H, A), move(A, B), (wait)^w"
+    detour = Planner(asked, lambda origin, goal: 9.0 if (origin, goal) == ("H", "B") else 1.0)
+    assert str(detour.plan()) == "move(H, A), move(A, B), (wait)^w"
+
+
+def test_a_plan_is_a_prefix_and_a_loop_with_their_costs() -> None:
+    plan = planner(mission("F at(A)")).plan()
+    assert [action.name for action in plan.prefix] == ["move(H, A)"]
+    assert [action.name for action in plan.loop] == ["wait"]
+    assert (plan.prefix_cost_s, plan.lap_cost_s) == (4.0, 0.1)
+    assert (plan.cost_s, plan.bound_s, plan.is_optimal) == (0.1, 0.1, True)
+    assert plan.as_json()["optimal"]
+
+
 def test_a_wrong_plan_is_never_handed_out(monkeypatch: pytest.MonkeyPatch) -> None:
     """The independent check comes after the search, whatever the search does."""
     made = planner(mission("F done", skills=[command("do", "at(H)", "done")]))
@@ -179,7 +209,7 @@ def test_a_wrong_plan_is_never_handed_out(monkeypatch: pytest.MonkeyPatch) -> No
 def test_what_it_takes_is_measured_by_the_clock_it_is_given() -> None:
     ticks = iter([10.0, 10.5, 13.0])
     made = Planner(mission("F at(A)"), lambda origin, goal: 4.0, lambda: next(ticks))
-    assert (made.grounding_s, made.translating_s) == (0.5, 2.5)
+    assert (made.instantiating_s, made.translating_s) == (0.5, 2.5)
     assert planner(mission("F at(A)")).translating_s == 0.0
 
 
@@ -193,7 +223,7 @@ def test_moves_cost_what_they_cost_now_and_none_is_planned_without_a_route() -> 
     assert str(made.plan()) == "move(H, A), move(A, B), (wait)^w"
     beliefs, actions = made.model.beliefs, made.model.actions
     seconds |= {("H", "B"): 5.0, ("H", "A"): math.inf}
-    made.reground()
+    made.reinstantiate()
     assert str(made.plan()) == "move(H, B), (wait)^w"
     assert made.model.beliefs == beliefs
     assert "move(H, A)" not in {a.name for a in made.model.actions}
@@ -201,7 +231,7 @@ def test_moves_cost_what_they_cost_now_and_none_is_planned_without_a_route() -> 
         a for a in actions if a.name == "move(A, B)"
     ]
     seconds |= {("H", "B"): 8.0, ("H", "A"): 3.0}
-    made.reground()
+    made.reinstantiate()
     assert made.model.actions == actions
     assert str(made.plan()) == "move(H, A), move(A, B), (wait)^w"
 
@@ -210,6 +240,6 @@ def test_moves_that_no_longer_exist_are_no_way_out() -> None:
     seconds: dict[tuple[str, str], float] = {}
     made = Planner(mission("F at(B)"), lambda origin, goal: seconds.get((origin, goal), 3.0))
     seconds |= {(origin, "B"): math.inf for origin in "HAC"}
-    made.reground()
+    made.reinstantiate()
     with pytest.raises(NoPlanError):
         made.plan()

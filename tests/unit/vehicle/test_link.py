@@ -14,7 +14,7 @@ from companion.mavlink.framing import MavlinkCodec as Speaker
 from companion.mavlink.framing import dialect
 from companion.vehicle.link import Endpoint, ScaledClock, UdpLink, parse_url
 
-PATIENCE_S = 2.0  # for datagrams on the loopback; they take microseconds
+PATIENCE_S = 60.0  # for datagrams on the loopback; they take microseconds
 
 
 def heartbeat(component: int = 1) -> bytes:
