@@ -31,7 +31,7 @@ class Place:
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What no setpoint may leave.
+    """Bounds that no setpoint leaves.
 
     Attributes:
         speed_mps: greatest speed.
@@ -216,7 +216,7 @@ class Skill:
 
 
 class Otherwise(Enum):
-    """What to do when no plan exists."""
+    """The behaviour when no plan exists."""
 
     RETURN_HOME = "return_home"
     LAND = "land"
