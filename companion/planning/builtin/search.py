@@ -94,7 +94,7 @@ def _accepting_components(product: Product) -> list[NDArray[np.intp]]:
     """The nodes of each strong component with a loop that meets every mark."""
     count, component = connected_components(product.cost_matrix(), connection="strong")
     sources = np.repeat(np.arange(product.nodes), np.diff(product.first))
-    inside = component[sources] == component[product.targets]
+    inside = component[sources] == component[product.ends]
     has_loop = np.bincount(component[sources[inside]], minlength=count) > 0
     marks = [0] * count
     for node, own in enumerate(component.tolist()):
