@@ -6,12 +6,15 @@ In real or scaled time, at 20 Hz, in one loop with no thread beside it.
 from __future__ import annotations
 
 import gc
+import logging
 
 from companion.acting.flight import TICK_S
 from companion.app import Companion
 from companion.errors import LinkTimeout
-from companion.ground.operations import Standing
+from companion.ground.operations import SystemStatus
 from companion.vehicle.link import ScaledClock, UdpLink
+
+log = logging.getLogger(__name__)
 
 
 def fly(companion: Companion, link: UdpLink, clock: ScaledClock, timeout_s: float) -> None:
@@ -38,10 +41,12 @@ def fly(companion: Companion, link: UdpLink, clock: ScaledClock, timeout_s: floa
                 "    PX4 SITL and `sitl` send to port 14540 by themselves; is one running?\n"
                 "    QGroundControl must not listen on this port"
             )
-        is_flying = companion.standing is not Standing.STANDBY
+        is_flying = companion.system_status is not SystemStatus.STANDBY
         if is_flying and not was_flying:
             _set_aside()
         was_flying = is_flying
+        if is_tick and now_s > next_tick_s + TICK_S:
+            log.debug("tick %.0f ms late", 1000 * (now_s - next_tick_s))
         if is_tick or now_s > next_tick_s:
             next_tick_s = max(next_tick_s + TICK_S, now_s)
 

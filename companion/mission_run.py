@@ -1,4 +1,4 @@
-"""One mission flown once: which parts does that take, and how do they hang together?
+"""One mission flown once, with all its parts.
 
 `Run` puts them together, the acting side and the MAVLink side, and records what happens. Messages
 and time in, messages out; who owns the link and lives longer is `app.py`.
@@ -9,19 +9,14 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Protocol
 
+from companion.acting.assembly import assemble
 from companion.acting.event_detector import EventDetector
-from companion.acting.executive import Executive
-from companion.acting.flight import Flight
-from companion.acting.report import Report
 from companion.acting.sortie import Sortie
-from companion.acting.symbols import Symbols
+from companion.flight_events.event import Stamped
 from companion.geometry import Ned
 from companion.mavlink.framing import Message
 from companion.mission.model import Mission, Signal
 from companion.motion.sensed_map import SensedMap
-from companion.planning.flight_times import flight_times, route_map
-from companion.planning.planner import Planner
-from companion.planning.task_state import TaskState
 from companion.vehicle.gate import Envelope
 from companion.vehicle.offboard import MavlinkVehicle
 from companion.vehicle.telemetry import Telemetry
@@ -31,7 +26,7 @@ from companion.vehicle.wire import Wire
 class Recorder(Protocol):
     """Keeps what happens in a run."""
 
-    def report(self, report: Report) -> None:
+    def report(self, stamped: Stamped) -> None:
         """Something happened."""
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
@@ -64,7 +59,6 @@ class Run:
         accepts_weak_failsafes: bool,
         may_yield: bool,
     ) -> None:
-        routes = route_map(mission)
         detector = EventDetector(mission.events)
         home, limits = mission.home, mission.limits
         self.mission = mission
@@ -78,42 +72,39 @@ class Run:
             takeoff_up_m=-home.position[2],
         )
         self.awaited = frozenset(s.field for s in detector.signals if s.message == "COMMAND")
-        planner = Planner(mission, flight_times(mission, routes, self._position))
-        self.flight = Flight(
-            vehicle=self.vehicle,
-            task=TaskState(planner),
-            routes=routes,
-            limits=limits,
-            symbols=Symbols(mission.places, routes),
-        )
-        executive = Executive(planner, self.flight, detector)
+        acting = assemble(mission, self.vehicle, detector)
+        self.flight = acting.flight
         self.sortie = Sortie(
-            self.flight, executive, home, mission.otherwise, accepts_weak_failsafes, may_yield
+            acting.flight,
+            acting.executive,
+            home,
+            mission.otherwise,
+            accepts_weak_failsafes,
+            may_yield,
         )
         self._map = SensedMap(mission.grid)
-        self._routes = routes
 
     def step(
         self, now_s: float, messages: list[Message], asked: list[tuple[Signal, float]]
-    ) -> list[Report]:
+    ) -> list[Stamped]:
         """One tick: reads what arrived and acts; returns what happened."""
         readings = asked + self.vehicle.receive(now_s, messages)
         if any([self._map.integrate(scan) for scan in self.vehicle.scans]):
-            self._routes.see(self._map.grid)
+            self.flight.routes.see(self._map.grid)
         self.sortie.step(now_s, readings)
         reports = self.flight.reports.copy()
         self.flight.reports.clear()
         return reports
 
-    def record(self, now_s: float, packets: list[bytes], reports: list[Report]) -> None:
+    def record(self, now_s: float, packets: list[bytes], reports: list[Stamped]) -> None:
         """Hands everything on to the recorder."""
         self.recorder.packets(now_s - self.start_s, packets)
         position = self._position()
         if position is not None:
             self.recorder.position(now_s - self.start_s, position)
-        for report in reports:
-            time_s = round(report.time_s - self.start_s, 3)
-            self.recorder.report(replace(report, time_s=time_s))
+        for stamped in reports:
+            time_s = round(stamped.time_s - self.start_s, 3)
+            self.recorder.report(Stamped(time_s, stamped.event))
 
     def adjust(self, speed_max_mps: float, belief_retry_s: float) -> None:
         """What the companion's parameters say; a flight that has begun keeps its speed."""

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from random import Random
 
-from companion.mavlink.framing import Endpoint, Message, source
+from companion.mavlink.framing import MavlinkCodec, Message, source
 from companion.motion.grid import OccupancyGrid
 from sitl.autopilot.autopilot import Autopilot
 from sitl.autopilot.parameters import Parameters
@@ -96,7 +96,7 @@ class Simulation:
         self._local = frozenset(addresses)
         self._router = Router(links, self._local)
         self._component = AutopilotComponent(system, self._vehicle, links, self._router)
-        self._ears = {link: Endpoint(system, AUTOPILOT) for link in links}
+        self._ears = {link: MavlinkCodec(system, AUTOPILOT) for link in links}
         self._steps = 0
 
     @property

@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from companion.mavlink.framing import Endpoint, dialect
+from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mavlink.parameters import REAL32
 from companion.mavlink.px4_modes import custom_mode, mode_from
 from companion.mission.model import Signal
@@ -46,7 +46,7 @@ class Autopilot:
     """
 
     def __init__(self, system: int = 1, component: int = 1) -> None:
-        self.endpoint = Endpoint(system, component)
+        self.codec = MavlinkCodec(system, component)
         self.mode = "AUTO.LOITER"
         self.is_armed = False
         self.is_landed = True
@@ -70,7 +70,7 @@ class Autopilot:
             base_mode |= dialect.MAV_MODE_FLAG_SAFETY_ARMED
         landed = dialect.MAV_LANDED_STATE_ON_GROUND if self.is_landed else 2  # in the air
         return [
-            self.endpoint.pack(message)
+            self.codec.pack(message)
             for message in (
                 dialect.MAVLink_heartbeat_message(
                     2, 12, base_mode, custom_mode(self.mode), self.system_status, 3
@@ -90,14 +90,14 @@ class Autopilot:
         """Hears datagrams and does what they ask for; returns the answers."""
         answers: list[bytes] = []
         for datagram in datagrams:
-            for message in self.endpoint.parse(datagram):
+            for message in self.codec.parse(datagram):
                 self.heard.append(message)
                 reply = _REPLIES.get(message.get_type())
-                answers += [self.endpoint.pack(m) for m in reply(self, message)] if reply else []
+                answers += [self.codec.pack(m) for m in reply(self, message)] if reply else []
         return answers
 
     def _on_command(self, message: Any) -> list[Any]:
-        if message.target_component != self.endpoint.component:
+        if message.target_component != self.codec.component:
             return []
         results = self.results.get(message.command, [ACCEPTED])
         result = results.pop(0) if len(results) > 1 else results[0]

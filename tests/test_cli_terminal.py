@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import signal
 import subprocess
@@ -15,6 +14,10 @@ from typing import IO
 import pytest
 
 from companion.cli.terminal import LINES_KEPT, Terminal, undisturbed
+from companion.flight_events.event import FlightEvent
+from companion.flight_events.hosting import TerminalHungUp
+from companion.flight_events.reading import read_line
+from companion.flight_events.sortie import TaskSatisfied
 
 SURVEILLANCE = Path(__file__).parents[1] / "missions" / "surveillance.yaml"
 
@@ -118,19 +121,20 @@ def fly(folder: Path, stdout: int | IO[str]) -> subprocess.Popen[str]:
     )
 
 
-def kinds(folder: Path) -> list[str]:
-    """The kinds of events that the only run's folder has."""
+def recorded(folder: Path) -> list[FlightEvent]:
+    """The events that the only run's folder has."""
     (run,) = folder.iterdir()
     lines = (run / "events.jsonl").read_text(encoding="utf-8").splitlines()
-    return [json.loads(line)["kind"] for line in lines]
+    return [read_line(line).event for line in lines]
 
 
 def assert_it_flew(flight: subprocess.Popen[str], folder: Path) -> None:
     _, errors = flight.communicate()
     assert (flight.returncode, errors) == (0, "")
-    assert kinds(folder)[-1] == "end"
+    assert recorded(folder)[-1] == TaskSatisfied()
 
 
+@pytest.mark.flight
 def test_a_flight_outlives_who_reads_its_output(tmp_path: Path) -> None:
     """As in `companion sim ... | head -1`."""
     flight = fly(tmp_path, subprocess.PIPE)
@@ -141,12 +145,14 @@ def test_a_flight_outlives_who_reads_its_output(tmp_path: Path) -> None:
     assert_it_flew(flight, tmp_path)
 
 
+@pytest.mark.flight
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no /dev/full")
 def test_a_full_disk_under_its_output_stops_no_flight(tmp_path: Path) -> None:
     with open("/dev/full", "w") as full:
         assert_it_flew(fly(tmp_path, full), tmp_path)
 
 
+@pytest.mark.flight
 def test_a_flight_goes_on_when_the_terminal_hangs_up(tmp_path: Path) -> None:
     flight = fly(tmp_path, subprocess.PIPE)
     assert flight.stdout is not None
@@ -154,9 +160,10 @@ def test_a_flight_goes_on_when_the_terminal_hangs_up(tmp_path: Path) -> None:
         pass
     flight.send_signal(signal.SIGHUP)
     assert_it_flew(flight, tmp_path)
-    assert "signal" in kinds(tmp_path)
+    assert TerminalHungUp() in recorded(tmp_path)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no /dev/full")
 def test_other_commands_say_that_their_output_cannot_be_written() -> None:
     command = [sys.executable, "-m", "companion", "ltl", "F p"]

@@ -30,6 +30,7 @@ def test_the_paper_s_mission_is_among_them() -> None:
     assert MISSIONS / "surveillance.sim.yaml" in SCENARIOS
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", [p for p in FILES if p not in SCENARIOS], ids=name_of)
 def test_a_mission_has_a_plan_that_passes_the_check(path: Path) -> None:
     planner = Planner(load_mission(path))

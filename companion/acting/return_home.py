@@ -1,17 +1,15 @@
-"""How does a vehicle get home when the operator calls it, whatever its task says?
+"""The flight home that an operator asks for, whatever the task says.
 
-By a flight to the place where the mission begins, along a clear route of the map as it is known
+It leads to the place where the mission begins, along a clear route of the map as it is known
 now. No event is watched and nothing is planned: nobody but the operator may change this.
 """
 
 from __future__ import annotations
 
 from py_trees.common import Status
-from py_trees.composites import Sequence
-from py_trees.decorators import Retry
 
-from companion.acting.behaviour_tree.leaves import UpdateParam
-from companion.acting.behaviour_tree.move import MoveCommand
+from companion.acting.behaviour_tree.builder import move_tree
+from companion.acting.behaviour_tree.leaf import failure_of
 from companion.acting.flight import Flight
 
 TRIES = 3
@@ -22,9 +20,12 @@ class ReturnHome:
     """A flight to one place."""
 
     def __init__(self, flight: Flight, place: str) -> None:
-        move = Sequence("move", memory=True)
-        move.add_children([UpdateParam(flight, place), MoveCommand(flight, place, None)])
-        self._tree = Retry(f"MAX_TRY({TRIES})", move, TRIES)
+        self._tree = move_tree(flight, place, TRIES, timeout_s=None)
+
+    @property
+    def failure(self) -> str:
+        """Why there was no way home; "" while there is."""
+        return failure_of(self._tree)
 
     def tick(self) -> Status:
         """One tick: RUNNING on the way, SUCCESS at the place, FAILURE without a clear route."""

@@ -6,7 +6,6 @@ import signal
 import time
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
-from importlib.util import find_spec
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Annotated
@@ -14,18 +13,17 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from companion.cli.arguments import MissionFile, load
+from companion.cli.log_lines import Verbose
 from companion.cli.monitoring import DEFAULT_ADDRESS, Monitor, monitored
 from companion.cli.terminal import Terminal, undisturbed
-from companion.errors import CompanionError, MissionError
+from companion.errors import MissionError
 
 if TYPE_CHECKING:
-    from companion.acting.report import Report
     from companion.app import Companion
+    from companion.flight_events.event import Stamped
     from companion.mission.model import Mission
-    from companion.motion.grid import OccupancyGrid
     from companion.record.run_folder import RunFolder
     from companion.vehicle.link import Endpoint
-    from sitl.world.scenario import Scenario
 
 LogDir = Annotated[
     Path,
@@ -61,6 +59,7 @@ def run(
     timeout: Timeout = 30.0,
     log_dir: LogDir = DEFAULT_LOG_DIR,
     monitor: Monitor = None,
+    verbose: Verbose = False,
 ) -> None:
     """Flies a mission on a vehicle: PX4, or a simulator that was started separately.
 
@@ -102,24 +101,20 @@ def sim(
     timeout: Timeout = 30.0,
     log_dir: LogDir = DEFAULT_LOG_DIR,
     monitor: Monitor = None,
+    verbose: Verbose = False,
 ) -> None:
     """Flies a mission in the bundled simulator. QGroundControl connects to it by itself."""
+    from companion.api.simulating import lockstep, world_of
     from companion.app import Companion
     from companion.simulator import simulator
     from companion.vehicle.link import Endpoint
-    from sitl.world.scenario import read_scenario
 
-    if find_spec("jsbsim") is None:
-        raise CompanionError(
-            "the simulator needs jsbsim, which has no wheel for Linux on ARM\n"
-            "    fly a simulator on another machine: companion run MISSION --connect URL"
-        )
     factor = _speed(speed)
     loaded = load(mission)
     path = scenario or mission.with_suffix(".sim.yaml")
     if scenario is None and not path.exists():
         raise MissionError(f"there is no scenario {path}", hint="name one with --scenario")
-    world, grid = read_scenario(path)
+    world = world_of(loaded, path)
     address = monitor or ("off" if factor is None else DEFAULT_ADDRESS)
     terminal = Terminal()
     with (
@@ -128,10 +123,14 @@ def sim(
         monitored(address, terminal.say) as page,
     ):
         page.show(folder.folder)
-        companion = Companion(loaded, folder, page=page)
         if factor is None:
-            _fly_in_lockstep(companion, world, grid, terminal, seed, instance, timeout)
+            flight = lockstep(loaded, world, folder, seed=seed, instance=instance, page=page)
+            companion = flight.companion
+            with _stoppable(companion, terminal), undisturbed(companion.hang_up):
+                flight.fly(timeout)
+            _raise_failure(companion)
             return
+        companion = Companion(loaded, folder, page=page)
         options = ["--scenario", path, "--speed", factor, "--seed", seed, "--instance", instance]
         terminal.say(
             f"vehicle    simulated, {factor:g} x real time; "
@@ -160,9 +159,11 @@ def _speed(text: str) -> float | None:
 def _recorded(mission: Mission, log_dir: Path, terminal: Terminal) -> Iterator[RunFolder]:
     """A run folder, announced at the start and at the end."""
 
-    def tell(report: Report) -> None:
-        if not report.data.get("exit_code"):  # a failure is printed once, by `main`
-            terminal.say(_line(report))
+    from companion.flight_events.sortie import RunFailed
+
+    def tell(stamped: Stamped) -> None:
+        if not isinstance(stamped.event, RunFailed):  # a failure is printed once, by `main`
+            terminal.say(_line(stamped))
 
     folder = _open_folder(mission, log_dir, tell, terminal)
     try:
@@ -172,7 +173,7 @@ def _recorded(mission: Mission, log_dir: Path, terminal: Terminal) -> Iterator[R
 
 
 def _open_folder(
-    mission: Mission, log_dir: Path, tell: Callable[[Report], None], terminal: Terminal
+    mission: Mission, log_dir: Path, tell: Callable[[Stamped], None], terminal: Terminal
 ) -> RunFolder:
     from companion.record.run_folder import RunFolder
 
@@ -199,13 +200,13 @@ def _host(
 ) -> None:
     """Waits for ground stations to start sorties, until it is stopped."""
     from companion.app import Companion
-    from companion.cli.hosting import Hangar
+    from companion.cli.hosting import SortieHost
     from companion.ground.uploads import Uploads
 
     terminal = Terminal()
 
-    def tell(report: Report) -> None:
-        terminal.say(_line(report))
+    def tell(stamped: Stamped) -> None:
+        terminal.say(_line(stamped))
 
     def close_folder(folder: RunFolder) -> None:
         _close_folder(folder, terminal)
@@ -218,21 +219,21 @@ def _host(
             return folder
 
         uploads = Uploads(log_dir.expanduser() / UPLOADS)
-        hangar = Hangar(open_folder, close_folder, tell, uploads)
-        companion = Companion(mission, None, accepts_weak, hangar, page)
+        host = SortieHost(open_folder, close_folder, tell, uploads)
+        companion = Companion(mission, None, accepts_weak, host, page)
         try:
             what = f"to fly {mission.name}" if mission else "and a mission"
             terminal.say(f"hosting    waits for MAV_CMD_MISSION_START {what}; Ctrl-C ends it")
             _fly(companion, endpoint, terminal, speed=1.0, timeout_s=0.0)
         finally:
-            hangar.close()
+            host.close()
             uploads.close()
 
 
-def _line(report: Report) -> str:
-    """A report as a line of the terminal."""
-    minutes, seconds = divmod(report.time_s, 60)
-    return f" {int(minutes):02d}:{seconds:04.1f}  {report.text}"
+def _line(stamped: Stamped) -> str:
+    """An event as a line of the terminal."""
+    minutes, seconds = divmod(stamped.time_s, 60)
+    return f" {int(minutes):02d}:{seconds:04.1f}  {stamped.event.text}"
 
 
 def _fly(
@@ -248,27 +249,6 @@ def _fly(
             fly(companion, link, ScaledClock(speed), timeout_s)
     finally:
         link.close()
-
-
-def _fly_in_lockstep(
-    companion: Companion,
-    world: Scenario,
-    grid: OccupancyGrid | None,
-    terminal: Terminal,
-    seed: int,
-    instance: int,
-    timeout_s: float,
-) -> None:
-    from sitl.harness import fly_in_lockstep
-    from sitl.link.routing import LinkName
-    from sitl.simulation import Simulation
-
-    simulation = Simulation(
-        world, grid, seed=seed, instance=instance, links=frozenset({LinkName.OFFBOARD})
-    )
-    with _stoppable(companion, terminal), undisturbed(companion.hang_up):
-        fly_in_lockstep(companion, simulation, timeout_s)
-    _raise_failure(companion)
 
 
 def _raise_failure(companion: Companion) -> None:

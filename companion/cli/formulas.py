@@ -137,8 +137,7 @@ class _Request:
 
     def _translated(self, formula: Formula, budget: Budget) -> tuple[BuchiAutomaton, float]:
         """An automaton, and the milliseconds that it took."""
-        from companion.ltl.state_based import state_based
-        from companion.ltl.translate import translate
+        from companion.ltl.translate import state_based, translate
 
         began_s = time.perf_counter()
         automaton = translate(formula, exclusive=self.exclusive, budget=budget)

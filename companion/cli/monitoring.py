@@ -25,7 +25,7 @@ Monitor = Annotated[
 
 
 class Page:
-    """The page of this program's runs, which is served or not; fulfils `ground.operations.Page`.
+    """The page of this program's runs, which is served or not; a `ground.operations.MonitorPage`.
 
     A page that cannot be served is told and keeps nobody from flying.
 
@@ -43,11 +43,11 @@ class Page:
 
     @property
     def is_served(self) -> bool:
-        """See `ground.operations.Page`."""
+        """Whether the page is served; it may end by itself."""
         return self._child is not None and self._child.is_running
 
     def switch(self, is_on: bool) -> str:
-        """See `ground.operations.Page`; the line is printed as well."""
+        """Serves it or ends it, if it can; prints and returns a line for people."""
         try:
             text = self._serve() if is_on else self._end()
         except CompanionError as error:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from companion.cli.arguments import MissionFile, load
+from companion.cli.log_lines import Verbose
 from companion.errors import CompanionError
 from companion.planning.objective import Encoding, Objective
 
@@ -32,6 +33,7 @@ def check(
         ),
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    verbose: Verbose = False,
 ) -> None:
     """Reads, translates and plans a mission; needs no vehicle."""
     try:
@@ -94,6 +96,7 @@ def plan(
         typer.Option(metavar="DIR", help="Write the problem there as PDDL; do not plan."),
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    verbose: Verbose = False,
 ) -> None:
     """Prints the plan: a prefix that is flown once and a loop that is flown for ever.
 
@@ -222,7 +225,7 @@ def _as_json(planner: Planner, problem: Problem, search_s: float) -> dict[str, A
     """What was asked, and what it took to answer."""
     seconds = {
         "translate": planner.translating_s,
-        "ground": planner.grounding_s,
+        "ground": planner.instantiating_s,
         "search": search_s,
     }
     return {

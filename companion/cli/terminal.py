@@ -75,13 +75,13 @@ class Terminal:
         if stream in self._dead:
             return True
         try:
-            return _write_at_once(stream, line + "\n")
+            return write_at_once(stream, line + "\n")
         except (OSError, ValueError):  # ValueError: the stream was closed
             self._dead.add(stream)
             return True
 
 
-def _write_at_once(stream: TextIO, text: str) -> bool:
+def write_at_once(stream: TextIO, text: str) -> bool:
     """Writes a text if its stream takes it without waiting; returns whether it did.
 
     Raises:

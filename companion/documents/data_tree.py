@@ -10,14 +10,22 @@ import math
 from collections.abc import Mapping
 from numbers import Integral, Real
 
-from companion.documents.yaml_tree import MAX_DEPTH, Entry, Listing, Node, Scalar, Table, Value
+from companion.documents.yaml_tree import (
+    MAX_DEPTH,
+    MappingEntry,
+    MappingNode,
+    Node,
+    ScalarNode,
+    SequenceNode,
+    Value,
+)
 from companion.errors import KeyPath, MissionError
 
 Keys = tuple[str | int, ...]
 
 
 def tree_of(data: object, keys: Keys = ()) -> Node:
-    """The tree of a value.
+    """Returns the tree of a value.
 
     Args:
         data: the value.
@@ -35,11 +43,11 @@ def tree_of(data: object, keys: Keys = ()) -> Node:
             if not isinstance(key, str):
                 raise MissionError(f"the key {key!r} is not a text", where)
             inner = (*keys, key)
-            entries[key] = Entry(KeyPath(inner), tree_of(value, inner))
-        return Table(where, entries)
+            entries[key] = MappingEntry(KeyPath(inner), tree_of(value, inner))
+        return MappingNode(where, entries)
     if isinstance(data, list | tuple):
-        return Listing(where, tuple(tree_of(item, (*keys, i)) for i, item in enumerate(data)))
-    return Scalar(where, _scalar(data, where), 0, 0)
+        return SequenceNode(where, tuple(tree_of(item, (*keys, i)) for i, item in enumerate(data)))
+    return ScalarNode(where, _scalar(data, where), 0, 0)
 
 
 def _scalar(value: object, where: KeyPath) -> Value:

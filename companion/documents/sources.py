@@ -55,7 +55,7 @@ def read_source(given: Given, kind: str, folder: Path | None = None) -> Source:
 
 
 def _text(path: Path, kind: str) -> str:
-    """The text of a file; bytes that are not UTF-8 stay, for the YAML reader to locate."""
+    """Returns the text of a file; bytes that are not UTF-8 stay, for the YAML reader to locate."""
     try:
         with path.open("rb") as stream:
             return stream.read(MAX_BYTES + 1).decode("utf-8", "surrogateescape")

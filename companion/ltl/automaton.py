@@ -1,4 +1,4 @@
-"""What reads the word of a mission: generalized Büchi automata with marks on transitions.
+"""Generalized Büchi automata, with acceptance marks on transitions.
 
 A label is a cube, a conjunction of literals; a letter is the set of propositions that hold at
 one position. A run is accepting exactly if it meets every acceptance set, numbered from 0 to
@@ -15,6 +15,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import networkx
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +80,30 @@ class BuchiAutomaton:
             leaving[transition.source].append(transition)
         return tuple(map(tuple, leaving))
 
+    def to_networkx(self) -> networkx.MultiDiGraph:
+        """The automaton as a networkx graph, with the text of a label and the marks on each edge.
+
+        >>> from companion.ltl.parser import parse
+        >>> from companion.ltl.translate import translate
+        >>> graph = translate(parse("G F p")).to_networkx()
+        >>> list(graph.nodes(data="initial"))
+        [(0, True)]
+        >>> list(graph.edges(data=True))
+        [(0, 0, {'label': 'p', 'marks': (0,)}), (0, 0, {'label': '!p', 'marks': ()})]
+
+        Returns:
+            States as nodes, with `initial`; transitions as edges, with `label` and `marks`; the
+            graph has `name` and `marks`, how many there are.
+        """
+        import networkx  # takes longer to load than most automata to make
+
+        graph = networkx.MultiDiGraph(name=self.name, marks=self.marks)
+        for state in range(self.states):
+            graph.add_node(state, initial=state in self.initial)
+        for t in self.transitions:
+            graph.add_edge(t.source, t.target, label=str(t.label), marks=tuple(sorted(t.marks)))
+        return graph
+
     @cached_property
     def has_state_acceptance(self) -> bool:
         """Whether marks belong to states: all transitions of a state carry the same ones."""
@@ -84,7 +112,7 @@ class BuchiAutomaton:
 
 @dataclass(frozen=True, slots=True)
 class Statistics:
-    """What an automaton looks like in figures.
+    """The size and the kind of an automaton, in figures.
 
     Attributes:
         is_deterministic: a word has at most one run.
@@ -140,9 +168,8 @@ def _match_every_letter(labels: Sequence[Label]) -> bool:
         if literals:
             pending.append([cube - negated for cube in cubes if cube.isdisjoint(literals)])
         elif cubes:
-            name, sign = min(
-                cubes[0]
-            )  # without it that cube reads nothing: this is looked at first
+            # without this literal the cube reads nothing: that half is looked at first
+            name, sign = min(cubes[0])
             pending += [[*cubes, frozenset({(name, side)})] for side in (not sign, sign)]
         else:
             return False
@@ -152,47 +179,6 @@ def _match_every_letter(labels: Sequence[Label]) -> bool:
 def successors(
     automaton: BuchiAutomaton, states: Iterable[int], letter: frozenset[str]
 ) -> frozenset[int]:
-    """One step of the subset construction: where runs can be after reading a letter."""
+    """One step of the subset construction: the states of runs after they have read a letter."""
     outgoing = automaton.outgoing
     return frozenset(t.target for s in states for t in outgoing[s] if t.label.matches(letter))
-
-
-def strong_components(graph: Sequence[Iterable[int]]) -> list[list[int]]:
-    """Strongly connected components, every component after those that it can reach.
-
-    Args:
-        graph: successors of each node; nodes are numbered from 0.
-
-    Source: Tarjan, Depth-first search and linear graph algorithms, 1972; with a stack of our own.
-    """
-    index: dict[int, int] = {}
-    lowest: dict[int, int] = {}
-    open_nodes: list[int] = []
-    components: list[list[int]] = []
-    closed = len(graph) + 1  # larger than any index
-    for root in range(len(graph)):
-        if root in index:
-            continue
-        pending = [(root, iter(graph[root]))]
-        index[root] = lowest[root] = len(index)
-        open_nodes.append(root)
-        while pending:
-            node, targets = pending[-1]
-            for target in targets:
-                if target not in index:
-                    index[target] = lowest[target] = len(index)
-                    open_nodes.append(target)
-                    pending.append((target, iter(graph[target])))
-                    break
-                lowest[node] = min(lowest[node], lowest[target])
-            else:
-                pending.pop()
-                if pending:
-                    lowest[pending[-1][0]] = min(lowest[pending[-1][0]], lowest[node])
-                if lowest[node] == index[node]:
-                    component = [open_nodes.pop()]
-                    while component[-1] != node:
-                        component.append(open_nodes.pop())
-                    lowest.update(dict.fromkeys(component, closed))
-                    components.append(component)
-    return components

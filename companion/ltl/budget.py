@@ -1,7 +1,7 @@
-"""What may the translation of a formula cost? Limits that say their name and never vary.
+"""Limits of what the translation of a formula may cost: they say their name and never vary.
 
-A formula of one line can have an automaton that fills any machine. So whoever translates spends
-from a budget: elementary *steps*, which stand for time, and *bytes* that are kept to the end.
+A formula of one line can have an automaton that fills any machine. So a translation spends from
+a budget: elementary *steps*, which stand for time, and *bytes* that are kept to the end.
 Both are counted and not measured: a formula that is translated once is always translated, on a
 slow machine as on a fast one.
 
@@ -19,6 +19,7 @@ A formula that is split into conjuncts has one budget for all of them.
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass, field
 
 from companion.errors import Location, MissionError
@@ -56,7 +57,7 @@ class TranslationLimit(MissionError):
 
 @dataclass(slots=True)
 class Budget:
-    """What is left to spend on one formula.
+    """A budget for one formula, in steps and bytes.
 
     >>> budget = Budget(steps=1000)
     >>> budget.spend(900)
@@ -74,6 +75,11 @@ class Budget:
     kept_bytes: int = BYTES
     _spent: int = field(default=0, init=False)
     _kept: int = field(default=0, init=False)
+
+    @classmethod
+    def unlimited(cls) -> Budget:
+        """For what is small already."""
+        return cls(sys.maxsize, sys.maxsize)
 
     def spend(self, passes: int, width: int = 0) -> None:
         """Take steps for passes of a loop over ints of `width` bits.

@@ -1,4 +1,4 @@
-"""What does an automaton look like? A drawing in the DOT language of Graphviz.
+"""Automata as drawings, in the DOT language of Graphviz.
 
 States are circles, and an arrow from nowhere leads to each initial state. An edge has the text
 of its label and, below it, the marks that it carries. If there is one acceptance set and it is a

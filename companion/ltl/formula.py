@@ -1,4 +1,4 @@
-"""What does a task say? Formulas of linear temporal logic: syntax tree, printing, normal form.
+"""Formulas of linear temporal logic: syntax tree, printing, normal form.
 
     true false  at(A)  ! X F G (tightest)  U R W  &  |  ->  <-> (weakest)
 
@@ -26,7 +26,7 @@ from weakref import WeakValueDictionary
 
 
 class Operator(Enum):
-    """What a node of the syntax tree is; the value is how it is written."""
+    """The kind of a node of the syntax tree; the value is how it is written."""
 
     TRUE = "true"
     FALSE = "false"
@@ -139,14 +139,23 @@ def _pieces(formula: Formula) -> list[str | tuple[Formula, int]]:
 
 
 def negate(formula: Formula) -> Formula:
-    """The negation; of a negation, its operand."""
+    """The negation; of a negation, its operand.
+
+    >>> from companion.ltl.parser import parse
+    >>> str(negate(parse("F a"))), str(negate(parse("!a")))
+    ('!F a', 'a')
+    """
     if formula.operator is Operator.NOT:
         return formula.operands[0]
     return Formula(Operator.NOT, (formula,))
 
 
 def conjoin(*formulas: Formula) -> Formula:
-    """All of the formulas; true for none, the formula itself for one."""
+    """All of the formulas; true for none, the formula itself for one.
+
+    >>> str(conjoin()), str(conjoin(TRUE, FALSE))
+    ('true', 'true & false')
+    """
     return Formula(Operator.AND, formulas) if len(formulas) > 1 else (*formulas, TRUE)[0]
 
 
@@ -248,7 +257,7 @@ _DUAL = {
     Operator.UNTIL: Operator.RELEASE,
     Operator.RELEASE: Operator.UNTIL,
 }
-"""What a negation makes of an operator when it moves on to the operands."""
+"""The operator that a negation leaves behind when it moves on to the operands."""
 
 
 def negation_normal_form(formula: Formula) -> Formula:

@@ -1,9 +1,10 @@
-"""What can be said of a formula after finitely many letters? A three-valued monitor (LTL3).
+"""A three-valued monitor (LTL3): what is known of a formula after finitely many letters.
 
 After the positions so far a formula is TRUE if every continuation satisfies it, FALSE if none
-does, and OPEN otherwise. It is FALSE once no run of its automaton is left in a state from which
-some word is accepted, and TRUE once none is left of the automaton of its negation. TRUE and FALSE
-stay for ever. `G F p` is always OPEN: what is to happen infinitely often no finite word decides.
+does, and INCONCLUSIVE otherwise. It is FALSE once no run of its automaton is left in a state from
+which some word is accepted, and TRUE once none is left of the automaton of its negation. TRUE and
+FALSE stay for ever. `G F p` is always INCONCLUSIVE: no finite word decides what happens infinitely
+often.
 
 A continuation may have any letters, also those that no skill leads to. Whether the vehicle can
 still do its task is a question for the planner.
@@ -16,24 +17,25 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from enum import Enum
 
-from companion.ltl.automaton import BuchiAutomaton, Transition, strong_components, successors
+from companion.ltl.automaton import BuchiAutomaton, Transition, successors
 from companion.ltl.budget import Budget
+from companion.ltl.components import reaching, strong_components
 from companion.ltl.formula import Formula, negate
 from companion.ltl.semantics import Letter
 from companion.ltl.translate import translate
 
 
-class Verdict(Enum):
-    """What the letters so far say of a formula."""
+class TruthValue(Enum):
+    """Truth values of LTL3; INCONCLUSIVE is written `?` in the literature."""
 
     TRUE = "true"
     FALSE = "false"
-    OPEN = "open"
+    INCONCLUSIVE = "inconclusive"
 
 
 @dataclass(frozen=True, slots=True)
 class Runs:
-    """Where the runs of an automaton are that can still accept.
+    """The runs of an automaton that can still accept.
 
     Attributes:
         automaton: what reads.
@@ -59,13 +61,13 @@ class Runs:
 
 @dataclass(frozen=True, slots=True)
 class Monitor:
-    """What is known of a formula after some letters; a value, as are its successors.
+    """A formula and the letters so far; a value, as are its successors.
 
     >>> from companion.ltl.parser import parse
     >>> monitor = Monitor.of(parse("!q U p"))
     >>> q, p = frozenset({"q"}), frozenset({"p"})
-    >>> [m.verdict.value for m in (monitor, monitor.after(p), monitor.after(q).after(p))]
-    ['open', 'true', 'false']
+    >>> [m.truth_value.value for m in (monitor, monitor.after(p), monitor.after(q).after(p))]
+    ['inconclusive', 'true', 'false']
 
     Attributes:
         holding: the runs of the formula's automaton.
@@ -91,11 +93,11 @@ class Monitor:
         return Monitor(self.holding.after(letter), self.failing.after(letter))
 
     @property
-    def verdict(self) -> Verdict:
-        """What the letters so far say."""
+    def truth_value(self) -> TruthValue:
+        """The truth value after the letters so far."""
         if not self.holding.states:
-            return Verdict.FALSE
-        return Verdict.OPEN if self.failing.states else Verdict.TRUE
+            return TruthValue.FALSE
+        return TruthValue.INCONCLUSIVE if self.failing.states else TruthValue.TRUE
 
 
 def live_states(automaton: BuchiAutomaton) -> frozenset[int]:
@@ -104,16 +106,15 @@ def live_states(automaton: BuchiAutomaton) -> frozenset[int]:
     They reach a component that some run can stay in and meet every mark again and again.
     """
     edges = [[t for t in leaving if _can_read(t)] for leaving in automaton.outgoing]
+    successors = [[t.target for t in leaving] for leaving in edges]
+    components = strong_components(successors)
     every_mark = frozenset(range(automaton.marks))
-    live: set[int] = set()
-    for component in strong_components([[t.target for t in leaving] for leaving in edges]):
-        leaving = [t for state in component for t in edges[state]]
+    accepting = []
+    for component in components:
         members = set(component)
-        inside = [t.marks for t in leaving if t.target in members]
-        is_accepting = bool(inside) and every_mark <= frozenset().union(*inside)
-        if is_accepting or any(t.target in live for t in leaving):
-            live.update(component)
-    return frozenset(live)
+        inside = [t.marks for state in component for t in edges[state] if t.target in members]
+        accepting.append(bool(inside) and every_mark <= frozenset().union(*inside))
+    return frozenset(reaching(successors, components, accepting))
 
 
 def _can_read(transition: Transition) -> bool:

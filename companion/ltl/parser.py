@@ -1,4 +1,4 @@
-"""Which formula does a text stand for? Reads formulas, and explains what cannot be read.
+"""Parsing: reads formulas from text, and explains what cannot be read.
 
 The grammar is in `grammar.lark`. A mission pattern, e.g. `patrolling(A, B)`, is read as the
 formula that it stands for (`patterns.py`). Nothing here recurses: the parser is LALR and builds
@@ -23,7 +23,7 @@ from companion.ltl.patterns import PATTERNS
 
 
 @v_args(inline=True)
-class _Builder(Transformer[Token, Formula]):
+class _FormulaBuilder(Transformer[Token, Formula]):
     """Makes formulas while the text is parsed, one method a rule of grammar.lark."""
 
     def constant(self, name: Token) -> Formula:
@@ -88,8 +88,9 @@ def _span(first: Token, last: Token) -> tuple[int, int]:
 @cache
 def _parser() -> Lark:
     # The basic lexer keeps `U` an operator even where only a proposition could stand.
+    builder = _FormulaBuilder()
     return Lark.open(
-        "grammar.lark", rel_to=__file__, parser="lalr", lexer="basic", transformer=_Builder()
+        "grammar.lark", rel_to=__file__, parser="lalr", lexer="basic", transformer=builder
     )
 
 
@@ -135,7 +136,7 @@ def parse(text: str) -> Formula:
 
 
 def occurrences(text: str) -> list[tuple[str, int, int]]:
-    """Where a formula's text mentions propositions. Raises FormulaError as `parse` does.
+    """The places where a text mentions propositions. Raises FormulaError as `parse` does.
 
     Returns:
         (canonical text, offset, length) of every mention, in the order of the text. An argument
@@ -213,7 +214,11 @@ def _explained(error: UnexpectedToken, text: str) -> FormulaError:
 
 
 def atom(text: str) -> Formula:
-    """The proposition of a text, e.g. `at(A)`. Raises FormulaError if it is anything else."""
+    """The proposition of a text. Raises FormulaError if it is anything else.
+
+    >>> str(atom("at( A )"))
+    'at(A)'
+    """
     formula = parse(text)
     if formula.operator is not Operator.ATOM:
         raise FormulaError(

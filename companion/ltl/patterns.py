@@ -1,4 +1,4 @@
-"""What do the usual tasks of a robot say in temporal logic? The robotic mission patterns.
+"""The robotic mission patterns: the usual tasks of a robot in temporal logic.
 
 A pattern is written like a proposition with arguments, e.g. `patrolling(A, B, C)`, and stands for
 the formula of its scheme, which is text: `formula.py` reads the expansion in place of the call,
@@ -27,8 +27,8 @@ from enum import Enum
 from itertools import pairwise
 
 
-class Parameter(Enum):
-    """What an argument of a pattern has to be; the value is how signatures call it."""
+class ParameterKind(Enum):
+    """The kinds of arguments that patterns have; the value is how signatures call it."""
 
     PLACE = "place"
     CONDITION = "condition"
@@ -36,14 +36,14 @@ class Parameter(Enum):
 
 
 _WANTED = {
-    Parameter.PLACE: (r"[A-Za-z_]\w*", "the name of a place"),
-    Parameter.CONDITION: (
+    ParameterKind.PLACE: (r"[A-Za-z_]\w*", "the name of a place"),
+    ParameterKind.CONDITION: (
         r"(?!(true|false|[XFGURW])$)[A-Za-z_]\w*(\(.*\))?",
         "a proposition such as targetFound or at(A)",
     ),
-    Parameter.COUNT: (r"[1-9]", "a number from 1 to 9"),
+    ParameterKind.COUNT: (r"[1-9]", "a number from 1 to 9"),
 }
-"""Which arguments suit, and how messages describe them."""
+"""For each kind the form of suitable arguments, and how messages describe them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,18 +57,18 @@ class Pattern:
     """
 
     name: str
-    parameters: tuple[Parameter, ...]
+    parameters: tuple[ParameterKind, ...]
     conjuncts: Callable[..., list[str]]
     is_open: bool = False
 
     @property
     def signature(self) -> str:
-        """How the pattern is written."""
+        """The pattern as it is written, with the kinds of its arguments."""
         listed = [parameter.value for parameter in self.parameters] + ["..."] * self.is_open
         return f"{self.name}({', '.join(listed)})"
 
     def misfit(self, arguments: Sequence[str]) -> tuple[int | None, str] | None:
-        """What is wrong with arguments, if anything, and the index of the one that is wrong.
+        """The index of an argument that does not suit, and what is wrong with it; None if all suit.
 
         The index is None if there are too few or too many.
         """
@@ -83,17 +83,17 @@ class Pattern:
                 return index, f"{argument} is not {description}"
         return None
 
-    def _parameter(self, index: int) -> Parameter:
+    def _parameter(self, index: int) -> ParameterKind:
         return self.parameters[min(index, len(self.parameters) - 1)]
 
     def proposition(self, index: int, argument: str) -> str | None:
         """The proposition that an argument stands for; None for a count."""
         match self._parameter(index):
-            case Parameter.PLACE:
+            case ParameterKind.PLACE:
                 return f"at({argument})"
-            case Parameter.CONDITION:
+            case ParameterKind.CONDITION:
                 return argument
-            case Parameter.COUNT:
+            case ParameterKind.COUNT:
                 return None
 
     def expansion(self, arguments: Sequence[str]) -> str:
@@ -181,7 +181,7 @@ def _exactly(a: str, count: int) -> str:
     return text
 
 
-_PLACE, _CONDITION, _COUNT = Parameter
+_PLACE, _CONDITION, _COUNT = ParameterKind
 _PLACES = (_PLACE, _PLACE)
 _REACTION = (_CONDITION, _CONDITION)
 

@@ -1,4 +1,4 @@
-"""What is left of an automaton while some propositions keep their value?
+"""Restriction: what is left of an automaton while some propositions keep their value.
 
 A plan assumes that events keep their value and beliefs hold, and many facts no action changes.
 Letters then differ in few propositions, and the automaton of a conjunct often shrinks to a state
@@ -12,15 +12,17 @@ from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import combinations
 
-from companion.ltl.automaton import BuchiAutomaton, Label, Transition, statistics
-from companion.ltl.reduction import Edge, Graph, indices, merged, pruned, simulation
+from companion.ltl.automaton import BuchiAutomaton, statistics
+from companion.ltl.graph import LabelledEdge, LabelledGraph, Marks, automaton_of
+from companion.ltl.labels import Alphabet, Cube, joined
+from companion.ltl.reductions.quotient import merged_cubes_and_simulators
+from companion.ltl.reductions.trimming import trimmed
 
 
 @dataclass(frozen=True)
 class Restriction:
-    """A reduced automaton, and where the states of the whole one are in it.
+    """A reduced automaton, and the place of each state of the whole one in it.
 
     Attributes:
         automaton: reads the propositions that are left; has no initial states of its own.
@@ -57,7 +59,7 @@ class Restriction:
         )
 
     @cached_property
-    def errands(self) -> frozenset[int]:
+    def one_shot_goals(self) -> frozenset[int]:
         """States that wait for one letter of some kind, whatever else is read: `F p`."""
         if not statistics(replace(self.automaton, initial=frozenset({0}))).is_complete:
             return frozenset()
@@ -72,60 +74,57 @@ class Restriction:
 
 
 def restricted(automaton: BuchiAutomaton, constants: Mapping[str, bool]) -> Restriction:
-    """An automaton for words in which the constants have the given values at every position."""
+    """An automaton for words in which the constants have the given values at every position.
+
+    >>> from companion.ltl.parser import parse
+    >>> from companion.ltl.translate import translate
+    >>> search = translate(parse("G (F a | found)"))
+    >>> patrol = restricted(search, {"found": False}).automaton
+    >>> patrol.states, patrol.propositions
+    (1, ('a',))
+    """
     names = [name for name in automaton.propositions if name not in constants]
-    bit_of = {name: 1 << 2 * i for i, name in enumerate(names)}
-
-    def bits(label: Label) -> int:
-        """Two bits a proposition, as the reductions have them: p, !p."""
-        positive = sum(bit_of[p] for p in label.positive if p in bit_of)
-        return positive | sum(bit_of[p] << 1 for p in label.negative if p in bit_of)
-
-    def is_possible(label: Label) -> bool:
-        return all(constants.get(p, True) for p in label.positive) and not any(
-            constants.get(p, False) for p in label.negative
-        )
-
-    # A root with an edge of its own label to each state keeps all of them reachable.
+    alphabet = Alphabet(names)
+    rooted = trimmed(_with_root(automaton, constants, alphabet))
+    graph, simulators = merged_cubes_and_simulators(rooted)
     first_tag = 2 * len(names)
-    root = [Edge(1 << first_tag + 2 * state, 0, state + 1) for state in range(automaton.states)]
-    inner = []
-    for leaving in automaton.outgoing:
-        labels: dict[tuple[int, int], set[int]] = defaultdict(set)
-        for t in leaving:
-            if is_possible(t.label):
-                labels[sum(1 << mark for mark in t.marks), t.target + 1].add(bits(t.label))
-        inner.append([Edge(label, *rest) for rest in labels for label in _joined(labels[rest])])
-    graph = merged(pruned(Graph([root, *inner], automaton.marks)))
     state_of = {
-        (edge.label.bit_length() - 1 - first_tag) // 2: edge.target - 1 for edge in graph.edges[0]
+        (int(edge.label).bit_length() - 1 - first_tag) // 2: edge.target - 1
+        for edge in graph.edges[0]
     }
-    simulators = tuple(above >> 1 for above in simulation(graph)[1:])
-    transitions = tuple(
-        Transition(
-            source, _label(edge.label, names), edge.target - 1, frozenset(indices(edge.marks))
-        )
-        for source, leaving in enumerate(graph.edges[1:])
-        for edge in leaving
+    inner = [
+        [LabelledEdge(cube, marks, target - 1) for cube, marks, target in leaving]
+        for leaving in graph.edges[1:]
+    ]
+    left = LabelledGraph(inner, graph.marks)
+    return Restriction(
+        automaton_of(left, alphabet, automaton.name, initial=frozenset()),
+        state_of,
+        tuple(above >> 1 for above in simulators[1:]),
     )
-    states = len(graph.edges) - 1
-    reduced = BuchiAutomaton(states, frozenset(), transitions, graph.marks, automaton.name)
-    return Restriction(reduced, state_of, simulators)
 
 
-def _joined(cubes: set[int]) -> list[int]:
-    """Fewer cubes that read the same: a & p and a & !p are a."""
-    joined = set(cubes)
-    for one, other in combinations(sorted(cubes), 2):
-        differ = one ^ other
-        low = differ & -differ
-        is_pair = differ == 3 * low and low.bit_length() % 2 == 1
-        if is_pair and (one & differ).bit_count() == 1 == (other & differ).bit_count():
-            return _joined((joined - {one, other}) | {one & other})
-    return sorted(joined)
+def _with_root(
+    automaton: BuchiAutomaton, constants: Mapping[str, bool], alphabet: Alphabet
+) -> LabelledGraph[Cube]:
+    """The states as nodes from 1 on, with the labels that are possible, and a root before them.
 
-
-def _label(bits: int, names: list[str]) -> Label:
-    positive = frozenset(name for i, name in enumerate(names) if bits >> 2 * i & 1)
-    negative = frozenset(name for i, name in enumerate(names) if bits >> 2 * i & 2)
-    return Label(positive, negative)
+    The root has an edge with a label of its own to each state, so all of them can be reached, and
+    none of these edges covers another one.
+    """
+    first_tag = 2 * len(alphabet.names)
+    root = [
+        LabelledEdge(Cube(1 << first_tag + 2 * state), 0, state + 1)
+        for state in range(automaton.states)
+    ]
+    holding = {name for name, holds in constants.items() if holds}
+    failing = constants.keys() - holding
+    edges = [root]
+    for leaving in automaton.outgoing:
+        cubes: dict[tuple[Marks, int], set[Cube]] = defaultdict(set)
+        for t in leaving:
+            if t.label.positive.isdisjoint(failing) and t.label.negative.isdisjoint(holding):
+                marks = sum(1 << mark for mark in t.marks)
+                cubes[marks, t.target + 1].add(alphabet.cube(t.label))
+        edges.append([LabelledEdge(cube, *rest) for rest in cubes for cube in joined(cubes[rest])])
+    return LabelledGraph(edges, automaton.marks)

@@ -1,4 +1,4 @@
-"""Does a lasso word satisfy a formula? The definition of LTL itself, without any automaton.
+"""The semantics of LTL on lasso words: its definition itself, without any automaton.
 
 A lasso word is a finite prefix followed by a loop that repeats for ever; it has finitely many
 distinct positions, so each subformula is a set of positions, and each temporal operator a least
@@ -16,7 +16,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from companion.ltl.automaton import BuchiAutomaton, strong_components
+from companion.ltl.automaton import BuchiAutomaton
+from companion.ltl.components import strong_components
 from companion.ltl.formula import Formula, Operator, subformulas
 
 Letter = frozenset[str]
@@ -101,6 +102,11 @@ def _all(operands: list[int], everywhere: int) -> int:
 
 def accepts(automaton: BuchiAutomaton, prefix: Sequence[Letter], loop: Sequence[Letter]) -> bool:
     """Whether an automaton accepts prefix loop loop loop ...
+
+    >>> from companion.ltl.parser import parse
+    >>> from companion.ltl.translate import translate
+    >>> accepts(translate(parse("F G p")), [frozenset()], [frozenset({"p"})])
+    True
 
     It does exactly if the product of automaton and word has a reachable strongly connected
     component whose transitions carry every mark.

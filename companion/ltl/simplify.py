@@ -1,4 +1,4 @@
-"""How short can a formula be said? Equivalent formulas that make smaller automata.
+"""Simplification: an equivalent formula that makes a smaller automaton.
 
 Works on negation normal form, where every law has a dual: exchange & with |, U with R, true
 with false. So each law is written once, for a `_Side` that stands for U or for R; the comments
@@ -26,7 +26,7 @@ _NEUTRAL = {Operator.AND: TRUE, Operator.OR: FALSE}
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Side:
-    """The world of U, whose F is `true U`, or its dual, the world of R, whose G is `false R`.
+    """U with its laws, whose F is `true U`, or its dual: R, whose G is `false R`.
 
     Attributes:
         fixpoint: U.
@@ -169,7 +169,7 @@ def _far(node: Formula, side: _Side, other: _Side) -> Formula:
 
 
 def _parted(alternative: Formula, side: _Side, other: _Side) -> list[Formula]:
-    """What an alternative under F is there: X G a is G a, and G(b | G a) is G b | G a."""
+    """The alternatives that one under F is worth: X G a is G a, and G(b | G a) is G b | G a."""
     body = alternative.operands[-1] if alternative.operands else alternative
     if alternative.operator is Operator.NEXT and body in other.pure:
         return [body]
@@ -246,7 +246,7 @@ def _gathered(parts: list[Formula], side: _Side, other: _Side) -> list[Formula]:
 
 
 def _is_waiting(formula: Formula, side: _Side) -> bool:
-    """Whether a formula is an F on the side of U; the dual of what is done then makes no sense."""
+    """Whether a formula is an F on the side of U; what is done with these has no useful dual."""
     return side.fixpoint is Operator.UNTIL and side.is_far(formula)
 
 

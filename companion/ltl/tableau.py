@@ -1,4 +1,4 @@
-"""How does a formula unfold? From a formula in negation normal form to a rough automaton.
+"""The tableau: from a formula in negation normal form to a first, rough automaton.
 
 A state is a set of obligations: formulas that must hold from the next position on. Expanding an
 obligation splits it into what must hold now and what is left for later; an until can be
@@ -20,32 +20,29 @@ from collections.abc import Sequence
 from functools import partial, reduce
 from operator import or_
 
+from companion.ltl.bitsets import indices, minimal
 from companion.ltl.budget import Budget, TranslationLimit
 from companion.ltl.formula import FALSE, TRUE, Formula, Operator, release
-from companion.ltl.reduction import Edge, Graph, indices, minimal
+from companion.ltl.graph import LabelledEdge, LabelledGraph
+from companion.ltl.labels import Alphabet, Cube
 
 Term = int
 """A set of bits: literals, obligations, postponed untils. No bits: nothing is asked."""
 
 
 def unfolded(
-    formula: Formula,
-    names: Sequence[str],
-    exclusive: frozenset[str],
-    max_states: int,
-    budget: Budget,
-) -> Graph:
-    """The automaton of a formula in negation normal form; its labels are cubes.
+    formula: Formula, alphabet: Alphabet, max_states: int, budget: Budget
+) -> LabelledGraph[Cube]:
+    """The automaton of a formula in negation normal form.
 
     Args:
-        names: propositions, at least those of the formula; the number i has bits 2 i and 2 i + 1.
-        exclusive: propositions of which no letter has two.
+        alphabet: over propositions, at least those of the formula.
 
     Raises:
         TranslationLimit: there would be more than `max_states` states, or as many transitions of
             one state, or the budget is spent.
     """
-    return _Tableau(names, exclusive, max_states, budget).graph(formula)
+    return _Tableau(alphabet.names, alphabet.exclusive, max_states, budget).graph(formula)
 
 
 class _Tableau:
@@ -70,7 +67,7 @@ class _Tableau:
         self._terms_of: dict[Formula, list[Term]] = {}
         self._terms_of_group: dict[Term, list[Term]] = {}
 
-    def graph(self, formula: Formula) -> Graph:
+    def graph(self, formula: Formula) -> LabelledGraph[Cube]:
         """The automaton; sets of obligations with equal terms are one state."""
         number_of: dict[tuple[Term, ...], int] = {}
         state_of: dict[Term, int] = {}
@@ -92,11 +89,11 @@ class _Tableau:
             edges.append([(term, state(term & ~self._not_later)) for term in terms])
         marks = {bit: 1 << i for i, bit in enumerate(self._postponed_of.values())}
         self._budget.spend(sum(map(len, edges)) * (1 + len(marks)), self._width)
-        return Graph(
+        return LabelledGraph(
             [
                 [
-                    Edge(
-                        term & self._literal_bits,
+                    LabelledEdge(
+                        Cube(term & self._literal_bits),
                         sum(mark for bit, mark in marks.items() if not term & bit),
                         target,
                     )

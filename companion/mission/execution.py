@@ -1,4 +1,4 @@
-"""What does a skill do to the vehicle? Reads a step of a skill's `execute`.
+"""The steps of a skill's `execute`: what it does to the vehicle and its payloads.
 
 fly(parameter)    command(component, MAV_CMD_NAME[, param1, ... param7])    wait(seconds)
 land()    charge(percent)    take_off()    another skill with its arguments
@@ -59,7 +59,7 @@ def parse_execution(
     components: Mapping[str, int],
     skills: Collection[str] = (),
 ) -> Execution:
-    """Read a step: a primitive, or another skill. What a skill's arguments are is not checked.
+    """Reads a step: a primitive, or another skill, whose arguments are not checked here.
 
     Args:
         text: e.g. `fly(to)`.

@@ -1,7 +1,7 @@
-"""Which files does a mission consist of? Itself, its map with the image, its PDDL files.
+"""The files of a mission: itself, its map with the image, its PDDL files.
 
 A door: it reads the mission and its map's YAML, as far as they name other files. Whoever takes
-missions from strangers says where all of them have to lie; nothing outside is opened.
+missions from strangers names the folder that all of them have to be in; nothing else is opened.
 """
 
 from __future__ import annotations
@@ -9,15 +9,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from companion.documents import Document, validate
-from companion.documents.sources import read_source
+from companion.documents import Document, read_source, validate
 from companion.errors import MissionError
 from companion.maps import image_of
 from companion.mission.schema import MissionFile
 
 
 def files_of(path: Path, within: Path) -> tuple[Path, ...]:
-    """The files that a mission needs, itself last.
+    """Returns the files that a mission needs, itself last.
 
     Args:
         path: of the mission.
@@ -38,7 +37,7 @@ def files_of(path: Path, within: Path) -> tuple[Path, ...]:
 
 
 def _map_files(folder: Path, name: str, within: Path, document: Document) -> tuple[Path, Path]:
-    """The image of a map file, and the file."""
+    """Returns the image of a map file, and the file."""
     path = folder / name
     _check_within(path, within, name, document, ["map"])
     try:

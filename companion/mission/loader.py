@@ -6,7 +6,7 @@ In the order of the checks: the YAML and its keys (documents.py, schema.py), nam
 the map, events, skills, and last the facts that `initially` and `task` mention, against all that
 the mission defines.
 
-Whether the task can be fulfilled is a question for the planner.
+Whether the task can be fulfilled is found by the planner.
 """
 
 from __future__ import annotations
@@ -15,8 +15,7 @@ import json
 from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 
-from companion.documents import Document, did_you_mean, validate
-from companion.documents.sources import Given, Source, read_source
+from companion.documents import Document, Given, Source, did_you_mean, read_source, validate
 from companion.errors import FormulaError, MissionError
 from companion.geometry import ned_from_enu
 from companion.ltl.formula import Formula, Operator, eventually
@@ -88,7 +87,7 @@ def load_mission(source: Given, folder: Path | None = None) -> Mission:
         sets=sets,
         events=events,
         skills=skills,
-        initially=frozenset(fact.ground({}) for fact in facts),
+        initially=frozenset(fact.instantiate({}) for fact in facts),
         task=_task(file, document, vocabulary),
         otherwise=Otherwise(file.otherwise),
         tree=read_tree(file.tree, document, skills, sets, vocabulary) if file.tree else None,
@@ -123,7 +122,7 @@ def _grid(map_: str | MapEntry, folder: Path, document: Document) -> OccupancyGr
 
 
 def _check_names(file: MissionFile, document: Document) -> None:
-    """Names that formulas cannot use or that mean two things, and the members of sets."""
+    """Refuses names that formulas cannot use or that mean two things, and wrong members of sets."""
     if RESERVED_PLACE in file.places:
         raise MissionError(
             f"a place cannot be called {RESERVED_PLACE}",
@@ -171,7 +170,7 @@ def _listing(names: Iterable[str]) -> str:
 
 
 def _operator(name: str) -> Operator | None:
-    """What the formula language reads a name as; None if it cannot stand alone."""
+    """Returns the operator that a name is in formulas; None if it cannot stand alone."""
     try:
         return parse(name).operator
     except FormulaError:
@@ -218,7 +217,7 @@ def _check_restored(file: MissionFile, skills: Mapping[str, Skill], document: Do
 
 
 def _initially(file: MissionFile, document: Document, vocabulary: Vocabulary) -> list[Atom]:
-    """The facts that are listed; exactly one of them says where the vehicle is."""
+    """Returns the facts that are listed; exactly one of them says where the vehicle is."""
     facts: list[Atom] = []
     for index, text in enumerate(file.initially):
         with document.locating("initially", index):
@@ -240,7 +239,7 @@ def _initially(file: MissionFile, document: Document, vocabulary: Vocabulary) ->
 def _check_reachable_names(
     skills: Mapping[str, Skill], given: Collection[str], document: Document
 ) -> None:
-    """A misspelt condition would be a fact of its own that nothing ever makes true.
+    """Refuses a condition that nothing ever makes true, such as a misspelt one.
 
     Args:
         given: names of facts that need no skill: events, what holds at the start, what PDDL

@@ -92,10 +92,10 @@ class Atom:
     name: str
     arguments: tuple[str, ...]
 
-    def ground(self, binding: Mapping[str, str]) -> str:
-        """The fact under a binding of parameters; names without a binding stand for themselves.
+    def instantiate(self, binding: Mapping[str, str]) -> str:
+        """Returns the fact under a binding; names without a binding stand for themselves.
 
-        >>> Atom("at", ("from",)).ground({"from": "A"})
+        >>> Atom("at", ("from",)).instantiate({"from": "A"})
         'at(A)'
         """
         if not self.arguments:
@@ -112,7 +112,7 @@ class Literal:
 
 
 @dataclass(frozen=True, slots=True)
-class Conditional:
+class ConditionalEffectTemplate:
     """An effect that only comes if a condition holds before the skill."""
 
     condition: tuple[Literal, ...]
@@ -207,7 +207,7 @@ class Skill:
     execute: tuple[Execution, ...]
     tries: int
     timeout_s: float | None
-    conditional: tuple[Conditional, ...] = ()
+    conditional: tuple[ConditionalEffectTemplate, ...] = ()
     distinct: tuple[tuple[str, ...], ...] = ()
     is_planned: bool = True
     retry_after_s: float | None = None

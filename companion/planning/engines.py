@@ -1,7 +1,7 @@
 """Classical planners through unified-planning: they solve a compiled task (`compilation/`).
 
 Fast Downward is the default, pyperplan a second planner for encoding v5; any other engine that
-unified-planning knows goes by its name. The library and the planners are optional, and they are
+unified-planning knows goes by its name. The planners are optional (extra `planners`), and they are
 met here alone, when a plan is asked for. Planners are processes: this module is a door.
 
 A planner may hang, crash, print, leave files (Fast Downward its output.sas, where it is called) and
@@ -13,7 +13,6 @@ are forked from a server that has the library loaded, for that takes a second.
 from __future__ import annotations
 
 import contextlib
-import importlib.util
 import multiprocessing
 import os
 import signal
@@ -178,11 +177,6 @@ def _run(
     classical: ClassicalProblem, engine: str, setup: _Setup, timeout_s: float
 ) -> tuple[str, list[str] | None]:
     """The engine's status, and its plan."""
-    if importlib.util.find_spec("unified_planning") is None:
-        raise EngineError(
-            f"the engine {engine} needs the package unified-planning; "
-            f"{INSTALL[FAST_DOWNWARD]}, or use the built-in engine"
-        )
     here, there = _server.Pipe(duplex=False)
     with tempfile.TemporaryDirectory(prefix="companion-", ignore_cleanup_errors=True) as folder:
         child = _server.Process(

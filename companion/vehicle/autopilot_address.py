@@ -12,7 +12,9 @@ Source: https://mavlink.io/en/services/heartbeat.html. No I/O.
 
 from __future__ import annotations
 
-from companion.mavlink.framing import Endpoint, choose, dialect, source
+import logging
+
+from companion.mavlink.framing import MavlinkCodec, choose, dialect, source
 from companion.vehicle.wire import is_autopilot
 
 SILENT_S = 3.0
@@ -22,6 +24,8 @@ Address = tuple[str, int]
 """Host and port."""
 
 _HEARTBEAT = frozenset({dialect.MAVLINK_MSG_ID_HEARTBEAT})
+
+log = logging.getLogger(__name__)
 
 
 class AutopilotAddress:
@@ -36,7 +40,7 @@ class AutopilotAddress:
         self.system: int | None = None
         self.address: Address | None = None
         self._heard_s = 0.0
-        self._ear = Endpoint(0, 0)
+        self._ear = MavlinkCodec(0, 0)
 
     def hear(self, now_s: float, sender: Address, datagram: bytes) -> None:
         """Takes a datagram into account.
@@ -57,4 +61,6 @@ class AutopilotAddress:
         if system != self.system:
             return
         if self.address in (None, sender) or now_s - self._heard_s > SILENT_S:
+            if self.address != sender:
+                log.debug("answers go to %s:%d, the autopilot of system %d", *sender, system)
             self.address, self._heard_s = sender, now_s

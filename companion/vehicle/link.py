@@ -7,6 +7,7 @@ to it (`autopilot_address.py`; PX4 sends to 14540 by itself); `udpout` sends to 
 
 from __future__ import annotations
 
+import logging
 import re
 import select
 import socket
@@ -22,6 +23,8 @@ MAX_PORT = 65535
 MAVLINK2_MAGIC = b"\xfd"
 MAX_DATAGRAM = 65535
 RECEIVE_BUFFER = 1 << 20
+
+log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,6 +104,8 @@ class UdpLink:
             except ConnectionError:  # an ICMP "nobody listens" of an earlier send
                 continue
             datagrams.append(datagram)
+            if sender[0] not in self._heard:
+                log.debug("first datagram from %s:%d, %d bytes", *sender, len(datagram))
             self._heard[sender[0]] = self._heard.get(sender[0], 0) + 1
             self._mavlink += datagram[:1] == MAVLINK2_MAGIC
             self._autopilot.hear(time.monotonic(), sender, datagram)

@@ -16,7 +16,7 @@ from collections.abc import Callable
 from companion.geometry import Ned
 from companion.mavlink.framing import Message, dialect
 from companion.mavlink.px4_modes import mode_name
-from companion.mavlink.sequence import Order
+from companion.mavlink.sequence import SequenceTracker
 from companion.vehicle.port import Mode, VehicleState
 
 KNOWN_MODES = {mode.value: mode for mode in Mode}
@@ -39,7 +39,7 @@ class Telemetry:
         self.texts: deque[str] = deque(maxlen=MAX_TEXTS)
         self.heartbeat_s = -math.inf
         self.mode: Mode | None = None
-        self._order = Order()
+        self._order = SequenceTracker()
         self.is_armed = False
         self.is_failsafe = False
         self._is_landed: bool | None = None

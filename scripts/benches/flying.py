@@ -18,10 +18,10 @@ import psutil
 from scipy import ndimage
 
 from benches import MISSION, ROOT, Row, timed
-from companion.acting.report import Report
-from companion.app import Companion
+from companion.api.simulating import lockstep, world_of
+from companion.flight_events.event import Stamped
 from companion.geometry import Ned
-from companion.mavlink.framing import Endpoint, Message, dialect, split_frames
+from companion.mavlink.framing import MavlinkCodec, Message, dialect, split_frames
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
 from companion.motion.grid import OccupancyGrid
@@ -31,12 +31,11 @@ from companion.planning.flight_times import route_map
 from sitl.flight.controllers import Cascade, Target
 from sitl.flight.mixer import Motors
 from sitl.flight.physics import Physics
-from sitl.harness import fly_in_lockstep
 from sitl.link.routing import LinkName
 from sitl.link.server import HOST, PORTS
-from sitl.simulation import DT_S, Simulation
+from sitl.simulation import DT_S
 from sitl.world.lidar import STEP_RAD, Lidar, LidarSpec
-from sitl.world.scenario import PX4_HOME, read_scenario
+from sitl.world.scenario import PX4_HOME
 
 AUTOPILOT = 1  # component id
 INSTANCE = 97  # of the simulator at real time, away from any that runs
@@ -51,8 +50,8 @@ class Flight:
     end_s: float = 0.0
     datagrams: list[bytes] = field(default_factory=list)
 
-    def report(self, report: Report) -> None:
-        """Reports are not needed."""
+    def report(self, stamped: Stamped) -> None:
+        """Events are not needed."""
 
     def position(self, now_s: float, position: Ned) -> None:
         """Positions are not needed."""
@@ -150,18 +149,15 @@ def flying(runs: int) -> Iterator[Row]:
     speeds = []
     for _ in range(max(1, runs // 10)):
         mission = load_mission(MISSION)
-        scenario, grid = read_scenario(MISSION.with_suffix(".sim.yaml"))
-        flight = Flight()
-        links = frozenset({LinkName.OFFBOARD})
-        companion = Companion(mission, flight)
-        simulation = Simulation(scenario, grid, seed=0, links=links)
+        seen = Flight()
+        flight = lockstep(mission, world_of(mission), seen)
         start_s = perf_counter()
-        fly_in_lockstep(companion, simulation)
-        speeds.append(flight.end_s / (perf_counter() - start_s))
-        if companion.failure is not None:
-            raise companion.failure
+        flight.fly()
+        speeds.append(seen.end_s / (perf_counter() - start_s))
+        if flight.companion.failure is not None:
+            raise flight.companion.failure
     yield Row("simulator and companion in lockstep", median(speeds), "x real time")
-    frames = [frame for datagram in flight.datagrams for frame in split_frames(datagram)]
+    frames = [frame for datagram in seen.datagrams for frame in split_frames(datagram)]
     yield from mavlink([f for f in frames if f[6] == AUTOPILOT], runs)
 
 
@@ -193,7 +189,7 @@ def take_off(udp: socket.socket) -> None:
     """
     port, _ = PORTS[LinkName.OFFBOARD]
     system = 1 + INSTANCE
-    station = Endpoint(255, 190)
+    station = MavlinkCodec(255, 190)
     takeoff, arm = dialect.MAV_CMD_NAV_TAKEOFF, dialect.MAV_CMD_COMPONENT_ARM_DISARM
     for command, parameters in ((takeoff, (0, 0, 0, *(math.nan,) * 4)), (arm, (1, *(0,) * 6))):
         message = dialect.MAVLink_command_long_message(system, AUTOPILOT, command, 0, *parameters)
@@ -210,14 +206,14 @@ def take_off(udp: socket.socket) -> None:
 def mavlink(frames: list[bytes], runs: int) -> Iterator[Row]:
     """Messages per second, one frame a datagram; the peer is pymavlink's own code."""
     frames = frames[: 200 * runs]
-    endpoint = Endpoint(1, AUTOPILOT)
+    codec = MavlinkCodec(1, AUTOPILOT)
     plain = dialect.MAVLink(None, srcSystem=1, srcComponent=AUTOPILOT)
-    messages: list[Message] = [m for frame in frames for m in endpoint.parse(frame)]
+    messages: list[Message] = [m for frame in frames for m in codec.parse(frame)]
 
     def rate(call: Callable[[Any], object], items: Sequence[object]) -> float:
         return 1000 * len(items) / median(timed(lambda: [call(item) for item in items], 3))
 
     peer = rate(lambda message: message.pack(plain), messages)
-    yield Row("pack MAVLink", rate(endpoint.pack, messages), "messages/s", "pymavlink", peer)
+    yield Row("pack MAVLink", rate(codec.pack, messages), "messages/s", "pymavlink", peer)
     peer = rate(plain.parse_buffer, frames)
-    yield Row("parse MAVLink", rate(endpoint.parse, frames), "messages/s", "pymavlink", peer)
+    yield Row("parse MAVLink", rate(codec.parse, frames), "messages/s", "pymavlink", peer)

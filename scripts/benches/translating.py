@@ -15,8 +15,7 @@ from benches import ROOT, Row, timed
 from companion.ltl.automaton import BuchiAutomaton
 from companion.ltl.formula import conjuncts
 from companion.ltl.parser import parse
-from companion.ltl.state_based import state_based
-from companion.ltl.translate import translate
+from companion.ltl.translate import state_based, translate
 
 TABLE = ROOT / "tests" / "data" / "formulas.tsv"
 

@@ -14,7 +14,7 @@ from collections.abc import Callable
 from typing import ClassVar
 
 from companion.mavlink import ftp
-from companion.mavlink.framing import Endpoint, Message, dialect, source
+from companion.mavlink.framing import MavlinkCodec, Message, dialect, source
 from companion.mavlink.px4_modes import mode_name
 from companion.mavlink.statustext import chunks
 from sitl.autopilot.modes import FLIGHT_MODES
@@ -46,15 +46,15 @@ class Link:
         self.streams = Streams(name, vehicle.state.time_s)
         self.later: list[Message] = []
         self.listing: list[str] = []
-        self._endpoint = Endpoint(system, AUTOPILOT)
+        self._codec = MavlinkCodec(system, AUTOPILOT)
 
     def send(self, message: Message) -> None:
         """Pack a message for this link."""
-        self._out.append((self.name, self._endpoint.pack(message)))
+        self._out.append((self.name, self._codec.pack(message)))
 
     def stream(self, name: str) -> None:
         """Pack a message of the telemetry for this link."""
-        frame = self._endpoint.frame(KINDS[name], MESSAGES[name](self.vehicle))
+        frame = self._codec.frame(KINDS[name], MESSAGES[name](self.vehicle))
         self._out.append((self.name, frame))
 
     def send_if(self, message: Message | None) -> None:

@@ -15,7 +15,7 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
-from companion.mavlink.framing import Endpoint, Message, dialect, source
+from companion.mavlink.framing import MavlinkCodec, Message, dialect, source
 from sitl.flight.physics import FlightState
 from sitl.link.routing import target
 from sitl.results import Result
@@ -55,11 +55,11 @@ class _Voice:
     """Packs messages and keeps time for what repeats."""
 
     def __init__(self, address: tuple[int, int]) -> None:
-        self._endpoint = Endpoint(*address)
+        self._codec = MavlinkCodec(*address)
         self._next_s: dict[float, float] = {}
 
     def say(self, message: Message) -> Sent:
-        return message, self._endpoint.pack(message)
+        return message, self._codec.pack(message)
 
     def is_due(self, every_s: float, now_s: float) -> bool:
         next_s = self._next_s.get(every_s, now_s)

@@ -19,7 +19,8 @@ are degrees clockwise from north; inside, everything is local NED and radians.
     happens:
       - {at_s: 30, obstacle: {name: crate, present: true}}
 
-`read_scenario` is a door: it opens the file and its map. The rest is pure.
+`read_scenario` is a door: it opens the file and its map. The rest is pure. A scenario may also be
+given as a text, or as data.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from companion.documents import Document, did_you_mean, validate
+from companion.documents import Document, Given, Source, did_you_mean, read_source, validate
 from companion.errors import MissionError
 from companion.geometry import GlobalOrigin, Ned, ned_from_enu
 from companion.maps import read_map
@@ -46,6 +47,7 @@ from sitl.world.payload import Answer, PayloadScript, Site
 from sitl.world.reading import command_number, read_happenings, read_obstacles
 from sitl.world.schema import PayloadModel, ScenarioModel
 
+DEFAULT_MAP = "the default map"
 PX4_HOME = GlobalOrigin(47.397742, 8.545594, 488.0)  # PX4's default in SITL: Irchelpark, Zurich
 
 
@@ -65,7 +67,7 @@ class Scenario:
         lidar: None is no lidar.
         pads: charging pads, each with its current in amperes.
         happenings: in the order of the file.
-        map_path: None is a world without walls.
+        map_path: None is a world without walls, but for a map that was given otherwise.
     """
 
     home: GlobalOrigin = PX4_HOME
@@ -86,26 +88,23 @@ class Scenario:
 
 
 def read_scenario(
-    path: Path, default_home: GlobalOrigin = PX4_HOME
+    given: Given | Source,
+    default_home: GlobalOrigin = PX4_HOME,
+    default_map: OccupancyGrid | None = None,
 ) -> tuple[Scenario, OccupancyGrid | None]:
-    """The scenario of a file, and its map.
+    """A scenario and its map.
 
     Args:
-        path: the file; its map lies relative to it.
-        default_home: where home is if the file does not say.
+        given: the path of its file, to which its map lies relative; or a YAML text; or data.
+        default_home: where home is if it is not said.
+        default_map: the map if none is named.
 
     Raises:
         MissionError: a file cannot be read, or says something that cannot be.
     """
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise MissionError(f"the scenario {path} cannot be read: {reason}") from error
-    scenario, document = _parse(text, path, default_home)
-    if scenario.map_path is None:
-        return scenario, None
-    grid = read_map(scenario.map_path)
+    source = given if isinstance(given, Source) else read_source(given, "scenario")
+    scenario, document = _parse(source, default_home, default_map is not None)
+    grid = default_map if scenario.map_path is None else read_map(scenario.map_path)
     now = TrueMap(grid, scenario.obstacles).grid
     if now and now.clearance_m(scenario.start[:2]) < VEHICLE_RADIUS_M:
         raise MissionError(
@@ -116,17 +115,22 @@ def read_scenario(
     return scenario, grid
 
 
-def parse_scenario(text: str, path: Path, default_home: GlobalOrigin = PX4_HOME) -> Scenario:
+def parse_scenario(text: str, path: Path) -> Scenario:
     """The scenario of a text; the map is not opened.
 
     Raises:
         MissionError: with the place in the file.
     """
-    return _parse(text, path, default_home)[0]
+    return _parse(Source(text, str(path), path.parent, path), PX4_HOME, has_default_map=False)[0]
 
 
-def _parse(text: str, path: Path, default_home: GlobalOrigin) -> tuple[Scenario, Document]:
-    model, document = validate(text, str(path), ScenarioModel)
+def _parse(
+    source: Source, default_home: GlobalOrigin, has_default_map: bool
+) -> tuple[Scenario, Document]:
+    model, document = validate(source.content, source.name, ScenarioModel)
+    map_path = source.folder / model.map if model.map else None
+    if map_path is None and has_default_map:
+        model = model.model_copy(update={"map": DEFAULT_MAP})
     for name, value in model.parameters.items():
         _check_parameter(name, value, document)
     _check_components(model, document)
@@ -156,7 +160,7 @@ def _parse(text: str, path: Path, default_home: GlobalOrigin) -> tuple[Scenario,
             (Circle((pad.north_m, pad.east_m), pad.radius_m), pad.current_a) for pad in model.pads
         ),
         happenings=first + read_happenings(model, document),
-        map_path=path.parent / model.map if model.map else None,
+        map_path=map_path,
     )
     return scenario, document
 

@@ -24,8 +24,7 @@ from companion.ltl.formula import (
 from companion.ltl.parser import parse
 from companion.ltl.semantics import Letter, holds
 from companion.ltl.simplify import simplified
-from companion.ltl.state_based import state_based
-from companion.ltl.translate import translate
+from companion.ltl.translate import state_based, translate
 
 NAMES = ("a", "at(B)", "ok(B, C)")
 Word = tuple[list[Letter], list[Letter]]

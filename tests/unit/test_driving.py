@@ -13,10 +13,10 @@ from notes import Notes
 from synthetic import mission
 
 from companion.acting.flight import TICK_S
-from companion.acting.report import Report
 from companion.app import Companion
 from companion.driving import fly
-from companion.mavlink.framing import Endpoint, dialect
+from companion.flight_events.event import Stamped
+from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mission.model import Mission
 from companion.mission_run import Recorder
 
@@ -47,8 +47,8 @@ class Line(Notes):
         self.answers = 0
         self.set_aside_before = self.set_aside = 0
         self._asks_until_s = asks_until_s
-        self._autopilot, self._station = Autopilot(), Endpoint(255, 190)
-        self._ear = Endpoint(0, 0)
+        self._autopilot, self._station = Autopilot(), MavlinkCodec(255, 190)
+        self._ear = MavlinkCodec(0, 0)
         self._under_way: list[tuple[float, bytes]] = []
         self._streamed_s = 0.0
         self._ask(REQUEST)
@@ -113,7 +113,7 @@ class Line(Notes):
         self.ended_s, self.set_aside = self.now, gc.get_freeze_count()
         self.companion.stop()
 
-    def tell(self, report: Report) -> None:
+    def tell(self, stamped: Stamped) -> None:
         """Told to nobody."""
 
 

@@ -68,21 +68,33 @@ def build(flight: Flight, lasso: Lasso, assumptions: Assumptions) -> Behaviour:
         lasso: the plan.
         assumptions: the values of events on which the plan relies.
     """
-    prefix = [action_tree(flight, a) for a in lasso.prefix]
+    prefix = [action_tree(flight, a, assumptions) for a in lasso.prefix]
     last = len(lasso.suffix) - 1
-    lap = [action_tree(flight, a, ends_lap=i == last) for i, a in enumerate(lasso.suffix)]
+    lap = [
+        action_tree(flight, action, assumptions, ends_lap=i == last)
+        for i, action in enumerate(lasso.suffix)
+    ]
     loop = Repeat("L", _sequence("lap", lap), num_success=FOR_EVER)
     root = Sequence("root", memory=False)
     root.add_children([AssumptionsHold(flight, assumptions), _sequence("plan", [*prefix, loop])])
     return root
 
 
-def action_tree(flight: Flight, action: Action, ends_lap: bool = False) -> Behaviour:
-    """The tree of one action (Fig. 6)."""
+def action_tree(
+    flight: Flight, action: Action, assumptions: Assumptions | None, ends_lap: bool = False
+) -> Behaviour:
+    """The tree of one action (Fig. 6).
+
+    Args:
+        flight: what the leaves act on.
+        action: what is done.
+        assumptions: those of the plan; None in a tree written by hand.
+        ends_lap: whether the action is the last one of the loop.
+    """
     triple = _sequence(
         "triple",
         [
-            Precondition(flight, action),
+            Precondition(flight, action, assumptions),
             _refinement(
                 flight, Refinement("steps", action.execute, action.tries, action.timeout_s)
             ),
@@ -90,8 +102,15 @@ def action_tree(flight: Flight, action: Action, ends_lap: bool = False) -> Behav
         ],
     )
     selector = ActionNode(flight, action)
-    selector.add_children([triple, Inverter("not", Withdraw(flight, action))])
+    selector.add_children([triple, Inverter("not", Withdraw(flight, action, triple))])
     return selector
+
+
+def move_tree(flight: Flight, place: str, tries: int, timeout_s: float | None) -> Behaviour:
+    """The tree of a flight to a place: MAX_TRY(m) of Fig. 6."""
+    move = MoveCommand(flight, place, timeout_s)
+    steps = [UpdateParam(flight, place, move), move]
+    return Retry(f"MAX_TRY({tries})", _sequence("move", steps), tries)
 
 
 def _refinement(flight: Flight, skill: Refinement) -> Behaviour:
@@ -106,18 +125,17 @@ def _refinement(flight: Flight, skill: Refinement) -> Behaviour:
 def _step(flight: Flight, step: Step, tries: int, timeout_s: float | None) -> Behaviour:
     match step:
         case Fly(place):
-            move = [UpdateParam(flight, place), MoveCommand(flight, place, timeout_s)]
-            return Retry(f"MAX_TRY({tries})", _sequence("move", move), tries)
+            return move_tree(flight, place, tries, timeout_s)
         case Command():
             return SendCommand(flight, step, timeout_s)
         case Wait(duration_s):
             return Rest(flight, duration_s)
         case Land():
-            return landing.Land(flight, "land")
+            return landing.LandVehicle(flight, "land")
         case TakeOff():
-            return landing.TakeOff(flight, "take off")
+            return landing.TakeOffVehicle(flight, "take off")
         case Charge(percent):
-            return landing.Charge(flight, percent)
+            return landing.ChargeBattery(flight, percent)
         case Refinement():
             return _refinement(flight, step)
 

@@ -24,7 +24,7 @@ class Deadline(Decorator):
     def update(self) -> Status:
         """The child's status, until the time is over."""
         if self.decorated.status is Status.RUNNING and self._flight.now_s > self._end_s:
-            self._flight.failure = f"not done after {self._timeout_s:.0f} s"
             self.decorated.stop(Status.INVALID)
+            self.feedback_message = f"not done after {self._timeout_s:.0f} s"
             return Status.FAILURE
         return self.decorated.status

@@ -11,6 +11,7 @@ from py_trees.decorators import Repeat as RepeatDecorator
 from py_trees.decorators import Retry as RetryDecorator
 
 from companion.acting.behaviour_tree.builder import FOR_EVER, action_tree
+from companion.acting.behaviour_tree.leaf import Leaf
 from companion.acting.flight import Flight
 from companion.mission.tree_nodes import (
     Act,
@@ -25,12 +26,11 @@ from companion.mission.tree_nodes import (
 from companion.planning.domain import Action
 
 
-class Holds(Behaviour):
-    """Do facts hold, and others not?"""
+class FactsHold(Leaf):
+    """Some facts hold, and others do not."""
 
     def __init__(self, flight: Flight, check: Check) -> None:
-        super().__init__(check.text)
-        self._flight = flight
+        super().__init__(flight, check.text)
         self._check = check
 
     def update(self) -> Status:
@@ -38,8 +38,7 @@ class Holds(Behaviour):
         facts, check = self._flight.task.all_facts, self._check
         if check.requires <= facts and not check.forbids & facts:
             return Status.SUCCESS
-        self._flight.failure = f"not {check.text}"
-        return Status.FAILURE
+        return self.fail(f"not {check.text}")
 
 
 def build_by_hand(flight: Flight, node: Tree, actions: Mapping[str, Action]) -> Behaviour:
@@ -56,9 +55,9 @@ def build_by_hand(flight: Flight, node: Tree, actions: Mapping[str, Action]) -> 
 
     match node:
         case Act(name):
-            return action_tree(flight, actions[name])
+            return action_tree(flight, actions[name], None)
         case Check():
-            return Holds(flight, node)
+            return FactsHold(flight, node)
         case Steps(nodes):
             steps = Sequence("steps", memory=True)
             steps.add_children(below(nodes))
@@ -74,5 +73,7 @@ def build_by_hand(flight: Flight, node: Tree, actions: Mapping[str, Action]) -> 
             return RetryDecorator("retry", build_by_hand(flight, steps, actions), times)
         case Watch(condition, steps):
             watch = Sequence(f"watch {condition.text}", memory=False)
-            watch.add_children([Holds(flight, condition), build_by_hand(flight, steps, actions)])
+            watch.add_children(
+                [FactsHold(flight, condition), build_by_hand(flight, steps, actions)]
+            )
             return watch

@@ -1,37 +1,38 @@
 """The leaves that leave the air: landing, charging, taking off again.
 
-While the vehicle is on the ground by its own plan (`flight.is_grounded`), nothing interrupts the
-plan, and to be disarmed is no loss of control. A vehicle whose plan fails there takes off again
-before the next plan begins (`sortie.py`).
+While the vehicle is on the ground by its own plan (`PlanProgress.is_landed_by_plan`), nothing
+interrupts the plan, and to be disarmed is no loss of control. A vehicle whose plan fails there
+takes off again before the next plan begins (`sortie.py`).
 """
 
 from __future__ import annotations
 
 from abc import abstractmethod
 
-from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
+from companion.acting.behaviour_tree.leaf import Leaf
 from companion.acting.flight import Flight
+from companion.flight_events.event import FlightEvent
+from companion.flight_events.sortie import BatteryCharged, VehicleAirborne, VehicleLanded
 from companion.vehicle.port import Goal, Progress
 
 NO_CHARGE_S = 120.0
 """Time without one more percent after which a charger is given up."""
 
 
-class Reach(Behaviour):
+class ReachGoals(Leaf):
     """Works towards goals of the vehicle, one after the other."""
 
     goals: tuple[Goal, ...] = ()
 
     def __init__(self, flight: Flight, name: str) -> None:
-        super().__init__(name)
-        self._flight = flight
+        super().__init__(flight, name)
 
     def initialise(self) -> None:
         """Begins with the first goal."""
         self._left = list(self.goals)
-        self._flight.is_grounded = True
+        self._flight.progress.is_landed_by_plan = True
 
     def update(self) -> Status:
         """SUCCESS when the last goal is reached."""
@@ -40,48 +41,46 @@ class Reach(Behaviour):
             flight.hold()
         outcome = flight.vehicle.pursue(self._left[0])
         if outcome.progress is Progress.FAILED:
-            flight.failure = outcome.reason
-            return Status.FAILURE
+            return self.fail(outcome.reason)
         if outcome.progress is Progress.DONE:
             self._left.pop(0)
         if self._left:
             return Status.RUNNING
-        flight.report("phase", self.reached())
+        flight.report(self.reached())
         return Status.SUCCESS
 
     @abstractmethod
-    def reached(self) -> str:
-        """What the last goal means for the flight, and how people are told."""
+    def reached(self) -> FlightEvent:
+        """Takes over what the last goal means for the flight; returns what has happened."""
 
 
-class Land(Reach):
+class LandVehicle(ReachGoals):
     """Lands where the vehicle is, and disarms."""
 
     goals = (Goal.LANDED,)
 
-    def reached(self) -> str:
+    def reached(self) -> FlightEvent:
         """The last setpoint is outdated: the vehicle will hold where it takes off."""
-        self._flight.setpoint = None
-        return "landed on the way"
+        self._flight.forget_setpoint()
+        return VehicleLanded()
 
 
-class TakeOff(Reach):
+class TakeOffVehicle(ReachGoals):
     """Arms, climbs, and takes the vehicle over in OFFBOARD."""
 
     goals = (Goal.ARMED, Goal.AIRBORNE, Goal.OFFBOARD)
 
-    def reached(self) -> str:
+    def reached(self) -> FlightEvent:
         """The plan may be interrupted again."""
-        self._flight.is_grounded = False
-        return "in the air again"
+        self._flight.progress.is_landed_by_plan = False
+        return VehicleAirborne()
 
 
-class Charge(Behaviour):
+class ChargeBattery(Leaf):
     """Waits until the battery has so much."""
 
     def __init__(self, flight: Flight, percent: float) -> None:
-        super().__init__(f"charge {percent:g} %")
-        self._flight = flight
+        super().__init__(flight, f"charge {percent:g} %")
         self._percent = percent
 
     def initialise(self) -> None:
@@ -94,12 +93,11 @@ class Charge(Behaviour):
         flight, state = self._flight, self._flight.vehicle.state
         percent = state.battery_percent if state else None
         if percent is not None and percent >= self._percent:
-            flight.report("phase", f"charged to {percent} %")
+            flight.report(BatteryCharged(percent))
             return Status.SUCCESS
         if percent is not None and percent > self._most:
             self._most, self._since_s = percent, flight.now_s
         if flight.now_s - self._since_s > NO_CHARGE_S:
             known = "unknown" if percent is None else f"{percent} %"
-            flight.failure = f"the battery does not charge, it is at {known}"
-            return Status.FAILURE
+            return self.fail(f"the battery does not charge, it is at {known}")
         return Status.RUNNING

@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
+from companion.acting.behaviour_tree.leaf import Leaf
 from companion.acting.flight import TICK_S, Flight
+from companion.flight_events.skills import RouteBlocked, RouteResponse
 from companion.geometry import distance
 from companion.motion.profile import SpeedLimits
 from companion.motion.routes import Route
@@ -30,7 +31,7 @@ ASTRAY_M = 1.4
 there, away from a trajectory that waits for it."""
 
 
-class MoveCommand(Behaviour):
+class MoveCommand(Leaf):
     """move_cmd(c, w): flies a clear route to a place.
 
     The trajectory waits for a vehicle that has fallen behind, so that its setpoint never runs
@@ -43,8 +44,7 @@ class MoveCommand(Behaviour):
     """
 
     def __init__(self, flight: Flight, place: str, timeout_s: float | None) -> None:
-        super().__init__(f"move_cmd {place}")
-        self._flight = flight
+        super().__init__(flight, f"move_cmd {place}")
         self._place = place
         self._timeout_s = timeout_s
 
@@ -60,7 +60,7 @@ class MoveCommand(Behaviour):
     def _begin(self, state: VehicleState) -> None:
         seen = Sample(state.position, state.velocity, AT_REST, state.yaw_rad, False)
         self._trajectory = self._from_motion(seen) or self._from_rest(state)
-        self._told = ""
+        self._told: RouteBlocked | None = None
         self._is_braking = False
         self._map_version = self._flight.routes.version
         self._time_s = 0.0
@@ -86,10 +86,10 @@ class MoveCommand(Behaviour):
         if state is not None:
             self._follow_map(state)
         if self._trajectory is None or state is None:
-            return self._fail(f"no clear route to {self._place}")
+            return self._hold_and_fail(f"no clear route to {self._place}")
         elapsed_s = flight.now_s - self._start_s
         if self._timeout_s is not None and elapsed_s > self._timeout_s:
-            return self._fail(f"not there after {self._timeout_s:.0f} s")
+            return self._hold_and_fail(f"not there after {self._timeout_s:.0f} s")
         sample = self._trajectory.sample(self._time_s)
         gap_m = distance(sample.position, state.position)
         is_behind = gap_m >= LAG_M
@@ -104,11 +104,11 @@ class MoveCommand(Behaviour):
         if sample.is_finished and gap_m < ARRIVAL_M and not self._is_braking:
             return Status.SUCCESS
         if self._time_s > self._trajectory.duration_s + ARRIVAL_TIMEOUT_S:
-            return self._fail(f"still {gap_m:.1f} m from {self._place}")
+            return self._hold_and_fail(f"still {gap_m:.1f} m from {self._place}")
         self._time_s += 0.0 if is_behind else TICK_S
         self._waited_s = self._waited_s + TICK_S if is_behind else 0.0
         if self._waited_s > ARRIVAL_TIMEOUT_S:
-            return self._fail(f"stuck on the way to {self._place}")
+            return self._hold_and_fail(f"stuck on the way to {self._place}")
         return Status.RUNNING
 
     def terminate(self, new_status: Status) -> None:
@@ -145,16 +145,15 @@ class MoveCommand(Behaviour):
         self._trajectory, self._is_braking = trajectory, is_braking
         self._map_version = self._flight.routes.version
         self._time_s = 0.0
-        what = "stopping" if is_braking else "another route"
-        text = f"the way to {self._place} is not clear: {what if trajectory else 'no route'}"
-        if text != self._told:
-            self._flight.report("route", text, place=self._place)
-        self._told = text
+        response = RouteResponse.STOPPING if is_braking else RouteResponse.ANOTHER_ROUTE
+        blocked = RouteBlocked(self._place, response if trajectory else RouteResponse.NO_ROUTE)
+        if blocked != self._told:
+            self._flight.report(blocked)
+        self._told = blocked
 
-    def _fail(self, why: str) -> Status:
-        self._flight.failure = why
+    def _hold_and_fail(self, why: str) -> Status:
         self._flight.hold()
-        return Status.FAILURE
+        return self.fail(why)
 
 
 def _along(route: Route, limits: SpeedLimits, now: Sample) -> Trajectory | None:

@@ -1,13 +1,14 @@
-"""On which events does the plan rely, and which of them have turned out otherwise?
+"""What the present plan assumes of events and beliefs, and what has turned out otherwise.
 
 Planning assumes that every event keeps its value. A change matters only if the task, or the
-precondition of an action still to come, mentions the event.
+precondition of an action still to come, mentions the event. It also assumes that a belief that was
+withdrawn stays so; one that comes back allows for a better plan.
 """
 
 from __future__ import annotations
 
-from companion.acting.event_detector import in_words
 from companion.acting.flight import Flight
+from companion.flight_events.facts import in_words
 from companion.planning.domain import Fact
 from companion.planning.lasso import Lasso
 from companion.planning.planner import Planner
@@ -15,6 +16,9 @@ from companion.planning.planner import Planner
 
 class Assumptions:
     """The values of events that the present plan relies on.
+
+    Attributes:
+        may_do_better: a belief has come back since the plan was made.
 
     Args:
         planner: of the mission with the events.
@@ -25,6 +29,15 @@ class Assumptions:
         self._planner = planner
         self._flight = flight
         self._values: dict[Fact, bool] = {}
+        self.may_do_better = False
+
+    def note_restored_beliefs(self) -> None:
+        """Beliefs have come back: another plan may be better."""
+        self.may_do_better = True
+
+    def forget_restored_beliefs(self) -> None:
+        """A plan is made, or was asked for, with the beliefs that have come back."""
+        self.may_do_better = False
 
     def renew(self) -> None:
         """Every event keeps its present value.
@@ -41,7 +54,7 @@ class Assumptions:
 
     def narrow(self, lasso: Lasso) -> None:
         """Leaves out the events that matter to nothing that is left of a plan."""
-        left = (*lasso.prefix[self._flight.completed :], *lasso.suffix)
+        left = (*lasso.prefix[self._flight.progress.completed :], *lasso.suffix)
         relevant = self._planner.task_facts.union(*(a.requires | a.forbids for a in left))
         self._values = {name: holds for name, holds in self._values.items() if name in relevant}
 

@@ -1,4 +1,4 @@
-"""Why has the task no plan, asked in flight?
+"""The search in flight for the reason why a task has no plan.
 
 The answer takes a search per conjunct and per withdrawn belief: 0.3 s with 20 sites, too long for
 setpoints to wait. So it is found in parts, a few searches in each tick, while the vehicle holds.

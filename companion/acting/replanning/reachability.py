@@ -1,20 +1,22 @@
-"""Which moves does the map leave, as it is seen now? What only the others assume is not believed.
+"""The moves that the map leaves, as it is seen now; what only the others assume is not believed.
 
 A move without a way does not exist, so no skill can be done any more that assumes what this move
 assumes. Such a belief is given up at once, before a flight has to fail for it, and held again when
 the map shows a way again. A task may speak of it, so the rest of the plan is asked for again.
 
-Moves are grounded on the map whenever a plan is made. In between a quick look at the map tells
-whether a place was cut off, or can be reached again; only then are they grounded in flight. The
+Moves are instantiated on the map whenever a plan is made. In between a quick look at the map tells
+whether a place was cut off, or can be reached again; only then are they instantiated in flight. The
 place that is flown to is left to the flight itself, which goes round or stops, and fails if there
 is no way (Fig. 6 of the paper).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
+from dataclasses import dataclass
 
 from companion.acting.flight import Flight
+from companion.flight_events.facts import PlacesConnected, PlacesCutOff
 from companion.planning.domain import Fact
 from companion.planning.planner import Planner
 
@@ -25,58 +27,79 @@ SHOWN = 6
 """So many beliefs are named at most."""
 
 
+@dataclass(frozen=True, slots=True)
+class BeliefChange:
+    """What the map has changed in the beliefs that are held.
+
+    Attributes:
+        lost: given up, as no move is left that assumes them.
+        held: held again.
+        lost_in_words: of the lost ones; "" if there are none.
+    """
+
+    lost: tuple[Fact, ...]
+    held: tuple[Fact, ...]
+    lost_in_words: str
+
+
 class Reachability:
-    """The moves of a planner on the map of a flight."""
+    """The moves of a planner on the map of a flight.
+
+    Attributes:
+        has_changed: another place is cut off, or no longer, than when moves were instantiated.
+    """
 
     def __init__(self, planner: Planner, flight: Flight) -> None:
         self._planner = planner
         self._flight = flight
-        self._grounded_on = self._looked_at = flight.routes.version
+        self._instantiated_on = self._looked_at = flight.routes.version
         self._cut_off = self._unreachable()
-        self._have_changed = False
+        self._searched_on = self._instantiated_on
+        self.has_changed = False
 
-    def have_changed(self) -> bool:
-        """Whether another place is cut off now, or no longer, than when moves were grounded."""
+    def look(self) -> None:
+        """Takes a quick look at the map, if that is another one than before."""
         version = self._flight.routes.version
         if version != self._looked_at:
             self._looked_at = version
             cut_off, running = self._unreachable(), self._flight.task.running
             is_flown_to = running is not None and running.destination in cut_off
-            self._have_changed = cut_off != self._cut_off and not is_flown_to
-        return self._have_changed
+            self.has_changed = cut_off != self._cut_off and not is_flown_to
 
-    def are_known(self) -> bool:
-        """Whether `follow` is quick: if not, it is after some more calls, each a part of it."""
-        is_known = self._grounded_on == self._flight.routes.version
-        return is_known or self._flight.routes.find(CELLS_PER_TICK)
+    @property
+    def is_known(self) -> bool:
+        """Whether all routes of the present map were found, so that `follow` takes no time."""
+        return self._flight.routes.version in (self._instantiated_on, self._searched_on)
 
-    def follow(self) -> str:
-        """Moves cost what they cost on the map as it is now; what is not believed any more."""
+    def search(self) -> None:
+        """Finds some of the routes that are not known yet: a part that fits into a tick."""
+        routes = self._flight.routes
+        if not self.is_known and routes.find(CELLS_PER_TICK):
+            self._searched_on = routes.version
+
+    def follow(self) -> BeliefChange:
+        """Takes over what moves cost on the map as it is now, and gives up what they cut off."""
         flight, state = self._flight, self._flight.vehicle.state
-        if self._grounded_on != flight.routes.version and state is not None:
-            self._grounded_on = flight.routes.version
+        if self._instantiated_on != flight.routes.version and state is not None:
+            self._instantiated_on = flight.routes.version
             for place in flight.symbols.follow_map(state.position, flight.now_s):
                 flight.tell_symbol(place)
-            self._planner.reground()
+            self._planner.reinstantiate()
             self._cut_off = self._unreachable()
-            self._have_changed = False
+            self.has_changed = False
         lost, held = flight.task.cut_off(self._planner.without_a_move)
         if held:
-            self._tell(f"a way again: {self._named(held)} restored", held=held)
-            flight.may_do_better = True
+            flight.report(PlacesConnected(self._named(held), restored=tuple(held)))
         if not lost:
-            return ""
-        text = f"no way on the map as seen: {self._named(lost)} withdrawn"
-        self._tell(text, lost=lost)
-        return text
+            return BeliefChange((), tuple(held), "")
+        cut_off = PlacesCutOff(self._named(lost), withdrawn=tuple(lost))
+        flight.report(cut_off)
+        return BeliefChange(cut_off.withdrawn, tuple(held), cut_off.text)
 
     def _named(self, beliefs: list[Fact]) -> str:
         gone, known = self._planner.without_a_move, self._planner.model.beliefs
         alike = beliefs if gone.isdisjoint(beliefs) else gone
         return in_words(beliefs, alike, known)
-
-    def _tell(self, text: str, lost: Sequence[Fact] = (), held: Sequence[Fact] = ()) -> None:
-        self._flight.report("map", text, withdrawn=list(lost), restored=list(held))
 
     def _unreachable(self) -> frozenset[str]:
         """The places from which walls divide the vehicle."""

@@ -267,7 +267,7 @@ class _RestrictedConjunct:
             restriction.automaton,
             states,
             bool(restriction.everything.intersection(states)),
-            len(states) == 1 and states[0] in restriction.errands,
+            len(states) == 1 and states[0] in restriction.one_shot_goals,
         )
 
 

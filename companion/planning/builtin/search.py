@@ -17,6 +17,7 @@ the constants that it has met. In flight only the facts and the automata's state
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
@@ -37,6 +38,8 @@ from companion.planning.lasso import Lasso, Problem, Solution
 from companion.planning.objective import Objective
 
 ENGINE = "built-in"
+
+log = logging.getLogger(__name__)
 
 
 class Search:
@@ -79,6 +82,9 @@ class Search:
                 for part in (plan.prefix, plan.suffix)
             )
             lasso = Lasso(prefix, suffix)
+            log.debug(
+                "%s: %d ms, not below %d ms: %s", objective, plan.cost_ms, plan.bound_ms, lasso
+            )
             yield Solution(lasso, objective, plan.cost_ms, plan.bound_ms, ENGINE)
 
     def product(self, problem: Problem, effort: Effort = BEFORE_FLIGHT) -> Product:
@@ -87,7 +93,9 @@ class Search:
         Raises:
             SearchLimit: it has too many states.
         """
-        return Product(problem, self._bits, self._restrictions, effort.product_edges)
+        product = Product(problem, self._bits, self._restrictions, effort.product_edges)
+        log.debug("product of %d nodes and %d edges", product.nodes, len(product.ends))
+        return product
 
 
 def _accepting_components(product: Product) -> list[NDArray[np.intp]]:

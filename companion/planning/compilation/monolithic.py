@@ -15,8 +15,7 @@ from companion.ltl.automaton import BuchiAutomaton, Label, Transition, successor
 from companion.ltl.budget import TranslationLimit
 from companion.ltl.formula import Formula, Operator
 from companion.ltl.restriction import restricted
-from companion.ltl.state_based import state_based
-from companion.ltl.translate import translate
+from companion.ltl.translate import state_based, translate
 from companion.planning.compilation.reduced_task import ReducedTask, reduced_task
 from companion.planning.lasso import Conjunct, Letter, Problem
 

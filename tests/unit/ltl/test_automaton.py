@@ -1,10 +1,11 @@
-"""Labels, the subset construction, and strongly connected components."""
+"""Labels, the subset construction, figures, and automata as networkx graphs."""
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from itertools import chain, combinations
 
-import networkx as nx
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -15,7 +16,6 @@ from companion.ltl.automaton import (
     Statistics,
     Transition,
     statistics,
-    strong_components,
     successors,
 )
 from companion.ltl.parser import parse
@@ -49,32 +49,6 @@ def test_successors_follow_every_run() -> None:
     assert successors(automaton, frozenset({0}), frozenset({"a"})) == {0, 1}
     assert successors(automaton, frozenset({0, 1}), frozenset()) == {0, 2}
     assert successors(automaton, frozenset({2}), frozenset()) == frozenset()
-
-
-GRAPHS = st.integers(1, 12).flatmap(
-    lambda n: st.lists(st.lists(st.integers(0, n - 1), max_size=4), min_size=n, max_size=n)
-)
-
-
-@given(GRAPHS)
-def test_components_are_those_of_networkx_in_reverse_topological_order(
-    graph: list[list[int]],
-) -> None:
-    reference = nx.DiGraph([(node, t) for node, targets in enumerate(graph) for t in targets])
-    reference.add_nodes_from(range(len(graph)))
-    components = strong_components(graph)
-    assert set(map(frozenset, components)) == set(
-        map(frozenset, nx.strongly_connected_components(reference))
-    )
-    seen: set[int] = set()
-    for component in components:
-        seen.update(component)
-        assert all(target in seen for node in component for target in graph[node])
-
-
-def test_components_of_a_long_path_do_not_recurse() -> None:
-    path = [[node + 1] for node in range(50_000)] + [[]]
-    assert len(strong_components(path)) == 50_001
 
 
 @pytest.mark.parametrize(
@@ -121,3 +95,21 @@ def test_determinism_and_completeness_are_about_letters(labels: list[Label]) -> 
     readers = [sum(label.matches(letter) for label in labels) for letter in EVERY_LETTER]
     assert figures.is_deterministic is (max(readers) <= 1)
     assert figures.is_complete is (min(readers) >= 1)
+
+
+def test_a_networkx_graph_has_all_states_and_transitions() -> None:
+    automaton = translate(parse("(a U b) & G F c | X !a"))
+    graph = automaton.to_networkx()
+    assert graph.graph == {"name": automaton.name, "marks": automaton.marks}
+    assert {s for s, is_initial in graph.nodes(data="initial") if is_initial} == automaton.initial
+    assert sorted(graph.nodes) == list(range(automaton.states))
+    assert sorted((*ends, *data.values()) for *ends, data in graph.edges(data=True)) == sorted(
+        (t.source, t.target, str(t.label), tuple(sorted(t.marks))) for t in automaton.transitions
+    )
+
+
+def test_networkx_is_loaded_when_it_is_asked_for() -> None:
+    script = "import sys, companion.ltl.translate; print(*sys.modules)"
+    command = [sys.executable, "-c", script]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert "networkx" not in done.stdout.split()

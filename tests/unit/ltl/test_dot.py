@@ -9,8 +9,7 @@ import pytest
 from companion.ltl.automaton import BuchiAutomaton, Label, Transition
 from companion.ltl.dot import to_dot
 from companion.ltl.parser import parse
-from companion.ltl.state_based import state_based
-from companion.ltl.translate import translate
+from companion.ltl.translate import state_based, translate
 
 QUOTED = r'"((?:[^"\\]|\\.)*)"'
 """A string as Graphviz reads it: a quote inside is escaped."""

@@ -9,8 +9,7 @@ import pytest
 from companion.ltl.automaton import BuchiAutomaton, Label, Transition
 from companion.ltl.hoa import to_hoa
 from companion.ltl.parser import parse
-from companion.ltl.state_based import state_based
-from companion.ltl.translate import translate
+from companion.ltl.translate import state_based, translate
 
 ANY = Label(frozenset(), frozenset())
 

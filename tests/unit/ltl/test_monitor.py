@@ -1,6 +1,6 @@
-"""The three-valued monitor: each verdict against all continuations that can be tried.
+"""The three-valued monitor: each truth value against all continuations that can be tried.
 
-That a verdict is not FALSE is shown by a continuation along the automaton, that it is FALSE by
+That a truth value is not FALSE is shown by a continuation along the automaton, that it is FALSE by
 thousands of words; both are judged by the semantics, without an automaton. TRUE is FALSE of the
 negation.
 """
@@ -18,7 +18,7 @@ from oracle import Sample, random_words, satisfying, small_words
 
 from companion.ltl.automaton import BuchiAutomaton, Label, Transition
 from companion.ltl.formula import Formula, Operator, negate
-from companion.ltl.monitor import Monitor, Runs, Verdict, live_states
+from companion.ltl.monitor import Monitor, Runs, TruthValue, live_states
 from companion.ltl.parser import parse
 from companion.ltl.semantics import Letter, accepts, holds
 
@@ -80,6 +80,7 @@ def marks(runs: Runs) -> range:
     return range(runs.automaton.marks)
 
 
+@pytest.mark.slow
 @settings(max_examples=150)
 @given(FORMULAS, HISTORIES)
 def test_false_iff_no_continuation_satisfies_and_true_iff_all_do(
@@ -93,44 +94,46 @@ def test_false_iff_no_continuation_satisfies_and_true_iff_all_do(
             assert holds(asked, [*letters, *prefix], loop)
         else:
             assert satisfying(asked, sample) == 0
-    assert (monitor.verdict is Verdict.FALSE) == (not monitor.holding.states)
-    assert (monitor.verdict is Verdict.TRUE) == (not monitor.failing.states)
+    assert (monitor.truth_value is TruthValue.FALSE) == (not monitor.holding.states)
+    assert (monitor.truth_value is TruthValue.TRUE) == (not monitor.failing.states)
 
 
 @given(FORMULAS, HISTORIES, LETTERS)
-def test_a_verdict_stays(formula: Formula, letters: list[Letter], letter: Letter) -> None:
+def test_true_and_false_stay(formula: Formula, letters: list[Letter], letter: Letter) -> None:
     monitor = after(formula, letters)
-    if monitor.verdict is not Verdict.OPEN:
-        assert monitor.after(letter).verdict is monitor.verdict
+    if monitor.truth_value is not TruthValue.INCONCLUSIVE:
+        assert monitor.after(letter).truth_value is monitor.truth_value
 
 
+@pytest.mark.slow
 @given(HISTORIES)
-def test_what_is_to_happen_infinitely_often_stays_open(letters: list[Letter]) -> None:
+def test_what_is_to_happen_infinitely_often_stays_inconclusive(letters: list[Letter]) -> None:
     for formula in ("G F p", "F G p", "G (p -> F q)"):
-        assert after(parse(formula), letters).verdict is Verdict.OPEN
+        assert after(parse(formula), letters).truth_value is TruthValue.INCONCLUSIVE
 
 
 @given(HISTORIES)
 def test_safety_is_lost_and_a_goal_is_won_with_the_first_p(letters: list[Letter]) -> None:
     is_met = any("p" in letter for letter in letters)
-    assert after(parse("G !p"), letters).verdict is (Verdict.FALSE if is_met else Verdict.OPEN)
-    assert after(parse("F p"), letters).verdict is (Verdict.TRUE if is_met else Verdict.OPEN)
+    safety, goal = (after(parse(text), letters).truth_value for text in ("G !p", "F p"))
+    assert safety is (TruthValue.FALSE if is_met else TruthValue.INCONCLUSIVE)
+    assert goal is (TruthValue.TRUE if is_met else TruthValue.INCONCLUSIVE)
 
 
 @pytest.mark.parametrize(
-    ("formula", "verdict"),
-    [("p | !p", Verdict.TRUE), ("F p & G !p", Verdict.FALSE), ("X X true", Verdict.TRUE)],
+    ("formula", "value"),
+    [("p | !p", TruthValue.TRUE), ("F p & G !p", TruthValue.FALSE), ("X X true", TruthValue.TRUE)],
 )
-def test_what_needs_no_letter_is_known_at_once(formula: str, verdict: Verdict) -> None:
-    assert Monitor.of(parse(formula)).verdict is verdict
+def test_what_needs_no_letter_is_known_at_once(formula: str, value: TruthValue) -> None:
+    assert Monitor.of(parse(formula)).truth_value is value
 
 
 @pytest.mark.parametrize(("source", "goal"), [("at(A)", "at(B)"), ("at(B)", "at(A)")])
 def test_next_is_decided_two_positions_later(source: str, goal: str) -> None:
     monitor = after(parse(f"G ({source} -> X {goal})"), [frozenset({source})])
-    assert monitor.verdict is Verdict.OPEN
-    assert monitor.after(frozenset({goal})).verdict is Verdict.OPEN
-    assert monitor.after(frozenset()).verdict is Verdict.FALSE
+    assert monitor.truth_value is TruthValue.INCONCLUSIVE
+    assert monitor.after(frozenset({goal})).truth_value is TruthValue.INCONCLUSIVE
+    assert monitor.after(frozenset()).truth_value is TruthValue.FALSE
 
 
 TRUE_LABEL = Label(frozenset(), frozenset())

@@ -15,8 +15,9 @@ from oracle import accepted, satisfying, words_for
 
 from companion.ltl.formula import negate
 from companion.ltl.parser import parse
-from companion.ltl.state_based import state_based
-from companion.ltl.translate import translate
+from companion.ltl.translate import state_based, translate
+
+pytestmark = pytest.mark.slow
 
 TABLE = Path(__file__).parents[2] / "data" / "formulas.tsv"
 

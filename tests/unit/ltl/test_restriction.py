@@ -43,6 +43,7 @@ def accepts_from(automaton: BuchiAutomaton, states: list[int], loop: list[Letter
     return accepts(replace(automaton, initial=frozenset(states)), loop[:-1], loop)
 
 
+@pytest.mark.slow
 @settings(max_examples=200)
 @given(
     st.sampled_from(FORMULAS),
@@ -62,6 +63,7 @@ def test_it_accepts_the_words_of_the_formula_in_which_the_constants_are_constant
     assert verdict is holds(parse(formula), prefix, loop)
 
 
+@pytest.mark.slow
 @settings(max_examples=100)
 @given(st.sampled_from(FORMULAS), VALUES, st.data())
 def test_any_set_of_states_accepts_as_much_as_before(
@@ -121,7 +123,7 @@ def test_a_state_that_accepts_everything_is_known() -> None:
 
 
 @pytest.mark.parametrize(
-    ("formula", "constants", "is_errand"),
+    ("formula", "constants", "is_one_shot"),
     [
         ("F a", {}, True),
         ("F (a | b)", {"b": False}, True),
@@ -138,9 +140,9 @@ def test_a_state_that_accepts_everything_is_known() -> None:
         ("F a", {"a": False}, False),
     ],
 )
-def test_what_waits_for_one_letter_is_an_errand(
-    formula: str, constants: dict[str, bool], is_errand: bool
+def test_what_waits_for_one_letter_is_a_one_shot_goal(
+    formula: str, constants: dict[str, bool], is_one_shot: bool
 ) -> None:
     part, states = initial_states(formula, constants)
-    assert (bool(states) and set(states) <= part.errands) is is_errand
-    assert not part.errands & part.everything
+    assert (bool(states) and set(states) <= part.one_shot_goals) is is_one_shot
+    assert not part.one_shot_goals & part.everything

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from companion.ltl.budget import TranslationLimit
 from companion.ltl.parser import parse
-from companion.ltl.translate import TranslationLimit, translate
+from companion.ltl.translate import translate
 
 FORMULAS = Path(__file__).parents[2] / "data" / "formulas.tsv"
 WORDS = 24

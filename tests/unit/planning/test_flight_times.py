@@ -8,10 +8,11 @@ from dataclasses import replace
 import pytest
 from synthetic import POSITIONS, mission
 
+from companion.errors import MissionError
 from companion.geometry import Ned
 from companion.mission.model import Place
 from companion.motion.profile import JERK_MPS3
-from companion.planning.flight_times import flight_times, route_map
+from companion.planning.flight_times import flight_times, from_table, route_map
 
 
 def test_home_is_where_the_mission_begins() -> None:
@@ -40,3 +41,12 @@ def test_flight_times_are_those_of_the_map() -> None:
     assert seconds("here", "A") == math.inf
     here = (3.0, 0.0, -2.0)
     assert seconds("here", "A") == pytest.approx(3.0 / 2.0 + 2.0 / 2.0 + 2.0 / JERK_MPS3, abs=0.4)
+
+
+def test_a_table_has_the_ways_that_it_has() -> None:
+    asked = mission("F at(A)")
+    seconds = from_table(asked, {("H", "A"): 4.0, ("here", "A"): 1.5})
+    assert (seconds("H", "A"), seconds("here", "A")) == (4.0, 1.5)
+    assert seconds("A", "H") == math.inf
+    with pytest.raises(MissionError, match="no place a, of which"):
+        from_table(asked, {("H", "a"): 4.0})

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 from reference_search import best_lap_and_prefix
-from synthetic import command, event, mission, planner
+from synthetic import command, event, mission, move, planner
 
 from companion.errors import CompanionError, NoPlanError
 from companion.ltl.automaton import successors
@@ -165,6 +165,36 @@ def test_no_plan_is_explained() -> None:
     assert explanation == caught.value.explanation
 
 
+def test_it_is_explained_without_a_plan_alone() -> None:
+    made = planner(mission({"go": "F at(A)"}, skills=[move(precondition="at(from) & !shut")]))
+    assert made.explain() is None
+    reason = made.explain(facts={"shut"})
+    assert reason is not None
+    assert [conjunct.name for conjunct in reason.conflict] == ["go"]
+    blocked = {f"trans_ok({place}, A)" for place in "HB"}
+    reason = made.explain(without=blocked)
+    assert reason is not None
+    assert set(reason.restoring) == blocked
+
+
+def test_flight_times_are_those_of_the_map_unless_others_are_given() -> None:
+    asked = mission("F at(B)")
+    assert str(Planner(asked).plan()) == "move(H, B), (wait)^w"
+    table = {("H", "A"): 1.0, ("A", "B"): 1.0}
+    assert str(Planner(asked, table).plan()) == "move(H, A), move(A, B), (wait)^w"
+    detour = Planner(asked, lambda origin, goal: 9.0 if (origin, goal) == ("H", "B") else 1.0)
+    assert str(detour.plan()) == "move(H, A), move(A, B), (wait)^w"
+
+
+def test_a_plan_is_a_prefix_and_a_loop_with_their_costs() -> None:
+    plan = planner(mission("F at(A)")).plan()
+    assert [action.name for action in plan.prefix] == ["move(H, A)"]
+    assert [action.name for action in plan.loop] == ["wait"]
+    assert (plan.prefix_cost_s, plan.lap_cost_s) == (4.0, 0.1)
+    assert (plan.cost_s, plan.bound_s, plan.is_optimal) == (0.1, 0.1, True)
+    assert plan.as_json()["optimal"]
+
+
 def test_a_wrong_plan_is_never_handed_out(monkeypatch: pytest.MonkeyPatch) -> None:
     """The independent check comes after the search, whatever the search does."""
     made = planner(mission("F done", skills=[command("do", "at(H)", "done")]))
@@ -179,7 +209,7 @@ def test_a_wrong_plan_is_never_handed_out(monkeypatch: pytest.MonkeyPatch) -> No
 def test_what_it_takes_is_measured_by_the_clock_it_is_given() -> None:
     ticks = iter([10.0, 10.5, 13.0])
     made = Planner(mission("F at(A)"), lambda origin, goal: 4.0, lambda: next(ticks))
-    assert (made.grounding_s, made.translating_s) == (0.5, 2.5)
+    assert (made.instantiating_s, made.translating_s) == (0.5, 2.5)
     assert planner(mission("F at(A)")).translating_s == 0.0
 
 
@@ -193,7 +223,7 @@ def test_moves_cost_what_they_cost_now_and_none_is_planned_without_a_route() -> 
     assert str(made.plan()) == "move(H, A), move(A, B), (wait)^w"
     beliefs, actions = made.model.beliefs, made.model.actions
     seconds |= {("H", "B"): 5.0, ("H", "A"): math.inf}
-    made.reground()
+    made.reinstantiate()
     assert str(made.plan()) == "move(H, B), (wait)^w"
     assert made.model.beliefs == beliefs
     assert "move(H, A)" not in {a.name for a in made.model.actions}
@@ -201,7 +231,7 @@ def test_moves_cost_what_they_cost_now_and_none_is_planned_without_a_route() -> 
         a for a in actions if a.name == "move(A, B)"
     ]
     seconds |= {("H", "B"): 8.0, ("H", "A"): 3.0}
-    made.reground()
+    made.reinstantiate()
     assert made.model.actions == actions
     assert str(made.plan()) == "move(H, A), move(A, B), (wait)^w"
 
@@ -210,6 +240,6 @@ def test_moves_that_no_longer_exist_are_no_way_out() -> None:
     seconds: dict[tuple[str, str], float] = {}
     made = Planner(mission("F at(B)"), lambda origin, goal: seconds.get((origin, goal), 3.0))
     seconds |= {(origin, "B"): math.inf for origin in "HAC"}
-    made.reground()
+    made.reinstantiate()
     with pytest.raises(NoPlanError):
         made.plan()

@@ -25,7 +25,7 @@ from plans import (
 )
 from wire import NAN, Wire
 
-from companion.mavlink.framing import Endpoint, dialect
+from companion.mavlink.framing import MavlinkCodec, dialect
 from sitl.link.mission_items import Kind, WireItem, int_message, verdict, wire_item
 from sitl.link.missions import MOST_ITEMS, Missions
 from sitl.link.routing import LinkName
@@ -43,17 +43,17 @@ class Client:
 
     def __init__(self, stores: Missions, address: tuple[int, int] = A) -> None:
         self._stores = stores
-        self._endpoint = Endpoint(*address)
+        self._codec = MavlinkCodec(*address)
 
     def send(self, message: Any, now_s: float = 0.0) -> list[Any]:
         """The answers, after all have been bytes."""
-        (arrived,) = self._endpoint.parse(self._endpoint.pack(message))
+        (arrived,) = self._codec.parse(self._codec.pack(message))
         answers = self._stores.receive(LINK, arrived, now_s)
-        return [heard for each in answers for heard in Endpoint(1, 1).parse(_packed(each))]
+        return [heard for each in answers for heard in MavlinkCodec(1, 1).parse(_packed(each))]
 
 
 def _packed(message: Any) -> bytes:
-    return Endpoint(1, 1).pack(message)
+    return MavlinkCodec(1, 1).pack(message)
 
 
 def count(number: int, kind: int = 0) -> Any:

@@ -335,7 +335,7 @@ def test_the_same_seed_is_the_same_flight_everywhere() -> None:
         capture_output=True,
         text=True,
         check=True,
-        timeout=60,
+        timeout=600,
     )
     # Also: JSBSim itself says nothing on either stream.
     assert (elsewhere.stdout, elsewhere.stderr) == (alone + "\n", "")

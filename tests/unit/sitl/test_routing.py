@@ -5,7 +5,7 @@ from typing import Any
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.mavlink.framing import Endpoint, dialect
+from companion.mavlink.framing import MavlinkCodec, dialect
 from sitl.link.routing import LinkName, Router, is_for
 
 GCS, OFFBOARD = LinkName.GCS, LinkName.OFFBOARD
@@ -14,7 +14,7 @@ LOCAL = [(1, 1), (1, 25)]
 
 def received(message: Any, sender: tuple[int, int]) -> Any:
     """A message as it comes out of a parser."""
-    return Endpoint(0, 0).parse(Endpoint(*sender).pack(message))[0]
+    return MavlinkCodec(0, 0).parse(MavlinkCodec(*sender).pack(message))[0]
 
 
 def command(system: int, component: int, sender: tuple[int, int] = (255, 190)) -> Any:

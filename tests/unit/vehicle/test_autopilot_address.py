@@ -6,7 +6,7 @@ import random
 
 import pytest
 
-from companion.mavlink.framing import Endpoint, dialect
+from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.vehicle.autopilot_address import SILENT_S, AutopilotAddress
 
 AUTOPILOT, ATTACKER = ("127.0.0.1", 14580), ("127.0.0.1", 40000)
@@ -14,11 +14,11 @@ AUTOPILOT, ATTACKER = ("127.0.0.1", 14580), ("127.0.0.1", 40000)
 
 def heartbeat(system: int = 1, component: int = 1, autopilot: int = 12) -> bytes:
     message = dialect.MAVLink_heartbeat_message(2, autopilot, 0, 0, 3, 3)
-    return Endpoint(system, component).pack(message)
+    return MavlinkCodec(system, component).pack(message)
 
 
 def attitude() -> bytes:
-    return Endpoint(1, 1).pack(dialect.MAVLink_attitude_message(0, 0, 0, 0, 0, 0, 0))
+    return MavlinkCodec(1, 1).pack(dialect.MAVLink_attitude_message(0, 0, 0, 0, 0, 0, 0))
 
 
 def damaged(frame: bytes) -> bytes:

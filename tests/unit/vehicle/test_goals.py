@@ -89,7 +89,7 @@ def test_no_answer_at_all_fails_after_silence(meeting: Meeting) -> None:
 def test_a_denial_is_final_and_says_what_the_autopilot_said(meeting: Meeting) -> None:
     meeting.autopilot.results[ARM] = [dialect.MAV_RESULT_DENIED]
     text = dialect.MAVLink_statustext_message(2, b"Arming denied: check level")
-    meeting.tick(meeting.autopilot.endpoint.pack(text))
+    meeting.tick(meeting.autopilot.codec.pack(text))
     outcome = meeting.pursue(Goal.ARMED)
     assert outcome.progress is Progress.FAILED
     assert outcome.reason == "not armed: denied (autopilot: Arming denied: check level)"

@@ -24,7 +24,7 @@ from autopilot import (
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from companion.mavlink.framing import Endpoint, dialect
+from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mission.model import Signal
 from companion.vehicle.port import Goal, Mode, Progress, Setpoint, hold_at
 
@@ -47,7 +47,7 @@ def test_other_systems_are_ignored(meeting: Meeting) -> None:
     state = meeting.vehicle.state
     other = Autopilot(system=2)
     other.mode, other.is_armed, other.position = "POSCTL", True, [5.0, 5.0, -1.0]
-    meeting.tick(*other.telemetry(), other.endpoint.pack(named("target", 1)))
+    meeting.tick(*other.telemetry(), other.codec.pack(named("target", 1)))
     assert meeting.vehicle.lost_authority == ""
     assert meeting.readings == [(CHARGE, 80.0)]
     assert state is not None and meeting.vehicle.state is not None
@@ -167,7 +167,7 @@ def test_a_position_that_is_not_a_number_is_no_position(meeting: Meeting, number
 def payload(answer: int, target: tuple[int, int] = (1, 191)) -> bytes:
     """An answer of the payload to our command."""
     message = dialect.MAVLink_command_ack_message(USER_1, answer, 0, 0, *target)
-    return Endpoint(1, 25).pack(message)
+    return MavlinkCodec(1, 25).pack(message)
 
 
 @pytest.mark.parametrize("target", [(1, 191), (0, 0)])  # to us, or by a sender that names nobody
@@ -196,8 +196,8 @@ def test_an_answer_to_somebody_else_is_not_ours(meeting: Meeting) -> None:
     meeting.tick()
     ticket = meeting.vehicle.send_command(25, USER_1, ())
     theirs = dialect.MAVLink_command_ack_message(USER_1, ACCEPTED, 0, 0, 255, 190)
-    meeting.tick(Endpoint(1, 25).pack(theirs))
-    meeting.tick(Endpoint(2, 25).pack(theirs))
+    meeting.tick(MavlinkCodec(1, 25).pack(theirs))
+    meeting.tick(MavlinkCodec(2, 25).pack(theirs))
     assert meeting.vehicle.command_outcome(ticket).progress is Progress.RUNNING
 
 
@@ -223,7 +223,7 @@ def test_a_command_that_moves_the_vehicle_never_leaves(component: int, meeting: 
 def test_signals_come_in_their_order_and_instances_apart(meeting: Meeting) -> None:
     meeting.is_quiet = True
     meeting.tick(*meeting.autopilot.telemetry())
-    detector = Endpoint(1, 26)
+    detector = MavlinkCodec(1, 26)
     texts = [named("target", 3), named("other", 9), battery(42), named("target", 0)]
     meeting.tick(*(detector.pack(m) for m in texts))
     assert meeting.readings == [(TARGET, 3.0), (CHARGE, 42.0), (TARGET, 0.0)]
@@ -245,7 +245,7 @@ def test_an_unknown_charge_of_the_system_is_no_number_either() -> None:
     meeting.tick()
     for percent in (-1, 55):
         status = dialect.MAVLink_sys_status_message(0, 0, 0, 0, 0, 0, percent, *[0] * 6)
-        meeting.tick(meeting.autopilot.endpoint.pack(status))
+        meeting.tick(meeting.autopilot.codec.pack(status))
         assert meeting.readings == ([] if percent < 0 else [(charge, 55.0)])
 
 
@@ -255,7 +255,7 @@ def test_a_number_that_is_not_finite_is_not_handed_on() -> None:
     meeting.tick()
     for value in (math.nan, math.inf, 2.5):
         message = dialect.MAVLink_named_value_float_message(0, b"height", value)
-        meeting.tick(Endpoint(1, 26).pack(message))
+        meeting.tick(MavlinkCodec(1, 26).pack(message))
     assert meeting.readings == [(height, 2.5)]
 
 

@@ -21,6 +21,7 @@ from companion.acting.behaviour_tree.move import (
     MoveCommand,
 )
 from companion.acting.flight import TICK_S
+from companion.flight_events.skills import RouteBlocked, RouteResponse
 from companion.geometry import distance
 from companion.motion.grid import OccupancyGrid
 from companion.motion.profile import JERK_MPS3
@@ -71,8 +72,9 @@ def test_without_a_route_a_move_fails(why: str) -> None:
         rig.flight.routes = route_map(replace(rig.mission, grid=walled_in("A")))
     else:
         rig.vehicle.state = None
-    assert tick(rig, MoveCommand(rig.flight, "A", None)) is Status.FAILURE
-    assert rig.flight.failure == "no clear route to A"
+    leaf = MoveCommand(rig.flight, "A", None)
+    assert tick(rig, leaf) is Status.FAILURE
+    assert leaf.feedback_message == "no clear route to A"
 
 
 def test_the_setpoint_waits_for_a_vehicle_that_falls_behind() -> None:
@@ -110,8 +112,9 @@ def test_a_vehicle_that_came_to_rest_far_away_begins_again_from_there() -> None:
 def test_a_vehicle_that_settles_beside_the_place_has_not_arrived() -> None:
     rig = a_rig()
     rig.vehicle.drift = (0.0, 0.5, 0.0)
-    assert run(rig, MoveCommand(rig.flight, "A", None)) is Status.FAILURE
-    assert rig.flight.failure == "still 0.5 m from A"
+    leaf = MoveCommand(rig.flight, "A", None)
+    assert run(rig, leaf) is Status.FAILURE
+    assert leaf.feedback_message == "still 0.5 m from A"
     flown_s = len(rig.vehicle.flown) * TICK_S
     assert ARRIVAL_TIMEOUT_S < flown_s < ARRIVAL_TIMEOUT_S + 6.0
 
@@ -125,8 +128,9 @@ def test_a_vehicle_that_settles_near_enough_has() -> None:
 def test_a_move_ends_at_its_timeout_and_holds() -> None:
     rig = a_rig()
     start_s = later(rig)
-    assert run(rig, MoveCommand(rig.flight, "A", timeout_s=1.0)) is Status.FAILURE
-    assert rig.flight.failure == "not there after 1 s"
+    leaf = MoveCommand(rig.flight, "A", timeout_s=1.0)
+    assert run(rig, leaf) is Status.FAILURE
+    assert leaf.feedback_message == "not there after 1 s"
     assert rig.flight.now_s - start_s == pytest.approx(1.0, abs=3 * TICK_S)
     assert rig.vehicle.setpoint is not None
     assert rig.vehicle.setpoint.velocity == (0.0, 0.0, 0.0)
@@ -180,6 +184,13 @@ def setpoints_since(rig: Rig, flown: int) -> list[Setpoint]:
     return [s for s in rig.vehicle.flown[flown:] if s is not None]
 
 
+def responses(rig: Rig) -> list[RouteResponse]:
+    """What was done about blocked ways to A; nothing else was reported."""
+    blocked = [stamped.event for stamped in rig.flight.reports]
+    assert all(isinstance(event, RouteBlocked) and event.place == "A" for event in blocked)
+    return [event.response for event in blocked]  # type: ignore[attr-defined]
+
+
 def greatest_jerk_mps3(setpoints: list[Setpoint]) -> float:
     changes = np.diff([s.acceleration for s in setpoints], axis=0)
     return float(np.linalg.norm(changes, axis=1).max()) / TICK_S
@@ -194,7 +205,7 @@ def test_a_crate_on_the_way_is_flown_round_without_a_stop(so_far_m: float) -> No
     grid = crate(so_far_m + 2.2, -0.3, so_far_m + 2.5, 0.3)
     rig.flight.routes.see(grid)
     assert run(rig, leaf) is Status.SUCCESS
-    assert [r.text for r in rig.flight.reports] == ["the way to A is not clear: another route"]
+    assert responses(rig) == [RouteResponse.ANOTHER_ROUTE]
     since = setpoints_since(rig, flown)
     assert min(grid.clearance_m(s.position[:2]) for s in since) >= 0.6 - 0.1  # a cell's diagonal
     assert min(np.linalg.norm(s.velocity) for s in since[:10]) > 0.2
@@ -214,11 +225,8 @@ def test_without_a_way_it_comes_to_a_stop_before_the_wall_and_fails_there() -> N
     grid = crate(4.6, -2.0, 4.8, 8.0)
     rig.flight.routes.see(grid)
     assert run(rig, leaf) is Status.FAILURE
-    assert rig.flight.failure == "no clear route to A"
-    assert [r.text for r in rig.flight.reports] == [
-        "the way to A is not clear: stopping",
-        "the way to A is not clear: no route",
-    ]
+    assert leaf.feedback_message == "no clear route to A"
+    assert responses(rig) == [RouteResponse.STOPPING, RouteResponse.NO_ROUTE]
     since = setpoints_since(rig, flown)
     speed_mps = float(np.linalg.norm(last.velocity))
     braking_m = speed_mps**2 / (2 * BRAKING_MPS2) + speed_mps * BRAKING_MPS2 / (2 * JERK_MPS3)
@@ -236,10 +244,7 @@ def test_from_a_stop_it_goes_on_where_another_way_is_left() -> None:
     fly_until(rig, leaf, 3.0)
     rig.flight.routes.see(crate(4.6, -2.0, 4.8, 3.0))
     assert run(rig, leaf) is Status.SUCCESS
-    assert [r.text for r in rig.flight.reports] == [
-        "the way to A is not clear: stopping",
-        "the way to A is not clear: another route",
-    ]
+    assert responses(rig) == [RouteResponse.STOPPING, RouteResponse.ANOTHER_ROUTE]
 
 
 def test_a_change_elsewhere_leaves_the_trajectory_as_it_is() -> None:

@@ -17,8 +17,7 @@ from hypothesis import strategies as st
 from companion.errors import CompanionError
 from companion.ltl.automaton import BuchiAutomaton, Label, Transition, statistics
 from companion.ltl.parser import parse
-from companion.ltl.state_based import state_based
-from companion.ltl.translate import translate
+from companion.ltl.translate import state_based, translate
 from companion.planning.builtin.search import Search
 from companion.planning.compilation.classical import ClassicalAction, ClassicalProblem
 from companion.planning.compilation.conditional import unread

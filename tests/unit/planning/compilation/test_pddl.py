@@ -24,6 +24,7 @@ def classical(encoding: Encoding) -> ClassicalProblem:
     return encode(monolithic(asked, history(asked)) if encoding is Encoding.V1 else asked, encoding)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("encoding", Encoding)
 def test_another_reader_finds_what_was_meant(encoding: Encoding) -> None:
     reader = pytest.importorskip("unified_planning.io").PDDLReader()

@@ -1,0 +1,140 @@
+"""Quotients: one node for all that simulate each other, and no edge that a better one covers.
+
+What is merged is given by a relation: simulation, or bisimulation, which is quicker to find. An
+edge loses the letters that a better edge reads, which leaves few runs a word. Backwards the same
+is done with the edges into a node.
+
+Source: Etessami and Holzmann, Optimizing Büchi automata, CONCUR 2000; Somenzi and Bloem,
+Efficient Büchi automata from LTL formulae, CAV 2000; Clemente and Mayr, Advanced automata
+minimization, POPL 2013, for the edges that may be dropped.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable, Sequence
+
+from companion.ltl.bitsets import indices
+from companion.ltl.budget import Budget
+from companion.ltl.components import strong_components
+from companion.ltl.graph import LabelledEdge, LabelledGraph, Nodes, overlap, reachable, renumbered
+from companion.ltl.labels import Cube, LetterSet
+from companion.ltl.reductions.bisimulation import Arrows, Signature, redirected, signature
+from companion.ltl.reductions.simulation import leaders, ordered, simulators
+
+Relation = Callable[[Arrows, Sequence[int]], list[Nodes]]
+"""From edges and colours to the nodes that can stand for each node: simulators, or bisimilar."""
+
+
+def merged(graph: LabelledGraph[LetterSet], relation: Relation) -> LabelledGraph[LetterSet]:
+    """The quotient of a graph by a relation of the edges that leave nodes."""
+    above = relation(graph.edges, [0] * len(graph.edges))
+    leader = leaders(above)
+    edges = [_uncovered(signature(leaving, leader), above) for leaving in graph.edges]
+    chosen = _descended(edges, above, leader)
+    return reachable([redirected(leaving, chosen) for leaving in edges], graph.marks, chosen[0])
+
+
+def merged_backwards(
+    graph: LabelledGraph[LetterSet], colours: Sequence[int], relation: Relation
+) -> LabelledGraph[LetterSet]:
+    """The quotient of a graph by a relation of the edges that enter nodes.
+
+    Args:
+        colours: bits that a node must have to stand for one that has them; () for none.
+    """
+    size = len(graph.edges)
+    entering: list[list[LabelledEdge[LetterSet]]] = [[] for _ in range(size)]
+    for node, leaving in enumerate(graph.edges):
+        for label, marks, target in leaving:
+            entering[target].append(LabelledEdge(label, marks, node))
+    is_initial = [1] + [0] * (size - 1)
+    shades = [2 * c + i for c, i in zip(colours or [0] * size, is_initial, strict=True)]
+    above = relation(entering, shades)
+    leader = leaders(above)
+    united: list[list[LabelledEdge[LetterSet]]] = [[] for _ in range(size)]
+    for node, arriving in enumerate(entering):
+        united[leader[node]] += arriving
+    edges: list[list[LabelledEdge[LetterSet]]] = [[] for _ in range(size)]
+    for target, arriving in enumerate(united):
+        for label, marks, source in _uncovered(signature(arriving, leader), above):
+            edges[source].append(LabelledEdge(label, marks, target))
+    return reachable(edges, graph.marks, leader[0])
+
+
+def merged_cubes(graph: LabelledGraph[Cube]) -> LabelledGraph[Cube]:
+    """The quotient of a graph by simulation, where edges are compared one by one."""
+    return merged_cubes_and_simulators(graph)[0]
+
+
+def merged_cubes_and_simulators(
+    graph: LabelledGraph[Cube],
+) -> tuple[LabelledGraph[Cube], list[Nodes]]:
+    """The same quotient, and for each of its nodes the nodes that simulate it.
+
+    A quotient by simulation keeps the relation itself.
+    """
+    order, arrows = ordered(graph)
+    above = simulators(arrows, [0] * len(arrows), Budget.unlimited())
+    leader = leaders(above)
+    edges: list[list[LabelledEdge[Cube]]] = []
+    for leaving in arrows:
+        edges.append([])
+        for letters, marks, target in _uncovered(signature(leaving, leader), above):
+            edges[-1] += [LabelledEdge(cube, marks, target) for cube in order.cubes(letters)]
+        edges[-1].sort()
+    smaller, number_of = renumbered(edges, graph.marks)
+    simulating = [
+        sum(1 << number_of[other] for other in indices(above[node]) if other in number_of)
+        for node in number_of
+    ]
+    return smaller, simulating
+
+
+def _uncovered(signed: Signature, above: Sequence[Nodes]) -> list[LabelledEdge[LetterSet]]:
+    """The edges of a signature, each without the letters that a better one reads."""
+    edges = [LabelledEdge(letters, *kind) for kind, letters in signed.items()]
+    if not overlap(edges):
+        return edges
+    edges_at: dict[int, list[LabelledEdge[LetterSet]]] = defaultdict(list)
+    for edge in edges:
+        edges_at[edge.target].append(edge)
+    present = sum(1 << target for target in edges_at)
+    kept = []
+    for edge in edges:
+        rest = edge.label
+        for target in indices(above[edge.target] & present):
+            for other in edges_at[target]:
+                if edge.marks & ~other.marks == 0 and other is not edge:
+                    rest &= ~other.label
+        if rest:
+            kept.append(edge._replace(label=rest))
+    return kept
+
+
+def _descended(
+    edges: Sequence[Sequence[LabelledEdge[LetterSet]]],
+    above: Sequence[Nodes],
+    leader: Sequence[int],
+) -> list[int]:
+    """For each node its leader, or a node further down that accepts the same.
+
+    The marks of a single edge do not matter. So two nodes whose edges match, but for the marks
+    on them, accept the same words; the second can take the place of the first if it never leads
+    back to it.
+    """
+    first_with: dict[frozenset[LabelledEdge[LetterSet]], int] = {}
+    chosen = list(leader)
+    for component in strong_components([[edge.target for edge in leaving] for leaving in edges]):
+        steps = {
+            node: frozenset(
+                _uncovered(signature((e._replace(marks=0) for e in edges[node]), leader), above)
+            )
+            for node in component
+            if leader[node] == node
+        }
+        for node, step in steps.items():
+            chosen[node] = first_with.get(step, node)
+        for node, step in steps.items():
+            first_with.setdefault(step, node)
+    return [chosen[node] for node in leader]

@@ -1,0 +1,33 @@
+"""Sharpening: cubes are made disjoint where one more literal does it.
+
+Where two edges of a node read the same letter and one of them is better, the other one need not
+read it. Fewer runs then read a word, which often leaves nodes without a way to them. Sets of
+letters lose such letters in every quotient (`quotient.py`).
+"""
+
+from __future__ import annotations
+
+from companion.ltl.graph import LabelledEdge, LabelledGraph
+from companion.ltl.labels import Cube, opposite
+from companion.ltl.reductions.simulation import cube_simulators
+
+
+def sharpened(graph: LabelledGraph[Cube]) -> LabelledGraph[Cube]:
+    """With labels that exclude what a better edge reads, where one more literal says so."""
+    simulators = cube_simulators(graph)
+
+    def is_better(one: LabelledEdge[Cube], other: LabelledEdge[Cube]) -> bool:
+        """Whether all that follows the second edge can follow the first."""
+        has_marks = one.marks & other.marks == other.marks
+        return has_marks and bool(simulators[other.target] >> one.target & 1)
+
+    edges = []
+    for leaving in graph.edges:
+        sharp = list(leaving)
+        for i, edge in enumerate(sharp):
+            for better in sharp[:i] + sharp[i + 1 :]:
+                excess = better.label & ~sharp[i].label
+                if int(excess).bit_count() == 1 and is_better(better, edge):
+                    sharp[i] = sharp[i]._replace(label=sharp[i].label | opposite(excess))
+        edges.append(sharp)
+    return LabelledGraph(edges, graph.marks)

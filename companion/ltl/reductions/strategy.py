@@ -1,0 +1,153 @@
+"""Strategy: which reductions are made in which order, until none of them helps any more.
+
+Trimming and quotients take turns until the size no longer changes. Graphs with sets of letters are
+merged by bisimulation first, which is quick, then by simulation, both ways; they spend from a
+budget, and stay as they are when it is spent. Graphs with cubes are merged by simulation, and
+sharpened, unless they are large.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+
+from companion.ltl.budget import Budget, TranslationLimit
+from companion.ltl.graph import LabelledGraph, Nodes
+from companion.ltl.labels import Cube, L, LetterSet
+from companion.ltl.reductions.bisimulation import Arrows, bisimilar
+from companion.ltl.reductions.quotient import Relation, merged, merged_backwards, merged_cubes
+from companion.ltl.reductions.sharpening import sharpened
+from companion.ltl.reductions.simulation import simulators
+from companion.ltl.reductions.trimming import trimmed, trimmed_by_states
+
+MAX_SIMULATED = 400
+"""States up to which it is tried to find out which simulates which by letters."""
+
+MAX_STATES_TWICE = 100
+"""States up to which a graph is reduced in both ways, to take the smaller result."""
+
+MAX_COMPARISONS = 5_000_000
+"""Of edges with cubes with each other, and with nodes: about a second."""
+
+FIRST_STEPS = 8_000_000
+"""Steps for reducing the most promising of several graphs."""
+
+OTHER_STEPS = 200_000
+"""Steps for reducing all others."""
+
+
+def reduced(graph: LabelledGraph[LetterSet], budget: Budget) -> LabelledGraph[LetterSet]:
+    """An equivalent graph, usually smaller; if the budget is spent, not as small as it could be.
+
+    Edges between components may have any marks, and no choice is best for all automata.
+    """
+    first = _merged_in_turn(graph, False, budget)
+    if not 1 < len(first.edges) <= MAX_STATES_TWICE:
+        return first
+    second = _merged_in_turn(graph, True, budget)
+    return first if first.size <= second.size else trimmed(second)
+
+
+def _merged_in_turn(
+    graph: LabelledGraph[LetterSet], departures_marked: bool, budget: Budget
+) -> LabelledGraph[LetterSet]:
+    trim = partial(trimmed, departures_marked=departures_marked)
+    best = trim(graph)
+    try:
+        for relation in _relations(budget):
+
+            def step(
+                graph: LabelledGraph[LetterSet], relation: Relation = relation
+            ) -> LabelledGraph[LetterSet]:
+                return trim(merged_backwards(trim(merged(graph, relation)), (), relation))
+
+            best = _repeated(step, best)
+    except TranslationLimit:
+        pass  # what was found so far is right as well
+    return best
+
+
+def _relations(budget: Budget) -> tuple[Relation, Relation]:
+    """Bisimulation, and simulation up to some number of states."""
+
+    def simulating(arrows: Arrows, colours: Sequence[int]) -> list[Nodes]:
+        if len(arrows) > MAX_SIMULATED:
+            raise TranslationLimit(f"{MAX_SIMULATED} states to compare")
+        return simulators(arrows, colours, budget)
+
+    return partial(bisimilar, budget=budget), simulating
+
+
+def reduced_cubes(graph: LabelledGraph[Cube]) -> LabelledGraph[Cube]:
+    """An equivalent graph, usually smaller, with labels made disjoint."""
+    if _is_large(graph):
+        return trimmed(graph)
+
+    def merge(graph: LabelledGraph[Cube]) -> LabelledGraph[Cube]:
+        return merged_cubes(trimmed(graph))
+
+    def sharpen(graph: LabelledGraph[Cube]) -> LabelledGraph[Cube]:
+        return _repeated(merge, sharpened(graph))
+
+    return _repeated(sharpen, _repeated(merge, graph))
+
+
+def _repeated(
+    step: Callable[[LabelledGraph[L]], LabelledGraph[L]], graph: LabelledGraph[L]
+) -> LabelledGraph[L]:
+    """The result of a step that is made again as long as it changes the size."""
+    while (smaller := step(graph)).size != graph.size:
+        graph = smaller
+    return smaller
+
+
+def _is_large(graph: LabelledGraph[Cube]) -> bool:
+    """Whether comparing its nodes and edges would take long."""
+    nodes, edges, _ = graph.size
+    return sum(len(leaving) ** 2 for leaving in graph.edges) + nodes * edges > MAX_COMPARISONS
+
+
+def reduced_by_states(candidates: Sequence[LabelledGraph[LetterSet]]) -> LabelledGraph[LetterSet]:
+    """The smallest graph that is found from some with marks on states, the most promising first."""
+    best = trimmed_by_states(candidates[0], False)
+    first, others = _relations(Budget(FIRST_STEPS)), _relations(Budget(OTHER_STEPS))
+    trials = [(first[0], candidates[0], False)]
+    trials += [
+        (first[1] if candidate is candidates[0] else others[1], candidate, transient_marked)
+        for candidate in candidates
+        for transient_marked in (False, True)
+    ]
+    try:
+        for relation, candidate, transient_marked in trials:
+            merge = partial(_merged_by_states, relation=relation)
+            found = _merged_and_trimmed(candidate, transient_marked, merge)
+            best = min(best, found, key=lambda known: known.size)
+    except TranslationLimit:
+        pass  # what was found so far is right as well
+    return best
+
+
+def reduced_cubes_by_states(graph: LabelledGraph[Cube]) -> LabelledGraph[Cube]:
+    """An equivalent graph, given one with marks on states."""
+    found = trimmed_by_states(graph, False)
+    return found if _is_large(found) else _merged_and_trimmed(found, False, merged_cubes)
+
+
+def _merged_and_trimmed(
+    graph: LabelledGraph[L],
+    transient_marked: bool,
+    merge: Callable[[LabelledGraph[L]], LabelledGraph[L]],
+) -> LabelledGraph[L]:
+    graph = trimmed_by_states(graph, transient_marked)
+    while (smaller := trimmed_by_states(merge(graph), transient_marked)).size != graph.size:
+        graph = smaller
+    return graph
+
+
+def _merged_by_states(
+    graph: LabelledGraph[LetterSet], relation: Relation
+) -> LabelledGraph[LetterSet]:
+    """The quotient both ways; backwards, a node that accepts stands for one that does."""
+    smaller = merged(graph, relation)
+    accepting = [int(any(edge.marks for edge in leaving)) for leaving in smaller.edges]
+    return merged_backwards(smaller, accepting, relation)

@@ -1,0 +1,104 @@
+"""Trimming: states that accept nothing are dropped, and acceptance marks that say nothing.
+
+What a mark says depends on its strongly connected component: a run stays in one of them in the end.
+
+Source: Somenzi and Bloem, Efficient Büchi automata from LTL formulae, CAV 2000.
+"""
+
+from __future__ import annotations
+
+from functools import reduce
+from operator import or_
+
+from companion.ltl.bitsets import minimal
+from companion.ltl.components import acyclic, reaching, strong_components
+from companion.ltl.graph import LabelledEdge, LabelledGraph, Marks, reachable
+from companion.ltl.labels import L
+
+
+def trimmed(graph: LabelledGraph[L], departures_marked: bool = False) -> LabelledGraph[L]:
+    """Without nodes that accept nothing, and without marks that say nothing.
+
+    Within a component a mark says nothing if every edge has it, or if some other mark is only
+    found where it is found. A component with loops that cannot accept keeps none.
+
+    Args:
+        departures_marked: whether edges that leave a component which can accept have all marks;
+            the language does not depend on the marks of edges between components.
+    """
+    every_mark = (1 << graph.marks) - 1
+    successors = graph.successors
+    components = strong_components(successors)
+    component_of: dict[int, int] = {}
+    essential: list[list[Marks] | None] = []  # for each component; None if it only rejects
+    accepting: list[bool] = []
+    for number, component in enumerate(components):
+        component_of.update(dict.fromkeys(component, number))
+        leaving = [edge for node in component for edge in graph.edges[node]]
+        inside = [e.marks for e in leaving if component_of.get(e.target) == number]
+        accepting.append(bool(inside) and reduce(or_, inside) == every_mark)
+        only_rejects = bool(inside) and not accepting[-1]
+        essential.append(None if only_rejects else essential_marks(inside, graph.marks))
+    alive = reaching(successors, components, accepting)
+    marks = max(1 if kept is None else len(kept) for kept in essential)
+
+    def marks_of(edge: LabelledEdge[L], component: int) -> Marks:
+        kept = essential[component]
+        if kept is None or component_of[edge.target] != component:
+            return (1 << marks) - 1 if departures_marked and accepting[component] else 0
+        unneeded = (1 << marks) - (1 << len(kept))  # a mark on every edge says nothing
+        return unneeded | sum([1 << i for i, mark in enumerate(kept) if edge.marks & mark])
+
+    edges = [
+        [
+            LabelledEdge(edge.label, marks_of(edge, component_of[node]), edge.target)
+            for edge in leaving
+            if edge.target in alive
+        ]
+        for node, leaving in enumerate(graph.edges)
+    ]
+    return reachable(edges, marks)
+
+
+def essential_marks(inside: list[Marks], marks: int) -> list[Marks]:
+    """The marks (each as a set of one) that matter in a component, given those of its edges.
+
+    >>> [bin(mark) for mark in essential_marks([0b011, 0b111, 0b010], 3)]
+    ['0b100']
+    """
+    kinds = sorted(set(inside))
+    where = {
+        sum(1 << i for i, kind in enumerate(kinds) if kind >> mark & 1): 1 << mark
+        for mark in reversed(range(marks))
+    }
+    everywhere = (1 << len(kinds)) - 1
+    return sorted(where[places] for places in minimal(where) if places != everywhere)
+
+
+def trimmed_by_states(graph: LabelledGraph[L], transient_marked: bool) -> LabelledGraph[L]:
+    """The same where one mark is on all edges of accepting nodes and on no others.
+
+    Nodes that accept nothing are dropped; of the others all accept that may, since fewer kinds of
+    nodes are merged better: a node accepts as well if it is on no cycle of rejecting nodes.
+
+    Args:
+        transient_marked: whether nodes on no cycle accept; the language does not depend on it.
+    """
+    marked = {node for node, leaving in enumerate(graph.edges) if leaving and leaving[0].marks}
+    successors = graph.successors
+    components = strong_components(successors)
+    accepting: list[bool] = []
+    for component in components:
+        own = set(component)
+        inside = {n: [t for t in successors[n] if t in own] for n in component}
+        accepting.append(any(inside.values()) and not own.isdisjoint(marked))
+        if not any(inside.values()):
+            (marked.update if transient_marked else marked.difference_update)(own)
+        elif accepting[-1]:
+            marked |= acyclic({n: inside[n] for n in component if n not in marked})
+    alive = reaching(successors, components, accepting)
+    edges = [
+        [LabelledEdge(e.label, int(node in marked), e.target) for e in leaving if e.target in alive]
+        for node, leaving in enumerate(graph.edges)
+    ]
+    return reachable(edges, 1)
