@@ -10,9 +10,17 @@ from pathlib import Path
 from typing import Protocol
 
 from companion.acting.authority import loss_of_link
-from companion.acting.phases import ON_THE_GROUND, Phase
-from companion.acting.report import Report
+from companion.acting.phases import ON_THE_GROUND
 from companion.errors import CompanionError
+from companion.flight_events.event import FlightEvent, Stamped
+from companion.flight_events.hosting import (
+    MissionReady,
+    MissionUnreadable,
+    RunNotRecordable,
+    TerminalHungUp,
+    UploadChecked,
+)
+from companion.flight_events.sortie import Phase
 from companion.ground.component import WANTED, Component
 from companion.ground.operations import MonitorPage, SystemStatus, UploadService
 from companion.ground.parameters import BELIEF_RETRY, SPEED_MAX
@@ -52,7 +60,7 @@ class Host(Protocol):
     def end_run(self, recorder: Recorder) -> None:
         """A run has ended. It may not block."""
 
-    def tell(self, report: Report) -> None:
+    def tell(self, stamped: Stamped) -> None:
         """News between two runs."""
 
 
@@ -138,7 +146,7 @@ class Companion:
             self._launch()
         if self._has_hung_up:
             self._has_hung_up = False
-            self._say("the terminal has hung up (SIGHUP); the flight goes on", kind="signal")
+            self._say(TerminalHungUp())
         if self._wire.system:  # before that, nobody would hear what is told
             self._poll()
         messages = self._wire.parse(datagrams)
@@ -149,8 +157,8 @@ class Companion:
             return self._wire.pack(self._component.transmit(now_s, self._is_stopping))
         self._follow_parameters()
         reports = run.step(now_s, messages, asked)
-        for report in reports:
-            self._component.tell(now_s, report)
+        for stamped in reports:
+            self._component.tell(now_s, stamped.event)
         self.failure = run.sortie.failure
         leaving = self._component.transmit(now_s, run.sortie.has_ended)
         answers = self._wire.pack(leaving + run.vehicle.transmit(now_s))
@@ -232,7 +240,7 @@ class Companion:
         try:
             recorder = self._host.begin_run(self._mission)
         except OSError as error:
-            self._say(f"no run folder, so nothing is flown: {error}", is_refused=True)
+            self._say(RunNotRecordable(str(error)))
             return
         self._begin(self._mission, recorder)
         self._listen()
@@ -252,26 +260,25 @@ class Companion:
         try:
             self._mission = host.load(path)
         except (CompanionError, OSError) as error:
-            self._say(f"the mission cannot be read: {error}", is_refused=True)
+            self._say(MissionUnreadable(str(error)))
             return
-        self._say(f"{self._mission.name} is ready; MISSION_START flies it")
+        self._say(MissionReady(self._mission.name))
 
     def _poll(self) -> None:
         """Tells what became of uploads."""
         if self._host is not None and self._host.uploads is not None:
             is_flying = self._run is not None
             for verdict in self._host.uploads.poll(self._now_s, is_flying):
-                self._say(verdict.text, is_refused=not verdict.is_accepted)
+                self._say(UploadChecked(verdict.text, is_refused=not verdict.is_accepted))
 
-    def _say(self, text: str, is_refused: bool = False, kind: str = "upload") -> None:
-        """News that is not of the flight; in its records if there is one."""
-        data = {"is_refused": is_refused} if kind == "upload" else {}
-        report = Report(round(self._now_s, 3), kind, text, data)
+    def _say(self, event: FlightEvent) -> None:
+        """Reports what is not of the flight; in its records if there is one."""
+        stamped = Stamped(round(self._now_s, 3), event)
         if self._run is not None:
-            self._run.flight.reports.append(report)
+            self._run.flight.reports.append(stamped)
         elif self._host is not None:
-            self._host.tell(report)
-            self._component.tell(self._now_s, report)
+            self._host.tell(stamped)
+            self._component.tell(self._now_s, event)
 
     def _follow_parameters(self) -> None:
         """A run follows the companion's parameters."""

@@ -1,4 +1,4 @@
-"""One mission flown once: which parts does that take, and how do they hang together?
+"""One mission flown once, with all its parts.
 
 `Run` puts them together, the acting side and the MAVLink side, and records what happens. Messages
 and time in, messages out; who owns the link and lives longer is `app.py`.
@@ -11,8 +11,8 @@ from typing import Protocol
 
 from companion.acting.assembly import assemble
 from companion.acting.event_detector import EventDetector
-from companion.acting.report import Report
 from companion.acting.sortie import Sortie
+from companion.flight_events.event import Stamped
 from companion.geometry import Ned
 from companion.mavlink.framing import Message
 from companion.mission.model import Mission, Signal
@@ -26,7 +26,7 @@ from companion.vehicle.wire import Wire
 class Recorder(Protocol):
     """Keeps what happens in a run."""
 
-    def report(self, report: Report) -> None:
+    def report(self, stamped: Stamped) -> None:
         """Something happened."""
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
@@ -86,7 +86,7 @@ class Run:
 
     def step(
         self, now_s: float, messages: list[Message], asked: list[tuple[Signal, float]]
-    ) -> list[Report]:
+    ) -> list[Stamped]:
         """One tick: reads what arrived and acts; returns what happened."""
         readings = asked + self.vehicle.receive(now_s, messages)
         if any([self._map.integrate(scan) for scan in self.vehicle.scans]):
@@ -96,15 +96,15 @@ class Run:
         self.flight.reports.clear()
         return reports
 
-    def record(self, now_s: float, packets: list[bytes], reports: list[Report]) -> None:
+    def record(self, now_s: float, packets: list[bytes], reports: list[Stamped]) -> None:
         """Hands everything on to the recorder."""
         self.recorder.packets(now_s - self.start_s, packets)
         position = self._position()
         if position is not None:
             self.recorder.position(now_s - self.start_s, position)
-        for report in reports:
-            time_s = round(report.time_s - self.start_s, 3)
-            self.recorder.report(replace(report, time_s=time_s))
+        for stamped in reports:
+            time_s = round(stamped.time_s - self.start_s, 3)
+            self.recorder.report(Stamped(time_s, stamped.event))
 
     def adjust(self, speed_max_mps: float, belief_retry_s: float) -> None:
         """What the companion's parameters say; a flight that has begun keeps its speed."""

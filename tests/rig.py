@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
+from typing import Any
 
 from fakes import FakeVehicle
+from happened import Happened
 
 from companion.acting.assembly import assemble
 from companion.acting.event_detector import EventDetector
 from companion.acting.executive import TaskStatus
 from companion.acting.flight import TICK_S
-from companion.acting.report import Report
+from companion.flight_events.event import FlightEvent, Stamped
+from companion.flight_events.word import PositionLeft
 from companion.mission.model import Mission, Signal
 from companion.motion.routes import RouteMap
 from companion.planning.lasso import Lasso
 
 
-class Rig:
+class Rig(Happened):
     """Everything that acts, wired as in `companion.app`.
 
     Args:
@@ -42,19 +45,10 @@ class Rig:
         acting = assemble(mission, self.vehicle, EventDetector(mission.events), routes)
         self.planner, self.flight, self.executive = acting.planner, acting.flight, acting.executive
         self.task = acting.flight.task
-        self.reports: list[Report] = []
-        self.positions: list[Mapping[str, object]] = []
+        self.reports: list[Stamped] = []
+        self.positions: list[PositionLeft] = []
         self.plans: list[Lasso] = []
         self._ticks = 0
-
-    @property
-    def texts(self) -> list[str]:
-        """What happened so far, as people read it."""
-        return [report.text for report in self.reports]
-
-    def of_kind(self, kind: str) -> list[str]:
-        """The texts of one kind of report."""
-        return [report.text for report in self.reports if report.kind == kind]
 
     def begin(self) -> Rig:
         """Makes the first plan."""
@@ -82,11 +76,12 @@ class Rig:
             if until():
                 return
             self.tick()
-        raise AssertionError(f"not reached in {limit_s:.0f} s:\n" + "\n".join(self.texts))
+        told = "\n".join(event.text for event in self.events)
+        raise AssertionError(f"not reached in {limit_s:.0f} s:\n{told}")
 
-    def run_until(self, text: str, times: int = 1) -> None:
-        """Ticks until a report's text was seen a number of times."""
-        self.run(lambda: self.texts.count(text) >= times)
+    def run_until(self, kind: type[FlightEvent], times: int = 1, **fields: Any) -> None:
+        """Ticks until an event has happened a number of times."""
+        self.run(lambda: len(self.of(kind, **fields)) >= times)
 
     def run_to_the_end(self) -> TaskStatus:
         """Ticks until the task is satisfied or has no plan."""
@@ -97,8 +92,9 @@ class Rig:
         lasso = self.executive.lasso
         if lasso is not None and (not self.plans or lasso is not self.plans[-1]):
             self.plans.append(lasso)
-        self.reports += [report for report in self.flight.reports if report.is_told]
-        self.positions += [
-            report.data for report in self.flight.reports if report.kind == "position"
-        ]
+        for stamped in self.flight.reports:
+            if stamped.event.is_told:
+                self.reports.append(stamped)
+            if isinstance(stamped.event, PositionLeft):
+                self.positions.append(stamped.event)
         self.flight.reports.clear()

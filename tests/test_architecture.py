@@ -54,9 +54,9 @@ SPOILERS = {
         "sitl.world.payload -> companion.planning.builtin.search",
     ),
     "Those who plan and act do not speak MAVLink": Spoiler(
-        "companion/acting/report.py",
+        "companion/acting/positions.py",
         "companion.mavlink.framing",
-        "companion.acting.report -> companion.mavlink.framing",
+        "companion.acting.positions -> companion.mavlink.framing",
     ),
     "The monitor sees what was recorded, and nothing else": Spoiler(
         "companion/monitor/feed.py",

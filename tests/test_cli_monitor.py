@@ -26,6 +26,8 @@ from companion.acting.flight import TICK_S
 from companion.app import Companion
 from companion.cli.monitoring import Page, monitored
 from companion.cli.terminal import Terminal
+from companion.flight_events.event import FlightEvent
+from companion.flight_events.sortie import TaskSatisfied
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mavlink.parameters import INT32, decode, encode
 
@@ -59,12 +61,12 @@ class Flight(Notes):
     def run(self, seconds: float) -> list[Any]:
         return [m for _ in range(round(seconds / TICK_S)) for m in self.tick()]
 
-    def to_the_end(self) -> list[str]:
+    def to_the_end(self) -> list[FlightEvent]:
         """Flies on; all that was reported."""
         while not self.companion.has_ended:
-            assert self._ticks * TICK_S < 60.0, self.texts
+            assert self._ticks * TICK_S < 60.0, self.events
             self.tick()
-        return self.texts
+        return self.events
 
     @property
     def monitor(self) -> float:
@@ -177,7 +179,7 @@ def test_a_page_that_crashes_is_off_and_the_flight_goes_on(page: Page) -> None:
     assert flight.switch(True)
     assert flight.monitor == 1.0
     assert flight.to_the_end() == undisturbed
-    assert undisturbed[-1] == "task satisfied, landed"
+    assert undisturbed[-1] == TaskSatisfied()
 
 
 def test_without_a_page_it_stays_off() -> None:

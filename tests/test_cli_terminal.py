@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import signal
 import subprocess
@@ -15,6 +14,10 @@ from typing import IO
 import pytest
 
 from companion.cli.terminal import LINES_KEPT, Terminal, undisturbed
+from companion.flight_events.event import FlightEvent
+from companion.flight_events.hosting import TerminalHungUp
+from companion.flight_events.reading import read_line
+from companion.flight_events.sortie import TaskSatisfied
 
 SURVEILLANCE = Path(__file__).parents[1] / "missions" / "surveillance.yaml"
 
@@ -118,17 +121,17 @@ def fly(folder: Path, stdout: int | IO[str]) -> subprocess.Popen[str]:
     )
 
 
-def kinds(folder: Path) -> list[str]:
-    """The kinds of events that the only run's folder has."""
+def recorded(folder: Path) -> list[FlightEvent]:
+    """The events that the only run's folder has."""
     (run,) = folder.iterdir()
     lines = (run / "events.jsonl").read_text(encoding="utf-8").splitlines()
-    return [json.loads(line)["kind"] for line in lines]
+    return [read_line(line).event for line in lines]
 
 
 def assert_it_flew(flight: subprocess.Popen[str], folder: Path) -> None:
     _, errors = flight.communicate()
     assert (flight.returncode, errors) == (0, "")
-    assert kinds(folder)[-1] == "end"
+    assert recorded(folder)[-1] == TaskSatisfied()
 
 
 @pytest.mark.flight
@@ -157,7 +160,7 @@ def test_a_flight_goes_on_when_the_terminal_hangs_up(tmp_path: Path) -> None:
         pass
     flight.send_signal(signal.SIGHUP)
     assert_it_flew(flight, tmp_path)
-    assert "signal" in kinds(tmp_path)
+    assert TerminalHungUp() in recorded(tmp_path)
 
 
 @pytest.mark.slow

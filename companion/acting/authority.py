@@ -8,8 +8,9 @@ mode heard just now: the pilot hands it over by choosing hold, the operator take
 from __future__ import annotations
 
 from companion.acting.flight import Flight
-from companion.acting.phases import ON_THE_GROUND, UNDER_TASK, Phase
+from companion.acting.phases import ON_THE_GROUND, UNDER_TASK
 from companion.errors import Aborted, CompanionError, LinkError
+from companion.flight_events.sortie import Phase
 from companion.outcomes import Refusal
 from companion.vehicle.port import Mode, VehicleState
 

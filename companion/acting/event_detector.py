@@ -68,13 +68,3 @@ class EventDetector:
         value = self._values.get(condition.signal)
         compare = COMPARISONS[condition.comparison]
         return value is not None and compare(value, condition.threshold)
-
-
-def in_words(event: str, holds: bool) -> str:
-    """An event in words.
-
-    >>> in_words("targetFound", True), in_words("lowBattery", False)
-    ('target found', 'no longer low battery')
-    """
-    words = "".join(f" {c.lower()}" if c.isupper() else c for c in event).replace("_", " ").strip()
-    return words if holds else f"no longer {words}"

@@ -29,13 +29,22 @@ from companion.acting.behaviour_tree.builder import build
 from companion.acting.behaviour_tree.hand_built import build_by_hand
 from companion.acting.behaviour_tree.leaf import failure_of
 from companion.acting.behaviour_tree.tree_report import TreeReport
-from companion.acting.event_detector import EventDetector, in_words
+from companion.acting.event_detector import EventDetector
 from companion.acting.flight import Flight, PlanProgress
 from companion.acting.positions import tell_positions
 from companion.acting.replanning.assumptions import Assumptions
 from companion.acting.replanning.explanation import ExplanationSearch
 from companion.acting.replanning.reachability import Reachability
 from companion.errors import NoPlanError, SearchLimit
+from companion.flight_events.facts import BeliefRestored, MissionEventChanged
+from companion.flight_events.plans import (
+    LapCompleted,
+    NoPlanFound,
+    PlanMade,
+    PlanReplaced,
+    WrittenTreeAdopted,
+)
+from companion.flight_events.skills import WrittenTreeFailed
 from companion.mission.model import Fly, Signal
 from companion.planning.domain import WAIT, Action, Fact, departures
 from companion.planning.lasso import Lasso
@@ -133,10 +142,10 @@ class Executive:
         restores: frozenset[str] = frozenset()
         for name, holds in self._detector.update(flight.now_s, readings):
             flight.task.take(events[name], holds)
-            flight.report("event", in_words(name, holds), event=name, holds=holds)
+            flight.report(MissionEventChanged(name, holds))
             restores |= events[name].restores if holds else frozenset()
         for belief in flight.task.restore(flight.now_s, restores):
-            flight.report("restored", f"belief {belief} restored", belief=belief)
+            flight.report(BeliefRestored(belief))
             self._assumptions.note_restored_beliefs()
 
     def rehearse(self) -> None:
@@ -160,13 +169,13 @@ class Executive:
         task = {name: str(formula) for name, formula in mission.task.items()}
         if mission.tree is not None:
             root = build_by_hand(flight, mission.tree, self._planner.actions_of(mission.tree))
-            flight.report("plan", "the mission's own tree", number=0, task=task)
+            flight.report(WrittenTreeAdopted(task))
             self._take_tree(root, ExecutiveState.BY_HAND)
         else:
             self._follow_map()
             lasso = self._planner.solve(*flight.task.problem()).lasso
             self._adopt(lasso, ExecutiveState.EXECUTING)
-            flight.report("plan", f"plan: {lasso}", number=0, task=task, **lasso.as_json())
+            flight.report(PlanMade(task, lasso.planned))
         self._tell_tree()
 
     def tick(self) -> TaskStatus:
@@ -237,7 +246,7 @@ class Executive:
         if is_lap_done and lasso.ends_at_rest:
             self._rest()
         elif is_lap_done:
-            self._flight.report("lap", f"lap {progress.laps} done", lap=progress.laps)
+            self._flight.report(LapCompleted(progress.laps))
 
     def _tick_by_hand(self, root: Behaviour) -> None:
         """One tick of a tree that was written by hand: it is not replaced when it fails."""
@@ -249,8 +258,9 @@ class Executive:
         elif root.status is Status.FAILURE:
             self._flight.task.interrupt()
             self.state = ExecutiveState.WITHOUT_PLAN
-            self.failure = NoPlanError(f"the tree has failed: {failure_of(root)}")
-            self._flight.report("failed", str(self.failure))
+            failed = WrittenTreeFailed(failure_of(root))
+            self.failure = NoPlanError(failed.text)
+            self._flight.report(failed)
 
     def _keep_if_best(self, lasso: Lasso) -> None:
         """Takes over what events have become, if the rest of the plan is the best one still."""
@@ -372,10 +382,7 @@ class Executive:
         self._adopt(lasso, ExecutiveState.EXECUTING)
         if not is_kept:
             self.replans += 1
-            text = f"replan {self.replans}: {reason} -> {lasso}"
-            self._flight.report(
-                "replan", text, number=self.replans, reason=reason, **lasso.as_json()
-            )
+            self._flight.report(PlanReplaced(self.replans, reason, lasso.planned))
         self._tell_tree()
 
     def _explain(self, explanation: ExplanationSearch) -> None:
@@ -388,8 +395,7 @@ class Executive:
         self.replans += 1
         self.state = ExecutiveState.WITHOUT_PLAN
         self.failure = error
-        reason = self._due.reason
-        self._flight.report("replan", f"replan {self.replans}: {reason}: {error}", reason=reason)
+        self._flight.report(NoPlanFound(self.replans, self._due.reason, str(error)))
 
     def _adopt(self, lasso: Lasso, state: ExecutiveState) -> None:
         """Ticks the tree of a plan from now on, in the air."""

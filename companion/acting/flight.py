@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from companion.acting.report import Report
 from companion.acting.symbols import Symbols
+from companion.flight_events.event import FlightEvent, Stamped
+from companion.flight_events.skills import SymbolMoved
 from companion.mission.model import Limits
 from companion.motion.routes import RouteMap
 from companion.planning.task_state import TaskState
@@ -51,19 +52,17 @@ class Flight:
     now_s: float = 0.0
     progress: PlanProgress = field(default_factory=PlanProgress)
     belief_retry_s: float | None = None
-    reports: list[Report] = field(default_factory=list)
+    reports: list[Stamped] = field(default_factory=list)
     setpoint: Setpoint | None = None
 
-    def report(self, kind: str, text: str, **data: object) -> None:
+    def report(self, event: FlightEvent) -> None:
         """Notes something that happened now."""
-        self.reports.append(Report(round(self.now_s, 3), kind, text, data))
+        self.reports.append(Stamped(round(self.now_s, 3), event))
 
     def tell_symbol(self, place: str) -> None:
         """Notes that a place is flown to at another waypoint."""
         value = self.symbols[place]
-        north, east, _ = value.position
-        text = f"{place} is now {east:.1f} m east, {north:.1f} m north ({value.source})"
-        self.report("symbol", text, place=place, position=value.position, source=value.source)
+        self.report(SymbolMoved(place, value.position, value.source))
 
     def fly(self, setpoint: Setpoint) -> None:
         """Streams a setpoint from now on."""

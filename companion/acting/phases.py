@@ -8,26 +8,9 @@ from __future__ import annotations
 
 from enum import Enum
 
+from companion.flight_events.sortie import Phase
 from companion.transitions import StateTransition, TransitionTable
 from companion.vehicle.port import Goal
-
-
-class Phase(Enum):
-    """Where the sortie is."""
-
-    WAITING = "waiting for the vehicle"
-    CHECKING = "checking the autopilot's failsafes"
-    ARMING = "arming"
-    TAKE_OFF = "taking off"
-    OFFBOARD = "entering OFFBOARD"
-    TASK = "flying the task"
-    PAUSED = "paused"
-    RETURNING = "returning home as asked"
-    YIELDED = "yielded"
-    HOLDING = "holding"
-    PARTING = "leaving the vehicle on hold"
-    LANDING = "landing"
-    ENDED = "ended"
 
 
 class SortieEvent(Enum):

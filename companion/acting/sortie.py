@@ -25,11 +25,28 @@ from companion.acting.phases import (
     ON_THE_GROUND,
     TRANSITIONS,
     UNDER_TASK,
-    Phase,
     SortieEvent,
 )
 from companion.acting.return_home import ReturnHome
 from companion.errors import Aborted, CompanionError, NoPlanError, SearchLimit
+from companion.flight_events.event import FlightEvent
+from companion.flight_events.sortie import (
+    ControlRegained,
+    ControlYielded,
+    GoalFailed,
+    Phase,
+    PhaseEntered,
+    ReturnBegun,
+    ReturnedAsAsked,
+    ReturnFailed,
+    RunEnded,
+    RunFailed,
+    SetpointRefused,
+    StoppedAsAsked,
+    StopRequested,
+    TaskSatisfied,
+    WeakFailsafeAccepted,
+)
 from companion.geometry import horizontal_distance
 from companion.mission.model import Otherwise, Place, Signal
 from companion.outcomes import Refusal
@@ -140,7 +157,7 @@ class Sortie:
             return refusal
         self._flight.vehicle.regain()
         self._flight.forget_setpoint()  # hold where it is, not where it was taken from us
-        self._flight.report("phase", "control given back by the operator")
+        self._flight.report(ControlRegained())
         self._on(SortieEvent.HANDED_BACK)
         return None
 
@@ -169,7 +186,7 @@ class Sortie:
         self._is_stopping, self._was_stopped = False, True
         if self.phase in (Phase.HOLDING, Phase.LANDING):
             return
-        self._flight.report("phase", "stopping as asked")
+        self._flight.report(StopRequested())
         state = self._flight.vehicle.state
         is_ours = self.phase not in (*ON_THE_GROUND, Phase.YIELDED)
         if is_ours and state is not None and state.is_armed:
@@ -184,7 +201,7 @@ class Sortie:
         """Reports when the gate begins to hold back setpoints."""
         refusal = self._flight.vehicle.refusal
         if refusal and not self._was_refused:
-            self._flight.report("gate", f"setpoint refused, holding: {refusal}", reason=refusal)
+            self._flight.report(SetpointRefused(refusal))
         self._was_refused = bool(refusal)
 
     def _lose(self, loss: CompanionError, state: VehicleState) -> None:
@@ -194,7 +211,7 @@ class Sortie:
             self._give_up(loss)
             return
         self._freeze()
-        self._on(SortieEvent.TAKEN_OVER, f"{loss}; hold, then continue, gives it back")
+        self._on(SortieEvent.TAKEN_OVER, ControlYielded(str(loss)))
         self._flight.vehicle.release()
 
     def _freeze(self) -> None:
@@ -254,7 +271,7 @@ class Sortie:
             )
             return
         for line in weak:
-            self._flight.report("phase", f"accepted: {line}")
+            self._flight.report(WeakFailsafeAccepted(line))
         self._on(SortieEvent.CHECKED)
 
     def _pursue_goal(self, _: VehicleState) -> None:
@@ -267,7 +284,7 @@ class Sortie:
         elif outcome.progress is Progress.FAILED:
             if self.failure is None:
                 self.failure = Aborted(outcome.reason)
-            self._flight.report("phase", outcome.reason)
+            self._flight.report(GoalFailed(outcome.reason))
             self._on(SortieEvent.FAILED)
 
     def _fly_task(self, _: VehicleState) -> None:
@@ -287,7 +304,7 @@ class Sortie:
         executive, home = self._executive, self._home.name
         may_return = self._otherwise is Otherwise.RETURN_HOME and not executive.is_leaving
         if may_return and executive.go_to(home):
-            self._flight.report("phase", f"returning to {home}")
+            self._flight.report(ReturnBegun(home))
             return
         self.failure = executive.failure
         is_hold = self._otherwise is Otherwise.HOLD
@@ -299,9 +316,9 @@ class Sortie:
         if status is Status.SUCCESS:
             self._on(SortieEvent.SATISFIED)
         elif status is Status.FAILURE:
-            why = self._return_home.failure
-            self.failure = Aborted(f"cannot return to {self._home.name}: {why}")
-            self._flight.report("phase", str(self.failure))
+            failed = ReturnFailed(self._home.name, self._return_home.failure)
+            self.failure = Aborted(failed.text)
+            self._flight.report(failed)
             self._on(SortieEvent.NO_WAY_HOME)
 
     def _hold(self, _: VehicleState) -> None:
@@ -309,28 +326,27 @@ class Sortie:
 
     # -- the table -----------------------------------------------------------------------------
 
-    def _on(self, event: SortieEvent, text: str = "") -> None:
-        """Enters the phase that an event leads to."""
+    def _on(self, event: SortieEvent, news: FlightEvent | None = None) -> None:
+        """Enters the phase that an event leads to; reports that, or what says more."""
         self.phase = TRANSITIONS.next(self.phase, event)
         if self.phase is Phase.ENDED:
             self._flight.vehicle.release()
-            text, code = self._ending()
-            self._flight.report("end", text, exit_code=code)
+            self._flight.report(self._ending())
         else:
-            self._flight.report("phase", text or self.phase.value)
+            self._flight.report(news or PhaseEntered(self.phase))
 
     def _give_up(self, failure: CompanionError) -> None:
         self.failure = failure
         self._on(SortieEvent.GIVEN_UP)
 
-    def _ending(self) -> tuple[str, int]:
-        """How the sortie has ended, in words and as an exit code."""
+    def _ending(self) -> RunEnded:
+        """How the sortie has ended."""
         if self.failure is not None:
-            return str(self.failure), self.failure.exit_code
+            return RunFailed(str(self.failure), self.failure.exit_code)
         if self._return_home is not None and not self._was_stopped:
-            return "returned as asked, landed", 0
+            return ReturnedAsAsked()
         is_satisfied = self._executive.status is TaskStatus.SATISFIED
-        return ("task satisfied, landed" if is_satisfied else "stopped as asked"), 0
+        return TaskSatisfied() if is_satisfied else StoppedAsAsked()
 
 
 _WORK: dict[Phase, Callable[[Sortie, VehicleState], None]] = {

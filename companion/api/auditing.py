@@ -8,7 +8,6 @@ from companion.api.results import FlightResult
 from companion.record import audit as auditing
 from companion.record.audit import Audit
 from companion.record.events import read_events, record_of
-from companion.record.run_folder import as_line
 
 
 def audit(run: Path | str | FlightResult) -> Audit:
@@ -29,5 +28,5 @@ def audit(run: Path | str | FlightResult) -> Audit:
         TranslationLimit: the monitor of a conjunct would be too large.
     """
     if isinstance(run, FlightResult):
-        return auditing.audit(record_of(map(as_line, run.events)))
+        return auditing.audit(record_of(run.events))
     return auditing.audit(read_events(Path(run)))

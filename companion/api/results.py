@@ -11,14 +11,14 @@ from time import time
 import numpy as np
 import numpy.typing as npt
 
-from companion.acting.report import Report
 from companion.errors import CompanionError
+from companion.flight_events.event import Stamped
 from companion.geometry import Ned
 from companion.mission.model import Mission
 from companion.mission_run import Recorder
 from companion.record.run_folder import RunFolder
 
-OnEvent = Callable[[Report], None]
+OnEvent = Callable[[Stamped], None]
 """Told of each event that is news for people, when it happens."""
 
 
@@ -63,7 +63,7 @@ class FlightResult:
 
     Attributes:
         mission: what was flown.
-        events: what happened, in order.
+        events: what happened, in order, with times.
         trajectory: where the vehicle was.
         failure: why the task was not satisfied; None if it was, or the flight was stopped as
             asked.
@@ -71,7 +71,7 @@ class FlightResult:
     """
 
     mission: Mission
-    events: tuple[Report, ...]
+    events: tuple[Stamped, ...]
     trajectory: FlownTrajectory
     failure: CompanionError | None
     folder: Path | None
@@ -95,18 +95,18 @@ class Recording:
     """
 
     def __init__(self, other: Recorder | None = None, on_event: OnEvent | None = None) -> None:
-        self.events: list[Report] = []
+        self.events: list[Stamped] = []
         self.positions: list[tuple[float, Ned]] = []
         self._other = other
         self._on_event = on_event
 
-    def report(self, report: Report) -> None:
+    def report(self, stamped: Stamped) -> None:
         """Something happened."""
-        self.events.append(report)
+        self.events.append(stamped)
         if self._other is not None:
-            self._other.report(report)
-        if self._on_event is not None and report.is_told:
-            self._on_event(report)
+            self._other.report(stamped)
+        if self._on_event is not None and stamped.event.is_told:
+            self._on_event(stamped)
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
         """Datagrams went over the link, in either direction."""
@@ -128,7 +128,7 @@ def recording(
     if folder is None:
         yield Recording(on_event=on_event)
         return
-    files = RunFolder(Path(folder), mission, time(), lambda report: None)
+    files = RunFolder(Path(folder), mission, time(), lambda stamped: None)
     try:
         yield Recording(files, on_event)
     finally:

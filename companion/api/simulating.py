@@ -55,8 +55,8 @@ def simulate(
 
     >>> from companion import load_mission, simulate
     >>> run = simulate(load_mission("missions/surveillance.yaml"), seed=7)
-    >>> run.exit_code, run.events[-1].text
-    (0, 'task satisfied, landed')
+    >>> run.exit_code, run.events[-1].event
+    (0, TaskSatisfied(exit_code=0))
     >>> run.trajectory.positions.shape == (len(run.trajectory.times_s), 3)
     True
 

@@ -19,8 +19,8 @@ from companion.cli.terminal import Terminal, undisturbed
 from companion.errors import MissionError
 
 if TYPE_CHECKING:
-    from companion.acting.report import Report
     from companion.app import Companion
+    from companion.flight_events.event import Stamped
     from companion.mission.model import Mission
     from companion.record.run_folder import RunFolder
     from companion.vehicle.link import Endpoint
@@ -159,9 +159,11 @@ def _speed(text: str) -> float | None:
 def _recorded(mission: Mission, log_dir: Path, terminal: Terminal) -> Iterator[RunFolder]:
     """A run folder, announced at the start and at the end."""
 
-    def tell(report: Report) -> None:
-        if not report.data.get("exit_code"):  # a failure is printed once, by `main`
-            terminal.say(_line(report))
+    from companion.flight_events.sortie import RunFailed
+
+    def tell(stamped: Stamped) -> None:
+        if not isinstance(stamped.event, RunFailed):  # a failure is printed once, by `main`
+            terminal.say(_line(stamped))
 
     folder = _open_folder(mission, log_dir, tell, terminal)
     try:
@@ -171,7 +173,7 @@ def _recorded(mission: Mission, log_dir: Path, terminal: Terminal) -> Iterator[R
 
 
 def _open_folder(
-    mission: Mission, log_dir: Path, tell: Callable[[Report], None], terminal: Terminal
+    mission: Mission, log_dir: Path, tell: Callable[[Stamped], None], terminal: Terminal
 ) -> RunFolder:
     from companion.record.run_folder import RunFolder
 
@@ -203,8 +205,8 @@ def _host(
 
     terminal = Terminal()
 
-    def tell(report: Report) -> None:
-        terminal.say(_line(report))
+    def tell(stamped: Stamped) -> None:
+        terminal.say(_line(stamped))
 
     def close_folder(folder: RunFolder) -> None:
         _close_folder(folder, terminal)
@@ -228,10 +230,10 @@ def _host(
             uploads.close()
 
 
-def _line(report: Report) -> str:
-    """A report as a line of the terminal."""
-    minutes, seconds = divmod(report.time_s, 60)
-    return f" {int(minutes):02d}:{seconds:04.1f}  {report.text}"
+def _line(stamped: Stamped) -> str:
+    """An event as a line of the terminal."""
+    minutes, seconds = divmod(stamped.time_s, 60)
+    return f" {int(minutes):02d}:{seconds:04.1f}  {stamped.event.text}"
 
 
 def _fly(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from companion.cli.arguments import load
 
 if TYPE_CHECKING:
-    from companion.acting.report import Report
+    from companion.flight_events.event import Stamped
     from companion.ground.operations import UploadService
     from companion.mission.model import Mission
     from companion.mission_run import Recorder
@@ -31,7 +31,7 @@ class SortieHost:
         self,
         open_folder: Callable[[Mission], RunFolder],
         close_folder: Callable[[RunFolder], None],
-        tell: Callable[[Report], None],
+        tell: Callable[[Stamped], None],
         uploads: UploadService | None,
     ) -> None:
         self.uploads = uploads
@@ -59,9 +59,9 @@ class SortieHost:
         self._closing.append(threading.Thread(target=self._close_folder, args=(folder,)))
         self._closing[-1].start()
 
-    def tell(self, report: Report) -> None:
+    def tell(self, stamped: Stamped) -> None:
         """Prints news between two runs."""
-        self._tell(report)
+        self._tell(stamped)
 
     def close(self) -> None:
         """Closes what is still open, and waits for what is being drawn."""

@@ -28,7 +28,8 @@ import logging
 from collections.abc import Callable
 from typing import ClassVar
 
-from companion.acting.report import Report
+from companion.flight_events.event import FlightEvent
+from companion.flight_events.sortie import RunEnded
 from companion.ground import about
 from companion.ground.operations import MonitorPage, Operations, SystemStatus, UploadService
 from companion.ground.parameters import MONITOR, TEXT_LEVEL, CompanionParameters
@@ -110,13 +111,12 @@ class Component:
                 service(self, message)
         return self._events
 
-    def tell(self, now_s: float, report: Report) -> None:
-        """Puts a report that is news for people into the queue of texts."""
-        if report.is_told:
-            self._texts.tell(now_s, severity(report), report.text)
-        code = report.data.get("exit_code")
-        if isinstance(code, int):
-            self._ending.append(_exit_code(now_s, code))
+    def tell(self, now_s: float, event: FlightEvent) -> None:
+        """Puts an event that is news for people into the queue of texts."""
+        if event.is_told:
+            self._texts.tell(now_s, severity(event), event.text)
+        if isinstance(event, RunEnded):
+            self._ending.append(_exit_code(now_s, event.exit_code))
 
     def transmit(self, now_s: float, is_last: bool = False) -> list[Message]:
         """Returns the messages that leave now; at the end of a run all that are left."""

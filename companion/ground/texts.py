@@ -1,6 +1,6 @@
-"""Reports of a flight as STATUSTEXT to ground stations, at a rate that a radio link can carry.
+"""Events as STATUSTEXT to ground stations, at a rate that a radio link can carry.
 
-Each report that people are told becomes one text; what is longer than a message goes in chunks with
+Each event that people are told becomes one text; what is longer than a message goes in chunks with
 a common id. Texts of one moment (a failure, a belief, a plan) would be a burst, so they wait in a
 queue. A text that has waited too long is left out unless it is a warning or worse: what is read is
 news.
@@ -10,7 +10,13 @@ from __future__ import annotations
 
 from collections import deque
 
-from companion.acting.report import Report
+from companion.flight_events.event import FlightEvent
+from companion.flight_events.facts import BeliefRestored, BeliefWithdrawn, MissionEventChanged
+from companion.flight_events.hosting import RecordingFailed, UploadEvent
+from companion.flight_events.plans import NoPlanFound, PlanReplaced
+from companion.flight_events.skills import SkillFailed, WrittenTreeFailed
+from companion.flight_events.sortie import RunEnded, RunFailed, SetpointRefused
+from companion.flight_events.word import ConjunctViolated
 from companion.mavlink.framing import Message, dialect
 from companion.mavlink.statustext import chunks
 
@@ -20,33 +26,29 @@ PATIENCE_S = 5.0
 LONGEST = 196
 """Bytes of a text: four messages; plans may be longer, and stand in the run folder."""
 
+CRITICAL: int = dialect.MAV_SEVERITY_CRITICAL
 ERROR: int = dialect.MAV_SEVERITY_ERROR
 WARNING: int = dialect.MAV_SEVERITY_WARNING
 NOTICE: int = dialect.MAV_SEVERITY_NOTICE
 INFO: int = dialect.MAV_SEVERITY_INFO
 
-SEVERITIES: dict[str, int] = {
-    "violation": ERROR,
-    "record": ERROR,
-    "failed": WARNING,
-    "withdrawn": WARNING,
-    "gate": WARNING,
-    "event": NOTICE,
-    "replan": NOTICE,
-    "restored": NOTICE,
-    "upload": NOTICE,
-    "end": NOTICE,
-}
-"""MAV_SEVERITY of each kind of report; all others are INFO."""
-FAILED_END: int = dialect.MAV_SEVERITY_CRITICAL
-"""Of an end with an exit code other than 0."""
 
-
-def severity(report: Report) -> int:
-    """Returns the MAV_SEVERITY of a report."""
-    if report.data.get("exit_code") or report.data.get("is_refused"):
-        return FAILED_END if report.kind == "end" else WARNING
-    return SEVERITIES.get(report.kind, INFO)
+def severity(event: FlightEvent) -> int:
+    """Returns the MAV_SEVERITY of an event."""
+    match event:
+        case RunFailed():
+            return CRITICAL
+        case ConjunctViolated() | RecordingFailed():
+            return ERROR
+        case SkillFailed() | WrittenTreeFailed() | BeliefWithdrawn() | SetpointRefused():
+            return WARNING
+        case UploadEvent(is_refused=True):
+            return WARNING
+        case MissionEventChanged() | BeliefRestored() | UploadEvent() | RunEnded():
+            return NOTICE
+        case PlanReplaced() | NoPlanFound():
+            return NOTICE
+    return INFO
 
 
 class StatusTextQueue:

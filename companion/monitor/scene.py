@@ -1,4 +1,4 @@
-"""In which world does a run take place? Reads the scene.json of its folder.
+"""Reads the scene.json of a run folder: the world in which the run takes place.
 
 docs/run-folder.md describes the file. Lengths are metres; inside they become local NED.
 """

@@ -1,4 +1,4 @@
-"""What did the vehicle and the companion say on the wire? The newest of it, as a Snapshot.
+"""Snapshots of the vehicle: the newest of what it and the companion said on the wire.
 
 Frames of one time in flight.tlog are those of one tick, so the state and the map as sensed are
 read here as the companion itself has read them, by the same code.

@@ -12,9 +12,10 @@ A, and then away, before it may rest.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
 from dataclasses import dataclass
 
+from companion.flight_events.plans import PlannedAction, PlannedLasso
+from companion.flight_events.writing import json_of
 from companion.ltl.automaton import BuchiAutomaton
 from companion.ltl.formula import Formula
 from companion.planning.domain import WAIT, Action, Fact
@@ -90,24 +91,21 @@ class Lasso:
         suffix = ", ".join(a.name for a in self.suffix)
         return f"{prefix + ', ' if prefix else ''}({suffix})^w"
 
-    def as_json(self) -> dict[str, object]:
-        """Prefix and loop with costs, as `companion plan --json` and the run folder give them."""
-        return {
-            "prefix": [_step(a) for a in self.prefix],
-            "loop": [_step(a) for a in self.suffix],
-            "prefix_cost_s": self.prefix_cost_ms / 1000,
-            "lap_cost_s": self.lap_cost_ms / 1000,
-        }
+    @property
+    def planned(self) -> PlannedLasso:
+        """Prefix and loop with costs, as they are told and recorded."""
+        return PlannedLasso(
+            prefix=tuple(_planned(a) for a in self.prefix),
+            loop=tuple(_planned(a) for a in self.suffix),
+            prefix_cost_s=self.prefix_cost_ms / 1000,
+            lap_cost_s=self.lap_cost_ms / 1000,
+        )
 
 
-def _step(action: Action) -> Mapping[str, object]:
-    arguments = action.name.removeprefix(action.skill).strip("()")
-    return {
-        "action": action.name,
-        "skill": action.skill,
-        "arguments": arguments.split(", ") if arguments else [],
-        "cost_s": action.cost_ms / 1000,
-    }
+def _planned(action: Action) -> PlannedAction:
+    text = action.name.removeprefix(action.skill).strip("()")
+    arguments = tuple(text.split(", ")) if text else ()
+    return PlannedAction(action.name, action.skill, arguments, action.cost_ms / 1000)
 
 
 @dataclass(frozen=True)
@@ -167,7 +165,7 @@ class Solution:
     def as_json(self) -> dict[str, object]:
         """The lasso and its quality, as `companion plan --json` gives them."""
         return {
-            **self.lasso.as_json(),
+            **json_of(self.lasso.planned),
             "objective": self.objective.value,
             "cost_s": self.cost_s,
             "bound_s": self.bound_s,

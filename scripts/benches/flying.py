@@ -18,8 +18,8 @@ import psutil
 from scipy import ndimage
 
 from benches import MISSION, ROOT, Row, timed
-from companion.acting.report import Report
 from companion.api.simulating import lockstep, world_of
+from companion.flight_events.event import Stamped
 from companion.geometry import Ned
 from companion.mavlink.framing import MavlinkCodec, Message, dialect, split_frames
 from companion.mission.loader import load_mission
@@ -50,8 +50,8 @@ class Flight:
     end_s: float = 0.0
     datagrams: list[bytes] = field(default_factory=list)
 
-    def report(self, report: Report) -> None:
-        """Reports are not needed."""
+    def report(self, stamped: Stamped) -> None:
+        """Events are not needed."""
 
     def position(self, now_s: float, position: Ned) -> None:
         """Positions are not needed."""

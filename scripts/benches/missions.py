@@ -11,8 +11,9 @@ from time import perf_counter
 
 from benches import Row, timed
 from benches.shipped import shipped
-from companion.acting.report import Report
 from companion.app import Companion
+from companion.flight_events.event import Stamped
+from companion.flight_events.sortie import Phase, PhaseEntered, ReturnBegun
 from companion.geometry import Ned, distance
 from companion.ground.operations import SystemStatus
 from companion.mavlink.framing import MavlinkCodec, split_frames
@@ -39,10 +40,15 @@ class Tracking:
     setpoint: Ned | None = None
     ear: MavlinkCodec = field(default_factory=lambda: MavlinkCodec(0, 0))
 
-    def report(self, report: Report) -> None:
+    def report(self, stamped: Stamped) -> None:
         """The task lasts until something else is flown than its plan."""
-        if report.kind == "phase":
-            self.is_on_task = report.text.startswith(("flying the task", "returning"))
+        match stamped.event:
+            case PhaseEntered(phase=phase):
+                self.is_on_task = phase in (Phase.TASK, Phase.RETURNING)
+            case ReturnBegun():
+                self.is_on_task = True
+            case event if event.kind == PhaseEntered.kind:
+                self.is_on_task = False
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
         """Hears the setpoints."""

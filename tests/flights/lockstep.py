@@ -11,9 +11,12 @@ from collections.abc import Callable
 from random import Random
 from typing import Any, NamedTuple
 
+from happened import Happened
+
 from companion.acting.flight import TICK_S
-from companion.acting.report import Report
 from companion.app import Companion
+from companion.flight_events.event import FlightEvent, Stamped
+from companion.flight_events.sortie import RunEnded
 from companion.geometry import Ned
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mavlink.px4_modes import MODES
@@ -98,7 +101,7 @@ class Deaf:
         return [d for d in datagrams if not (self.is_deaf and d[7:10] == self._header)]
 
 
-class Lockstep:
+class Lockstep(Happened):
     """One flight; it is also the recorder of its companion.
 
     Args:
@@ -112,7 +115,7 @@ class Lockstep:
     Attributes:
         companion: under test.
         is_companion_alive: whether it steps with every tick.
-        reports: what the companion reported, as people are told.
+        reports: what the companion reported that people are told.
         said: what it sent, before the way to the vehicle.
         heard: what the ground station heard of it.
         acknowledged: every COMMAND_ACK that left the vehicle, before the way to the companion.
@@ -135,7 +138,7 @@ class Lockstep:
         self.simulation = Simulation(scenario, grid, seed=seed, links=frozenset(links))
         self.companion = Companion(mission, self)
         self.is_companion_alive = True
-        self.reports: list[Report] = []
+        self.reports: list[Stamped] = []
         self.said: list[Said] = []
         self.heard: list[Said] = []
         self.acknowledged: list[Said] = []
@@ -152,9 +155,9 @@ class Lockstep:
 
     # -- companion.app.Recorder ----------------------------------------------------------------
 
-    def report(self, report: Report) -> None:
-        if report.is_told:
-            self.reports.append(report)
+    def report(self, stamped: Stamped) -> None:
+        if stamped.event.is_told:
+            self.reports.append(stamped)
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
         """Kept in `said`."""
@@ -202,11 +205,14 @@ class Lockstep:
             if is_so():
                 return self
             self.tick()
-        raise AssertionError(f"not in {limit_s:.0f} s:\n" + "\n".join(self.texts))
+        told = "\n".join(event.text for event in self.events)
+        raise AssertionError(f"not in {limit_s:.0f} s:\n{told}")
 
-    def until_reported(self, text: str, limit_s: float = 150.0) -> Lockstep:
-        """Lets time pass until a report is made."""
-        return self.until(lambda: text in self.texts, limit_s)
+    def until_reported(
+        self, kind: type[FlightEvent], limit_s: float = 150.0, **fields: Any
+    ) -> Lockstep:
+        """Lets time pass until an event is reported."""
+        return self.until(lambda: self.of(kind, **fields) != [], limit_s)
 
     def until_the_end(self) -> Lockstep:
         """Lets time pass until the companion has ended."""
@@ -215,15 +221,15 @@ class Lockstep:
     # -- what happened -------------------------------------------------------------------------
 
     @property
-    def texts(self) -> list[str]:
-        """What was reported, as people read it."""
-        return [report.text for report in self.reports]
+    def ending(self) -> RunEnded:
+        """The last event, which must be the end."""
+        assert isinstance(self.events[-1], RunEnded), self.events
+        return self.events[-1]
 
     @property
-    def exit_code(self) -> object:
-        """Of the last report, which must be that of the end."""
-        assert self.reports[-1].kind == "end", self.texts
-        return self.reports[-1].data["exit_code"]
+    def exit_code(self) -> int:
+        """Of the end."""
+        return self.ending.exit_code
 
     @property
     def setpoints(self) -> list[Said]:

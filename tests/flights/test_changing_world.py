@@ -14,6 +14,7 @@ from typing import NamedTuple
 import pytest
 from lockstep import Lockstep
 
+from companion.flight_events.plans import LapCompleted
 from companion.geometry import NorthEast
 from companion.mavlink.framing import dialect
 from companion.mission.loader import load_mission
@@ -89,4 +90,4 @@ def test_nothing_is_touched(tmp_path: Path, seed: int) -> None:
             flight.station_commands(dialect.MAV_CMD_USER_3)
     assert flight.simulation.collisions == 0
     assert least_m >= VEHICLE_RADIUS_M
-    assert sum(report.kind == "lap" for report in flight.reports) >= 3
+    assert len(flight.of(LapCompleted)) >= 3

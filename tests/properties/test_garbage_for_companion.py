@@ -21,8 +21,9 @@ from notes import Notes
 from synthetic import mission
 
 from companion.acting.flight import TICK_S
-from companion.acting.report import Report
 from companion.app import Companion
+from companion.flight_events.event import Stamped
+from companion.flight_events.sortie import Phase, PhaseEntered
 from companion.ground.checking import CheckResult
 from companion.ground.component import Component
 from companion.ground.parameters import NAMES
@@ -115,8 +116,8 @@ class Aboard(Notes):
     def end_run(self, recorder: Recorder) -> None:
         """Nothing is kept open."""
 
-    def tell(self, report: Report) -> None:
-        self.report(report)
+    def tell(self, stamped: Stamped) -> None:
+        self.report(stamped)
 
     def tick(self, datagrams: list[bytes]) -> None:
         """One tick; every command to it is answered in it, once, to who has sent it."""
@@ -176,7 +177,7 @@ def test_a_companion_that_hosts_survives_what_ground_stations_cannot_mean(
     assert aboard.beats_each_second()
     assert not (tmp_path / "incoming" / "verdict.json").is_dir()
     assert aboard.runs >= 1 and aboard.acknowledged > number // 100
-    assert "flying the task" in aboard.texts
+    assert PhaseEntered(Phase.TASK) in aboard.events
 
 
 @pytest.mark.parametrize("number", NUMBERS, ids=["few", "many"])
@@ -189,5 +190,5 @@ def test_a_flight_takes_no_notice_of_what_means_nothing(number: int) -> None:
         disturbed.tick([datagram for datagram in said if means_nothing(datagram)])
         undisturbed.tick([])
     assert disturbed.beats_each_second()
-    assert disturbed.texts == undisturbed.texts
-    assert "at A" in disturbed.texts and disturbed.acknowledged > number // 100
+    assert disturbed.reports == undisturbed.reports
+    assert "A" in disturbed.places and disturbed.acknowledged > number // 100

@@ -8,39 +8,43 @@ from itertools import pairwise
 
 import pytest
 from autopilot import ARM, LAND, SET_MODE, TAKE_OFF, Autopilot, named, of_type
+from happened import Happened, Replan
 from synthetic import PAYLOAD, POSITIONS, command, event, mission
 
 from companion.acting.flight import TICK_S
-from companion.acting.report import Report
 from companion.app import Companion
 from companion.driving import fly
 from companion.errors import Aborted, LinkTimeout
+from companion.flight_events.event import Stamped
+from companion.flight_events.skills import PlaceReached, SkillCompleted
+from companion.flight_events.sortie import (
+    Phase,
+    PhaseEntered,
+    SetpointRefused,
+    StoppedAsAsked,
+    TaskSatisfied,
+)
 from companion.geometry import Ned
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mission.model import Mission
 
 
-class Notes:
+class Notes(Happened):
     """A recorder that keeps everything."""
 
     def __init__(self) -> None:
-        self.reports: list[Report] = []
+        self.reports: list[Stamped] = []
         self.datagrams: list[tuple[float, list[bytes]]] = []
         self.positions: list[Ned] = []
 
-    def report(self, report: Report) -> None:
-        if report.is_told:
-            self.reports.append(report)
+    def report(self, stamped: Stamped) -> None:
+        self.reports.append(stamped)
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
         self.datagrams.append((now_s, list(datagrams)))
 
     def position(self, now_s: float, position: Ned) -> None:
         self.positions.append(position)
-
-    @property
-    def texts(self) -> list[str]:
-        return [report.text for report in self.reports]
 
 
 class World:
@@ -88,7 +92,11 @@ class World:
 
 def test_a_flight_from_the_ground_to_the_ground() -> None:
     world = World(mission("F at(A)")).fly()
-    assert world.notes.texts[-3:] == ["at A", "landing", "task satisfied, landed"]
+    assert world.notes.events[-3:] == [
+        PlaceReached("A", "move(H, A)"),
+        PhaseEntered(Phase.LANDING),
+        TaskSatisfied(),
+    ]
     assert world.companion.has_ended and world.companion.failure is None
     commands = of_type(world.autopilot.heard, "COMMAND_LONG")
     assert [c.command for c in commands] == [ARM, TAKE_OFF, SET_MODE, LAND]
@@ -111,7 +119,8 @@ def test_all_that_came_and_left_is_recorded() -> None:
 
 def test_a_report_is_recorded_once() -> None:
     world = World(mission("F at(A)")).fly()
-    assert len(set(world.notes.texts)) == len(world.notes.texts)
+    told = world.notes.events
+    assert [event for event in told if told.count(event) != 1] == []
 
 
 def test_ticks_are_a_twentieth_of_a_second_apart() -> None:
@@ -160,7 +169,7 @@ def test_a_stop_lands() -> None:
 
     world.neighbour = operator
     world.fly()
-    assert world.notes.texts[-1] == "stopped as asked"
+    assert world.notes.events[-1] == StoppedAsAsked()
     assert not world.autopilot.is_armed
     assert world.companion.failure is None
 
@@ -187,7 +196,7 @@ def test_a_command_of_a_skill_reaches_its_component() -> None:
     payload = Autopilot(component=PAYLOAD)
     world.neighbour = payload.answer
     world.fly()
-    assert "do done" in world.notes.texts
+    assert SkillCompleted("do") in world.notes.events
     sent = [m for m in of_type(payload.heard, "COMMAND_LONG") if m.target_component == PAYLOAD]
     assert {(m.param1, m.param2) for m in sent} == {(1.5, -2.0)}
 
@@ -198,8 +207,8 @@ def test_an_event_off_the_wire_replans() -> None:
     detector = MavlinkCodec(1, 26)
     world.neighbour = lambda datagrams: [detector.pack(named("found", world.now > 7.0))]
     world.fly()
-    assert [t.split(":")[1] for t in world.notes.texts if t.startswith("replan")] == [
-        " found -> move(here, B), (wait)^w"  # which was demanded before
+    assert [event for event in world.notes.story if isinstance(event, Replan)] == [
+        Replan("found", "move(here, B), (wait)^w")  # which was demanded before
     ]
 
 
@@ -210,7 +219,7 @@ def test_every_setpoint_of_a_flight_stays_within_the_limits() -> None:
     for s in setpoints:
         assert -1.5 <= s.x <= 7.5 and -1.5 <= s.y <= 7.5 and -4.0 <= s.z <= -0.5
         assert math.hypot(s.vx, s.vy, s.vz) <= 2.0 * 1.01
-    assert [r for r in world.notes.reports if r.kind == "gate"] == []
+    assert world.notes.of(SetpointRefused) == []
 
 
 @pytest.mark.slow

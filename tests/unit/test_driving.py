@@ -13,9 +13,9 @@ from notes import Notes
 from synthetic import mission
 
 from companion.acting.flight import TICK_S
-from companion.acting.report import Report
 from companion.app import Companion
 from companion.driving import fly
+from companion.flight_events.event import Stamped
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mission.model import Mission
 from companion.mission_run import Recorder
@@ -113,7 +113,7 @@ class Line(Notes):
         self.ended_s, self.set_aside = self.now, gc.get_freeze_count()
         self.companion.stop()
 
-    def tell(self, report: Report) -> None:
+    def tell(self, stamped: Stamped) -> None:
         """Told to nobody."""
 
 

@@ -13,6 +13,8 @@ from py_trees.common import Status
 
 from companion.acting.behaviour_tree.leaf import Leaf
 from companion.acting.flight import Flight
+from companion.flight_events.event import FlightEvent
+from companion.flight_events.sortie import BatteryCharged, VehicleAirborne, VehicleLanded
 from companion.vehicle.port import Goal, Progress
 
 NO_CHARGE_S = 120.0
@@ -44,12 +46,12 @@ class ReachGoals(Leaf):
             self._left.pop(0)
         if self._left:
             return Status.RUNNING
-        flight.report("phase", self.reached())
+        flight.report(self.reached())
         return Status.SUCCESS
 
     @abstractmethod
-    def reached(self) -> str:
-        """What the last goal means for the flight, and how people are told."""
+    def reached(self) -> FlightEvent:
+        """Takes over what the last goal means for the flight; returns what has happened."""
 
 
 class LandVehicle(ReachGoals):
@@ -57,10 +59,10 @@ class LandVehicle(ReachGoals):
 
     goals = (Goal.LANDED,)
 
-    def reached(self) -> str:
+    def reached(self) -> FlightEvent:
         """The last setpoint is outdated: the vehicle will hold where it takes off."""
         self._flight.forget_setpoint()
-        return "landed on the way"
+        return VehicleLanded()
 
 
 class TakeOffVehicle(ReachGoals):
@@ -68,10 +70,10 @@ class TakeOffVehicle(ReachGoals):
 
     goals = (Goal.ARMED, Goal.AIRBORNE, Goal.OFFBOARD)
 
-    def reached(self) -> str:
+    def reached(self) -> FlightEvent:
         """The plan may be interrupted again."""
         self._flight.progress.is_landed_by_plan = False
-        return "in the air again"
+        return VehicleAirborne()
 
 
 class ChargeBattery(Leaf):
@@ -91,7 +93,7 @@ class ChargeBattery(Leaf):
         flight, state = self._flight, self._flight.vehicle.state
         percent = state.battery_percent if state else None
         if percent is not None and percent >= self._percent:
-            flight.report("phase", f"charged to {percent} %")
+            flight.report(BatteryCharged(percent))
             return Status.SUCCESS
         if percent is not None and percent > self._most:
             self._most, self._since_s = percent, flight.now_s

@@ -14,6 +14,8 @@ from companion.acting.behaviour_tree.leaf import Leaf, failure_of
 from companion.acting.behaviour_tree.move import MoveCommand
 from companion.acting.flight import Flight
 from companion.acting.replanning.assumptions import Assumptions
+from companion.flight_events.facts import BeliefWithdrawn
+from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFailed
 from companion.mission.model import Command
 from companion.planning.domain import Action
 from companion.vehicle.port import Progress
@@ -78,9 +80,9 @@ class Effects(Leaf):
         flight, action = self._flight, self._action
         flight.task.complete(action)
         if action.destination is not None and len(action.execute) == 1:
-            flight.report("at", f"at {action.destination}", action=action.name)
+            flight.report(PlaceReached(action.destination, action.name))
         elif action.assumes or action.adds:
-            flight.report("done", f"{action.name} done", action=action.name)
+            flight.report(SkillCompleted(action.name))
         flight.progress.completed += 1
         flight.progress.laps += self._ends_lap
         return Status.SUCCESS
@@ -106,13 +108,14 @@ class Withdraw(Leaf):
         self.feedback_message = failure_of(self._left)
         if flight.task.running is not action:
             return Status.SUCCESS
-        self.feedback_message = f"{action.name} failed: {self.feedback_message}"
-        flight.report("failed", self.feedback_message, action=action.name)
+        failed = SkillFailed(action.name, self.feedback_message)
+        self.feedback_message = failed.text
+        flight.report(failed)
         after_s = flight.belief_retry_s if action.retry_after_s is None else action.retry_after_s
         retry_s = None if after_s is None else flight.now_s + after_s
         flight.task.withdraw(action.assumes, retry_s)
         for belief in sorted(action.assumes):
-            flight.report("withdrawn", f"belief {belief} withdrawn", belief=belief)
+            flight.report(BeliefWithdrawn(belief))
         return Status.SUCCESS
 
 

@@ -9,6 +9,7 @@ from py_trees.common import Status
 
 from companion.acting.behaviour_tree.leaf import Leaf
 from companion.acting.flight import TICK_S, Flight
+from companion.flight_events.skills import RouteBlocked, RouteResponse
 from companion.geometry import distance
 from companion.motion.profile import SpeedLimits
 from companion.motion.routes import Route
@@ -59,7 +60,7 @@ class MoveCommand(Leaf):
     def _begin(self, state: VehicleState) -> None:
         seen = Sample(state.position, state.velocity, AT_REST, state.yaw_rad, False)
         self._trajectory = self._from_motion(seen) or self._from_rest(state)
-        self._told = ""
+        self._told: RouteBlocked | None = None
         self._is_braking = False
         self._map_version = self._flight.routes.version
         self._time_s = 0.0
@@ -144,11 +145,11 @@ class MoveCommand(Leaf):
         self._trajectory, self._is_braking = trajectory, is_braking
         self._map_version = self._flight.routes.version
         self._time_s = 0.0
-        what = "stopping" if is_braking else "another route"
-        text = f"the way to {self._place} is not clear: {what if trajectory else 'no route'}"
-        if text != self._told:
-            self._flight.report("route", text, place=self._place)
-        self._told = text
+        response = RouteResponse.STOPPING if is_braking else RouteResponse.ANOTHER_ROUTE
+        blocked = RouteBlocked(self._place, response if trajectory else RouteResponse.NO_ROUTE)
+        if blocked != self._told:
+            self._flight.report(blocked)
+        self._told = blocked
 
     def _hold_and_fail(self, why: str) -> Status:
         self._flight.hold()

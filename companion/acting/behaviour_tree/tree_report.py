@@ -1,4 +1,4 @@
-"""What does the tree look like, and what is each of its nodes doing? Told when it changes.
+"""Reports what the tree looks like, and what each of its nodes does, when it changes.
 
 A tree is told node by node, in depth-first order, the first time; later ticks tell only the nodes
 whose status has changed since, by their number in that order. So a tree's whole history can be
@@ -16,6 +16,16 @@ from py_trees.decorators import Decorator, Repeat
 
 from companion.acting.behaviour_tree.builder import ActionNode
 from companion.acting.flight import Flight
+from companion.flight_events.tree import (
+    ActionTreeNode,
+    NodeChange,
+    NodesChanged,
+    NodeStatus,
+    NodeType,
+    TreeBuilt,
+    TreeNode,
+    TreeStopped,
+)
 
 
 class TreeReport:
@@ -37,20 +47,23 @@ class TreeReport:
         """Tells the tree, once, and the nodes whose status has changed since the last call."""
         if not self._statuses:
             self._statuses = [Status.INVALID] * len(self._nodes)
-            nodes = [_as_json(node, depth) for node, depth in self._depths]
-            self._flight.report("tree", f"a tree of {len(nodes)} nodes", nodes=nodes)
+            nodes = tuple(_described(node, depth) for node, depth in self._depths)
+            self._flight.report(TreeBuilt(nodes))
         statuses = [node.status for node in self._nodes]
         if statuses == self._statuses:
             return
-        changed = [
-            [number, status.value, _feedback(node)]
+        changed = tuple(
+            NodeChange(number, NodeStatus(status.value), _feedback(node))
             for number, (node, status) in enumerate(zip(self._nodes, statuses, strict=True))
             if status is not self._statuses[number]
-        ]
+        )
         self._statuses = statuses
         tip = self._root.tip()
-        text = f"{tip.name}: {tip.status.value}" if tip else "nothing runs"
-        self._flight.report("status", text, changed=changed)
+        self._flight.report(
+            NodesChanged(tip.name, NodeStatus(tip.status.value), changed)
+            if tip
+            else TreeStopped(changed)
+        )
 
 
 def _feedback(node: Behaviour) -> str:
@@ -66,24 +79,17 @@ def _preorder(node: Behaviour, depth: int) -> Iterator[tuple[Behaviour, int]]:
         yield from _preorder(child, depth + 1)
 
 
-def _as_json(node: Behaviour, depth: int) -> dict[str, object]:
-    told: dict[str, object] = {"depth": depth, "type": _type(node), "name": node.name}
-    if isinstance(node, ActionNode):
-        told["destination"] = node.action.destination
-        told["assumes"] = sorted(node.action.assumes)
-    return told
-
-
-def _type(node: Behaviour) -> str:
+def _described(node: Behaviour, depth: int) -> TreeNode | ActionTreeNode:
     match node:
-        case ActionNode():
-            return "action"
+        case ActionNode(action=action):
+            assumes = tuple(sorted(action.assumes))
+            return ActionTreeNode(depth, NodeType.ACTION, node.name, action.destination, assumes)
         case Sequence():
-            return "sequence"
+            return TreeNode(depth, NodeType.SEQUENCE, node.name)
         case Selector():
-            return "selector"
+            return TreeNode(depth, NodeType.SELECTOR, node.name)
         case Repeat():
-            return "repeat"
+            return TreeNode(depth, NodeType.REPEAT, node.name)
         case Decorator():
-            return "decorator"
-    return "leaf"
+            return TreeNode(depth, NodeType.DECORATOR, node.name)
+    return TreeNode(depth, NodeType.LEAF, node.name)

@@ -7,8 +7,8 @@ withdrawn stays so; one that comes back allows for a better plan.
 
 from __future__ import annotations
 
-from companion.acting.event_detector import in_words
 from companion.acting.flight import Flight
+from companion.flight_events.facts import in_words
 from companion.planning.domain import Fact
 from companion.planning.lasso import Lasso
 from companion.planning.planner import Planner

@@ -16,6 +16,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from companion.acting.flight import Flight
+from companion.flight_events.facts import PlacesConnected, PlacesCutOff
 from companion.planning.domain import Fact
 from companion.planning.planner import Planner
 
@@ -88,19 +89,17 @@ class Reachability:
             self.has_changed = False
         lost, held = flight.task.cut_off(self._planner.without_a_move)
         if held:
-            self._tell(f"a way again: {self._named(held)} restored", held=held)
-        text = f"no way on the map as seen: {self._named(lost)} withdrawn" if lost else ""
-        if lost:
-            self._tell(text, lost=lost)
-        return BeliefChange(tuple(lost), tuple(held), text)
+            flight.report(PlacesConnected(self._named(held), restored=tuple(held)))
+        if not lost:
+            return BeliefChange((), tuple(held), "")
+        cut_off = PlacesCutOff(self._named(lost), withdrawn=tuple(lost))
+        flight.report(cut_off)
+        return BeliefChange(cut_off.withdrawn, tuple(held), cut_off.text)
 
     def _named(self, beliefs: list[Fact]) -> str:
         gone, known = self._planner.without_a_move, self._planner.model.beliefs
         alike = beliefs if gone.isdisjoint(beliefs) else gone
         return in_words(beliefs, alike, known)
-
-    def _tell(self, text: str, lost: Iterable[Fact] = (), held: Iterable[Fact] = ()) -> None:
-        self._flight.report("map", text, withdrawn=list(lost), restored=list(held))
 
     def _unreachable(self) -> frozenset[str]:
         """The places from which walls divide the vehicle."""

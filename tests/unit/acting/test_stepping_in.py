@@ -8,20 +8,30 @@ from itertools import product
 
 import pytest
 from fakes import FakeVehicle
+from happened import Happened
 from rig import Rig
 from synthetic import mission
 
 from companion.acting.authority import FRESH_S, not_handed_over
 from companion.acting.flight import TICK_S
-from companion.acting.phases import Phase
 from companion.acting.sortie import ON_THE_GROUND_BY_PLAN, Sortie
+from companion.errors import Aborted
+from companion.flight_events.event import Stamped
+from companion.flight_events.plans import NoPlanFound, PlanReplaced
+from companion.flight_events.sortie import (
+    ControlRegained,
+    ControlYielded,
+    Phase,
+    ReturnFailed,
+    RunFailed,
+)
 from companion.outcomes import Refusal
 from companion.vehicle.port import MODE_KNOWN_S, Goal, Mode, VehicleState
 
 PATROL = "G F at(A) & G F at(B)"
 
 
-class Stepping:
+class Stepping(Happened):
     """A sortie with a FakeVehicle, in the middle of a patrol."""
 
     def __init__(self, task: str = PATROL, may_yield: bool = True) -> None:
@@ -55,8 +65,8 @@ class Stepping:
         return self.vehicle.state.position
 
     @property
-    def texts(self) -> list[str]:
-        return [report.text for report in self.rig.flight.reports if report.is_told]
+    def reports(self) -> list[Stamped]:  # type: ignore[override]
+        return self.rig.flight.reports
 
 
 @pytest.fixture
@@ -74,7 +84,7 @@ def test_a_pause_freezes_the_task(flown: Stepping) -> None:
     assert flown.sortie.resume() is None
     flown.run(20.0)
     assert flown.rig.task.positions > positions
-    assert flown.texts.count("at A") >= 1 and flown.texts.count("at B") >= 1
+    assert {"A", "B"} <= set(flown.places)
 
 
 @pytest.mark.parametrize("phase", [p for p in Phase if p not in (Phase.TASK, Phase.RETURNING)])
@@ -109,7 +119,9 @@ def test_a_return_that_finds_no_way_lands_where_it_is(flown: Stepping) -> None:
     assert flown.sortie.return_home() is None
     flown.until(Phase.ENDED)
     assert flown.vehicle.pursued[-2:] == [Goal.HOLDING, Goal.LANDED]
-    assert flown.texts[-1].startswith("cannot return to H: ")
+    failed = flown.one(ReturnFailed)
+    assert failed.place == "H"
+    assert flown.events[-1] == RunFailed(failed.text, Aborted.exit_code)
     assert flown.sortie.failure is not None and flown.sortie.failure.exit_code == 5
 
 
@@ -118,7 +130,7 @@ def test_a_return_is_not_left_for_the_task(flown: Stepping) -> None:
     flown.rig.executive._assumptions.note_restored_beliefs()
     flown.until(Phase.ENDED)
     assert math.dist(flown.position[:2], (0.0, 0.0)) < 0.3
-    assert not [text for text in flown.texts if text.startswith("replan")]
+    assert flown.of(PlanReplaced) == flown.of(NoPlanFound) == []
 
 
 # -- whose it is -----------------------------------------------------------------------------------
@@ -133,6 +145,7 @@ def take_over(flown: Stepping, mode: Mode) -> None:
 def test_nothing_is_sent_while_the_pilot_flies(flown: Stepping) -> None:
     take_over(flown, Mode.POSCTL)
     assert flown.sortie.phase is Phase.YIELDED
+    assert flown.one(ControlYielded).loss == "the pilot has control, in POSCTL"
     flown_before, sent = len(flown.vehicle.flown), len(flown.vehicle.pursued)
     flown.run(60.0)
     assert (len(flown.vehicle.flown), len(flown.vehicle.pursued)) == (flown_before, sent)
@@ -148,8 +161,8 @@ def test_given_back_it_holds_where_it_is_and_goes_on(flown: Stepping) -> None:
     assert flown.vehicle.setpoint is not None
     assert flown.vehicle.setpoint.position == (3.0, 3.0, -2.5)
     flown.until(Phase.TASK).run(20.0)
-    assert "control given back by the operator" in flown.texts
-    assert flown.texts.count("at A") >= 1
+    assert ControlRegained() in flown.events
+    assert "A" in flown.places
 
 
 def test_without_somebody_who_may_give_it_back_it_ends() -> None:

@@ -12,6 +12,7 @@ from rig import Rig
 from synthetic import POSITIONS, mission
 
 from companion.acting.symbols import INSIDE_M, REFUSED_S, SAME_M, SAMPLES, Symbols, Value, around
+from companion.flight_events.skills import PlaceReached, SymbolMoved
 from companion.geometry import Ned, distance, horizontal_distance
 from companion.mission.model import Place
 from companion.motion.grid import OccupancyGrid
@@ -117,9 +118,9 @@ def test_a_try_that_fails_is_followed_by_another_waypoint() -> None:
     rig = Rig(mission("F at(A)")).begin()
     rig.tick()
     rig.vehicle.is_stuck = True
-    rig.run(lambda: bool(rig.of_kind("symbol")), 200.0)
+    rig.run(lambda: bool(rig.of(SymbolMoved, place="A")), 200.0)
     rig.vehicle.is_stuck = False
-    rig.run_until("at A")
+    rig.run_until(PlaceReached, place="A")
     assert rig.vehicle.state is not None
     gap_m = horizontal_distance(rig.vehicle.state.position, POSITIONS["A"])
     assert 0.0 < gap_m <= rig.mission.places["A"].radius_m

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from companion.acting.report import Report
 
 from companion import (
     FlightResult,
@@ -19,7 +20,6 @@ from companion import (
     load_mission,
     simulate,
 )
-from companion.acting.report import Report
 from companion.api.simulating import world_of
 from companion.mission.model import Otherwise
 

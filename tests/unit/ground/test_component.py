@@ -14,7 +14,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from companion.acting.flight import TICK_S
-from companion.acting.report import Report
+from companion.flight_events.skills import PlaceReached, SkillFailed
+from companion.flight_events.sortie import RunEnded, RunFailed, TaskSatisfied
 from companion.ground.component import WANTED, Component
 from companion.ground.operations import SystemStatus
 from companion.ground.parameters import NAMES
@@ -348,20 +349,21 @@ def test_a_value_that_cannot_be_is_refused_with_the_present_one(
 
 def test_the_level_of_texts_is_followed(radio: Radio) -> None:
     put(radio, "CMP_TEXT_LEVEL", 4, INT32)
-    radio.component.tell(radio.now_s, Report(0.0, "at", "at A"))
-    radio.component.tell(radio.now_s, Report(0.0, "failed", "upload failed"))
-    assert [m.text for m in of_type(radio.run(1.0), "STATUSTEXT")] == ["upload failed"]
+    failed = SkillFailed("upload", "denied")
+    radio.component.tell(radio.now_s, PlaceReached("A", "move"))
+    radio.component.tell(radio.now_s, failed)
+    assert [m.text for m in of_type(radio.run(1.0), "STATUSTEXT")] == [failed.text]
 
 
-@pytest.mark.parametrize("code", [0, 5])
-def test_the_end_is_told_to_programs_after_all_texts(radio: Radio, code: int) -> None:
+@pytest.mark.parametrize("ending", [TaskSatisfied(), RunFailed("landed", exit_code=5)])
+def test_the_end_is_told_to_programs_after_all_texts(radio: Radio, ending: RunEnded) -> None:
     radio.run(0.3)
-    radio.component.tell(radio.now_s, Report(0.0, "at", "a way " * 20))
-    radio.component.tell(radio.now_s, Report(0.0, "end", "landed", {"exit_code": code}))
+    radio.component.tell(radio.now_s, PlaceReached("a place " * 15, "move"))
+    radio.component.tell(radio.now_s, ending)
     last = radio.component.transmit(radio.now_s, is_last=True)
     kinds = [m.get_type() for m in last]
     assert kinds == ["STATUSTEXT"] * 4 + ["NAMED_VALUE_INT"]
-    assert (last[-1].name, last[-1].value) == ("exit_code", code)
+    assert (last[-1].name, last[-1].value) == ("exit_code", ending.exit_code)
 
 
 # -- the rest --------------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""Reports as STATUSTEXT: what is said, how bad it is, and how fast."""
+"""Events as STATUSTEXT: what is said, how bad it is, and how fast."""
 
 from __future__ import annotations
 
@@ -8,7 +8,11 @@ from typing import Any
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.acting.report import Report
+from companion.flight_events.hosting import MissionReady, MissionUnreadable, UploadChecked
+from companion.flight_events.plans import NoPlanFound
+from companion.flight_events.skills import PlaceReached, SkillFailed
+from companion.flight_events.sortie import RunFailed, TaskSatisfied
+from companion.flight_events.word import ConjunctViolated
 from companion.ground.texts import LONGEST, MESSAGE_S, PATIENCE_S, StatusTextQueue, severity
 from companion.mavlink.framing import dialect
 
@@ -36,11 +40,23 @@ def together(messages: list[Any]) -> list[str]:
 
 
 def test_a_failed_run_is_critical_and_a_satisfied_one_a_notice() -> None:
-    assert severity(Report(0.0, "end", "landed", {"exit_code": 0})) == dialect.MAV_SEVERITY_NOTICE
-    assert severity(Report(0.0, "end", "lost", {"exit_code": 5})) == dialect.MAV_SEVERITY_CRITICAL
-    assert severity(Report(0.0, "violation", "")) < severity(Report(0.0, "failed", ""))
-    assert severity(Report(0.0, "failed", "")) < severity(Report(0.0, "replan", ""))
-    assert severity(Report(0.0, "replan", "")) < severity(Report(0.0, "at", ""))
+    assert severity(TaskSatisfied()) == dialect.MAV_SEVERITY_NOTICE
+    assert severity(RunFailed("lost", exit_code=5)) == dialect.MAV_SEVERITY_CRITICAL
+
+
+def test_what_is_worse_has_the_smaller_number() -> None:
+    violated = ConjunctViolated("safe", "G !low", position=1, facts=("low",))
+    failed, no_plan = SkillFailed("do", "denied"), NoPlanFound(1, "denied", "no plan")
+    reached = PlaceReached("A", "move(H, A)")
+    numbers = [severity(event) for event in (violated, failed, no_plan, reached)]
+    assert numbers == sorted(set(numbers))
+
+
+def test_a_refused_upload_is_a_warning_and_an_accepted_one_a_notice() -> None:
+    assert severity(UploadChecked("refused a.yaml", is_refused=True)) == WARNING
+    assert severity(MissionUnreadable("no such file")) == WARNING
+    accepted = [UploadChecked("a.yaml accepted", is_refused=False), MissionReady("a")]
+    assert {severity(event) for event in accepted} == {dialect.MAV_SEVERITY_NOTICE}
 
 
 @given(st.lists(st.text(st.characters(codec="utf-8", exclude_categories=["C", "Z"])), max_size=8))

@@ -15,6 +15,7 @@ from fakes import DONE, failed
 from rig import Rig
 
 from companion.errors import CompanionError
+from companion.flight_events.skills import PlaceReached
 from companion.mission.model import Mission, Signal
 from companion.motion.routes import RouteMap
 from companion.planning.builtin.search import Search
@@ -72,7 +73,7 @@ def phases(surveillance: Mission, surveillance_routes: RouteMap) -> list[Asked]:
     rig.planner.solve, rig.planner.replan = noting_solve, noting_replan  # type: ignore[method-assign]
     rig.begin()
     rig.vehicle.answers = [(2.0, failed("denied")), (1.0, DONE)]
-    rig.run_until("at A", times=2)
+    rig.run_until(PlaceReached, place="A", times=2)
     for _ in range(60):
         rig.tick()
     rig.tick(TARGET)

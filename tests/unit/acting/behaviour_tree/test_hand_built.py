@@ -11,6 +11,15 @@ from synthetic import command, event, mission, reading
 
 from companion.acting.executive import TaskStatus
 from companion.errors import CompanionError
+from companion.flight_events.facts import BeliefRestored, BeliefWithdrawn
+from companion.flight_events.plans import WrittenTreeAdopted
+from companion.flight_events.skills import (
+    PlaceReached,
+    SkillCompleted,
+    SkillFailed,
+    WrittenTreeFailed,
+)
+from companion.flight_events.word import ConjunctViolated, PositionLeft
 from companion.mission.tree_nodes import (
     Act,
     Check,
@@ -35,7 +44,12 @@ def fly(*nodes: Tree) -> Rig:
 def test_steps_are_done_in_order_and_the_end_satisfies_the_task() -> None:
     rig = fly(Act("move(H, A)"), Act("do"), Act("move(A, B)"))
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
-    assert rig.texts == ["the mission's own tree", "at A", "do done", "at B"]
+    assert rig.events == [
+        WrittenTreeAdopted(task={}),
+        PlaceReached("A", "move(H, A)"),
+        SkillCompleted("do"),
+        PlaceReached("B", "move(A, B)"),
+    ]
     assert rig.task.facts == {"at(B)", "done"}
 
 
@@ -44,11 +58,14 @@ def test_a_tree_may_break_the_task_and_that_is_told() -> None:
     lines = {"visit": "F at(A)", "never": "G !at(B)"}
     steps = Steps((Act("move(H, A)"), Act("move(A, B)")))
     rig = Rig(replace(mission(lines), tree=steps)).begin()
-    assert rig.reports[0].data["task"] == lines
+    assert rig.events == [WrittenTreeAdopted(lines)]
     rig.run_to_the_end()
-    assert rig.of_kind("violation") == ["never violated at position 2: G !at(B)"]
-    assert [(p["facts"], p["for_ever"]) for p in rig.positions] == [
-        *((["at(H)"], False), (["at(A)"], False), (["at(B)"], True)),
+    violated = ConjunctViolated("never", "G !at(B)", position=2, facts=("at(B)",))
+    assert rig.of(ConjunctViolated) == [violated]
+    assert rig.positions == [
+        PositionLeft(0, ("at(H)",), (), (), for_ever=False),
+        PositionLeft(1, ("at(A)",), (), (), for_ever=False),
+        PositionLeft(2, ("at(B)",), (), (), for_ever=True),
     ]
 
 
@@ -60,9 +77,9 @@ def test_a_belief_that_comes_back_does_not_stop_the_tree() -> None:
     rig = Rig(replace(mission({}, skills=[do]), tree=steps)).begin()
     rig.vehicle.answers = [(0.1, failed("denied"))]
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
-    assert rig.texts[1:] == [
-        *("do failed: denied", "belief can_do withdrawn", "belief can_do restored"),
-        *("at A", "at B"),
+    assert rig.events[1:] == [
+        *(SkillFailed("do", "denied"), BeliefWithdrawn("can_do"), BeliefRestored("can_do")),
+        *(PlaceReached("A", "move(H, A)"), PlaceReached("B", "move(A, B)")),
     ]
 
 
@@ -70,7 +87,8 @@ def test_a_failure_ends_the_task_in_words() -> None:
     rig = fly(Act("do"), Act("move(H, A)"))
     rig.vehicle.answers = [(0.1, failed("denied"))]
     assert rig.run_to_the_end() is TaskStatus.NO_PLAN
-    assert str(rig.executive.failure) == "the tree has failed: do failed: denied"
+    assert rig.events[-1] == WrittenTreeFailed("do failed: denied")
+    assert str(rig.executive.failure) == rig.events[-1].text
     assert rig.executive.go_to("H")
 
 
@@ -78,7 +96,7 @@ def test_a_fallback_takes_what_succeeds_first() -> None:
     rig = fly(Fallback((SEEN, Act("do"), Act("move(H, A)"))), Act("move(H, B)"))
     rig.vehicle.answers = [(0.1, DONE)]
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
-    assert rig.of_kind("at") == ["at B"]
+    assert rig.places == ["B"]
 
 
 def test_again_after_a_failure_and_so_often_at_most() -> None:
@@ -92,9 +110,9 @@ def test_a_number_of_times_and_for_ever() -> None:
     there_and_back = Steps((Act("move(H, A)"), Act("move(A, H)")))
     rig = fly(Repeat(there_and_back, 2))
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
-    assert rig.of_kind("at") == ["at A", "at H"] * 2
+    assert rig.places == ["A", "H"] * 2
     rig = fly(Repeat(there_and_back, None))
-    rig.run(lambda: len(rig.of_kind("at")) >= 6)
+    rig.run(lambda: len(rig.places) >= 6)
     assert rig.executive.status is TaskStatus.RUNNING
 
 
@@ -106,7 +124,7 @@ def test_a_watch_interrupts_what_is_under_way_and_the_vehicle_flies_on_from_here
     rig.tick(reading("seen"))
     assert rig.task.facts == {"at(here)", "seen"}
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
-    assert rig.of_kind("at") == ["at B"]
+    assert rig.places == ["B"]
 
 
 def test_an_action_that_does_not_exist_is_told_before_the_flight() -> None:

@@ -22,12 +22,19 @@ from companion.acting.behaviour_tree.leaves import (
 from companion.acting.behaviour_tree.move import MoveCommand
 from companion.acting.flight import TICK_S
 from companion.acting.replanning.assumptions import Assumptions
+from companion.flight_events.event import FlightEvent
+from companion.flight_events.facts import BeliefWithdrawn
+from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFailed
 from companion.mission.model import Command
 from companion.motion.grid import OccupancyGrid
 from companion.planning.domain import WAIT, Action
 from companion.vehicle.port import hold_at
 
 ASK = Command(PAYLOAD, USER_1, "MAV_CMD_USER_1", (1.5, -2.0))
+
+
+def reported(rig: Rig) -> list[FlightEvent]:
+    return [stamped.event for stamped in rig.flight.reports]
 
 
 def action(rig: Rig, name: str) -> Action:
@@ -75,16 +82,20 @@ def test_a_forbidden_fact_does_not_allow_it() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "reports"),
-    [("move(H, A)", [("at", "at A")]), ("do", [("done", "do done")]), ("wait", [])],
+    ("name", "events"),
+    [
+        ("move(H, A)", [PlaceReached("A", "move(H, A)")]),
+        ("do", [SkillCompleted("do")]),
+        ("wait", []),
+    ],
 )
-def test_effects_are_taken_over_and_reported(name: str, reports: list[tuple[str, str]]) -> None:
+def test_effects_are_taken_over_and_reported(name: str, events: list[FlightEvent]) -> None:
     rig = a_rig()
     done = action(rig, name)
     rig.task.begin(done)
     assert tick(rig, Effects(rig.flight, done, ends_lap=False)) is Status.SUCCESS
     assert rig.task.facts == done.apply(frozenset({"at(H)"}))
-    assert [(r.kind, r.text) for r in rig.flight.reports] == reports
+    assert reported(rig) == events
     assert rig.flight.progress.laps == 0
 
 
@@ -94,7 +105,7 @@ def test_the_last_effects_of_a_lap_count_it_and_rest_is_not_worth_a_word() -> No
     tick(rig, Effects(rig.flight, WAIT, ends_lap=True))
     assert rig.flight.progress.laps == 1
     assert rig.flight.progress.completed == 2
-    assert [r.text for r in rig.flight.reports] == ["do done"]
+    assert reported(rig) == [SkillCompleted("do")]
 
 
 def test_withdraw_gives_up_what_was_assumed_and_says_why() -> None:
@@ -106,10 +117,7 @@ def test_withdraw_gives_up_what_was_assumed_and_says_why() -> None:
     leaf = Withdraw(rig.flight, action(rig, "do"), left)
     assert tick(rig, leaf) is Status.SUCCESS
     assert rig.task.withdrawn == {"can_do"}
-    assert [(r.kind, r.text) for r in rig.flight.reports] == [
-        ("failed", "do failed: denied"),
-        ("withdrawn", "belief can_do withdrawn"),
-    ]
+    assert reported(rig) == [SkillFailed("do", "denied"), BeliefWithdrawn("can_do")]
     assert leaf.feedback_message == "do failed: denied"
 
 

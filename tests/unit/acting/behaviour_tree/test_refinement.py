@@ -13,9 +13,13 @@ from synthetic import command, event, mission, reading, skill
 from companion.acting.behaviour_tree.builder import build
 from companion.acting.behaviour_tree.landing import NO_CHARGE_S
 from companion.acting.executive import ExecutiveState, TaskStatus
-from companion.acting.phases import Phase
 from companion.acting.replanning.assumptions import Assumptions
 from companion.acting.sortie import Sortie
+from companion.flight_events.event import FlightEvent
+from companion.flight_events.facts import BeliefRestored, BeliefWithdrawn, MissionEventChanged
+from companion.flight_events.plans import LapCompleted, PlanReplaced
+from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFailed
+from companion.flight_events.sortie import Phase, VehicleAirborne, VehicleLanded
 from companion.mission.model import (
     Charge,
     Command,
@@ -92,7 +96,7 @@ def test_steps_are_done_one_after_the_other() -> None:
     action = next(a for a in rig.planner.model.actions if a.name == "shoot(H, A)")
     lasso = Lasso((action,), (next(iter(rig.planner.model.actions)),))
     rig.executive._adopt(lasso, ExecutiveState.EXECUTING)
-    rig.run_until("shoot(H, A) done")
+    rig.run_until(SkillCompleted, action="shoot(H, A)")
     assert [sent[1] for sent in rig.vehicle.sent] == [31010, 31010]
 
 
@@ -103,10 +107,8 @@ def test_steps_have_one_time_limit_together() -> None:
     )
     rig = Rig(mission("F done", skills=[shoot])).begin()
     rig.run_to_the_end()
-    failure = "shoot failed: not done after 5 s"
-    assert failure in rig.texts
-    at_s = next(report.time_s for report in rig.reports if report.text == failure)
-    assert at_s == pytest.approx(5.0, abs=0.15)
+    failed_s = rig.time_of(SkillFailed, action="shoot", reason="not done after 5 s")
+    assert failed_s == pytest.approx(5.0, abs=0.15)
 
 
 # -- landing, charging, taking off -----------------------------------------------------------------
@@ -115,29 +117,30 @@ def test_steps_have_one_time_limit_together() -> None:
 def test_charging_lands_waits_for_the_battery_and_goes_on_in_the_air() -> None:
     rig = Rig(charging("F (charged & F at(B))")).begin()
     rig.vehicle.change(battery_percent=20)
-    rig.run_until("landed on the way")
+    rig.run_until(VehicleLanded)
     assert rig.vehicle.state is not None and not rig.vehicle.state.is_armed
     for _ in range(200):
         rig.tick()
-    assert "in the air again" not in rig.texts
+    assert VehicleAirborne() not in rig.events
     rig.vehicle.change(battery_percent=91)
-    rig.run_until("in the air again")
+    rig.run_until(VehicleAirborne)
     assert rig.vehicle.pursued == [Goal.LANDED, Goal.ARMED, Goal.AIRBORNE, Goal.OFFBOARD]
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
-    assert rig.of_kind("at") == ["at B"]
+    assert rig.places == ["B"]
     assert rig.executive.replans == 0
 
 
 def test_nothing_interrupts_the_vehicle_on_the_ground_and_the_event_counts_afterwards() -> None:
     rig = Rig(charging("F charged & G (low -> F at(B))")).begin()
     rig.vehicle.change(battery_percent=20)
-    rig.run_until("landed on the way")
+    rig.run_until(VehicleLanded)
     rig.tick(reading("low"))
     rig.vehicle.change(battery_percent=95)
-    rig.run_until("at B")
-    assert rig.texts.index("low") < rig.texts.index("in the air again")
-    replan = next(text for text in rig.texts if text.startswith("replan 1: low"))
-    assert rig.texts.index("in the air again") < rig.texts.index(replan)
+    rig.run_until(PlaceReached, place="B")
+    low, airborne = MissionEventChanged("low", holds=True), VehicleAirborne()
+    (replaced,) = rig.of(PlanReplaced, number=1, reason="low")
+    moments = [rig.events.index(event) for event in (low, airborne, replaced)]
+    assert moments == sorted(moments)
 
 
 def test_a_charger_that_gives_nothing_is_given_up_and_the_sortie_takes_off_again() -> None:
@@ -148,27 +151,27 @@ def test_a_charger_that_gives_nothing_is_given_up_and_the_sortie_takes_off_again
     vehicle.change(battery_percent=20, is_landed=True, is_armed=False, position=(0.0, 0.0, 0.0))
     sortie = Sortie(rig.flight, rig.executive, asked.home, asked.otherwise)
 
-    def until(text: str, limit_s: float = 400.0) -> None:
+    def until(event: FlightEvent, limit_s: float = 400.0) -> None:
         for _ in range(round(limit_s * 20)):
-            if text in [report.text for report in rig.flight.reports]:
+            if event in [stamped.event for stamped in rig.flight.reports]:
                 return
             rig.pass_time()
             sortie.step(rig.flight.now_s, ())
         raise AssertionError(rig.flight.reports)
 
-    until("landed on the way")
+    until(VehicleLanded())
     landed_s = rig.flight.now_s
-    until("charge(H, A) failed: the battery does not charge, it is at 20 %")
+    until(SkillFailed("charge(H, A)", "the battery does not charge, it is at 20 %"))
     assert rig.flight.now_s - landed_s == pytest.approx(NO_CHARGE_S, abs=0.5)
     assert sortie.phase is Phase.ARMING
-    until("at B")
+    until(PlaceReached("B", "move(here, B)"))
     assert vehicle.pursued[-3:] == [Goal.ARMED, Goal.AIRBORNE, Goal.OFFBOARD]
 
 
 def test_a_landing_that_fails_is_a_failed_skill() -> None:
     rig = Rig(charging("F charged | G F at(B)")).begin()
     rig.vehicle.script[Goal.LANDED] = (1.0, failed("not landed after 120 s"))
-    rig.run_until("charge(H, A) failed: not landed after 120 s")
+    rig.run_until(SkillFailed, action="charge(H, A)", reason="not landed after 120 s")
     assert rig.task.withdrawn == {"pad(A)"}
 
 
@@ -180,12 +183,12 @@ def test_a_belief_comes_back_after_its_time_and_the_plan_changes_at_the_next_pla
     asked = mission("(G F done) | (G F at(A) & G F at(B))", skills=[short])
     rig = Rig(asked).begin()
     rig.vehicle.answers = [(0.5, failed("denied"))]
-    rig.run_until("belief can_short withdrawn")
+    rig.run_until(BeliefWithdrawn, belief="can_short")
     withdrawn_s = rig.flight.now_s
-    rig.run_until("belief can_short restored")
+    rig.run_until(BeliefRestored, belief="can_short")
     assert rig.flight.now_s - withdrawn_s == pytest.approx(10.0, abs=0.1)
-    rig.run_until("short done")
-    reasons = [str(report.data["reason"]) for report in rig.reports if report.kind == "replan"]
+    rig.run_until(SkillCompleted, action="short")
+    reasons = [replaced.reason for replaced in rig.of(PlanReplaced)]
     assert reasons == ["short failed: denied", "a belief came back"]
 
 
@@ -196,20 +199,20 @@ def test_an_event_restores_beliefs_by_their_predicate() -> None:
     )
     rig = Rig(asked).begin()
     rig.vehicle.answers = [(0.5, failed("denied"))]
-    rig.run_until("belief can_do withdrawn")
+    rig.run_until(BeliefWithdrawn, belief="can_do")
     rig.tick(reading("again"))
-    assert "belief can_do restored" in rig.texts
+    assert BeliefRestored("can_do") in rig.events
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
 
 
 def test_a_belief_that_makes_no_better_plan_leaves_the_plan_as_it_is() -> None:
     again = replace(event("again"), restores=frozenset({"trans_ok"}))
     rig = Rig(mission("G F at(A) & G F at(B)", events=[again])).begin()
-    rig.run_until("at A")
+    rig.run_until(PlaceReached, place="A")
     rig.task.withdraw(frozenset({"trans_ok(A, H)"}))
     plans = len(rig.plans)
     rig.tick(reading("again"))
-    rig.run_until("lap 2 done")
+    rig.run_until(LapCompleted, lap=2)
     assert rig.executive.replans == 0
     assert all(str(plan) for plan in rig.plans[plans:])
 
@@ -219,9 +222,9 @@ def test_an_event_that_leaves_the_plan_the_best_one_interrupts_nothing() -> None
     for _ in range(20):
         rig.tick()
     rig.tick(reading("low"))
-    rig.run_until("at A")
+    rig.run_until(PlaceReached, place="A")
     assert rig.executive.replans == 0
-    assert rig.of_kind("event") == ["low"]
+    assert rig.of(MissionEventChanged) == [MissionEventChanged("low", holds=True)]
 
 
 def test_what_is_denied_while_there_is_still_hope_is_not_asked_for_ever() -> None:

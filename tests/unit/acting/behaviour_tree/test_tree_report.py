@@ -10,28 +10,40 @@ from synthetic import command, mission, move
 from companion.acting.behaviour_tree.builder import build
 from companion.acting.behaviour_tree.tree_report import TreeReport
 from companion.acting.replanning.assumptions import Assumptions
-from companion.acting.report import Report
+from companion.flight_events.event import Stamped
+from companion.flight_events.tree import (
+    ActionTreeNode,
+    NodesChanged,
+    NodeStatus,
+    NodeType,
+    TreeBuilt,
+    TreeNode,
+    TreeStopped,
+)
 
 
 class Reader:
-    """Reads `tree` and `status` back."""
+    """Reads back what is told of trees and their nodes."""
 
     def __init__(self) -> None:
-        self.nodes: list[dict[str, object]] = []
-        self.statuses: list[str] = []
+        self.nodes: tuple[TreeNode, ...] = ()
+        self.statuses: list[NodeStatus] = []
 
-    def read(self, reports: list[Report]) -> int:
-        """How many of the reports were for it."""
-        told = [report for report in reports if report.kind in ("tree", "status")]
-        for report in told:
-            if report.kind == "tree":
-                self.nodes = report.data["nodes"]  # type: ignore[assignment]
-                self.statuses = ["INVALID"] * len(self.nodes)
-            else:
-                for number, status, _ in report.data["changed"]:  # type: ignore[attr-defined]
-                    assert self.statuses[number] != status, "no change"
-                    self.statuses[number] = status
-        return len(told)
+    def read(self, reports: list[Stamped]) -> int:
+        """How many of the events were for it."""
+        count = 0
+        for stamped in reports:
+            match stamped.event:
+                case TreeBuilt(nodes=nodes):
+                    self.nodes = nodes
+                    self.statuses = [NodeStatus.INVALID] * len(nodes)
+                    count += 1
+                case NodesChanged(changed=changed) | TreeStopped(changed=changed):
+                    for number, status, _ in changed:
+                        assert self.statuses[number] != status, "no change"
+                        self.statuses[number] = status
+                    count += 1
+        return count
 
 
 def nodes_of(root: Behaviour) -> list[Behaviour]:
@@ -45,17 +57,17 @@ def test_what_was_told_is_the_tree_at_every_tick() -> None:
     lasso = rig.planner.solve(*rig.task.problem()).lasso
     root = build(rig.flight, lasso, Assumptions(rig.planner, rig.flight))
     report = TreeReport(rig.flight, root)
-    seen, quiet = set(), 0
+    seen, quiet = set[NodeStatus](), 0
     for _ in range(400):
         rig.pass_time()
         root.tick_once()
         report.tell()
         quiet += reader.read(rig.flight.reports) == 0
         rig.flight.reports.clear()
-        assert reader.statuses == [node.status.value for node in nodes_of(root)]
+        assert [s.value for s in reader.statuses] == [n.status.value for n in nodes_of(root)]
         seen |= set(reader.statuses)
     assert rig.flight.progress.laps >= 1
-    assert seen == {"RUNNING", "SUCCESS", "INVALID"}
+    assert seen == {NodeStatus.RUNNING, NodeStatus.SUCCESS, NodeStatus.INVALID}
     assert quiet > 350, "a tick that changes nothing tells nothing"
 
 
@@ -63,17 +75,15 @@ def test_nodes_say_what_they_are_and_actions_what_they_are_about() -> None:
     rig, reader = Rig(mission("F at(A)")), Reader()
     rig.executive.plan()
     reader.read(rig.flight.reports)
-    shape = [(node["depth"], node["type"], node["name"]) for node in reader.nodes[:5]]
-    assert shape == [
-        (0, "sequence", "root"),
-        (1, "leaf", "as predicted?"),
-        (1, "sequence", "plan"),
-        (2, "action", "move(H, A)"),
-        (3, "sequence", "triple"),
-    ]
-    first, *_, last = [node for node in reader.nodes if node["type"] == "action"]
-    assert first["destination"] == "A" and first["assumes"] == ["trans_ok(H, A)"]
-    assert last["name"] == "wait" and last["destination"] is None
+    assert reader.nodes[:5] == (
+        TreeNode(0, NodeType.SEQUENCE, "root"),
+        TreeNode(1, NodeType.LEAF, "as predicted?"),
+        TreeNode(1, NodeType.SEQUENCE, "plan"),
+        ActionTreeNode(2, NodeType.ACTION, "move(H, A)", "A", ("trans_ok(H, A)",)),
+        TreeNode(3, NodeType.SEQUENCE, "triple"),
+    )
+    *_, last = [node for node in reader.nodes if isinstance(node, ActionTreeNode)]
+    assert last.name == "wait" and last.destination is None
 
 
 def test_an_executive_that_is_stopped_has_a_tree_that_does_nothing() -> None:
@@ -82,10 +92,11 @@ def test_an_executive_that_is_stopped_has_a_tree_that_does_nothing() -> None:
     rig.pass_time()
     rig.executive.tick()
     reader.read(rig.flight.reports)
-    assert "RUNNING" in reader.statuses
+    assert NodeStatus.RUNNING in reader.statuses
     rig.executive.stop()
+    assert isinstance(rig.flight.reports[-1].event, TreeStopped)
     reader.read(rig.flight.reports)
-    assert set(reader.statuses) == {"INVALID"}
+    assert set(reader.statuses) == {NodeStatus.INVALID}
 
 
 def test_a_leaf_that_fails_says_why() -> None:
@@ -95,6 +106,7 @@ def test_a_leaf_that_fails_says_why() -> None:
     for _ in range(3):
         rig.pass_time()
         rig.executive.tick()
-    told = [r.data["changed"] for r in rig.flight.reports if r.kind == "status"]
-    words = [entry for changed in told for entry in changed]  # type: ignore[attr-defined]
-    assert [status for _, status, said in words if "denied" in said] == ["FAILURE"]
+    told = [s.event.changed for s in rig.flight.reports if isinstance(s.event, NodesChanged)]
+    changes = [change for changed in told for change in changed]
+    denied = [change.status for change in changes if "denied" in change.feedback]
+    assert denied == [NodeStatus.FAILURE]

@@ -8,6 +8,9 @@ from rig import Rig
 from synthetic import command, mission, skill
 
 from companion.acting.executive import TaskStatus
+from companion.flight_events.facts import BeliefWithdrawn, PlacesConnected, PlacesCutOff
+from companion.flight_events.plans import PlanReplaced
+from companion.flight_events.skills import SkillFailed
 from companion.mission.model import Fly
 from companion.motion.grid import OccupancyGrid
 
@@ -21,7 +24,9 @@ INSPECT = skill(
     cost_s=None,
     tries=3,
 )
-NO_WAY_TO_B = "no way on the map as seen: accessible(B), trans_ok(*, B), trans_ok(B, *) withdrawn"
+TO_AND_FROM_B = ("trans_ok(A, B)", "trans_ok(B, A)", "trans_ok(B, H)", "trans_ok(H, B)")
+ALL_OF_B = "accessible(B), trans_ok(*, B), trans_ok(B, *)"
+"""The same in few words."""
 
 
 def inspection() -> Rig:
@@ -58,14 +63,15 @@ def test_a_task_that_speaks_of_a_belief_hears_at_once_that_the_map_contradicts_i
     assert rig.plans[-1].names(2) == ["inspect(H, A)", "inspect(A, B)"]
     show(rig, "B")
     until_known(rig)
-    assert rig.of_kind("map") == [NO_WAY_TO_B]
-    assert rig.of_kind("replan") == [
-        f"replan 1: {NO_WAY_TO_B} -> inspect(here, A), move(A, H), (wait)^w"
-    ]
+    cut_off = rig.one(PlacesCutOff)
+    assert cut_off == PlacesCutOff(ALL_OF_B, withdrawn=("accessible(B)", *TO_AND_FROM_B))
+    replaced = rig.one(PlanReplaced)
+    assert (replaced.number, replaced.reason) == (1, cut_off.text)
+    assert str(replaced.plan) == "inspect(here, A), move(A, H), (wait)^w"
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
-    assert rig.of_kind("failed") == rig.of_kind("withdrawn") == []
+    assert rig.of(SkillFailed) == rig.of(BeliefWithdrawn) == []
     assert rig.executive.replans == 1
-    assert "accessible(B)" in rig.positions[-1]["withdrawn"]  # type: ignore[operator]
+    assert "accessible(B)" in rig.positions[-1].withdrawn
 
 
 def test_a_way_that_is_seen_again_is_used_from_the_next_completed_skill_on() -> None:
@@ -74,12 +80,11 @@ def test_a_way_that_is_seen_again_is_used_from_the_next_completed_skill_on() -> 
     until_known(rig)
     show(rig)
     until_known(rig)
-    assert rig.of_kind("map")[1:] == [
-        "a way again: accessible(B), trans_ok(*, B), trans_ok(B, *) restored"
-    ]
+    connected = PlacesConnected(ALL_OF_B, restored=("accessible(B)", *TO_AND_FROM_B))
+    assert rig.of(PlacesConnected) == [connected]
     assert rig.task.withdrawn == frozenset()
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
-    assert [text for text in rig.texts if text.startswith("at ")] == ["at A", "at B", "at H"]
+    assert rig.places == ["A", "B", "H"]
 
 
 def test_a_place_of_no_concern_that_is_cut_off_leaves_the_plan_as_it_is() -> None:
@@ -87,8 +92,7 @@ def test_a_place_of_no_concern_that_is_cut_off_leaves_the_plan_as_it_is() -> Non
     rig.tick()
     show(rig, "C")
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
-    told = "no way on the map as seen: trans_ok(*, C), trans_ok(C, *) withdrawn"
-    assert rig.of_kind("map") == [told]
+    assert rig.one(PlacesCutOff).summary == "trans_ok(*, C), trans_ok(C, *)"
     assert rig.executive.replans == 0
 
 
@@ -98,15 +102,13 @@ def test_the_flight_under_way_finds_out_itself_and_the_rest_is_told_once() -> No
     rig.tick()
     show(rig, "B")
     assert rig.run_to_the_end() is TaskStatus.NO_PLAN
-    assert rig.of_kind("withdrawn") == ["belief trans_ok(H, B) withdrawn"]
-    assert rig.of_kind("map") == [
-        "no way on the map as seen: trans_ok(*, B), trans_ok(B, *) withdrawn"
-    ]
+    assert rig.of(BeliefWithdrawn) == [BeliefWithdrawn("trans_ok(H, B)")]
+    assert rig.one(PlacesCutOff).summary == "trans_ok(*, B), trans_ok(B, *)"
     assert rig.executive.replans == 1
     assert rig.executive.go_to("H")
     show(rig)
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
-    assert rig.texts[-1] == "at B"
+    assert rig.places == ["B"]
     assert rig.task.withdrawn == frozenset()
 
 
@@ -118,7 +120,7 @@ def test_on_the_way_home_a_way_that_helps_nothing_is_no_reason_to_stop() -> None
     assert rig.executive.go_to("H")
     show(rig, "B")
     until_known(rig)
-    assert rig.of_kind("map")[-1].startswith("a way again: trans_ok(A, C)")
+    assert rig.of(PlacesConnected)[-1].restored[0] == "trans_ok(A, C)"
     assert rig.run_to_the_end() is TaskStatus.SATISFIED  # it is home
     assert rig.executive.is_leaving and rig.executive.replans == 1
 
@@ -126,7 +128,7 @@ def test_on_the_way_home_a_way_that_helps_nothing_is_no_reason_to_stop() -> None
 def test_what_was_refused_is_not_believed_again_because_of_a_way() -> None:
     rig = Rig(mission("F did", skills=[command("do", "at(A)", "did")])).begin()
     rig.vehicle.answers = [(0.0, failed("denied"))]
-    rig.run_until("belief can_do withdrawn")
+    rig.run_until(BeliefWithdrawn, belief="can_do")
     before = rig.task.withdrawn
     for walled_in in (("B",), ()):
         show(rig, *walled_in)
