@@ -45,10 +45,12 @@ DIAGRAMS = (
 def mermaid(rows: Rows) -> str:
     """A Mermaid state diagram (https://mermaid.js.org/syntax/stateDiagram.html).
 
-    States without a row of their own are final.
+    States without a row of their own are final. A table that has no rows for its beginning begins
+    in the state of its first row.
     """
     rows = list(rows)
     begun = {row.state for row in rows}
+    first = [] if None in begun else [_identifier(row.state.value) for row in rows[:1] if row.state]
     final = dict.fromkeys(row.then for row in rows if row.then not in begun)
     arrows: dict[tuple[str, str], list[str]] = {}
     for row in rows:
@@ -59,6 +61,7 @@ def mermaid(rows: Rows) -> str:
     lines = [
         "stateDiagram-v2",
         *(f"    {_identifier(title)}: {title}" for title in titles),
+        *(f"    [*] --> {title}" for title in first),
         *(f"    {a} --> {b}: {'<br/>'.join(events)}" for (a, b), events in arrows.items()),
         *(f"    {_identifier(state.value)} --> [*]" for state in final),
     ]

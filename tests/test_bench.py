@@ -28,7 +28,7 @@ TRANSLATED = {f"{group}, {kind}" for group in FORMULAS for kind in ("generalized
         ("translating", 18, TRANSLATED | {"one automaton, 3 sites", "one automaton, 5 sites"}),
         (
             "planning",
-            12,
+            13,
             {
                 "plan at the start, median",
                 "replan en route, target found, median",

@@ -15,7 +15,7 @@ import pytest
 
 from companion.cli.log_lines import UnblockingHandler, show_log_lines
 from companion.mavlink.commands import SILENCE_S, CommandSender
-from companion.mavlink.framing import Endpoint, dialect
+from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.vehicle.link import UdpLink, parse_url
 
 pytestmark = pytest.mark.slow
@@ -128,7 +128,7 @@ def test_a_link_logs_whom_it_hears_first_and_whom_it_answers(
 ) -> None:
     caplog.set_level(logging.DEBUG, "companion")
     link = UdpLink(parse_url("udpin://127.0.0.1:0"))
-    heartbeat = Endpoint(7, 1).pack(dialect.MAVLink_heartbeat_message(2, 12, 0, 0, 3, 3))
+    heartbeat = MavlinkCodec(7, 1).pack(dialect.MAVLink_heartbeat_message(2, 12, 0, 0, 3, 3))
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as vehicle:
         vehicle.bind(("127.0.0.1", 0))
         port = vehicle.getsockname()[1]

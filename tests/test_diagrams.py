@@ -71,6 +71,14 @@ def test_a_table_is_drawn_as_mermaid_and_as_rows() -> None:
     ]
 
 
+def test_a_table_without_a_row_for_its_beginning_begins_in_its_first_state() -> None:
+    rows = [row for row in TABLE if row.state is not None]
+    assert SCRIPT["mermaid"](rows).splitlines()[3:5] == [
+        "    [*] --> off",
+        "    off --> very_bright: pressed",
+    ]
+
+
 def test_a_page_without_a_place_for_a_diagram_is_an_error() -> None:
     with pytest.raises(ValueError, match="not one place for the diagram lamp"):
         SCRIPT["drawn"]("no place\n", {"lamp": TABLE})
@@ -80,7 +88,7 @@ def test_a_page_without_a_place_for_a_diagram_is_an_error() -> None:
 def test_each_state_is_reached_from_the_beginning(name: str) -> None:
     rows = list(DIAGRAMS[name])
     states = set(type(rows[0].then))
-    reached = {row.then for row in rows if row.state is None}
+    reached = {row.then for row in rows if row.state is None} or {rows[0].state}
     for _ in states:
         reached |= {row.then for row in rows if row.state in reached}
     assert reached == states

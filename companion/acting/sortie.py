@@ -18,7 +18,9 @@ from contextlib import suppress
 from py_trees.common import Status
 
 from companion.acting.authority import loss_of_control, loss_of_link, not_handed_over
-from companion.acting.executive import Executive, TaskStatus
+from companion.acting.ending import ending
+from companion.acting.executive import Executive
+from companion.acting.executive_states import TaskStatus
 from companion.acting.flight import Flight
 from companion.acting.phases import (
     GOALS,
@@ -37,14 +39,9 @@ from companion.flight_events.sortie import (
     Phase,
     PhaseEntered,
     ReturnBegun,
-    ReturnedAsAsked,
     ReturnFailed,
-    RunEnded,
-    RunFailed,
     SetpointRefused,
-    StoppedAsAsked,
     StopRequested,
-    TaskSatisfied,
     WeakFailsafeAccepted,
 )
 from companion.geometry import horizontal_distance
@@ -331,22 +328,15 @@ class Sortie:
         self.phase = TRANSITIONS.next(self.phase, event)
         if self.phase is Phase.ENDED:
             self._flight.vehicle.release()
-            self._flight.report(self._ending())
+            is_called_home = self._return_home is not None and not self._was_stopped
+            is_satisfied = self._executive.status is TaskStatus.SATISFIED
+            self._flight.report(ending(self.failure, is_called_home, is_satisfied))
         else:
             self._flight.report(news or PhaseEntered(self.phase))
 
     def _give_up(self, failure: CompanionError) -> None:
         self.failure = failure
         self._on(SortieEvent.GIVEN_UP)
-
-    def _ending(self) -> RunEnded:
-        """How the sortie has ended."""
-        if self.failure is not None:
-            return RunFailed(str(self.failure), self.failure.exit_code)
-        if self._return_home is not None and not self._was_stopped:
-            return ReturnedAsAsked()
-        is_satisfied = self._executive.status is TaskStatus.SATISFIED
-        return TaskSatisfied() if is_satisfied else StoppedAsAsked()
 
 
 _WORK: dict[Phase, Callable[[Sortie, VehicleState], None]] = {

@@ -11,7 +11,7 @@ from companion.flight_events.fields import Doc, InText
 IsRefused = Annotated[bool, Doc("whether the mission may not be flown")]
 
 
-class UploadEvent(FlightEvent):
+class UploadNews(FlightEvent):
     """News about a mission that came from a ground station.
 
     Attributes:
@@ -24,7 +24,7 @@ class UploadEvent(FlightEvent):
 
 
 @dataclass(frozen=True, slots=True)
-class UploadChecked(UploadEvent):
+class UploadChecked(UploadNews):
     """A mission that came from a ground station was checked while this one was flown."""
 
     template = "{verdict}"
@@ -34,7 +34,7 @@ class UploadChecked(UploadEvent):
 
 
 @dataclass(frozen=True, slots=True)
-class MissionReady(UploadEvent):
+class MissionReady(UploadNews):
     """A mission waits for its start."""
 
     template = "{mission} is ready; MISSION_START flies it"
@@ -45,7 +45,7 @@ class MissionReady(UploadEvent):
 
 
 @dataclass(frozen=True, slots=True)
-class MissionUnreadable(UploadEvent):
+class MissionUnreadable(UploadNews):
     """A mission that was accepted cannot be read after all."""
 
     template = "the mission cannot be read: {reason}"
@@ -56,7 +56,7 @@ class MissionUnreadable(UploadEvent):
 
 
 @dataclass(frozen=True, slots=True)
-class RunNotRecordable(UploadEvent):
+class RunNotRecordable(UploadNews):
     """No run folder can be made, so nothing is flown."""
 
     template = "no run folder, so nothing is flown: {reason}"

@@ -12,7 +12,7 @@ from collections import deque
 
 from companion.flight_events.event import FlightEvent
 from companion.flight_events.facts import BeliefRestored, BeliefWithdrawn, MissionEventChanged
-from companion.flight_events.hosting import RecordingFailed, UploadEvent
+from companion.flight_events.hosting import RecordingFailed, UploadNews
 from companion.flight_events.plans import NoPlanFound, PlanReplaced
 from companion.flight_events.skills import SkillFailed, WrittenTreeFailed
 from companion.flight_events.sortie import RunEnded, RunFailed, SetpointRefused
@@ -42,9 +42,9 @@ def severity(event: FlightEvent) -> int:
             return ERROR
         case SkillFailed() | WrittenTreeFailed() | BeliefWithdrawn() | SetpointRefused():
             return WARNING
-        case UploadEvent(is_refused=True):
+        case UploadNews(is_refused=True):
             return WARNING
-        case MissionEventChanged() | BeliefRestored() | UploadEvent() | RunEnded():
+        case MissionEventChanged() | BeliefRestored() | UploadNews() | RunEnded():
             return NOTICE
         case PlanReplaced() | NoPlanFound():
             return NOTICE

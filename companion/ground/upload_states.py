@@ -37,8 +37,8 @@ class UploadState(Enum):
     REPLACED = "replaced"
 
 
-class UploadEvent(Enum):
-    """What happens to an uploaded mission."""
+class UploadTrigger(Enum):
+    """What leads an uploaded mission from one state to the next."""
 
     STORED = "stored"
     FOUND = "found after a restart"
@@ -53,7 +53,7 @@ class UploadEvent(Enum):
     NEWER_ACTIVE = "a newer one is active"
 
 
-_S, _E = UploadState, UploadEvent
+_S, _E = UploadState, UploadTrigger
 _ACCEPT = "its copy is moved to where it is taken from, in one step; the verdict is told"
 _REFUSE = "its copy is deleted, the verdict is told; nothing else changes"
 TRANSITIONS = TransitionTable(

@@ -1,8 +1,9 @@
 """Missions that ground stations upload: queued, checked, accepted or refused, and handed out.
 
-A mission (a YAML file that is no map) is checked and planned as soon as it is complete, together
-with the files that are there by then; so maps and PDDL go first. The states of a mission and what
-leads from one to another stand in `upload_states.py`. Rules about the files:
+A mission (a YAML file that is neither a map nor a vehicle profile) is checked and planned as soon
+as it is complete, together with the files that are there by then; so these and PDDL go first. The
+states of a mission and what leads from one to another stand in `upload_states.py`. Rules about the
+files:
 1. Checked is a copy (`checking/N`), in a child process; nobody waits for it.
 2. A mission that can be flown becomes `active/N`, with its files, in one step. One that cannot
    changes nothing but the verdict.
@@ -44,15 +45,16 @@ from companion.ground.mission_store import VERDICT, MissionStore, names_of
 from companion.ground.upload_states import (
     IN_CHECK,
     TRANSITIONS,
-    UploadEvent,
     UploadState,
+    UploadTrigger,
     UploadVerdict,
 )
 from companion.mavlink.ftp_frames import FtpRefusal, crc32
 
 CHECK_S = 30.0
 CUT_OFF = "the last line has no line break, so a part may be missing; end it with one"
-_MAP = re.compile(rb"""^["']?image["']?[ \t]*:""", re.MULTILINE)
+_NO_MISSION = re.compile(rb"""^["']?(image|radius_m)["']?[ \t]*:""", re.MULTILINE)
+"""A key that maps have, or vehicle profiles, and missions only deeper inside."""
 MARK = ".not-flown"
 """In the folder of an accepted mission that was not started: a file with the mission's path.
 No client can use its name, and it is not copied."""
@@ -129,8 +131,8 @@ class Uploads:
         """Makes the accepted mission the active one and returns its path; None without one."""
         for upload in self._all_in(UploadState.ACCEPTED):
             for older in self._all_in(UploadState.ACTIVE):
-                self._advance(older, UploadEvent.NEWER_ACTIVE)
-            self._advance(upload, UploadEvent.TAKEN)
+                self._advance(older, UploadTrigger.NEWER_ACTIVE)
+            self._advance(upload, UploadTrigger.TAKEN)
             for folder in self._active.iterdir():
                 if folder != upload.folder:
                     shutil.rmtree(folder, ignore_errors=True)
@@ -140,7 +142,7 @@ class Uploads:
     def started(self) -> None:
         """The active mission is started: it is not found again after a restart."""
         for upload in self._all_in(UploadState.ACTIVE):
-            self._advance(upload, UploadEvent.STARTED)
+            self._advance(upload, UploadTrigger.STARTED)
             with contextlib.suppress(OSError):  # then it is found once more
                 (upload.folder / MARK).unlink()
 
@@ -154,16 +156,16 @@ class Uploads:
         """Returns the uploads in some states, in the order in which they were stored."""
         return [upload for upload in self._uploads if upload.state in states]
 
-    def _advance(self, upload: _Upload, event: UploadEvent) -> None:
+    def _advance(self, upload: _Upload, event: UploadTrigger) -> None:
         """Moves an upload to its next state, and forgets it if that is final."""
         upload.state = TRANSITIONS.next(upload.state, event)
         if TRANSITIONS.is_final(upload.state):
             self._uploads.remove(upload)
 
-    def _queue(self, mission: str, store: MissionStore, event: UploadEvent) -> None:
+    def _queue(self, mission: str, store: MissionStore, event: UploadTrigger) -> None:
         self._number += 1
         folder, state = self._checking / str(self._number), TRANSITIONS.next(None, event)
-        is_again = event is UploadEvent.FOUND
+        is_again = event is UploadTrigger.FOUND
         self._uploads.append(_Upload(self._number, mission, store, folder, state, is_again))
 
     def _notice(self) -> None:
@@ -174,12 +176,12 @@ class Uploads:
         waiting = {upload.mission for upload in queued if not upload.is_again}
         for name in stored:
             if name not in waiting and self._is_mission(name):
-                self._queue(name, self._store, UploadEvent.STORED)
+                self._queue(name, self._store, UploadTrigger.STORED)
 
     def _is_mission(self, name: str) -> bool:
         try:
             is_yaml = name.endswith((".yaml", ".yml"))
-            return is_yaml and not _MAP.search(self._store.read(name))
+            return is_yaml and not _NO_MISSION.search(self._store.read(name))
         except FtpRefusal:  # it is gone again
             return False
 
@@ -191,12 +193,12 @@ class Uploads:
             content = (upload.folder / upload.mission).read_bytes()
             upload.crc32 = crc32(content)
             if not content.endswith(b"\n"):
-                return [self._refuse(upload, UploadEvent.UNUSABLE, CUT_OFF)]
+                return [self._refuse(upload, UploadTrigger.UNUSABLE, CUT_OFF)]
             upload.check = self._begin(upload.folder, upload.mission)
         except (OSError, FtpRefusal) as error:
             reason = f"it cannot be checked: {error}"
-            return [self._refuse(upload, UploadEvent.UNUSABLE, reason)]
-        self._advance(upload, UploadEvent.BEGUN)
+            return [self._refuse(upload, UploadTrigger.UNUSABLE, reason)]
+        self._advance(upload, UploadTrigger.BEGUN)
         return []
 
     def _follow_check(self, upload: _Upload, now_s: float, is_flying: bool) -> list[UploadVerdict]:
@@ -207,12 +209,12 @@ class Uploads:
             result = CheckResult(False, f"it cannot be checked: {error}")
         if result is None:
             if now_s > upload.deadline_s and upload.state is UploadState.CHECKING:
-                self._advance(upload, UploadEvent.TIMED_OUT)
+                self._advance(upload, UploadTrigger.TIMED_OUT)
                 upload.check.kill()
             return []
         if result.is_good:
             return [self._accept(upload, result.text, is_flying)]
-        return [self._refuse(upload, UploadEvent.FAILED, result.text)]
+        return [self._refuse(upload, UploadTrigger.FAILED, result.text)]
 
     def _accept(self, upload: _Upload, plan: str, is_flying: bool) -> UploadVerdict:
         """Moves a mission that can be flown to where it is taken from."""
@@ -221,16 +223,16 @@ class Uploads:
             (upload.folder / MARK).write_text(upload.mission, encoding="utf-8")
             upload.folder.rename(folder)
         except OSError as error:
-            return self._refuse(upload, UploadEvent.FAILED, f"it cannot be made active: {error}")
+            return self._refuse(upload, UploadTrigger.FAILED, f"it cannot be made active: {error}")
         upload.folder = folder
         for older in self._all_in(UploadState.ACCEPTED):
-            self._advance(older, UploadEvent.NEWER_ACCEPTED)
-        self._advance(upload, UploadEvent.PASSED)
+            self._advance(older, UploadTrigger.NEWER_ACCEPTED)
+        self._advance(upload, UploadTrigger.PASSED)
         again = " again after a restart" if upload.is_again else ""
         when = "; becomes active after landing" if is_flying else ""
         return upload.verdict(True, f"{upload.mission} accepted{again}{when}", plan)
 
-    def _refuse(self, upload: _Upload, event: UploadEvent, reason: str) -> UploadVerdict:
+    def _refuse(self, upload: _Upload, event: UploadTrigger, reason: str) -> UploadVerdict:
         """Deletes the copy of a mission that cannot be flown; nothing else changes."""
         self._advance(upload, event)
         shutil.rmtree(upload.folder, ignore_errors=True)
@@ -264,4 +266,4 @@ class Uploads:
             mission = (folder / MARK).read_text(encoding="utf-8")
         except (OSError, ValueError):
             return
-        self._queue(mission, MissionStore(folder), UploadEvent.FOUND)
+        self._queue(mission, MissionStore(folder), UploadTrigger.FOUND)

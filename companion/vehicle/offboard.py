@@ -21,7 +21,7 @@ Source: https://mavlink.io/en/services/command.html, PX4's offboard mode.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from companion.mavlink.commands import CommandSender, Parameters
 from companion.mavlink.framing import Message, dialect, source
@@ -157,6 +157,11 @@ class MavlinkVehicle:
     def fly(self, setpoint: Setpoint) -> None:
         """Streams a setpoint from now on."""
         self._setpoint = setpoint
+
+    def set_speed_limit(self, speed_mps: float) -> None:
+        """The gate admits no faster setpoint from now on."""
+        if speed_mps != self._envelope.speed_mps:
+            self._envelope = replace(self._envelope, speed_mps=speed_mps)
 
     def release(self) -> None:
         """Streams nothing and asks for nothing any longer."""

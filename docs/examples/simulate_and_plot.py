@@ -9,6 +9,9 @@
 from matplotlib.figure import Figure
 
 from companion import load_mission, simulate
+from companion.flight_events.facts import MissionEventChanged
+from companion.flight_events.skills import PlaceReached
+from companion.flight_events.sortie import RunEnded
 
 MISSION = """
 version: 1
@@ -29,11 +32,12 @@ task: {search: G (F at(A) | found) & G (F at(B) | found), home: G (found -> F G 
 """
 SEEN = {"east_m": 8, "north_m": 10, "radius_m": 2, "visit": 2}  # at the second visit
 WORLD = {"version": 1, "wind": {"east_mps": 2, "north_mps": 1}, "target": {"seen": SEEN}}
+TOLD = (MissionEventChanged, PlaceReached, RunEnded)
 
 run = simulate(load_mission(MISSION), WORLD, seed=7)
-for event in run.events:
-    if event.kind in ("at", "event", "end") and event.time_s > 20:
-        print(f"{event.time_s:5.1f} s  {event.text}")
+for stamped in run.events:
+    if isinstance(stamped.event, TOLD) and stamped.time_s > 20:
+        print(f"{stamped.time_s:5.1f} s  {stamped.event.text}")
 
 axes = Figure().subplots()
 axes.plot(run.trajectory.east_m, run.trajectory.north_m)

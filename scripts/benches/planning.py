@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from collections.abc import Iterator
 from statistics import median
 from time import perf_counter
@@ -25,12 +27,23 @@ ENGINE = "fast-downward"
 
 
 def loading(runs: int) -> Iterator[Row]:
-    """From the mission file to the first plan."""
+    """The import of the package, and from the mission file to the first plan."""
+    took = [_import_ms() for _ in range(max(3, runs // 5))]
+    yield Row("import companion", median(took), "ms")
 
     def first_plan() -> None:
         Planner(load_mission(MISSION)).plan()
 
     yield Row("load, ground and plan", median(timed(first_plan, max(1, runs // 4))), "ms")
+
+
+def _import_ms() -> float:
+    """Of a Python that has imported nothing of ours."""
+    script = (
+        "import time; t = time.perf_counter(); import companion; print(time.perf_counter() - t)"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, check=True)
+    return 1000 * float(done.stdout)
 
 
 def replanning(runs: int) -> Iterator[Row]:

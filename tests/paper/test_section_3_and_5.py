@@ -16,7 +16,7 @@ from happened import Replan
 from rig import Rig
 from synthetic import command, event, mission, reading
 
-from companion.acting.executive import TaskStatus
+from companion.acting.executive_states import TaskStatus
 from companion.flight_events.facts import BeliefWithdrawn, MissionEventChanged
 from companion.flight_events.plans import LapCompleted, NoPlanFound
 from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFailed

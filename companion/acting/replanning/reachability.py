@@ -53,6 +53,7 @@ class Reachability:
         self._planner = planner
         self._flight = flight
         self._instantiated_on = self._looked_at = flight.routes.version
+        self._costed_at = flight.speed_limit.version
         self._cut_off = self._unreachable()
         self._searched_on = self._instantiated_on
         self.has_changed = False
@@ -78,10 +79,15 @@ class Reachability:
             self._searched_on = routes.version
 
     def follow(self) -> BeliefChange:
-        """Takes over what moves cost on the map as it is now, and gives up what they cut off."""
+        """Takes over what moves cost on the map, and at the speed limit, as they are now.
+
+        Beliefs that they cut off are given up.
+        """
         flight, state = self._flight, self._flight.vehicle.state
-        if self._instantiated_on != flight.routes.version and state is not None:
+        is_map_new = self._instantiated_on != flight.routes.version
+        if state is not None and (is_map_new or self._costed_at != flight.speed_limit.version):
             self._instantiated_on = flight.routes.version
+            self._costed_at = flight.speed_limit.version
             for place in flight.symbols.follow_map(state.position, flight.now_s):
                 flight.tell_symbol(place)
             self._planner.reinstantiate()

@@ -71,7 +71,7 @@ def loops_of(
 ) -> Loops:
     """The loops of a component."""
     targets_of = _essential(product, nodes)
-    max_targets = min(_MAX_TARGETS, max(1, effort.dijkstra_edges // len(product.targets)))
+    max_targets = min(_MAX_TARGETS, max(1, effort.dijkstra_edges // len(product.ends)))
     if not targets_of:
         return ShortestCycles(product, nodes, paths, max_targets)
     return TargetTours(nodes, targets_of, paths, max_targets, effort.held_karp_additions)
@@ -101,13 +101,13 @@ class ShortestCycles:
         self._paths = paths
         inside = set(nodes.tolist())
         edges = [
-            (cost, node, target)
+            (cost, node, end)
             for node in inside
-            for _, cost, target in product.edges(node)
-            if target in inside
+            for _, cost, end in product.edges(node)
+            if end in inside
         ]
         self.bound_ms = self.bottleneck_bound_ms = min(cost for cost, _, _ in edges)
-        self._rest = {node: cost for cost, node, target in edges if target == node}
+        self._rest = {node: cost for cost, node, end in edges if end == node}
         self.best_ms = min(self._rest.values(), default=UNREACHABLE_MS)
         if self.best_ms > self.bound_ms:
             nearest = nodes[np.argsort(paths.from_start[nodes], kind="stable")[:max_nodes]]
@@ -247,6 +247,6 @@ def _nearest(
 
 def _longest_gap_ms(loop: list[Edge], targets: frozenset[int]) -> int:
     """The longest time between two passes of some targets on a loop that is repeated for ever."""
-    ends = np.cumsum([edge.cost_ms for edge in loop])
-    met = ends[[edge.target in targets for edge in loop]]
-    return int(np.diff(met, append=met[0] + ends[-1]).max())
+    elapsed_ms = np.cumsum([edge.cost_ms for edge in loop])
+    met = elapsed_ms[[edge.end in targets for edge in loop]]
+    return int(np.diff(met, append=met[0] + elapsed_ms[-1]).max())

@@ -45,7 +45,7 @@ class OneShotGoals:
         goals, initial = product.one_shot_goals, product.initial
         self._paths = paths
         self._targets = sorted(set().union(*goals))
-        if len(self._targets) * len(product.targets) > effort.dijkstra_edges:
+        if len(self._targets) * len(product.ends) > effort.dijkstra_edges:
             raise SearchLimit(
                 f"{effort.dijkstra_edges:,} edges seen by Dijkstra searches, one for each of "
                 f"{len(self._targets):,} product states that meet a goal"

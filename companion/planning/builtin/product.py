@@ -73,7 +73,7 @@ class Product:
             plan may enter a loop at any of them.
         all_marks: the marks (bits) that a loop has to meet.
         one_shot_goals: for each goal that is kept out of the product the nodes that meet it.
-        targets, costs, actions: of the edges; those of node n are first[n] to first[n + 1].
+        ends, costs, actions: of the edges; those of node n are first[n] to first[n + 1].
             Between two nodes only the cheapest edge is kept, in the order of the actions.
 
     Args:
@@ -133,17 +133,17 @@ class Product:
         return len(self.marks)
 
     def cost_matrix(self) -> csr_array:
-        """Costs of the edges, as a sparse matrix from sources to targets."""
+        """Costs of the edges, as a sparse matrix from nodes to nodes."""
         shape = (self.nodes, self.nodes)
-        return csr_array((self.costs.astype(float), self.targets, self.first), shape=shape)
+        return csr_array((self.costs.astype(float), self.ends, self.first), shape=shape)
 
     def edges(self, node: int) -> Iterator[tuple[int, int, int]]:
-        """Action, cost and target of each edge that leaves a node."""
+        """Action, cost and end of each edge that leaves a node."""
         span = slice(self.first[node], self.first[node + 1])
         return zip(
             self.actions[span].tolist(),
             self.costs[span].tolist(),
-            self.targets[span].tolist(),
+            self.ends[span].tolist(),
             strict=True,
         )
 
@@ -177,9 +177,9 @@ class Product:
                 goals=tuple(goal for goal, nodes in enumerate(met_at) if node in nodes),
             )
         for node in range(self.nodes):
-            for action, cost_ms, target in self.edges(node):
+            for action, cost_ms, end in self.edges(node):
                 name = self._problem.actions[action].name
-                graph.add_edge(node, target, action=name, cost_ms=cost_ms)
+                graph.add_edge(node, end, action=name, cost_ms=cost_ms)
         return graph
 
     def _constant(self, proposition: str) -> bool | None:
@@ -192,7 +192,7 @@ class Product:
         number_of = {node: number for number, node in enumerate(initial)}
         self.initial = list(range(len(initial)))
         nodes = list(initial)
-        first, targets, costs, actions = [0], [], [], []
+        first, ends, costs, actions = [0], [], [], []
         successors_of = self.system.successors
         for state, automata, _ in nodes:  # grows while it is read
             cheapest: dict[int, tuple[int, int]] = {}
@@ -207,17 +207,17 @@ class Product:
                     if known is None or cost_ms < known[0]:
                         cheapest[number] = (cost_ms, action)
             for number, (cost_ms, action) in sorted(cheapest.items(), key=_by_action):
-                targets.append(number)
+                ends.append(number)
                 costs.append(cost_ms)
                 actions.append(action)
-            first.append(len(targets))
-            if len(targets) > self._max_edges:
+            first.append(len(ends))
+            if len(ends) > self._max_edges:
                 raise SearchLimit(f"{self._max_edges:,} edges of the product")
         self.marks = [marks for _, _, marks in nodes]
         states: dict[tuple[int, tuple[int, ...]], int] = {}
         self.state_of = [states.setdefault(node[:2], number) for number, node in enumerate(nodes)]
         self.first = np.array(first, np.int32)
-        self.targets = np.array(targets, np.int32)
+        self.ends = np.array(ends, np.int32)
         self.costs = np.array(costs, np.int64)
         self.actions = np.array(actions, np.int32)
         return nodes
@@ -292,12 +292,12 @@ class _MaskedAutomaton:
         """Successor states and marks on reading some facts."""
         return list(
             dict.fromkeys(
-                (target, marks)
-                for positive, negative, target, marks in self._outgoing[state]
+                (after, marks)
+                for positive, negative, after, marks in self._outgoing[state]
                 if positive & facts == positive and not negative & facts
             )
         )
 
     def leaves(self, state: int, facts: int) -> bool:
         """Whether reading some facts leads from a state to another one."""
-        return any(target != state for target, _ in self.moves(state, facts))
+        return any(after != state for after, _ in self.moves(state, facts))

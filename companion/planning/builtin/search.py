@@ -94,7 +94,7 @@ class Search:
             SearchLimit: it has too many states.
         """
         product = Product(problem, self._bits, self._restrictions, effort.product_edges)
-        log.debug("product of %d nodes and %d edges", product.nodes, len(product.targets))
+        log.debug("product of %d nodes and %d edges", product.nodes, len(product.ends))
         return product
 
 
@@ -102,7 +102,7 @@ def _accepting_components(product: Product) -> list[NDArray[np.intp]]:
     """The nodes of each strong component with a loop that meets every mark."""
     count, component = connected_components(product.cost_matrix(), connection="strong")
     sources = np.repeat(np.arange(product.nodes), np.diff(product.first))
-    inside = component[sources] == component[product.targets]
+    inside = component[sources] == component[product.ends]
     has_loop = np.bincount(component[sources[inside]], minlength=count) > 0
     marks = [0] * count
     for node, own in enumerate(component.tolist()):

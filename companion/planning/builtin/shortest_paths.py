@@ -16,11 +16,11 @@ from companion.planning.builtin.product import Product
 
 
 class Edge(NamedTuple):
-    """An edge of a path: the action, its cost, and the node that it leads to."""
+    """An edge of a path: the action, its cost, and the node where it ends."""
 
     action: int
     cost_ms: int
-    target: int
+    end: int
 
 
 class ShortestPaths:
@@ -54,7 +54,7 @@ class ShortestPaths:
     def cycle_ms(self, node: int, to_node: Costs) -> int:
         """Cost of the shortest cycle through a node, given the costs to it, (nodes,)."""
         return min(
-            (cost + int(to_node[target]) for _, cost, target in self._product.edges(node)),
+            (cost + int(to_node[end]) for _, cost, end in self._product.edges(node)),
             default=UNREACHABLE_MS,
         )
 

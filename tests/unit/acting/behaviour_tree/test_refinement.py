@@ -12,7 +12,7 @@ from synthetic import command, event, mission, reading, skill
 
 from companion.acting.behaviour_tree.builder import build
 from companion.acting.behaviour_tree.landing import NO_CHARGE_S
-from companion.acting.executive import ExecutiveState, TaskStatus
+from companion.acting.executive_states import ExecutiveState, TaskStatus
 from companion.acting.replanning.assumptions import Assumptions
 from companion.acting.sortie import Sortie
 from companion.flight_events.event import FlightEvent

@@ -94,8 +94,8 @@ def test_every_loop_costs_what_it_says_and_the_best_is_the_shortest_there_is(
         loop = loops.loop_from(node)
         assert cost in every
         assert cost == sum(edge.cost_ms for edge in loop)
-        assert loop[-1].target == node
-        met = [made.marks[edge.target] for edge in loop]
+        assert loop[-1].end == node
+        met = [made.marks[edge.end] for edge in loop]
         assert int(np.bitwise_or.reduce(met)) == made.all_marks
 
 
@@ -109,7 +109,7 @@ def test_with_hardly_any_effort_a_loop_is_still_a_loop_and_nothing_is_proved(tas
     assert rough.is_final
     assert rough.bound_ms <= exact.best_ms <= rough.best_ms
     for node in rough.nodes.tolist():
-        met = [made.marks[edge.target] for edge in rough.loop_from(node)]
+        met = [made.marks[edge.end] for edge in rough.loop_from(node)]
         assert int(np.bitwise_or.reduce(met)) == made.all_marks
 
 

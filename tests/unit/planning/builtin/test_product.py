@@ -67,7 +67,7 @@ def test_the_marks_of_all_automata_are_asked_for() -> None:
 def test_edges_follow_the_order_of_the_actions_and_fit_the_matrix() -> None:
     made = product(on_the_map("G F at(A) & G F at(B)"))
     matrix = made.cost_matrix().toarray()
-    assert np.count_nonzero(matrix) == len(made.targets)
+    assert np.count_nonzero(matrix) == len(made.ends)
     for node in range(made.nodes):
         edges = list(made.edges(node))
         assert [action for action, _, _ in edges] == sorted(action for action, _, _ in edges)
@@ -190,7 +190,7 @@ def test_an_automaton_that_accepts_nothing_under_the_constants_leaves_no_initial
 def test_without_actions_there_is_no_infinite_word() -> None:
     asked = asking("G !gone", [], [AT_H])
     assert product(asked).nodes == 1
-    assert len(product(asked).targets) == 0
+    assert len(product(asked).ends) == 0
     assert find_lasso(asked) is None
 
 
@@ -202,7 +202,7 @@ def test_without_a_task_every_run_will_do() -> None:
 
 def test_the_search_is_given_up_at_its_limit() -> None:
     asked = on_the_map("G F at(A) & G F at(B)")
-    edges = len(product(asked).targets)
+    edges = len(product(asked).ends)
     assert product(asked, edges).nodes
     with pytest.raises(SearchLimit, match=f"limit of {edges - 1} edges of the product"):
         product(asked, edges - 1)

@@ -50,7 +50,7 @@ def cost_of(made: Product, start: int, path: list[Edge]) -> int:
     node = start
     for edge in path:
         assert edge in made.edges(node)
-        node = edge.target
+        node = edge.end
     return sum(edge.cost_ms for edge in path)
 
 
@@ -64,7 +64,7 @@ def test_costs_and_paths_are_the_shortest(task: str) -> None:
         assert costs_to[b][a] == costs_from[a][b] == least[a].get(b, UNREACHABLE_MS)
         if a != b and b in least[a]:
             path = paths.path(a, b, costs_to[b])
-            assert path[-1].target == b
+            assert path[-1].end == b
             assert cost_of(made, a, path) == least[a][b]
 
 
@@ -79,7 +79,7 @@ def test_cycles_are_the_shortest(task: str) -> None:
         assert min(paths.cycle_ms(node, to_node), UNREACHABLE_MS) == min(expected, UNREACHABLE_MS)
         if expected < UNREACHABLE_MS:
             cycle = paths.path(node, node, to_node)
-            assert cycle[-1].target == node
+            assert cycle[-1].end == node
             assert cost_of(made, node, cycle) == expected
 
 
@@ -92,7 +92,7 @@ def test_a_node_or_another_one_of_its_product_state_is_reached_from_the_start(ta
         alike = [n for n in range(made.nodes) if made.state_of[n] == made.state_of[node]]
         assert paths.from_start[node] == min(least[other] for other in alike)
         path = paths.path_from_start(node)
-        assert not path or path[-1].target in alike
+        assert not path or path[-1].end in alike
         starts = [n for n in made.initial if not path or path[0] in made.edges(n)]
         assert starts
         assert cost_of(made, starts[0], path) == paths.from_start[node]
