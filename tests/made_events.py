@@ -11,7 +11,7 @@ from typing import Any, get_args, get_origin
 from hypothesis import strategies as st
 
 from companion.flight_events.event import FlightEvent
-from companion.flight_events.fields import fields_of, item_types
+from companion.flight_events.event_fields import fields_of, item_types
 
 TEXT = st.text(st.characters(codec="utf-8"), max_size=12)
 SCALARS: dict[Any, st.SearchStrategy[Any]] = {

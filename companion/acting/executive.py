@@ -8,12 +8,10 @@ built; the vehicle holds meanwhile. `ExecutiveState` says what the executive is 
 Plans change as little as possible. An event that matters, but leaves the rest of the plan the best
 one, changes nothing. A belief that comes back makes a new plan at the next completed skill.
 
-A plan that ends at rest satisfies the task when the rest is reached.
-
-Each position of the word is reported when it is left, and so is each conjunct that it violates.
-A violated task is not flown to its end as if it could be satisfied: a plan is searched again, which
-says that there is none. On the way home after a violation no event is watched but one by which all
-violated lines begin anew: no other could give the task a plan again.
+A plan that ends at rest satisfies the task when the rest is reached. Each position of the word is
+reported when it is left, and so is each conjunct that it violates. For a violated task a plan is
+searched again, which says that there is none; on the way home after that no event is watched but one
+by which all violated lines begin anew.
 """
 
 from __future__ import annotations
@@ -177,8 +175,6 @@ class Executive:
             self._replan("going on")
         return self.status
 
-    # -- ticks ---------------------------------------------------------------------------------
-
     def _tick_plan(self, lasso: Lasso, root: Behaviour) -> None:
         progress = self._flight.progress
         laps = progress.laps
@@ -329,8 +325,6 @@ class Executive:
         self.state = state
         self._root = root
         self._tree_report = TreeReport(self._flight, root)
-
-    # -- small things --------------------------------------------------------------------------
 
     def _rest(self) -> None:
         """Leaves the last position, which lasts for ever."""

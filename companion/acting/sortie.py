@@ -22,13 +22,7 @@ from companion.acting.ending import ending
 from companion.acting.executive import Executive
 from companion.acting.executive_states import TaskStatus
 from companion.acting.flight import Flight
-from companion.acting.phases import (
-    GOALS,
-    ON_THE_GROUND,
-    TRANSITIONS,
-    UNDER_TASK,
-    SortieEvent,
-)
+from companion.acting.phases import GOALS, ON_THE_GROUND, TRANSITIONS, UNDER_TASK, SortieEvent
 from companion.acting.return_home import ReturnHome
 from companion.errors import Aborted, CompanionError, NoPlanError, SearchLimit
 from companion.flight_events.event import FlightEvent

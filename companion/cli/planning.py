@@ -53,6 +53,35 @@ def check(
     typer.echo("ok")
 
 
+ObjectiveOption = Annotated[
+    Objective,
+    typer.Option(
+        help="What is best: the shortest lap and to it the shortest prefix; the least sum of "
+        "both; or the least worst time between two fulfilments of a recurring part."
+    ),
+]
+EngineOption = Annotated[
+    str,
+    typer.Option(
+        metavar="NAME",
+        help="Who plans: built-in, or an engine of unified-planning such as fast-downward "
+        "or pyperplan (with --encoding v5).",
+    ),
+]
+EncodingOption = Annotated[
+    Encoding,
+    typer.Option(
+        help="How engines and --pddl are told: v1 as in the paper, one automaton; v4 one "
+        "automaton for each conjunct; v5 the same without conditional effects."
+    ),
+]
+EngineTimeout = Annotated[float, typer.Option(help="Seconds that an engine may take.", min=0.1)]
+PddlFolder = Annotated[
+    Path | None,
+    typer.Option(metavar="DIR", help="Write the problem there as PDDL; do not plan."),
+]
+
+
 def plan(
     mission: MissionFile,
     at: Annotated[str | None, typer.Option(help="Plan from this place.")] = None,
@@ -66,35 +95,11 @@ def plan(
         list[str] | None,
         typer.Option(metavar="BELIEF", help="A belief that is withdrawn, e.g. canUpload(r1)."),
     ] = None,
-    objective: Annotated[
-        Objective,
-        typer.Option(
-            help="What is best: the shortest lap and to it the shortest prefix; the least sum of "
-            "both; or the least worst time between two fulfilments of a recurring part."
-        ),
-    ] = Objective.LAP,
-    engine: Annotated[
-        str,
-        typer.Option(
-            metavar="NAME",
-            help="Who plans: built-in, or an engine of unified-planning such as fast-downward "
-            "or pyperplan (with --encoding v5).",
-        ),
-    ] = BUILT_IN,
-    encoding: Annotated[
-        Encoding,
-        typer.Option(
-            help="How engines and --pddl are told: v1 as in the paper, one automaton; v4 one "
-            "automaton for each conjunct; v5 the same without conditional effects."
-        ),
-    ] = Encoding.V4,
-    timeout: Annotated[
-        float, typer.Option(help="Seconds that an engine may take.", min=0.1)
-    ] = 60.0,
-    pddl: Annotated[
-        Path | None,
-        typer.Option(metavar="DIR", help="Write the problem there as PDDL; do not plan."),
-    ] = None,
+    objective: ObjectiveOption = Objective.LAP,
+    engine: EngineOption = BUILT_IN,
+    encoding: EncodingOption = Encoding.V4,
+    timeout: EngineTimeout = 60.0,
+    pddl: PddlFolder = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     verbose: Verbose = False,
 ) -> None:

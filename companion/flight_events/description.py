@@ -14,7 +14,7 @@ from typing import Any, get_args, get_origin
 
 from companion.flight_events.catalogue import RECORDED
 from companion.flight_events.event import FlightEvent
-from companion.flight_events.fields import Carrier, EventField, fields_of, item_types, keys_of
+from companion.flight_events.event_fields import Carrier, EventField, fields_of, item_types, keys_of
 
 Schema = dict[str, Any]
 SCALARS = {str: "string", int: "integer", float: "number", bool: "boolean", NoneType: "null"}

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Annotated
 
 from companion.flight_events.event import FlightEvent
-from companion.flight_events.fields import Doc, InText
+from companion.flight_events.event_fields import Doc, InText
 
 BeliefName = Annotated[str, Doc("as the mission spells it, e.g. `canUpload(r1)`")]
 BeliefsWithdrawn = Annotated[tuple[str, ...], Doc("a list of the beliefs that were given up")]

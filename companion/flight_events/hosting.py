@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Annotated
 
 from companion.flight_events.event import FlightEvent
-from companion.flight_events.fields import Doc, InText
+from companion.flight_events.event_fields import Doc, InText
 
 IsRefused = Annotated[bool, Doc("whether the mission may not be flown")]
 

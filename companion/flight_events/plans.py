@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Annotated
 
 from companion.flight_events.event import FlightEvent
-from companion.flight_events.fields import Doc, Inline, InText
+from companion.flight_events.event_fields import Doc, Inline, InText
 
 PlanNumber = Annotated[int, Doc("of the plan; 0 is the first, N the one after replan N")]
 Task = Annotated[

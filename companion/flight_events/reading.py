@@ -16,7 +16,7 @@ from typing import Any
 from companion.errors import Location, MissionError
 from companion.flight_events.catalogue import RECORDED
 from companion.flight_events.event import FlightEvent, Stamped
-from companion.flight_events.fields import Carrier, fields_of, keys_of
+from companion.flight_events.event_fields import Carrier, fields_of, keys_of
 from companion.flight_events.values import Unfit, value_of
 
 ABOUT = ("t_s", "kind", "text")

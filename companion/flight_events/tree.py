@@ -7,7 +7,7 @@ from enum import Enum
 from typing import Annotated, NamedTuple
 
 from companion.flight_events.event import FlightEvent
-from companion.flight_events.fields import Doc, InText
+from companion.flight_events.event_fields import Doc, InText
 
 
 class NodeType(Enum):

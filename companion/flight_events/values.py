@@ -12,7 +12,7 @@ from enum import Enum
 from types import NoneType, UnionType
 from typing import Any, get_args, get_origin
 
-from companion.flight_events.fields import item_types, keys_of
+from companion.flight_events.event_fields import item_types, keys_of
 
 _SCALARS = (str, int, bool, NoneType)
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from companion.flight_events.event import FlightEvent
-from companion.flight_events.fields import Doc
+from companion.flight_events.event_fields import Doc
 
 Facts = Annotated[
     tuple[str, ...],

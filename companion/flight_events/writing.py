@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from enum import Enum
 
 from companion.flight_events.event import Stamped
-from companion.flight_events.fields import Carrier, fields_of
+from companion.flight_events.event_fields import Carrier, fields_of
 
 _SCALARS = frozenset({str, int, float, bool, type(None)})
 

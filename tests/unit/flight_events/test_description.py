@@ -11,7 +11,7 @@ import pytest
 from companion.flight_events.catalogue import EVENTS, RECORDED
 from companion.flight_events.description import json_schema, kinds_table, with_tables
 from companion.flight_events.event import FlightEvent
-from companion.flight_events.fields import keys_of
+from companion.flight_events.event_fields import keys_of
 from companion.flight_events.plans import PlannedAction
 from companion.flight_events.tree import ActionTreeNode, TreeNode
 

@@ -16,7 +16,7 @@ from companion.errors import Location, MissionError
 from companion.flight_events.catalogue import EVENTS, FOR_PROGRAMS, RECORDED
 from companion.flight_events.description import json_schema
 from companion.flight_events.event import FlightEvent, Stamped
-from companion.flight_events.fields import keys_of
+from companion.flight_events.event_fields import keys_of
 from companion.flight_events.plans import (
     NoPlanFound,
     PlanMade,
