@@ -108,7 +108,10 @@ def test_a_wrong_log_line_raises_nothing(capfd: pytest.CaptureFixture[str]) -> N
 
 
 @pytest.mark.usefixtures("verbose")
-def test_what_is_no_unicode_is_shown_as_a_number(capfd: pytest.CaptureFixture[str]) -> None:
+def test_what_is_no_unicode_is_shown_as_a_number(
+    capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(logging.getLogger("companion"), "propagate", False)  # not into the report
     LOG.debug("said \ud800")
     assert capfd.readouterr().err.endswith("companion.of.a.test  said \\ud800\n")
 
