@@ -11,10 +11,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from companion.acting.report import Report
 from ports import free_instance
 
 from companion import FlightResult, LinkError, audit, load_mission, run
+from companion.flight_events.event import Stamped
+from companion.flight_events.skills import PlaceReached
+from companion.flight_events.sortie import StoppedAsAsked
 
 pytestmark = pytest.mark.sockets
 
@@ -55,27 +57,27 @@ def vehicle() -> Iterator[str]:
 
 
 def test_a_mission_is_flown_to_its_end(vehicle: str, tmp_path: Path) -> None:
-    told: list[Report] = []
+    told: list[Stamped] = []
     flight = run(
         load_mission(MISSION), vehicle, folder=tmp_path, on_event=told.append, timeout_s=300.0
     )
     assert isinstance(flight, FlightResult)
     assert (flight.exit_code, flight.failure) == (0, None)
-    assert told == [event for event in flight.events if event.is_told]
-    assert "at A" in [event.text for event in told]
+    assert told == [stamped for stamped in flight.events if stamped.event.is_told]
+    assert PlaceReached("A", "move(Home, A)") in [stamped.event for stamped in told]
     assert flight.trajectory.north_m[-1] == pytest.approx(3.0, abs=0.6)
     assert audit(flight) == audit(tmp_path)
 
 
 def test_ctrl_c_lands_and_returns(vehicle: str) -> None:
-    def interrupt(event: Report) -> None:
-        if event.text == "at A":
+    def interrupt(stamped: Stamped) -> None:
+        if isinstance(stamped.event, PlaceReached):
             os.kill(os.getpid(), signal.SIGINT)
 
     before = signal.getsignal(signal.SIGINT)
     flight = run(load_mission(PATROL), vehicle, on_event=interrupt, timeout_s=300.0)
     assert flight.exit_code == 0
-    assert flight.events[-1].text == "stopped as asked"
+    assert flight.events[-1].event == StoppedAsAsked()
     assert signal.getsignal(signal.SIGINT) is before
 
 
