@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from companion.acting.report import Report
 
 from companion import (
     FlightResult,
@@ -21,6 +19,10 @@ from companion import (
     simulate,
 )
 from companion.api.simulating import world_of
+from companion.flight_events.event import Stamped
+from companion.flight_events.reading import read_line
+from companion.flight_events.skills import PlaceReached
+from companion.flight_events.sortie import TaskSatisfied
 from companion.mission.model import Otherwise
 
 MISSIONS = Path(__file__).parents[3] / "missions"
@@ -64,8 +66,9 @@ def flown(mission: Mission) -> SimulationResult:
 
 def test_a_mission_without_files_is_flown_to_its_end(flown: SimulationResult) -> None:
     assert (flown.exit_code, flown.failure, flown.folder) == (0, None, None)
-    assert [e.text for e in flown.events if e.kind == "at"] == ["at A"]
-    assert flown.events[-1].kind == "end"
+    events = [stamped.event for stamped in flown.events]
+    assert [event.place for event in events if isinstance(event, PlaceReached)] == ["A"]
+    assert events[-1] == TaskSatisfied()
     assert flown.collisions == 0
 
 
@@ -157,15 +160,15 @@ def test_a_mistake_is_told_with_its_place(mission: Mission, given: Any, where: s
 def test_events_are_told_when_they_happen_and_recorded_if_asked(
     mission: Mission, flown: SimulationResult, tmp_path: Path
 ) -> None:
-    told: list[Report] = []
+    told: list[Stamped] = []
     run = simulate(mission, seed=3, folder=tmp_path / "run", on_event=told.append)
     assert run.folder == tmp_path / "run"
     assert {"events.jsonl", "flight.png", "flight.tlog", "mission.yaml"} <= {
         path.name for path in run.folder.iterdir()
     }
     lines = (run.folder / "events.jsonl").read_text(encoding="utf-8").splitlines()
-    assert [json.loads(line)["text"] for line in lines] == [e.text for e in run.events]
-    assert told == [event for event in run.events if event.is_told]
+    assert tuple(read_line(line) for line in lines) == run.events
+    assert told == [stamped for stamped in run.events if stamped.event.is_told]
     assert run.events == flown.events
 
 
