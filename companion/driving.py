@@ -10,9 +10,10 @@ import logging
 
 from companion.acting.flight import TICK_S
 from companion.app import Companion
+from companion.clock import ScaledClock
 from companion.errors import LinkTimeout
 from companion.ground.operations import SystemStatus
-from companion.vehicle.link import ScaledClock, UdpLink
+from companion.vehicle.link import UdpLink
 
 log = logging.getLogger(__name__)
 

@@ -6,7 +6,6 @@ and time in, messages out; who owns the link and lives longer is `app.py`.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Protocol
 
 from companion.acting.assembly import assemble
@@ -60,14 +59,21 @@ class Run:
         may_yield: bool,
     ) -> None:
         detector = EventDetector(mission.events)
-        home, limits = mission.home, mission.limits
+        home, limits, profile = mission.home, mission.limits, mission.vehicle
         self.mission = mission
         self.recorder = recorder
         self.start_s = start_s
         self.vehicle = MavlinkVehicle(
             wire,
             telemetry,
-            Envelope(limits.fence, limits.up_m, limits.speed_mps),
+            Envelope(
+                limits.fence,
+                limits.up_m,
+                mission.speed_limits.speed_mps,
+                profile.climb_mps,
+                profile.descent_mps,
+                profile.carrot_m,
+            ),
             detector.signals,
             takeoff_up_m=-home.position[2],
         )
@@ -88,6 +94,8 @@ class Run:
         self, now_s: float, messages: list[Message], asked: list[tuple[Signal, float]]
     ) -> list[Stamped]:
         """One tick: reads what arrived and acts; returns what happened."""
+        self.flight.speed_limit.advance(now_s)
+        self.vehicle.set_speed_limit(self.flight.speed_limit.now_mps)
         readings = asked + self.vehicle.receive(now_s, messages)
         if any([self._map.integrate(scan) for scan in self.vehicle.scans]):
             self.flight.routes.see(self._map.grid)
@@ -107,10 +115,8 @@ class Run:
             self.recorder.report(Stamped(time_s, stamped.event))
 
     def adjust(self, speed_max_mps: float, belief_retry_s: float) -> None:
-        """What the companion's parameters say; a flight that has begun keeps its speed."""
-        limits = self.mission.limits
-        speed_mps = min(limits.speed_mps, speed_max_mps)
-        self.flight.limits = replace(limits, speed_mps=speed_mps)
+        """Takes over the companion's parameters; a flight under way is slowed, if need be."""
+        self.flight.speed_limit.set_operator_limit(speed_max_mps)
         self.flight.belief_retry_s = belief_retry_s if belief_retry_s >= 0.0 else None
 
     def _position(self) -> Ned | None:

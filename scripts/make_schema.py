@@ -1,9 +1,9 @@
 """Writes what is generated from models: missions/*.schema.json and tables of docs/run-folder.md.
 
-Editors with a YAML language server complete and check mission and scenario files from their
-schemas; events.schema.json says what a line of events.jsonl may be. Run it after a change of
-companion/mission/schema.py, sitl/world/schema.py or companion/flight_events; tests compare the
-files with the models.
+Editors with a YAML language server complete and check mission, scenario and vehicle files from
+their schemas; events.schema.json says what a line of events.jsonl may be. Run it after a change of
+companion/mission/schema.py, companion/vehicle_files.py, sitl/world/schema.py or
+companion/flight_events; tests compare the files with the models.
 
 Usage: python scripts/make_schema.py
 """
@@ -13,6 +13,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+from companion import vehicle_files as vehicle
 from companion.flight_events import description as events
 from companion.mission import schema as mission
 from sitl.world import schema as scenario
@@ -22,6 +23,7 @@ FOLDER = ROOT / "missions"
 SCHEMAS = {
     "mission.schema.json": mission.json_schema,
     "scenario.schema.json": scenario.json_schema,
+    "vehicle.schema.json": vehicle.json_schema,
     "events.schema.json": events.json_schema,
 }
 PAGE = ROOT / "docs" / "run-folder.md"

@@ -28,7 +28,7 @@ LAND = dialect.MAV_CMD_NAV_LAND
 SET_MODE = dialect.MAV_CMD_DO_SET_MODE
 
 FENCE = ((-9.0, -9.0), (-9.0, 9.0), (9.0, 9.0), (9.0, -9.0))
-ENVELOPE = Envelope(fence=FENCE, up_m=(0.5, 4.0), speed_mps=2.0)
+ENVELOPE = Envelope(FENCE, (0.5, 4.0), 2.0, climb_mps=2.0, descent_mps=1.5, carrot_m=1.5)
 TARGET = Signal("NAMED_VALUE_INT", "target", "value")
 CHARGE = Signal("BATTERY_STATUS", "", "battery_remaining")
 CALL = Signal("COMMAND", "", "MAV_CMD_NAV_RETURN_TO_LAUNCH")

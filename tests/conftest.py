@@ -32,7 +32,15 @@ MISSIONS = TESTS.parent / "missions"
 FLIGHTS = (TESTS / "flights", TESTS / "browser")
 FLOWN = frozenset({"surveillance_run"})
 """Fixtures that fly."""
-SIMULATOR = frozenset({"sitl.simulation", "sitl.harness", "sitl.flight.physics", "wire"})
+SIMULATOR = frozenset(
+    {
+        "companion.api.simulating",
+        "sitl.flight.physics",
+        "sitl.harness",
+        "sitl.simulation",
+        "wire",
+    }
+)
 """Modules with the whole vehicle; a test module that imports from one of them flies it."""
 
 

@@ -10,7 +10,7 @@ from happened import Happened
 
 from companion.acting.assembly import assemble
 from companion.acting.event_detector import EventDetector
-from companion.acting.executive import TaskStatus
+from companion.acting.executive_states import TaskStatus
 from companion.acting.flight import TICK_S
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.word import PositionLeft
@@ -44,7 +44,7 @@ class Rig(Happened):
         self.vehicle = vehicle or FakeVehicle(home.position).take_off(-home.position[2])
         acting = assemble(mission, self.vehicle, EventDetector(mission.events), routes)
         self.planner, self.flight, self.executive = acting.planner, acting.flight, acting.executive
-        self.task = acting.flight.task
+        self.task, self.speed_limit = acting.flight.task, acting.flight.speed_limit
         self.reports: list[Stamped] = []
         self.positions: list[PositionLeft] = []
         self.plans: list[Lasso] = []
@@ -60,6 +60,7 @@ class Rig(Happened):
         """One tick passes for the vehicle and the clock; nothing acts."""
         self._ticks += 1
         self.flight.now_s = self._ticks * TICK_S
+        self.speed_limit.advance(self.flight.now_s)
         self.vehicle.step(self.flight.now_s)
 
     def tick(self, *readings: tuple[Signal, float]) -> TaskStatus:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import doctest
 import re
 import shutil
 import subprocess
@@ -13,7 +14,10 @@ from pathlib import Path
 
 import pytest
 
+import companion
+
 ROOT = Path(__file__).parents[1]
+pytestmark = pytest.mark.slow
 EXAMPLES = sorted((ROOT / "docs" / "examples").glob("*.py"))
 LEAVES = {
     "audit_a_log": "run/events.jsonl",
@@ -53,6 +57,21 @@ def test_an_example_does_what_it_says(example: Path, tmp_path: Path) -> None:
     assert run(sys.executable, example, tmp_path) == told(example)
     if example.stem in LEAVES:
         assert (tmp_path / LEAVES[example.stem]).stat().st_size > 0
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/python.md"])
+def test_what_a_page_shows_of_python_is_so(page: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(ROOT)
+    failed, attempted = doctest.testfile(str(ROOT / page), module_relative=False)
+    assert attempted > 0
+    assert failed == 0
+
+
+def test_the_page_names_every_export_that_is_a_verb_and_every_example() -> None:
+    page = (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
+    verbs = [name for name in companion.__all__ if not isinstance(getattr(companion, name), type)]
+    assert all(f"`{verb}(" in page for verb in verbs)
+    assert all(f"(examples/{path.name})" in page for path in EXAMPLES)
 
 
 @pytest.fixture(scope="module")

@@ -10,6 +10,7 @@ from companion.acting.flight import Flight
 from companion.acting.symbols import Symbols
 from companion.geometry import Ned
 from companion.mission.model import Mission
+from companion.motion.live_speed_limit import LiveSpeedLimit
 from companion.motion.routes import RouteMap
 from companion.planning.flight_times import flight_times, route_map
 from companion.planning.planner import Planner
@@ -45,12 +46,15 @@ def assemble(
     def here() -> Ned | None:
         return vehicle.state.position if vehicle.state else None
 
-    planner = Planner(mission, flight_times(mission, routes, here))
+    speed_limit = LiveSpeedLimit(mission.speed_limits)
+    times = flight_times(mission, routes, here, lambda: speed_limit.target)
+    planner = Planner(mission, times)
     flight = Flight(
         vehicle=vehicle,
         task=TaskState(planner),
         routes=routes,
-        limits=mission.limits,
+        speed_limit=speed_limit,
+        profile=mission.vehicle,
         symbols=Symbols(mission.places, routes),
     )
     return ActingParts(planner, flight, Executive(planner, flight, detector))

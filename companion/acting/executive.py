@@ -18,9 +18,7 @@ violated lines begin anew: no other could give the task a plan again.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from enum import Enum
+from collections.abc import Sequence
 
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
@@ -30,12 +28,14 @@ from companion.acting.behaviour_tree.hand_built import build_by_hand
 from companion.acting.behaviour_tree.leaf import failure_of
 from companion.acting.behaviour_tree.tree_report import TreeReport
 from companion.acting.event_detector import EventDetector
+from companion.acting.executive_states import STATUS, ExecutiveState, TaskStatus
 from companion.acting.flight import Flight, PlanProgress
 from companion.acting.positions import tell_positions
 from companion.acting.replanning.assumptions import Assumptions
-from companion.acting.replanning.explanation import ExplanationSearch
-from companion.acting.replanning.reachability import Reachability
-from companion.errors import NoPlanError, SearchLimit
+from companion.acting.replanning.replanner import PlanFailure, Replanner
+from companion.acting.replanning.trigger import ReplanTrigger
+from companion.acting.return_home import flight_to
+from companion.errors import NoPlanError
 from companion.flight_events.facts import BeliefRestored, MissionEventChanged
 from companion.flight_events.plans import (
     LapCompleted,
@@ -45,57 +45,9 @@ from companion.flight_events.plans import (
     WrittenTreeAdopted,
 )
 from companion.flight_events.skills import WrittenTreeFailed
-from companion.mission.model import Fly, Signal
-from companion.planning.domain import WAIT, Action, Fact, departures
+from companion.mission.model import Signal
 from companion.planning.lasso import Lasso
 from companion.planning.planner import Planner
-
-COMPARED = 1000
-"""Actions of two plans after which they are taken for the same."""
-MAX_IDLE_REPLANS = 5
-"""Replans without a completed skill between them after which the executive gives up."""
-
-PATIENCE_S = 5.0
-"""How long a replan waits for a map that goes on changing while the vehicle holds."""
-
-
-class ExecutiveState(Enum):
-    """What the executive is doing."""
-
-    IDLE = "no plan was made yet"
-    EXECUTING = "ticks the tree of a plan"
-    LEAVING = "ticks the tree of a flight to a place, in want of a plan for the task"
-    BY_HAND = "ticks the mission's own tree"
-    GROUNDED = "has a new plan that begins in the air, while the old one has landed the vehicle"
-    REPLANNING = "a plan is due, as soon as the routes on the map are known; the vehicle holds"
-    EXPLAINING = "searches for the reason why there is no plan; the vehicle holds"
-    SATISFIED = "the task is satisfied"
-    WITHOUT_PLAN = "the task has no plan"
-
-
-class TaskStatus(Enum):
-    """How the task stands."""
-
-    RUNNING = "running"
-    NEEDS_TAKE_OFF = "goes on in the air"
-    SATISFIED = "satisfied"
-    NO_PLAN = "no plan"
-
-
-_STATUS = {
-    ExecutiveState.GROUNDED: TaskStatus.NEEDS_TAKE_OFF,
-    ExecutiveState.SATISFIED: TaskStatus.SATISFIED,
-    ExecutiveState.WITHOUT_PLAN: TaskStatus.NO_PLAN,
-}
-"""How the task stands in each state; it is running in all others."""
-
-
-@dataclass(frozen=True, slots=True)
-class DueReplan:
-    """A plan that has to be made: why, and since when."""
-
-    reason: str
-    since_s: float
 
 
 class Executive:
@@ -117,24 +69,20 @@ class Executive:
         self.state = ExecutiveState.IDLE
         self.replans = 0
         self.lasso: Lasso | None = None
-        self.failure: NoPlanError | SearchLimit | None = None
+        self.failure: PlanFailure | None = None
         self._planner = planner
         self._flight = flight
         self._detector = detector
         self._root: Behaviour | None = None
         self._tree_report: TreeReport | None = None
         self._assumptions = Assumptions(planner, flight)
-        self._reachability = Reachability(planner, flight)
-        self._explanation: ExplanationSearch | None = None
-        self._due = DueReplan("", 0.0)
-        self._after_take_off = ExecutiveState.EXECUTING
-        self._idle_replans = 0
-        self._positions = 0
+        self._replanner = Replanner(planner, flight, self._assumptions)
+        self._plan_state = ExecutiveState.EXECUTING
 
     @property
     def status(self) -> TaskStatus:
         """How the task stands."""
-        return _STATUS.get(self.state, TaskStatus.RUNNING)
+        return STATUS.get(self.state, TaskStatus.RUNNING)
 
     def sense(self, readings: Sequence[tuple[Signal, float]]) -> None:
         """Takes readings off the wire and turns them into facts."""
@@ -172,7 +120,7 @@ class Executive:
             flight.report(WrittenTreeAdopted(task))
             self._take_tree(root, ExecutiveState.BY_HAND)
         else:
-            self._follow_map()
+            self._replanner.follow_map()
             lasso = self._planner.solve(*flight.task.problem()).lasso
             self._adopt(lasso, ExecutiveState.EXECUTING)
             flight.report(PlanMade(task, lasso.planned))
@@ -181,7 +129,7 @@ class Executive:
     def tick(self) -> TaskStatus:
         """One tick of what it is doing; returns how the task stands then."""
         if self.state is ExecutiveState.GROUNDED:  # and has taken off since
-            self.state = self._after_take_off
+            self.state = self._plan_state
         match self.state:
             case ExecutiveState.EXECUTING | ExecutiveState.LEAVING:
                 assert self.lasso is not None and self._root is not None
@@ -200,19 +148,19 @@ class Executive:
         would ask for otherwise.
         """
         self._flight.task.interrupt()
-        move = self._departure(place)
-        if move is None:
+        lasso = flight_to(self._planner, place)
+        if lasso is None:
             return False
         self._flight.task.depart()
         tell_positions(self._flight)
-        self._adopt(Lasso((move,), (WAIT,)), ExecutiveState.LEAVING)
+        self._adopt(lasso, ExecutiveState.LEAVING)
         self._tell_tree()
         return True
 
     @property
     def is_leaving(self) -> bool:
         """Whether it flies to a place in want of a plan, or has lost its way there."""
-        return self._after_take_off is ExecutiveState.LEAVING
+        return self._plan_state is ExecutiveState.LEAVING
 
     def stop(self) -> None:
         """Ends the plan; the vehicle holds."""
@@ -224,8 +172,8 @@ class Executive:
     def resume(self) -> TaskStatus:
         """Goes on after `stop`, by a new plan from here: what was under way was interrupted."""
         if self._planner.mission.tree is None:
-            self._after_take_off = ExecutiveState.EXECUTING
-            self._idle_replans = 0
+            self._plan_state = ExecutiveState.EXECUTING
+            self._replanner.forgive()
             self._replan("going on")
         return self.status
 
@@ -267,12 +215,12 @@ class Executive:
         assumptions = self._assumptions
         assumptions.narrow(lasso)
         is_in_the_air = not self._flight.progress.is_landed_by_plan
-        if assumptions.wrong and is_in_the_air and self._is_still_best(lasso):
+        if assumptions.wrong and is_in_the_air and self._replanner.is_still_best(lasso):
             assumptions.renew()
 
     # -- replan triggers -----------------------------------------------------------------------
 
-    def _replans_by(self, triggers: tuple[ReplanTrigger, ...]) -> bool:
+    def _replans_by(self, triggers: tuple[ReplanTrigger[Executive], ...]) -> bool:
         """Plans again for the first trigger that has a reason to; whether one has."""
         for trigger in triggers:
             reason = trigger.reason(self)
@@ -283,7 +231,7 @@ class Executive:
 
     def _cut_off_by_map(self) -> str | None:
         """A belief that the plan needs was given up, as the map cuts it off."""
-        reachability = self._reachability
+        reachability = self._replanner.reachability
         if self._flight.progress.is_landed_by_plan:
             return None
         reachability.look()
@@ -292,16 +240,16 @@ class Executive:
         reachability.search()
         if not reachability.is_known:
             return None
-        lost = self._follow_map()
+        lost = self._replanner.follow_map()
         is_needed = lost and not self.is_leaving
         assert self.lasso is not None
-        return lost if is_needed and not self._is_still_best(self.lasso) else None
+        return lost if is_needed and not self._replanner.is_still_best(self.lasso) else None
 
     def _possible_again(self) -> str | None:
         """On the way to a place in want of a plan, the task has one again."""
         if not self.is_leaving or not self._assumptions.may_do_better:
             return None
-        if not self._flight.task.violated and self._plan_now() is not None:
+        if not self._flight.task.violated and self._replanner.plan_now() is not None:
             return self._surprise("")
         self._assumptions.forget_restored_beliefs()
         return None
@@ -315,17 +263,13 @@ class Executive:
 
     def _in_vain(self) -> str | None:
         """The task is violated; a plan that has landed the vehicle ends first."""
-        violated = self._flight.task.violated
-        may_end = self._is_over or not self._flight.progress.is_landed_by_plan
+        progress, violated = self._flight.progress, self._flight.task.violated
+        assert self.lasso is not None
+        is_over = self.lasso.ends_at_rest and progress.laps > 0
+        may_end = is_over or not progress.is_landed_by_plan
         if not violated or not may_end or self.is_leaving:
             return None
         return self._surprise("")
-
-    @property
-    def _is_over(self) -> bool:
-        """Whether the plan has come to its rest."""
-        assert self.lasso is not None
-        return self.lasso.ends_at_rest and self._flight.progress.laps > 0
 
     def _surprise(self, failure: str) -> str:
         """What was not expected, in words."""
@@ -338,64 +282,36 @@ class Executive:
     def _replan(self, reason: str) -> None:
         self.stop()
         self._flight.task.interrupt()
-        self._count_idle()
-        self._due = DueReplan(reason, self._flight.now_s)
-        self.state = ExecutiveState.REPLANNING
+        self._replanner.begin(reason)
         self._plan_again()
 
     def _plan_again(self) -> None:
-        """Makes the plan that is due, once the routes on the map are known; the vehicle holds."""
-        flight = self._flight
-        self._reachability.search()
-        if not self._reachability.is_known and flight.now_s < self._due.since_s + PATIENCE_S:
-            return
-        self._follow_map()
-        problem, histories = flight.task.problem()
-        if self._explanation is not None:
-            if self._explanation.is_about(problem):
-                self._explain(self._explanation)
-                return
-            self._count_idle()  # what flaps must not be asked about for ever
-        self._assumptions.forget_restored_beliefs()
-        if self._planner.mission.tree is not None:
-            self._give_up(NoPlanError("no plan: the mission has a tree of its own"))
-            return
-        if self._idle_replans > MAX_IDLE_REPLANS:
-            self._give_up(NoPlanError(f"no plan: {MAX_IDLE_REPLANS} plans in a row led nowhere"))
-            return
-        try:
-            lasso = self._planner.replan(problem, histories)
-        except (NoPlanError, SearchLimit) as error:
-            self._give_up(error)
-            return
-        if lasso is None:
-            self.state = ExecutiveState.EXPLAINING
-            self._explanation = ExplanationSearch(self._planner, problem)
-            self._explain(self._explanation)
-        else:
-            self._fly_on(lasso)
+        """A part of making the plan that is due."""
+        match self._replanner.step():
+            case None:
+                is_explaining = self._replanner.is_explaining
+                explaining, replanning = ExecutiveState.EXPLAINING, ExecutiveState.REPLANNING
+                self.state = explaining if is_explaining else replanning
+            case Lasso() as lasso:
+                self._fly_on(lasso)
+            case failure:
+                self._give_up(failure)
 
     def _fly_on(self, lasso: Lasso) -> None:
         """Adopts a new plan; one that is the rest of the old plan is no news."""
-        is_kept = self.lasso is not None and self._is_rest_of(self.lasso, lasso)
-        reason, self.failure = self._due.reason, None
+        is_kept = self.lasso is not None and self._replanner.is_rest_of(self.lasso, lasso)
+        reason, self.failure = self._replanner.reason, None
         self._adopt(lasso, ExecutiveState.EXECUTING)
         if not is_kept:
             self.replans += 1
             self._flight.report(PlanReplaced(self.replans, reason, lasso.planned))
         self._tell_tree()
 
-    def _explain(self, explanation: ExplanationSearch) -> None:
-        """Gives up, once it is known why there is no plan."""
-        if answer := explanation.step():
-            self._give_up(answer)
-
-    def _give_up(self, error: NoPlanError | SearchLimit) -> None:
-        self._explanation = None
+    def _give_up(self, error: PlanFailure) -> None:
         self.replans += 1
         self.state = ExecutiveState.WITHOUT_PLAN
         self.failure = error
-        self._flight.report(NoPlanFound(self.replans, self._due.reason, str(error)))
+        self._flight.report(NoPlanFound(self.replans, self._replanner.reason, str(error)))
 
     def _adopt(self, lasso: Lasso, state: ExecutiveState) -> None:
         """Ticks the tree of a plan from now on, in the air."""
@@ -403,10 +319,9 @@ class Executive:
         is_landed = flight.progress.is_landed_by_plan
         flight.progress = PlanProgress()
         self.lasso = lasso
-        self._explanation = None
         self._assumptions.renew()
         self._assumptions.narrow(lasso)
-        self._after_take_off = state
+        self._plan_state = state
         root = build(flight, lasso, self._assumptions)
         self._take_tree(root, ExecutiveState.GROUNDED if is_landed else state)
 
@@ -416,19 +331,6 @@ class Executive:
         self._tree_report = TreeReport(self._flight, root)
 
     # -- small things --------------------------------------------------------------------------
-
-    def _follow_map(self) -> str:
-        """Takes the map over into moves and beliefs; returns what was given up, in words."""
-        change = self._reachability.follow()
-        if change.held:
-            self._assumptions.note_restored_beliefs()
-        return change.lost_in_words
-
-    def _departure(self, place: str) -> Action | None:
-        moves = departures(self._planner.mission, self._planner.flight_time)
-        move = next((a for a in moves if a.execute == (Fly(place),)), None)
-        nothing: frozenset[Fact] = frozenset()
-        return move and replace(move, requires=nothing, forbids=nothing, assumes=nothing)
 
     def _rest(self) -> None:
         """Leaves the last position, which lasts for ever."""
@@ -440,41 +342,6 @@ class Executive:
         """Reports what the tree's nodes do now, if it is not what they did."""
         if self._tree_report is not None:
             self._tree_report.tell()
-
-    def _count_idle(self) -> None:
-        """Counts replans between which the task's word has not grown."""
-        positions = self._flight.task.positions
-        self._idle_replans = 0 if positions > self._positions else self._idle_replans + 1
-        self._positions = positions
-
-    def _is_still_best(self, lasso: Lasso) -> bool:
-        """Whether a plan made now, as from the place left last, is the rest of the present one."""
-        new = self._plan_now() if self._flight.task.running is not None else None
-        return new is not None and self._is_rest_of(lasso, new)
-
-    def _plan_now(self) -> Lasso | None:
-        """The plan that would be made now; None if none is found."""
-        try:
-            return self._planner.replan(*self._flight.task.problem())
-        except (NoPlanError, SearchLimit):
-            return None
-
-    def _is_rest_of(self, lasso: Lasso, new: Lasso) -> bool:
-        """Whether a new plan is what is left of another one."""
-        return new.names(COMPARED) == lasso.names(COMPARED, self._flight.progress.completed)
-
-
-@dataclass(frozen=True, slots=True)
-class ReplanTrigger:
-    """One reason to plan again.
-
-    Attributes:
-        name: what is noticed.
-        reason: why a new plan is due, in words for people; None if it is not.
-    """
-
-    name: str
-    reason: Callable[[Executive], str | None]
 
 
 BEFORE_THE_TREE = (

@@ -7,10 +7,11 @@ from dataclasses import dataclass, field
 from companion.acting.symbols import Symbols
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.skills import SymbolMoved
-from companion.mission.model import Limits
+from companion.motion.live_speed_limit import LiveSpeedLimit
 from companion.motion.routes import RouteMap
 from companion.planning.task_state import TaskState
 from companion.vehicle.port import Setpoint, Vehicle, hold_at
+from companion.vehicle_profile import VehicleProfile
 
 TICK_S = 0.05
 """Period of ticks, setpoints and everything else that the companion does: 20 Hz."""
@@ -36,6 +37,8 @@ class Flight:
     """One flight of one mission, shared by all behaviours of its tree.
 
     Attributes:
+        speed_limit: of all that is flown.
+        profile: of the vehicle that the mission is written for.
         symbols: where each place is to be flown to; read late, so that it may change in flight.
         now_s: time of the tick, set before each tick.
         progress: of the present plan.
@@ -47,7 +50,8 @@ class Flight:
     vehicle: Vehicle
     task: TaskState
     routes: RouteMap
-    limits: Limits
+    speed_limit: LiveSpeedLimit
+    profile: VehicleProfile
     symbols: Symbols
     now_s: float = 0.0
     progress: PlanProgress = field(default_factory=PlanProgress)

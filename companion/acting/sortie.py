@@ -19,7 +19,8 @@ from py_trees.common import Status
 
 from companion.acting.authority import loss_of_control, loss_of_link, not_handed_over
 from companion.acting.ending import ending
-from companion.acting.executive import Executive, TaskStatus
+from companion.acting.executive import Executive
+from companion.acting.executive_states import TaskStatus
 from companion.acting.flight import Flight
 from companion.acting.phases import (
     GOALS,

@@ -1,4 +1,4 @@
-"""Where is a place to be flown to now? The symbol database (Section IV-D of the paper).
+"""The symbol database: which waypoint each place stands for now (Section IV-D of the paper).
 
 A place of the mission is a region; the waypoint in it that stands for the symbol is chosen late.
 People have written the first one, the mission's; algorithms write others when it cannot be flown

@@ -10,9 +10,10 @@ from types import FrameType
 
 from companion.api.results import FlightResult, FlownTrajectory, OnEvent, recording
 from companion.app import Companion
+from companion.clock import ScaledClock
 from companion.driving import fly
 from companion.mission.model import Mission
-from companion.vehicle.link import ScaledClock, UdpLink, parse_url
+from companion.vehicle.link import UdpLink, parse_url
 
 OFFBOARD_URL = "udpin://0.0.0.0:14540"
 """Where PX4 sends its offboard stream."""

@@ -85,7 +85,7 @@ def simulate(
         trajectory=FlownTrajectory.of(flight.truth),
         failure=flight.companion.failure,
         folder=Path(folder) if folder is not None else None,
-        scenario_events=tuple(flight.simulation.happened),
+        scenario_events=tuple(flight.simulation.event_log),
         collisions=flight.simulation.collisions,
     )
 

@@ -239,8 +239,9 @@ def _line(stamped: Stamped) -> str:
 def _fly(
     companion: Companion, endpoint: Endpoint, terminal: Terminal, speed: float, timeout_s: float
 ) -> None:
+    from companion.clock import ScaledClock
     from companion.driving import fly
-    from companion.vehicle.link import ScaledClock, UdpLink
+    from companion.vehicle.link import UdpLink
 
     link = UdpLink(endpoint)
     try:

@@ -225,7 +225,7 @@ def _as_json(planner: Planner, problem: Problem, search_s: float) -> dict[str, A
     """What was asked, and what it took to answer."""
     seconds = {
         "translate": planner.translating_s,
-        "ground": planner.grounding_s,
+        "ground": planner.instantiating_s,
         "search": search_s,
     }
     return {

@@ -5,8 +5,8 @@
                                                   held again, if the mission does not say; -1 never
     CMP_MONITOR              0 or 1        as started  whether the monitor page is served; one
                                                   that cannot be, or has ended, is 0 again
-    CMP_SPEED_MAX     m/s    0.1 to 50     50     no flight begun from now on is faster, nor faster
-                                                  than the mission says
+    CMP_SPEED_MAX     m/s    0.1 to 50     50     nothing is planned or flown faster, nor
+                                                  faster than the mission and its vehicle allow
     CMP_TEXT_LEVEL           0 to 7        6      greatest MAV_SEVERITY that is told as STATUSTEXT
     CMP_TICK_HZ       Hz     read only     20     ticks, and setpoints, a second
 

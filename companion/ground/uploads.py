@@ -1,8 +1,9 @@
 """Missions that ground stations upload: queued, checked, accepted or refused, and handed out.
 
-A mission (a YAML file that is no map) is checked and planned as soon as it is complete, together
-with the files that are there by then; so maps and PDDL go first. The states of a mission and what
-leads from one to another stand in `upload_states.py`. Rules about the files:
+A mission (a YAML file that is neither a map nor a vehicle profile) is checked and planned as soon
+as it is complete, together with the files that are there by then; so these and PDDL go first. The
+states of a mission and what leads from one to another stand in `upload_states.py`. Rules about the
+files:
 1. Checked is a copy (`checking/N`), in a child process; nobody waits for it.
 2. A mission that can be flown becomes `active/N`, with its files, in one step. One that cannot
    changes nothing but the verdict.
@@ -52,7 +53,8 @@ from companion.mavlink.ftp_frames import FtpRefusal, crc32
 
 CHECK_S = 30.0
 CUT_OFF = "the last line has no line break, so a part may be missing; end it with one"
-_MAP = re.compile(rb"""^["']?image["']?[ \t]*:""", re.MULTILINE)
+_NO_MISSION = re.compile(rb"""^["']?(image|radius_m)["']?[ \t]*:""", re.MULTILINE)
+"""A key that maps have, or vehicle profiles, and missions only deeper inside."""
 MARK = ".not-flown"
 """In the folder of an accepted mission that was not started: a file with the mission's path.
 No client can use its name, and it is not copied."""
@@ -179,7 +181,7 @@ class Uploads:
     def _is_mission(self, name: str) -> bool:
         try:
             is_yaml = name.endswith((".yaml", ".yml"))
-            return is_yaml and not _MAP.search(self._store.read(name))
+            return is_yaml and not _NO_MISSION.search(self._store.read(name))
         except FtpRefusal:  # it is gone again
             return False
 

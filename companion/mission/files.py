@@ -1,4 +1,4 @@
-"""The files of a mission: itself, its map with the image, its PDDL files.
+"""The files of a mission: itself, its map with the image, its vehicle profile, its PDDL files.
 
 A door: it reads the mission and its map's YAML, as far as they name other files. Whoever takes
 missions from strangers names the folder that all of them have to be in; nothing else is opened.
@@ -13,6 +13,7 @@ from companion.documents import Document, read_source, validate
 from companion.errors import MissionError
 from companion.maps import image_of
 from companion.mission.schema import MissionFile
+from companion.vehicle_files import profile_path
 
 
 def files_of(path: Path, within: Path) -> tuple[Path, ...]:
@@ -29,6 +30,10 @@ def files_of(path: Path, within: Path) -> tuple[Path, ...]:
     others: list[Path] = []
     if isinstance(file.map, str):
         others += _map_files(path.parent, file.map, within, document)
+    profile = profile_path(file.vehicle.profile, path.parent)
+    if profile.is_file():
+        others.append(profile)
+        _check_within(profile, within, f"the vehicle {profile.stem}", document, ["vehicle"])
     for key, name in (("domain", file.domain), ("problem", file.problem)):
         if name is not None:
             others.append(path.parent / name)

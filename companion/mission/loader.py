@@ -21,7 +21,6 @@ from companion.geometry import ned_from_enu
 from companion.ltl.formula import Formula, Operator, eventually
 from companion.ltl.parser import parse
 from companion.maps import map_of_boxes, read_map
-from companion.mission.clearance import CLEARANCE_M
 from companion.mission.conditions import parse_condition
 from companion.mission.literals import parse_fact, parse_literals
 from companion.mission.model import Atom, Event, Limits, Mission, Otherwise, Place, Skill
@@ -32,6 +31,7 @@ from companion.mission.skills import build_skills
 from companion.mission.tree import read_tree
 from companion.mission.vocabulary import Vocabulary
 from companion.motion.grid import OccupancyGrid
+from companion.vehicle_files import read_vehicle
 
 GOAL = "goal"  # name of the conjunct that a plain goal makes
 _TASK_HINT = "add task: {NAME: FORMULA}, what must hold, or goal: FACTS, what must hold once"
@@ -69,7 +69,8 @@ def load_mission(source: Given, folder: Path | None = None) -> Mission:
         for name, p in file.places.items()
     }
     grid = _grid(file.map, read.folder, document)
-    check_places(places, limits, grid, CLEARANCE_M, document)
+    vehicle = read_vehicle(file.vehicle, read.folder, document)
+    check_places(places, limits, grid, vehicle.clearance_m, document)
     events = _events(file, document)
     vocabulary = Vocabulary(places, events, file.objects, declared)
     skills = build_skills(file, document, vocabulary)
@@ -83,6 +84,7 @@ def load_mission(source: Given, folder: Path | None = None) -> Mission:
         text=_text(read, document),
         grid=grid,
         limits=limits,
+        vehicle=vehicle,
         places=places,
         sets=sets,
         events=events,

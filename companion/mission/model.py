@@ -9,13 +9,15 @@ Facts are written as the formula language writes them: `at(A)`, `targetFound`, `
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 
 from companion.geometry import Ned, NorthEast
 from companion.ltl.formula import Formula
 from companion.mission.tree_nodes import Tree
 from companion.motion.grid import OccupancyGrid
+from companion.motion.profile import SpeedLimits
+from companion.vehicle_profile import VehicleProfile
 
 
 @dataclass(frozen=True, slots=True)
@@ -231,6 +233,7 @@ class Mission:
         initially: facts that hold at the start, beliefs left out; all others are false.
         grid: what the vehicle is told of the map beforehand.
         tree: the plan, if it was written by hand; the task is then not planned for.
+        vehicle: what it is written for.
     """
 
     name: str
@@ -246,6 +249,19 @@ class Mission:
     task: Mapping[str, Formula]
     otherwise: Otherwise
     tree: Tree | None = None
+    vehicle: VehicleProfile = field(default_factory=VehicleProfile)
+
+    @property
+    def speed_limits(self) -> SpeedLimits:
+        """The limits of its flights: the vehicle's, and no faster than the mission allows."""
+        vehicle = self.vehicle
+        return SpeedLimits(
+            min(self.limits.speed_mps, vehicle.speed_mps),
+            vehicle.acceleration_mps2,
+            vehicle.jerk_mps3,
+            vehicle.climb_mps,
+            vehicle.descent_mps,
+        )
 
     @property
     def home(self) -> Place:

@@ -16,6 +16,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 from pydantic_core import PydanticCustomError
 
+from companion.vehicle_files import VehicleEntry, VehicleKey
+
 Name = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$", max_length=40)]
 """Of a place, set, event, skill, parameter, component or conjunct."""
 
@@ -222,6 +224,7 @@ class MissionFile(StrictModel):
             "north_m: [-2, 12], walls: [{east_m: [4, 5], north_m: [0, 6]}]}."
         ),
     ]
+    vehicle: VehicleKey = VehicleEntry()
     limits: Annotated[
         LimitsEntry, Field(description="Speed, altitudes and fence that no setpoint leaves.")
     ]

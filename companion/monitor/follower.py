@@ -27,7 +27,6 @@ from companion.flight_events.tree import ActionTreeNode, TreeBuilt
 from companion.flight_events.word import PositionLeft
 from companion.geometry import Ned, enu_from_ned
 from companion.ltl.parser import parse
-from companion.mission.clearance import CLEARANCE_M
 from companion.monitor.automata import TaskReader
 from companion.monitor.page_events import (
     DERIVED,
@@ -79,7 +78,7 @@ class Follower:
         self._waiting: deque[Stamped] = deque()
         self._watcher = Watcher(scene.grid)
         self._grid = scene.grid
-        self._routes = RouteMap(scene.grid, scene.sites, scene.fence, CLEARANCE_M)
+        self._routes = RouteMap(scene.grid, scene.sites, scene.fence, scene.clearance_m)
         self._task: TaskReader | None = None
         self._is_written = False  # the tree is the mission's own, and no way is planned
         self._next_s = 0.0

@@ -18,6 +18,7 @@ from companion.errors import MissionError
 from companion.geometry import NorthEast, ned_from_enu
 from companion.motion.grid import OccupancyGrid
 from companion.motion.routes import PlaceRegion
+from companion.vehicle_profile import VehicleProfile
 
 SCENE = "scene.json"
 MAX_CELLS = 16_000_000
@@ -30,6 +31,7 @@ class Scene:
     Attributes:
         start_unix_s: t_s 0 of the events on the clock of flight.tlog.
         fence: north-east corners.
+        clearance_m: that routes keep from obstacles.
     """
 
     name: str
@@ -37,6 +39,7 @@ class Scene:
     grid: OccupancyGrid
     fence: tuple[NorthEast, ...]
     sites: dict[str, PlaceRegion]
+    clearance_m: float
 
 
 def read_scene(folder: Path) -> Scene:
@@ -80,4 +83,5 @@ def _scene(data: dict[str, Any]) -> Scene:
         for place in data["places"]
     }
     fence = tuple((float(north), float(east)) for east, north in data["fence"])
-    return Scene(str(data["name"]), float(data["start_unix_s"]), grid, fence, sites)
+    clearance_m = float(data.get("clearance_m", VehicleProfile().clearance_m))  # absent at first
+    return Scene(str(data["name"]), float(data["start_unix_s"]), grid, fence, sites, clearance_m)

@@ -16,12 +16,9 @@ Real-time Trajectory Generation with Arbitrary Target States, RSS 2021).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import ruckig
-
-ACCELERATION_MPS2 = 2.0
-JERK_MPS3 = 8.0  # PX4's MPC_JERK_MAX
 
 _REST_MPS = 1e-9  # slower is at rest
 
@@ -39,11 +36,32 @@ REST = Motion(0.0)
 
 @dataclass(frozen=True, slots=True)
 class SpeedLimits:
-    """The greatest speed, acceleration and jerk along a leg, all positive."""
+    """The greatest speed, acceleration and jerk along a leg, all positive.
+
+    Attributes:
+        climb_mps: greatest vertical speed upwards.
+        descent_mps: the same downwards.
+    """
 
     speed_mps: float
-    acceleration_mps2: float = ACCELERATION_MPS2
-    jerk_mps3: float = JERK_MPS3
+    acceleration_mps2: float
+    jerk_mps3: float
+    climb_mps: float = math.inf
+    descent_mps: float = math.inf
+
+    def along(self, down: float) -> SpeedLimits:
+        """The limits along a direction.
+
+        Args:
+            down: component of the unit vector, negative for a climb.
+
+        >>> SpeedLimits(2.0, 2.0, 8.0, descent_mps=0.9).along(0.6).speed_mps
+        1.5
+        """
+        vertical_mps = self.descent_mps if down > 0.0 else self.climb_mps
+        if self.speed_mps * abs(down) <= vertical_mps:
+            return self
+        return replace(self, speed_mps=vertical_mps / abs(down))
 
     def change_s(self, from_mps: float, to_mps: float) -> float:
         """Least time from one speed to another, with no acceleration at both."""

@@ -1,4 +1,4 @@
-"""The task model: skills grounded to STRIPS actions over facts, with beliefs and costs.
+"""The task model: skills instantiated to STRIPS actions over facts, with beliefs and costs.
 
 Skills become actions by binding their parameters to the members of their sets (the paper's
 action templates, Section II-E). What a skill `assumes` is a further precondition that is taken
@@ -24,7 +24,7 @@ from dataclasses import dataclass
 from companion.mission.model import Atom, Do, Fly, Literal, Mission, Primitive, Skill, Wait
 
 Fact = str
-"""A ground atom in the formula language's spelling, e.g. "at(A)"."""
+"""An atom without variables in the formula language's spelling, e.g. "at(A)"."""
 
 FlightTime = Callable[[str, str], float]
 """Seconds of flight from one place to another; inf where no route exists."""
@@ -66,7 +66,7 @@ Step = Primitive | Refinement
 
 @dataclass(frozen=True, slots=True)
 class Action:
-    """A grounded skill.
+    """An instance of a skill: all its parameters are bound.
 
     Attributes:
         name: e.g. "move(A, B)".
@@ -131,7 +131,7 @@ class TaskModel:
     """The mission's transition system, determinised: events keep their value, beliefs hold.
 
     Attributes:
-        actions: grounded actions, in the order of the mission file, `wait` last.
+        actions: instances of the skills, in the order of the mission file, `wait` last.
         beliefs: all facts that some action assumes.
     """
 
@@ -139,7 +139,7 @@ class TaskModel:
     beliefs: frozenset[Fact]
 
 
-def ground(mission: Mission, flight_time: FlightTime) -> TaskModel:
+def instantiate(mission: Mission, flight_time: FlightTime) -> TaskModel:
     """The task model of a mission. A move whose flight time is infinite does not exist."""
     actions = [
         action

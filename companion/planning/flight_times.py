@@ -9,7 +9,6 @@ from companion.documents import did_you_mean
 from companion.errors import MissionError
 from companion.geometry import Ned
 from companion.ltl.formula import atoms
-from companion.mission.clearance import CLEARANCE_M
 from companion.mission.model import Mission
 from companion.motion.profile import SpeedLimits, flight_time_s
 from companion.motion.routes import PlaceRegion, RouteMap
@@ -23,20 +22,31 @@ def route_map(mission: Mission) -> RouteMap:
         name: PlaceRegion(place.position, place.radius_m, is_exclusive=f"at({name})" in mentioned)
         for name, place in mission.places.items()
     }
-    return RouteMap(mission.grid, sites, mission.limits.fence, CLEARANCE_M)
+    return RouteMap(mission.grid, sites, mission.limits.fence, mission.vehicle.clearance_m)
 
 
 def flight_times(
-    mission: Mission, routes: RouteMap, here: Callable[[], Ned | None] = lambda: None
+    mission: Mission,
+    routes: RouteMap,
+    here: Callable[[], Ned | None] = lambda: None,
+    limits: Callable[[], SpeedLimits] | None = None,
 ) -> FlightTime:
-    """Seconds of flight between places; `here` says where the vehicle is, between them."""
-    limits = SpeedLimits(mission.limits.speed_mps)
+    """Seconds of flight between places.
+
+    Args:
+        mission: whose places they are.
+        routes: its routes.
+        here: says where the vehicle is, between places.
+        limits: says how fast it may fly now; without it as fast as the mission allows.
+    """
+    as_written = mission.speed_limits
 
     def flight_time(origin: str, goal: str) -> float:
         start = here() if origin == HERE else routes.goal(origin)
         if start is None:
             return math.inf
-        return flight_time_s(routes.distance_m(start[:2], goal), limits)
+        now = limits() if limits else as_written
+        return flight_time_s(routes.distance_m(start[:2], goal), now)
 
     return flight_time
 

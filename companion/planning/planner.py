@@ -3,10 +3,10 @@
 On the ground one asks `plan` and `explain`, from the mission's first state or from another one.
 What flies keeps the state itself (task_state.py) and asks `solve` and `replan` for a problem.
 
-Formulas are translated and skills are grounded when the planner is made. In flight only the
+Formulas are translated and skills are instantiated when the planner is made. In flight only the
 initial state changes (Section V, last paragraph): the facts, the automata's states after the
 history, and the moves from where the vehicle is between places. When the map has changed, the
-moves are grounded again: other costs, and none without a route.
+moves are instantiated again: other costs, and none without a route.
 """
 
 from __future__ import annotations
@@ -20,9 +20,11 @@ from companion.ltl.monitor import Runs
 from companion.ltl.translate import translate
 from companion.mission.model import Mission
 from companion.mission.tree_nodes import Tree, actions
+from companion.planning.builtin.product import Product
 from companion.planning.builtin.search import Search
+from companion.planning.builtin.transition_system import FactBits, TransitionSystem
 from companion.planning.check import fault
-from companion.planning.domain import Action, Fact, FlightTime, TaskModel, departures, ground
+from companion.planning.domain import Action, Fact, FlightTime, TaskModel, departures, instantiate
 from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT, Effort
 from companion.planning.explain import Explanation, NoPlan, explaining, why_no_plan
 from companion.planning.flight_times import flight_times, from_table, route_map
@@ -51,7 +53,7 @@ class Planner:
         flight_time: seconds between two places, or from `here` to a place, inf where there is no
             route: a function, or a table of pairs of places in which a pair without a route is
             left out. Without it, the times of flight on the mission's map.
-        clock: seconds; measures `translating_s` and `grounding_s`.
+        clock: seconds; measures `translating_s` and `instantiating_s`.
 
     Attributes:
         without_a_move: beliefs that only moves assume that do not exist any more.
@@ -69,14 +71,14 @@ class Planner:
             flight_time = from_table(mission, flight_time)
         self.mission = mission
         start_s = clock()
-        self.model = ground(mission, flight_time)
-        self.grounding_s = clock() - start_s
+        self.model = instantiate(mission, flight_time)
+        self.instantiating_s = clock() - start_s
         self.conjuncts = tuple(
             Conjunct(name, part, translate(part))
             for name, formula in mission.task.items()
             for part in conjuncts(formula)
         )
-        self.translating_s = clock() - start_s - self.grounding_s
+        self.translating_s = clock() - start_s - self.instantiating_s
         self.task_facts = frozenset().union(*(atoms(c.formula) for c in self.conjuncts))
         self.flight_time = flight_time
         self.without_a_move: frozenset[Fact] = frozenset()
@@ -94,13 +96,13 @@ class Planner:
                 automaton.marks,
             )
         if self.translating_s:  # it was measured
-            times_ms = 1000 * self.grounding_s, 1000 * self.translating_s
+            times_ms = 1000 * self.instantiating_s, 1000 * self.translating_s
             log.debug("instantiated in %.1f ms, translated in %.1f ms", *times_ms)
 
-    def reground(self) -> None:
+    def reinstantiate(self) -> None:
         """Takes over flight times that have changed; what was ever believed stays a belief."""
         known = {action: action for action in self.model.actions}  # whose bits are kept
-        model = ground(self.mission, self.flight_time)
+        model = instantiate(self.mission, self.flight_time)
         beliefs = self.model.beliefs | model.beliefs
         self.without_a_move = beliefs - model.beliefs
         self.model = TaskModel(
@@ -204,6 +206,41 @@ class Planner:
         except NoPlan as reason:
             return reason.explanation
         return None
+
+    def transition_system(
+        self, *, at: str | None = None, facts: Iterable[str] = (), without: Iterable[str] = ()
+    ) -> TransitionSystem:
+        """The states that the actions lead to, from a state as in `plan`.
+
+        >>> from companion import Planner, load_mission
+        >>> planner = Planner(load_mission("missions/surveillance.yaml"))
+        >>> graph = planner.transition_system().to_networkx()
+        >>> graph.number_of_nodes(), graph.number_of_edges()
+        (7, 49)
+
+        Raises:
+            MissionError: the mission does not know one of the names.
+        """
+        problem, _ = self.initial_problem(at=at, facts=facts, without=without)
+        return TransitionSystem(problem.actions, problem.facts, FactBits(()))
+
+    def product(
+        self, *, at: str | None = None, facts: Iterable[str] = (), without: Iterable[str] = ()
+    ) -> Product:
+        """The transition system and the automata together, explored from a state as in `plan`.
+
+        >>> from companion import Planner, load_mission
+        >>> planner = Planner(load_mission("missions/surveillance.yaml"))
+        >>> graph = planner.product(at="r1", facts={"targetFound"}).to_networkx()
+        >>> graph.nodes[0]["facts"], graph.graph["conjuncts"][-1]
+        (frozenset({'at(r1)'}), 'G(targetReported -> X at(Home))')
+
+        Raises:
+            MissionError: the mission does not know one of the names.
+            SearchLimit: it has too many states.
+        """
+        problem, _ = self.initial_problem(at=at, facts=facts, without=without)
+        return self._search.product(problem)
 
     def initial_problem(
         self, *, at: str | None = None, facts: Iterable[str] = (), without: Iterable[str] = ()

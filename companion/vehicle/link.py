@@ -1,4 +1,4 @@
-"""The doors of the flight side: a UDP socket and a clock. Everything else is a pure step.
+"""The door of the flight side: a UDP socket. Everything else is a pure step.
 
 A URL says who speaks first. `udpin` binds a port and answers the autopilot that sends heartbeats
 to it (`autopilot_address.py`; PX4 sends to 14540 by itself); `udpout` sends to an address. A bare
@@ -140,23 +140,3 @@ class UdpLink:
     def close(self) -> None:
         """Frees the port."""
         self._socket.close()
-
-
-class ScaledClock:
-    """Monotonic time that runs `speed` times as fast as the wall's, from zero."""
-
-    def __init__(self, speed: float = 1.0) -> None:
-        self._speed = speed
-        self._start_s = time.monotonic()
-
-    def now_s(self) -> float:
-        """Scaled seconds since the clock was made."""
-        return (time.monotonic() - self._start_s) * self._speed
-
-    def sleep_until(self, time_s: float) -> None:
-        """Sleeps until a scaled time."""
-        time.sleep(max(0.0, self.wall_s_until(time_s)))
-
-    def wall_s_until(self, time_s: float) -> float:
-        """Wall-clock seconds until a scaled time."""
-        return (time_s - self.now_s()) / self._speed

@@ -21,7 +21,7 @@ Source: https://mavlink.io/en/services/command.html, PX4's offboard mode.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from companion.mavlink.commands import CommandSender, Parameters
 from companion.mavlink.framing import Message, dialect, source
@@ -82,9 +82,9 @@ class MavlinkVehicle:
         takeoff_up_m: altitude above home to take off to.
 
     Attributes:
-        scans: see `port.Vehicle`.
-        lost_authority: see `port.Vehicle`.
-        refusal: see `port.Vehicle`.
+        scans: what was heard of the surroundings since the tick before, in order.
+        lost_authority: why control is lost; "" while it is not.
+        refusal: why a hold is sent in place of the setpoint; "" while it is not.
     """
 
     def __init__(
@@ -151,25 +151,30 @@ class MavlinkVehicle:
 
     @property
     def state(self) -> VehicleState | None:
-        """See `port.Vehicle`."""
+        """The newest state, None until one has been heard."""
         return self._telemetry.state
 
     def fly(self, setpoint: Setpoint) -> None:
-        """See `port.Vehicle`."""
+        """Streams a setpoint from now on."""
         self._setpoint = setpoint
 
+    def set_speed_limit(self, speed_mps: float) -> None:
+        """The gate admits no faster setpoint from now on."""
+        if speed_mps != self._envelope.speed_mps:
+            self._envelope = replace(self._envelope, speed_mps=speed_mps)
+
     def release(self) -> None:
-        """See `port.Vehicle`."""
+        """Streams nothing and asks for nothing any longer."""
         self._setpoint = None
         self._pursuit = None
         self._commands = CommandSender()
 
     def regain(self) -> None:
-        """See `port.Vehicle`."""
+        """Takes back control that was lost; the operator has given it."""
         self.lost_authority = ""
 
     def pursue(self, goal: Goal) -> Outcome:
-        """See `port.Vehicle`."""
+        """Works towards a goal; the caller asks in every tick until it is reached or has failed."""
         state, approach = self.state, APPROACHES[goal]
         if self.lost_authority:
             return Outcome(Progress.FAILED, self.lost_authority)
@@ -191,7 +196,7 @@ class MavlinkVehicle:
         return Outcome(Progress.FAILED, failure) if failure else Outcome(Progress.RUNNING)
 
     def send_command(self, component: int, command: int, parameters: tuple[float, ...]) -> int:
-        """See `port.Vehicle`."""
+        """Starts a skill's command if payloads take it; returns its ticket."""
         p1, p2, p3, p4, p5, p6, p7 = (*parameters, *[0.0] * (7 - len(parameters)))
         ticket = self._start(component, command, (p1, p2, p3, p4, p5, p6, p7))
         if why_not := why_not_sent(component, command):
@@ -199,18 +204,18 @@ class MavlinkVehicle:
         return ticket
 
     def command_outcome(self, ticket: int) -> Outcome:
-        """See `port.Vehicle`."""
+        """How far the command of a ticket has come."""
         exchange = self._commands[ticket]
         if exchange.has_failed:
             return Outcome(Progress.FAILED, exchange.in_words)
         return Outcome(Progress.DONE if exchange.result else Progress.RUNNING)
 
     def forget_command(self, ticket: int) -> None:
-        """See `port.Vehicle`."""
+        """Asks for a command no longer."""
         self._commands.forget(ticket)
 
     def parameter(self, name: str) -> float | None:
-        """See `port.Vehicle`."""
+        """A parameter of the autopilot; asks for it, and is None until it was answered."""
         return self._parameters.read(name)
 
     # -- goals ---------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""What has arrived for component 191, and how does it speak? Bytes to messages and back, once.
+"""Decodes what arrives for component 191, and packs what it says: bytes to messages and back.
 
 The one place that decodes what comes in; the vehicle's side (`offboard.py`) and the ground
 stations' side (`ground/component.py`) both read the messages that it hands out.

@@ -28,7 +28,7 @@ from companion.motion.grid import OccupancyGrid
 from companion.motion.routes import RouteMap
 from companion.motion.sensed_map import RangeScan, SensedMap
 from companion.planning.flight_times import route_map
-from sitl.flight.controllers import Cascade, Target
+from sitl.flight.controllers import Cascade, TrajectorySetpoint
 from sitl.flight.mixer import Motors
 from sitl.flight.physics import Physics
 from sitl.link.routing import LinkName
@@ -126,7 +126,9 @@ def rerouting(runs: int) -> Iterator[Row]:
 def simulating(runs: int) -> Iterator[Row]:
     """Physics and control of a vehicle that flies 2 m up; the peer is the physics alone."""
     steps = 500 * runs
-    target = Target(position=(3.0, 4.0, -2.0), velocity=(None, None, None), yaw_rad=0.0)
+    setpoint = TrajectorySetpoint(
+        position=(3.0, 4.0, -2.0), velocity=(None, None, None), yaw_rad=0.0
+    )
 
     def speed(command: Callable[[Physics, Cascade], Motors]) -> float:
         physics, cascade = Physics(dt_s=DT_S, origin=PX4_HOME), Cascade()
@@ -137,7 +139,7 @@ def simulating(runs: int) -> Iterator[Row]:
 
     hover = (0.5, 0.5, 0.5, 0.5)
     peer = speed(lambda physics, cascade: hover)
-    ours = speed(lambda physics, cascade: cascade.step(physics.state, target, DT_S))
+    ours = speed(lambda physics, cascade: cascade.step(physics.state, setpoint, DT_S))
     yield Row("physics and control", ours, "x real time", "physics alone", peer)
 
 

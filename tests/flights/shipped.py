@@ -28,7 +28,7 @@ from companion.geometry import Ned, distance
 from companion.ltl.semantics import Letter, holds
 from companion.mission.loader import load_mission
 from companion.mission.model import Fly, Mission
-from companion.planning.domain import Action, departures, ground
+from companion.planning.domain import Action, departures, instantiate
 from sitl.world.scenario import read_scenario
 
 MISSIONS = Path(__file__).parents[2] / "missions"
@@ -137,7 +137,7 @@ def _actions(mission: Mission) -> tuple[Action, ...]:
     def one_second(origin: str, goal: str) -> float:
         return 1.0
 
-    return (*ground(mission, one_second).actions, *departures(mission, one_second))
+    return (*instantiate(mission, one_second).actions, *departures(mission, one_second))
 
 
 def distance_from_home_m(flight: ShippedFlight) -> float:

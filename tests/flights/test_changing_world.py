@@ -18,8 +18,10 @@ from companion.flight_events.plans import LapCompleted
 from companion.geometry import NorthEast
 from companion.mavlink.framing import dialect
 from companion.mission.loader import load_mission
-from sitl.world.collision import VEHICLE_RADIUS_M
+from companion.vehicle_profile import VehicleProfile
 from sitl.world.scenario import read_scenario
+
+QUAD = VehicleProfile()
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 CRATES, CHANGES = 10, 80
@@ -35,7 +37,7 @@ class Crate(NamedTuple):
     radius_m: float
 
     def clear_m(self, position: NorthEast) -> float:
-        return math.dist(self.centre, position) - self.radius_m - VEHICLE_RADIUS_M
+        return math.dist(self.centre, position) - self.radius_m - QUAD.radius_m
 
 
 def crates(rng: Random, places: list[NorthEast]) -> list[Crate]:
@@ -89,5 +91,5 @@ def test_nothing_is_touched(tmp_path: Path, seed: int) -> None:
             next_s = flight.now_s + EVERY_S
             flight.station_commands(dialect.MAV_CMD_USER_3)
     assert flight.simulation.collisions == 0
-    assert least_m >= VEHICLE_RADIUS_M
+    assert least_m >= QUAD.radius_m
     assert len(flight.of(LapCompleted)) >= 3

@@ -23,8 +23,10 @@ from companion.flight_events.skills import (
 from companion.flight_events.sortie import Phase, PhaseEntered, ReturnBegun, TaskSatisfied
 from companion.geometry import horizontal_distance
 from companion.mission.model import Mission
-from sitl.world.collision import VEHICLE_RADIUS_M
+from companion.vehicle_profile import VehicleProfile
 from sitl.world.scenario import read_scenario
+
+QUAD = VehicleProfile()
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 STRAIGHT_TO_B = "circle: {east_m: 15.3, north_m: 10.3, radius_m: 0.5}"
@@ -62,7 +64,7 @@ class Flown(Lockstep):
     @property
     def is_unhurt(self) -> bool:
         """Nothing was touched, and nothing came as near as the vehicle is wide."""
-        return self.simulation.collisions == 0 and self.least_m >= VEHICLE_RADIUS_M
+        return self.simulation.collisions == 0 and self.least_m >= QUAD.radius_m
 
 
 def a_crate(shape: str, is_late: bool = False) -> str:
@@ -147,7 +149,7 @@ def test_a_vehicle_that_holds_stays_and_leaves_away_from_what_has_come_near(
     happens = appears("command: MAV_CMD_USER_1, nth: 1")
     flown = Flown(surveillance, tmp_path, a_crate(shape, is_late=True), happens)
     assert flown.is_unhurt
-    (seen_s,) = [t_s for t_s, text in flown.simulation.happened if "crate" in text]
+    (seen_s,) = [t_s for t_s, text in flown.simulation.event_log if "crate" in text]
     failed_s = flown.time_of(SkillFailed, action="upload(r1)", reason="denied")
     assert failed_s - seen_s > 1.0
     r1 = surveillance.places["r1"].position

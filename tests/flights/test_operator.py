@@ -7,12 +7,14 @@ autopilot's routing. Positions are the simulator's truth.
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import pytest
 from lockstep import COMPANION, VEHICLE, Lockstep, World
 
+from companion.acting.flight import TICK_S
 from companion.app import Companion
 from companion.flight_events.event import Stamped
 from companion.flight_events.facts import MissionEventChanged
@@ -25,6 +27,7 @@ from companion.flight_events.sortie import (
     ReturnedAsAsked,
     RunEnded,
     RunFailed,
+    SetpointRefused,
     TaskSatisfied,
 )
 from companion.geometry import distance, horizontal_distance
@@ -385,3 +388,40 @@ def test_a_speed_limit_that_was_set_in_flight_is_kept(flight: Operated) -> None:
         math.hypot(s.message.vx, s.message.vy) for s in flight.setpoints if s.time_s > since_s
     ]
     assert 0.75 < max(speeds) <= 0.8 * 1.001
+
+
+def test_a_speed_limit_in_flight_slows_the_flight_under_way_and_nothing_is_refused(
+    flight: Operated,
+) -> None:
+    """Costs of plans, trajectories and the gate follow one limit; the gate never stops a flight."""
+    on_the_way_to_b(flight)
+    run = flight.companion._run
+    assert run is not None
+    planner, vehicle = run.sortie._executive._planner, run.vehicle
+    before = {action.name: action.cost_ms for action in planner.model.actions}
+    since_s = flight.now_s
+    slow = dialect.MAVLink_param_set_message(VEHICLE, COMPANION, b"CMP_SPEED_MAX", 0.5, 9)
+    flight.station_says(slow)
+    flight.run(1.5)
+    slowed = speeds_since(flight, since_s)
+    assert slowed[0] > 1.9  # the flight under way was at full speed
+    assert max(a - b for a, b in pairwise(slowed)) <= 4.0 * TICK_S + 1e-6
+    assert max(speeds_since(flight, since_s + 1.0)) <= 0.5 * 1.001
+    assert vehicle._envelope.speed_mps == 0.5
+    assert math.hypot(*flight.simulation.flight.velocity) < 0.8  # it overshoots, and there is wind
+    flight.until_reported(PlanReplaced)
+    after = {action.name: action.cost_ms for action in planner.model.actions}
+    flown = [name for name in before if name.startswith("move(")]
+    assert flown and all(after[name] > 2.0 * before[name] for name in flown)
+    fast = dialect.MAVLink_param_set_message(VEHICLE, COMPANION, b"CMP_SPEED_MAX", 50.0, 9)
+    flight.station_says(fast)
+    since_s = flight.now_s
+    flight.until_the_end()
+    assert 1.9 < max(speeds_since(flight, since_s)) <= 2.0 * 1.001
+    assert flight.of(SetpointRefused) == []
+
+
+def speeds_since(flight: Operated, since_s: float) -> list[float]:
+    """Of the setpoints that have left."""
+    sent = [s.message for s in flight.setpoints if s.time_s > since_s]
+    return [math.hypot(m.vx, m.vy, m.vz) for m in sent]

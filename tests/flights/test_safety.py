@@ -31,7 +31,7 @@ from companion.geometry import distance, is_in_polygon
 from companion.mavlink.framing import dialect
 from companion.mission.model import Mission
 from companion.vehicle.port import hold_at
-from sitl.results import Result
+from sitl.results import MavResult
 
 PAYLOAD = 25
 COM_OF_LOSS_T_S = 1.0  # of the simulated airframe
@@ -232,7 +232,7 @@ class AllButFinalAnswers:
 def is_final_answer(frame: bytes) -> bool:
     """COMMAND_ACK (id 77) of the payload, other than IN_PROGRESS; MAVLink 2 trims zeros."""
     is_payloads_ack = frame[6] == PAYLOAD and frame[7:10] == bytes([77, 0, 0])
-    return is_payloads_ack and frame[12] != Result.IN_PROGRESS
+    return is_payloads_ack and frame[12] != MavResult.IN_PROGRESS
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -261,7 +261,7 @@ def test_a_final_answer_that_is_lost_is_a_failed_upload(start: Start) -> None:
     assert (replaced.number, replaced.reason) == (3, failed.text)
     assert replaced.plan.prefix[0].action == "move(r2, r3)"
     assert [answer.message.result for answer in payloads_answers(flight)] == [
-        *(Result.DENIED, Result.ACCEPTED, Result.ACCEPTED),
+        *(MavResult.DENIED, MavResult.ACCEPTED, MavResult.ACCEPTED),
     ]
     assert flight.reports[at].time_s - payloads_answers(flight)[1].time_s < 10.0
     assert flight.exit_code == 0
@@ -285,7 +285,7 @@ def assert_each_command_took_effect_once(flight: Lockstep, undisturbed: Lockstep
     assert flown_modes(flight) == flown_modes(undisturbed)
     assert flight.armings == 1
     answers = [answer.message.result for answer in payloads_answers(flight)]
-    assert answers == [Result.DENIED, Result.ACCEPTED]
+    assert answers == [MavResult.DENIED, MavResult.ACCEPTED]
     assert flight.simulation.collisions == 0
 
 
@@ -294,7 +294,8 @@ def payloads_answers(flight: Lockstep) -> list[Said]:
     return [
         said
         for said in flight.acknowledged
-        if said.message.get_srcComponent() == PAYLOAD and said.message.result != Result.IN_PROGRESS
+        if said.message.get_srcComponent() == PAYLOAD
+        and said.message.result != MavResult.IN_PROGRESS
     ]
 
 
@@ -400,7 +401,7 @@ def test_a_vehicle_that_is_armed_already_is_left_alone(start: Start) -> None:
 def test_without_any_upload_site_it_returns_home_and_says_why(start: Start, hall: World) -> None:
     scenario, grid = hall
     assert scenario.payload is not None
-    payload = replace(scenario.payload, sites=(), otherwise=Result.DENIED)
+    payload = replace(scenario.payload, sites=(), otherwise=MavResult.DENIED)
     flight = start((replace(scenario, payload=payload), grid)).until_the_end()
     withdrawn = [event.belief for event in flight.of(BeliefWithdrawn)]
     assert withdrawn == ["canUpload(r1)", "canUpload(r2)", "canUpload(r3)"]

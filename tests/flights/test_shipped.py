@@ -19,8 +19,9 @@ from companion.flight_events.skills import (
     SkillFailed,
 )
 from companion.flight_events.sortie import RunFailed, TaskSatisfied
-from companion.mission.clearance import MARGIN_M
-from sitl.world.collision import VEHICLE_RADIUS_M
+from companion.vehicle_profile import VehicleProfile
+
+QUAD = VehicleProfile()
 
 NO_PLAN = """\
 no plan: upload cannot hold from here.
@@ -130,7 +131,7 @@ def flies_as_told(shipped: Shipped, seed: int) -> None:
     flight = ShippedFlight(shipped.mission, shipped.scenario, seed)
     assert flight.story == shipped.story
     assert flight.simulation.collisions == 0
-    assert flight.clearance_m >= VEHICLE_RADIUS_M + MARGIN_M
+    assert flight.clearance_m >= QUAD.radius_m + QUAD.margin_m
     assert distance_from_home_m(flight) < 0.5
     assert not flight.simulation.is_armed
     kept = [line for line in flight.mission.task if line not in shipped.broken]

@@ -36,11 +36,13 @@ from companion.flight_events.sortie import Phase, PhaseEntered, TaskSatisfied
 from companion.geometry import Ned, horizontal_distance, is_in_polygon
 from companion.mission.model import Mission
 from companion.record.run_folder import RunFolder
+from companion.vehicle_profile import VehicleProfile
 from sitl.flight.physics import FlightState
 from sitl.harness import LockstepFlight
 from sitl.link.routing import LinkName
 from sitl.simulation import Simulation
-from sitl.world.collision import VEHICLE_RADIUS_M
+
+QUAD = VehicleProfile()
 
 SURVEILLANCE = Path(__file__).parents[2] / "missions" / "surveillance.yaml"
 STORED = Path(__file__).parents[1] / "data" / "surveillance.events.txt"
@@ -193,7 +195,7 @@ def test_it_never_comes_near_a_wall(flown: Flown, hall: World) -> None:
     assert grid is not None
     assert flown.simulation.collisions == 0
     clearance_m = min(grid.clearance_m(s.position[:2]) for _, s in flown.truth)
-    assert clearance_m >= VEHICLE_RADIUS_M
+    assert clearance_m >= QUAD.radius_m
 
 
 def test_it_stays_within_the_limits(flown: Flown, surveillance: Mission) -> None:

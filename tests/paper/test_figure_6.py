@@ -15,7 +15,7 @@ from rig import Rig
 from synthetic import POSITIONS, mission, move
 
 from companion.acting.behaviour_tree.builder import build
-from companion.acting.executive import TaskStatus
+from companion.acting.executive_states import TaskStatus
 from companion.acting.replanning.assumptions import Assumptions
 from companion.flight_events.facts import BeliefWithdrawn
 from companion.flight_events.skills import SkillFailed, SymbolMoved

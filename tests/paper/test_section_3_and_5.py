@@ -16,7 +16,7 @@ from happened import Replan
 from rig import Rig
 from synthetic import command, event, mission, reading
 
-from companion.acting.executive import TaskStatus
+from companion.acting.executive_states import TaskStatus
 from companion.flight_events.facts import BeliefWithdrawn, MissionEventChanged
 from companion.flight_events.plans import LapCompleted, NoPlanFound
 from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFailed
@@ -25,7 +25,7 @@ from companion.ltl.semantics import holds
 from companion.ltl.translate import translate
 from companion.mission.model import Mission, Signal
 from companion.motion.routes import RouteMap
-from companion.planning.domain import ground
+from companion.planning.domain import instantiate
 from companion.planning.lasso import Problem, word
 from companion.planning.task_state import TaskState
 
@@ -175,10 +175,10 @@ def test_when_all_sites_refuse_there_is_no_plan_and_each_is_to_blame(rig: Rig) -
 def test_nothing_but_the_initial_state_changes_in_flight(
     surveillance: Mission, surveillance_routes: RouteMap, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Each conjunct is translated once, and skills are grounded once, over the whole flight."""
-    translated, grounded = Mock(wraps=translate), Mock(wraps=ground)
+    """Each conjunct is translated once, and skills are instantiated once, over the whole flight."""
+    translated, instantiated = Mock(wraps=translate), Mock(wraps=instantiate)
     monkeypatch.setattr("companion.planning.planner.translate", translated)
-    monkeypatch.setattr("companion.planning.planner.ground", grounded)
+    monkeypatch.setattr("companion.planning.planner.instantiate", instantiated)
     rig = Rig(surveillance, surveillance_routes)
     automata = [conjunct.automaton for conjunct in rig.planner.conjuncts]
     actions = rig.planner.model.actions
@@ -191,7 +191,7 @@ def test_nothing_but_the_initial_state_changes_in_flight(
     problems: list[Problem] = [call.args[0] for call in calls]
     assert len(problems) == 4  # after the target was found also: is the plan still the best one?
     assert translated.call_count == len(automata) == 5
-    assert grounded.call_count == 1
+    assert instantiated.call_count == 1
     for problem in problems:
         assert problem.conjuncts is rig.planner.conjuncts
         assert all(c.automaton is a for c, a in zip(problem.conjuncts, automata, strict=True))

@@ -11,7 +11,7 @@ from garbage import KINDS, any_frame, frame, payload_of, random_bytes, truncated
 from wire import Wire
 
 from companion.mavlink.framing import MavlinkCodec, Message, dialect
-from sitl.link.component import AutopilotComponent
+from sitl.link.autopilot_component import AutopilotComponent
 from sitl.link.routing import LinkName, is_for
 from sitl.simulation import Simulation
 
@@ -38,7 +38,7 @@ def state(simulation: Simulation) -> tuple[object, ...]:
         autopilot.home,
         autopilot.cruise_mps,
         autopilot._setpoint,
-        autopilot._flying,
+        autopilot._active_mode,
         parameters,
     )
 

@@ -22,7 +22,7 @@ from companion.geometry import NorthEast, wrap_angle
 from companion.motion.free_space import ENTRY_M
 from companion.motion.grid import OccupancyGrid
 from companion.motion.line_of_sight import LineOfSight
-from companion.motion.profile import JERK_MPS3, SpeedLimits, flight_time_s
+from companion.motion.profile import SpeedLimits, flight_time_s
 from companion.motion.regions import Regions
 from companion.motion.routes import PlaceRegion, Route, RouteMap
 from companion.motion.trajectory import (
@@ -32,6 +32,9 @@ from companion.motion.trajectory import (
     motion_of,
     run_out,
 )
+
+JERK = 8.0  # m/s3
+
 
 FAST = settings(max_examples=60, deadline=None, derandomize=True)
 WIDE: list[NorthEast] = [(-99, -99), (-99, 99), (99, 99), (99, -99)]
@@ -292,7 +295,7 @@ def test_a_trajectory_keeps_its_limits_and_its_route(
     corners: list[tuple[float, float, float]], speed: float, acceleration: float, yaw_rad: float
 ) -> None:
     route = Route(np.array(corners))
-    trajectory = Trajectory(route, SpeedLimits(speed, acceleration), yaw_rad)
+    trajectory = Trajectory(route, SpeedLimits(speed, acceleration, JERK), yaw_rad)
     times, dt_s = np.linspace(-0.1, trajectory.duration_s + 0.1, 1500, retstep=True)
     samples = [trajectory.sample(float(t_s)) for t_s in times]
     positions = np.array([sample.position for sample in samples])
@@ -304,7 +307,7 @@ def test_a_trajectory_keeps_its_limits_and_its_route(
     assert positions[-1].tolist() == list(corners[-1])
     assert rates.max() <= speed + 1e-9
     assert np.linalg.norm(changes, axis=1).max() <= acceleration + 1e-9
-    assert np.linalg.norm(np.diff(changes, axis=0), axis=1).max() <= JERK_MPS3 * dt_s + 1e-6
+    assert np.linalg.norm(np.diff(changes, axis=0), axis=1).max() <= JERK * dt_s + 1e-6
     assert np.abs(np.diff(rates)).max() <= acceleration * dt_s + 1e-9
     steps = np.linalg.norm(np.diff(positions, axis=0), axis=1)
     assert np.all(steps <= (rates[:-1] + rates[1:]) / 2 * dt_s + acceleration * dt_s**2 + 1e-9)
@@ -322,7 +325,7 @@ def test_the_velocity_jumps_at_corners_by_a_bounded_amount_and_nowhere_else(
     corners: list[tuple[float, float, float]], speed: float, acceleration: float
 ) -> None:
     assume(all(math.dist(a, b) > 1.0 for a, b in pairwise(corners)))
-    trajectory = Trajectory(Route(np.array(corners)), SpeedLimits(speed, acceleration))
+    trajectory = Trajectory(Route(np.array(corners)), SpeedLimits(speed, acceleration, JERK))
     dt_s = 0.5 / speed / 20  # at most one corner in each step
     times = np.arange(0.0, trajectory.duration_s, dt_s).tolist()
     velocities = np.array([trajectory.sample(t_s).velocity for t_s in times])
@@ -337,7 +340,10 @@ def test_a_route_takes_longer_than_its_length_in_a_straight_line_but_not_than_st
     corners: list[tuple[float, float, float]], speed: float, acceleration: float
 ) -> None:
     route = Route(np.array(corners))
-    legs, limits = [math.dist(a, b) for a, b in pairwise(corners)], SpeedLimits(speed, acceleration)
+    legs, limits = (
+        [math.dist(a, b) for a, b in pairwise(corners)],
+        SpeedLimits(speed, acceleration, JERK),
+    )
     duration_s = Trajectory(route, limits).duration_s
     assert flight_time_s(route.length_m, limits) <= duration_s + 1e-6
     assert duration_s <= sum(flight_time_s(leg, limits) for leg in legs) + 1e-6

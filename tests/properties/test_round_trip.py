@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from rig import Rig
 from synthetic import command, mission
 
-from companion.acting.executive import TaskStatus
+from companion.acting.executive_states import TaskStatus
 from companion.errors import NoPlanError
 from companion.planning.lasso import word
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from py_trees.common import Status
@@ -16,27 +17,26 @@ from companion.motion.routes import Route
 from companion.motion.trajectory import AT_REST, Sample, Trajectory, motion_of, run_out
 from companion.vehicle.port import Setpoint, VehicleState, hold_at
 
-BRAKING_MPS2 = 4.0
-"""Before what is in the way, where no route leads round it; PX4's MPC_ACC_HOR_MAX is 5."""
 ARRIVAL_M = 0.3
 """How near to a place the vehicle has to come to be there."""
 ARRIVAL_TIMEOUT_S = 15.0
 """How long it may take to come that near after the trajectory has ended, or to catch up."""
 SLOW_MPS = 0.2
 """A vehicle slower than this begins a route as if it were at rest."""
-LAG_M = 0.9
-"""Distance behind the trajectory at which the trajectory waits; below the gate's carrot."""
-ASTRAY_M = 1.4
-"""Distance at which a vehicle that has come to rest takes a new way; the gate would soon hold it
-there, away from a trajectory that waits for it."""
+LAG_SHARE = 0.6
+"""Of the gate's carrot: distance behind the trajectory at which the trajectory waits."""
+ASTRAY_SHARE = 14 / 15
+"""Of the gate's carrot: distance at which a vehicle that has come to rest takes a new way; the gate
+would soon hold it there, away from a trajectory that waits for it."""
 
 
 class MoveCommand(Leaf):
     """move_cmd(c, w): flies a clear route to a place.
 
     The trajectory waits for a vehicle that has fallen behind, so that its setpoint never runs
-    away; the gate would hold it otherwise. A fast vehicle that cannot stop straight ahead on a
-    clear leg leaves its new route while it brakes; it begins again from where it has come to rest.
+    away; the gate would hold it otherwise. It is slowed to the speed limit in force. A fast vehicle
+    that cannot stop straight ahead on a clear leg leaves its new route while it brakes; it begins
+    again from where it has come to rest.
 
     When the map has changed, what is left of the trajectory is looked at again. If it is no
     longer clear there are, in this order: another route, flown into without a stop; a stop
@@ -51,7 +51,6 @@ class MoveCommand(Leaf):
     def initialise(self) -> None:
         """Finds the route from where the vehicle is, and how fast, now."""
         state = self._flight.vehicle.state
-        self._limits = SpeedLimits(self._flight.limits.speed_mps)
         self._trajectory: Trajectory | None = None
         if state is not None:
             self._begin(state)
@@ -70,15 +69,16 @@ class MoveCommand(Leaf):
         """A trajectory that begins at some speed; None if there is none, or hardly any speed."""
         if math.hypot(*now.velocity) <= SLOW_MPS:
             return None
-        stop = run_out(now.position, now.velocity, now.acceleration, self._limits)
+        limits = self._flight.speed_limit.for_trajectory
+        stop = run_out(now.position, now.velocity, now.acceleration, limits)
         route = self._flight.routes.route_from_motion(now.position, stop, self._place)
-        return _along(route, self._limits, now) if route else None
+        return _along(route, limits, now) if route else None
 
     def _from_rest(self, state: VehicleState) -> Trajectory | None:
         """A trajectory from rest; None if no clear route leads to the place."""
         route = self._flight.routes.route(state.position, self._place)
         still = Sample(state.position, AT_REST, AT_REST, state.yaw_rad, False)
-        return _along(route, self._limits, still) if route else None
+        return _along(route, self._flight.speed_limit.for_trajectory, still) if route else None
 
     def update(self) -> Status:
         """One setpoint along the trajectory; SUCCESS at the place."""
@@ -90,10 +90,11 @@ class MoveCommand(Leaf):
         elapsed_s = flight.now_s - self._start_s
         if self._timeout_s is not None and elapsed_s > self._timeout_s:
             return self._hold_and_fail(f"not there after {self._timeout_s:.0f} s")
-        sample = self._trajectory.sample(self._time_s)
+        sample, rate = flight.speed_limit.slowed(self._trajectory.sample(self._time_s))
         gap_m = distance(sample.position, state.position)
-        is_behind = gap_m >= LAG_M
-        if gap_m >= ASTRAY_M and math.hypot(*state.velocity) <= SLOW_MPS:
+        is_behind = gap_m >= LAG_SHARE * flight.profile.carrot_m
+        is_astray = gap_m >= ASTRAY_SHARE * flight.profile.carrot_m
+        if is_astray and math.hypot(*state.velocity) <= SLOW_MPS:
             self._begin(state)
             return Status.RUNNING
         flight.fly(
@@ -105,7 +106,7 @@ class MoveCommand(Leaf):
             return Status.SUCCESS
         if self._time_s > self._trajectory.duration_s + ARRIVAL_TIMEOUT_S:
             return self._hold_and_fail(f"still {gap_m:.1f} m from {self._place}")
-        self._time_s += 0.0 if is_behind else TICK_S
+        self._time_s += 0.0 if is_behind else rate * TICK_S
         self._waited_s = self._waited_s + TICK_S if is_behind else 0.0
         if self._waited_s > ARRIVAL_TIMEOUT_S:
             return self._hold_and_fail(f"stuck on the way to {self._place}")
@@ -136,7 +137,10 @@ class MoveCommand(Leaf):
         if around is not None:
             self._adopt(around, is_braking=False)
             return
-        braking = SpeedLimits(self._limits.speed_mps, BRAKING_MPS2)
+        braking = replace(
+            self._flight.speed_limit.for_trajectory,
+            acceleration_mps2=self._flight.profile.braking_mps2,
+        )
         stop = run_out(now.position, now.velocity, now.acceleration, braking)
         straight = Route(np.array([now.position, stop]))
         self._adopt(_along(straight, braking, now), is_braking=True)

@@ -4,8 +4,8 @@ A move without a way does not exist, so no skill can be done any more that assum
 assumes. Such a belief is given up at once, before a flight has to fail for it, and held again when
 the map shows a way again. A task may speak of it, so the rest of the plan is asked for again.
 
-Moves are grounded on the map whenever a plan is made. In between a quick look at the map tells
-whether a place was cut off, or can be reached again; only then are they grounded in flight. The
+Moves are instantiated on the map whenever a plan is made. In between a quick look at the map tells
+whether a place was cut off, or can be reached again; only then are they instantiated in flight. The
 place that is flown to is left to the flight itself, which goes round or stops, and fails if there
 is no way (Fig. 6 of the paper).
 """
@@ -46,15 +46,16 @@ class Reachability:
     """The moves of a planner on the map of a flight.
 
     Attributes:
-        has_changed: another place is cut off, or no longer, than when moves were grounded.
+        has_changed: another place is cut off, or no longer, than when moves were instantiated.
     """
 
     def __init__(self, planner: Planner, flight: Flight) -> None:
         self._planner = planner
         self._flight = flight
-        self._grounded_on = self._looked_at = flight.routes.version
+        self._instantiated_on = self._looked_at = flight.routes.version
+        self._costed_at = flight.speed_limit.version
         self._cut_off = self._unreachable()
-        self._searched_on = self._grounded_on
+        self._searched_on = self._instantiated_on
         self.has_changed = False
 
     def look(self) -> None:
@@ -69,7 +70,7 @@ class Reachability:
     @property
     def is_known(self) -> bool:
         """Whether all routes of the present map were found, so that `follow` takes no time."""
-        return self._flight.routes.version in (self._grounded_on, self._searched_on)
+        return self._flight.routes.version in (self._instantiated_on, self._searched_on)
 
     def search(self) -> None:
         """Finds some of the routes that are not known yet: a part that fits into a tick."""
@@ -78,13 +79,18 @@ class Reachability:
             self._searched_on = routes.version
 
     def follow(self) -> BeliefChange:
-        """Takes over what moves cost on the map as it is now, and gives up what they cut off."""
+        """Takes over what moves cost on the map, and at the speed limit, as they are now.
+
+        Beliefs that they cut off are given up.
+        """
         flight, state = self._flight, self._flight.vehicle.state
-        if self._grounded_on != flight.routes.version and state is not None:
-            self._grounded_on = flight.routes.version
+        is_map_new = self._instantiated_on != flight.routes.version
+        if state is not None and (is_map_new or self._costed_at != flight.speed_limit.version):
+            self._instantiated_on = flight.routes.version
+            self._costed_at = flight.speed_limit.version
             for place in flight.symbols.follow_map(state.position, flight.now_s):
                 flight.tell_symbol(place)
-            self._planner.reground()
+            self._planner.reinstantiate()
             self._cut_off = self._unreachable()
             self.has_changed = False
         lost, held = flight.task.cut_off(self._planner.without_a_move)

@@ -13,9 +13,11 @@ from happened import Replan
 from rig import Rig
 from synthetic import POSITIONS, command, event, mission, move, reading
 
-from companion.acting.executive import MAX_IDLE_REPLANS, REPLAN_TRIGGERS, TaskStatus
+from companion.acting.executive import REPLAN_TRIGGERS
+from companion.acting.executive_states import TaskStatus
 from companion.acting.flight import TICK_S
 from companion.acting.replanning.explanation import SEARCHES_PER_TICK
+from companion.acting.replanning.replanner import MAX_IDLE_REPLANS
 from companion.errors import NoPlanError, SearchLimit
 from companion.flight_events.facts import BeliefWithdrawn, MissionEventChanged
 from companion.flight_events.plans import (

@@ -52,6 +52,7 @@ def test_one_name_does_not_load_all() -> None:
     assert not {"matplotlib", "numpy", "pymavlink"} & imported
 
 
+@pytest.mark.slow
 def test_it_works_where_jsbsim_is_missing() -> None:
     out = run(
         WITHOUT_JSBSIM + "import companion\n"

@@ -18,6 +18,7 @@ from companion.ground.upload_states import UploadVerdict
 from companion.ground.uploads import CHECK_S, Uploads
 from companion.mavlink.ftp_frames import Opcode, crc32
 from companion.mission.loader import load_mission
+from companion.vehicle_profile import VehicleProfile
 
 pytestmark = pytest.mark.slow
 
@@ -94,6 +95,25 @@ def test_a_good_mission_becomes_active_with_its_files(tmp_path: Path) -> None:
     restarted = Ground(Uploads(tmp_path))
     restarted.put("surveillance.yaml", b"version: 2\n")
     assert restarted.verdict().number == verdict.number + 1
+
+
+def test_a_vehicle_profile_is_no_mission_and_goes_with_the_one_that_names_it(
+    tmp_path: Path,
+) -> None:
+    uploads = Uploads(tmp_path)
+    ground = Ground(uploads)
+    ground.upload_map()
+    ground.ask(Opcode.CREATE_DIRECTORY, "vehicles")
+    profile = (MISSIONS / "vehicles" / "quad_35cm.yaml").read_bytes()
+    ground.put("vehicles/small.yaml", profile.replace(b"radius_m: 0.35", b"radius_m: 0.25"))
+    assert uploads.poll(0.0) == []
+    ground.put("surveillance.yaml", MISSION.replace(b"limits:", b"vehicle: small\nlimits:", 1))
+    assert ground.verdict().is_accepted
+    path = uploads.take_active()
+    assert path is not None
+    assert load_mission(path).vehicle == VehicleProfile("small", radius_m=0.25)
+    ground.put("surveillance.yaml", MISSION.replace(b"limits:", b"vehicle: large\nlimits:", 1))
+    assert "surveillance.yaml:13:10: there is no vehicle profile large" in ground.verdict().text
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,6 @@ from hypothesis import strategies as st
 
 from companion.errors import FormulaError, MissionError
 from companion.ltl.parser import parse
-from companion.mission.clearance import CLEARANCE_M
 from companion.mission.loader import load_mission
 from companion.mission.model import (
     Atom,
@@ -34,6 +33,9 @@ from companion.mission.model import (
     Wait,
 )
 from companion.mission.skills import MAX_INSTANCES
+from companion.vehicle_profile import VehicleProfile
+
+QUAD = VehicleProfile()
 
 Load = Callable[[str | bytes], Mission]
 
@@ -330,7 +332,7 @@ def test_too_many_instances_are_refused(load: Load, good: str) -> None:
 
 
 def test_clearance_decides_to_the_cell(load: Load, good: str) -> None:
-    """A is accepted from the first cell on that has CLEARANCE_M of room."""
+    """A is accepted from the first cell on that has the clearance."""
     accepted = []
     for column in range(20):
         east_m = 0.25 + 0.5 * column
@@ -341,7 +343,9 @@ def test_clearance_decides_to_the_cell(load: Load, good: str) -> None:
         else:
             accepted.append(east_m)
     assert accepted == [
-        x for x in (0.25 + 0.5 * c for c in range(20)) if min(x - 0.25, 9.75 - x) >= CLEARANCE_M
+        x
+        for x in (0.25 + 0.5 * c for c in range(20))
+        if min(x - 0.25, 9.75 - x) >= QUAD.clearance_m
     ]
 
 

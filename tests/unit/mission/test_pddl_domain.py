@@ -15,7 +15,7 @@ from companion.errors import MissionError
 from companion.ltl.parser import parse
 from companion.mission.loader import load_mission
 from companion.mission.model import Fly, Mission
-from companion.planning.domain import ground
+from companion.planning.domain import instantiate
 from companion.planning.planner import Planner
 
 ROOT = Path(__file__).parents[3]
@@ -147,7 +147,7 @@ def test_a_universal_goal_is_written_out(spoil: Spoil) -> None:
 def test_a_universal_precondition_is_written_out(spoil: Spoil) -> None:
     universal = ":precondition (and (at ?c) (forall (?x - parcel) (not (in ?x ?c))))"
     mission = spoil(DOMAIN, ":precondition (at ?c)", universal)
-    found = {a.name: a for a in ground(mission, lambda a, b: 1.0).actions}["hand_over(A)"]
+    found = {a.name: a for a in instantiate(mission, lambda a, b: 1.0).actions}["hand_over(A)"]
     assert found.forbids == {"in(p1, A)", "in(p2, A)"}
 
 
@@ -155,7 +155,7 @@ def test_a_parameter_may_differ_from_a_constant(edit: Edit, spoil: Spoil) -> Non
     edit(PROBLEM, "Home - depot ", "")
     edit(DOMAIN, "(:predicates", "(:constants Home - depot) (:predicates")
     mission = spoil(DOMAIN, "(not (= ?from ?to))", "(not (= ?to Home))")
-    moves = [a.name for a in ground(mission, lambda a, b: 1.0).actions if a.skill == "move"]
+    moves = [a.name for a in instantiate(mission, lambda a, b: 1.0).actions if a.skill == "move"]
     assert moves == ["move(Home, A)", "move(Home, B)", "move(A, B)", "move(B, A)"]
 
 
@@ -334,7 +334,7 @@ def test_any_spoilt_text_is_a_mission_or_a_mission_error(
         mission = load_mission(folder / "delivery.yaml")
     except MissionError:
         return
-    assert ground(mission, lambda a, b: 1.0).actions
+    assert instantiate(mission, lambda a, b: 1.0).actions
 
 
 @pytest.mark.slow

@@ -11,8 +11,10 @@ from synthetic import POSITIONS, mission
 from companion.errors import MissionError
 from companion.geometry import Ned
 from companion.mission.model import Place
-from companion.motion.profile import JERK_MPS3
 from companion.planning.flight_times import flight_times, from_table, route_map
+from companion.vehicle_profile import VehicleProfile
+
+QUAD = VehicleProfile()
 
 
 def test_home_is_where_the_mission_begins() -> None:
@@ -37,10 +39,11 @@ def test_flight_times_are_those_of_the_map() -> None:
     asked = mission("F at(A)")
     here: Ned | None = None
     seconds = flight_times(asked, route_map(asked), lambda: here)
-    assert seconds("H", "A") == pytest.approx(6.0 / 2.0 + 2.0 / 2.0 + 2.0 / JERK_MPS3, abs=0.4)
+    change_s = 2.0 / 2.0 + 2.0 / QUAD.jerk_mps3
+    assert seconds("H", "A") == pytest.approx(6.0 / 2.0 + change_s, abs=0.4)
     assert seconds("here", "A") == math.inf
     here = (3.0, 0.0, -2.0)
-    assert seconds("here", "A") == pytest.approx(3.0 / 2.0 + 2.0 / 2.0 + 2.0 / JERK_MPS3, abs=0.4)
+    assert seconds("here", "A") == pytest.approx(3.0 / 2.0 + change_s, abs=0.4)
 
 
 def test_a_table_has_the_ways_that_it_has() -> None:

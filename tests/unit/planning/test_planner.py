@@ -209,7 +209,7 @@ def test_a_wrong_plan_is_never_handed_out(monkeypatch: pytest.MonkeyPatch) -> No
 def test_what_it_takes_is_measured_by_the_clock_it_is_given() -> None:
     ticks = iter([10.0, 10.5, 13.0])
     made = Planner(mission("F at(A)"), lambda origin, goal: 4.0, lambda: next(ticks))
-    assert (made.grounding_s, made.translating_s) == (0.5, 2.5)
+    assert (made.instantiating_s, made.translating_s) == (0.5, 2.5)
     assert planner(mission("F at(A)")).translating_s == 0.0
 
 
@@ -223,7 +223,7 @@ def test_moves_cost_what_they_cost_now_and_none_is_planned_without_a_route() -> 
     assert str(made.plan()) == "move(H, A), move(A, B), (wait)^w"
     beliefs, actions = made.model.beliefs, made.model.actions
     seconds |= {("H", "B"): 5.0, ("H", "A"): math.inf}
-    made.reground()
+    made.reinstantiate()
     assert str(made.plan()) == "move(H, B), (wait)^w"
     assert made.model.beliefs == beliefs
     assert "move(H, A)" not in {a.name for a in made.model.actions}
@@ -231,7 +231,7 @@ def test_moves_cost_what_they_cost_now_and_none_is_planned_without_a_route() -> 
         a for a in actions if a.name == "move(A, B)"
     ]
     seconds |= {("H", "B"): 8.0, ("H", "A"): 3.0}
-    made.reground()
+    made.reinstantiate()
     assert made.model.actions == actions
     assert str(made.plan()) == "move(H, A), move(A, B), (wait)^w"
 
@@ -240,6 +240,6 @@ def test_moves_that_no_longer_exist_are_no_way_out() -> None:
     seconds: dict[tuple[str, str], float] = {}
     made = Planner(mission("F at(B)"), lambda origin, goal: seconds.get((origin, goal), 3.0))
     seconds |= {(origin, "B"): math.inf for origin in "HAC"}
-    made.reground()
+    made.reinstantiate()
     with pytest.raises(NoPlanError):
         made.plan()

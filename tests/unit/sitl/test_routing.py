@@ -29,8 +29,8 @@ def heartbeat(sender: tuple[int, int], mav_type: int) -> Any:
 
 def connected() -> Router:
     router = Router(LinkName, LOCAL)
-    router.hear(OFFBOARD, heartbeat((1, 191), 18))
-    router.hear(GCS, heartbeat((255, 190), 6))
+    router.learn(OFFBOARD, heartbeat((1, 191), 18))
+    router.learn(GCS, heartbeat((255, 190), 6))
     return router
 
 
@@ -71,15 +71,15 @@ def test_nothing_ever_goes_back_where_it_came_from(
 ) -> None:
     router = Router(LinkName, LOCAL)
     for link, *sender in heard:
-        router.hear(link, heartbeat((sender[0], sender[1]), 18))
+        router.learn(link, heartbeat((sender[0], sender[1]), 18))
     assert origin not in router.destinations(command(system, component), origin)
 
 
 def test_a_ground_station_is_noticed_by_its_heartbeat_alone() -> None:
     router = Router(LinkName, LOCAL)
-    router.hear(OFFBOARD, heartbeat((1, 191), 18))
+    router.learn(OFFBOARD, heartbeat((1, 191), 18))
     assert not any(router.has_ground_station(link) for link in LinkName)
-    router.hear(GCS, heartbeat((255, 190), 6))
+    router.learn(GCS, heartbeat((255, 190), 6))
     assert all(router.has_ground_station(link) for link in LinkName)  # it is forwarded
 
 

@@ -12,7 +12,7 @@ from autopilot import Autopilot
 from companion.errors import LinkError
 from companion.mavlink.framing import MavlinkCodec as Speaker
 from companion.mavlink.framing import dialect
-from companion.vehicle.link import Endpoint, ScaledClock, UdpLink, parse_url
+from companion.vehicle.link import Endpoint, UdpLink, parse_url
 
 PATIENCE_S = 60.0  # for datagrams on the loopback; they take microseconds
 
@@ -198,24 +198,6 @@ def test_the_account_of_what_was_heard(peer: Peer, listener: UdpLink) -> None:
     assert listener.account() == (
         "3 packets came from 127.0.0.1, 2 of them MAVLink 2; no autopilot was heard"
     )
-
-
-# -- clock -----------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("speed", [0.5, 1.0, 20.0])
-def test_a_scaled_clock(speed: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    wall_s = 1000.0
-    slept_s: list[float] = []
-    monkeypatch.setattr("companion.vehicle.link.time.monotonic", lambda: wall_s)
-    monkeypatch.setattr("companion.vehicle.link.time.sleep", slept_s.append)
-    clock = ScaledClock(speed)
-    assert clock.now_s() == 0.0
-    wall_s = 1002.0
-    assert clock.now_s() == 2.0 * speed
-    clock.sleep_until(3.0 * speed)
-    clock.sleep_until(1.0 * speed)
-    assert slept_s == pytest.approx([1.0, 0.0])
 
 
 def test_a_second_vehicle_does_not_divert_the_answers(listener: UdpLink) -> None:

@@ -113,6 +113,15 @@ def test_setpoints_pass_the_gate(meeting: Meeting) -> None:
     assert meeting.vehicle.refusal == ""
 
 
+def test_the_gate_follows_the_speed_limit_in_force(meeting: Meeting) -> None:
+    in_offboard(meeting)
+    for limit_mps, refusal in ((1.0, "1.1 m/s is too fast"), (1.2, "")):
+        meeting.vehicle.set_speed_limit(limit_mps)
+        meeting.vehicle.fly(AHEAD)
+        meeting.tick()
+        assert meeting.vehicle.refusal == refusal
+
+
 def test_no_setpoint_leaves_in_another_mode_than_ours(meeting: Meeting) -> None:
     meeting.pursue(Goal.ARMED)
     meeting.pursue(Goal.AIRBORNE)

@@ -9,7 +9,7 @@ from fakes import DONE, failed
 from rig import Rig
 from synthetic import command, event, mission, reading
 
-from companion.acting.executive import TaskStatus
+from companion.acting.executive_states import TaskStatus
 from companion.errors import CompanionError
 from companion.flight_events.facts import BeliefRestored, BeliefWithdrawn
 from companion.flight_events.plans import WrittenTreeAdopted

@@ -16,17 +16,19 @@ from synthetic import POSITIONS
 from companion.acting.behaviour_tree.move import (
     ARRIVAL_M,
     ARRIVAL_TIMEOUT_S,
-    BRAKING_MPS2,
-    LAG_M,
+    LAG_SHARE,
     MoveCommand,
 )
 from companion.acting.flight import TICK_S
 from companion.flight_events.skills import RouteBlocked, RouteResponse
 from companion.geometry import distance
 from companion.motion.grid import OccupancyGrid
-from companion.motion.profile import JERK_MPS3
 from companion.planning.flight_times import route_map
 from companion.vehicle.port import Setpoint, hold_at
+from companion.vehicle_profile import VehicleProfile
+
+QUAD = VehicleProfile()
+LAG_M = LAG_SHARE * QUAD.carrot_m
 
 
 def test_a_move_starts_where_the_vehicle_is_and_ends_at_the_place() -> None:
@@ -211,7 +213,7 @@ def test_a_crate_on_the_way_is_flown_round_without_a_stop(so_far_m: float) -> No
     assert min(np.linalg.norm(s.velocity) for s in since[:10]) > 0.2
     gaps = [distance(a.position, b.position) for a, b in pairwise(rig.vehicle.flown)]  # type: ignore[union-attr]
     assert max(gaps) <= rig.mission.limits.speed_mps * TICK_S + 1e-9  # no jump, also not there
-    assert greatest_jerk_mps3(setpoints_since(rig, 0)) <= JERK_MPS3 + 1e-6
+    assert greatest_jerk_mps3(setpoints_since(rig, 0)) <= QUAD.jerk_mps3 + 1e-6
 
 
 def test_without_a_way_it_comes_to_a_stop_before_the_wall_and_fails_there() -> None:
@@ -229,11 +231,13 @@ def test_without_a_way_it_comes_to_a_stop_before_the_wall_and_fails_there() -> N
     assert responses(rig) == [RouteResponse.STOPPING, RouteResponse.NO_ROUTE]
     since = setpoints_since(rig, flown)
     speed_mps = float(np.linalg.norm(last.velocity))
-    braking_m = speed_mps**2 / (2 * BRAKING_MPS2) + speed_mps * BRAKING_MPS2 / (2 * JERK_MPS3)
+    braking_m = speed_mps**2 / (2 * QUAD.braking_mps2) + speed_mps * QUAD.braking_mps2 / (
+        2 * QUAD.jerk_mps3
+    )
     way_m = max(s.position[0] for s in since) - last.position[0]
     assert braking_m <= way_m <= braking_m + 2 * speed_mps * TICK_S
     assert since[-1].velocity == (0.0, 0.0, 0.0)
-    assert greatest_jerk_mps3(setpoints_since(rig, 0)) <= JERK_MPS3 + 1e-6
+    assert greatest_jerk_mps3(setpoints_since(rig, 0)) <= QUAD.jerk_mps3 + 1e-6
     assert grid.clearance_m(since[-1].position[:2]) > 0.35
 
 

@@ -12,7 +12,7 @@ from synthetic import command, event, mission, reading, skill
 
 from companion.acting.behaviour_tree.builder import build
 from companion.acting.behaviour_tree.landing import NO_CHARGE_S
-from companion.acting.executive import ExecutiveState, TaskStatus
+from companion.acting.executive_states import ExecutiveState, TaskStatus
 from companion.acting.replanning.assumptions import Assumptions
 from companion.acting.sortie import Sortie
 from companion.flight_events.event import FlightEvent
@@ -31,7 +31,7 @@ from companion.mission.model import (
     TakeOff,
     Wait,
 )
-from companion.planning.domain import ground
+from companion.planning.domain import instantiate
 from companion.planning.lasso import Lasso
 from companion.vehicle.port import Goal
 
@@ -59,7 +59,7 @@ def charging(task: str = "F charged", **more: object) -> Mission:
 
 
 def test_a_skill_that_is_not_planned_only_refines_others_and_lends_them_its_beliefs() -> None:
-    model = ground(charging(), lambda origin, goal: 7.0)
+    model = instantiate(charging(), lambda origin, goal: 7.0)
     assert [a.name for a in model.actions if a.skill == "dock"] == []
     charge = next(a for a in model.actions if a.name == "charge(H, A)")
     assert charge.assumes == {"pad(A)"}

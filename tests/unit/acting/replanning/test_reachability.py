@@ -7,7 +7,7 @@ from fakes import failed
 from rig import Rig
 from synthetic import command, mission, skill
 
-from companion.acting.executive import TaskStatus
+from companion.acting.executive_states import TaskStatus
 from companion.flight_events.facts import BeliefWithdrawn, PlacesConnected, PlacesCutOff
 from companion.flight_events.plans import PlanReplaced
 from companion.flight_events.skills import SkillFailed
@@ -132,5 +132,15 @@ def test_what_was_refused_is_not_believed_again_because_of_a_way() -> None:
     before = rig.task.withdrawn
     for walled_in in (("B",), ()):
         show(rig, *walled_in)
-        rig.executive._reachability.follow()
+        rig.executive._replanner.reachability.follow()
     assert rig.task.withdrawn == before == {"can_do"}
+
+
+def test_a_new_plan_reckons_with_the_speed_limit_as_it_is_now() -> None:
+    rig = inspection()
+    before = {action.name: action.cost_ms for action in rig.planner.model.actions}
+    rig.speed_limit.set_operator_limit(0.5)
+    assert rig.executive.resume() is TaskStatus.RUNNING
+    after = {action.name: action.cost_ms for action in rig.planner.model.actions}
+    assert after.keys() == before.keys()
+    assert all(after[name] > 2 * before[name] for name in before if "move" in name)

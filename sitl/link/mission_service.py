@@ -1,7 +1,7 @@
-"""How do missions, geofences and rally points come to the autopilot, and back to those who ask?
+"""The mission protocol, vehicle's side: missions, geofences and rally points.
 
-The mission protocol, vehicle's side, without I/O: messages in, addressed messages out, time is an
-argument. Three stores, one for each MAV_MISSION_TYPE. Rules:
+Without I/O: messages in, addressed messages out, time is an argument. Three stores, one for each
+MAV_MISSION_TYPE. Rules:
 
 1. Upload: MISSION_COUNT, then each item is asked for with MISSION_REQUEST_INT (never with the
    float MISSION_REQUEST; MISSION_ITEM is understood all the same), again every 250 ms. A store
@@ -16,6 +16,14 @@ argument. Three stores, one for each MAV_MISSION_TYPE. Rules:
    over. Downloads disturb nobody.
 6. Equal items leave a store, and the flight of a mission, as they were.
 
+    upload      MISSION_COUNT                        an item
+    none        receiving                            MISSION_ACK ERROR
+    receiving   receiving from the same client that  the next one is requested; after the last one
+                has sent no item yet, else ERROR     accepted; a bad one: none (rule 3)
+    accepted    receiving                            the last one again: ACCEPTED again (rule 4)
+
+MISSION_CLEAR_ALL leaves none. So do, while receiving, silence and a client that gives up.
+
 Sources: https://mavlink.io/en/services/mission.html; PX4 1.16, src/modules/mavlink/
 mavlink_mission.cpp, and answers seen on a PX4. Left out: opaque ids, which the dialect lacks;
 partial lists, which PX4 does not serve either.
@@ -29,11 +37,11 @@ from typing import ClassVar
 
 from companion.mavlink.framing import Message, dialect, source
 from sitl.link.mission_items import (
-    Kind,
+    MissionType,
     WireItem,
+    check_item,
     float_message,
     int_message,
-    verdict,
     wire_item,
 )
 from sitl.link.routing import LinkName
@@ -46,17 +54,17 @@ ALL_KINDS = 255  # MAV_MISSION_TYPE_ALL
 
 Address = tuple[int, int]
 Items = tuple[WireItem, ...]
-Take = Callable[[Kind, Items, int | None], bool]
+AcceptPlan = Callable[[MissionType, Items, int | None], bool]
 """Hands a new plan to the autopilot, with the item marked as current; False if it is refused."""
 
 
 @dataclass(slots=True)
-class Upload:
+class MissionUpload:
     """An upload under way; `link` is where its client was heard."""
 
     link: LinkName
     client: Address
-    kind: Kind
+    kind: MissionType
     count: int
     heard_s: float
     asked_s: float
@@ -69,52 +77,60 @@ class Upload:
         return dialect.MAVLink_mission_request_int_message(*self.client, seq, self.kind)
 
 
+@dataclass(frozen=True, slots=True)
+class AcceptedUpload:
+    """The last upload, by its last item."""
+
+    client: Address
+    kind: MissionType
+    last_seq: int
+
+
 @dataclass(slots=True)
-class Download:
+class MissionDownload:
     """A picture of a store, for one client."""
 
-    kind: Kind
+    kind: MissionType
     items: Items
     heard_s: float
 
 
-class Missions:
+class MissionService:
     """The stores, and the transfers under way.
 
     Args:
-        take: called with each new plan.
+        accept: called with each new plan.
         current: index of the mission's current item.
     """
 
-    def __init__(self, take: Take, current: Callable[[], int]) -> None:
-        self._take = take
+    def __init__(self, accept: AcceptPlan, current: Callable[[], int]) -> None:
+        self._accept = accept
         self._current = current
-        self._stores: dict[Kind, Items] = {kind: () for kind in Kind}
-        self._upload: Upload | None = None
-        self._uploaded: tuple[Address, Kind, int] | None = None
-        self._downloads: dict[Address, Download] = {}
+        self._stores: dict[MissionType, Items] = {kind: () for kind in MissionType}
+        self._upload: MissionUpload | AcceptedUpload | None = None
+        self._downloads: dict[Address, MissionDownload] = {}
 
-    def items(self, kind: Kind) -> Items:
-        """What a store holds."""
+    def items(self, kind: MissionType) -> Items:
+        """The items in a store."""
         return self._stores[kind]
 
     @property
     def is_busy(self) -> bool:
         """An upload is under way."""
-        return self._upload is not None
+        return isinstance(self._upload, MissionUpload)
 
     def receive(self, link: LinkName, message: Message, now_s: float) -> list[Message]:
-        """Take a message of the protocol; the answers go back where it came from."""
+        """Takes a message of the protocol; the answers go back where it came from."""
         handle = self.HANDLERS.get(message.get_type())
         return handle(self, link, message, now_s) if handle else []
 
     def due(self, now_s: float) -> list[tuple[LinkName, Message]]:
-        """What has to be sent as time passes."""
+        """The messages to send as time passes."""
         if self._downloads:
             for client in [c for c, d in self._downloads.items() if now_s - d.heard_s > SILENT_S]:
                 del self._downloads[client]
         upload = self._upload
-        if upload is None:
+        if not isinstance(upload, MissionUpload):
             return []
         if now_s - upload.heard_s > SILENT_S:
             self._upload = None
@@ -132,52 +148,52 @@ class Missions:
         upload = self._upload
         if kind is None:
             return [_ack(client, dialect.MAV_MISSION_UNSUPPORTED, message.mission_type)]
-        if upload and (upload.client != client or upload.items):
-            return [_ack(client, dialect.MAV_MISSION_ERROR, kind)]
-        self._upload = None
+        if isinstance(upload, MissionUpload):
+            if upload.client != client or upload.items:
+                return [_ack(client, dialect.MAV_MISSION_ERROR, kind)]
+            self._upload = None
         if count > MOST_ITEMS:
             return [_ack(client, dialect.MAV_MISSION_NO_SPACE, kind)]
         if count == 0:
             return [_ack(client, self._replace(kind, (), None), kind)]
-        self._uploaded = None
-        self._upload = Upload(link, client, kind, count, heard_s=now_s, asked_s=now_s)
-        return [self._upload.request()]
+        self._upload = upload = MissionUpload(link, client, kind, count, now_s, now_s)
+        return [upload.request()]
 
     def _item(self, link: LinkName, message: Message, now_s: float) -> list[Message]:
         client, upload = source(message), self._upload
-        if upload is None or upload.client != client:
-            is_again = self._uploaded == (client, _kind(message), message.seq)
+        if not isinstance(upload, MissionUpload) or upload.client != client:
+            kind = _kind(message)
+            is_again = kind is not None and upload == AcceptedUpload(client, kind, message.seq)
             result = dialect.MAV_MISSION_ACCEPTED if is_again else dialect.MAV_MISSION_ERROR
             return [_ack(client, result, message.mission_type)]
         if message.mission_type != upload.kind:
             return [_ack(client, dialect.MAV_MISSION_ERROR, upload.kind)]
         upload.heard_s = now_s
         if message.seq >= upload.count:
-            return self._finish(dialect.MAV_MISSION_INVALID_SEQUENCE)
+            return self._finish(upload, dialect.MAV_MISSION_INVALID_SEQUENCE)
         if message.seq != len(upload.items):
             return []
         item = wire_item(message)
-        if result := verdict(upload.kind, item):
-            return self._finish(result)
+        if result := check_item(upload.kind, item):
+            return self._finish(upload, result)
         upload.items.append(item)
         if message.current:
             upload.current = message.seq
         if len(upload.items) < upload.count:
             upload.asked_s = now_s
             return [upload.request()]
-        result = self._replace(upload.kind, tuple(upload.items), upload.current)
-        if result == dialect.MAV_MISSION_ACCEPTED:
-            self._uploaded = (client, upload.kind, message.seq)
-        return self._finish(result)
+        return self._finish(upload, self._replace(upload.kind, tuple(upload.items), upload.current))
 
-    def _finish(self, result: int) -> list[Message]:
-        upload, self._upload = self._upload, None
-        return [_ack(upload.client, result, upload.kind)] if upload else []
+    def _finish(self, upload: MissionUpload, result: int) -> list[Message]:
+        is_accepted = result == dialect.MAV_MISSION_ACCEPTED
+        last_seq = upload.count - 1
+        self._upload = AcceptedUpload(upload.client, upload.kind, last_seq) if is_accepted else None
+        return [_ack(upload.client, result, upload.kind)]
 
-    def _replace(self, kind: Kind, items: Items, current: int | None) -> int:
-        """Change a store; MAV_MISSION_RESULT of that."""
+    def _replace(self, kind: MissionType, items: Items, current: int | None) -> int:
+        """Changes a store; MAV_MISSION_RESULT of that."""
         if items != self._stores[kind]:
-            if not self._take(kind, items, current):
+            if not self._accept(kind, items, current):
                 return int(dialect.MAV_MISSION_ERROR)
             self._stores[kind] = items
         return int(dialect.MAV_MISSION_ACCEPTED)
@@ -186,11 +202,11 @@ class Missions:
         client, kind = source(message), _kind(message)
         if kind is None and message.mission_type != ALL_KINDS:
             return [_ack(client, dialect.MAV_MISSION_UNSUPPORTED, message.mission_type)]
-        if self._upload:
+        if self.is_busy:
             return [_ack(client, dialect.MAV_MISSION_ERROR, message.mission_type)]
-        for each in Kind if kind is None else (kind,):
+        for each in MissionType if kind is None else (kind,):
             self._replace(each, (), None)
-        self._uploaded = None
+        self._upload = None
         return [_ack(client, dialect.MAV_MISSION_ACCEPTED, message.mission_type)]
 
     # Downloads.
@@ -203,7 +219,7 @@ class Missions:
         if len(self._downloads) >= MOST_DOWNLOADS:
             del self._downloads[next(iter(self._downloads))]
         items = self._stores[kind]
-        self._downloads[client] = Download(kind, items, now_s)
+        self._downloads[client] = MissionDownload(kind, items, now_s)
         return [dialect.MAVLink_mission_count_message(*client, len(items), kind)]
 
     def _request(self, link: LinkName, message: Message, now_s: float) -> list[Message]:
@@ -215,7 +231,7 @@ class Missions:
         if message.seq >= len(download.items):
             del self._downloads[client]
             return [_ack(client, dialect.MAV_MISSION_INVALID_SEQUENCE, download.kind)]
-        is_current = download.kind is Kind.MISSION and message.seq == self._current()
+        is_current = download.kind is MissionType.MISSION and message.seq == self._current()
         make = int_message if message.get_type() == "MISSION_REQUEST_INT" else float_message
         item = download.items[message.seq]
         return [make(item, message.seq, client, download.kind, is_current)]
@@ -226,11 +242,17 @@ class Missions:
         download = self._downloads.get(client)
         if download and download.kind == message.mission_type:
             del self._downloads[client]
-        elif upload and upload.client == client and message.type != dialect.MAV_MISSION_ACCEPTED:
+        elif (
+            isinstance(upload, MissionUpload)
+            and upload.client == client
+            and message.type != dialect.MAV_MISSION_ACCEPTED
+        ):
             self._upload = None
         return []
 
-    HANDLERS: ClassVar[dict[str, Callable[[Missions, LinkName, Message, float], list[Message]]]] = {
+    HANDLERS: ClassVar[
+        dict[str, Callable[[MissionService, LinkName, Message, float], list[Message]]]
+    ] = {
         "MISSION_COUNT": _count,
         "MISSION_ITEM_INT": _item,
         "MISSION_ITEM": _item,
@@ -243,9 +265,9 @@ class Missions:
     """Message -> what answers it."""
 
 
-def _kind(message: Message) -> Kind | None:
-    known = message.mission_type in Kind.__members__.values()
-    return Kind(message.mission_type) if known else None
+def _kind(message: Message) -> MissionType | None:
+    known = message.mission_type in MissionType.__members__.values()
+    return MissionType(message.mission_type) if known else None
 
 
 def _ack(client: Address, result: int, mission_type: int) -> Message:

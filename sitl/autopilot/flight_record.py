@@ -1,7 +1,7 @@
-"""How often was the vehicle armed, has it flown since, and when does it disarm by itself?
+"""The record of flights, and the automatic disarming at their end.
 
-COM_DISARM_LAND after a landing, or COM_DISARM_PRFLT after arming without a take-off; 0 or less is
-never (PX4 user guide, "Safety Configuration", auto-disarming).
+The vehicle disarms by itself COM_DISARM_LAND after a landing, or COM_DISARM_PRFLT after arming
+without a take-off; 0 or less is never (PX4 user guide, "Safety Configuration", auto-disarming).
 """
 
 from __future__ import annotations
@@ -9,13 +9,13 @@ from __future__ import annotations
 from sitl.autopilot.parameters import Parameters
 
 
-class Flights:
+class FlightRecord:
     """The flights of one vehicle.
 
     Attributes:
-        count: how often it was armed.
-        armed_s: when last; 0 for never.
-        in_air_s: when it took off on that flight; 0 for never.
+        count: of armings.
+        armed_s: time of the last arming; 0 for none.
+        in_air_s: time of the take-off after it; 0 for none.
     """
 
     def __init__(self) -> None:
@@ -24,7 +24,7 @@ class Flights:
         self._has_flown = False
         self._on_ground_s = 0.0
 
-    def begin(self, now_s: float) -> None:
+    def arm(self, now_s: float) -> None:
         """It was armed."""
         self.count += 1
         self.armed_s, self.in_air_s = now_s, 0.0
@@ -41,12 +41,12 @@ class Flights:
         self._has_flown = True
         self._on_ground_s = now_s
 
-    def over(self, now_s: float, parameters: Parameters) -> str:
-        """Why the motors are to stop now, of a vehicle on the ground; empty if they are not."""
+    def disarming_reason(self, now_s: float, parameters: Parameters) -> str | None:
+        """The reason why a vehicle on the ground disarms now, None if it does not."""
         name, text = (
             ("COM_DISARM_LAND", "Disarmed by landing")
             if self._has_flown
             else ("COM_DISARM_PRFLT", "Disarmed by auto preflight disarming")
         )
         limit_s = parameters[name]
-        return text if 0 < limit_s <= now_s - self._on_ground_s else ""
+        return text if 0 < limit_s <= now_s - self._on_ground_s else None

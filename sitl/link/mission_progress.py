@@ -1,4 +1,4 @@
-"""When is whom told how far the mission is?
+"""The reports of a mission's progress.
 
 MISSION_ITEM_REACHED goes out at once for every item that is reached; the last one is repeated ten
 times, once a second, because nobody acknowledges it (seen on a PX4). MISSION_CURRENT goes out at
@@ -9,14 +9,14 @@ from __future__ import annotations
 
 from companion.mavlink.framing import Message, dialect
 from sitl.link.messages import compose
-from sitl.link.vehicle import Vehicle
+from sitl.link.vehicle import SimulatedVehicle
 
 REPETITIONS = 10
 REPEAT_S = 1.0
 
 
-class Progress:
-    """What has been told of one vehicle's mission."""
+class MissionProgressReporter:
+    """The reports of one vehicle's mission."""
 
     def __init__(self) -> None:
         self._current = 0
@@ -24,8 +24,8 @@ class Progress:
         self._repetitions = 0
         self._next_s = 0.0
 
-    def due(self, vehicle: Vehicle) -> list[Message]:
-        """What to send now, on every link."""
+    def due(self, vehicle: SimulatedVehicle) -> list[Message]:
+        """The messages to send now, on every link."""
         mission, now_s = vehicle.autopilot.mission, vehicle.state.time_s
         messages = []
         if mission.reached:

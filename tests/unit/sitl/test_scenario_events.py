@@ -11,7 +11,7 @@ from companion.errors import MissionError
 from companion.mavlink.framing import dialect
 from companion.motion.grid import OccupancyGrid
 from sitl.link.routing import LinkName
-from sitl.results import Result
+from sitl.results import MavResult
 from sitl.world.scenario import Scenario, parse_scenario
 from sitl.world.schema import json_schema
 
@@ -43,9 +43,9 @@ def fly(events: str) -> Wire:
 def test_an_event_happens_once_in_its_step() -> None:
     wire = fly("  - {at_s: 1, after_s: 0.5, target: seen}\n  - {at_s: 1, target: lost}\n")
     wire.run(1.496)
-    assert wire.simulation.happened == [(1.0, "target: lost")]
+    assert wire.simulation.event_log == [(1.0, "target: lost")]
     wire.run(3.0)
-    assert wire.simulation.happened == [(1.0, "target: lost"), (1.5, "target: seen")]
+    assert wire.simulation.event_log == [(1.0, "target: lost"), (1.5, "target: seen")]
     assert wire.last("NAMED_VALUE_INT").value == 1
 
 
@@ -56,9 +56,9 @@ def test_the_nth_command_to_a_component_counts_and_repetitions_do_not() -> None:
     again = dialect.MAVLink_command_long_message(1, 25, USER_1, 1, *(0.0,) * 7)
     wire.send(again)
     wire.run(1.0)
-    assert wire.simulation.happened == []
+    assert wire.simulation.event_log == []
     wire.command(USER_1, component=25)
-    assert [text for _, text in wire.simulation.happened] == ["target: seen"]
+    assert [text for _, text in wire.simulation.event_log] == ["target: seen"]
 
 
 def test_an_obstacle_is_seen_while_it_is_there() -> None:
@@ -89,7 +89,7 @@ def test_progress_goes_up_to_the_final_answer() -> None:
     wire.command(USER_1, component=25)
     wire.run(5.0)
     acks = [heard.message for heard in wire.named("COMMAND_ACK")]
-    assert [ack.result for ack in acks] == [Result.IN_PROGRESS] * 4 + [Result.FAILED]
+    assert [ack.result for ack in acks] == [MavResult.IN_PROGRESS] * 4 + [MavResult.FAILED]
     assert [ack.progress for ack in acks[:4]] == [pytest.approx(p, abs=1) for p in (0, 25, 50, 75)]
 
 
@@ -111,14 +111,14 @@ def test_a_repetition_after_the_end_is_answered_the_same() -> None:
     wire.send(dialect.MAVLink_command_long_message(1, 25, USER_1, 1, *(0.0,) * 7))
     wire.run(2.0)
     results = [heard.message.result for heard in wire.named("COMMAND_ACK")]
-    assert results == [Result.IN_PROGRESS, Result.FAILED, Result.FAILED]
+    assert results == [MavResult.IN_PROGRESS, MavResult.FAILED, MavResult.FAILED]
 
 
 @pytest.mark.parametrize("component", [25, 26, 196])
 def test_what_a_component_does_not_know_is_unsupported(component: int) -> None:
     wire = fly("  - {at_s: 9, target: seen}\n")
     answers = wire.command(dialect.MAV_CMD_REQUEST_MESSAGE, 148.0, component=component)
-    assert answers == [Result.UNSUPPORTED]
+    assert answers == [MavResult.UNSUPPORTED]
 
 
 @pytest.mark.parametrize(
@@ -155,5 +155,5 @@ def test_the_example_of_the_documentation_flies() -> None:
     grid = OccupancyGrid(np.zeros((400, 400), dtype=np.bool_), 0.1, (-20.0, -20.0))
     wire = Wire(parse_scenario(text, MISSIONS / "example.sim.yaml"), grid)
     wire.run(2.1)
-    happened = [(1.0, "wind: east_mps 2.0"), (2.0, "obstacle: name crate, present True")]
-    assert wire.simulation.happened == happened
+    event_log = [(1.0, "wind: east_mps 2.0"), (2.0, "obstacle: name crate, present True")]
+    assert wire.simulation.event_log == event_log

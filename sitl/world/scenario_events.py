@@ -1,10 +1,10 @@
-"""What happens in the world, and when?
+"""The events of a scenario: their triggers, their effects, and which are due.
 
-A happening has one trigger (a time, the n-th visit to a circle, the n-th command of a kind to a
+An event has one trigger (a time, the n-th visit to a circle, the n-th command of a kind to a
 component on board), perhaps a delay after it, and one or more effects. It happens once, in the
 step in which it is due; several at once happen in the order of the file.
 
-`EFFECTS` is the table of what can happen: key of the scenario -> what is done to the world.
+`EFFECTS` is the table of effects: key of the scenario -> what is done to the world.
 """
 
 from __future__ import annotations
@@ -14,65 +14,65 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from companion.geometry import Ned, ned_from_enu
-from sitl.results import Result
-from sitl.world.detector import Circle, Visits
-from sitl.world.payload import Answer
+from sitl.results import MavResult
+from sitl.world.payload import PayloadAnswer
+from sitl.world.visits import Circle, VisitCounter
 
 TIME_ROUNDING_S = 1e-9
 
 
-class Actuators(Protocol):
-    """What can be changed while the vehicle flies."""
+class EffectReceiver(Protocol):
+    """The world as far as events can change it."""
 
     def show_target(self, is_seen: bool) -> None:
         """The detector sees the target from now on, or does not."""
 
-    def set_payload_answer(self, answer: Answer) -> None:
+    def set_payload_answer(self, answer: PayloadAnswer) -> None:
         """The payload's answer from now on, everywhere."""
 
     def set_wind(self, wind: Ned) -> None:
         """The air's mean velocity, NED."""
 
     def place_obstacle(self, name: str, is_present: bool) -> None:
-        """Put an obstacle there or take it away."""
+        """Puts an obstacle there or takes it away."""
 
     def set_charge(self, charge: float) -> None:
         """The battery's state of charge, 0 to 1."""
 
     def set_gps(self, is_lost: bool | None, noise_m: float | None) -> None:
-        """How good GPS is; None leaves it as it is."""
+        """The quality of GPS; None leaves it as it is."""
 
     def refuse_arming(self, reason: str | None) -> None:
         """Arming is refused for this reason; None allows it."""
 
-    def ask_companion(self, command: str) -> None:
+    def send_operator_command(self, command: str) -> None:
         """The operator sends the companion a MAV_CMD."""
 
 
-EFFECTS: Mapping[str, Callable[[Actuators, Any], None]] = {
+EFFECTS: Mapping[str, Callable[[EffectReceiver, Any], None]] = {
     "target": lambda world, value: world.show_target(value == "seen"),
     "payload": lambda world, value: world.set_payload_answer(
-        Answer(Result[value.result], value.after_s, value.silent, value.progress)
+        PayloadAnswer(MavResult[value.result], value.after_s, value.silent, value.progress)
     ),
     "wind": lambda world, value: world.set_wind(ned_from_enu(value.east_mps, value.north_mps, 0.0)),
     "obstacle": lambda world, value: world.place_obstacle(value.name, value.present),
     "battery": lambda world, value: world.set_charge(value.charge),
     "gps": lambda world, value: world.set_gps(value.lost, value.noise_m),
     "arming": lambda world, value: world.refuse_arming(value.refused),
-    "operator": lambda world, value: world.ask_companion(value),
+    "operator": lambda world, value: world.send_operator_command(value),
 }
 """Key in the scenario -> what it does with the key's value."""
 
 
 @dataclass(frozen=True, slots=True)
-class AtTime:
+class TimeTrigger:
     """Simulated seconds since the start."""
 
     at_s: float
 
 
 @dataclass(frozen=True, slots=True)
-class AtPlace:
+class VisitTrigger:
     """The n-th visit to a circle, from 1."""
 
     circle: Circle
@@ -80,7 +80,7 @@ class AtPlace:
 
 
 @dataclass(frozen=True, slots=True)
-class OnCommand:
+class CommandTrigger:
     """The n-th command of a kind, from 1; repetitions are the same command.
 
     Attributes:
@@ -93,68 +93,71 @@ class OnCommand:
 
 
 @dataclass(frozen=True, slots=True)
-class Happening:
+class ScenarioEvent:
     """A trigger and its effects.
 
     Attributes:
         effects: key of `EFFECTS` and the key's value, as the scenario has it.
         text: the effects in plain words.
+        after_s: delay after the trigger.
     """
 
-    trigger: AtTime | AtPlace | OnCommand
+    trigger: TimeTrigger | VisitTrigger | CommandTrigger
     effects: tuple[tuple[str, Any], ...]
     text: str
     after_s: float = 0.0
 
 
 @dataclass(slots=True)
-class _Pending:
-    happening: Happening
-    visits: Visits | None
-    heard: int = 0
+class _PendingEvent:
+    event: ScenarioEvent
+    visits: VisitCounter | None
+    commands: int = 0
     due_s: float | None = None
 
 
-class Schedule:
-    """Knows what is still to happen.
+class EventSchedule:
+    """The events that have not happened yet.
 
     Args:
-        happenings: in the order of the file.
+        events: in the order of the file.
         start: where the vehicle is at first.
     """
 
-    def __init__(self, happenings: tuple[Happening, ...], start: Ned) -> None:
-        self._pending = [
-            _Pending(h, Visits(h.trigger.circle, start) if isinstance(h.trigger, AtPlace) else None)
-            for h in happenings
-        ]
-        for pending in self._pending:
-            if isinstance(trigger := pending.happening.trigger, AtTime):
-                pending.due_s = trigger.at_s + pending.happening.after_s
+    def __init__(self, events: tuple[ScenarioEvent, ...], start: Ned) -> None:
+        self._pending: list[_PendingEvent] = []
+        for event in events:
+            trigger = event.trigger
+            pending = _PendingEvent(event, None)
+            if isinstance(trigger, VisitTrigger):
+                pending.visits = VisitCounter(trigger.circle, start)
+            elif isinstance(trigger, TimeTrigger):
+                pending.due_s = trigger.at_s + event.after_s
+            self._pending.append(pending)
 
-    def hear(self, command: int, component: int, now_s: float) -> None:
+    def note_command(self, command: int, component: int, now_s: float) -> None:
         """A command has arrived for a component on board; 0 is for all."""
         for pending in self._pending:
-            trigger = pending.happening.trigger
-            if pending.due_s is None and isinstance(trigger, OnCommand):
+            trigger = pending.event.trigger
+            if pending.due_s is None and isinstance(trigger, CommandTrigger):
                 is_meant = component == 0 or trigger.component in (None, component)
-                pending.heard += is_meant and command == trigger.command
-                if pending.heard == trigger.nth:
-                    pending.due_s = now_s + pending.happening.after_s
+                pending.commands += is_meant and command == trigger.command
+                if pending.commands == trigger.nth:
+                    pending.due_s = now_s + pending.event.after_s
 
-    def step(self, position: Ned, now_s: float) -> list[Happening]:
-        """What happens now."""
+    def step(self, position: Ned, now_s: float) -> list[ScenarioEvent]:
+        """The events that happen now."""
         if not self._pending:
             return []
         due = []
         for pending in self._pending:
-            trigger = pending.happening.trigger
-            if pending.visits and pending.due_s is None and isinstance(trigger, AtPlace):
+            trigger = pending.event.trigger
+            if pending.visits and pending.due_s is None and isinstance(trigger, VisitTrigger):
                 pending.visits.update(position)
                 if pending.visits.count == trigger.visit:
-                    pending.due_s = now_s + pending.happening.after_s
+                    pending.due_s = now_s + pending.event.after_s
             if pending.due_s is not None and now_s >= pending.due_s - TIME_ROUNDING_S:
                 due.append(pending)
         for pending in due:
             self._pending.remove(pending)
-        return [pending.happening for pending in due]
+        return [pending.event for pending in due]
