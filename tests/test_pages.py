@@ -30,21 +30,40 @@ def test_the_architecture_fits_two_pages() -> None:
     assert len(lines) < 150
 
 
-@pytest.mark.parametrize("package", ["companion", "sitl"])
-def test_the_layout_is_that_of_a_package(package: str) -> None:
-    """Every module and folder at its top has a line, and nothing else has."""
+def layout(package: str) -> list[str]:
+    """The modules and folders at the top of a package, from top to bottom."""
     text = ARCHITECTURE.read_text(encoding="utf-8")
     block = re.search(rf"^{package}/\n((?:  .*\n)+)", text, re.MULTILINE)
     assert block is not None
-    told = set()
-    for line in re.findall(r"^  (\S.*)$", block[1], re.MULTILINE):
-        told |= set(re.findall(r"(?:^|(?<=  ))(\w+(?:/|\.py))", line.split("   ")[0]))
+    lines = re.findall(r"^  (\S.*)$", block[1], re.MULTILINE)
+    return [name for line in lines for name in re.findall(r"(?:^|(?<=  ))\w+(?:/|\.py)", line)]
+
+
+def layers(package: str) -> dict[str, int]:
+    """In which layer of the import contract each module is; 0 is the top."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    contracts = project["tool"]["importlinter"]["contracts"]
+    [found] = (c["layers"] for c in contracts if c.get("containers") == [package])
+    return {name: i for i, layer in enumerate(found) for name in layer.split(" | ")}
+
+
+@pytest.mark.parametrize("package", ["companion", "sitl"])
+def test_the_layout_is_that_of_a_package(package: str) -> None:
+    """Every module and folder at its top is told, and nothing else."""
     there = {
         f"{path.name}/" if path.is_dir() else path.name
         for path in (ROOT / package).iterdir()
         if (path.is_dir() and path.name != "__pycache__") or path.suffix == ".py"
     }
-    assert told == there - {"__init__.py", "__main__.py"}
+    told = layout(package)
+    assert sorted(told) == sorted(there - {"__init__.py", "__main__.py"})
+
+
+@pytest.mark.parametrize("package", ["companion", "sitl"])
+def test_the_layout_is_in_the_order_of_imports(package: str) -> None:
+    depth = layers(package)
+    depths = [depth[name.rstrip("/").removesuffix(".py")] for name in layout(package)]
+    assert depths == sorted(depths)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)

@@ -10,8 +10,8 @@ one, changes nothing. A belief that comes back makes a new plan at the next comp
 
 A plan that ends at rest satisfies the task when the rest is reached. Each position of the word is
 reported when it is left, and so is each conjunct that it violates. For a violated task a plan is
-searched again, which says that there is none; on the way home after that no event is watched but one
-by which all violated lines begin anew.
+searched again, which says that there is none; on the way home after that no event is watched but
+one by which all violated lines begin anew.
 """
 
 from __future__ import annotations
