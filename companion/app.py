@@ -1,4 +1,4 @@
-"""Puts everything together, and lives as long as the program: from the link to what is flown.
+"""The companion from the link to what is flown; it lives as long as the program.
 
 `Companion` is a state machine: time and datagrams in, datagrams out. `driving.fly` drives it in
 real (or scaled) time from a socket; the simulator's harness drives the same object in lockstep.
@@ -10,28 +10,37 @@ from pathlib import Path
 from typing import Protocol
 
 from companion.acting.authority import loss_of_link
-from companion.acting.phases import ON_THE_GROUND, Phase
-from companion.acting.report import Report
+from companion.acting.phases import ON_THE_GROUND
 from companion.errors import CompanionError
+from companion.flight_events.event import FlightEvent, Stamped
+from companion.flight_events.hosting import (
+    MissionReady,
+    MissionUnreadable,
+    RunNotRecordable,
+    TerminalHungUp,
+    UploadChecked,
+)
+from companion.flight_events.sortie import Phase
 from companion.ground.component import WANTED, Component
-from companion.ground.operations import Page, Standing, Uploads
+from companion.ground.operations import MonitorPage, SystemStatus, UploadService
 from companion.ground.parameters import BELIEF_RETRY, SPEED_MAX
 from companion.mavlink.framing import Message, source
 from companion.mission.model import Mission
-from companion.run import Recorder, Run
+from companion.mission_run import Recorder, Run
+from companion.outcomes import Refusal
 from companion.vehicle.telemetry import TELEMETRY, Telemetry
 from companion.vehicle.wire import AUTOPILOT, Wire
 
 BEGINNING = (*ON_THE_GROUND, Phase.ARMING, Phase.TAKE_OFF)
 RETURN = "MAV_CMD_NAV_RETURN_TO_LAUNCH"
-NOTHING_FLOWN = "nothing is flown"
+NOTHING_FLOWN = Refusal("nothing is flown")
 
 
 class Host(Protocol):
     """Keeps the files of a companion that flies several sorties."""
 
     @property
-    def uploads(self) -> Uploads | None:
+    def uploads(self) -> UploadService | None:
         """Missions from outside."""
 
     def load(self, path: Path) -> Mission:
@@ -51,7 +60,7 @@ class Host(Protocol):
     def end_run(self, recorder: Recorder) -> None:
         """A run has ended. It may not block."""
 
-    def tell(self, report: Report) -> None:
+    def tell(self, stamped: Stamped) -> None:
         """News between two runs."""
 
 
@@ -78,7 +87,7 @@ class Companion:
         recorder: Recorder | None,
         accepts_weak_failsafes: bool = False,
         host: Host | None = None,
-        page: Page | None = None,
+        page: MonitorPage | None = None,
     ) -> None:
         self.failure: CompanionError | None = None
         self._wire = Wire()
@@ -88,7 +97,7 @@ class Companion:
         self._mission = mission
         self._accepts_weak_failsafes = accepts_weak_failsafes
         self._run: Run | None = None
-        self._is_starting = self._is_stopping = False
+        self._is_starting = self._is_stopping = self._has_hung_up = False
         self._adjusted = -1
         self._now_s = 0.0
         if mission is not None and recorder is not None:
@@ -121,11 +130,23 @@ class Companion:
         if self._run is not None:
             self._run.sortie.stop()
 
+    def rehearse(self) -> None:
+        """Plans the only run once, before its clock begins: with many places it takes seconds."""
+        if self._run is not None:
+            self._run.sortie.rehearse()
+
+    def hang_up(self) -> None:
+        """The terminal is gone: the flight goes on, and its record says so."""
+        self._has_hung_up = True
+
     def step(self, now_s: float, datagrams: list[bytes]) -> list[bytes]:
         """One tick: reads what arrived, acts, returns what has to leave."""
         self._now_s = now_s
         if self._is_starting:
             self._launch()
+        if self._has_hung_up:
+            self._has_hung_up = False
+            self._say(TerminalHungUp())
         if self._wire.system:  # before that, nobody would hear what is told
             self._poll()
         messages = self._wire.parse(datagrams)
@@ -136,8 +157,8 @@ class Companion:
             return self._wire.pack(self._component.transmit(now_s, self._is_stopping))
         self._follow_parameters()
         reports = run.step(now_s, messages, asked)
-        for report in reports:
-            self._component.tell(now_s, report)
+        for stamped in reports:
+            self._component.tell(now_s, stamped.event)
         self.failure = run.sortie.failure
         leaving = self._component.transmit(now_s, run.sortie.has_ended)
         answers = self._wire.pack(leaving + run.vehicle.transmit(now_s))
@@ -151,49 +172,51 @@ class Companion:
     # -- ground.operations.Operations ----------------------------------------------------------
 
     @property
-    def standing(self) -> Standing:
-        """See `Operations`."""
+    def system_status(self) -> SystemStatus:
+        """What HEARTBEAT says of the sortie, or of the last one."""
         phase = self._run.sortie.phase if self._run else Phase.ENDED
         if phase is Phase.YIELDED or (phase is Phase.ENDED and self.failure is not None):
-            return Standing.CRITICAL
+            return SystemStatus.CRITICAL
         is_flown = phase not in (*ON_THE_GROUND, Phase.ENDED)
-        return Standing.ACTIVE if is_flown else Standing.STANDBY
+        return SystemStatus.ACTIVE if is_flown else SystemStatus.STANDBY
 
     @property
     def awaited(self) -> frozenset[str]:
-        """See `Operations`."""
+        """The MAV_CMD names that the events of the flown mission wait for."""
         return self._run.awaited if self._run else frozenset()
 
-    def start(self) -> str:
-        """See `Operations`."""
+    def start(self) -> Refusal | None:
+        """Flies the newest mission, from the next step on."""
         if self._run is not None:
             phase = self._run.sortie.phase
-            return "" if phase in BEGINNING else f"{self._run.mission.name} is {phase.value}"
+            if phase in BEGINNING:
+                return None
+            return Refusal(f"{self._run.mission.name} is {phase.value}")
         if self._mission is None:
-            return "there is no mission; upload one"
+            return Refusal("there is no mission; upload one")
         state = self._telemetry.state
         if state is None or loss_of_link(state, self._now_s):
-            return "the vehicle's state is not known"
+            return Refusal("the vehicle's state is not known")
         if state.is_armed or not state.is_landed:
-            return "the vehicle is armed or flying already; it is left alone"
+            return Refusal("the vehicle is armed or flying already; it is left alone")
         self._is_starting = True
-        return ""
+        return None
 
-    def pause(self) -> str:
-        """See `Operations`."""
+    def pause(self) -> Refusal | None:
+        """Holds in the air, the task frozen."""
         return self._run.sortie.pause() if self._run else NOTHING_FLOWN
 
-    def go_on(self) -> str:
-        """See `Operations`."""
-        return self._run.sortie.go_on() if self._run else NOTHING_FLOWN
+    def resume(self) -> Refusal | None:
+        """Goes on after a pause, or with control that the pilot has handed over."""
+        return self._run.sortie.resume() if self._run else NOTHING_FLOWN
 
-    def go_home(self) -> str:
-        """See `Operations`; the mission's own event goes before, and ends a pause."""
+    def return_home(self) -> Refusal | None:
+        """Flies home and lands; the mission's own event for that goes before, and ends a pause."""
         if self._run is None:
             return NOTHING_FLOWN
         if RETURN not in self._run.awaited:
-            return self._run.sortie.go_home()
-        return self._run.sortie.go_on() if self._run.sortie.phase is Phase.PAUSED else ""
+            return self._run.sortie.return_home()
+        return self._run.sortie.resume() if self._run.sortie.phase is Phase.PAUSED else None
 
     # -- runs ----------------------------------------------------------------------------------
 
@@ -217,7 +240,7 @@ class Companion:
         try:
             recorder = self._host.begin_run(self._mission)
         except OSError as error:
-            self._say(f"no run folder, so nothing is flown: {error}", is_refused=True)
+            self._say(RunNotRecordable(str(error)))
             return
         self._begin(self._mission, recorder)
         self._listen()
@@ -237,25 +260,25 @@ class Companion:
         try:
             self._mission = host.load(path)
         except (CompanionError, OSError) as error:
-            self._say(f"the mission cannot be read: {error}", is_refused=True)
+            self._say(MissionUnreadable(str(error)))
             return
-        self._say(f"{self._mission.name} is ready; MISSION_START flies it")
+        self._say(MissionReady(self._mission.name))
 
     def _poll(self) -> None:
         """Tells what became of uploads."""
         if self._host is not None and self._host.uploads is not None:
             is_flying = self._run is not None
             for verdict in self._host.uploads.poll(self._now_s, is_flying):
-                self._say(verdict.text, is_refused=not verdict.is_accepted)
+                self._say(UploadChecked(verdict.text, is_refused=not verdict.is_accepted))
 
-    def _say(self, text: str, is_refused: bool = False) -> None:
-        """News that is not of the flight; in its records if there is one."""
-        report = Report(round(self._now_s, 3), "upload", text, {"is_refused": is_refused})
+    def _say(self, event: FlightEvent) -> None:
+        """Reports what is not of the flight; in its records if there is one."""
+        stamped = Stamped(round(self._now_s, 3), event)
         if self._run is not None:
-            self._run.flight.reports.append(report)
+            self._run.flight.reports.append(stamped)
         elif self._host is not None:
-            self._host.tell(report)
-            self._component.tell(self._now_s, report)
+            self._host.tell(stamped)
+            self._component.tell(self._now_s, event)
 
     def _follow_parameters(self) -> None:
         """A run follows the companion's parameters."""

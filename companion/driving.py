@@ -6,12 +6,16 @@ In real or scaled time, at 20 Hz, in one loop with no thread beside it.
 from __future__ import annotations
 
 import gc
+import logging
 
 from companion.acting.flight import TICK_S
 from companion.app import Companion
+from companion.clock import ScaledClock
 from companion.errors import LinkTimeout
-from companion.ground.operations import Standing
-from companion.vehicle.link import ScaledClock, UdpLink
+from companion.ground.operations import SystemStatus
+from companion.vehicle.link import UdpLink
+
+log = logging.getLogger(__name__)
 
 
 def fly(companion: Companion, link: UdpLink, clock: ScaledClock, timeout_s: float) -> None:
@@ -23,23 +27,27 @@ def fly(companion: Companion, link: UdpLink, clock: ScaledClock, timeout_s: floa
     Raises:
         LinkTimeout: no vehicle was heard in time (seconds of the clock's time).
     """
-    next_tick_s, was_flying = clock.now_s(), False
+    companion.rehearse()
+    begun_s = next_tick_s = clock.now_s()
+    was_flying = False
     while not companion.has_ended:
         is_tick = not (companion.is_idle and link.wait(clock.wall_s_until(next_tick_s)))
         if is_tick:
             clock.sleep_until(next_tick_s)
         now_s = clock.now_s()
         link.send(companion.step(now_s, link.receive()))
-        if companion.is_waiting and now_s > timeout_s:
+        if companion.is_waiting and now_s - begun_s > timeout_s:
             raise LinkTimeout(
                 f"no vehicle on {link.endpoint} after {timeout_s:.0f} s: {link.account()}\n"
                 "    PX4 SITL and `sitl` send to port 14540 by themselves; is one running?\n"
                 "    QGroundControl must not listen on this port"
             )
-        is_flying = companion.standing is not Standing.STANDBY
+        is_flying = companion.system_status is not SystemStatus.STANDBY
         if is_flying and not was_flying:
             _set_aside()
         was_flying = is_flying
+        if is_tick and now_s > next_tick_s + TICK_S:
+            log.debug("tick %.0f ms late", 1000 * (now_s - next_tick_s))
         if is_tick or now_s > next_tick_s:
             next_tick_s = max(next_tick_s + TICK_S, now_s)
 

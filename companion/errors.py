@@ -8,6 +8,7 @@
     |  +- LinkTimeout
     +- Aborted                exit 5, the pilot or a failsafe ended the flight
     +- TaskViolated           exit 6, a recorded flight does not satisfy its task
+    +- SearchLimit            exit 7, a search was given up: whether there is a plan is not known
 
 A message has three parts: what happened, where, what to do. Expected outcomes (a failed skill,
 a blocked route) are values and never exceptions. `cli.py` is the only place that catches.
@@ -32,22 +33,47 @@ class Location:
     line: int
     column: int
 
+    @property
+    def inside(self) -> str:
+        """The place for a reader who knows the file."""
+        return f"line {self.line}"
+
     def __str__(self) -> str:
         return f"{self.path}:{self.line}:{self.column}"
 
 
+@dataclass(frozen=True, slots=True)
+class KeyPath:
+    """A place in data that was given as Python values: the keys and indices that lead there.
+
+    >>> str(KeyPath(("places", "A", "east_m"))), str(KeyPath(("initially", 0)))
+    ('places.A.east_m', 'initially[0]')
+    """
+
+    keys: tuple[str | int, ...]
+
+    @property
+    def inside(self) -> str:
+        """The place for a reader who knows the data."""
+        return str(self)
+
+    def __str__(self) -> str:
+        steps = (f"[{key}]" if isinstance(key, int) else f".{key}" for key in self.keys)
+        return "".join(steps).removeprefix(".") or "top level"
+
+
 class MissionError(CompanionError):
-    """A mission, map or scenario file that cannot be used.
+    """A mission, map or scenario that cannot be used.
 
     Args:
         what: what is wrong, in one line.
-        where: the place in the file, if known.
+        where: the place in the file, or in the data, if known.
         hint: what to do about it; may have several lines.
     """
 
     exit_code = 2
 
-    def __init__(self, what: str, where: Location | None = None, hint: str = "") -> None:
+    def __init__(self, what: str, where: Location | KeyPath | None = None, hint: str = "") -> None:
         self.what = what
         self.where = where
         self.hint = hint
@@ -67,7 +93,7 @@ class FormulaError(MissionError):
         offset: index into `text` of the offending token.
         length: characters to underline.
         hint: what was expected, or which name was perhaps meant.
-        where: the place of the token in a file, once the caller knows it.
+        where: the place of the token in a file or in data, once the caller knows it.
     """
 
     def __init__(
@@ -77,7 +103,7 @@ class FormulaError(MissionError):
         offset: int,
         length: int = 1,
         hint: str = "",
-        where: Location | None = None,
+        where: Location | KeyPath | None = None,
     ) -> None:
         self.text = text
         self.offset = offset
@@ -95,7 +121,7 @@ class FormulaError(MissionError):
         caret = " " * at + "^" * width
         super().__init__(what, where, "\n".join(filter(None, [line, f"{caret}  {hint}".rstrip()])))
 
-    def located(self, where: Location) -> FormulaError:
+    def located(self, where: Location | KeyPath) -> FormulaError:
         """The same error, placed in a file."""
         return FormulaError(self.what, self.text, self.offset, self.length, self.advice, where)
 
@@ -126,3 +152,24 @@ class TaskViolated(CompanionError):
     """A recorded flight does not satisfy its task."""
 
     exit_code = 6
+
+
+class SearchLimit(CompanionError):
+    """A search was given up at a limit of its effort; whether there is a plan is not known.
+
+    Args:
+        limit: the limit that was reached, with its number.
+
+    >>> print(SearchLimit("80,000 edges of the product"))
+    the search was given up at its limit of 80,000 edges of the product; there may be a plan
+        simplify the task, or ask another planner: companion plan --engine fast-downward
+    """
+
+    exit_code = 7
+
+    def __init__(self, limit: str) -> None:
+        self.limit = limit
+        super().__init__(
+            f"the search was given up at its limit of {limit}; there may be a plan\n"
+            "    simplify the task, or ask another planner: companion plan --engine fast-downward"
+        )

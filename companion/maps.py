@@ -1,4 +1,4 @@
-"""Map files: which cells of the world are occupied, as far as the vehicle has been told?
+"""Maps: which cells of the world are occupied, as far as the vehicle has been told.
 
 Reads the format of ROS map_server (wiki.ros.org/map_server, nav2_map_server): a YAML file that
 names an image (PGM or PNG) and says what its grey values mean, in mode `trinary`. In the map's
@@ -7,10 +7,14 @@ frame x is east and y is north of the home position; the image's top row is the 
 This is a door: it opens the files whose path it is given. Left out: rotated maps, the modes
 `scale` and `raw`, and images with more than 8 bits. A pixel that is not opaque is unknown, and
 unknown cells count as occupied. Keys that map_server does not know are ignored, as it does.
+
+A map of boxes needs no file.
 """
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +29,7 @@ from companion.errors import Location, MissionError
 from companion.motion.grid import OccupancyGrid
 
 MAX_EDGE_CELLS = 4000
+ROUNDING = 1e-9
 MAX_YAML_BYTES = 64 * 1024  # a map's YAML has seven lines; more is another file
 
 _GREY_MODES = ("1", "L", "LA", "P", "RGB", "RGBA")  # Pillow's names of images with 8 bits or less
@@ -55,6 +60,52 @@ def read_map(path: Path) -> OccupancyGrid:
     occupancy = grey / 255 if fields.value("negate") else (255 - grey) / 255
     is_free = (occupancy < free_below) & is_opaque
     return OccupancyGrid(np.ascontiguousarray(~is_free[::-1]), resolution_m, (north_m, east_m))
+
+
+def map_of_boxes(
+    east_m: tuple[float, float],
+    north_m: tuple[float, float],
+    cell_m: float,
+    walls: Iterable[tuple[tuple[float, float], tuple[float, float]]] = (),
+) -> OccupancyGrid:
+    """The occupancy grid of an area in which boxes are occupied.
+
+    >>> room = map_of_boxes((0, 4), (0, 2), 1.0, [((1, 2), (0, 1))])
+    >>> room.occupied.astype(int).tolist()
+    [[0, 1, 0, 0], [0, 0, 0, 0]]
+
+    Args:
+        east_m: from where to where the area reaches.
+        north_m: the same to the north.
+        cell_m: edge of a cell.
+        walls: of each box the same two; a cell that a box overlaps is occupied.
+
+    Raises:
+        MissionError: the area or a box is empty, or there are too many cells.
+    """
+    edges = []
+    for name, (first, last) in (("east_m", east_m), ("north_m", north_m)):
+        if not first < last:
+            raise MissionError(f"{name} of the map: {first:g} to {last:g} is no range")
+        cells = math.ceil((last - first) / cell_m - ROUNDING)
+        if cells > MAX_EDGE_CELLS:
+            hint = f"At most {MAX_EDGE_CELLS} cells along an edge; use a larger cell_m."
+            raise MissionError(f"{name} of the map: {cells} cells are too many", hint=hint)
+        edges.append(np.linspace(first, first + cells * cell_m, cells + 1))
+    east, north = edges
+    occupied = np.zeros((len(north) - 1, len(east) - 1), dtype=np.bool_)
+    for box_east_m, box_north_m in walls:
+        rows, cols = _overlapped(north, box_north_m), _overlapped(east, box_east_m)
+        occupied |= rows[:, None] & cols[None, :]
+    return OccupancyGrid(occupied, cell_m, (north_m[0], east_m[0]))
+
+
+def _overlapped(edges: npt.NDArray[np.float64], box: tuple[float, float]) -> npt.NDArray[np.bool_]:
+    """Which cells between edges a box has a part in."""
+    if not box[0] < box[1]:
+        raise MissionError(f"a wall of the map: {box[0]:g} to {box[1]:g} is no range")
+    is_overlapped = (edges[:-1] < box[1] - ROUNDING) & (edges[1:] > box[0] + ROUNDING)
+    return np.asarray(is_overlapped, dtype=np.bool_)
 
 
 def image_of(path: Path) -> Path:

@@ -1,13 +1,15 @@
 # Sourced by fly and test: the repository's own virtual environment, made on first use.
 #
-#   use_venv        installs the project into .venv, unless that was done already
+#   use_venv        installs the project into .venv with what README.md shows, unless that was done
 #   use_venv test   the same, with the tools that the tests need
 #
-# Sets $root (the repository) and $venv. An installation is repeated when pyproject.toml has
-# changed or the repository has moved. Two scripts at once wait for each other.
+# Sets $root (the repository), $venv, and $shown: the extras that commands in README.md need. An
+# installation is repeated when pyproject.toml has changed or the repository has moved. Two scripts
+# at once wait for each other.
 
 root="$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd -P)"
 venv="$root/.venv"
+shown="bench,planners"
 
 use_venv() {
     local extra="${1:-}"
@@ -26,7 +28,7 @@ use_venv() {
 # The file that an installation leaves behind: what it was made from.
 stamp_of() { echo "$venv/installed${1:+-$1}"; }
 
-stamp() { echo "$root" && cat "$root/pyproject.toml"; }
+stamp() { echo "$root [$shown]" && cat "$root/pyproject.toml"; }
 
 is_installed() { [[ -x "$venv/bin/companion" ]] && stamp | cmp -s - "$(stamp_of "$1")"; }
 
@@ -45,7 +47,7 @@ make_venv() {
 install_project() {
     echo "installing into $venv, which takes a minute or two" >&2
     "$venv/bin/python" -m pip install -qq --disable-pip-version-check \
-        --editable "$root${1:+[$1]}" >&2
+        --editable "$root[$shown${1:+,$1}]" >&2
     local done_with
     for done_with in "" "$1"; do
         stamp >"$(stamp_of "$done_with")"

@@ -33,7 +33,7 @@ def fly(folder: Path) -> None:
     flight = next(each for each in shipped() if each.name == MISSION)
     mission = flight.load()
     run = RunFolder(folder, mission, 0.0, lambda report: None)
-    flight.fly(mission, lambda simulation: run)
+    flight.flight(mission, run).fly()
     run.close()
 
 

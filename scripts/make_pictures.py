@@ -15,7 +15,7 @@ from pathlib import Path
 from benches.shipped import MISSIONS, Shipped, shipped
 from PIL import Image
 
-from companion.record.run_folder import RunFolder
+from companion import simulate
 
 COLOURS = 96
 MOST_BYTES = 150_000
@@ -25,10 +25,8 @@ def draw(flight: Shipped, path: Path) -> None:
     """Flies a mission and draws it."""
     mission = flight.load()
     with tempfile.TemporaryDirectory() as name:
-        folder = RunFolder(Path(name), mission, 0.0, lambda report: None)
-        flight.fly(mission, lambda simulation: folder)
-        folder.close()
-        with Image.open(folder.folder / "flight.png") as image:
+        simulate(mission, flight.scenario, folder=name)
+        with Image.open(Path(name) / "flight.png") as image:
             few = image.convert("RGB").quantize(COLOURS, Image.Quantize.MAXCOVERAGE)
             few.save(path, optimize=True)
     size = path.stat().st_size

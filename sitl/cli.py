@@ -11,7 +11,6 @@ import os
 import select
 import signal
 import sys
-import time
 from dataclasses import replace
 from pathlib import Path
 from types import FrameType
@@ -19,6 +18,7 @@ from typing import Annotated, Any
 
 import typer
 
+from companion.clock import ScaledClock
 from companion.errors import CompanionError
 from companion.geometry import GlobalOrigin
 from sitl.link.routing import LinkName
@@ -28,27 +28,6 @@ from sitl.world.scenario import PX4_HOME, Scenario, read_scenario
 
 PERIOD_S = 0.004  # the loop looks at the clock this often, and at once when a datagram arrives
 MAX_JUMP_S = 0.1  # wall time; more than this behind, simulated time slows down
-
-
-class ScaledClock:
-    """Simulated time for a moving monotonic time.
-
-    Args:
-        speed: simulated seconds per second.
-        wall_s: monotonic time now, which is simulated time 0.
-    """
-
-    def __init__(self, speed: float, wall_s: float) -> None:
-        self._speed = speed
-        self._wall_s = wall_s
-        self._now_s = 0.0
-
-    def advance(self, wall_s: float) -> float:
-        """Simulated time at a monotonic time; at most `MAX_JUMP_S` of it counts."""
-        passed_s = min(max(0.0, wall_s - self._wall_s), MAX_JUMP_S)
-        self._wall_s = wall_s
-        self._now_s += passed_s * self._speed
-        return self._now_s
 
 
 class _Stop:
@@ -65,7 +44,7 @@ class _Stop:
 
     @property
     def is_set(self) -> bool:
-        """Whether to end."""
+        """True once it is to end."""
         if self._is_attended and not self._is_set and select.select([sys.stdin], [], [], 0.0)[0]:
             self._is_set = not os.read(sys.stdin.fileno(), 1024)
         return self._is_set
@@ -131,9 +110,9 @@ def simulate(
     """
     try:
         if check:
-            happenings = read_scenario(check)[0].happenings
-            plural = "" if len(happenings) == 1 else "s"
-            typer.echo(f"{check}: a good scenario, {len(happenings)} event{plural}")
+            count = len(read_scenario(check)[0].events)
+            plural = "" if count == 1 else "s"
+            typer.echo(f"{check}: a good scenario, {count} event{plural}")
             return
         _simulate(scenario, speed, instance, home, seed, quiet, _Stop(attended))
     except CompanionError as error:
@@ -165,12 +144,12 @@ def _simulate(
             f"companion on UDP {offboard} (local {PORTS[LinkName.OFFBOARD][0] + instance})"
         )
         sys.stdout.flush()
-        clock = ScaledClock(speed, time.monotonic())
+        clock = ScaledClock(speed, MAX_JUMP_S)
         told = 0
         while not stop.is_set:
             datagrams = server.receive(PERIOD_S)
-            server.send(simulation.step(clock.advance(time.monotonic()), datagrams))
-            for time_s, text in simulation.happened[told:]:
+            server.send(simulation.step(clock.now_s(), datagrams))
+            for time_s, text in simulation.event_log[told:]:
                 told += 1
                 if not is_quiet:
                     print(f"sitl: {time_s:.2f} s: {text}", flush=True)

@@ -1,7 +1,7 @@
 """Simulator and companion in lockstep in one process: as fast as the machine, deterministic.
 
 Both are state machines over time and datagrams, so they need neither sockets nor a clock. Each
-step lasts one tick of the companion; what one side sends arrives at the other in the next step.
+tick is one of the companion; what one side sends arrives at the other in the next one.
 """
 
 from __future__ import annotations
@@ -9,26 +9,52 @@ from __future__ import annotations
 from companion.acting.flight import TICK_S
 from companion.app import Companion
 from companion.errors import LinkTimeout
+from companion.geometry import Ned
 from sitl.link.routing import LinkName
 from sitl.simulation import Simulation
 
 
-def fly_in_lockstep(companion: Companion, simulation: Simulation, timeout_s: float = 30.0) -> None:
-    """Flies until the companion has ended.
+class LockstepFlight:
+    """One companion on one simulated vehicle.
 
-    Raises:
-        LinkTimeout: no vehicle was heard in time (simulated seconds).
+    Attributes:
+        companion: stepped second in each tick.
+        simulation: stepped first.
+        truth: time, and where the vehicle truly was then, of each tick.
     """
-    tick = 0
-    to_vehicle: list[tuple[LinkName, bytes]] = []
-    while not companion.has_ended:
-        now_s = tick * TICK_S
-        from_vehicle = simulation.step(now_s, to_vehicle)
+
+    def __init__(self, companion: Companion, simulation: Simulation) -> None:
+        self.companion = companion
+        self.simulation = simulation
+        self.truth: list[tuple[float, Ned]] = []
+        self._to_vehicle: list[tuple[LinkName, bytes]] = []
+        self._ticks = 0
+
+    @property
+    def now_s(self) -> float:
+        """Time of the next tick."""
+        return self._ticks * TICK_S
+
+    def tick(self) -> None:
+        """One tick of both."""
+        from_vehicle = self.simulation.step(self.now_s, self._to_vehicle)
+        self.truth.append((self.now_s, self.simulation.flight.position))
         heard = [datagram for link, datagram in from_vehicle if link is LinkName.OFFBOARD]
-        to_vehicle = [(LinkName.OFFBOARD, d) for d in companion.step(now_s, heard)]
-        if companion.is_waiting and now_s > timeout_s:
-            raise LinkTimeout(
-                f"the simulated vehicle was not heard in {timeout_s:.0f} s of its time\n"
-                "    does the simulation have the link to the companion?"
-            )
-        tick += 1
+        sent = self.companion.step(self.now_s, heard)
+        self._to_vehicle = [(LinkName.OFFBOARD, datagram) for datagram in sent]
+        self._ticks += 1
+
+    def fly(self, timeout_s: float = 30.0) -> None:
+        """Flies until the companion has ended.
+
+        Raises:
+            LinkTimeout: no vehicle was heard in time (simulated seconds).
+        """
+        while not self.companion.has_ended:
+            now_s = self.now_s
+            self.tick()
+            if self.companion.is_waiting and now_s > timeout_s:
+                raise LinkTimeout(
+                    f"the simulated vehicle was not heard in {timeout_s:.0f} s of its time\n"
+                    "    does the simulation have the link to the companion?"
+                )

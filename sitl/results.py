@@ -1,12 +1,12 @@
-"""How did a command go? MAV_RESULT of common.xml, by the names that scenarios and code use."""
+"""MAV_RESULT of common.xml, by the names that scenarios and code use."""
 
 from __future__ import annotations
 
 from enum import IntEnum
 
 
-class Result(IntEnum):
-    """MAV_RESULT."""
+class MavResult(IntEnum):
+    """MAV_RESULT: how a command went."""
 
     ACCEPTED = 0
     TEMPORARILY_REJECTED = 1

@@ -1,4 +1,4 @@
-"""All parts of the simulator in one step: datagrams in, datagrams out, nothing else.
+"""All parts of the simulator in one step: datagrams in, datagrams out.
 
 No socket, no clock: the caller says what time it is and carries the datagrams, over UDP in real
 time (server.py) or in lockstep with the companion in one process (harness.py). Equal arguments
@@ -12,24 +12,24 @@ from __future__ import annotations
 
 from random import Random
 
-from companion.mavlink.framing import Endpoint, Message, source
+from companion.mavlink.framing import MavlinkCodec, Message, source
 from companion.motion.grid import OccupancyGrid
 from sitl.autopilot.autopilot import Autopilot
-from sitl.autopilot.parameters import Parameters
+from sitl.autopilot.parameters import Parameters, vehicle_defaults
 from sitl.flight.estimate import Estimator
 from sitl.flight.physics import FlightState, Physics
 from sitl.flight.sensors import Sensors
-from sitl.link.component import AUTOPILOT, AutopilotComponent, Outgoing
-from sitl.link.devices import (
-    DetectorDevice,
-    Device,
-    LidarDevice,
-    OperatorDevice,
-    PayloadDevice,
-    Sent,
+from sitl.link.autopilot_component import AUTOPILOT, AutopilotComponent, Outgoing
+from sitl.link.onboard_components import (
+    DetectorComponent,
+    LidarComponent,
+    OnboardComponent,
+    OperatorComponent,
+    PackedMessage,
+    PayloadComponent,
 )
 from sitl.link.routing import LinkName, Router, target
-from sitl.link.vehicle import Vehicle
+from sitl.link.vehicle import SimulatedVehicle
 from sitl.world.scenario import Scenario
 from sitl.world.world import World
 
@@ -49,7 +49,7 @@ class Simulation:
         links: those with somebody at the other end; nothing is packed for the others.
 
     Attributes:
-        happened: time and text of each happening of the scenario so far.
+        event_log: time and text of each event of the scenario so far.
     """
 
     def __init__(
@@ -75,9 +75,10 @@ class Simulation:
         self._truth = state = self._physics.state
         self._estimator = Estimator(Random(f"estimate {seed}"))
         self._sensors = Sensors(scenario.home, Random(f"sensors {seed}"), state)
-        parameters = Parameters({**scenario.parameters, "MAV_SYS_ID": system})
+        own = vehicle_defaults(scenario.vehicle)
+        parameters = Parameters({**own, **scenario.parameters, "MAV_SYS_ID": system})
         self._autopilot = Autopilot(parameters, state)
-        self._vehicle = Vehicle(
+        self._vehicle = SimulatedVehicle(
             self._autopilot, state, scenario.home, self._sensors, self._physics.battery
         )
         self._world = World(
@@ -88,15 +89,15 @@ class Simulation:
             self._autopilot,
             Random(f"lidar {seed}"),
         )
-        self.happened = self._world.happened
-        self._devices = _devices(system, self._world)
-        if any(kind == "operator" for h in scenario.happenings for kind, _ in h.effects):
-            self._devices.append(OperatorDevice(system, self._world.asked))
-        addresses = [(system, AUTOPILOT), *(device.address for device in self._devices)]
+        self.event_log = self._world.event_log
+        self._on_board = _onboard_components(system, self._world)
+        if any(kind == "operator" for event in scenario.events for kind, _ in event.effects):
+            self._on_board.append(OperatorComponent(system, self._world.operator_commands))
+        addresses = [(system, AUTOPILOT), *(each.address for each in self._on_board)]
         self._local = frozenset(addresses)
         self._router = Router(links, self._local)
-        self._component = AutopilotComponent(system, self._vehicle, links, self._router)
-        self._ears = {link: Endpoint(system, AUTOPILOT) for link in links}
+        self._autopilot_component = AutopilotComponent(system, self._vehicle, links, self._router)
+        self._codecs = {link: MavlinkCodec(system, AUTOPILOT) for link in links}
         self._steps = 0
 
     @property
@@ -117,15 +118,15 @@ class Simulation:
     @property
     def true_map(self) -> OccupancyGrid | None:
         """The walls and the obstacles that are there now; None is a world without walls."""
-        return self._world.walls.grid
+        return self._world.collisions.grid
 
     @property
     def collisions(self) -> int:
-        """How often the vehicle hit a wall."""
-        return self._world.walls.count
+        """The number of collisions with walls."""
+        return self._world.collisions.count
 
     def step(self, now_s: float, datagrams: list[tuple[LinkName, bytes]]) -> Outgoing:
-        """Take what has arrived, then go on to a time.
+        """Takes what has arrived, then goes on to a time.
 
         Args:
             now_s: simulated time since the start; an earlier one than before moves nothing.
@@ -136,10 +137,10 @@ class Simulation:
         """
         out: Outgoing = []
         for link, datagram in datagrams:
-            if link in self._ears:
-                for message in self._ears[link].parse(datagram):
+            if link in self._codecs:
+                for message in self._codecs[link].parse(datagram):
                     self._receive(link, message, out)
-        out += self._component.flush()
+        out += self._autopilot_component.flush()
         due = int(now_s / DT_S + 1e-6)
         while self._steps < due:
             self._steps += 1
@@ -149,51 +150,51 @@ class Simulation:
     def _receive(self, link: LinkName, message: Message, out: Outgoing) -> None:
         if source(message) in self._local:
             return  # our own, sent back by somebody who forwards
-        self._router.hear(link, message)
+        self._router.learn(link, message)
         frame = bytes(message.get_msgbuf())
         out += [(to, frame) for to in self._router.destinations(message, link)]
         if message.get_type() in ("COMMAND_LONG", "COMMAND_INT"):
-            self._hear_command(message)
-        self._component.receive(link, message)
-        for device in self._devices:
-            self._route(device.receive(message, self._truth), out)
+            self._note_command(message)
+        self._autopilot_component.receive(link, message)
+        for component in self._on_board:
+            self._route(component.receive(message, self._truth), out)
 
-    def _hear_command(self, message: Message) -> None:
+    def _note_command(self, message: Message) -> None:
         system, component = target(message)
         if system in (0, self._system) and not getattr(message, "confirmation", 0):
-            self._world.hear_command(message.command, component, self._truth.time_s)
+            self._world.note_command(message.command, component, self._truth.time_s)
 
     def _advance(self, out: Outgoing) -> None:
         motors = self._autopilot.step(self._vehicle.state, DT_S)
-        state = self._lie() if self._world.is_wreck else self._physics.step(motors)
+        state = self._frozen_truth() if self._world.is_wreck else self._physics.step(motors)
         self._truth = state
         self._vehicle.state = self._estimator.step(state, state.time_s)
-        self._autopilot.position_age_s = self._estimator.position_lost_s
+        self._autopilot.health.position_age_s = self._estimator.time_since_fix_s
         self._sensors.step(state, self._estimator.gps, self._estimator.fix_error)
         is_worlds_turn = self._steps % WORLD_STEPS == 0
         if is_worlds_turn:
             self._world.step(state)
-        out += self._component.step()
+        out += self._autopilot_component.step()
         if is_worlds_turn:
-            for device in self._devices:
-                self._route(device.step(state), out)
+            for component in self._on_board:
+                self._route(component.step(state), out)
 
-    def _lie(self) -> FlightState:
-        """A wreck: nothing but time goes on."""
+    def _frozen_truth(self) -> FlightState:
+        """The state of a wreck: nothing but time goes on."""
         still = (0.0, 0.0, 0.0)
         return self._truth._replace(time_s=self._steps * DT_S, velocity=still, rates=still)
 
-    def _route(self, sent: list[Sent], out: Outgoing) -> None:
-        for message, frame in sent:
+    def _route(self, packed: list[PackedMessage], out: Outgoing) -> None:
+        for message, frame in packed:
             out += [(to, frame) for to in self._router.destinations(message, None)]
 
 
-def _devices(system: int, world: World) -> list[Device]:
-    devices: list[Device] = []
+def _onboard_components(system: int, world: World) -> list[OnboardComponent]:
+    components: list[OnboardComponent] = []
     if world.detector:
-        devices.append(DetectorDevice(system, world.detector))
+        components.append(DetectorComponent(system, world.detector))
     if world.payload:
-        devices.append(PayloadDevice(system, world.payload))
+        components.append(PayloadComponent(system, world.payload))
     if world.lidar:
-        devices.append(LidarDevice(system, world.lidar))
-    return devices
+        components.append(LidarComponent(system, world.lidar))
+    return components

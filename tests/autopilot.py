@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from companion.mavlink.framing import Endpoint, dialect
+from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mavlink.parameters import REAL32
 from companion.mavlink.px4_modes import custom_mode, mode_from
 from companion.mission.model import Signal
@@ -28,7 +28,7 @@ LAND = dialect.MAV_CMD_NAV_LAND
 SET_MODE = dialect.MAV_CMD_DO_SET_MODE
 
 FENCE = ((-9.0, -9.0), (-9.0, 9.0), (9.0, 9.0), (9.0, -9.0))
-ENVELOPE = Envelope(fence=FENCE, up_m=(0.5, 4.0), speed_mps=2.0)
+ENVELOPE = Envelope(FENCE, (0.5, 4.0), 2.0, climb_mps=2.0, descent_mps=1.5, carrot_m=1.5)
 TARGET = Signal("NAMED_VALUE_INT", "target", "value")
 CHARGE = Signal("BATTERY_STATUS", "", "battery_remaining")
 CALL = Signal("COMMAND", "", "MAV_CMD_NAV_RETURN_TO_LAUNCH")
@@ -41,11 +41,12 @@ class Autopilot:
         results: MAV_RESULTs with which a command is answered, in order; None is no answer. The
             last one stays; without an entry it is ACCEPTED.
         is_idle: accepted commands have no effect.
+        unsent: names of messages that are lost on the way.
         heard: every message that was addressed to it or to all.
     """
 
     def __init__(self, system: int = 1, component: int = 1) -> None:
-        self.endpoint = Endpoint(system, component)
+        self.codec = MavlinkCodec(system, component)
         self.mode = "AUTO.LOITER"
         self.is_armed = False
         self.is_landed = True
@@ -59,6 +60,7 @@ class Autopilot:
         self.parameters = {"COM_OF_LOSS_T": 1.0, "COM_OBL_RC_ACT": 5.0, "COM_LOW_BAT_ACT": 3.0}
         self.results: dict[int, list[int | None]] = {}
         self.is_idle = False
+        self.unsent: set[str] = set()
         self.heard: list[Any] = []
 
     def telemetry(self) -> list[bytes]:
@@ -68,7 +70,7 @@ class Autopilot:
             base_mode |= dialect.MAV_MODE_FLAG_SAFETY_ARMED
         landed = dialect.MAV_LANDED_STATE_ON_GROUND if self.is_landed else 2  # in the air
         return [
-            self.endpoint.pack(message)
+            self.codec.pack(message)
             for message in (
                 dialect.MAVLink_heartbeat_message(
                     2, 12, base_mode, custom_mode(self.mode), self.system_status, 3
@@ -81,20 +83,21 @@ class Autopilot:
                 dialect.MAVLink_local_position_ned_message(0, *self.position, *self.velocity),
                 battery(self.battery_percent),
             )
+            if message.get_type() not in self.unsent
         ]
 
     def answer(self, datagrams: list[bytes]) -> list[bytes]:
         """Hears datagrams and does what they ask for; returns the answers."""
         answers: list[bytes] = []
         for datagram in datagrams:
-            for message in self.endpoint.parse(datagram):
+            for message in self.codec.parse(datagram):
                 self.heard.append(message)
                 reply = _REPLIES.get(message.get_type())
-                answers += [self.endpoint.pack(m) for m in reply(self, message)] if reply else []
+                answers += [self.codec.pack(m) for m in reply(self, message)] if reply else []
         return answers
 
     def _on_command(self, message: Any) -> list[Any]:
-        if message.target_component != self.endpoint.component:
+        if message.target_component != self.codec.component:
             return []
         results = self.results.get(message.command, [ACCEPTED])
         result = results.pop(0) if len(results) > 1 else results[0]
@@ -106,7 +109,7 @@ class Autopilot:
         if message.command == ARM:
             self.is_armed = True
         elif message.command == TAKE_OFF:
-            self.is_landed = False
+            self.is_landed, self.mode = False, "AUTO.LOITER"
             self.position[2] = self.home_altitude_m - message.param7 + self.home[2]
         elif message.command == LAND:
             self.is_landed, self.is_armed, self.mode = True, False, "AUTO.LAND"

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from playwright.sync_api import Page
 
 LOOK_AGAIN_S = 0.05
+LIMIT_S = 300.0  # wall time that nothing on a page needs
 
 
 @dataclass
@@ -30,20 +32,30 @@ class Watched:
             self.faults.append(f"asked for {url}")
 
     def texts(self, selector: str) -> list[str]:
-        """What all elements of a kind say."""
-        say = "all => all.map(each => (each.innerText ?? each.textContent).trim())"
-        return [str(text) for text in self.page.locator(selector).evaluate_all(say)]
+        """What all elements of a kind say; found and read at once, for the page goes on."""
+        say = """selector => [...document.querySelectorAll(selector)].map(
+            each => (each.innerText ?? each.textContent).trim())"""
+        return [str(text) for text in self.page.evaluate(say, selector)]
 
-    def until(self, condition: str, timeout_s: float = 30.0) -> None:
+    def until(self, condition: str) -> None:
         """Waits until an expression of the page's own language holds.
 
         Playwright's own way to wait is code in the page, which its security policy refuses.
         """
-        for _ in range(round(timeout_s / LOOK_AGAIN_S)):
-            if self.page.evaluate(condition):
-                return
+        assert self.comes_true(lambda: self.page.evaluate(condition)), f"{condition}\n{self.faults}"
+
+    def shows(self, selector: str, *texts: str) -> bool:
+        """Waits until all elements of a kind say this, in order."""
+        return self.comes_true(lambda: self.texts(selector) == [*texts])
+
+    def comes_true(self, is_so: Callable[[], object], limit_s: float = LIMIT_S) -> bool:
+        """Looks again and again, while the page goes on, until something is so."""
+        end_s = time.monotonic() + limit_s
+        while not is_so():
+            if time.monotonic() > end_s:
+                return False
             self.page.wait_for_timeout(1000 * LOOK_AGAIN_S)
-        raise AssertionError(f"not within {timeout_s:.0f} s: {condition}\n{self.faults}")
+        return True
 
     def has_no_horizontal_scroll(self) -> bool:
         """Whether the page is as wide as its window."""

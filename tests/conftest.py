@@ -1,4 +1,8 @@
-"""The paper's mission for all tests; its routes are found once. No property is timed."""
+"""The paper's mission for all tests; its routes are found once. No property is timed.
+
+Tests that fly in the simulator are marked `flight`, and properties `slow`: `scripts/test --fast`
+leaves both out.
+"""
 
 from __future__ import annotations
 
@@ -8,24 +12,54 @@ from pathlib import Path
 
 import pytest
 from commands import Companion, Ended
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 
-from companion.app import Companion as Flier
+from companion.api.simulating import lockstep, world_of
 from companion.cli import main
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
 from companion.motion.routes import RouteMap
+from companion.planning.flight_times import route_map
 from companion.record.run_folder import RunFolder
-from companion.run import route_map
-from sitl.harness import fly_in_lockstep
-from sitl.link.routing import LinkName
-from sitl.simulation import Simulation
-from sitl.world.scenario import read_scenario
 
-settings.register_profile("untimed", deadline=None)  # machines are noisy
+settings.register_profile(  # machines are noisy
+    "untimed", deadline=None, suppress_health_check=[HealthCheck.too_slow]
+)
 settings.load_profile("untimed")
 
-MISSIONS = Path(__file__).parents[1] / "missions"
+TESTS = Path(__file__).parent
+MISSIONS = TESTS.parent / "missions"
+FLIGHTS = (TESTS / "flights", TESTS / "browser")
+FLOWN = frozenset({"surveillance_run"})
+"""Fixtures that fly."""
+SIMULATOR = frozenset(
+    {
+        "companion.api.simulating",
+        "sitl.flight.physics",
+        "sitl.harness",
+        "sitl.simulation",
+        "wire",
+    }
+)
+"""Modules with the whole vehicle; a test module that imports from one of them flies it."""
+
+
+def pytest_itemcollected(item: pytest.Item) -> None:
+    """Marks what `scripts/test --fast` leaves out, wherever that can be seen."""
+    if flies(item):
+        item.add_marker(pytest.mark.flight)
+    elif item.path.is_relative_to(TESTS / "properties"):
+        item.add_marker(pytest.mark.slow)
+
+
+def flies(item: pytest.Item) -> bool:
+    """Whether a test flies in the simulator: by its folder, its fixtures, its imports."""
+    imported = vars(getattr(item, "module", None) or object).values()
+    return (
+        any(item.path.is_relative_to(folder) for folder in FLIGHTS)
+        or not FLOWN.isdisjoint(getattr(item, "fixturenames", ()))
+        or any(getattr(value, "__module__", None) in SIMULATOR for value in imported)
+    )
 
 
 @pytest.fixture(scope="session")
@@ -41,12 +75,10 @@ def surveillance_routes(surveillance: Mission) -> RouteMap:
 @pytest.fixture(scope="session")
 def surveillance_run(surveillance: Mission, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The run folder of the paper's mission, flown in lockstep; to be read only."""
-    scenario, grid = read_scenario(MISSIONS / "surveillance.sim.yaml")
     run = RunFolder(
         tmp_path_factory.mktemp("runs") / "run", surveillance, 1_700_000_000.0, lambda report: None
     )
-    simulation = Simulation(scenario, grid, seed=0, links=frozenset({LinkName.OFFBOARD}))
-    fly_in_lockstep(Flier(surveillance, run), simulation)
+    lockstep(surveillance, world_of(surveillance), run).fly()
     run.close()
     return run.folder
 

@@ -97,7 +97,7 @@ class FakeVehicle:
             velocity = self.setpoint.velocity
             reach_m = (math.hypot(*velocity) + CLOSING_MPS) * dt_s
             position = _towards(position, _sum(self.setpoint.position, self.drift), reach_m)
-        self.change(stamp_s=now_s, position=position, velocity=velocity)
+        self.change(stamp_s=now_s, mode_s=now_s, position=position, velocity=velocity)
 
     def parameter(self, name: str) -> float | None:
         return self.parameters.get(name)

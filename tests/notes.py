@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-from companion.acting.report import Report
+from happened import Happened
+
+from companion.flight_events.event import Stamped
 from companion.geometry import Ned
 
 
-class Notes:
-    """A recorder that keeps what people are told.
-
-    Attributes:
-        texts: of the reports so far.
-    """
+class Notes(Happened):
+    """A recorder that keeps what happens."""
 
     def __init__(self) -> None:
-        self.texts: list[str] = []
+        self.reports: list[Stamped] = []
 
-    def report(self, report: Report) -> None:
-        if report.is_told:
-            self.texts.append(report.text)
+    def report(self, stamped: Stamped) -> None:
+        self.reports.append(stamped)
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
         """Kept nowhere."""

@@ -21,7 +21,7 @@ def place(
     *parameters: float,
     yaw_deg: float = NAN,
     kind: int = 0,
-    goes_on: int = 1,
+    autocontinue: int = 1,
 ) -> Any:
     """An item with a place: local north and east, and metres above home."""
     north, east, up = point
@@ -29,7 +29,7 @@ def place(
     first = (*parameters, 0.0, 0.0, 0.0)[:3]
     x, y = round(lat_deg * 1e7), round(lon_deg * 1e7)
     return dialect.MAVLink_mission_item_int_message(
-        1, 1, 0, RELATIVE_INT, command, 0, goes_on, *first, yaw_deg, x, y, up, kind
+        1, 1, 0, RELATIVE_INT, command, 0, autocontinue, *first, yaw_deg, x, y, up, kind
     )
 
 

@@ -59,8 +59,8 @@ def action(
 def _facts(text: str) -> tuple[frozenset[Fact], frozenset[Fact]]:
     literals = parse_literals(text) if text else ()
     return (
-        frozenset(x.atom.ground({}) for x in literals if x.is_positive),
-        frozenset(x.atom.ground({}) for x in literals if not x.is_positive),
+        frozenset(x.atom.instantiate({}) for x in literals if x.is_positive),
+        frozenset(x.atom.instantiate({}) for x in literals if not x.is_positive),
     )
 
 

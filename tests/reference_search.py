@@ -26,7 +26,7 @@ def edges(asked: Problem) -> dict[Node, list[tuple[Node, int, int, int]]]:
     automata = [c.automaton for c in asked.conjuncts]
     offsets = list(itertools.accumulate((a.marks for a in automata), initial=0))[:-1]
     found: dict[Node, list[tuple[Node, int, int, int]]] = {}
-    todo = roots(asked)
+    todo = initial(asked)
     while todo:
         facts, states = node = todo.pop()
         if node in found:
@@ -49,15 +49,15 @@ def edges(asked: Problem) -> dict[Node, list[tuple[Node, int, int, int]]]:
     return found
 
 
-def roots(asked: Problem) -> list[Node]:
+def initial(asked: Problem) -> list[Node]:
     """The nodes at which a plan begins."""
     return [(asked.facts, states) for states in itertools.product(*asked.automaton_states)]
 
 
-def arrivals(asked: Problem) -> dict[Node, int]:
-    """Cost of the shortest way from the start to every node."""
+def prefixes(asked: Problem) -> dict[Node, int]:
+    """Cost of the shortest path from the start to every node."""
     graph = {node: [(t, c, 0) for t, _, c, _ in steps] for node, steps in edges(asked).items()}
-    reached = _dijkstra(graph, [(root, 0, 0) for root in roots(asked)])
+    reached = _dijkstra(graph, [(node, 0, 0) for node in initial(asked)])
     return {node: cost for (node, _), cost in reached.items()}
 
 
@@ -76,17 +76,17 @@ def laps(asked: Problem) -> dict[Node, int]:
 
 def best_lap_and_prefix(asked: Problem) -> tuple[int, int] | None:
     """The shortest lap, and the shortest prefix to one of that cost."""
-    reached, rounds = arrivals(asked), laps(asked)
-    return min(((lap, reached[node]) for node, lap in rounds.items()), default=None)
+    reached, shortest = prefixes(asked), laps(asked)
+    return min(((lap, reached[node]) for node, lap in shortest.items()), default=None)
 
 
 def best_sum(asked: Problem) -> int | None:
     """The least cost of prefix and lap together."""
-    reached, rounds = arrivals(asked), laps(asked)
-    return min((lap + reached[node] for node, lap in rounds.items()), default=None)
+    reached, shortest = prefixes(asked), laps(asked)
+    return min((lap + reached[node] for node, lap in shortest.items()), default=None)
 
 
-def best_wait(asked: Problem, unit_ms: int) -> int | None:
+def best_bottleneck(asked: Problem, unit_ms: int) -> int | None:
     """The least worst time between two meetings of the same mark.
 
     Args:
@@ -134,15 +134,15 @@ def shortest_tour(sites: Sequence[str], legs: Mapping[tuple[str, str], int]) -> 
     """The shortest closed walk over all sites, by dynamic programming over sets of sites.
 
     Args:
-        legs: cost of the direct way between places, which may lead over other places.
+        legs: cost of the direct leg between places; the tour may lead over other places.
     """
-    ways = _shortest_ways(legs)
+    costs = _shortest_paths(legs)
     first, *others = sites
     if not others:
-        return min(ways[first, p] + ways[p, first] for p, q in ways if p != first and q == first)
-    far = 1 + len(sites) * max(ways.values())
-    into = [[ways[a, b] if a != b else far for a in others] for b in others]
-    begun = [ways[first, b] for b in others]
+        return min(costs[first, p] + costs[p, first] for p, q in costs if p != first and q == first)
+    far = 1 + len(sites) * max(costs.values())
+    into = [[costs[a, b] if a != b else far for a in others] for b in others]
+    begun = [costs[first, b] for b in others]
     best: list[list[int]] = [[]]  # for each set of sites, by the last of them
     for visited in range(1, 1 << len(others)):
         best.append(
@@ -155,17 +155,17 @@ def shortest_tour(sites: Sequence[str], legs: Mapping[tuple[str, str], int]) -> 
                 for last in range(len(others))
             ]
         )
-    return min(map(operator.add, best[-1], (ways[a, first] for a in others)))
+    return min(map(operator.add, best[-1], (costs[a, first] for a in others)))
 
 
-def _shortest_ways(legs: Mapping[tuple[str, str], int]) -> dict[tuple[str, str], int]:
+def _shortest_paths(legs: Mapping[tuple[str, str], int]) -> dict[tuple[str, str], int]:
     """Floyd and Warshall's algorithm; every place has to be reachable from every other."""
     places = sorted({place for pair in legs for place in pair})
-    ways = {pair: legs.get(pair, 1 << 40) for pair in itertools.permutations(places, 2)}
+    costs = {pair: legs.get(pair, 1 << 40) for pair in itertools.permutations(places, 2)}
     for via, a, b in itertools.product(places, repeat=3):
         if a != b and via not in (a, b):
-            ways[a, b] = min(ways[a, b], ways[a, via] + ways[via, b])
-    return ways
+            costs[a, b] = min(costs[a, b], costs[a, via] + costs[via, b])
+    return costs
 
 
 def _dijkstra(

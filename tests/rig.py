@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
+from typing import Any
 
 from fakes import FakeVehicle
+from happened import Happened
 
-from companion.acting.events import EventDetector
-from companion.acting.executive import Executive, TaskStatus
-from companion.acting.flight import TICK_S, Flight
-from companion.acting.grounding import Symbols
-from companion.acting.report import Report
-from companion.acting.task_state import TaskState
+from companion.acting.assembly import assemble
+from companion.acting.event_detector import EventDetector
+from companion.acting.executive_states import TaskStatus
+from companion.acting.flight import TICK_S
+from companion.flight_events.event import FlightEvent, Stamped
+from companion.flight_events.word import PositionLeft
 from companion.mission.model import Mission, Signal
 from companion.motion.routes import RouteMap
 from companion.planning.lasso import Lasso
-from companion.planning.planner import Planner
-from companion.run import flight_times, home_of, route_map
 
 
-class Rig:
+class Rig(Happened):
     """Everything that acts, wired as in `companion.app`.
 
     Args:
@@ -39,38 +39,16 @@ class Rig:
         routes: RouteMap | None = None,
         vehicle: FakeVehicle | None = None,
     ) -> None:
-        home = home_of(mission)
-        routes = routes or route_map(mission)
+        home = mission.home
         self.mission = mission
         self.vehicle = vehicle or FakeVehicle(home.position).take_off(-home.position[2])
-        self.planner = Planner(
-            mission,
-            flight_times(
-                mission, routes, lambda: self.vehicle.state.position if self.vehicle.state else None
-            ),
-        )
-        self.task = TaskState(self.planner)
-        self.flight = Flight(
-            vehicle=self.vehicle,
-            task=self.task,
-            routes=routes,
-            limits=mission.limits,
-            symbols=Symbols(mission.places, routes),
-        )
-        self.reports: list[Report] = []
-        self.positions: list[Mapping[str, object]] = []
+        acting = assemble(mission, self.vehicle, EventDetector(mission.events), routes)
+        self.planner, self.flight, self.executive = acting.planner, acting.flight, acting.executive
+        self.task, self.speed_limit = acting.flight.task, acting.flight.speed_limit
+        self.reports: list[Stamped] = []
+        self.positions: list[PositionLeft] = []
         self.plans: list[Lasso] = []
-        self.executive = Executive(self.planner, self.flight, EventDetector(mission.events))
         self._ticks = 0
-
-    @property
-    def texts(self) -> list[str]:
-        """What happened so far, as people read it."""
-        return [report.text for report in self.reports]
-
-    def of_kind(self, kind: str) -> list[str]:
-        """The texts of one kind of report."""
-        return [report.text for report in self.reports if report.kind == kind]
 
     def begin(self) -> Rig:
         """Makes the first plan."""
@@ -82,6 +60,7 @@ class Rig:
         """One tick passes for the vehicle and the clock; nothing acts."""
         self._ticks += 1
         self.flight.now_s = self._ticks * TICK_S
+        self.speed_limit.advance(self.flight.now_s)
         self.vehicle.step(self.flight.now_s)
 
     def tick(self, *readings: tuple[Signal, float]) -> TaskStatus:
@@ -98,11 +77,12 @@ class Rig:
             if until():
                 return
             self.tick()
-        raise AssertionError(f"not reached in {limit_s:.0f} s:\n" + "\n".join(self.texts))
+        told = "\n".join(event.text for event in self.events)
+        raise AssertionError(f"not reached in {limit_s:.0f} s:\n{told}")
 
-    def run_until(self, text: str, times: int = 1) -> None:
-        """Ticks until a report's text was seen a number of times."""
-        self.run(lambda: self.texts.count(text) >= times)
+    def run_until(self, kind: type[FlightEvent], times: int = 1, **fields: Any) -> None:
+        """Ticks until an event has happened a number of times."""
+        self.run(lambda: len(self.of(kind, **fields)) >= times)
 
     def run_to_the_end(self) -> TaskStatus:
         """Ticks until the task is satisfied or has no plan."""
@@ -113,8 +93,9 @@ class Rig:
         lasso = self.executive.lasso
         if lasso is not None and (not self.plans or lasso is not self.plans[-1]):
             self.plans.append(lasso)
-        self.reports += [report for report in self.flight.reports if report.is_told]
-        self.positions += [
-            report.data for report in self.flight.reports if report.kind == "position"
-        ]
+        for stamped in self.flight.reports:
+            if stamped.event.is_told:
+                self.reports.append(stamped)
+            if isinstance(stamped.event, PositionLeft):
+                self.positions.append(stamped.event)
         self.flight.reports.clear()

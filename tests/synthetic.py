@@ -12,7 +12,6 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from companion.geometry import Ned
-from companion.ltl.automaton import successors
 from companion.ltl.parser import parse
 from companion.mission.conditions import parse_condition
 from companion.mission.literals import parse_fact, parse_literals
@@ -29,7 +28,6 @@ from companion.mission.model import (
     Skill,
 )
 from companion.motion.grid import OccupancyGrid
-from companion.planning.lasso import Letter, Problem
 from companion.planning.planner import Planner
 
 POSITIONS: dict[str, Ned] = {
@@ -132,10 +130,3 @@ def mission(
 def planner(asked: Mission) -> Planner:
     """A planner for whom every flight takes four seconds."""
     return Planner(asked, lambda origin, goal: 4.0)
-
-
-def at_the_start(made: Planner) -> tuple[Problem, list[list[Letter]]]:
-    """The problem at the start, and the letter that each conjunct has read there."""
-    letter = made.mission.initially | made.model.beliefs
-    states = tuple(successors(c.automaton, c.automaton.initial, letter) for c in made.conjuncts)
-    return made.problem(made.mission.initially, states), [[letter] for _ in states]

@@ -43,12 +43,7 @@ SPOILERS = {
         "companion.ltl.hoa",
         "No cycles are allowed in companion.ltl.",
     ),
-    "Temporal logic needs nothing of ours but errors": Spoiler(
-        "companion/ltl/formula.py",
-        "companion.geometry",
-        "companion.ltl.formula -> companion.geometry",
-    ),
-    "The companion knows the simulator in one command alone": Spoiler(
+    "The companion knows the simulator in one module alone": Spoiler(
         "companion/app.py",
         "sitl.results",
         "companion.app -> sitl.results",
@@ -59,29 +54,29 @@ SPOILERS = {
         "sitl.world.payload -> companion.planning.builtin.search",
     ),
     "Those who plan and act do not speak MAVLink": Spoiler(
-        "companion/acting/report.py",
+        "companion/acting/positions.py",
         "companion.mavlink.framing",
-        "companion.acting.report -> companion.mavlink.framing",
+        "companion.acting.positions -> companion.mavlink.framing",
     ),
     "The monitor sees what was recorded, and nothing else": Spoiler(
         "companion/monitor/feed.py",
         "companion.acting.flight",
         "companion.monitor.feed -> companion.acting.flight",
     ),
-    "Clocks, sockets, files, processes and chance come in through doors": Spoiler(
+    "The pure core opens nothing": Spoiler(
         "companion/motion/trajectory.py",
-        "random",
-        "companion.motion.trajectory -> random",
+        "socket",
+        "companion.motion.trajectory -> socket",
     ),
     "Only the composition roots open doors": Spoiler(
         "companion/acting/sortie.py",
         "companion.vehicle.link",
         "companion.acting.sortie -> companion.vehicle.link",
     ),
-    "Each library is met in one place": Spoiler(
+    "Each large library is met in one place": Spoiler(
         "companion/planning/lasso.py",
-        "networkx",
-        "companion.planning.lasso -> networkx",
+        "pymavlink",
+        "companion.planning.lasso -> pymavlink",
     ),
 }
 
@@ -95,7 +90,7 @@ def lint_imports(folder: Path) -> subprocess.CompletedProcess[str]:
         env={"COLUMNS": "500"},  # a verdict stands on one line
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=600,
         check=False,
     )
 

@@ -7,37 +7,35 @@ import re
 import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import NamedTuple, TypeVar
 
 import pytest
 from commands import Companion
 
-from companion.acting.report import FOR_PROGRAMS
-from companion.app import Companion as Flier
+from companion.api.simulating import simulate
+from companion.flight_events.event import FlightEvent, Stamped
+from companion.flight_events.facts import MissionEventChanged
+from companion.flight_events.plans import NoPlanFound, WrittenTreeAdopted
+from companion.flight_events.reading import read_line
+from companion.flight_events.skills import PlaceReached, SkillCompleted
+from companion.flight_events.sortie import ReturnBegun, RunFailed, TaskSatisfied
+from companion.flight_events.word import ConjunctViolated, PositionLeft
+from companion.flight_events.writing import line_of
 from companion.ltl.formula import conjuncts
 from companion.ltl.parser import parse
 from companion.ltl.semantics import holds
 from companion.mission.loader import load_mission
-from companion.record.run_folder import RunFolder
-from sitl.harness import fly_in_lockstep
-from sitl.link.routing import LinkName
-from sitl.simulation import Simulation
-from sitl.world.scenario import read_scenario
 
 ROOT = Path(__file__).parents[1]
 MISSIONS = ROOT / "missions"
 DOCUMENTED = "companion audit runs/2026-11-21T101500-surveillance"
 """The command in docs/run-folder.md."""
+E = TypeVar("E", bound=FlightEvent)
 
 
 def fly(mission: Path, folder: Path) -> Path:
     """A flight of a mission in the surveillance mission's world; its run folder."""
-    scenario, grid = read_scenario(MISSIONS / "surveillance.sim.yaml")
-    loaded = load_mission(mission)
-    run = RunFolder(folder, loaded, 0.0, lambda report: None)
-    simulation = Simulation(scenario, grid, seed=0, links=frozenset({LinkName.OFFBOARD}))
-    fly_in_lockstep(Flier(loaded, run), simulation)
-    run.close()
+    simulate(load_mission(mission), MISSIONS / "surveillance.sim.yaml", folder=folder)
     return folder
 
 
@@ -56,8 +54,12 @@ def bad(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return fly(path, tmp_path_factory.mktemp("bad"))
 
 
-def events(run: Path) -> list[dict[str, Any]]:
-    return [json.loads(line) for line in (run / "events.jsonl").read_text().splitlines()]
+def events(run: Path) -> list[FlightEvent]:
+    return [read_line(line).event for line in (run / "events.jsonl").read_text().splitlines()]
+
+
+def of(run: Path, kind: type[E]) -> list[E]:
+    return [event for event in events(run) if isinstance(event, kind)]
 
 
 def outcomes(companion: Companion, run: Path) -> tuple[int, dict[str, tuple[str, int | None]]]:
@@ -89,12 +91,12 @@ def test_the_surveillance_mission_is_satisfied(companion: Companion, good: Path)
 def test_the_word_in_the_record_satisfies_the_task_of_the_file(good: Path) -> None:
     """The file and the record alone, by the semantics; nothing of the audit takes part."""
     task = load_mission(MISSIONS / "surveillance.yaml").task
-    positions = [e for e in events(good) if e["kind"] == "position"]
+    positions = of(good, PositionLeft)
     for name, formula in task.items():
-        begun = max((p["number"] for p in positions if name in p["restarted"]), default=0)
-        word = [frozenset(p["facts"]) for p in positions[begun:]]
+        begun = max((p.number for p in positions if name in p.restarted), default=0)
+        word = [frozenset(p.facts) for p in positions[begun:]]
         assert holds(formula, word[:-1], word[-1:]), name
-    word = [frozenset(p["facts"]) for p in positions]
+    word = [frozenset(p.facts) for p in positions]
     assert not holds(task["upload"], word[:6], word[5:6])  # rest at r1 would not have done
 
 
@@ -108,10 +110,11 @@ def test_a_tree_written_by_hand_is_held_against_a_task_it_was_not_made_from(
     run = fly(path, tmp_path / "run")
     code, found = outcomes(companion, run)
     assert code == 6
-    visits = [e["text"] for e in events(run) if e["kind"] in ("at", "done")]
+    done = [e for e in events(run) if isinstance(e, PlaceReached | SkillCompleted)]
+    at_c = next(i for i, e in enumerate(done) if isinstance(e, PlaceReached) and e.place == "C")
     assert found == {
-        "report": ("fulfilled", visits.index("upload(r2) done") + 1),
-        "never": ("violated", visits.index("at C") + 1),
+        "report": ("fulfilled", done.index(SkillCompleted("upload(r2)")) + 1),
+        "never": ("violated", at_c + 1),
         "return": ("satisfied", None),
     }
 
@@ -119,28 +122,31 @@ def test_a_tree_written_by_hand_is_held_against_a_task_it_was_not_made_from(
 def test_a_violating_flight_has_the_verdict_that_it_was_told_in_flight(
     companion: Companion, bad: Path
 ) -> None:
-    (told,) = [e for e in events(bad) if e["kind"] == "violation"]
-    assert told["text"] == f"calm violated at position {told['position']}: G !targetFound"
+    (told,) = of(bad, ConjunctViolated)
+    assert (told.conjunct, told.formula) == ("calm", "G !targetFound")
     code, found = outcomes(companion, bad)
     assert code == 6
-    assert found["calm"] == ("violated", told["position"])
+    assert found["calm"] == ("violated", told.position)
     assert found["upload"] == ("unfulfilled", None)  # it went home without an upload
     answer = json.loads(companion("audit", bad, "--json").out)
     assert answer["differs"] == []
     column = [c["conjunct"] for c in answer["conjuncts"]].index("calm")
     states = [p["states"][column] for p in answer["positions"]]
-    number = told["position"]
+    number = told.position
     assert states == ["open"] * number + ["false"] * (len(states) - number)
-    assert answer["positions"][number]["facts"] == told["facts"]
+    assert answer["positions"][number]["facts"] == list(told.facts)
 
 
 def test_after_a_violation_the_mission_does_what_is_left_and_says_why(bad: Path) -> None:
-    told = [e["text"].partition("\n")[0] for e in events(bad) if e["kind"] not in FOR_PROGRAMS]
-    found = told.index("target found")
-    assert told[found + 1].startswith("replan 1: target found: no plan: calm cannot hold from here")
-    assert told[found + 2] == "returning to Home"
-    assert re.fullmatch(r"at Home", told[found + 3])
-    assert events(bad)[-1]["exit_code"] == 3
+    told = [event for event in events(bad) if event.is_told]
+    found = told.index(MissionEventChanged("targetFound", holds=True))
+    no_plan, returning, reached = told[found + 1 : found + 4]
+    assert isinstance(no_plan, NoPlanFound) and no_plan.reason == "target found"
+    assert no_plan.explanation.startswith("no plan: calm cannot hold from here")
+    assert returning == ReturnBegun("Home")
+    assert isinstance(reached, PlaceReached) and reached.place == "Home"
+    ended = events(bad)[-1]
+    assert isinstance(ended, RunFailed) and ended.exit_code == 3
 
 
 def test_people_and_programs_read_the_same(companion: Companion, bad: Path) -> None:
@@ -169,51 +175,31 @@ def test_the_documented_command(
     assert companion(command, run).code == 0
 
 
-def test_every_line_is_as_documented(good: Path, bad: Path) -> None:
-    text = (ROOT / "docs" / "run-folder.md").read_text(encoding="utf-8")
-    described = {
-        kind: set(re.findall(r"`(\w+)`", fields))
-        for kind, fields in re.findall(r"^\| `(\w+)` \|([^|]*)\| [^|]+ \|$", text, re.M)
-    }
-    for line in (*events(good), *events(bad)):
-        fields = line.keys() - {"t_s", "kind", "text"}
-        if line["kind"] == "replan" and "loop" not in line:
-            assert fields == {"reason"}
-        else:
-            assert fields == described[line["kind"]], line["kind"]
-
-
-def test_every_kind_of_line_is_described() -> None:
-    """Those too that no flight here has."""
-    text = (ROOT / "docs" / "run-folder.md").read_text(encoding="utf-8").partition("## events")[2]
-    sources = [p.read_text(encoding="utf-8") for p in (ROOT / "companion").glob("**/*.py")]
-    made = r'report\(\s*"(\w+)"|Report\([^"]*, "(\w+)"'
-    kinds = {a or b for source in sources for a, b in re.findall(made, source)} - {"record"}
-    assert kinds >= {"end", "position", "restored"}
-    assert kinds == set(re.findall(r"^\| `(\w+)` \|[^|]*\| [^|]+ \|$", text, re.MULTILINE))
-
-
 # -- hand-made records -----------------------------------------------------------------------------
 
 Write = Callable[..., Path]
 
 
+class Begun(NamedTuple):
+    """A position with which conjuncts begin anew."""
+
+    facts: str
+    restarted: tuple[str, ...]
+
+
 @pytest.fixture
 def write(tmp_path: Path) -> Iterator[Write]:
-    """Writes the record of a flight; its positions are facts in one text, or a position's data."""
+    """Writes the record of a flight; its positions are given by their facts in one text."""
 
-    def written(
-        task: dict[str, str], *positions: str | dict[str, Any], rests: bool = False
-    ) -> Path:
-        lines: list[dict[str, Any]] = [{"t_s": 0.0, "kind": "plan", "text": "", "task": task}]
+    def written(task: dict[str, str], *positions: str | Begun, rests: bool = False) -> Path:
+        happened: list[FlightEvent] = [WrittenTreeAdopted(task)]
         for number, given in enumerate(positions):
-            data = {"facts": given.split()} if isinstance(given, str) else given
-            base = {"t_s": 1.0 * number, "kind": "position", "text": "", "number": number}
-            more = {"withdrawn": [], "restarted": [], "for_ever": False}
-            lines.append(base | more | data)
-        if rests:
-            lines[-1]["for_ever"] = True
-        lines.append({"t_s": 99.0, "kind": "end", "text": "over", "exit_code": 0})
+            begun = given if isinstance(given, Begun) else Begun(given, ())
+            is_last = number == len(positions) - 1
+            facts = tuple(begun.facts.split())
+            happened.append(PositionLeft(number, facts, (), begun.restarted, rests and is_last))
+        happened.append(TaskSatisfied())
+        lines = [line_of(Stamped(1.0 * i, event)) for i, event in enumerate(happened)]
         text = "".join(json.dumps(line) + "\n" for line in lines)
         (tmp_path / "events.jsonl").write_text(text, encoding="utf-8")
         return tmp_path
@@ -255,7 +241,7 @@ def test_the_outcome_of_a_word(
 def test_a_conjunct_that_begins_anew_forgets_what_it_read(
     companion: Companion, write: Write
 ) -> None:
-    anew = {"facts": ["q"], "restarted": ["it"]}
+    anew = Begun("q", ("it",))
     task = {"it": "F p", "other": "F p"}
     _, found = outcomes(companion, write(task, "p", anew, rests=True))
     assert found == {"it": ("unfulfilled", None), "other": ("fulfilled", 0)}
@@ -264,7 +250,7 @@ def test_a_conjunct_that_begins_anew_forgets_what_it_read(
 def test_a_violation_stays_one_when_its_conjunct_begins_anew(
     companion: Companion, write: Write
 ) -> None:
-    anew = {"facts": [], "restarted": ["it"]}
+    anew = Begun("", ("it",))
     assert outcomes(companion, write({"it": "G !p"}, "p", anew))[1] == {"it": ("violated", 0)}
 
 
@@ -279,7 +265,7 @@ def test_a_flight_without_a_task_shows_its_word(companion: Companion, write: Wri
     ended = companion("audit", write({}, "p"))
     assert ended.code == 0
     assert "the mission has no task" in ended.out
-    assert re.search(r"^ +0  00:00\.0 +p$", ended.out, re.M)
+    assert re.search(r"^ +0  00:01\.0 +p$", ended.out, re.M)
 
 
 # -- cut off, or damaged ---------------------------------------------------------------------------
@@ -309,6 +295,9 @@ def damaged(good: Path, folder: Path, change: Callable[[list[str]], object]) -> 
     return folder
 
 
+NO_FORMULA = Stamped(0.0, WrittenTreeAdopted({"it": "G ("}))
+
+
 def replaced(number: int, text: str) -> Callable[[list[str]], object]:
     return lambda lines: lines.__setitem__(number, text)
 
@@ -332,10 +321,12 @@ def edited(**change: object) -> Callable[[list[str]], object]:
         (edited(number=4), "position 4 stands where 0 is due"),
         (edited(number=True), "number is missing here"),
         (edited(facts="at(A)"), "facts is missing here"),
-        (edited(facts=[1]), "facts is not a list of names"),
+        (edited(facts=[1]), "facts is missing here, or not of its kind"),
+        (edited(mood="good"), "mood has no place here"),
+        (replaced(2, '{"t_s": 1, "kind": "?", "text": ""}'), r"3:1: \? is no kind of event"),
         (edited(t_s=float("nan")), "t_s is missing here"),
         (lambda lines: lines.pop(0), "no plan was made in this run"),
-        (replaced(0, '{"kind": "plan", "task": {"it": "G ("}}'), r"events\.jsonl:1:1: .*\n.*\^"),
+        (replaced(0, json.dumps(line_of(NO_FORMULA))), r"events\.jsonl:1:1: .*\n.*\^"),
     ],
 )
 def test_a_damaged_record_is_refused_with_its_place(

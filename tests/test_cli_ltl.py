@@ -14,6 +14,8 @@ from pathlib import Path
 import pytest
 from commands import Companion, Ended
 
+pytestmark = pytest.mark.slow
+
 PAPER = "G ((F at(A) | targetFound) & (F at(B) | targetFound))"
 
 
@@ -154,7 +156,7 @@ def test_a_batch_is_answered_line_by_line() -> None:
             answer = list(iter(process.stdout.readline, "--END--\n"))
             assert answer[1] == f'name: "<stdin>:{number}: F p{number}"\n'
         process.stdin.close()
-        assert process.wait(timeout=60) == 0
+        assert process.wait(timeout=600) == 0
 
 
 def test_a_reader_that_leaves_is_no_error() -> None:
@@ -173,4 +175,4 @@ def test_a_reader_that_leaves_is_no_error() -> None:
         process.stdin.write("F b\n")
         process.stdin.close()
         assert process.stderr.read() == ""
-        assert process.wait(timeout=60) == 1
+        assert process.wait(timeout=600) == 1

@@ -25,11 +25,13 @@ from synthetic import mission
 from companion.acting.flight import TICK_S
 from companion.app import Companion
 from companion.cli.monitoring import Page, monitored
-from companion.mavlink.framing import Endpoint, dialect
+from companion.cli.terminal import Terminal
+from companion.flight_events.event import FlightEvent
+from companion.flight_events.sortie import TaskSatisfied
+from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mavlink.parameters import INT32, decode, encode
 
-HTTP_S = 30.0
-GONE_S = 10.0
+HTTP_S = GONE_S = 300.0  # wall time that no answer and no end needs
 NAME = b"CMP_MONITOR"
 
 
@@ -40,8 +42,8 @@ class Flight(Notes):
         super().__init__()
         self.companion = Companion(mission("F at(A)"), self, page=page)
         self.told: list[str] = []
-        self._autopilot, self._station = Autopilot(), Endpoint(255, 190)
-        self._ear = Endpoint(0, 0)
+        self._autopilot, self._station = Autopilot(), MavlinkCodec(255, 190)
+        self._ear = MavlinkCodec(0, 0)
         self._answers: list[bytes] = []
         self._ticks = 0
 
@@ -59,12 +61,12 @@ class Flight(Notes):
     def run(self, seconds: float) -> list[Any]:
         return [m for _ in range(round(seconds / TICK_S)) for m in self.tick()]
 
-    def to_the_end(self) -> list[str]:
+    def to_the_end(self) -> list[FlightEvent]:
         """Flies on; all that was reported."""
         while not self.companion.has_ended:
-            assert self._ticks * TICK_S < 60.0, self.texts
+            assert self._ticks * TICK_S < 60.0, self.events
             self.tick()
-        return self.texts
+        return self.events
 
     @property
     def monitor(self) -> float:
@@ -111,7 +113,7 @@ def is_gone(address: str) -> bool:
 
 @pytest.fixture
 def page() -> Iterator[Page]:
-    page = Page("127.0.0.1", 0)
+    page = Page("127.0.0.1", 0, Terminal().say)
     yield page
     page.close()
 
@@ -152,7 +154,7 @@ def test_a_page_that_cannot_be_served_is_off_and_the_reason_is_told() -> None:
         with contextlib.suppress(OSError):  # somebody else has it, which is as good
             taken.bind(("127.0.0.1", 65535))
             taken.listen()
-        flight = Flight(Page("127.0.0.1", 65535))
+        flight = Flight(Page("127.0.0.1", 65535, Terminal().say))
         flight.run(1.0)
         heard = flight.switch(True)
     assert value_of(heard) == 0.0
@@ -177,7 +179,7 @@ def test_a_page_that_crashes_is_off_and_the_flight_goes_on(page: Page) -> None:
     assert flight.switch(True)
     assert flight.monitor == 1.0
     assert flight.to_the_end() == undisturbed
-    assert undisturbed[-1] == "task satisfied, landed"
+    assert undisturbed[-1] == TaskSatisfied()
 
 
 def test_without_a_page_it_stays_off() -> None:
@@ -188,7 +190,7 @@ def test_without_a_page_it_stays_off() -> None:
 
 @pytest.mark.parametrize("is_on", [False, True])
 def test_it_begins_as_the_command_says(is_on: bool, capfd: pytest.CaptureFixture[str]) -> None:
-    with monitored("127.0.0.1:0" if is_on else "off") as page:
+    with monitored("127.0.0.1:0" if is_on else "off", Terminal().say) as page:
         flight = Flight(page)
         flight.run(1.0)
         assert flight.monitor == is_on

@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 from commands import Companion
 
+from companion.planning.effort import Effort
+
 SURVEILLANCE = Path(__file__).parents[1] / "missions" / "surveillance.yaml"
 WITHOUT_SITES = [f"--without=canUpload(r{i})" for i in (1, 2, 3)]
 
@@ -47,6 +49,23 @@ def test_json_says_why_there_is_no_plan(companion: Companion) -> None:
     assert answer["state"]["withdrawn"] == answer["reason"]["withdrawn"]
 
 
+@pytest.mark.parametrize("command", ["plan", "check"])
+def test_a_search_that_is_given_up_is_told_from_no_plan(
+    companion: Companion, monkeypatch: pytest.MonkeyPatch, command: str
+) -> None:
+    tiny = Effort(product_edges=5, dijkstra_edges=5, held_karp_additions=5)
+    monkeypatch.setattr("companion.planning.planner.BEFORE_FLIGHT", tiny)
+    ended = companion(command, SURVEILLANCE)
+    assert ended.code == 7
+    assert ended.err.startswith("the search was given up at its limit of 5 edges of the product")
+    assert "there may be a plan\n" in ended.err
+    assert "--engine fast-downward" in ended.err
+    as_json = companion(command, SURVEILLANCE, "--json")
+    assert as_json.code == 7
+    if command == "check":
+        assert json.loads(as_json.out)["exit_code"] == 7
+
+
 @pytest.mark.parametrize("objective", ["lap", "sum", "bottleneck"])
 def test_each_objective_is_said_and_proved(companion: Companion, objective: str) -> None:
     ended = companion("plan", SURVEILLANCE, "--objective", objective)
@@ -82,7 +101,10 @@ def test_a_planner_that_says_there_is_no_plan(companion: Companion) -> None:
         (["--engine", "nobody"], "there is no engine nobody; installed are: fast-downward"),
         (["--engine", "pyperplan"], "use encoding v5"),
         (["--engine", "symk"], "pip install up-symk"),
-        (["--engine", "fast-downward", "--objective", "bottleneck"], "cannot minimise the worst"),
+        (
+            ["--engine", "fast-downward", "--objective", "bottleneck"],
+            "cannot minimise the bottleneck",
+        ),
     ],
 )
 def test_a_planner_that_cannot(companion: Companion, options: list[str], message: str) -> None:

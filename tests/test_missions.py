@@ -7,13 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from companion.acting.task_state import TaskState
 from companion.errors import NoPlanError
 from companion.ltl.parser import parse
 from companion.mission.loader import load_mission
 from companion.planning.check import fault
 from companion.planning.planner import Planner
-from companion.run import flight_times, route_map
 from sitl.world.scenario import read_scenario
 
 MISSIONS = Path(__file__).parents[1] / "missions"
@@ -32,33 +30,27 @@ def test_the_paper_s_mission_is_among_them() -> None:
     assert MISSIONS / "surveillance.sim.yaml" in SCENARIOS
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", [p for p in FILES if p not in SCENARIOS], ids=name_of)
 def test_a_mission_has_a_plan_that_passes_the_check(path: Path) -> None:
-    mission = load_mission(path)
-    planner = Planner(mission, flight_times(mission, route_map(mission)))
-    problem, histories = TaskState(planner).problem()
-    lasso = planner.plan(problem, histories)
-    assert fault(problem, lasso, histories) is None
+    planner = Planner(load_mission(path))
+    problem, histories = planner.initial_problem()
+    assert fault(problem, planner.plan().lasso, histories) is None
 
 
 def test_the_zone_of_the_corridor_is_planned_around_until_it_is_clear() -> None:
     """Its line is past_avoidance without the promise that the corridor is cleared one day."""
-    mission = load_mission(MISSIONS / "corridor.yaml")
-    planner = Planner(mission, flight_times(mission, route_map(mission)))
+    planner = Planner(load_mission(MISSIONS / "corridor.yaml"))
 
-    def places() -> set[str]:
-        lasso = planner.plan(*task.problem())
-        return {action.name.rpartition(", ")[2][:-1] for action in lasso.suffix}
+    def places(*facts: str) -> set[str | None]:
+        return {action.destination for action in planner.plan(facts=facts).loop}
 
-    task = TaskState(planner)
     assert places() == {"Shelf", "Bench"}
-    task.take(mission.events["corridorClear"], True)
-    assert places() == {"Shelf", "Bench", "Corridor"}
-    promising = replace(mission, task={"closed": parse("past_avoidance(Corridor, corridorClear)")})
-    planner = Planner(promising, planner.flight_time)
-    task = TaskState(planner)
+    assert places("corridorClear") == {"Shelf", "Bench", "Corridor"}
+    task = {"closed": parse("past_avoidance(Corridor, corridorClear)")}
+    promising = Planner(replace(planner.mission, task=task), planner.flight_time)
     with pytest.raises(NoPlanError, match="corridorClear"):
-        places()
+        promising.plan()
 
 
 @pytest.mark.parametrize("path", SCENARIOS, ids=name_of)
@@ -67,10 +59,9 @@ def test_a_scenario_fits_its_mission(path: Path) -> None:
     name = OF_ANOTHER_NAME.get(path.name, path.name.replace(".sim.yaml", ".yaml"))
     mission = load_mission(path.with_name(name))
     scenario, grid = read_scenario(path)
-    home = next(p for name, p in mission.places.items() if f"at({name})" in mission.initially)
-    north_m, east_m, _ = home.position
+    north_m, east_m, _ = mission.home.position
     start_north_m, start_east_m, _ = scenario.start
-    assert abs(start_north_m - north_m) <= home.radius_m
-    assert abs(start_east_m - east_m) <= home.radius_m
+    assert abs(start_north_m - north_m) <= mission.home.radius_m
+    assert abs(start_east_m - east_m) <= mission.home.radius_m
     assert grid is not None
     assert grid.clearance_m((north_m, east_m)) > 0

@@ -15,6 +15,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from first_installation import environment
 from ports import free_instance
 
 ROOT = Path(__file__).parents[1]
@@ -64,6 +65,7 @@ ELSEWHERE = {
     "companion replay runs/2026-11-21T101500-surveillance": "tests/test_cli_replay.py",
     "scripts/fly --speed max": ".ci/run",
     "scripts/test": ".ci/run",
+    "scripts/test --fast": "tests/test_scripts.py",
 }
 """Command -> the file that runs it."""
 
@@ -111,9 +113,11 @@ def test_commands_stand_in_blocks_that_say_so() -> None:
 
 @pytest.fixture
 def start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Start:
-    """Starts a command as it is installed, where only the missions are."""
+    """Starts a command as scripts/fly installs it, where only the missions are."""
     shutil.copytree(ROOT / "missions", tmp_path / "missions")
     monkeypatch.setenv("COMPANION_LOG_DIR", str(tmp_path / "runs"))
+    for name, value in environment(tmp_path / "hiding").items():
+        monkeypatch.setenv(name, value)
 
     def run(command: str) -> subprocess.Popen[str]:
         program, *arguments = shlex.split(command)
@@ -128,10 +132,11 @@ def start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Start:
     return run
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", QUICK)
 def test_a_quick_command_succeeds(command: str, start: Start) -> None:
     process = start(command)
-    printed, _ = process.communicate(timeout=120)
+    printed, _ = process.communicate(timeout=600)
     assert process.returncode == EXIT_CODES.get(command, 0), printed
     assert printed
 
@@ -149,11 +154,11 @@ def test_a_command_flies_and_lands_on_ctrl_c(together: tuple[str, ...], start: S
             printed += line
             if "flying the task" in line:
                 companion.send_signal(signal.SIGINT)
-        assert companion.wait(timeout=30) == 0, printed
+        assert companion.wait(timeout=600) == 0, printed
         assert re.search(r"landing\n.*stopped as asked\n", printed), printed
         for other in others:
             other.send_signal(signal.SIGINT)
-            assert other.wait(timeout=30) == 0
+            assert other.wait(timeout=600) == 0
     finally:
         for process in (*others, companion):
             process.kill()
@@ -168,7 +173,7 @@ def test_a_simulator_starts_and_stops(command: str, start: Start) -> None:
     try:
         assert sitl.stdout.readline().startswith("sitl: vehicle ")
         sitl.send_signal(signal.SIGINT)
-        assert sitl.wait(timeout=30) == 0
+        assert sitl.wait(timeout=600) == 0
     finally:
         sitl.kill()
         sitl.communicate()

@@ -1,31 +1,45 @@
-"""scripts/fly and its virtual environment, with a Python that only notes what it is asked for."""
+"""scripts/fly, scripts/test and their environment, with a Python that only notes what it is asked.
+
+What README.md's commands need of it is shown where they are run: `first_installation.py` hides the
+rest from them.
+"""
 
 from __future__ import annotations
 
+import os
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
+from first_installation import environment, hidden_modules, shown_extras
 
 ROOT = Path(__file__).parents[1]
 TOOLS = ("bash", "cat", "chmod", "cmp", "cp", "dirname", "flock", "mkdir")
 
 PYTHON = """#!/usr/bin/env bash
-# Is new enough, makes environments that hold itself and a companion, installs by a note.
+# Is new enough, makes environments that hold itself and our tools, installs by a note.
 log="${BASH_SOURCE[0]%/*}/../../log"
 case "$*" in
     "-m venv --clear "*)
         mkdir -p "$4/bin"
         cp "${BASH_SOURCE[0]}" "$4/bin/python"
-        echo 'echo companion "$@"' >"$4/bin/companion"
-        chmod +x "$4/bin/companion"
+        for tool in companion ruff mypy lint-imports; do
+            echo "echo $tool" '"$@"' >"$4/bin/$tool"
+            chmod +x "$4/bin/$tool"
+        done
         ;;
     "-m pip install "*)
         echo "${@: -1}" >>"$log"
         ;;
+    "-m pytest "*)
+        echo "${@:2}"
+        ;;
 esac
 """
+SHOWN = "bench,planners"
+"""The extras that README.md's commands need."""
 NO_VENV = '#!/usr/bin/env bash\n[[ "$*" != *ensurepip* ]]\n'
 
 
@@ -50,10 +64,10 @@ def provide(clone: Path, script: str) -> None:
     python.chmod(0o755)
 
 
-def start(clone: Path, *arguments: str) -> subprocess.Popen[str]:
-    """scripts/fly, from another folder."""
+def start(clone: Path, *arguments: str, script: str = "fly") -> subprocess.Popen[str]:
+    """A script, from another folder."""
     return subprocess.Popen(
-        ["bash", str(clone / "scripts" / "fly"), *arguments],
+        ["bash", str(clone / "scripts" / script), *arguments],
         cwd=clone.parent,
         env={"PATH": str(clone.parent / "bin")},
         stdout=subprocess.PIPE,
@@ -65,7 +79,7 @@ def start(clone: Path, *arguments: str) -> subprocess.Popen[str]:
 def fly(clone: Path, *arguments: str) -> tuple[str, str]:
     """What scripts/fly prints, and what it tells on standard error."""
     process = start(clone, *arguments)
-    out, err = process.communicate(timeout=60)
+    out, err = process.communicate(timeout=600)
     assert process.returncode == 0, err
     return out, err
 
@@ -81,7 +95,7 @@ def test_the_first_use_installs_and_the_second_does_not(clone: Path) -> None:
     assert len(err.splitlines()) == 1
     assert "installing" in err
     assert fly(clone, "other.yaml", "--help") == ("companion sim other.yaml --help\n", "")
-    assert installations(clone) == [str(clone)]
+    assert installations(clone) == [f"{clone}[{SHOWN}]"]
 
 
 def test_a_changed_project_is_installed_again(clone: Path) -> None:
@@ -89,7 +103,7 @@ def test_a_changed_project_is_installed_again(clone: Path) -> None:
     fly(clone)
     (clone / "pyproject.toml").write_text("[project]\nname = 'new'\n", encoding="utf-8")
     fly(clone)
-    assert installations(clone) == [str(clone)] * 2
+    assert installations(clone) == [f"{clone}[{SHOWN}]"] * 2
 
 
 def test_a_moved_repository_is_installed_anew(clone: Path) -> None:
@@ -98,7 +112,7 @@ def test_a_moved_repository_is_installed_anew(clone: Path) -> None:
     fly(clone)
     copy = shutil.copytree(clone, clone.parent / "copy")
     fly(copy)
-    assert installations(copy) == [str(clone), str(copy)]
+    assert installations(copy) == [f"{clone}[{SHOWN}]", f"{copy}[{SHOWN}]"]
 
 
 @pytest.mark.skipif(
@@ -107,9 +121,9 @@ def test_a_moved_repository_is_installed_anew(clone: Path) -> None:
 def test_two_at_once_install_once(clone: Path) -> None:
     provide(clone, PYTHON)
     for process in [start(clone), start(clone)]:
-        process.communicate(timeout=60)
+        process.communicate(timeout=600)
         assert process.returncode == 0
-    assert installations(clone) == [str(clone)]
+    assert installations(clone) == [f"{clone}[{SHOWN}]"]
 
 
 @pytest.mark.parametrize(
@@ -124,7 +138,84 @@ def test_without_a_usable_python_it_says_so(clone: Path, python: str | None, rea
     if python:
         provide(clone, python)
     process = start(clone)
-    out, err = process.communicate(timeout=60)
+    out, err = process.communicate(timeout=600)
     assert (process.returncode, out) == (1, "")
     assert err == f"Python 3.11 or newer is needed: {reason}\n"
     assert not (clone / ".venv").exists()
+
+
+@pytest.mark.slow
+def test_what_only_the_tests_need_is_hidden_from_the_commands(tmp_path: Path) -> None:
+    """So a command of README.md that needs more than scripts/fly installs fails in its test."""
+    assert shown_extras() == set(SHOWN.split(","))
+    hidden, without = hidden_modules(shown_extras()), hidden_modules([])
+    assert {"hypothesis", "mypy", "playwright", "pytest"} <= hidden
+    assert not {"companion", "numpy", "psutil", "unified_planning", "up_fast_downward"} & hidden
+    assert {"psutil", "up_fast_downward", "up_pyperplan"} <= without
+    script = "import numpy, psutil\ntry: import pytest\nexcept ModuleNotFoundError: print('none')"
+    done = subprocess.run(
+        [sys.executable, "-c", script],
+        env=os.environ | environment(tmp_path),
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=True,
+    )
+    assert done.stdout == "none\n"
+
+
+CHECKS = ["ruff check .", "ruff format --check .", "mypy", "lint-imports --no-logo"]
+ALL_CORES = "pytest --quiet --numprocesses logical -m "
+NOT_READ = "--ignore tests/flights --ignore tests/browser --ignore tests/properties"
+"""Folders without a fast test, which take seconds to import."""
+FAST = "not flight and not slow and not alone and not sockets and not long"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "ran"),
+    [
+        (
+            [],
+            [
+                *CHECKS,
+                f"{ALL_CORES}not alone and not sockets and not long",
+                "pytest --quiet -m alone and not long",
+            ],
+        ),
+        (["--fast"], [*CHECKS, f"{ALL_CORES}{FAST} {NOT_READ}"]),
+        (["--fast", "-k", "lasso"], [*CHECKS, f"{ALL_CORES}{FAST} {NOT_READ} -k lasso"]),
+        (["-m", "sockets"], ["pytest -m sockets"]),
+    ],
+)
+def test_what_the_tests_are_asked_for(clone: Path, arguments: list[str], ran: list[str]) -> None:
+    """As `scripts/test --fast`, and without it."""
+    provide(clone, PYTHON)
+    process = start(clone, *arguments, script="test")
+    out, err = process.communicate(timeout=60)
+    assert process.returncode == 0, err
+    assert out.splitlines() == ran
+    assert installations(clone) == [f"{clone}[{SHOWN},test]"]
+
+
+@pytest.mark.slow
+def test_what_flies_and_what_is_slow_is_not_fast() -> None:
+    """By folder, by hand, by a fixture, by an import."""
+    not_fast = {
+        "tests/flights/test_surveillance.py",
+        "tests/properties/test_ltl.py",
+        "tests/test_bench.py",
+        "tests/test_cli_audit.py",
+        "tests/unit/sitl/test_autopilot.py",
+    }
+    fast = {"tests/test_architecture.py", "tests/unit/ltl/test_hoa.py", "companion/geometry.py"}
+    command = [sys.executable, "-m", "pytest", "--collect-only", "-q", "-m", FAST]
+    done = subprocess.run(
+        [*command, *not_fast, *fast],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    collected = {line.partition("::")[0] for line in done.stdout.splitlines() if "::" in line}
+    assert collected == fast, done.stdout

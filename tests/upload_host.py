@@ -11,9 +11,10 @@ import threading
 import time
 from pathlib import Path
 
-from companion.ground.uploads import Uploads, Verdict
+from companion.ground.upload_states import UploadVerdict
+from companion.ground.uploads import Uploads
 from companion.ground.watching import EXIT_CODE
-from companion.mavlink.framing import Endpoint, Message, dialect, source
+from companion.mavlink.framing import MavlinkCodec, Message, dialect, source
 from companion.mavlink.statustext import chunks
 from companion.vehicle.link import Endpoint as Address
 from companion.vehicle.link import UdpLink
@@ -34,10 +35,10 @@ class UploadHost:
 
     def __init__(self, port: int, root: Path, loss: float = 0.0, exit_code: int = 0) -> None:
         self.uploads = Uploads(root)
-        self.verdicts: list[Verdict] = []
+        self.verdicts: list[UploadVerdict] = []
         self.failure: Exception | None = None
         self._link = UdpLink(Address(True, "127.0.0.1", port))
-        self._endpoint = Endpoint(0, COMPANION)
+        self._codec = MavlinkCodec(0, COMPANION)
         self._loss, self._rng = loss, random.Random(1)
         self._exit_code = exit_code
         self._texts = 0
@@ -62,7 +63,7 @@ class UploadHost:
             while not self._ends.is_set():
                 self._link.wait(0.02)
                 for datagram in self._link.receive():
-                    for message in self._endpoint.parse(datagram):
+                    for message in self._codec.parse(datagram):
                         self._take(message)
                 now_s = time.monotonic()
                 for verdict in self.uploads.poll(now_s):
@@ -77,7 +78,7 @@ class UploadHost:
     def _take(self, message: Message) -> None:
         system, component = source(message)
         if component == 1:
-            self._endpoint.system = system
+            self._codec.system = system
         if getattr(message, "target_component", 0) != COMPANION:
             return
         if message.get_type() == "FILE_TRANSFER_PROTOCOL" and not self._is_lost():
@@ -109,5 +110,5 @@ class UploadHost:
             self._send(message)
 
     def _send(self, message: Message) -> None:
-        if self._endpoint.system:
-            self._link.send([self._endpoint.pack(message)])
+        if self._codec.system:
+            self._link.send([self._codec.pack(message)])

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from companion.mavlink.framing import Endpoint, dialect
+from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mavlink.px4_modes import MODES, mode_name
 from companion.motion.grid import OccupancyGrid
 from sitl.link.routing import LinkName
@@ -41,16 +41,16 @@ class Wire:
     ) -> None:
         self.simulation = Simulation(scenario or Scenario(), grid, seed=1)
         self.link = link
-        self.endpoint = Endpoint(*address)
+        self.codec = MavlinkCodec(*address)
         self.heard: list[Heard] = []
         self.frames: list[bytes] = []
         self.now_s = 0.0
         self._step = 0
-        self._ears = {name: Endpoint(0, 0) for name in LinkName}
+        self._ears = {name: MavlinkCodec(0, 0) for name in LinkName}
 
     def send(self, *messages: Any) -> None:
         """Deliver messages now; no time passes."""
-        self._exchange([(self.link, self.endpoint.pack(message)) for message in messages])
+        self._exchange([(self.link, self.codec.pack(message)) for message in messages])
 
     def run(
         self, seconds: float, each_s: float = 0.02, send: Callable[[], Any] | None = None

@@ -1,15 +1,17 @@
-"""Whose is the vehicle? Why it is no longer ours to fly, or never was, and when it is ours again.
+"""Authority over the vehicle: why it is no longer ours to fly, or never was, and when it is again.
 
 Control that was lost comes back only by an explicit "go on" of the operator, and only if the
-vehicle is armed, in the air and on hold (AUTO.LOITER), with no failsafe and a fresh position: the
-pilot hands it over by choosing hold, the operator takes it by saying so.
+vehicle is armed, in the air and on hold (AUTO.LOITER), with no failsafe, a fresh position and a
+mode heard just now: the pilot hands it over by choosing hold, the operator takes it by saying so.
 """
 
 from __future__ import annotations
 
 from companion.acting.flight import Flight
-from companion.acting.phases import ON_THE_GROUND, UNDER_TASK, Phase
+from companion.acting.phases import ON_THE_GROUND, UNDER_TASK
 from companion.errors import Aborted, CompanionError, LinkError
+from companion.flight_events.sortie import Phase
+from companion.outcomes import Refusal
 from companion.vehicle.port import Mode, VehicleState
 
 LINK_LOST_S = 10.0
@@ -35,19 +37,21 @@ def loss_of_control(phase: Phase, state: VehicleState, flight: Flight) -> Compan
     if phase in ON_THE_GROUND and (state.is_armed or not state.is_landed):
         return Aborted("the vehicle is armed or flying already; it is left alone")
     is_flying = phase in (Phase.OFFBOARD, *UNDER_TASK, Phase.HOLDING)
-    if is_flying and not state.is_armed and not flight.is_grounded:
+    if is_flying and not state.is_armed and not flight.progress.is_landed_by_plan:
         return Aborted("the vehicle was disarmed")
     return None
 
 
-def not_handed_over(state: VehicleState | None, now_s: float) -> str:
-    """Why control may not be taken back now, or ""."""
+def not_handed_over(state: VehicleState | None, now_s: float) -> Refusal | None:
+    """Returns why control may not be taken back now; None if it may."""
     if state is None or now_s - state.stamp_s > FRESH_S:
-        return "no fresh position"
+        return Refusal("no fresh position")
     if not state.is_armed or state.is_landed:
-        return "the vehicle is not in the air"
+        return Refusal("the vehicle is not in the air")
+    if not state.is_mode_known(now_s):
+        return Refusal("the mode is not known")
     if state.is_failsafe:
-        return "a failsafe of the autopilot is active"
+        return Refusal("a failsafe of the autopilot is active")
     if state.mode is not Mode.LOITER:
-        return f"{state.mode.value} is flown; the pilot hands over by choosing hold"
-    return ""
+        return Refusal(f"{state.mode.value} is flown; the pilot hands over by choosing hold")
+    return None

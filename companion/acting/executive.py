@@ -1,9 +1,9 @@
 """Ticks the plan's tree, notices what the plan did not expect, and plans again (Section III-B).
 
-Planning assumes that every event keeps its value and every belief holds. When the tree fails,
-one of these was wrong: an event that matters to the plan has changed, or a skill has failed
-and its belief was withdrawn. Then a new lasso is searched from the present state, with the
-history kept, and a new tree is built. The vehicle holds meanwhile.
+Planning assumes that every event keeps its value and every belief holds. When one of these turns
+out wrong, a new lasso is searched from the present state, with the history kept, and a new tree is
+built; the vehicle holds meanwhile. `ExecutiveState` says what the executive is doing, and
+`REPLAN_TRIGGERS` why it plans again, in the order in which the triggers are looked at.
 
 Plans change as little as possible. An event that matters, but leaves the rest of the plan the best
 one, changes nothing. A belief that comes back makes a new plan at the next completed skill.
@@ -19,54 +19,45 @@ violated lines begin anew: no other could give the task a plan again.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
-from enum import Enum
 
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from companion.acting.events import EventDetector, in_words
-from companion.acting.flight import Flight
-from companion.acting.hand_tree import build_by_hand
-from companion.acting.inquiry import Inquiry
+from companion.acting.behaviour_tree.builder import build
+from companion.acting.behaviour_tree.hand_built import build_by_hand
+from companion.acting.behaviour_tree.leaf import failure_of
+from companion.acting.behaviour_tree.tree_report import TreeReport
+from companion.acting.event_detector import EventDetector
+from companion.acting.executive_states import STATUS, ExecutiveState, TaskStatus
+from companion.acting.flight import Flight, PlanProgress
 from companion.acting.positions import tell_positions
-from companion.acting.predictions import Predictions
-from companion.acting.tree import build
-from companion.acting.tree_report import TreeReport
-from companion.acting.ways import Ways
+from companion.acting.replanning.assumptions import Assumptions
+from companion.acting.replanning.replanner import PlanFailure, Replanner
+from companion.acting.replanning.trigger import ReplanTrigger
+from companion.acting.return_home import flight_to
 from companion.errors import NoPlanError
-from companion.mission.model import Fly, Signal
-from companion.planning.domain import WAIT, Action, Fact, departures
+from companion.flight_events.facts import BeliefRestored, MissionEventChanged
+from companion.flight_events.plans import (
+    LapCompleted,
+    NoPlanFound,
+    PlanMade,
+    PlanReplaced,
+    WrittenTreeAdopted,
+)
+from companion.flight_events.skills import WrittenTreeFailed
+from companion.mission.model import Signal
 from companion.planning.lasso import Lasso
 from companion.planning.planner import Planner
-
-COMPARED = 1000
-"""Actions of two plans after which they are taken for the same."""
-MAX_IDLE_REPLANS = 5
-"""Replans without a completed skill between them after which the executive gives up."""
-
-PATIENCE_S = 5.0
-"""How long a replan waits for a map that goes on changing while the vehicle holds."""
-
-
-class TaskStatus(Enum):
-    """How the task stands."""
-
-    RUNNING = "running"
-    SATISFIED = "satisfied"
-    NO_PLAN = "no plan"
 
 
 class Executive:
     """Acts out one mission.
 
     Attributes:
-        status: how the task stands.
+        state: what it is doing.
         replans: how often it has planned again.
-        lasso: the present plan.
-        failure: why the task has no plan; None while it has one.
-        is_leaving: the present plan is a flight to a place, in want of one for the task.
-        needs_take_off: a new plan was made while the vehicle was on the ground by the old one.
+        lasso: the present plan; None before the first, and with a tree written by hand.
+        failure: why the task has no plan, or none was found; None while it has one.
 
     Args:
         planner: the mission's planner.
@@ -75,22 +66,23 @@ class Executive:
     """
 
     def __init__(self, planner: Planner, flight: Flight, detector: EventDetector) -> None:
-        self.status = TaskStatus.RUNNING
+        self.state = ExecutiveState.IDLE
         self.replans = 0
         self.lasso: Lasso | None = None
-        self.failure: NoPlanError | None = None
-        self.is_leaving = self.needs_take_off = False
+        self.failure: PlanFailure | None = None
         self._planner = planner
         self._flight = flight
         self._detector = detector
         self._root: Behaviour | None = None
         self._tree_report: TreeReport | None = None
-        self._predictions = Predictions(planner, flight)
-        self._idle_replans = 0
-        self._positions = 0
-        self._due, self._due_s = "", 0.0
-        self._inquiry: Inquiry | None = None
-        self._ways = Ways(planner, flight)
+        self._assumptions = Assumptions(planner, flight)
+        self._replanner = Replanner(planner, flight, self._assumptions)
+        self._plan_state = ExecutiveState.EXECUTING
+
+    @property
+    def status(self) -> TaskStatus:
+        """How the task stands."""
+        return STATUS.get(self.state, TaskStatus.RUNNING)
 
     def sense(self, readings: Sequence[tuple[Signal, float]]) -> None:
         """Takes readings off the wire and turns them into facts."""
@@ -98,79 +90,55 @@ class Executive:
         restores: frozenset[str] = frozenset()
         for name, holds in self._detector.update(flight.now_s, readings):
             flight.task.take(events[name], holds)
-            flight.report("event", in_words(name, holds), event=name, holds=holds)
+            flight.report(MissionEventChanged(name, holds))
             restores |= events[name].restores if holds else frozenset()
         for belief in flight.task.restore(flight.now_s, restores):
-            flight.report("restored", f"belief {belief} restored", belief=belief)
-            flight.may_do_better = True
+            flight.report(BeliefRestored(belief))
+            self._assumptions.note_restored_beliefs()
+
+    def rehearse(self) -> None:
+        """Searches the first plan and forgets it; what the search has learned is kept.
+
+        Raises:
+            NoPlanError: there is none.
+            SearchLimit: none was found within the limits of the search.
+        """
+        if self._planner.mission.tree is None:
+            self._planner.solve(*self._flight.task.problem())
 
     def plan(self) -> None:
         """Makes the first plan.
 
         Raises:
             NoPlanError: there is none.
+            SearchLimit: none was found within the limits of the search.
         """
-        task = {name: str(formula) for name, formula in self._planner.mission.task.items()}
-        if (tree := self._planner.mission.tree) is not None:
-            self._root = build_by_hand(self._flight, tree, self._planner.actions_of(tree))
-            self._flight.report("plan", "the mission's own tree", number=0, task=task)
-            self._tree_report = TreeReport(self._flight, self._root)
-            self._tell_tree()
-            return
-        self._ways.follow()
-        lasso = self._planner.plan(*self._flight.task.problem())
-        self._adopt(lasso)
-        self._flight.report("plan", f"plan: {lasso}", number=0, task=task, **lasso.as_json())
+        flight, mission = self._flight, self._planner.mission
+        task = {name: str(formula) for name, formula in mission.task.items()}
+        if mission.tree is not None:
+            root = build_by_hand(flight, mission.tree, self._planner.actions_of(mission.tree))
+            flight.report(WrittenTreeAdopted(task))
+            self._take_tree(root, ExecutiveState.BY_HAND)
+        else:
+            self._replanner.follow_map()
+            lasso = self._planner.solve(*flight.task.problem()).lasso
+            self._adopt(lasso, ExecutiveState.EXECUTING)
+            flight.report(PlanMade(task, lasso.planned))
         self._tell_tree()
 
     def tick(self) -> TaskStatus:
-        """One tick of the tree; plans again if it fails."""
-        assert self._root is not None
-        if self.lasso is None:
-            return self._tick_by_hand(self._root)
-        if self._due:
-            return self._plan_again()
-        flight, laps = self._flight, self._flight.laps
-        predictions = self._predictions
-        predictions.narrow(self.lasso)
-        if predictions.wrong and not flight.is_grounded and self._is_still_best(self.lasso):
-            predictions.renew()
-        if not flight.is_grounded and self._ways.have_changed() and self._ways.are_known():
-            lost = self._ways.follow()
-            if lost and not self.is_leaving and not self._is_still_best(self.lasso):
-                self._replan(lost)
-                return self.status
-        if flight.may_do_better and self.is_leaving:
-            if not flight.task.violated and self._plan_now() is not None:
-                self._replan()
-                return self.status
-            flight.may_do_better = False
-        self._root.tick_once()
-        self._tell_tree()
-        tell_positions(self._flight)
-        is_done = flight.laps > laps and self.lasso.ends_at_rest
-        if self._root.status is Status.FAILURE or self._is_in_vain(is_done):
-            self._replan()
-        elif is_done:
-            self.status = TaskStatus.SATISFIED
-            self._rest()
-        elif flight.laps > laps:
-            flight.report("lap", f"lap {flight.laps} done", lap=flight.laps)
-        return self.status
-
-    def _tick_by_hand(self, root: Behaviour) -> TaskStatus:
-        """One tick of a tree that was written by hand: it is not replaced when it fails."""
-        root.tick_once()
-        self._tell_tree()
-        tell_positions(self._flight)
-        if root.status is Status.SUCCESS:
-            self.status = TaskStatus.SATISFIED
-            self._rest()
-        elif root.status is Status.FAILURE:
-            self._flight.task.interrupt()
-            self.status = TaskStatus.NO_PLAN
-            self.failure = NoPlanError(f"the tree has failed: {self._flight.failure}")
-            self._flight.report("failed", str(self.failure))
+        """One tick of what it is doing; returns how the task stands then."""
+        if self.state is ExecutiveState.GROUNDED:  # and has taken off since
+            self.state = self._plan_state
+        match self.state:
+            case ExecutiveState.EXECUTING | ExecutiveState.LEAVING:
+                assert self.lasso is not None and self._root is not None
+                self._tick_plan(self.lasso, self._root)
+            case ExecutiveState.BY_HAND:
+                assert self._root is not None
+                self._tick_by_hand(self._root)
+            case ExecutiveState.REPLANNING | ExecutiveState.EXPLAINING:
+                self._plan_again()
         return self.status
 
     def go_to(self, place: str) -> bool:
@@ -180,16 +148,19 @@ class Executive:
         would ask for otherwise.
         """
         self._flight.task.interrupt()
-        move = self._departure(place)
-        if move is None:
+        lasso = flight_to(self._planner, place)
+        if lasso is None:
             return False
         self._flight.task.depart()
         tell_positions(self._flight)
-        self.status = TaskStatus.RUNNING
-        self.is_leaving = True
-        self._adopt(Lasso((move,), (WAIT,)))
+        self._adopt(lasso, ExecutiveState.LEAVING)
         self._tell_tree()
         return True
+
+    @property
+    def is_leaving(self) -> bool:
+        """Whether it flies to a place in want of a plan, or has lost its way there."""
+        return self._plan_state is ExecutiveState.LEAVING
 
     def stop(self) -> None:
         """Ends the plan; the vehicle holds."""
@@ -201,83 +172,169 @@ class Executive:
     def resume(self) -> TaskStatus:
         """Goes on after `stop`, by a new plan from here: what was under way was interrupted."""
         if self._planner.mission.tree is None:
-            self.is_leaving = False
-            self._idle_replans = 0
+            self._plan_state = ExecutiveState.EXECUTING
+            self._replanner.forgive()
             self._replan("going on")
         return self.status
 
-    def _departure(self, place: str) -> Action | None:
-        moves = departures(self._planner.mission, self._planner.flight_time)
-        move = next((a for a in moves if a.execute == (Fly(place),)), None)
-        nothing: frozenset[Fact] = frozenset()
-        return move and replace(move, requires=nothing, forbids=nothing, assumes=nothing)
+    # -- ticks ---------------------------------------------------------------------------------
 
-    def _is_in_vain(self, is_done: bool) -> bool:
-        """Whether the plan is for a task that is violated; on the ground it ends first."""
-        may_end = is_done or not self._flight.is_grounded
-        return bool(self._flight.task.violated) and may_end and not self.is_leaving
+    def _tick_plan(self, lasso: Lasso, root: Behaviour) -> None:
+        progress = self._flight.progress
+        laps = progress.laps
+        self._keep_if_best(lasso)
+        if self._replans_by(BEFORE_THE_TREE):
+            return
+        root.tick_once()
+        self._tell_tree()
+        tell_positions(self._flight)
+        is_lap_done = progress.laps > laps
+        if self._replans_by(AFTER_THE_TREE):
+            return
+        if is_lap_done and lasso.ends_at_rest:
+            self._rest()
+        elif is_lap_done:
+            self._flight.report(LapCompleted(progress.laps))
 
-    def _replan(self, why: str = "") -> None:
-        flight, task = self._flight, self._flight.task
+    def _tick_by_hand(self, root: Behaviour) -> None:
+        """One tick of a tree that was written by hand: it is not replaced when it fails."""
+        root.tick_once()
+        self._tell_tree()
+        tell_positions(self._flight)
+        if root.status is Status.SUCCESS:
+            self._rest()
+        elif root.status is Status.FAILURE:
+            self._flight.task.interrupt()
+            self.state = ExecutiveState.WITHOUT_PLAN
+            failed = WrittenTreeFailed(failure_of(root))
+            self.failure = NoPlanError(failed.text)
+            self._flight.report(failed)
+
+    def _keep_if_best(self, lasso: Lasso) -> None:
+        """Takes over what events have become, if the rest of the plan is the best one still."""
+        assumptions = self._assumptions
+        assumptions.narrow(lasso)
+        is_in_the_air = not self._flight.progress.is_landed_by_plan
+        if assumptions.wrong and is_in_the_air and self._replanner.is_still_best(lasso):
+            assumptions.renew()
+
+    # -- replan triggers -----------------------------------------------------------------------
+
+    def _replans_by(self, triggers: tuple[ReplanTrigger[Executive], ...]) -> bool:
+        """Plans again for the first trigger that has a reason to; whether one has."""
+        for trigger in triggers:
+            reason = trigger.reason(self)
+            if reason is not None:
+                self._replan(reason)
+                return True
+        return False
+
+    def _cut_off_by_map(self) -> str | None:
+        """A belief that the plan needs was given up, as the map cuts it off."""
+        reachability = self._replanner.reachability
+        if self._flight.progress.is_landed_by_plan:
+            return None
+        reachability.look()
+        if not reachability.has_changed:
+            return None
+        reachability.search()
+        if not reachability.is_known:
+            return None
+        lost = self._replanner.follow_map()
+        is_needed = lost and not self.is_leaving
+        assert self.lasso is not None
+        return lost if is_needed and not self._replanner.is_still_best(self.lasso) else None
+
+    def _possible_again(self) -> str | None:
+        """On the way to a place in want of a plan, the task has one again."""
+        if not self.is_leaving or not self._assumptions.may_do_better:
+            return None
+        if not self._flight.task.violated and self._replanner.plan_now() is not None:
+            return self._surprise("")
+        self._assumptions.forget_restored_beliefs()
+        return None
+
+    def _tree_failed(self) -> str | None:
+        """An assumption is wrong, a skill has failed, or a belief has come back."""
+        assert self._root is not None
+        if self._root.status is not Status.FAILURE:
+            return None
+        return self._surprise(failure_of(self._root))
+
+    def _in_vain(self) -> str | None:
+        """The task is violated; a plan that has landed the vehicle ends first."""
+        progress, violated = self._flight.progress, self._flight.task.violated
+        assert self.lasso is not None
+        is_over = self.lasso.ends_at_rest and progress.laps > 0
+        may_end = is_over or not progress.is_landed_by_plan
+        if not violated or not may_end or self.is_leaving:
+            return None
+        return self._surprise("")
+
+    def _surprise(self, failure: str) -> str:
+        """What was not expected, in words."""
+        violated = ", ".join(self._flight.task.violated)
+        lines = (self._assumptions.surprise, failure, violated and f"{violated} violated")
+        return next(filter(None, lines), "a belief came back")
+
+    # -- planning again ------------------------------------------------------------------------
+
+    def _replan(self, reason: str) -> None:
         self.stop()
-        task.interrupt()
-        self._count_idle()
-        violated = f"{', '.join(task.violated)} violated" if task.violated else ""
-        self._due = (
-            why or self._predictions.surprise or flight.failure or violated or "a belief came back"
-        )
-        self._due_s = flight.now_s
+        self._flight.task.interrupt()
+        self._replanner.begin(reason)
         self._plan_again()
 
-    def _plan_again(self) -> TaskStatus:
-        """Makes the plan that is due, once the ways on the map are known; the vehicle holds."""
-        flight, task = self._flight, self._flight.task
-        if not self._ways.are_known() and flight.now_s < self._due_s + PATIENCE_S:
-            return self.status
-        self._ways.follow()
-        problem, histories = task.problem()
-        if self._inquiry is not None:
-            if self._inquiry.is_about(problem):
-                return self._find_out_why(self._inquiry)
-            self._count_idle()  # what flaps must not be asked about for ever
-        flight.may_do_better = False
-        try:
-            if self._planner.mission.tree is not None:
-                raise NoPlanError("no plan: the mission has a tree of its own")
-            if self._idle_replans > MAX_IDLE_REPLANS:
-                raise NoPlanError(f"no plan: {MAX_IDLE_REPLANS} plans in a row led nowhere")
-            lasso = self._planner.replan(problem, histories)
-        except NoPlanError as error:
-            return self._give_up(error)
-        if lasso is None:
-            self._inquiry = Inquiry(self._planner, problem)
-            return self._find_out_why(self._inquiry)
-        reason, is_kept = self._due, self.lasso is not None and self._is_rest_of(self.lasso, lasso)
-        self.failure, self.is_leaving = None, False
-        self._adopt(lasso)
+    def _plan_again(self) -> None:
+        """A part of making the plan that is due."""
+        match self._replanner.step():
+            case None:
+                is_explaining = self._replanner.is_explaining
+                explaining, replanning = ExecutiveState.EXPLAINING, ExecutiveState.REPLANNING
+                self.state = explaining if is_explaining else replanning
+            case Lasso() as lasso:
+                self._fly_on(lasso)
+            case failure:
+                self._give_up(failure)
+
+    def _fly_on(self, lasso: Lasso) -> None:
+        """Adopts a new plan; one that is the rest of the old plan is no news."""
+        is_kept = self.lasso is not None and self._replanner.is_rest_of(self.lasso, lasso)
+        reason, self.failure = self._replanner.reason, None
+        self._adopt(lasso, ExecutiveState.EXECUTING)
         if not is_kept:
             self.replans += 1
-            text = f"replan {self.replans}: {reason} -> {lasso}"
-            flight.report("replan", text, number=self.replans, reason=reason, **lasso.as_json())
+            self._flight.report(PlanReplaced(self.replans, reason, lasso.planned))
         self._tell_tree()
-        return self.status
 
-    def _find_out_why(self, inquiry: Inquiry) -> TaskStatus:
-        """Gives up, once it is known why there is no plan."""
-        answer = inquiry.step()
-        return self._give_up(answer) if answer else self.status
-
-    def _give_up(self, error: NoPlanError) -> TaskStatus:
-        reason, self._due, self._inquiry = self._due, "", None
+    def _give_up(self, error: PlanFailure) -> None:
         self.replans += 1
-        self.status = TaskStatus.NO_PLAN
+        self.state = ExecutiveState.WITHOUT_PLAN
         self.failure = error
-        text = f"replan {self.replans}: {reason}: {error}"
-        self._flight.report("replan", text, reason=reason)
-        return self.status
+        self._flight.report(NoPlanFound(self.replans, self._replanner.reason, str(error)))
+
+    def _adopt(self, lasso: Lasso, state: ExecutiveState) -> None:
+        """Ticks the tree of a plan from now on, in the air."""
+        flight = self._flight
+        is_landed = flight.progress.is_landed_by_plan
+        flight.progress = PlanProgress()
+        self.lasso = lasso
+        self._assumptions.renew()
+        self._assumptions.narrow(lasso)
+        self._plan_state = state
+        root = build(flight, lasso, self._assumptions)
+        self._take_tree(root, ExecutiveState.GROUNDED if is_landed else state)
+
+    def _take_tree(self, root: Behaviour, state: ExecutiveState) -> None:
+        self.state = state
+        self._root = root
+        self._tree_report = TreeReport(self._flight, root)
+
+    # -- small things --------------------------------------------------------------------------
 
     def _rest(self) -> None:
         """Leaves the last position, which lasts for ever."""
+        self.state = ExecutiveState.SATISFIED
         self._flight.task.leave()
         tell_positions(self._flight, for_ever=True)
 
@@ -286,36 +343,14 @@ class Executive:
         if self._tree_report is not None:
             self._tree_report.tell()
 
-    def _count_idle(self) -> None:
-        """Counts replans between which the task's word has not grown."""
-        positions = self._flight.task.positions
-        self._idle_replans = 0 if positions > self._positions else self._idle_replans + 1
-        self._positions = positions
 
-    def _adopt(self, lasso: Lasso) -> None:
-        flight = self._flight
-        flight.laps = flight.completed = 0
-        flight.failure = self._due = ""
-        self._inquiry = None
-        self.needs_take_off, flight.is_grounded = flight.is_grounded, False
-        self.lasso = lasso
-        self._predictions.renew()
-        self._predictions.narrow(lasso)
-        self._root = build(flight, lasso, self._predictions)
-        self._tree_report = TreeReport(flight, self._root)
-
-    def _is_still_best(self, lasso: Lasso) -> bool:
-        """Whether a plan made now, as from the place left last, is the rest of the present one."""
-        new = self._plan_now() if self._flight.task.running is not None else None
-        return new is not None and self._is_rest_of(lasso, new)
-
-    def _plan_now(self) -> Lasso | None:
-        """The plan that would be made now; None if there is none."""
-        try:
-            return self._planner.replan(*self._flight.task.problem())
-        except NoPlanError:
-            return None
-
-    def _is_rest_of(self, lasso: Lasso, new: Lasso) -> bool:
-        """Whether a new plan is what is left of another one."""
-        return new.names(COMPARED) == lasso.names(COMPARED, self._flight.completed)
+BEFORE_THE_TREE = (
+    ReplanTrigger("the map cuts off a belief of the plan", Executive._cut_off_by_map),
+    ReplanTrigger("the task has a plan again", Executive._possible_again),
+)
+AFTER_THE_TREE = (
+    ReplanTrigger("the tree has failed", Executive._tree_failed),
+    ReplanTrigger("the task is violated", Executive._in_vain),
+)
+REPLAN_TRIGGERS = (*BEFORE_THE_TREE, *AFTER_THE_TREE)
+"""In the order in which they are looked at in each tick; the first that has a reason decides."""

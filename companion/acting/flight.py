@@ -1,18 +1,35 @@
-"""What behaviours act on: the vehicle, the task, the map, the clock, and the last failure."""
+"""What behaviours act on: the vehicle, the task, the map, the clock, and the plan's progress."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from companion.acting.grounding import Symbols
-from companion.acting.report import Report
-from companion.acting.task_state import TaskState
-from companion.mission.model import Limits
+from companion.acting.symbols import Symbols
+from companion.flight_events.event import FlightEvent, Stamped
+from companion.flight_events.skills import SymbolMoved
+from companion.motion.live_speed_limit import LiveSpeedLimit
 from companion.motion.routes import RouteMap
+from companion.planning.task_state import TaskState
 from companion.vehicle.port import Setpoint, Vehicle, hold_at
+from companion.vehicle_profile import VehicleProfile
 
 TICK_S = 0.05
 """Period of ticks, setpoints and everything else that the companion does: 20 Hz."""
+
+
+@dataclass
+class PlanProgress:
+    """How far a plan has come. Each plan has its own; its leaves alone write it.
+
+    Attributes:
+        completed: skills that were completed.
+        laps: laps of the loop.
+        is_landed_by_plan: the plan has landed the vehicle, and has not taken off again.
+    """
+
+    completed: int = 0
+    laps: int = 0
+    is_landed_by_plan: bool = False
 
 
 @dataclass
@@ -20,48 +37,45 @@ class Flight:
     """One flight of one mission, shared by all behaviours of its tree.
 
     Attributes:
+        speed_limit: of all that is flown.
+        profile: of the vehicle that the mission is written for.
         symbols: where each place is to be flown to; read late, so that it may change in flight.
         now_s: time of the tick, set before each tick.
-        completed: skills of the present plan that were completed.
-        laps: laps of the present plan's loop.
-        failure: why the last skill failed.
-        may_do_better: a belief has come back, so that another plan may be better.
+        progress: of the present plan.
         belief_retry_s: time after which a belief that a failure withdrew is held again, where the
             mission does not say; None is never.
-        is_grounded: the plan has landed the vehicle, and has not taken off again.
         reports: what happened and has not been collected yet.
     """
 
     vehicle: Vehicle
     task: TaskState
     routes: RouteMap
-    limits: Limits
+    speed_limit: LiveSpeedLimit
+    profile: VehicleProfile
     symbols: Symbols
     now_s: float = 0.0
-    completed: int = 0
-    laps: int = 0
-    failure: str = ""
-    may_do_better: bool = False
-    is_grounded: bool = False
+    progress: PlanProgress = field(default_factory=PlanProgress)
     belief_retry_s: float | None = None
-    reports: list[Report] = field(default_factory=list)
+    reports: list[Stamped] = field(default_factory=list)
     setpoint: Setpoint | None = None
 
-    def report(self, kind: str, text: str, **data: object) -> None:
+    def report(self, event: FlightEvent) -> None:
         """Notes something that happened now."""
-        self.reports.append(Report(round(self.now_s, 3), kind, text, data))
+        self.reports.append(Stamped(round(self.now_s, 3), event))
 
     def tell_symbol(self, place: str) -> None:
         """Notes that a place is flown to at another waypoint."""
         value = self.symbols[place]
-        north, east, _ = value.position
-        text = f"{place} is now {east:.1f} m east, {north:.1f} m north ({value.source})"
-        self.report("symbol", text, place=place, position=value.position, source=value.source)
+        self.report(SymbolMoved(place, value.position, value.source))
 
     def fly(self, setpoint: Setpoint) -> None:
         """Streams a setpoint from now on."""
         self.setpoint = setpoint
         self.vehicle.fly(setpoint)
+
+    def forget_setpoint(self) -> None:
+        """Holds from now on where the vehicle is, not where its last setpoint was."""
+        self.setpoint = None
 
     def hold(self) -> None:
         """Stays where the last setpoint was, or where the vehicle is in the air."""

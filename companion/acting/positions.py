@@ -1,8 +1,9 @@
-"""Which positions of the word has the flight left, and what do they violate? Told as reports."""
+"""Reports the positions of the word that the flight has left, and what they violate."""
 
 from __future__ import annotations
 
 from companion.acting.flight import Flight
+from companion.flight_events.word import ConjunctViolated, PositionLeft
 
 
 def tell_positions(flight: Flight, for_ever: bool = False) -> None:
@@ -12,23 +13,10 @@ def tell_positions(flight: Flight, for_ever: bool = False) -> None:
         for_ever: the vehicle rests there, and every position to come is the same.
     """
     for position in flight.task.left:
-        number, facts = position.number, sorted(position.facts)
-        flight.report(
-            "position",
-            f"position {number}: {', '.join(facts)}",
-            number=number,
-            facts=facts,
-            withdrawn=sorted(position.withdrawn),
-            restarted=list(position.restarted),
-            for_ever=for_ever,
-        )
+        number, facts = position.number, tuple(sorted(position.facts))
+        withdrawn = tuple(sorted(position.withdrawn))
+        flight.report(PositionLeft(number, facts, withdrawn, position.restarted, for_ever))
         for conjunct in position.violated:
-            flight.report(
-                "violation",
-                f"{conjunct.name} violated at position {number}: {conjunct.formula}",
-                conjunct=conjunct.name,
-                formula=str(conjunct.formula),
-                position=number,
-                facts=facts,
-            )
+            formula = str(conjunct.formula)
+            flight.report(ConjunctViolated(conjunct.name, formula, number, facts))
     flight.task.left.clear()

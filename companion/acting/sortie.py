@@ -1,6 +1,6 @@
-"""One sortie from the ground to the ground: climb, fly the task, land; phases.py has the table.
+"""One sortie from the ground to the ground: climb, fly the task, land; `phases.py` has the table.
 
-Safety comes before the table: who takes the vehicle from us (pilot or failsafe) ends the sortie at
+Safety comes before the phase: who takes the vehicle from us (pilot or failsafe) ends the sortie at
 once and nothing more is sent; or, where an operator may give control back, the sortie yields and
 waits for that. A vehicle that is armed or flying before we start is not ours to take, and one whose
 autopilot would not look after itself is not armed unless the operator accepts that. A stop that the
@@ -12,24 +12,49 @@ Whose the vehicle is, and when it is handed over again, is asked in authority.py
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 
 from py_trees.common import Status
 
 from companion.acting.authority import loss_of_control, loss_of_link, not_handed_over
-from companion.acting.executive import Executive, TaskStatus
+from companion.acting.ending import ending
+from companion.acting.executive import Executive
+from companion.acting.executive_states import TaskStatus
 from companion.acting.flight import Flight
-from companion.acting.homing import Homing
-from companion.acting.phases import ON_THE_GROUND, STEPS, UNDER_TASK, Phase, Step
-from companion.errors import Aborted, CompanionError, NoPlanError
+from companion.acting.phases import (
+    GOALS,
+    ON_THE_GROUND,
+    TRANSITIONS,
+    UNDER_TASK,
+    SortieEvent,
+)
+from companion.acting.return_home import ReturnHome
+from companion.errors import Aborted, CompanionError, NoPlanError, SearchLimit
+from companion.flight_events.event import FlightEvent
+from companion.flight_events.sortie import (
+    ControlRegained,
+    ControlYielded,
+    GoalFailed,
+    Phase,
+    PhaseEntered,
+    ReturnBegun,
+    ReturnFailed,
+    SetpointRefused,
+    StopRequested,
+    WeakFailsafeAccepted,
+)
 from companion.geometry import horizontal_distance
 from companion.mission.model import Otherwise, Place, Signal
+from companion.outcomes import Refusal
 from companion.vehicle.failsafes import REQUIREMENTS, weaknesses
-from companion.vehicle.port import Outcome, Progress, VehicleState
+from companion.vehicle.port import Progress, VehicleState
 
 ANSWER_TIMEOUT_S = 5.0
 """How long the autopilot may take to answer for its parameters."""
-GROUNDED = "the vehicle is landing or on the ground by its plan; nothing interrupts that"
+ON_THE_GROUND_BY_PLAN = Refusal(
+    "the vehicle is landing or on the ground by its plan; nothing interrupts that"
+)
 
 
 class Sortie:
@@ -65,9 +90,9 @@ class Sortie:
         self._otherwise = otherwise
         self._accepts_weak_failsafes = accepts_weak_failsafes
         self._may_yield = may_yield
-        self._homing: Homing | None = None
+        self._return_home: ReturnHome | None = None
         self._is_frozen = False
-        self._checking_since_s = 0.0
+        self._asked_s: float | None = None
         self._is_stopping = self._was_stopped = False
         self._was_refused = False
 
@@ -89,68 +114,63 @@ class Sortie:
         state = flight.vehicle.state
         if state is None or self.has_ended:
             return
-        if self.phase is Phase.YIELDED:
-            self._await_operator(state)
-            return
-        loss = loss_of_control(self.phase, state, self._flight)
-        if loss is not None:
+        if self.phase is not Phase.YIELDED and (loss := loss_of_control(self.phase, state, flight)):
             self._lose(loss, state)
-        elif self.phase is Phase.WAITING:
-            self._start(state)
-        elif self.phase is Phase.CHECKING:
-            self._check_failsafes()
-        elif self.phase is Phase.TASK:
-            self._fly_task()
-        elif self.phase is Phase.RETURNING:
-            self._fly_home()
-        elif self.phase is Phase.PAUSED:
-            self._flight.hold()
-        else:
-            self._work(STEPS[self.phase])
+            return
+        _WORK[self.phase](self, state)
+
+    def rehearse(self) -> None:
+        """Makes the first plan once before anything is timed; the one at the start is quick then.
+
+        A plan that does not exist, or is not found, is told at the start.
+        """
+        with suppress(NoPlanError, SearchLimit):
+            self._executive.rehearse()
 
     # -- the operator --------------------------------------------------------------------------
 
-    def pause(self) -> str:
-        """Holds in the air with the task frozen; returns why it does not, or ""."""
+    def pause(self) -> Refusal | None:
+        """Holds in the air with the task frozen."""
         if self.phase is Phase.PAUSED:
-            return ""
+            return None
         if self.phase not in UNDER_TASK:
-            return f"no pause while {self.phase.value}"
-        if self._flight.is_grounded:
-            return GROUNDED
-        self._freeze(Phase.PAUSED)
-        return ""
+            return Refusal(f"no pause while {self.phase.value}")
+        if self._flight.progress.is_landed_by_plan:
+            return ON_THE_GROUND_BY_PLAN
+        self._freeze()
+        self._on(SortieEvent.PAUSED)
+        return None
 
-    def go_on(self) -> str:
-        """Goes on from here after a pause or a loss of control; returns why it does not, or ""."""
+    def resume(self) -> Refusal | None:
+        """Goes on from here after a pause or a loss of control."""
         if self.phase in (Phase.TASK, Phase.RETURNING):
-            return ""
+            return None
         if self.phase is Phase.PAUSED:
-            self._enter(self._flown)
-            return ""
+            self._on(self._goes_on)
+            return None
         if self.phase is not Phase.YIELDED:
-            return f"nothing to go on with while {self.phase.value}"
-        if reason := not_handed_over(self._flight.vehicle.state, self._flight.now_s):
-            return reason
+            return Refusal(f"nothing to resume while {self.phase.value}")
+        if refusal := not_handed_over(self._flight.vehicle.state, self._flight.now_s):
+            return refusal
         self._flight.vehicle.regain()
-        self._flight.setpoint = None  # hold where the vehicle is, not where it was taken from us
-        self._flight.report("phase", "control given back by the operator")
-        self._enter(Phase.OFFBOARD)
-        return ""
+        self._flight.forget_setpoint()  # hold where it is, not where it was taken from us
+        self._flight.report(ControlRegained())
+        self._on(SortieEvent.HANDED_BACK)
+        return None
 
-    def go_home(self) -> str:
-        """Leaves the task for a flight home and lands; returns why it does not, or ""."""
+    def return_home(self) -> Refusal | None:
+        """Leaves the task for a flight home and lands."""
         if self.phase in (Phase.RETURNING, Phase.LANDING):
-            return ""
+            return None
         if self.phase not in UNDER_TASK:
-            return f"no return while {self.phase.value}"
-        if self._flight.is_grounded:
-            return GROUNDED
-        if self._homing is None:
+            return Refusal(f"no return while {self.phase.value}")
+        if self._flight.progress.is_landed_by_plan:
+            return ON_THE_GROUND_BY_PLAN
+        if self._return_home is None:
             self._executive.stop()
-            self._homing = Homing(self._flight, self._home.name)
-        self._enter(Phase.RETURNING)
-        return ""
+            self._return_home = ReturnHome(self._flight, self._home.name)
+        self._on(SortieEvent.CALLED_HOME)
+        return None
 
     def stop(self) -> None:
         """Holds, lands and ends from the next step on; on the ground it ends at once.
@@ -163,97 +183,108 @@ class Sortie:
         self._is_stopping, self._was_stopped = False, True
         if self.phase in (Phase.HOLDING, Phase.LANDING):
             return
-        self._flight.report("phase", "stopping as asked")
+        self._flight.report(StopRequested())
         state = self._flight.vehicle.state
         is_ours = self.phase not in (*ON_THE_GROUND, Phase.YIELDED)
-        if not is_ours or state is None or not state.is_armed:
-            self._enter(Phase.ENDED)
-        else:
+        if is_ours and state is not None and state.is_armed:
             self._executive.stop()
-            self._enter(Phase.HOLDING)
+            self._on(SortieEvent.STOPPED_IN_THE_AIR)
+        else:
+            self._on(SortieEvent.STOPPED)
+
+    # -- who has control -----------------------------------------------------------------------
 
     def _watch_gate(self) -> None:
         """Reports when the gate begins to hold back setpoints."""
         refusal = self._flight.vehicle.refusal
         if refusal and not self._was_refused:
-            self._flight.report("gate", f"setpoint refused, holding: {refusal}", reason=refusal)
+            self._flight.report(SetpointRefused(refusal))
         self._was_refused = bool(refusal)
 
     def _lose(self, loss: CompanionError, state: VehicleState) -> None:
         """Yields to whoever has taken the vehicle in the air, or ends."""
         has_yielded = self.phase in UNDER_TASK and bool(self._flight.vehicle.lost_authority)
         if not (has_yielded and self._may_yield and state.is_armed) or state.is_landed:
-            self._end(loss)
+            self._give_up(loss)
             return
-        self._freeze(Phase.YIELDED, f"{loss}; hold, then continue, gives it back")
+        self._freeze()
+        self._on(SortieEvent.TAKEN_OVER, ControlYielded(str(loss)))
         self._flight.vehicle.release()
+
+    def _freeze(self) -> None:
+        """Interrupts what is flown, to go on with it later."""
+        if self._return_home is None:
+            self._executive.stop()
+        else:
+            self._return_home.stop()
+        self._is_frozen = True
+
+    @property
+    def _goes_on(self) -> SortieEvent:
+        """What is flown in OFFBOARD goes on."""
+        is_task = self._return_home is None
+        return SortieEvent.TASK_GOES_ON if is_task else SortieEvent.RETURN_GOES_ON
+
+    # -- the work of each phase ----------------------------------------------------------------
 
     def _await_operator(self, state: VehicleState) -> None:
         """Nothing is sent; ends when the vehicle has landed, or is heard no longer."""
         if silence := loss_of_link(state, self._flight.now_s):
-            self._end(silence)
+            self._give_up(silence)
         elif state.is_landed and not state.is_armed:
-            self._end(Aborted(self._flight.vehicle.lost_authority))
+            self._give_up(Aborted(self._flight.vehicle.lost_authority))
 
-    def _freeze(self, phase: Phase, text: str = "") -> None:
-        """Interrupts what is flown, to go on with it later."""
-        if self._homing is None:
-            self._executive.stop()
-        else:
-            self._homing.stop()
-        self._is_frozen = True
-        self._enter(phase, text)
-
-    @property
-    def _flown(self) -> Phase:
-        """What is flown in OFFBOARD."""
-        return Phase.TASK if self._homing is None else Phase.RETURNING
-
-    def _start(self, state: VehicleState) -> None:
+    def _begin(self, state: VehicleState) -> None:
         gap_m = horizontal_distance(state.position, self._home.position)
         if gap_m > self._home.radius_m:
             what = f"the vehicle stands {gap_m:.1f} m from {self._home.name}"
-            self._end(Aborted(f"{what}, where the mission begins; put it there"))
+            self._give_up(Aborted(f"{what}, where the mission begins; put it there"))
             return
         try:
             self._executive.plan()
-        except NoPlanError as error:
-            self._end(error)
+        except (NoPlanError, SearchLimit) as error:
+            self._give_up(error)
             return
-        self._checking_since_s = self._flight.now_s
-        self._enter(Phase.CHECKING)
+        self._on(SortieEvent.PLANNED)
 
-    def _check_failsafes(self) -> None:
-        """Goes on to arming when the autopilot's failsafes are known and strong, or accepted."""
-        vehicle = self._flight.vehicle
+    def _check_failsafes(self, _: VehicleState) -> None:
+        """Goes on to arming when the autopilot's failsafes are known and strong, or accepted.
+
+        The time for an answer begins with the question: the tick before has planned, which may
+        have taken longer than an answer may.
+        """
+        vehicle, now_s = self._flight.vehicle, self._flight.now_s
+        if self._asked_s is None:
+            self._asked_s = now_s
         values = {r.parameter: vehicle.parameter(r.parameter) for r in REQUIREMENTS}
-        is_late = self._flight.now_s - self._checking_since_s > ANSWER_TIMEOUT_S
+        is_late = now_s - self._asked_s > ANSWER_TIMEOUT_S
         if None in values.values() and not is_late:
             return
         weak = weaknesses(values)
         if weak and not self._accepts_weak_failsafes:
             lines = "\n    ".join(weak)
-            self._end(
+            self._give_up(
                 Aborted(f"the autopilot's failsafes are weak, so it is not armed\n    {lines}")
             )
             return
         for line in weak:
-            self._flight.report("phase", f"accepted: {line}")
-        self._enter(Phase.ARMING)
+            self._flight.report(WeakFailsafeAccepted(line))
+        self._on(SortieEvent.CHECKED)
 
-    def _work(self, step: Step) -> None:
-        outcome: Outcome = self._flight.vehicle.pursue(step.goal)
+    def _pursue_goal(self, _: VehicleState) -> None:
+        outcome = self._flight.vehicle.pursue(GOALS[self.phase])
         if self.phase is Phase.OFFBOARD:
             self._flight.hold()
         if outcome.progress is Progress.DONE:
-            self._enter(self._flown if step.then is Phase.TASK else step.then)
+            is_entered = self.phase is Phase.OFFBOARD
+            self._on(self._goes_on if is_entered else SortieEvent.REACHED)
         elif outcome.progress is Progress.FAILED:
             if self.failure is None:
                 self.failure = Aborted(outcome.reason)
-            self._flight.report("phase", outcome.reason)
-            self._enter(step.if_failed)
+            self._flight.report(GoalFailed(outcome.reason))
+            self._on(SortieEvent.FAILED)
 
-    def _fly_task(self) -> None:
+    def _fly_task(self, _: VehicleState) -> None:
         executive = self._executive
         status = executive.resume() if self._is_frozen else executive.tick()
         self._is_frozen = False
@@ -261,50 +292,60 @@ class Sortie:
             self._without_plan()
         elif status is TaskStatus.SATISFIED:
             self.failure = executive.failure  # set if this was only the way home
-            self._enter(Phase.LANDING)
-        if executive.needs_take_off:
-            executive.needs_take_off = False
-            self._enter(Phase.ARMING)
-
-    def _fly_home(self) -> None:
-        assert self._homing is not None
-        status = self._homing.tick()
-        if status is Status.SUCCESS:
-            self._enter(Phase.LANDING)
-        elif status is Status.FAILURE:
-            self.failure = Aborted(f"cannot return to {self._home.name}: {self._flight.failure}")
-            self._flight.report("phase", str(self.failure))
-            self._enter(Phase.HOLDING)
+            self._on(SortieEvent.SATISFIED)
+        if executive.status is TaskStatus.NEEDS_TAKE_OFF:
+            self._on(SortieEvent.NEEDS_TAKE_OFF)
 
     def _without_plan(self) -> None:
         """Does what the mission says for the case that no plan exists."""
         executive, home = self._executive, self._home.name
         may_return = self._otherwise is Otherwise.RETURN_HOME and not executive.is_leaving
         if may_return and executive.go_to(home):
-            self._flight.report("phase", f"returning to {home}")
-        else:
-            self.failure = executive.failure
-            is_hold = self._otherwise is Otherwise.HOLD
-            self._enter(Phase.PARTING if is_hold else Phase.HOLDING)
+            self._flight.report(ReturnBegun(home))
+            return
+        self.failure = executive.failure
+        is_hold = self._otherwise is Otherwise.HOLD
+        self._on(SortieEvent.LEFT_ON_HOLD if is_hold else SortieEvent.OUT_OF_PLANS)
 
-    def _enter(self, phase: Phase, text: str = "") -> None:
-        self.phase = phase
-        if phase is Phase.ENDED:
+    def _fly_home(self, _: VehicleState) -> None:
+        assert self._return_home is not None
+        status = self._return_home.tick()
+        if status is Status.SUCCESS:
+            self._on(SortieEvent.SATISFIED)
+        elif status is Status.FAILURE:
+            failed = ReturnFailed(self._home.name, self._return_home.failure)
+            self.failure = Aborted(failed.text)
+            self._flight.report(failed)
+            self._on(SortieEvent.NO_WAY_HOME)
+
+    def _hold(self, _: VehicleState) -> None:
+        self._flight.hold()
+
+    # -- the table -----------------------------------------------------------------------------
+
+    def _on(self, event: SortieEvent, news: FlightEvent | None = None) -> None:
+        """Enters the phase that an event leads to; reports that, or what says more."""
+        self.phase = TRANSITIONS.next(self.phase, event)
+        if self.phase is Phase.ENDED:
             self._flight.vehicle.release()
-            text, code = self._ending()
-            self._flight.report("end", text, exit_code=code)
+            is_called_home = self._return_home is not None and not self._was_stopped
+            is_satisfied = self._executive.status is TaskStatus.SATISFIED
+            self._flight.report(ending(self.failure, is_called_home, is_satisfied))
         else:
-            self._flight.report("phase", text or phase.value)
+            self._flight.report(news or PhaseEntered(self.phase))
 
-    def _ending(self) -> tuple[str, int]:
-        """How the sortie has ended, in words and as an exit code."""
-        if self.failure is not None:
-            return str(self.failure), self.failure.exit_code
-        if self._homing is not None and not self._was_stopped:
-            return "returned as asked, landed", 0
-        is_satisfied = self._executive.status is TaskStatus.SATISFIED
-        return ("task satisfied, landed" if is_satisfied else "stopped as asked"), 0
-
-    def _end(self, failure: CompanionError) -> None:
+    def _give_up(self, failure: CompanionError) -> None:
         self.failure = failure
-        self._enter(Phase.ENDED)
+        self._on(SortieEvent.GIVEN_UP)
+
+
+_WORK: dict[Phase, Callable[[Sortie, VehicleState], None]] = {
+    Phase.WAITING: Sortie._begin,
+    Phase.CHECKING: Sortie._check_failsafes,
+    Phase.TASK: Sortie._fly_task,
+    Phase.PAUSED: Sortie._hold,
+    Phase.RETURNING: Sortie._fly_home,
+    Phase.YIELDED: Sortie._await_operator,
+    **dict.fromkeys(GOALS, Sortie._pursue_goal),
+}
+"""What each phase does in a tick; ENDED does nothing."""

@@ -2,7 +2,7 @@
 
 Exit codes: 0 the task is satisfied (or the run was stopped as asked), 1 internal, 2 a file from
 outside is wrong, 3 no plan, 4 no link, 5 the pilot or a failsafe ended the flight, 6 a recorded
-flight does not satisfy its task (`audit`).
+flight does not satisfy its task (`audit`), 7 the search for a plan was given up at a limit.
 
 Imports that take long (MAVLink, plots, the simulator) are made inside the commands that need
 them, so that `--help` answers at once.
@@ -20,6 +20,7 @@ from companion.cli.formulas import ltl
 from companion.cli.monitoring import monitor, replay
 from companion.cli.operating import upload, watch
 from companion.cli.planning import check, plan
+from companion.cli.terminal import give_up
 from companion.errors import CompanionError
 
 app = typer.Typer(
@@ -39,5 +40,19 @@ def main() -> None:
     try:
         app(standalone_mode=True)
     except CompanionError as error:
-        typer.echo(str(error), err=True)
+        _print_error(str(error))
         sys.exit(error.exit_code)
+    except OSError as error:
+        if error.filename is not None:
+            raise
+        give_up(sys.stdout)
+        _print_error(f"cannot write the output: {error.strerror}")
+        sys.exit(1)
+
+
+def _print_error(text: str) -> None:
+    """Prints on standard error, if somebody can still read it; the exit code says the same."""
+    try:
+        typer.echo(text, err=True)
+    except OSError:
+        give_up(sys.stderr)

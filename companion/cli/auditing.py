@@ -11,8 +11,9 @@ import typer
 from companion.errors import TaskViolated
 
 if TYPE_CHECKING:
+    from companion.flight_events.word import PositionLeft
     from companion.record.audit import Audit, Finding
-    from companion.record.events import LeftPosition, RunRecord
+    from companion.record.events import RunRecord
 
 FORMAT_VERSION = 1
 """Of the JSON that `audit --json` prints."""
@@ -69,8 +70,9 @@ def audit(
 
 
 def _print(run: Path, record: RunRecord, result: Audit) -> None:
+    ending = record.ending.text.partition("\n")[0] if record.ending else ""
     typer.echo(f"run        {run}")
-    typer.echo(f"ending     {_first_line(record.ending) or 'none: the run was cut off'}")
+    typer.echo(f"ending     {ending or 'none: the run was cut off'}")
     if not record.task:
         typer.echo("note       the mission has no task to hold the flight against")
     if record.is_torn:
@@ -78,25 +80,21 @@ def _print(run: Path, record: RunRecord, result: Audit) -> None:
     for name, number in result.differs:
         typer.echo(f"note       not the same in flight: {name} at position {number}")
     typer.echo(f"word       {len(record.positions)} positions, a column for each conjunct below")
-    for position in record.positions:
-        typer.echo(_row(position, result.findings))
+    for position, time_s in zip(record.positions, record.times_s, strict=True):
+        typer.echo(_row(position, time_s, result.findings))
     for finding in result.findings:
         words = WORDS[finding.outcome.value].format(finding.position)
         typer.echo(f"{finding.name:<10} {words:<26} {finding.formula}")
 
 
-def _first_line(text: str | None) -> str:
-    return (text or "").partition("\n")[0]
-
-
-def _row(position: LeftPosition, findings: tuple[Finding, ...]) -> str:
+def _row(position: PositionLeft, time_s: float, findings: tuple[Finding, ...]) -> str:
     """A position, what each conjunct says after it, and its facts."""
-    minutes, seconds = divmod(position.time_s, 60)
+    minutes, seconds = divmod(time_s, 60)
     states = "".join(SYMBOLS[finding.states[position.number].value] for finding in findings)
     notes = [f"{name} begins anew" for name in sorted(position.restarted)]
     withdrawn = ", ".join(sorted(position.withdrawn))
     notes += [f"without {withdrawn}"] if withdrawn else []
-    notes += ["and so for ever"] if position.is_for_ever else []
+    notes += ["and so for ever"] if position.for_ever else []
     facts = ", ".join(sorted(position.facts))
     time = f"{int(minutes):02d}:{seconds:04.1f}"
     return f"  {position.number:>4}  {time}  {states}  {facts}" + "".join(f"; {n}" for n in notes)

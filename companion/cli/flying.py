@@ -5,8 +5,7 @@ from __future__ import annotations
 import signal
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from importlib.util import find_spec
+from contextlib import closing, contextmanager
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Annotated
@@ -14,17 +13,17 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from companion.cli.arguments import MissionFile, load
+from companion.cli.log_lines import Verbose
 from companion.cli.monitoring import DEFAULT_ADDRESS, Monitor, monitored
-from companion.errors import CompanionError, MissionError
+from companion.cli.terminal import Terminal, undisturbed
+from companion.errors import MissionError
 
 if TYPE_CHECKING:
-    from companion.acting.report import Report
     from companion.app import Companion
+    from companion.flight_events.event import Stamped
     from companion.mission.model import Mission
-    from companion.motion.grid import OccupancyGrid
     from companion.record.run_folder import RunFolder
     from companion.vehicle.link import Endpoint
-    from sitl.world.scenario import Scenario
 
 LogDir = Annotated[
     Path,
@@ -60,6 +59,7 @@ def run(
     timeout: Timeout = 30.0,
     log_dir: LogDir = DEFAULT_LOG_DIR,
     monitor: Monitor = None,
+    verbose: Verbose = False,
 ) -> None:
     """Flies a mission on a vehicle: PX4, or a simulator that was started separately.
 
@@ -73,10 +73,15 @@ def run(
     if loaded is None or wait:
         _host(loaded, endpoint, accept_weak_failsafes, log_dir, monitor or DEFAULT_ADDRESS)
         return
-    with _recorded(loaded, log_dir) as folder, monitored(monitor or DEFAULT_ADDRESS) as page:
+    terminal = Terminal()
+    with (
+        closing(terminal),
+        _recorded(loaded, log_dir, terminal) as folder,
+        monitored(monitor or DEFAULT_ADDRESS, terminal.say) as page,
+    ):
         page.show(folder.folder)
         companion = Companion(loaded, folder, accept_weak_failsafes, page=page)
-        _fly(companion, endpoint, speed=1.0, timeout_s=timeout)
+        _fly(companion, endpoint, terminal, speed=1.0, timeout_s=timeout)
         _raise_failure(companion)
 
 
@@ -96,39 +101,44 @@ def sim(
     timeout: Timeout = 30.0,
     log_dir: LogDir = DEFAULT_LOG_DIR,
     monitor: Monitor = None,
+    verbose: Verbose = False,
 ) -> None:
     """Flies a mission in the bundled simulator. QGroundControl connects to it by itself."""
+    from companion.api.simulating import lockstep, world_of
     from companion.app import Companion
     from companion.simulator import simulator
     from companion.vehicle.link import Endpoint
-    from sitl.world.scenario import read_scenario
 
-    if find_spec("jsbsim") is None:
-        raise CompanionError(
-            "the simulator needs jsbsim, which has no wheel for Linux on ARM\n"
-            "    fly a simulator on another machine: companion run MISSION --connect URL"
-        )
     factor = _speed(speed)
     loaded = load(mission)
     path = scenario or mission.with_suffix(".sim.yaml")
     if scenario is None and not path.exists():
         raise MissionError(f"there is no scenario {path}", hint="name one with --scenario")
-    world, grid = read_scenario(path)
+    world = world_of(loaded, path)
     address = monitor or ("off" if factor is None else DEFAULT_ADDRESS)
-    with _recorded(loaded, log_dir) as folder, monitored(address) as page:
+    terminal = Terminal()
+    with (
+        closing(terminal),
+        _recorded(loaded, log_dir, terminal) as folder,
+        monitored(address, terminal.say) as page,
+    ):
         page.show(folder.folder)
-        companion = Companion(loaded, folder, page=page)
         if factor is None:
-            _fly_in_lockstep(companion, world, grid, seed, instance, timeout)
+            flight = lockstep(loaded, world, folder, seed=seed, instance=instance, page=page)
+            companion = flight.companion
+            with _stoppable(companion, terminal), undisturbed(companion.hang_up):
+                flight.fly(timeout)
+            _raise_failure(companion)
             return
+        companion = Companion(loaded, folder, page=page)
         options = ["--scenario", path, "--speed", factor, "--seed", seed, "--instance", instance]
-        typer.echo(
+        terminal.say(
             f"vehicle    simulated, {factor:g} x real time; "
             f"ground station on UDP port {GROUND_STATION_PORT + instance}"
         )
         endpoint = Endpoint(True, "127.0.0.1", OFFBOARD_PORT + instance)
         with simulator([str(o) for o in options], folder.folder / "sitl.log"):
-            _fly(companion, endpoint, factor, timeout * factor)
+            _fly(companion, endpoint, terminal, factor, timeout * factor)
         _raise_failure(companion)
 
 
@@ -146,16 +156,25 @@ def _speed(text: str) -> float | None:
 
 
 @contextmanager
-def _recorded(mission: Mission, log_dir: Path) -> Iterator[RunFolder]:
+def _recorded(mission: Mission, log_dir: Path, terminal: Terminal) -> Iterator[RunFolder]:
     """A run folder, announced at the start and at the end."""
-    folder = _open_folder(mission, log_dir, _tell)
+
+    from companion.flight_events.sortie import RunFailed
+
+    def tell(stamped: Stamped) -> None:
+        if not isinstance(stamped.event, RunFailed):  # a failure is printed once, by `main`
+            terminal.say(_line(stamped))
+
+    folder = _open_folder(mission, log_dir, tell, terminal)
     try:
         yield folder
     finally:
-        _close_folder(folder)
+        _close_folder(folder, terminal)
 
 
-def _open_folder(mission: Mission, log_dir: Path, tell: Callable[[Report], None]) -> RunFolder:
+def _open_folder(
+    mission: Mission, log_dir: Path, tell: Callable[[Stamped], None], terminal: Terminal
+) -> RunFolder:
     from companion.record.run_folder import RunFolder
 
     now_s = time.time()
@@ -165,15 +184,15 @@ def _open_folder(mission: Mission, log_dir: Path, tell: Callable[[Report], None]
     while path.exists():
         number += 1
         path = path.with_name(f"{stamp}-{mission.name}-{number}")
-    typer.echo(f"mission    {mission.name}")
+    terminal.say(f"mission    {mission.name}")
     folder = RunFolder(path, mission, now_s, tell)
-    typer.echo(f"run        {path}")
+    terminal.say(f"run        {path}")
     return folder
 
 
-def _close_folder(folder: RunFolder) -> None:
+def _close_folder(folder: RunFolder, terminal: Terminal) -> None:
     folder.close()
-    typer.echo(f"results    {folder.folder}")
+    terminal.say(f"results    {folder.folder}")
 
 
 def _host(
@@ -181,70 +200,56 @@ def _host(
 ) -> None:
     """Waits for ground stations to start sorties, until it is stopped."""
     from companion.app import Companion
-    from companion.cli.hosting import Hangar
+    from companion.cli.hosting import SortieHost
     from companion.ground.uploads import Uploads
 
-    with monitored(address) as page:
+    terminal = Terminal()
+
+    def tell(stamped: Stamped) -> None:
+        terminal.say(_line(stamped))
+
+    def close_folder(folder: RunFolder) -> None:
+        _close_folder(folder, terminal)
+
+    with closing(terminal), monitored(address, terminal.say) as page:
 
         def open_folder(mission: Mission) -> RunFolder:
-            folder = _open_folder(mission, log_dir, _print)
+            folder = _open_folder(mission, log_dir, tell, terminal)
             page.show(folder.folder)
             return folder
 
         uploads = Uploads(log_dir.expanduser() / UPLOADS)
-        hangar = Hangar(open_folder, _close_folder, _print, uploads)
-        companion = Companion(mission, None, accepts_weak, hangar, page)
+        host = SortieHost(open_folder, close_folder, tell, uploads)
+        companion = Companion(mission, None, accepts_weak, host, page)
         try:
             what = f"to fly {mission.name}" if mission else "and a mission"
-            typer.echo(f"hosting    waits for MAV_CMD_MISSION_START {what}; Ctrl-C ends it")
-            _fly(companion, endpoint, speed=1.0, timeout_s=0.0)
+            terminal.say(f"hosting    waits for MAV_CMD_MISSION_START {what}; Ctrl-C ends it")
+            _fly(companion, endpoint, terminal, speed=1.0, timeout_s=0.0)
         finally:
-            hangar.close()
+            host.close()
             uploads.close()
 
 
-def _tell(report: Report) -> None:
-    if report.data.get("exit_code"):
-        return  # a failure is printed once, by `main`
-    _print(report)
+def _line(stamped: Stamped) -> str:
+    """An event as a line of the terminal."""
+    minutes, seconds = divmod(stamped.time_s, 60)
+    return f" {int(minutes):02d}:{seconds:04.1f}  {stamped.event.text}"
 
 
-def _print(report: Report) -> None:
-    minutes, seconds = divmod(report.time_s, 60)
-    typer.echo(f" {int(minutes):02d}:{seconds:04.1f}  {report.text}")
-
-
-def _fly(companion: Companion, endpoint: Endpoint, speed: float, timeout_s: float) -> None:
+def _fly(
+    companion: Companion, endpoint: Endpoint, terminal: Terminal, speed: float, timeout_s: float
+) -> None:
+    from companion.clock import ScaledClock
     from companion.driving import fly
-    from companion.vehicle.link import ScaledClock, UdpLink
+    from companion.vehicle.link import UdpLink
 
     link = UdpLink(endpoint)
     try:
-        typer.echo(f"waiting    for a vehicle on {endpoint}")
-        with _stoppable(companion):
+        terminal.say(f"waiting    for a vehicle on {endpoint}")
+        with _stoppable(companion, terminal), undisturbed(companion.hang_up):
             fly(companion, link, ScaledClock(speed), timeout_s)
     finally:
         link.close()
-
-
-def _fly_in_lockstep(
-    companion: Companion,
-    world: Scenario,
-    grid: OccupancyGrid | None,
-    seed: int,
-    instance: int,
-    timeout_s: float,
-) -> None:
-    from sitl.harness import fly_in_lockstep
-    from sitl.link.routing import LinkName
-    from sitl.simulation import Simulation
-
-    simulation = Simulation(
-        world, grid, seed=seed, instance=instance, links=frozenset({LinkName.OFFBOARD})
-    )
-    with _stoppable(companion):
-        fly_in_lockstep(companion, simulation, timeout_s)
-    _raise_failure(companion)
 
 
 def _raise_failure(companion: Companion) -> None:
@@ -253,13 +258,13 @@ def _raise_failure(companion: Companion) -> None:
 
 
 @contextmanager
-def _stoppable(companion: Companion) -> Iterator[None]:
+def _stoppable(companion: Companion, terminal: Terminal) -> Iterator[None]:
     """The first Ctrl-C (or SIGTERM) holds, lands and exits; the second exits at once."""
 
     def stop(number: int, _: FrameType | None) -> None:
         signal.signal(number, signal.default_int_handler)  # before the promise below is read
         companion.stop()
-        typer.echo("stopping: hold, land, exit; once more to exit at once", err=True)
+        terminal.say("stopping: hold, land, exit; once more to exit at once", is_error=True)
 
     before = {n: signal.signal(n, stop) for n in (signal.SIGINT, signal.SIGTERM)}
     try:

@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING
 from companion.cli.arguments import load
 
 if TYPE_CHECKING:
-    from companion.acting.report import Report
-    from companion.ground.operations import Uploads
+    from companion.flight_events.event import Stamped
+    from companion.ground.operations import UploadService
     from companion.mission.model import Mission
+    from companion.mission_run import Recorder
     from companion.record.run_folder import RunFolder
-    from companion.run import Recorder
 
 
-class Hangar:
-    """Fulfils `app.Host` with files.
+class SortieHost:
+    """An `app.Host` with files: run folders and uploaded missions.
 
     Args:
         open_folder: makes and announces a run folder.
@@ -31,8 +31,8 @@ class Hangar:
         self,
         open_folder: Callable[[Mission], RunFolder],
         close_folder: Callable[[RunFolder], None],
-        tell: Callable[[Report], None],
-        uploads: Uploads | None,
+        tell: Callable[[Stamped], None],
+        uploads: UploadService | None,
     ) -> None:
         self.uploads = uploads
         self._open_folder = open_folder
@@ -42,26 +42,26 @@ class Hangar:
         self._closing: list[threading.Thread] = []
 
     def load(self, path: Path) -> Mission:
-        """See `Host`."""
+        """Reads a mission that was accepted."""
         return load(path)
 
     def begin_run(self, mission: Mission) -> Recorder:
-        """See `Host`."""
+        """Opens a run folder; the active upload is started."""
         self._open = self._open_folder(mission)
         if self.uploads is not None:
-            self.uploads.flown()
+            self.uploads.started()
         return self._open
 
     def end_run(self, recorder: Recorder) -> None:
-        """See `Host`: the figure takes a second to draw, and the heartbeat goes on meanwhile."""
+        """Closes the run folder in a thread: drawing takes a second, the heartbeat goes on."""
         folder, self._open = self._open, None
         assert folder is not None and recorder is folder
         self._closing.append(threading.Thread(target=self._close_folder, args=(folder,)))
         self._closing[-1].start()
 
-    def tell(self, report: Report) -> None:
-        """See `Host`."""
-        self._tell(report)
+    def tell(self, stamped: Stamped) -> None:
+        """Prints news between two runs."""
+        self._tell(stamped)
 
     def close(self) -> None:
         """Closes what is still open, and waits for what is being drawn."""

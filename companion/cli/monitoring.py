@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import socket
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
@@ -25,32 +25,34 @@ Monitor = Annotated[
 
 
 class Page:
-    """The page of this program's runs, which is served or not; fulfils `ground.operations.Page`.
+    """The page of this program's runs, which is served or not; a `ground.operations.MonitorPage`.
 
     A page that cannot be served is told and keeps nobody from flying.
 
     Args:
         host: where it is served, if it is; once it was, it stays there.
         port: the same; the next one that is free.
+        say: prints a line, on standard error if it is an error.
     """
 
-    def __init__(self, host: str, port: int) -> None:
+    def __init__(self, host: str, port: int, say: Callable[[str, bool], None]) -> None:
         self._address = (host, port)
+        self._say = say
         self._child: Child | None = None
         self._folder: Path | None = None
 
     @property
     def is_served(self) -> bool:
-        """See `ground.operations.Page`."""
+        """Whether the page is served; it may end by itself."""
         return self._child is not None and self._child.is_running
 
     def switch(self, is_on: bool) -> str:
-        """See `ground.operations.Page`; the line is printed as well."""
+        """Serves it or ends it, if it can; prints and returns a line for people."""
         try:
             text = self._serve() if is_on else self._end()
         except CompanionError as error:
             text = f"none: {error}"
-        typer.echo(f"monitor    {text}", err=self.is_served != is_on)
+        self._say(f"monitor    {text}", self.is_served != is_on)
         return f"monitor page {text}"
 
     def show(self, folder: Path) -> None:
@@ -81,10 +83,10 @@ class Page:
 
 
 @contextmanager
-def monitored(address: str) -> Iterator[Page]:
+def monitored(address: str, say: Callable[[str, bool], None]) -> Iterator[Page]:
     """The page of the runs meanwhile, served from the beginning unless the address is `off`."""
     is_off = address == "off"
-    page = Page(*_host_and_port(DEFAULT_ADDRESS if is_off else address))
+    page = Page(*_host_and_port(DEFAULT_ADDRESS if is_off else address), say)
     try:
         if not is_off:
             page.switch(True)

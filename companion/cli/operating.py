@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from companion.cli.arguments import MissionFile
+from companion.cli.log_lines import Verbose
 from companion.errors import LinkError, LinkTimeout, MissionError
 
 if TYPE_CHECKING:
@@ -41,6 +42,7 @@ def upload(
     connect: Connect = GROUND_STATION,
     start: Annotated[bool, typer.Option(help="Start the mission once it is accepted.")] = False,
     timeout: Timeout = 30.0,
+    verbose: Verbose = False,
 ) -> None:
     """Sends a mission and its files to a companion, which checks it. Needs `companion run`.
 
@@ -52,7 +54,9 @@ def upload(
     asyncio.run(_upload(files, _mavsdk_url(connect), start, timeout))
 
 
-def watch(connect: Connect = GROUND_STATION, timeout: Timeout = 30.0) -> None:
+def watch(
+    connect: Connect = GROUND_STATION, timeout: Timeout = 30.0, verbose: Verbose = False
+) -> None:
     """Prints what a companion says, until its run has ended: with that run's exit code."""
     try:
         code = asyncio.run(_watch(_mavsdk_url(connect), timeout))
@@ -62,7 +66,7 @@ def watch(connect: Connect = GROUND_STATION, timeout: Timeout = 30.0) -> None:
 
 
 def _mavsdk_url(url: str) -> str:
-    """MAVSDK's spelling; an ambiguous `udp:` is refused as everywhere."""
+    """Returns MAVSDK's spelling of a URL; an ambiguous `udp:` is refused as everywhere."""
     from companion.vehicle.link import parse_url
 
     return str(parse_url(url))
@@ -129,11 +133,11 @@ async def _watch(url: str, timeout_s: float) -> int:
     from rich.live import Live
 
     from companion.ground.station import COMPANION, connected
-    from companion.ground.watching import NAMES, Watch
+    from companion.ground.watching import NAMES, WatchedFlight
 
     typer.echo(f"waiting    for a companion on {url}")
     async with connected(url, timeout_s) as station:
-        seen, messages = Watch(time.monotonic()), station.messages(NAMES)
+        seen, messages = WatchedFlight(time.monotonic()), station.messages(NAMES)
         heard = await _next(messages)
         typer.echo(f"watching   component {COMPANION} of system {station.system}")
         console = Console(highlight=False, markup=False, soft_wrap=True)

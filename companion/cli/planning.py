@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from companion.cli.arguments import MissionFile, load
+from companion.cli.log_lines import Verbose
 from companion.errors import CompanionError
 from companion.planning.objective import Encoding, Objective
 
 if TYPE_CHECKING:
     from companion.planning.lasso import Letter, Problem, Solution
     from companion.planning.planner import Planner
-    from companion.planning.supposition import Supposition
 
 BUILT_IN = "built-in"
 FORMAT_VERSION = 1
@@ -33,6 +33,7 @@ def check(
         ),
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    verbose: Verbose = False,
 ) -> None:
     """Reads, translates and plans a mission; needs no vehicle."""
     try:
@@ -95,35 +96,52 @@ def plan(
         typer.Option(metavar="DIR", help="Write the problem there as PDDL; do not plan."),
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    verbose: Verbose = False,
 ) -> None:
     """Prints the plan: a prefix that is flown once and a loop that is flown for ever.
 
     --at, --set, --unset and --without ask "what if", e.g. --at A --set targetFound.
     """
     from companion.planning.explain import NoPlan
-    from companion.planning.supposition import Supposition
 
-    supposed = Supposition(at, tuple(holds or ()), tuple(fails or ()), tuple(without or ()))
-    question = _Question.read(mission, supposed)
-    if question.planner.mission.tree:
+    planner = _planner(mission)
+    facts = [*(holds or ()), *(f"!{fact}" for fact in fails or ())]
+    problem, histories = planner.initial_problem(at=at, facts=facts, without=without or ())
+    if planner.mission.tree:
         raise CompanionError("the mission has a tree of its own, so there is nothing to plan")
     if pddl is not None:
-        question.write(pddl, encoding, objective)
+        _write_pddl(problem, histories, pddl, encoding, objective)
         return
     start_s = time.perf_counter()
     try:
-        solution = question.answer(objective, engine, encoding, timeout)
+        solution = planner.plan(
+            at=at,
+            facts=facts,
+            without=without or (),
+            objective=objective,
+            engine=engine,
+            encoding=encoding,
+            timeout_s=timeout,
+        )
     except NoPlan as reason:
         if as_json:
             nothing = {"prefix": None, "loop": None, "reason": reason.explanation.as_json()}
-            typer.echo(json.dumps(question.as_json(time.perf_counter() - start_s) | nothing))
+            asked = _as_json(planner, problem, time.perf_counter() - start_s)
+            typer.echo(json.dumps(asked | nothing))
         raise
     search_s = time.perf_counter() - start_s
     if as_json:
-        answer = question.as_json(search_s) | solution.as_json()
+        answer = _as_json(planner, problem, search_s) | solution.as_json()
         typer.echo(json.dumps(answer, indent=2))
     else:
         _print(solution)
+
+
+def _planner(path: Path) -> Planner:
+    """The planner of a mission file, which takes the time of its own making."""
+    from companion.planning.planner import Planner
+
+    return Planner(load(path), clock=time.perf_counter)
 
 
 def _print(solution: Solution) -> None:
@@ -163,8 +181,7 @@ class _Checked:
 
         if within is not None:
             files_of(path, within)
-        question = _Question.read(path)
-        planner = question.planner
+        planner = _planner(path)
         tree = planner.mission.tree
         if tree is not None:
             planner.actions_of(tree)
@@ -172,7 +189,7 @@ class _Checked:
             planner.mission.name,
             tuple(planner.mission.places),
             {c.name: c.automaton.states for c in planner.conjuncts},
-            "a tree of its own" if tree else str(question.answer().lasso),
+            "a tree of its own" if tree else str(planner.plan()),
         )
 
     def as_json(self) -> dict[str, Any]:
@@ -180,91 +197,54 @@ class _Checked:
         return {"mission": self.mission, "automata": self.states, "plan": self.plan}
 
 
-@dataclass(frozen=True)
-class _Question:
-    """A planner, and the state to plan from."""
+def _write_pddl(
+    problem: Problem,
+    histories: list[list[Letter]],
+    folder: Path,
+    encoding: Encoding,
+    objective: Objective,
+) -> None:
+    """Writes the problem as PDDL, two files."""
+    from companion.planning.compilation.encode import encode
+    from companion.planning.compilation.monolithic import monolithic
+    from companion.planning.compilation.pddl import to_pddl
 
-    planner: Planner
-    problem: Problem
-    histories: list[list[Letter]]
+    if encoding is Encoding.V1:
+        problem = monolithic(problem, histories)
+    texts = to_pddl(encode(problem, encoding, objective))
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, text in zip(("domain.pddl", "problem.pddl"), texts, strict=True):
+            (folder / name).write_text(text, encoding="utf-8")
+            typer.echo(str(folder / name))
+    except OSError as error:
+        raise CompanionError(f"cannot write to {folder}: {error.strerror or error}") from error
 
-    @classmethod
-    def read(cls, path: Path, supposed: Supposition | None = None) -> _Question:
-        """From a mission's first state, or from a supposed one."""
-        from companion.acting.task_state import TaskState
-        from companion.planning.planner import Planner
-        from companion.run import flight_times, route_map
 
-        mission = load(path)
-        planner = Planner(mission, flight_times(mission, route_map(mission)), time.perf_counter)
-        task = TaskState(planner)
-        if supposed is not None:
-            task.facts, task.withdrawn = supposed.facts(planner), supposed.withdrawn(planner)
-        return cls(planner, *task.problem())
-
-    def answer(
-        self,
-        objective: Objective = Objective.LAP,
-        engine: str = BUILT_IN,
-        encoding: Encoding = Encoding.V4,
-        timeout_s: float = 60.0,
-    ) -> Solution:
-        """The best solution of the built-in search, or what an engine finds."""
-        planner, problem, histories = self.planner, self.problem, self.histories
-        if engine != BUILT_IN:
-            from companion.planning.engines import solve_with
-
-            solution = solve_with(problem, histories, engine, encoding, objective, timeout_s)
-            if solution is not None:
-                return solution
-        *_, best = planner.solutions(problem, histories, objective)  # or says why there is none
-        if engine != BUILT_IN:
-            raise CompanionError(f"{engine} says that there is no plan, but there is: {best.lasso}")
-        return best
-
-    def write(self, folder: Path, encoding: Encoding, objective: Objective) -> None:
-        """The problem as PDDL, two files."""
-        from companion.planning.compilation.encode import encode
-        from companion.planning.compilation.monolithic import monolithic
-        from companion.planning.compilation.pddl import to_pddl
-
-        problem = self.problem
-        if encoding is Encoding.V1:
-            problem = monolithic(problem, self.histories)
-        texts = to_pddl(encode(problem, encoding, objective))
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            for name, text in zip(("domain.pddl", "problem.pddl"), texts, strict=True):
-                (folder / name).write_text(text, encoding="utf-8")
-                typer.echo(str(folder / name))
-        except OSError as error:
-            raise CompanionError(f"cannot write to {folder}: {error.strerror or error}") from error
-
-    def as_json(self, search_s: float) -> dict[str, Any]:
-        """What was asked, and what it took to answer."""
-        planner, problem = self.planner, self.problem
-        seconds = {
-            "translate": planner.translating_s,
-            "ground": planner.grounding_s,
-            "search": search_s,
-        }
-        return {
-            "version": FORMAT_VERSION,
-            "mission": planner.mission.name,
-            "times_ms": {name: round(1000 * passed, 3) for name, passed in seconds.items()},
-            "automata": [
-                {
-                    "conjunct": conjunct.name,
-                    "formula": str(conjunct.formula),
-                    "states": conjunct.automaton.states,
-                    "transitions": len(conjunct.automaton.transitions),
-                    "marks": conjunct.automaton.marks,
-                }
-                for conjunct in planner.conjuncts
-            ],
-            "state": {
-                "facts": sorted(problem.facts - planner.model.beliefs),
-                "withdrawn": sorted(problem.withdrawn),
-                "automata": [sorted(states) for states in problem.automaton_states],
-            },
-        }
+def _as_json(planner: Planner, problem: Problem, search_s: float) -> dict[str, Any]:
+    """What was asked, and what it took to answer."""
+    seconds = {
+        "translate": planner.translating_s,
+        "ground": planner.instantiating_s,
+        "search": search_s,
+    }
+    return {
+        "version": FORMAT_VERSION,
+        "mission": planner.mission.name,
+        "times_ms": {name: round(1000 * passed, 3) for name, passed in seconds.items()},
+        "automata": [
+            {
+                "conjunct": conjunct.name,
+                "formula": str(conjunct.formula),
+                "states": conjunct.automaton.states,
+                "transitions": len(conjunct.automaton.transitions),
+                "marks": conjunct.automaton.marks,
+            }
+            for conjunct in planner.conjuncts
+        ],
+        "state": {
+            "facts": sorted(problem.facts - planner.model.beliefs),
+            "withdrawn": sorted(problem.withdrawn),
+            "automata": [sorted(states) for states in problem.automaton_states],
+        },
+    }

@@ -1,6 +1,15 @@
-"""YAML from outside: validated, with the place of every key, and problems in plain words."""
+"""YAML and data from outside: validated, with the place of every key, errors in plain words."""
 
-from companion.documents.document import Document, validate
-from companion.documents.problems import did_you_mean
+from companion.documents.diagnostics import did_you_mean
+from companion.documents.document import Document, TextDocument, validate
+from companion.documents.sources import Given, Source, read_source
 
-__all__ = ["Document", "did_you_mean", "validate"]
+__all__ = [
+    "Document",
+    "Given",
+    "Source",
+    "TextDocument",
+    "did_you_mean",
+    "read_source",
+    "validate",
+]

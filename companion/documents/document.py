@@ -1,8 +1,8 @@
-"""Is this YAML text what the model says, and if not, what is wrong at which line and column?
+"""Reads a YAML text, or data given as Python values, as a pydantic model.
 
-In go a text and a pydantic model, out come the validated model and a `Document` which finds the
-place of each of its keys and values again, for checks that come later. Neither opens a file.
-Missions and the simulator's scenarios are read through here.
+Out come the validated model and a `Document`, which finds the place of each of its keys and values
+again, for checks that come later: line and column in a text, the path of keys in data. Neither
+opens a file. Missions and the simulator's scenarios are read through here.
 
 The YAML itself is read by yaml_tree.py, with limits on size and depth. Validation is strict, as
 for JSON: a quoted "3" is no number. Messages name what was expected in plain words; their hint
@@ -12,43 +12,123 @@ is the field's own description, the one that the JSON Schema carries.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import TypeAlias, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from companion.documents.problems import first_problem
-from companion.documents.yaml_tree import Listing, Node, Scalar, Table, Value, read_tree
-from companion.errors import FormulaError, Location, MissionError
+from companion.documents.data_tree import tree_of
+from companion.documents.diagnostics import first_diagnostic
+from companion.documents.yaml_tree import (
+    MappingNode,
+    Node,
+    ScalarNode,
+    SequenceNode,
+    Value,
+    read_tree,
+)
+from companion.errors import FormulaError, KeyPath, Location, MissionError
 
 Key = str | int
 Data: TypeAlias = "Value | list[Data] | dict[str, Data]"
 M = TypeVar("M", bound=BaseModel)
 
 
-def validate(text: str, path: str, model: type[M]) -> tuple[M, Document]:
-    """Read a YAML text as a model.
+def validate(content: str | Mapping[str, object], name: str, model: type[M]) -> tuple[M, Document]:
+    """Reads a YAML text, or data, as a model.
+
+    Args:
+        content: the whole text, or the data.
+        name: of the text's file, for messages alone.
+        model: forbids unknown keys (extra="forbid").
+
+    Raises:
+        MissionError: the text is not safe YAML, the data cannot be written as YAML, or it is not
+            what the model describes.
+    """
+    if isinstance(content, str):
+        document: Document = TextDocument(content, name)
+    else:
+        document = Document(tree_of(content))
+    try:
+        return model.model_validate_json(json.dumps(document.data()), strict=True), document
+    except ValidationError as error:
+        found = first_diagnostic(error, model, document.data(), document.position)
+        at = document.key_at if found.is_about_key else document.where
+        raise MissionError(found.what, at(*found.keys), found.hint) from None
+
+
+class Document:
+    """A tree of values whose keys and values can be found again.
+
+    Args:
+        root: of the tree.
+    """
+
+    def __init__(self, root: Node) -> None:
+        self._root = root
+
+    def data(self) -> Data:
+        """Returns the content as plain dicts, lists and scalars."""
+        return _plain(self._root)
+
+    def where(self, *keys: Key) -> Location | KeyPath:
+        """Returns the place of a value, or of the nearest parent that exists."""
+        return self._nearest(keys)[0].where
+
+    def key_at(self, *keys: Key) -> Location | KeyPath:
+        """Returns the place of a key itself, of the item for an index, or of the nearest parent."""
+        parent, _ = self._nearest(keys[:-1])
+        if keys and isinstance(parent, MappingNode) and str(keys[-1]) in parent.entries:
+            return parent.entries[str(keys[-1])].key_at
+        return self.where(*keys) if self._nearest(keys)[1] else self.key_at(*keys[:-1])
+
+    def inside(self, offset: int, *keys: Key) -> Location | KeyPath:
+        """Returns the place of one character of a scalar, or of the scalar if that is not known."""
+        return self.where(*keys)
+
+    @contextmanager
+    def locating(self, *keys: Key) -> Iterator[None]:
+        """Gives formula errors from the block their place in this scalar."""
+        try:
+            yield
+        except FormulaError as error:
+            raise error.located(self.inside(error.offset, *keys)) from None
+
+    def position(self, *keys: Key) -> tuple[int, ...]:
+        """Returns the rank of a value in the order of the document, to sort by."""
+        node, order = self._root, []
+        for key in keys:
+            if isinstance(node, MappingNode) and str(key) in node.entries:
+                order.append(list(node.entries).index(str(key)))
+                node = node.entries[str(key)].node
+            elif isinstance(node, SequenceNode) and isinstance(key, int) and key < len(node.items):
+                order.append(key)
+                node = node.items[key]
+        return tuple(order)
+
+    def _nearest(self, keys: tuple[Key, ...]) -> tuple[Node, bool]:
+        """Returns the node at the keys and True, or the nearest parent and False."""
+        node = self._root
+        for key in keys:
+            if isinstance(node, MappingNode) and str(key) in node.entries:
+                node = node.entries[str(key)].node
+            elif isinstance(node, SequenceNode) and isinstance(key, int) and key < len(node.items):
+                node = node.items[key]
+            elif isinstance(node, ScalarNode) and key == 0:
+                continue  # one text may stand where a list is expected
+            else:
+                return node, False
+        return node, True
+
+
+class TextDocument(Document):
+    """A YAML text.
 
     Args:
         text: the whole file.
         path: its name, for messages alone.
-        model: forbids unknown keys (extra="forbid").
-
-    Raises:
-        MissionError: the text is not safe YAML, or not what the model describes.
-    """
-    document = Document(text, path)
-    try:
-        return model.model_validate_json(json.dumps(document.data()), strict=True), document
-    except ValidationError as error:
-        problem = first_problem(error, model, document.data(), document.position)
-        at = document.key_at if problem.is_about_key else document.where
-        raise MissionError(problem.what, at(*problem.keys), problem.hint) from None
-
-
-class Document:
-    """A YAML text whose keys and values can be found again.
 
     Raises:
         MissionError: not safe YAML (see yaml_tree.py).
@@ -57,30 +137,10 @@ class Document:
     def __init__(self, text: str, path: str) -> None:
         self._text = text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
         self._path = path
-        self._root = read_tree(self._text, path)
+        super().__init__(read_tree(self._text, path))
 
-    def data(self) -> Data:
-        """The content as plain dicts, lists and scalars."""
-        return _plain(self._root)
-
-    def where(self, *keys: Key) -> Location:
-        """Place of a value; of the nearest parent that exists, if it does not."""
-        return self._nearest(keys)[0].where
-
-    def key_at(self, *keys: Key) -> Location:
-        """Place of a key itself; of the item for an index, of the parent if it does not exist."""
-        parent, _ = self._nearest(keys[:-1])
-        if keys and isinstance(parent, Table) and (entry := parent.entries.get(str(keys[-1]))):
-            return entry.key_at
-        return self.where(*keys) if self._nearest(keys)[1] else self.key_at(*keys[:-1])
-
-    def position(self, *keys: Key) -> tuple[int, int]:
-        """Line and column of a value, to sort by."""
-        where = self.where(*keys)
-        return (where.line, where.column)
-
-    def inside(self, offset: int, *keys: Key) -> Location:
-        """Place of one character of a scalar, however the scalar is written.
+    def inside(self, offset: int, *keys: Key) -> Location | KeyPath:
+        """Returns the place of one character of a scalar, however the scalar is written.
 
         YAML folds lines and drops indentation but keeps every other character, so the n-th
         character that is not white space is the same in the file and in the value.
@@ -93,7 +153,7 @@ class Document:
             The start of the scalar if it has escapes, which break the correspondence.
         """
         node, is_found = self._nearest(keys)
-        if not is_found or not isinstance(node, Scalar) or not isinstance(node.value, str):
+        if not is_found or not isinstance(node, ScalarNode) or not isinstance(node.value, str):
             return node.where
         inner = self._inner_start(node)
         indices = [i for i in range(inner, node.end) if not self._text[i].isspace()]
@@ -105,39 +165,17 @@ class Document:
         line = self._text.count("\n", 0, index) + 1
         return Location(self._path, line, index - self._text.rfind("\n", 0, index))
 
-    @contextmanager
-    def locating(self, *keys: Key) -> Iterator[None]:
-        """Formula errors from the block are about this scalar: give them their place in it."""
-        try:
-            yield
-        except FormulaError as error:
-            raise error.located(self.inside(error.offset, *keys)) from None
-
-    def _inner_start(self, scalar: Scalar) -> int:
-        """Index after the opening quote, or after the header line of a block scalar."""
+    def _inner_start(self, scalar: ScalarNode) -> int:
+        """Returns the index after the opening quote, or after the header line of a block scalar."""
         opening = self._text[scalar.start]
         if opening in "|>":
             return self._text.index("\n", scalar.start)
         return scalar.start + (opening in "\"'")
 
-    def _nearest(self, keys: tuple[Key, ...]) -> tuple[Node, bool]:
-        """The node at the keys, or the nearest parent and False."""
-        node = self._root
-        for key in keys:
-            if isinstance(node, Table) and str(key) in node.entries:
-                node = node.entries[str(key)].node
-            elif isinstance(node, Listing) and isinstance(key, int) and key < len(node.items):
-                node = node.items[key]
-            elif isinstance(node, Scalar) and key == 0:
-                continue  # one text may stand where a list is expected
-            else:
-                return node, False
-        return node, True
-
 
 def _plain(node: Node) -> Data:
-    if isinstance(node, Scalar):
+    if isinstance(node, ScalarNode):
         return node.value
-    if isinstance(node, Listing):
+    if isinstance(node, SequenceNode):
         return [_plain(item) for item in node.items]
     return {key: _plain(entry.node) for key, entry in node.entries.items()}

@@ -1,4 +1,4 @@
-"""What does a YAML text from outside say, and where does it say it?
+"""YAML from outside as a tree in which every node knows its place in the text.
 
 In goes the text, out comes a tree of plain values in which every key and value knows its place.
 The text is not trusted: its size is limited before anything reads it and its depth while it is
@@ -7,7 +7,7 @@ not finite are refused, so that what a person reads is what the program gets.
 
 Plain scalars follow the core schema of YAML 1.2.2, section 10.3.2: only `true` and `false` are
 truth values, so a place may be called `no` or `on`; a date is a text. Keys are always texts. The
-tokens come from ruamel.yaml. Left out on purpose: what the values mean (see documents.py).
+tokens come from ruamel.yaml. Left out: what the values mean (document.py).
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from ruamel.yaml.events import (
 )
 from ruamel.yaml.reader import ReaderError
 
-from companion.errors import Location, MissionError
+from companion.errors import KeyPath, Location, MissionError
 
 MAX_BYTES = 64 * 1024  # a mission of 100 places has 10 KiB; a parser's time grows with the size
 MAX_DEPTH = 16  # our own files nest 5 deep; the tree is read by recursion
@@ -42,44 +42,44 @@ Value = str | int | float | bool | None
 
 
 @dataclass(frozen=True, slots=True)
-class Scalar:
+class ScalarNode:
     """One value; `start` and `end` are indices into the text, quotes and markers included."""
 
-    where: Location
+    where: Location | KeyPath
     value: Value
     start: int
     end: int
 
 
 @dataclass(frozen=True, slots=True)
-class Listing:
+class SequenceNode:
     """A YAML sequence."""
 
-    where: Location
+    where: Location | KeyPath
     items: tuple[Node, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
+class MappingEntry:
     """One key of a mapping with its value."""
 
-    key_at: Location
+    key_at: Location | KeyPath
     node: Node
 
 
 @dataclass(frozen=True, slots=True)
-class Table:
+class MappingNode:
     """A YAML mapping."""
 
-    where: Location
-    entries: dict[str, Entry]
+    where: Location | KeyPath
+    entries: dict[str, MappingEntry]
 
 
-Node = Scalar | Listing | Table
+Node = ScalarNode | SequenceNode | MappingNode
 
 
 def read_tree(text: str, path: str) -> Node:
-    """The tree of a YAML text.
+    """Returns the tree of a YAML text.
 
     Args:
         text: line breaks are "\\n", no byte order mark.
@@ -171,13 +171,13 @@ class _TreeReader:
             raise MissionError(f"nested deeper than {MAX_DEPTH} levels", where)
         self._refuse_references(event, where)
         if isinstance(event, SequenceStartEvent):
-            return self._listing(where, depth)
+            return self._sequence(where, depth)
         if isinstance(event, MappingStartEvent):
-            return self._table(where, depth)
+            return self._mapping(where, depth)
         assert isinstance(event, ScalarEvent)
         value = event.value if event.style else _plain_value(event.value, where)
         self._refuse_surrogates(event.value, where)
-        return Scalar(where, value, event.start_mark.index, event.end_mark.index)
+        return ScalarNode(where, value, event.start_mark.index, event.end_mark.index)
 
     def _refuse_surrogates(self, text: str, where: Location) -> None:
         if re.search("[\ud800-\udfff]", text):
@@ -209,14 +209,15 @@ class _TreeReader:
                 "put quotes around a text that begins with !, e.g. '!at(A)'",
             )
 
-    def _listing(self, where: Location, depth: int) -> Listing:
+    def _sequence(self, where: Location, depth: int) -> SequenceNode:
         items = []
         while not isinstance(event := next(self._events), SequenceEndEvent):
             items.append(self._node(event, depth + 1))
-        return Listing(where, tuple(items))
+        return SequenceNode(where, tuple(items))
 
-    def _table(self, where: Location, depth: int) -> Table:
-        entries: dict[str, Entry] = {}
+    def _mapping(self, where: Location, depth: int) -> MappingNode:
+        entries: dict[str, MappingEntry] = {}
+        lines: dict[str, int] = {}
         while not isinstance(event := next(self._events), MappingEndEvent):
             key_at = self._where(event)
             self._refuse_references(event, key_at)
@@ -231,13 +232,13 @@ class _TreeReader:
                 raise MissionError(
                     f"the key {key} is given twice",
                     key_at,
-                    f"first given in line {entries[key].key_at.line}; keep one of them",
+                    f"first given in line {lines[key]}; keep one of them",
                 )
             node = self._node(next(self._events), depth + 1)
-            if isinstance(node, Scalar) and node.start == node.end:  # nothing after the colon
-                node = Scalar(key_at, node.value, node.start, node.end)
-            entries[key] = Entry(key_at, node)
-        return Table(where, entries)
+            if isinstance(node, ScalarNode) and node.start == node.end:  # nothing after the colon
+                node = ScalarNode(key_at, node.value, node.start, node.end)
+            entries[key], lines[key] = MappingEntry(key_at, node), key_at.line
+        return MappingNode(where, entries)
 
 
 _WORDS: dict[str, Value] = {
@@ -252,7 +253,7 @@ _LONGEST_NUMBER = 40  # characters; no quantity of ours needs more
 
 
 def _plain_value(text: str, where: Location) -> Value:
-    """Value of a scalar without quotes (YAML 1.2.2, 10.3.2)."""
+    """Returns the value of a scalar without quotes (YAML 1.2.2, 10.3.2)."""
     if text in _WORDS:
         return _WORDS[text]
     if _NOT_FINITE.fullmatch(text):

@@ -1,4 +1,4 @@
-"""What does the companion say of itself: once a second, and when it is asked for a message?
+"""Messages in which the companion describes itself: HEARTBEAT, versions, capabilities.
 
 PROTOCOL_VERSION is not in the dialect that pymavlink's packages bring, so its layout stands here
 (https://mavlink.io/en/messages/common.html#PROTOCOL_VERSION).
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import struct
 
-from companion.ground.operations import Standing
+from companion.ground.operations import SystemStatus
 from companion.mavlink.framing import Message, dialect
 
 MAVLINK_2 = 200
@@ -20,27 +20,27 @@ CAPABILITIES = (
 )
 
 
-STATUS = {
-    Standing.STANDBY: dialect.MAV_STATE_STANDBY,
-    Standing.ACTIVE: dialect.MAV_STATE_ACTIVE,
-    Standing.CRITICAL: dialect.MAV_STATE_CRITICAL,
+MAV_STATES = {
+    SystemStatus.STANDBY: dialect.MAV_STATE_STANDBY,
+    SystemStatus.ACTIVE: dialect.MAV_STATE_ACTIVE,
+    SystemStatus.CRITICAL: dialect.MAV_STATE_CRITICAL,
 }
 
 
-def heartbeat(standing: Standing) -> Message:
-    """HEARTBEAT, as of a controller on board that is no autopilot."""
+def heartbeat(status: SystemStatus) -> Message:
+    """Returns the HEARTBEAT of an onboard controller that is no autopilot."""
     return dialect.MAVLink_heartbeat_message(
         type=dialect.MAV_TYPE_ONBOARD_CONTROLLER,
         autopilot=dialect.MAV_AUTOPILOT_INVALID,
         base_mode=0,
         custom_mode=0,
-        system_status=STATUS[standing],
+        system_status=MAV_STATES[status],
         mavlink_version=3,
     )
 
 
 class ProtocolVersion:
-    """PROTOCOL_VERSION, as `framing.Endpoint.pack` needs a message."""
+    """The message PROTOCOL_VERSION, with what packing it takes."""
 
     id = 300
     msgname = "PROTOCOL_VERSION"
@@ -58,12 +58,12 @@ class ProtocolVersion:
 
 
 def protocol_version() -> Message:
-    """We speak MAVLink 2 alone."""
+    """Returns PROTOCOL_VERSION: MAVLink 2 alone."""
     return ProtocolVersion()
 
 
 def autopilot_version() -> Message:
-    """What this component can do; it is no autopilot, so it has no such versions."""
+    """Returns AUTOPILOT_VERSION with the capabilities; the versions of an autopilot are 0."""
     none = [0] * 8
     return dialect.MAVLink_autopilot_version_message(
         CAPABILITIES, 0, 0, 0, 0, none, none, none, 0, 0, 0

@@ -1,4 +1,4 @@
-"""Can an uploaded mission be flown? A child process answers; nobody waits for it.
+"""The check of an uploaded mission: `companion check` in a child process that nobody waits for.
 
 A door: it starts processes and reads what they print. The flight process never parses what came
 from a stranger; it reads the JSON that its own child has printed.
@@ -16,15 +16,16 @@ from typing import Any, Protocol
 
 from companion.ground import limited
 
-MAX_TEXT = 2000  # characters of an answer that are handed on
+MAX_TEXT = 2000  # characters of a result that are handed on
 _ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "NO_COLOR": "1"}
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
-    """What came out of a check.
+class CheckResult:
+    """The result of a check.
 
     Attributes:
+        is_good: whether the mission can be flown.
         text: the plan, or what is wrong and where.
     """
 
@@ -32,14 +33,14 @@ class Answer:
     text: str
 
 
-class Check(Protocol):
+class MissionCheck(Protocol):
     """A check under way."""
 
-    def poll(self) -> Answer | None:
-        """The answer, once there is one; does not wait."""
+    def poll(self) -> CheckResult | None:
+        """Returns the result once there is one; does not wait."""
 
     def kill(self) -> None:
-        """Ends it; the answer follows."""
+        """Ends it; the result follows."""
 
 
 class ChildCheck:
@@ -63,38 +64,38 @@ class ChildCheck:
                 env=os.environ | _ONE_THREAD,
             )
 
-    def poll(self) -> Answer | None:
-        """See `Check`."""
+    def poll(self) -> CheckResult | None:
+        """Reads what the child has printed once it has ended."""
         code = self._child.poll()
         if code is None:
             return None
         with self._output.open("rb") as output:
             printed = output.read(limited.MAX_OUTPUT_BYTES)
         self._output.unlink()
-        return answer(code, printed)
+        return result_of(code, printed)
 
     def kill(self) -> None:
-        """See `Check`."""
+        """Ends the child process."""
         self._child.kill()
 
 
-def answer(code: int, printed: bytes) -> Answer:
-    """What a child has found out.
+def result_of(code: int, printed: bytes) -> CheckResult:
+    """Returns what a child has found out.
 
     Args:
         code: how it ended; negative is a signal.
         printed: on its standard output.
 
-    >>> answer(0, b'{"ok": true, "plan": "move(A, B)"}')
-    Answer(is_good=True, text='move(A, B)')
-    >>> answer(-9, b'').text
+    >>> result_of(0, b'{"ok": true, "plan": "move(A, B)"}')
+    CheckResult(is_good=True, text='move(A, B)')
+    >>> result_of(-9, b'').text
     'the check needs too much time or memory'
     """
     try:
         said: Any = json.loads(printed)
         is_good = code == 0 and said["ok"] is True
-        return Answer(is_good, str(said["plan" if is_good else "error"])[:MAX_TEXT])
+        return CheckResult(is_good, str(said["plan" if is_good else "error"])[:MAX_TEXT])
     except (ValueError, KeyError, TypeError):
         if code < 0 or b"MemoryError" in printed:
-            return Answer(False, "the check needs too much time or memory")
-        return Answer(False, f"the check has failed with exit code {code}")
+            return CheckResult(False, "the check needs too much time or memory")
+        return CheckResult(False, f"the check has failed with exit code {code}")

@@ -1,6 +1,7 @@
-"""Component 191 to everybody but the autopilot: how does it speak with ground stations?
+"""Component 191 towards ground stations: heartbeat, commands, texts, parameters and FTP.
 
 Messages in, messages out, no I/O and no state that one ground station could block for another.
+Rules:
 
 1. HEARTBEAT once a second, and at once when the status changes:
 
@@ -23,17 +24,20 @@ intervals and missions (UNSUPPORTED), TIMESYNC.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from typing import ClassVar
 
-from companion.acting.report import Report
+from companion.flight_events.event import FlightEvent
+from companion.flight_events.sortie import RunEnded
 from companion.ground import about
-from companion.ground.operations import Operations, Page, Standing, Uploads
+from companion.ground.operations import MonitorPage, Operations, SystemStatus, UploadService
 from companion.ground.parameters import MONITOR, TEXT_LEVEL, CompanionParameters
-from companion.ground.texts import INFO, WARNING, Texts, severity
+from companion.ground.texts import INFO, WARNING, StatusTextQueue, severity
 from companion.mavlink import ftp
 from companion.mavlink.framing import Message, dialect, source
 from companion.mission.model import Signal
+from companion.outcomes import Refusal
 from companion.vehicle.wire import COMPONENT
 
 HEARTBEAT_S = 1.0
@@ -51,9 +55,11 @@ REQUESTED: dict[int, Callable[[], Message]] = {
 }
 """Message id -> what MAV_CMD_REQUEST_MESSAGE gets; HEARTBEAT besides."""
 
+log = logging.getLogger(__name__)
+
 
 class Component:
-    """What ground stations see of the companion.
+    """The companion as ground stations see it.
 
     Args:
         operations: does what operators ask for.
@@ -65,7 +71,10 @@ class Component:
     """
 
     def __init__(
-        self, operations: Operations, uploads: Uploads | None = None, page: Page | None = None
+        self,
+        operations: Operations,
+        uploads: UploadService | None = None,
+        page: MonitorPage | None = None,
     ) -> None:
         effects = {TEXT_LEVEL: self._tell_up_to, MONITOR: self._switch_page}
         self.parameters = CompanionParameters(effects)
@@ -73,13 +82,13 @@ class Component:
         self._uploads = uploads
         self._page = page
         self.parameters.put(MONITOR, self._is_page_served)
-        self._texts = Texts()
+        self._texts = StatusTextQueue()
         self._out: list[Message] = []
         self._ending: list[Message] = []
         self._events: list[tuple[Signal, float]] = []
         self._system = 0
         self._now_s = 0.0
-        self._told: Standing | None = None
+        self._told: SystemStatus | None = None
         self._next_heartbeat_s = 0.0
 
     # -- in ------------------------------------------------------------------------------------
@@ -102,33 +111,32 @@ class Component:
                 service(self, message)
         return self._events
 
-    def tell(self, now_s: float, report: Report) -> None:
-        """Puts a report that is news for people into the queue of texts."""
-        if report.is_told:
-            self._texts.tell(now_s, severity(report), report.text)
-        code = report.data.get("exit_code")
-        if isinstance(code, int):
-            self._ending.append(_exit_code(now_s, code))
+    def tell(self, now_s: float, event: FlightEvent) -> None:
+        """Puts an event that is news for people into the queue of texts."""
+        if event.is_told:
+            self._texts.tell(now_s, severity(event), event.text)
+        if isinstance(event, RunEnded):
+            self._ending.append(_exit_code(now_s, event.exit_code))
 
     def transmit(self, now_s: float, is_last: bool = False) -> list[Message]:
-        """What has to leave now; at the end of a run all that is left to say."""
+        """Returns the messages that leave now; at the end of a run all that are left."""
         if not self._system:
             return []  # nobody is there, and what is sent would be lost
         if self.parameters[MONITOR] and not self._is_page_served:
             self._out.append(self.parameters.put(MONITOR, False))
             self._texts.tell(now_s, WARNING, "monitor page has ended by itself")
         messages, self._out = self._out, []
-        standing = self._operations.standing
-        if now_s >= self._next_heartbeat_s or standing is not self._told:
-            self._next_heartbeat_s, self._told = now_s + HEARTBEAT_S, standing
-            messages.insert(0, about.heartbeat(standing))
+        status = self._operations.system_status
+        if now_s >= self._next_heartbeat_s or status is not self._told:
+            self._next_heartbeat_s, self._told = now_s + HEARTBEAT_S, status
+            messages.insert(0, about.heartbeat(status))
         if not is_last:
             return messages + self._texts.due(now_s)
         ending, self._ending = self._ending, []
         return messages + self._texts.rest() + ending
 
     def _is_for_us(self, message: Message) -> bool:
-        """Whether it is addressed to us; to all, for services that all offer."""
+        """Whether a message is addressed to us; or to all, for services that all offer."""
         system, component = message.target_system, message.target_component
         if message.get_type() in self.FOR_ALL:
             return system in (EVERYBODY, self._system) and component in (EVERYBODY, COMPONENT)
@@ -138,6 +146,7 @@ class Component:
 
     def _command(self, message: Message) -> None:
         result = self._do(message.command, _parameters(message))
+        log.debug("command %d of %d/%d: result %d", message.command, *source(message), result)
         answer = dialect.MAVLink_command_ack_message(
             message.command, result, 0, 0, *source(message)
         )
@@ -154,28 +163,31 @@ class Component:
             return ACCEPTED if is_awaited else UNSUPPORTED
         return action(self, parameters)
 
-    def _result(self, refusal: str) -> int:
-        """ACCEPTED, or the reason as a text."""
-        if not refusal:
+    def _result(self, refusal: Refusal | None) -> int:
+        """Returns the MAV_RESULT of a request; a refusal is also told as a text."""
+        if refusal is None:
             return ACCEPTED
-        self._texts.tell(self._now_s, WARNING, f"refused: {refusal}")
+        self._tell_refusal(refusal.reason)
         return NOT_NOW
+
+    def _tell_refusal(self, reason: str) -> None:
+        self._texts.tell(self._now_s, WARNING, f"refused: {reason}")
 
     def _start(self, _: list[float]) -> int:
         return self._result(self._operations.start())
 
-    def _pause_or_go_on(self, parameters: list[float]) -> int:
+    def _pause_or_resume(self, parameters: list[float]) -> int:
         if parameters[0] == 0.0:
             return self._result(self._operations.pause())
         if parameters[0] == 1.0:
-            return self._result(self._operations.go_on())
+            return self._result(self._operations.resume())
         return DENIED
 
-    def _go_home(self, _: list[float]) -> int:
-        return self._result(self._operations.go_home())
+    def _return_home(self, _: list[float]) -> int:
+        return self._result(self._operations.return_home())
 
     def _refuse_item(self, _: list[float]) -> int:
-        self._result("the task decides what comes next, there are no mission items")
+        self._tell_refusal("the task decides what comes next, there are no mission items")
         return DENIED
 
     def _request_message(self, parameters: list[float]) -> int:
@@ -215,7 +227,7 @@ class Component:
         return self._page is not None and self._page.is_served
 
     def _switch_page(self, value: float) -> float:
-        """Does it if it can be done; whether the page is served then."""
+        """Serves or ends the page, if that can be done; returns whether it is served then."""
         is_on = bool(value)
         if self._page is not None and is_on is not self._is_page_served:
             text = self._page.switch(is_on)
@@ -224,7 +236,7 @@ class Component:
         return self._is_page_served
 
     def _ping(self, message: Message) -> None:
-        """An answer to all who are not on board: the autopilot's is for what is far away."""
+        """Answers pings from off board; those of the autopilot are for ground stations."""
         is_for_all = message.target_system == message.target_component == EVERYBODY
         if is_for_all and message.get_srcSystem() != self._system:
             pong = dialect.MAVLink_ping_message(message.time_usec, message.seq, *source(message))
@@ -243,8 +255,8 @@ class Component:
 
     ACTIONS: ClassVar[dict[int, Callable[[Component, list[float]], int]]] = {
         dialect.MAV_CMD_MISSION_START: _start,
-        dialect.MAV_CMD_DO_PAUSE_CONTINUE: _pause_or_go_on,
-        dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH: _go_home,
+        dialect.MAV_CMD_DO_PAUSE_CONTINUE: _pause_or_resume,
+        dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH: _return_home,
         dialect.MAV_CMD_DO_SET_MISSION_CURRENT: _refuse_item,
         dialect.MAV_CMD_REQUEST_MESSAGE: _request_message,
         dialect.MAV_CMD_REQUEST_PROTOCOL_VERSION: _request_protocol,
@@ -278,7 +290,7 @@ WANTED = frozenset(Component.SERVICES)
 
 
 def _parameters(message: Message) -> list[float]:
-    """param1 to param7 of COMMAND_LONG, or what stands for them in COMMAND_INT."""
+    """Returns param1 to param7 of COMMAND_LONG, or their counterparts in COMMAND_INT."""
     if message.get_type() == "COMMAND_LONG":
         names = ("param1", "param2", "param3", "param4", "param5", "param6", "param7")
     else:

@@ -1,14 +1,13 @@
-"""What does the companion answer to MAVLink FTP? A server without I/O: payloads in, payloads out.
+"""The MAVLink FTP server, without I/O: payloads of requests in, payloads of replies out.
 
-The files are behind the `Store`. Rules:
+The files are behind the `Store`, the open ones are sessions (`ftp_sessions.py`). Rules:
 1. A reply has the request's sequence number + 1. What is no request gets no reply; any request
    gets one, and never an exception.
 2. A repeated request is answered by the reply that was lost, if it changes something and is the
    newest with its session number (for number 0, which MAVSDK always begins with, the client's
    newest). Others are done again, which gives the same or newer. More is not remembered, because
    a client that starts anew counts from 0 again.
-3. What is written becomes the file when its session ends (`ftp_sessions.py`), if no byte is
-   missing; until then the old file is there. A write that is refused ends the session.
+3. What is written becomes the file when its session is complete; until then the old file is there.
 4. A burst is at most sixteen replies, of which the last says so; the client asks for the next
    one. So an answer has at most 4 KiB.
 
@@ -18,17 +17,18 @@ Source: https://mavlink.io/en/services/ftp.html; clients' differences: MAVSDK 4.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
-from companion.ground.ftp_sessions import Client, Session, Sessions
+from companion.ground.ftp_sessions import Client, Session, SessionEvent, Sessions, SessionState
 from companion.mavlink.ftp_frames import (
     DATA_BYTES,
+    FtpRefusal,
+    FtpRequest,
     Nak,
     Opcode,
-    Refusal,
-    Request,
     ack,
     crc32,
     nak,
@@ -38,6 +38,9 @@ from companion.mavlink.ftp_frames import (
 BURST = 16
 REPEAT_S = 10.0
 MAX_REMEMBERED = 64  # replies
+
+log = logging.getLogger(__name__)
+
 _CHANGING = frozenset(
     {
         Opcode.TERMINATE_SESSION,
@@ -54,13 +57,13 @@ _CHANGING = frozenset(
 
 
 class Store(Protocol):
-    """Files and folders below one root. Every method may raise `Refusal`."""
+    """Files and folders below one root. Every method may raise `FtpRefusal`."""
 
     def entries(self, path: str) -> list[str]:
-        """What is in a folder, as the protocol lists it: Dname, or Fname, a tab and the size."""
+        """Returns a folder's entries in the protocol's form: Dname, or Fname, a tab, the size."""
 
     def read(self, path: str) -> bytes:
-        """What is in a file."""
+        """Returns the content of a file."""
 
     def check_writable(self, path: str) -> None:
         """Raises if no file can be written there."""
@@ -83,17 +86,17 @@ class Store(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class _Asked:
-    """Who asks what, and when."""
+    """A request, its client and its time."""
 
     now_s: float
     client: Client
-    request: Request
+    request: FtpRequest
 
     def path(self) -> str:
-        """The one path in the request."""
+        """Returns the one path in the request."""
         texts = self.request.texts()
         if len(texts) != 1:
-            raise Refusal(Nak.FAIL)
+            raise FtpRefusal(Nak.FAIL)
         return texts[0]
 
 
@@ -114,7 +117,7 @@ class FtpServer:
         self._newest: dict[tuple[Client, int], tuple[float, bytes, list[bytes]]] = {}
 
     def receive(self, now_s: float, client: Client, payload: bytes) -> list[bytes]:
-        """Does what a client asks.
+        """Does what a client asks and returns the replies.
 
         Args:
             client: its system and component id.
@@ -133,7 +136,8 @@ class FtpServer:
             return replies
         try:
             replies = self._do(_Asked(now_s, client, request))
-        except Refusal as refusal:
+        except FtpRefusal as refusal:
+            log.debug("refused request %d of %d/%d: %s", request.opcode, *client, refusal.nak.name)
             replies = [nak(request, refusal)]
         self._newest.pop(session, None)
         self._newest.pop((client, 0), None)
@@ -145,10 +149,10 @@ class FtpServer:
 
     def _do(self, asked: _Asked) -> list[bytes]:
         if asked.request.size > DATA_BYTES:
-            raise Refusal(Nak.INVALID_DATA_SIZE)
+            raise FtpRefusal(Nak.INVALID_DATA_SIZE)
         service = _SERVICES.get(asked.request.opcode)
         if service is None:
-            raise Refusal(Nak.UNKNOWN_COMMAND)
+            raise FtpRefusal(Nak.UNKNOWN_COMMAND)
         return service(self, asked)
 
     def _session(self, asked: _Asked) -> Session:
@@ -161,22 +165,24 @@ class FtpServer:
 
     def _terminate(self, asked: _Asked) -> list[bytes]:
         session = self._session(asked)
-        self._sessions.end(asked.client, session.number)
-        if session.is_writing:
-            if not session.is_whole:
-                raise Refusal(Nak.FAIL)
+        event = SessionEvent.TERMINATED if session.is_whole else SessionEvent.TERMINATED_WITH_GAPS
+        state = self._sessions.advance(asked.client, session, event)
+        if state is SessionState.DROPPED:
+            raise FtpRefusal(Nak.FAIL)
+        if state is SessionState.COMPLETE:
             self._store.write(session.path, bytes(session.content))
+            log.debug("%d/%d wrote %s, %d bytes", *asked.client, session.path, len(session.content))
             self.stored.append(session.path)
         return [ack(asked.request)]
 
     def _reset(self, asked: _Asked) -> list[bytes]:
-        self._sessions.end_all(asked.client)
+        self._sessions.reset(asked.client)
         return [ack(asked.request)]
 
     def _list(self, asked: _Asked) -> list[bytes]:
         entries = self._store.entries(asked.path())[asked.request.offset :]
         if not entries:
-            raise Refusal(Nak.EOF)
+            raise FtpRefusal(Nak.EOF)
         listed = b""
         for entry in entries:
             line = entry.encode() + b"\0"
@@ -187,71 +193,67 @@ class FtpServer:
 
     def _open_to_read(self, asked: _Asked) -> list[bytes]:
         content = self._store.read(asked.path())
-        return self._open(asked, content, is_writing=False)
+        return self._open(asked, content, SessionEvent.OPENED_TO_READ)
 
     def _create(self, asked: _Asked) -> list[bytes]:
         self._store.check_writable(asked.path())
-        return self._open(asked, b"", is_writing=True)
+        return self._open(asked, b"", SessionEvent.OPENED_TO_WRITE)
 
     def _open_to_write(self, asked: _Asked) -> list[bytes]:
         self._store.check_writable(asked.path())
-        return self._open(asked, self._content_if_any(asked.path()), is_writing=True)
+        content = self._content_if_any(asked.path())
+        return self._open(asked, content, SessionEvent.OPENED_TO_WRITE)
 
     def _content_if_any(self, path: str) -> bytes:
         try:
             return self._store.read(path)
-        except Refusal as refusal:
+        except FtpRefusal as refusal:
             if refusal.nak is not Nak.FILE_NOT_FOUND:
                 raise
             return b""
 
-    def _open(self, asked: _Asked, content: bytes, is_writing: bool) -> list[bytes]:
+    def _open(self, asked: _Asked, content: bytes, event: SessionEvent) -> list[bytes]:
         session = self._sessions.open(
-            asked.now_s, asked.client, asked.request.session, asked.path(), content, is_writing
+            asked.now_s, asked.client, asked.request.session, asked.path(), content, event
         )
         size = len(content).to_bytes(4, "little")
         return [ack(asked.request, size, session=session.number)]
 
     def _read(self, asked: _Asked) -> list[bytes]:
-        data = self._part(asked, asked.request.offset)
+        session = self._session(asked)
+        data = _part(session, asked.request.offset, asked.request.size)
+        self._sessions.advance(asked.client, session, SessionEvent.READ)
         return [ack(asked.request, data)]
 
     def _burst(self, asked: _Asked) -> list[bytes]:
         replies: list[bytes] = []
-        request, size = asked.request, len(self._session(asked).content)
+        request, session = asked.request, self._session(asked)
         offset, step = request.offset, request.size or DATA_BYTES
-        data = self._part(asked, offset)
         for nth in range(BURST):
-            is_last = nth == BURST - 1 or offset + step >= size
+            data = _part(session, offset, request.size)
+            is_last = nth == BURST - 1 or offset + step >= len(session.content)
             replies.append(ack(request, data, offset=offset, nth=nth, ends_burst=is_last))
             if is_last:
                 break
             offset += step
-            data = self._part(asked, offset)
+        self._sessions.advance(asked.client, session, SessionEvent.READ)
         return replies
-
-    def _part(self, asked: _Asked, offset: int) -> bytes:
-        content = self._session(asked).content
-        if offset >= len(content):
-            raise Refusal(Nak.EOF)
-        return bytes(content[offset : offset + (asked.request.size or DATA_BYTES)])
 
     def _write(self, asked: _Asked) -> list[bytes]:
         session, request = self._session(asked), asked.request
         try:
-            if not session.is_writing:
-                raise Refusal(Nak.FILE_PROTECTED)
             session.write(request.offset, request.data)
-        except Refusal:
-            self._sessions.end(asked.client, session.number)
+        except FtpRefusal:
+            self._sessions.advance(asked.client, session, SessionEvent.WRITE_REFUSED)
             raise
+        self._sessions.advance(asked.client, session, SessionEvent.WRITTEN)
         return [ack(request)]
 
     def _truncate(self, asked: _Asked) -> list[bytes]:
         path = asked.path()
         content = self._store.read(path)
         if asked.request.offset > len(content):
-            raise Refusal(Nak.INVALID_DATA_SIZE)
+            raise FtpRefusal(Nak.INVALID_DATA_SIZE)
         self._store.write(path, content[: asked.request.offset])
         self.stored.append(path)
         return [ack(asked.request)]
@@ -271,7 +273,7 @@ class FtpServer:
     def _rename(self, asked: _Asked) -> list[bytes]:
         texts = asked.request.texts()
         if len(texts) != 2:
-            raise Refusal(Nak.FAIL)
+            raise FtpRefusal(Nak.FAIL)
         old, new = texts
         self._store.rename(old, new)
         self.stored.append(new)
@@ -279,6 +281,17 @@ class FtpServer:
 
     def _crc32(self, asked: _Asked) -> list[bytes]:
         return [ack(asked.request, crc32(self._store.read(asked.path())).to_bytes(4, "little"))]
+
+
+def _part(session: Session, offset: int, size: int) -> bytes:
+    """Returns `size` bytes of an open file, or as many as fit into a reply.
+
+    Raises:
+        FtpRefusal: the file ends before the offset.
+    """
+    if offset >= len(session.content):
+        raise FtpRefusal(Nak.EOF)
+    return bytes(session.content[offset : offset + (size or DATA_BYTES)])
 
 
 _SERVICES: dict[int, Callable[[FtpServer, _Asked], list[bytes]]] = {

@@ -1,4 +1,4 @@
-"""Where do uploaded files lie, and what may a stranger do there?
+"""The folder of uploaded files, and what a client of MAVLink FTP may do in it.
 
 A door: it opens files, all below one folder. Rules:
 1. A path is a list of names between slashes, from the root whether or not it begins with one.
@@ -8,7 +8,7 @@ A door: it opens files, all below one folder. Rules:
 2. Each folder on the way is opened in the one before, and never through a symbolic link. So no
    path leaves the root, whatever lies there and whoever changes it meanwhile.
 3. A file has at most 256 KiB; there are at most 64 files and 64 folders, and 4 MiB in all.
-4. A file is written beside its place, under a name that no client can say, and then renamed.
+4. A file is written beside its place, under a name that no client can use, and then renamed.
 5. `verdict.json` is ours; clients may read it.
 
 It does not wait for the disk (fsync): a tick would wait with it. After a power cut an upload may
@@ -26,7 +26,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from companion.ground.ftp_sessions import MAX_FILE_BYTES
-from companion.mavlink.ftp_frames import Nak, Refusal
+from companion.mavlink.ftp_frames import FtpRefusal, Nak
 
 VERDICT = "verdict.json"
 MAX_FILES = 64
@@ -50,17 +50,17 @@ _NAKS = {
 
 
 def names_of(path: str) -> tuple[str, ...]:
-    """The names that a path consists of; none for the root.
+    """Returns the names that a path consists of; none for the root.
 
     Raises:
-        Refusal: it cannot be a path of ours.
+        FtpRefusal: it cannot be a path of ours.
 
     >>> names_of("/maps/hall.yaml")
     ('maps', 'hall.yaml')
     """
     names = tuple(name for name in path.split("/") if name)
     if len(names) > MAX_DEPTH or not all(map(_NAME.fullmatch, names)):
-        raise Refusal(Nak.FILE_NOT_FOUND)
+        raise FtpRefusal(Nak.FILE_NOT_FOUND)
     return names
 
 
@@ -76,7 +76,7 @@ class MissionStore:
         self.root = root.resolve()
 
     def entries(self, path: str) -> list[str]:
-        """See `Store`."""
+        """Returns a folder's entries in the protocol's form: Dname, or Fname, a tab, the size."""
         with self._open(names_of(path)) as folder:
             return sorted(
                 f"D{name}" if stat.S_ISDIR(status.st_mode) else f"F{name}\t{status.st_size}"
@@ -84,17 +84,17 @@ class MissionStore:
             )
 
     def read(self, path: str) -> bytes:
-        """See `Store`."""
+        """Returns the content of a file."""
         with self._place(path) as (folder, name):
             return _content(folder, name)
 
     def check_writable(self, path: str) -> None:
-        """See `Store`."""
+        """Raises if no file can be written there."""
         with self._place(path) as (folder, name):
             self._check_new(folder, name, 0)
 
     def write(self, path: str, content: bytes) -> None:
-        """See `Store`."""
+        """Makes or replaces a file at once."""
         with self._place(path) as (folder, name):
             self._check_new(folder, name, len(content))
             _replace(folder, name, content)
@@ -105,33 +105,33 @@ class MissionStore:
             _replace(folder, VERDICT, verdict)
 
     def remove(self, path: str) -> None:
-        """See `Store`."""
+        """Removes a file, but not `verdict.json`."""
         with self._place(path) as (folder, name):
             _check_ours(name)
             os.unlink(name, dir_fd=folder)
 
     def make_folder(self, path: str) -> None:
-        """See `Store`."""
+        """Makes a folder in one that exists, up to 64 of them."""
         with self._place(path) as (folder, name):
             _check_ours(name)
             if sum(1 for _, is_folder, _ in self._all(()) if is_folder) >= MAX_FOLDERS:
-                raise Refusal(Nak.FAIL_ERRNO, errno.ENOSPC)
+                raise FtpRefusal(Nak.FAIL_ERRNO, errno.ENOSPC)
             os.mkdir(name, 0o700, dir_fd=folder)
 
     def remove_folder(self, path: str) -> None:
-        """See `Store`."""
+        """Removes an empty folder."""
         with self._place(path) as (folder, name):
             os.rmdir(name, dir_fd=folder)
 
     def rename(self, old: str, new: str) -> None:
-        """See `Store`."""
+        """Gives a file another name; replaces nothing."""
         with self._place(old) as (source, old_name), self._place(new) as (target, new_name):
             if stat.S_ISDIR(_status(source, old_name).st_mode):
-                raise Refusal(Nak.FILE_PROTECTED)
+                raise FtpRefusal(Nak.FILE_PROTECTED)
             _check_ours(old_name)
             _check_file_name(new_name)
             if _status_if_any(target, new_name) is not None:
-                raise Refusal(Nak.FILE_EXISTS)
+                raise FtpRefusal(Nak.FILE_EXISTS)
             os.rename(old_name, new_name, src_dir_fd=source, dst_dir_fd=target)
 
     def copy_to(self, target: Path) -> None:
@@ -147,24 +147,24 @@ class MissionStore:
                 os.link(self.root.joinpath(*names), target.joinpath(*names), follow_symlinks=False)
 
     def _check_new(self, folder: int, name: str, size: int) -> None:
-        """Whether a file of some size may be written."""
+        """Raises if a file of some size may not be written."""
         _check_file_name(name)
         if size > MAX_FILE_BYTES:
-            raise Refusal(Nak.FAIL_ERRNO, errno.EFBIG)
+            raise FtpRefusal(Nak.FAIL_ERRNO, errno.EFBIG)
         sizes = [status.st_size for _, is_folder, status in self._all(()) if not is_folder]
         files, total_bytes = len(sizes) + 1, sum(sizes) + size
         replaced = _status_if_any(folder, name)
         if replaced is not None:
             if not stat.S_ISREG(replaced.st_mode):
-                raise Refusal(Nak.FILE_EXISTS)
+                raise FtpRefusal(Nak.FILE_EXISTS)
             files, total_bytes = files - 1, total_bytes - replaced.st_size
         if files > MAX_FILES or total_bytes > MAX_TOTAL_BYTES:
-            raise Refusal(Nak.FAIL_ERRNO, errno.ENOSPC)
+            raise FtpRefusal(Nak.FAIL_ERRNO, errno.ENOSPC)
 
     def _all(
         self, names: tuple[str, ...]
     ) -> Iterator[tuple[tuple[str, ...], bool, os.stat_result]]:
-        """Everything below a folder: names, whether it is a folder, status; folders first."""
+        """Yields all below a folder: names, whether it is a folder, status; folders first."""
         with self._open(names) as folder:
             listed = _listed(folder)
         for name, status in listed:
@@ -175,7 +175,7 @@ class MissionStore:
 
     @contextmanager
     def _open(self, names: tuple[str, ...]) -> Iterator[int]:
-        """A folder, opened name by name."""
+        """Opens a folder, name by name."""
         folder = -1
         try:
             folder = os.open(self.root, _FOLDER)
@@ -186,23 +186,23 @@ class MissionStore:
             yield folder
         except OSError as error:
             number = error.errno or 0
-            raise Refusal(_NAKS.get(number, Nak.FAIL_ERRNO), number % 256) from error
+            raise FtpRefusal(_NAKS.get(number, Nak.FAIL_ERRNO), number % 256) from error
         finally:
             if folder >= 0:
                 os.close(folder)
 
     @contextmanager
     def _place(self, path: str) -> Iterator[tuple[int, str]]:
-        """The folder that a path leads to, and its last name."""
+        """Opens the folder that a path leads to; yields it and the last name of the path."""
         names = names_of(path)
         if not names:
-            raise Refusal(Nak.FILE_PROTECTED)  # the root itself
+            raise FtpRefusal(Nak.FILE_PROTECTED)  # the root itself
         with self._open(names[:-1]) as folder:
             yield folder, names[-1]
 
 
 def _listed(folder: int) -> list[tuple[str, os.stat_result]]:
-    """Files and folders in a folder that clients may know of."""
+    """Returns the files and folders in a folder that clients may know of."""
     listed = [(name, _status(folder, name)) for name in os.listdir(folder) if _NAME.fullmatch(name)]
     return [(n, s) for n, s in listed if stat.S_ISDIR(s.st_mode) or stat.S_ISREG(s.st_mode)]
 
@@ -220,19 +220,19 @@ def _status_if_any(folder: int, name: str) -> os.stat_result | None:
 
 def _check_ours(name: str) -> None:
     if name == VERDICT:
-        raise Refusal(Nak.FILE_PROTECTED)
+        raise FtpRefusal(Nak.FILE_PROTECTED)
 
 
 def _check_file_name(name: str) -> None:
     if not name.endswith(_SUFFIXES):
-        raise Refusal(Nak.FILE_PROTECTED)
+        raise FtpRefusal(Nak.FILE_PROTECTED)
 
 
 def _content(folder: int, name: str) -> bytes:
     file = os.open(name, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC, dir_fd=folder)
     with os.fdopen(file, "rb") as stream:
         if not stat.S_ISREG(os.fstat(file).st_mode):
-            raise Refusal(Nak.FILE_NOT_FOUND)
+            raise FtpRefusal(Nak.FILE_NOT_FOUND)
         return stream.read(MAX_FILE_BYTES)
 
 

@@ -1,9 +1,9 @@
-"""What may an operator ask of the companion, and what does the companion tell of itself?
+"""What an operator may ask of the companion, and what the companion tells of itself.
 
 The component (`component.py`) speaks MAVLink with ground stations; whoever flies fulfils
-`Operations`. Each request is answered at once: with "" if it is done, or why it is not, in words
-for people. Missions from outside come through `Uploads`, which has the files and the checks; the
-monitor page is a `Page`.
+`Operations`. Each request is answered at once: with None if it is done, or with a `Refusal`.
+Missions from outside come through the `UploadService`, which has the files and the checks; the
+monitor page is a `MonitorPage`.
 """
 
 from __future__ import annotations
@@ -13,9 +13,12 @@ from enum import Enum
 from pathlib import Path
 from typing import Protocol
 
+from companion.ground.upload_states import UploadVerdict
+from companion.outcomes import Refusal
 
-class Standing(Enum):
-    """How the companion stands, as far as ground stations care."""
+
+class SystemStatus(Enum):
+    """The companion's HEARTBEAT.system_status (MAV_STATE)."""
 
     STANDBY = "nothing is flown"
     ACTIVE = "a sortie is flown"
@@ -23,63 +26,51 @@ class Standing(Enum):
 
 
 class Operations(Protocol):
-    """Whoever flies."""
+    """What an operator can ask of the companion."""
 
     @property
-    def standing(self) -> Standing:
-        """How it stands now."""
+    def system_status(self) -> SystemStatus:
+        """The present status."""
 
     @property
     def awaited(self) -> frozenset[str]:
-        """MAV_CMD names that the mission's events wait for."""
+        """The MAV_CMD names that the mission's events wait for."""
 
-    def start(self) -> str:
-        """Fly the mission, from the ground."""
+    def start(self) -> Refusal | None:
+        """Flies the mission, from the ground."""
 
-    def pause(self) -> str:
-        """Hold in the air, the task frozen."""
+    def pause(self) -> Refusal | None:
+        """Holds in the air, the task frozen."""
 
-    def go_on(self) -> str:
-        """Go on after a pause, or with control that the pilot has handed over."""
+    def resume(self) -> Refusal | None:
+        """Goes on after a pause, or with control that the pilot has handed over."""
 
-    def go_home(self) -> str:
-        """Leave the task, fly home and land; or what the mission has for that."""
+    def return_home(self) -> Refusal | None:
+        """Leaves the task, flies home and lands; or does what the mission has for that."""
 
 
-class Page(Protocol):
+class MonitorPage(Protocol):
     """The monitor page, in a process of its own. No call may block."""
 
     @property
     def is_served(self) -> bool:
-        """Whether it is there; it may end by itself."""
+        """Whether the page is served; it may end by itself."""
 
     def switch(self, is_on: bool) -> str:
-        """Serves it or ends it, if it can; a line for people, where it is or why it is not."""
+        """Serves it or ends it, if it can; returns a line for people: its address, or why not."""
 
 
-class Verdict(Protocol):
-    """What became of an uploaded mission."""
-
-    @property
-    def text(self) -> str:
-        """One line for people."""
-
-    @property
-    def is_accepted(self) -> bool:
-        """Whether it may be flown."""
-
-
-class Uploads(Protocol):
+class UploadService(Protocol):
     """Missions that come over MAVLink FTP. No call may block."""
 
     def ftp(self, now_s: float, client: tuple[int, int], payload: bytes) -> list[bytes]:
-        """The replies to a FILE_TRANSFER_PROTOCOL payload of a (system, component)."""
+        """Returns the replies to a FILE_TRANSFER_PROTOCOL payload of a (system, component)."""
 
-    def poll(self, now_s: float, is_flying: bool) -> Sequence[Verdict]:
-        """What was found out since the last call; in flight a mission has to wait."""
+    def poll(self, now_s: float, is_flying: bool) -> Sequence[UploadVerdict]:
+        """Returns the new verdicts; what is accepted in flight waits for the landing."""
 
     def take_active(self) -> Path | None:
-        """A mission that was accepted and not taken yet; asked only while nothing is flown."""
+        """Makes the accepted mission the active one; called only while nothing is flown."""
 
-    def flown(self) -> None:
-        """The mission that was taken last is started, and need not be offered again."""
+    def started(self) -> None:
+        """The active mission is started, and need not be offered again."""

@@ -1,12 +1,12 @@
-"""Which parameters does the companion have, and how does it answer the parameter protocol?
+"""The companion's own parameters, and its answers in the parameter protocol.
 
     name              unit   range         default
     CMP_BELIEF_RETRY  s      -1 to 3600    -1     after which a belief that a failure withdrew is
                                                   held again, if the mission does not say; -1 never
     CMP_MONITOR              0 or 1        as started  whether the monitor page is served; one
                                                   that cannot be, or has ended, is 0 again
-    CMP_SPEED_MAX     m/s    0.1 to 50     50     no flight begun from now on is faster, nor faster
-                                                  than the mission says
+    CMP_SPEED_MAX     m/s    0.1 to 50     50     nothing is planned or flown faster, nor
+                                                  faster than the mission and its vehicle allow
     CMP_TEXT_LEVEL           0 to 7        6      greatest MAV_SEVERITY that is told as STATUSTEXT
     CMP_TICK_HZ       Hz     read only     20     ticks, and setpoints, a second
 
@@ -29,8 +29,8 @@ from companion.mavlink.parameters import INT32, REAL32, asked_for, decode, value
 
 
 @dataclass(frozen=True, slots=True)
-class Parameter:
-    """One parameter, of a MAV_PARAM_TYPE; it can only be read if it has only one value."""
+class ParameterMetadata:
+    """Type (MAV_PARAM_TYPE), default and range of a parameter; one value alone is read only."""
 
     param_type: int
     default: float
@@ -52,11 +52,11 @@ BELIEF_RETRY, MONITOR, SPEED_MAX, TEXT_LEVEL, TICK = (
 )
 TICK_HZ = round(1 / TICK_S)
 PARAMETERS = {
-    BELIEF_RETRY: Parameter(REAL32, -1.0, -1.0, 3600.0),
-    MONITOR: Parameter(INT32, 0, 0, 1),
-    SPEED_MAX: Parameter(REAL32, 50.0, 0.1, 50.0),
-    TEXT_LEVEL: Parameter(INT32, 6, 0, 7),
-    TICK: Parameter(INT32, TICK_HZ, TICK_HZ, TICK_HZ),
+    BELIEF_RETRY: ParameterMetadata(REAL32, -1.0, -1.0, 3600.0),
+    MONITOR: ParameterMetadata(INT32, 0, 0, 1),
+    SPEED_MAX: ParameterMetadata(REAL32, 50.0, 0.1, 50.0),
+    TEXT_LEVEL: ParameterMetadata(INT32, 6, 0, 7),
+    TICK: ParameterMetadata(INT32, TICK_HZ, TICK_HZ, TICK_HZ),
 }
 NAMES = tuple(PARAMETERS)
 
@@ -80,11 +80,11 @@ class CompanionParameters:
         return self._values[name]
 
     def values(self) -> list[Message]:
-        """The whole list."""
+        """Returns PARAM_VALUE of all parameters."""
         return [self._value(name) for name in NAMES]
 
     def read(self, request: Message) -> list[Message]:
-        """The answer to PARAM_REQUEST_READ."""
+        """Returns the answer to PARAM_REQUEST_READ."""
         name = asked_for(request, NAMES)
         if name is None:
             is_for_us = request.target_component != 0
@@ -92,7 +92,7 @@ class CompanionParameters:
         return [self._value(name)]
 
     def write(self, request: Message) -> list[Message]:
-        """Does what PARAM_SET asks, if it may; the answer is the value from now on."""
+        """Does what PARAM_SET asks, if it may; returns the value from now on, and an error."""
         parameter = PARAMETERS.get(request.param_id)
         if parameter is None:
             return [_error(request, "DOES_NOT_EXIST")]
@@ -108,7 +108,7 @@ class CompanionParameters:
         return [answer] if after == value else [answer, _error(request, "VALUE_OUT_OF_RANGE")]
 
     def put(self, name: str, value: float) -> Message:
-        """Sets a value that it has by itself; tells it."""
+        """Sets a value without being asked; returns the PARAM_VALUE that tells it."""
         self._values[name] = value
         self.version += 1
         return self._value(name)
@@ -118,8 +118,8 @@ class CompanionParameters:
         return value_message(name, value, param_type, len(NAMES), NAMES.index(name))
 
 
-def _value_of(request: Message, parameter: Parameter) -> float | None:
-    """The number that PARAM_SET carries; None if it is of another type, or no number."""
+def _value_of(request: Message, parameter: ParameterMetadata) -> float | None:
+    """Returns the number in a PARAM_SET; None if it is of another type, or no number."""
     if request.param_type != parameter.param_type:
         return None
     value = decode(request.param_value, request.param_type)

@@ -1,9 +1,9 @@
-"""The operator's side: what `companion upload` and `companion watch` ask of MAVSDK.
+"""The ground station of `companion upload` and `companion watch`, by MAVSDK.
 
 A door: MAVSDK opens the link, in threads of its own. The companion is component 191 of the
-vehicle's system. For files MAVSDK can be told so (`set_target_compid`). Its plugins for commands
-and texts speak to the autopilot alone or do not say who spoke, so these go through
-`mavlink_direct`, which names the target in the message and the sender in the answer.
+vehicle's system. MAVSDK's FTP takes that as its target (`set_target_compid`). Its plugins for
+commands and texts address the autopilot alone or do not tell the sender, so these go through
+`mavlink_direct`, which has the target in the message and the sender in the answer.
 
 A file is sent in pieces, each after the answer to the one before: in flight, at the companion's 20
 ticks a second, 4.7 KiB/s. So files that are there already, by their checksum, are not sent again.
@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import logging
 import tempfile
 from collections.abc import AsyncGenerator, AsyncIterator, Callable, Iterable
 from contextlib import asynccontextmanager
@@ -32,10 +33,12 @@ from companion.errors import LinkError, LinkTimeout
 COMPANION = 191  # MAV_COMP_ID_ONBOARD_COMPUTER
 VERDICT = "verdict.json"
 PAUSE_S = 0.5
-"""Between two looks at the verdict."""
+"""Between two requests for the verdict."""
 
-Progress = Callable[[int, int], None]
-"""Is told how many bytes of how many have been sent."""
+ProgressCallback = Callable[[int, int], None]
+"""Called with the number of bytes sent and the number in all."""
+
+log = logging.getLogger(__name__)
 
 
 class Heard(NamedTuple):
@@ -48,7 +51,7 @@ class Heard(NamedTuple):
 
 @asynccontextmanager
 async def connected(url: str, timeout_s: float) -> AsyncIterator[Station]:
-    """A station that hears a vehicle with a companion on board.
+    """Opens a station that hears a vehicle with a companion on board.
 
     Raises:
         LinkError: the link cannot be opened.
@@ -77,7 +80,7 @@ class Station:
         number: its system id.
 
     Attributes:
-        system: the same number.
+        system: its system id.
     """
 
     def __init__(self, system: Any, number: int) -> None:
@@ -102,10 +105,11 @@ class Station:
                 f"no companion (component {COMPANION}) on system {self.system}\n"
                 "    `companion run --connect URL` has to run on board"
             ) from None
+        log.debug("heard component %d of system %d", COMPANION, self.system)
         await self._ftp.set_target_compid(COMPANION)
 
     async def messages(self, names: Iterable[str]) -> AsyncGenerator[Heard]:
-        """Messages of some names from any component of the vehicle, as they come."""
+        """Yields messages of some names from any component of the vehicle, as they come."""
         queue: asyncio.Queue[Heard] = asyncio.Queue()
 
         async def pump(name: str) -> None:
@@ -130,13 +134,14 @@ class Station:
             _check_answered(error)
             return False
 
-    async def put(self, local: Path, remote: PurePosixPath, progress: Progress) -> None:
+    async def put(self, local: Path, remote: PurePosixPath, progress: ProgressCallback) -> None:
         """Sends a file; the folders on its way are made.
 
         Raises:
             LinkError: the companion does not take it.
             LinkTimeout: there was no answer.
         """
+        log.debug("sending %s as %s", local, remote)
         for folder in reversed(remote.parents[:-1]):
             try:
                 await self._ftp.create_directory(str(folder))
@@ -155,7 +160,7 @@ class Station:
                 raise LinkError(f"the companion does not take {remote}: {reason}") from error
 
     async def verdict(self) -> dict[str, Any] | None:
-        """What was found about the mission that was uploaded last; None if there was none."""
+        """Returns the verdict on the mission that was uploaded last; None if there was none."""
         with tempfile.TemporaryDirectory() as folder:
             try:
                 async for _ in self._ftp.download(f"/{VERDICT}", folder, False):
@@ -168,7 +173,7 @@ class Station:
                 return None
 
     async def new_verdict(self, after: int, checksum: int, timeout_s: float) -> dict[str, Any]:
-        """Waits for the verdict on a file.
+        """Waits for the verdict on a file and returns it.
 
         Args:
             after: number of the last verdict before it was sent.
@@ -181,6 +186,7 @@ class Station:
             async with asyncio.timeout(timeout_s):
                 while True:
                     verdict = await self.verdict()
+                    log.debug("verdict %s", verdict and verdict["number"])
                     if verdict and verdict["number"] > after and verdict["crc32"] == checksum:
                         return verdict
                     await asyncio.sleep(PAUSE_S)
@@ -188,7 +194,7 @@ class Station:
             raise LinkTimeout(f"no verdict on the mission after {timeout_s:.0f} s") from None
 
     async def command(self, number: int) -> int:
-        """Sends a command without parameters to the companion; its MAV_RESULT.
+        """Sends a command without parameters to the companion and returns the MAV_RESULT.
 
         Raises:
             LinkTimeout: there was no answer.
@@ -199,6 +205,7 @@ class Station:
             ack = await self._direct.send_command(message)
         except MavsdkError as error:
             raise LinkTimeout(f"the companion does not answer command {number}") from error
+        log.debug("command %d: %s", number, ack.fields_json)
         return int(json.loads(ack.fields_json)["result"])
 
 

@@ -1,15 +1,22 @@
-"""What do ground stations hear of a flight? Reports as STATUSTEXT, no faster than a link survives.
+"""Events as STATUSTEXT to ground stations, at a rate that a radio link can carry.
 
-Each report that people are told becomes one text; what is longer than a message goes in chunks with
-a common id. Texts of one moment (a failure, a belief, a plan) would be a burst: they wait in a
-queue. Who waits too long is left out unless it is a warning or worse, so that what is read is news.
+Each event that people are told becomes one text; what is longer than a message goes in chunks with
+a common id. Texts of one moment (a failure, a belief, a plan) would be a burst, so they wait in a
+queue. A text that has waited too long is left out unless it is a warning or worse: what is read is
+news.
 """
 
 from __future__ import annotations
 
 from collections import deque
 
-from companion.acting.report import Report
+from companion.flight_events.event import FlightEvent
+from companion.flight_events.facts import BeliefRestored, BeliefWithdrawn, MissionEventChanged
+from companion.flight_events.hosting import RecordingFailed, UploadNews
+from companion.flight_events.plans import NoPlanFound, PlanReplaced
+from companion.flight_events.skills import SkillFailed, WrittenTreeFailed
+from companion.flight_events.sortie import RunEnded, RunFailed, SetpointRefused
+from companion.flight_events.word import ConjunctViolated
 from companion.mavlink.framing import Message, dialect
 from companion.mavlink.statustext import chunks
 
@@ -19,36 +26,32 @@ PATIENCE_S = 5.0
 LONGEST = 196
 """Bytes of a text: four messages; plans may be longer, and stand in the run folder."""
 
+CRITICAL: int = dialect.MAV_SEVERITY_CRITICAL
 ERROR: int = dialect.MAV_SEVERITY_ERROR
 WARNING: int = dialect.MAV_SEVERITY_WARNING
 NOTICE: int = dialect.MAV_SEVERITY_NOTICE
 INFO: int = dialect.MAV_SEVERITY_INFO
 
-SEVERITIES: dict[str, int] = {
-    "violation": ERROR,
-    "record": ERROR,
-    "failed": WARNING,
-    "withdrawn": WARNING,
-    "gate": WARNING,
-    "event": NOTICE,
-    "replan": NOTICE,
-    "restored": NOTICE,
-    "upload": NOTICE,
-    "end": NOTICE,
-}
-"""MAV_SEVERITY of each kind of report; all others are INFO."""
-FAILED_END: int = dialect.MAV_SEVERITY_CRITICAL
-"""Of an end with an exit code other than 0."""
+
+def severity(event: FlightEvent) -> int:
+    """Returns the MAV_SEVERITY of an event."""
+    match event:
+        case RunFailed():
+            return CRITICAL
+        case ConjunctViolated() | RecordingFailed():
+            return ERROR
+        case SkillFailed() | WrittenTreeFailed() | BeliefWithdrawn() | SetpointRefused():
+            return WARNING
+        case UploadNews(is_refused=True):
+            return WARNING
+        case MissionEventChanged() | BeliefRestored() | UploadNews() | RunEnded():
+            return NOTICE
+        case PlanReplaced() | NoPlanFound():
+            return NOTICE
+    return INFO
 
 
-def severity(report: Report) -> int:
-    """How bad a report is."""
-    if report.data.get("exit_code") or report.data.get("is_refused"):
-        return FAILED_END if report.kind == "end" else WARNING
-    return SEVERITIES.get(report.kind, INFO)
-
-
-class Texts:
+class StatusTextQueue:
     """The queue of texts.
 
     Attributes:
@@ -62,7 +65,7 @@ class Texts:
         self._next_s = 0.0
 
     def tell(self, now_s: float, severity: int, text: str) -> None:
-        """Puts a text of any length and lines into the queue."""
+        """Puts a text into the queue, however long it is and however many lines it has."""
         if severity > self.level:
             return
         one_line = "; ".join(line.strip() for line in text.splitlines() if line.strip())
@@ -73,7 +76,7 @@ class Texts:
         self._queue.append((now_s, severity, chunks(severity, one_line, self._number)))
 
     def due(self, now_s: float) -> list[Message]:
-        """The message to send now, if any."""
+        """Returns the message to send now, if any."""
         if not self._queue or now_s < self._next_s:
             return []
         self._next_s = now_s + MESSAGE_S
@@ -87,7 +90,7 @@ class Texts:
         return [first]
 
     def rest(self) -> list[Message]:
-        """All that is left, at the end."""
+        """Returns all that is left, at the end of a run."""
         left = [m for _, _, messages in self._queue for m in messages]
         self._queue.clear()
         return left

@@ -1,4 +1,4 @@
-"""What does a person want to read of the messages of a flight? Pure: messages in, lines out.
+"""The lines that `companion watch` prints of a flight. Pure: messages in, lines out.
 
 - Each STATUSTEXT of the companion is a line; long ones come in chunks and are joined.
 - The status line has the mode, the battery and the height, from the autopilot.
@@ -18,11 +18,11 @@ COMPANION = dialect.MAV_COMP_ID_ONBOARD_COMPUTER
 AUTOPILOT = dialect.MAV_COMP_ID_AUTOPILOT1
 EXIT_CODE = "exit_code"
 NAMES = ("HEARTBEAT", "STATUSTEXT", "SYS_STATUS", "GLOBAL_POSITION_INT", "NAMED_VALUE_INT")
-"""Messages that are looked at."""
+"""Names of the messages that are used here."""
 
 
-class Watch:
-    """What was heard so far.
+class WatchedFlight:
+    """What was heard of a flight so far.
 
     Attributes:
         exit_code: of the run, once it has ended.
@@ -32,7 +32,7 @@ class Watch:
     def __init__(self, now_s: float) -> None:
         self.exit_code: int | None = None
         self.heard_s = now_s
-        self._texts = Texts()
+        self._texts = StatusTextAssembler()
         self._mode = "?"
         self._is_armed = False
         self._battery_percent = -1
@@ -47,7 +47,7 @@ class Watch:
         return f"{self._mode}  {armed}  battery {battery} %  height {height} m"
 
     def take(self, now_s: float, component: int, name: str, fields: Mapping[str, Any]) -> list[str]:
-        """Takes a message; returns lines to be read."""
+        """Takes a message and returns the lines to print."""
         if component == COMPANION:
             return self._from_companion(now_s, name, fields)
         if component == AUTOPILOT:
@@ -75,7 +75,7 @@ class Watch:
             self._height_m = int(fields["relative_alt"]) / 1000
 
 
-class Texts:
+class StatusTextAssembler:
     """Joins the chunks of texts (https://mavlink.io/en/messages/common.html#STATUSTEXT)."""
 
     def __init__(self) -> None:
@@ -83,9 +83,9 @@ class Texts:
         self._chunks: list[str] = []
 
     def take(self, text: str, number: int, chunk: int) -> list[str]:
-        """Takes a chunk; the texts that are complete. A chunk that is lost is left out.
+        """Takes a chunk and returns the texts that are complete; a lost chunk is left out.
 
-        >>> texts = Texts()
+        >>> texts = StatusTextAssembler()
         >>> texts.take("a" * 50, 7, 0), texts.take("!", 7, 1)[0][-2:]
         ([], 'a!')
         """

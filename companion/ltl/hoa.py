@@ -13,6 +13,15 @@ from companion.ltl.automaton import BuchiAutomaton, Label, statistics
 def to_hoa(automaton: BuchiAutomaton, marks_on_states: bool = False) -> str:
     """The automaton as HOA v1, with a line feed after each line.
 
+    >>> from companion.ltl.parser import parse
+    >>> from companion.ltl.translate import translate
+    >>> print(to_hoa(translate(parse("G F p"))).partition("--BODY--")[2], end="")
+    <BLANKLINE>
+    State: 0
+    [0] 0 {0}
+    [!0] 0
+    --END--
+
     Args:
         marks_on_states: write the marks once for each state, for tools that know no others.
 

@@ -1,4 +1,4 @@
-"""The command protocol, sender's side: ask until there is a final answer. No I/O.
+"""The sender's side of the command protocol: a command is repeated until its final answer. No I/O.
 
 Rules (https://mavlink.io/en/services/command.html):
 1. A command is sent again every 0.5 s until it is answered, with `confirmation` counted up.
@@ -14,9 +14,11 @@ command still listens: a later failure overrides.
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass
 
 from companion.mavlink.framing import Message, dialect, source
+from companion.outcomes import Refusal
 
 RESEND_S = 0.5
 SILENCE_S = 5.0
@@ -27,14 +29,17 @@ MAX_REJECTIONS = 10
 Parameters = tuple[float, float, float, float, float, float, float]
 """param1 to param7 of COMMAND_LONG."""
 
+log = logging.getLogger(__name__)
+
 
 @dataclass
 class Exchange:
     """One command under way.
 
     Attributes:
-        result: name of the final MAV_RESULT without its prefix, "" while there is none,
-            "NO_ANSWER" for silence.
+        result: name of the final MAV_RESULT without its prefix, None while there is none,
+            "NO_ANSWER" for silence, "REFUSED" if it is not sent at all.
+        refusal: why it is not sent.
     """
 
     system: int
@@ -45,17 +50,26 @@ class Exchange:
     next_send_s: float
     confirmation: int = 0
     rejections: int = 0
-    result: str = ""
+    result: str | None = None
     is_answered: bool = False
+    refusal: Refusal | None = None
 
     @property
     def has_failed(self) -> bool:
-        """A final answer, and not the wanted one."""
-        return self.result not in ("", "ACCEPTED")
+        """Whether the final answer is there and is not the wanted one."""
+        return self.result not in (None, "ACCEPTED")
+
+    @property
+    def in_words(self) -> str:
+        """The final answer for people."""
+        if self.refusal is not None:
+            return self.refusal.reason
+        return (self.result or "no answer yet").replace("_", " ").lower()
 
     def receive(self, now_s: float, ack: Message) -> None:
         """Takes a COMMAND_ACK for this command."""
         result = result_name(ack.result)
+        log.debug("command %d to %d/%d: %s", self.command, self.system, self.component, result)
         self.is_answered = True
         if result == "IN_PROGRESS":
             self.deadline_s = now_s + PROGRESS_S
@@ -68,16 +82,25 @@ class Exchange:
             self.result = result
 
     def due(self, now_s: float) -> Message | None:
-        """The COMMAND_LONG to send now, if any."""
-        if self.result:
+        """Returns the COMMAND_LONG to send now, if any."""
+        if self.result is not None:
             return None
         if now_s >= self.deadline_s:
             self.result = "NO_ANSWER"
+            log.debug("command %d to %d/%d: no answer", self.command, self.system, self.component)
             return None
         if self.is_answered or now_s < self.next_send_s:
             return None
         message = dialect.MAVLink_command_long_message(
             self.system, self.component, self.command, self.confirmation, *self.parameters
+        )
+        log.debug(
+            "command %d to %d/%d: sent, confirmation %d, parameters %s",
+            self.command,
+            self.system,
+            self.component,
+            self.confirmation,
+            self.parameters,
         )
         self.confirmation = min(255, self.confirmation + 1)
         self.next_send_s = now_s + RESEND_S
@@ -98,12 +121,17 @@ class CommandSender:
         command: int,
         parameters: Parameters,
     ) -> int:
-        """Begins a command to (system, component); returns its ticket."""
+        """Begins a command to (system, component) and returns its ticket."""
         self._tickets += 1
         self._exchanges[self._tickets] = Exchange(
             *target, command, parameters, deadline_s=now_s + SILENCE_S, next_send_s=now_s
         )
         return self._tickets
+
+    def refuse(self, ticket: int, refusal: Refusal) -> None:
+        """Ends a command before it is sent, as a failure with a reason."""
+        exchange = self._exchanges[ticket]
+        exchange.result, exchange.refusal = "REFUSED", refusal
 
     def forget(self, ticket: int) -> None:
         """Ends a command: nothing more is sent, answers are ignored."""
@@ -124,12 +152,12 @@ class CommandSender:
                 return
 
     def due(self, now_s: float) -> list[Message]:
-        """The messages to send now."""
+        """Returns the messages to send now."""
         return [m for e in self._exchanges.values() if (m := e.due(now_s)) is not None]
 
 
 def result_name(result: int) -> str:
-    """MAV_RESULT in words, e.g. "DENIED".
+    """Returns the name of a MAV_RESULT without its prefix.
 
     >>> result_name(2)
     'DENIED'

@@ -1,8 +1,7 @@
 """MAVLink 2 frames: messages to bytes and back, for one component on one link.
 
 One datagram is one parse: what a damaged datagram leaves behind never swallows the frames of the
-next one. Damaged frames and unknown messages are counted by nobody and seen by nobody; they never
-raise.
+next one. Damaged frames and unknown messages are dropped without a count; they never raise.
 
 Source: https://mavlink.io/en/guide/serialization.html. Signing is left out.
 """
@@ -22,8 +21,8 @@ os.environ.setdefault("MAVLINK20", "1")  # pymavlink starts in version 1 otherwi
 from pymavlink.dialects.v20 import common as dialect
 
 __all__ = [
-    "Endpoint",
     "Fields",
+    "MavlinkCodec",
     "Message",
     "choose",
     "dialect",
@@ -46,8 +45,13 @@ Fields = tuple[Any, ...]
 """A message's fields in the order of its definition; extensions at its end may be left out."""
 
 
-class Endpoint:
-    """One component's voice and ear on one link; keeps the link's sequence numbers.
+class MavlinkCodec:
+    """Packs and parses the frames of one component on one link; keeps its sequence numbers.
+
+    >>> codec = MavlinkCodec(1, 191)
+    >>> (message,) = codec.parse(codec.pack(dialect.MAVLink_ping_message(0, 7, 0, 0)))
+    >>> message.seq, source(message)
+    (7, (1, 191))
 
     Args:
         system: own system id.
@@ -60,12 +64,12 @@ class Endpoint:
         self._mavlink = dialect.MAVLink(None, srcSystem=system, srcComponent=component)
 
     def pack(self, message: Message) -> bytes:
-        """The frame of a message, from this component, with the next sequence number."""
+        """Returns the frame of a message, from this component, with the next sequence number."""
         kind: Any = type(message)
         return self.frame(kind, _layout(kind).fields(message))
 
     def frame(self, kind: Any, fields: Fields) -> bytes:
-        """The same from a message's class and its fields: half the time, for what comes often."""
+        """Does as `pack`, from a message's class and fields: half the time, for frequent ones."""
         layout = _layout(kind)
         if missing := layout.length - len(fields):
             fields += layout.extensions[-missing:]
@@ -82,7 +86,7 @@ class Endpoint:
         return b"\xfd" + body + _CHECKSUM.pack(_crc(body + layout.crc_extra, 0xFFFF))
 
     def parse(self, datagram: bytes) -> list[Message]:
-        """The intact, known messages of a datagram, in order; never raises."""
+        """Returns the intact, known messages of a datagram, in order; never raises."""
         found = []
         for frame in split_frames(datagram):
             if _message_id(frame) in dialect.mavlink_map:
@@ -94,7 +98,7 @@ class Endpoint:
 
 
 class _Layout(NamedTuple):
-    """How a message becomes bytes: pymavlink's own in a third of its time.
+    """The layout of a message on the wire; packs in a third of pymavlink's time.
 
     Attributes:
         length: number of fields.
@@ -153,12 +157,12 @@ def _message_id(frame: bytes) -> int:
 
 
 def source(message: Message) -> tuple[int, int]:
-    """System and component id that sent a message."""
+    """Returns the system and component id that sent a message."""
     return (message.get_srcSystem(), message.get_srcComponent())
 
 
 def split_frames(datagram: bytes) -> list[bytes]:
-    """The frames of a datagram, by their headers; what is no frame is left out."""
+    """Returns the frames of a datagram, by their headers; what is no frame is left out."""
     size = len(datagram)
     if size >= 12 and datagram[0] == _MAGIC_2 and datagram[1] == size - 12 and not datagram[2]:
         return [datagram]  # as nearly always: one frame, unsigned
@@ -176,7 +180,7 @@ def split_frames(datagram: bytes) -> list[bytes]:
 
 
 def frame_size(data: bytes, at: int) -> int | None:
-    """How many bytes the frame has whose first three are there; None if no frame begins there."""
+    """Returns the size of a frame by its first three bytes; None if no frame begins there."""
     if data[at] == _MAGIC_2:
         is_signed = data[at + 2] & dialect.MAVLINK_IFLAG_SIGNED
         return 12 + data[at + 1] + (dialect.MAVLINK_SIGNATURE_BLOCK_LEN if is_signed else 0)
@@ -186,7 +190,7 @@ def frame_size(data: bytes, at: int) -> int | None:
 def choose(
     datagrams: list[bytes], wanted: Container[int], continual: Container[int]
 ) -> list[bytes]:
-    """The frames that are worth decoding, in order: it takes longer than all the rest.
+    """Returns the frames that are worth decoding, in order; decoding takes the longest of all.
 
     Args:
         datagrams: of one link, as they arrived together.

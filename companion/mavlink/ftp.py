@@ -1,7 +1,6 @@
-"""What does a component without files answer to MAVLink FTP? That it has none.
+"""MAVLink FTP of a component without files: each request is refused at once with FileNotFound.
 
-Clients try FTP first for parameters and metadata, and wait for seconds where nobody answers. So
-each request is refused at once with FileNotFound, and they go on without.
+Clients try FTP first for parameters and metadata, and wait for seconds where nobody answers.
 
 Source: https://mavlink.io/en/services/ftp.html.
 """
@@ -9,13 +8,13 @@ Source: https://mavlink.io/en/services/ftp.html.
 from __future__ import annotations
 
 from companion.mavlink.framing import Message, dialect, source
-from companion.mavlink.ftp_frames import Nak, Refusal, nak, read_request
+from companion.mavlink.ftp_frames import FtpRefusal, Nak, nak, read_request
 
 
 def refusal(message: Message) -> Message | None:
-    """The answer to a FILE_TRANSFER_PROTOCOL message; None to what is no request."""
+    """Returns the answer to a FILE_TRANSFER_PROTOCOL message; None to what is no request."""
     request = read_request(bytes(message.payload))
     if request is None:
         return None
-    payload = nak(request, Refusal(Nak.FILE_NOT_FOUND))
+    payload = nak(request, FtpRefusal(Nak.FILE_NOT_FOUND))
     return dialect.MAVLink_file_transfer_protocol_message(0, *source(message), list(payload))

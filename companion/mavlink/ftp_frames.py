@@ -1,4 +1,4 @@
-"""How do requests and replies of MAVLink FTP stand in the payload of FILE_TRANSFER_PROTOCOL?
+"""Requests and replies of MAVLink FTP in the payload of FILE_TRANSFER_PROTOCOL.
 
 Twelve bytes of header, then up to 239 of data, padded with zeros to 251. Nothing here keeps
 state. Source: https://mavlink.io/en/services/ftp.html.
@@ -18,7 +18,7 @@ ACK, NAK = 128, 129
 
 
 class Opcode(IntEnum):
-    """What a client asks for; above 127 stand replies."""
+    """MAV_FTP_OPCODE of a request; those above 127 are replies."""
 
     NONE = 0
     TERMINATE_SESSION = 1
@@ -39,7 +39,7 @@ class Opcode(IntEnum):
 
 
 class Nak(IntEnum):
-    """Why a request is refused."""
+    """MAV_FTP_ERR: why a request is refused."""
 
     FAIL = 1
     FAIL_ERRNO = 2
@@ -53,8 +53,8 @@ class Nak(IntEnum):
     FILE_NOT_FOUND = 10
 
 
-class Refusal(Exception):
-    """A request cannot be done.
+class FtpRefusal(Exception):
+    """A request that cannot be done.
 
     Args:
         nak: the protocol's reason.
@@ -68,8 +68,8 @@ class Refusal(Exception):
 
 
 @dataclass(frozen=True, slots=True)
-class Request:
-    """What a client asks.
+class FtpRequest:
+    """A client's request.
 
     Attributes:
         size: of the data; in reads and bursts, how many bytes are wanted.
@@ -84,31 +84,31 @@ class Request:
     data: bytes
 
     def texts(self) -> tuple[str, ...]:
-        """The data as texts that end in NUL or with the data.
+        """Returns the data as texts that end in NUL or with the data.
 
         Raises:
-            Refusal: it is not UTF-8.
+            FtpRefusal: it is not UTF-8.
         """
         raw = self.data.removesuffix(b"\0")
         try:
             return tuple(part.decode() for part in raw.split(b"\0"))
         except UnicodeDecodeError:
-            raise Refusal(Nak.FAIL) from None
+            raise FtpRefusal(Nak.FAIL) from None
 
 
-def read_request(payload: bytes) -> Request | None:
-    """The request in a payload; None for a reply, or for less than a header."""
+def read_request(payload: bytes) -> FtpRequest | None:
+    """Returns the request in a payload; None for a reply, or for less than a header."""
     if len(payload) < _HEADER.size:
         return None
     sequence, session, opcode, size, _, _, offset = _HEADER.unpack_from(payload)
     if opcode >= ACK:
         return None
     data = payload[_HEADER.size : _HEADER.size + size].ljust(min(size, DATA_BYTES), b"\0")
-    return Request(sequence, session, opcode, size, offset, data)
+    return FtpRequest(sequence, session, opcode, size, offset, data)
 
 
 def ack(
-    request: Request,
+    request: FtpRequest,
     data: bytes = b"",
     *,
     session: int | None = None,
@@ -116,7 +116,7 @@ def ack(
     nth: int = 0,
     ends_burst: bool = False,
 ) -> bytes:
-    """A reply that says yes.
+    """Returns the payload of a positive reply (ACK).
 
     Args:
         request: what it answers.
@@ -138,8 +138,8 @@ def ack(
     return (header + data).ljust(PAYLOAD_BYTES, b"\0")
 
 
-def nak(request: Request, refusal: Refusal) -> bytes:
-    """A reply that says no."""
+def nak(request: FtpRequest, refusal: FtpRefusal) -> bytes:
+    """Returns the payload of a negative reply (NAK)."""
     reason = bytes([refusal.nak])
     if refusal.nak is Nak.FAIL_ERRNO:
         reason += bytes([refusal.errno])
@@ -156,7 +156,7 @@ def nak(request: Request, refusal: Refusal) -> bytes:
 
 
 def crc32(content: bytes) -> int:
-    """The protocol's checksum: the usual polynomial, from 0 and without the last inversion.
+    """Returns the protocol's checksum: the usual polynomial, from 0, without the last inversion.
 
     >>> hex(crc32(b"123456789"))
     '0x2dfd2d88'

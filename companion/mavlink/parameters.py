@@ -1,4 +1,4 @@
-"""How do PX4's integer parameters travel in the one float field of the parameter protocol?
+"""PX4's byte-wise encoding of integer parameters in the float field of the parameter protocol.
 
 PX4 copies the four bytes of an integer into PARAM_VALUE.param_value (capability
 MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_BYTEWISE); the type field says how to read them back.
@@ -24,7 +24,7 @@ _LAYOUTS = {1: "<Bxxx", 2: "<bxxx", 3: "<Hxx", 4: "<hxx", 5: "<I", INT32: "<i", 
 
 
 def encode(value: float, param_type: int) -> float:
-    """The float that carries a value on the wire.
+    """Returns the float that carries a value on the wire.
 
     Args:
         value: within the range of the type; integral for the integer types.
@@ -46,7 +46,7 @@ def encode(value: float, param_type: int) -> float:
 
 
 def decode(param_value: float, param_type: int) -> float | int:
-    """The value that a float of the wire carries; the inverse of `encode`.
+    """Returns the value that a float of the wire carries; the inverse of `encode`.
 
     Raises:
         ValueError: a type that does not fit into the field.
@@ -56,7 +56,7 @@ def decode(param_value: float, param_type: int) -> float | int:
 
 
 def value_message(name: str, value: float, param_type: int, count: int, index: int) -> Message:
-    """PARAM_VALUE of one of `count` parameters.
+    """Returns PARAM_VALUE of one of `count` parameters.
 
     Raises:
         ValueError: as `encode`.
@@ -67,7 +67,7 @@ def value_message(name: str, value: float, param_type: int, count: int, index: i
 
 
 def asked_for(request: Message, names: Sequence[str]) -> str | None:
-    """Which of some names a PARAM_REQUEST_READ means, by index or by name; None if none."""
+    """Returns the name that a PARAM_REQUEST_READ means, by index or by name; None if unknown."""
     index = request.param_index
     if index >= 0:
         return names[index] if index < len(names) else None

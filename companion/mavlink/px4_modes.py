@@ -26,7 +26,7 @@ _NAMES = {modes: name for name, modes in MODES.items()}
 
 
 def custom_mode(name: str) -> int:
-    """HEARTBEAT.custom_mode of a mode.
+    """Returns the HEARTBEAT.custom_mode of a mode.
 
     >>> hex(custom_mode("OFFBOARD")), hex(custom_mode("AUTO.LOITER"))
     ('0x60000', '0x3040000')
@@ -36,10 +36,10 @@ def custom_mode(name: str) -> int:
 
 
 def mode_name(custom: int) -> str | None:
-    """Name of a HEARTBEAT.custom_mode, None for one that is not in the table."""
+    """Returns the name of a HEARTBEAT.custom_mode; None for one that is not in the table."""
     return mode_from(custom >> 16 & 0xFF, custom >> 24 & 0xFF)
 
 
 def mode_from(main: int, sub: int) -> str | None:
-    """Name of a main and sub mode, None for a pair that is not in the table."""
+    """Returns the name of a main and sub mode; None for a pair that is not in the table."""
     return _NAMES.get((main, sub))

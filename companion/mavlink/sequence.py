@@ -1,8 +1,8 @@
-"""Has a newer message of this kind been heard before this one?
+"""Messages that a newer one of their kind has overtaken, found by their sequence numbers.
 
 UDP may deliver datagrams in another order, and an old position or mode is no news. Every MAVLink
-message of a component on a link carries a sequence number that begins again after 255. All of
-them together are counted on from one message to the next, so that also messages that come once a
+message of a component on a link carries a sequence number, which begins again after 255. The
+numbers of all messages are counted on from one to the next, so that also messages that come once a
 second, with hundreds of others in between, can be compared.
 """
 
@@ -14,10 +14,10 @@ ROUND = 256
 SILENCE_S = 0.25  # after a longer pause the next message is taken for a new one
 
 
-class Order:
+class SequenceTracker:
     """The order in which one component has sent what comes in on one link.
 
-    >>> order = Order()
+    >>> order = SequenceTracker()
     >>> [order.is_overtaken(0.0, "HEARTBEAT", number) for number in (254, 0, 255, 0)]
     [False, False, True, False]
     """
@@ -28,7 +28,7 @@ class Order:
         self._of_kind: dict[str, int] = {}
 
     def is_overtaken(self, now_s: float, kind: str, number: int) -> bool:
-        """Take a message; whether a newer one of its kind has come before it.
+        """Takes a message and returns whether a newer one of its kind has come before it.
 
         Args:
             now_s: when it arrived.

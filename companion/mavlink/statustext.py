@@ -1,7 +1,7 @@
-"""How does a text of any length travel in STATUSTEXT messages of 50 bytes?
+"""A text of any length as STATUSTEXT messages of 50 bytes.
 
-In chunks with a common id, numbered from 0; one that is shorter than 50 bytes ends the text. A
-text that fits into one message has id 0 (https://mavlink.io/en/messages/common.html#STATUSTEXT).
+Its chunks have a common id and are numbered from 0; one of less than 50 bytes ends the text. A text
+that fits into one message has id 0 (https://mavlink.io/en/messages/common.html#STATUSTEXT).
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ CHUNK_BYTES = 50
 
 
 def chunks(severity: int, text: str, number: int) -> list[Message]:
-    """The messages of a text.
+    """Returns the messages of a text.
 
     Args:
         severity: MAV_SEVERITY.

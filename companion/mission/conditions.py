@@ -1,4 +1,4 @@
-"""Which MAVLink field makes an event true? Reads the `when` and `until` of events.
+"""Conditions on MAVLink fields: the `when` and `until` of events.
 
     MESSAGE.field OP NUMBER              BATTERY_STATUS.battery_remaining < 30
     MESSAGE[instance].field OP NUMBER    NAMED_VALUE_INT[target].value > 0
@@ -39,13 +39,13 @@ _CONDITION = re.compile(
 
 
 def parse_condition(text: str) -> Condition:
-    """Read a condition.
+    """Reads a condition.
 
     >>> parse_condition("COMMAND.MAV_CMD_USER_1").comparison
     '!='
 
     Raises:
-        FormulaError: not a condition, or a message, field or command that `common` has not.
+        FormulaError: not a condition, or a message, field or command that is not in `common`.
     """
     match = _CONDITION.fullmatch(text)
     if match is None:
@@ -70,7 +70,7 @@ def parse_condition(text: str) -> Condition:
 
 
 def command_number(name: str, text: str, offset: int) -> int:
-    """Number of a MAV_CMD; `text` and `offset` say where the name was read, for the error."""
+    """Returns the number of a MAV_CMD; `text` and `offset` are the name's place, for the error."""
     if name not in COMMANDS:
         raise FormulaError(
             f"unknown command {name}", text, offset, len(name), did_you_mean(name, COMMANDS)

@@ -1,4 +1,4 @@
-"""What does a skill do to the vehicle? Reads a step of a skill's `execute`.
+"""The steps of a skill's `execute`: what it does to the vehicle and its payloads.
 
 fly(parameter)    command(component, MAV_CMD_NAME[, param1, ... param7])    wait(seconds)
 land()    charge(percent)    take_off()    another skill with its arguments
@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 from companion.documents import did_you_mean
 from companion.errors import FormulaError
+from companion.mavlink.payload_commands import AUTOPILOT, commands_for, why_not_sent
 from companion.mission.conditions import command_number
 from companion.mission.model import Charge, Command, Do, Execution, Fly, Land, TakeOff, Wait
 
@@ -58,7 +59,7 @@ def parse_execution(
     components: Mapping[str, int],
     skills: Collection[str] = (),
 ) -> Execution:
-    """Read a step: a primitive, or another skill. What a skill's arguments are is not checked.
+    """Reads a step: a primitive, or another skill, whose arguments are not checked here.
 
     Args:
         text: e.g. `fly(to)`.
@@ -67,7 +68,8 @@ def parse_execution(
         skills: names of skills that may be called.
 
     Raises:
-        FormulaError: unknown primitive, parameter, component or command, or a wrong number.
+        FormulaError: unknown primitive, parameter, component or command, a wrong number, or a
+            command that no skill may send to the component (`mavlink/payload_commands.py`).
     """
     match = _CALL.fullmatch(text)
     forms = ", ".join(FORMS.values())
@@ -119,9 +121,18 @@ def _command(arguments: list[_Argument], components: Mapping[str, int]) -> Comma
         listing = ", ".join(components) or "none yet"
         hint = f"components are {listing}. {did_you_mean(component.word, components)}".rstrip()
         raise component.error(f"unknown component {component.word}", hint)
+    addressee = components[component.word]
+    number = command_number(command.word, command.text, command.offset)
+    if why_not := why_not_sent(addressee, number):
+        raise command.error(
+            why_not,
+            f"to the autopilot skills send {', '.join(sorted(commands_for(addressee)))}"
+            if addressee == AUTOPILOT
+            else "skills command payloads; the vehicle is flown by fly(), land() and take_off()",
+        )
     return Command(
-        component=components[component.word],
-        command=command_number(command.word, command.text, command.offset),
+        component=addressee,
+        command=number,
         name=command.word,
         parameters=tuple(_number(argument) for argument in numbers),
     )

@@ -1,7 +1,7 @@
-"""Which files does a mission consist of? Itself, its map with the image, its PDDL files.
+"""The files of a mission: itself, its map with the image, its vehicle profile, its PDDL files.
 
 A door: it reads the mission and its map's YAML, as far as they name other files. Whoever takes
-missions from strangers says where all of them have to lie; nothing outside is opened.
+missions from strangers names the folder that all of them have to be in; nothing else is opened.
 """
 
 from __future__ import annotations
@@ -9,15 +9,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from companion.documents import Document, validate
+from companion.documents import Document, read_source, validate
 from companion.errors import MissionError
 from companion.maps import image_of
-from companion.mission.loader import read_text
 from companion.mission.schema import MissionFile
+from companion.vehicle_files import profile_path
 
 
 def files_of(path: Path, within: Path) -> tuple[Path, ...]:
-    """The files that a mission needs, itself last.
+    """Returns the files that a mission needs, itself last.
 
     Args:
         path: of the mission.
@@ -26,22 +26,33 @@ def files_of(path: Path, within: Path) -> tuple[Path, ...]:
     Raises:
         MissionError: the mission or its map cannot be read, or a file lies elsewhere.
     """
-    file, document = validate(read_text(path), str(path), MissionFile)
-    map_path = path.parent / file.map
-    _check_within(map_path, within, file.map, document, ["map"])
-    try:
-        image = image_of(map_path)
-    except MissionError as error:
-        if error.where is not None:
-            raise
-        raise MissionError(error.what, document.where("map"), error.hint) from error
-    _check_within(image, within, f"the image of {file.map}", document, ["map"])
+    file, document = validate(read_source(path, "mission").content, str(path), MissionFile)
     others: list[Path] = []
+    if isinstance(file.map, str):
+        others += _map_files(path.parent, file.map, within, document)
+    profile = profile_path(file.vehicle.profile, path.parent)
+    if profile.is_file():
+        others.append(profile)
+        _check_within(profile, within, f"the vehicle {profile.stem}", document, ["vehicle"])
     for key, name in (("domain", file.domain), ("problem", file.problem)):
         if name is not None:
             others.append(path.parent / name)
             _check_within(others[-1], within, name, document, [key])
-    return (image, map_path, *others, path)
+    return (*others, path)
+
+
+def _map_files(folder: Path, name: str, within: Path, document: Document) -> tuple[Path, Path]:
+    """Returns the image of a map file, and the file."""
+    path = folder / name
+    _check_within(path, within, name, document, ["map"])
+    try:
+        image = image_of(path)
+    except MissionError as error:
+        if error.where is not None:
+            raise
+        raise MissionError(error.what, document.where("map"), error.hint) from error
+    _check_within(image, within, f"the image of {name}", document, ["map"])
+    return image, path
 
 
 def _check_within(

@@ -1,7 +1,7 @@
-"""Which facts does a precondition, an effect or a list of beliefs name?
+"""Facts and literals in preconditions, effects and lists of beliefs.
 
 Facts are read by the formula language's own parser, so that they are written the same
-everywhere; of its operators only & and ! may be used here.
+everywhere; of its operators only & and ! may be used here, and -> in effects.
 """
 
 from __future__ import annotations
@@ -9,11 +9,11 @@ from __future__ import annotations
 from companion.errors import FormulaError
 from companion.ltl.formula import Formula, Operator, conjuncts
 from companion.ltl.parser import parse
-from companion.mission.model import Atom, Conditional, Literal
+from companion.mission.model import Atom, ConditionalEffectTemplate, Literal
 
 
 def parse_literals(text: str) -> tuple[Literal, ...]:
-    """Read a conjunction of facts and negated facts.
+    """Reads a conjunction of facts and negated facts.
 
     >>> [str(literal.atom.name) for literal in parse_literals("at(to) & !at(from)")]
     ['at', 'at']
@@ -24,8 +24,8 @@ def parse_literals(text: str) -> tuple[Literal, ...]:
     return tuple(_literal(part, text) for part in conjuncts(parse(text)))
 
 
-def parse_effect(text: str) -> tuple[tuple[Literal, ...], tuple[Conditional, ...]]:
-    """Read an effect: facts joined by &, and (condition -> effect) in parentheses.
+def parse_effect(text: str) -> tuple[tuple[Literal, ...], tuple[ConditionalEffectTemplate, ...]]:
+    """Reads an effect: facts joined by &, and (condition -> effect) in parentheses.
 
     >>> plain, conditional = parse_effect("free & !has(x) & (lit & !late -> delivered(x))")
     >>> len(plain), [len(c.condition) for c in conditional]
@@ -35,20 +35,20 @@ def parse_effect(text: str) -> tuple[tuple[Literal, ...], tuple[Conditional, ...
         FormulaError: not a formula, or one with other operators than &, ! and ->.
     """
     plain: list[Literal] = []
-    conditional: list[Conditional] = []
+    conditional: list[ConditionalEffectTemplate] = []
     for part in conjuncts(parse(text)):
         if part.operator is Operator.IMPLIES:
             condition, effect = (
                 tuple(_literal(fact, text) for fact in conjuncts(side)) for side in part.operands
             )
-            conditional.append(Conditional(condition, effect))
+            conditional.append(ConditionalEffectTemplate(condition, effect))
         else:
             plain.append(_literal(part, text))
     return tuple(plain), tuple(conditional)
 
 
 def parse_fact(text: str) -> Atom:
-    """Read one fact, e.g. at(Home).
+    """Reads one fact, e.g. at(Home).
 
     Raises:
         FormulaError: anything else, half a fact among them: a YAML list splits at commas.
@@ -67,7 +67,7 @@ def parse_fact(text: str) -> Atom:
 
 
 def atom_of(canonical: str) -> Atom:
-    """The name and arguments of a fact in the formula language's canonical text.
+    """Returns the name and arguments of a fact in the formula language's canonical text.
 
     >>> atom_of("trans_ok(A, B)")
     Atom(name='trans_ok', arguments=('A', 'B'))

@@ -1,57 +1,66 @@
-"""Can this mission be flown as it is written? Reads a mission file and the map next to it.
+"""Reads a mission with its map, and checks that it can be flown as it is written.
 
-A door: it opens files. Out comes the frozen `Mission` of model.py in SI units and local NED, or
-one MissionError with file:line:column. In the order of the checks: the YAML and its keys
-(documents.py, schema.py), names, the places on the map, events, skills, and last the facts that
-`initially` and `task` mention, against all that the mission defines.
+A door: it opens files. In goes a file, a text or data, out comes the frozen `Mission` of model.py
+in SI units and local NED, or one MissionError with file:line:column (for data: the path of keys).
+In the order of the checks: the YAML and its keys (documents.py, schema.py), names, the places on
+the map, events, skills, and last the facts that `initially` and `task` mention, against all that
+the mission defines.
 
-Whether the task can be fulfilled is a question for the planner.
+Whether the task can be fulfilled is found by the planner.
 """
 
 from __future__ import annotations
 
+import json
 from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 
-from companion.documents import Document, did_you_mean, validate
-from companion.documents.yaml_tree import MAX_BYTES
+from companion.documents import Document, Given, Source, did_you_mean, read_source, validate
 from companion.errors import FormulaError, MissionError
 from companion.geometry import ned_from_enu
 from companion.ltl.formula import Formula, Operator, eventually
 from companion.ltl.parser import parse
-from companion.maps import read_map
+from companion.maps import map_of_boxes, read_map
 from companion.mission.conditions import parse_condition
 from companion.mission.literals import parse_fact, parse_literals
 from companion.mission.model import Atom, Event, Limits, Mission, Otherwise, Place, Skill
 from companion.mission.pddl_domain import with_domain
-from companion.mission.schema import MissionFile
+from companion.mission.schema import MapEntry, MissionFile
 from companion.mission.sites import check_limits, check_places
 from companion.mission.skills import build_skills
 from companion.mission.tree import read_tree
 from companion.mission.vocabulary import Vocabulary
 from companion.motion.grid import OccupancyGrid
+from companion.vehicle_files import read_vehicle
 
-RADIUS_M = 0.35  # of the vehicle
-MARGIN_M = 0.10
-"""What has to stay free beside the vehicle, wherever it really flies."""
-DEVIATION_M = 0.15
-"""How much nearer than its route it may come: tracking, map cells, the way to a stop."""
-CLEARANCE_M = RADIUS_M + MARGIN_M + DEVIATION_M
 GOAL = "goal"  # name of the conjunct that a plain goal makes
 _TASK_HINT = "add task: {NAME: FORMULA}, what must hold, or goal: FACTS, what must hold once"
 _SHOWN = 20  # names listed in a message
 RESERVED_PLACE = "here"  # the planner's name for where an interrupted move leaves the vehicle
 
 
-def load_mission(path: Path) -> Mission:
-    """Read a mission file and its map.
+def load_mission(source: Given, folder: Path | None = None) -> Mission:
+    """Reads a mission and its map.
+
+    >>> from companion import load_mission
+    >>> mission = load_mission("missions/surveillance.yaml")
+    >>> mission.name, list(mission.places), str(mission.task["return"])
+    ('surveillance', ['Home', 'A', 'B', 'C', 'r1', 'r2', 'r3'], 'G(targetReported -> X at(Home))')
+
+    Args:
+        source: the path of a YAML file; or the YAML text itself, which has a line break; or the
+            same as Python data, a dict.
+        folder: what the names of map and PDDL files are relative to; by default the folder of
+            the mission's own file, or the current one.
 
     Raises:
-        MissionError: a file is missing, or anything in it cannot be used.
+        MissionError: a file is missing, or anything in it cannot be used. It says where: file,
+            line and column, `<mission>` in place of the file for a text; the keys for data, e.g.
+            `task.search`.
     """
-    text = read_text(path)
-    file, document = validate(text, str(path), MissionFile)
-    file, declared = with_domain(file, document, path.parent)
+    read = read_source(source, "mission", folder)
+    file, document = validate(read.content, read.name, MissionFile)
+    file, declared = with_domain(file, document, read.folder)
     _check_names(file, document)
     limits = _limits(file)
     check_limits(limits, document)
@@ -59,8 +68,9 @@ def load_mission(path: Path) -> Mission:
         name: Place(name, ned_from_enu(p.east_m, p.north_m, p.up_m), p.radius_m)
         for name, p in file.places.items()
     }
-    grid = _grid(path.parent / file.map, document)
-    check_places(places, limits, grid, CLEARANCE_M, document)
+    grid = _grid(file.map, read.folder, document)
+    vehicle = read_vehicle(file.vehicle, read.folder, document)
+    check_places(places, limits, grid, vehicle.clearance_m, document)
     events = _events(file, document)
     vocabulary = Vocabulary(places, events, file.objects, declared)
     skills = build_skills(file, document, vocabulary)
@@ -70,33 +80,27 @@ def load_mission(path: Path) -> Mission:
     sets = {name: tuple(members) for name, members in file.sets.items()}
     return Mission(
         name=file.name,
-        path=str(path),
-        text=text,
+        path=str(read.path or ""),
+        text=_text(read, document),
         grid=grid,
         limits=limits,
+        vehicle=vehicle,
         places=places,
         sets=sets,
         events=events,
         skills=skills,
-        initially=frozenset(fact.ground({}) for fact in facts),
+        initially=frozenset(fact.instantiate({}) for fact in facts),
         task=_task(file, document, vocabulary),
         otherwise=Otherwise(file.otherwise),
         tree=read_tree(file.tree, document, skills, sets, vocabulary) if file.tree else None,
     )
 
 
-def read_text(path: Path) -> str:
-    """The text of a file; bytes that are not UTF-8 stay, for the YAML reader to locate.
-
-    Raises:
-        MissionError: it cannot be read.
-    """
-    try:
-        with path.open("rb") as stream:
-            return stream.read(MAX_BYTES + 1).decode("utf-8", "surrogateescape")
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise MissionError(f"the mission {path} cannot be read: {reason}") from error
+def _text(source: Source, document: Document) -> str:
+    """The mission as a YAML text; data are written as JSON, which is YAML too."""
+    if isinstance(source.content, str):
+        return source.content
+    return json.dumps(document.data(), indent=2, ensure_ascii=False) + "\n"
 
 
 def _limits(file: MissionFile) -> Limits:
@@ -107,9 +111,12 @@ def _limits(file: MissionFile) -> Limits:
     )
 
 
-def _grid(path: Path, document: Document) -> OccupancyGrid:
+def _grid(map_: str | MapEntry, folder: Path, document: Document) -> OccupancyGrid:
     try:
-        return read_map(path)
+        if isinstance(map_, str):
+            return read_map(folder / map_)
+        walls = [(wall.east_m, wall.north_m) for wall in map_.walls]
+        return map_of_boxes(map_.east_m, map_.north_m, map_.cell_m, walls)
     except MissionError as error:
         if error.where is not None:
             raise
@@ -117,7 +124,7 @@ def _grid(path: Path, document: Document) -> OccupancyGrid:
 
 
 def _check_names(file: MissionFile, document: Document) -> None:
-    """Names that formulas cannot use or that mean two things, and the members of sets."""
+    """Refuses names that formulas cannot use or that mean two things, and wrong members of sets."""
     if RESERVED_PLACE in file.places:
         raise MissionError(
             f"a place cannot be called {RESERVED_PLACE}",
@@ -165,7 +172,7 @@ def _listing(names: Iterable[str]) -> str:
 
 
 def _operator(name: str) -> Operator | None:
-    """What the formula language reads a name as; None if it cannot stand alone."""
+    """Returns the operator that a name is in formulas; None if it cannot stand alone."""
     try:
         return parse(name).operator
     except FormulaError:
@@ -212,7 +219,7 @@ def _check_restored(file: MissionFile, skills: Mapping[str, Skill], document: Do
 
 
 def _initially(file: MissionFile, document: Document, vocabulary: Vocabulary) -> list[Atom]:
-    """The facts that are listed; exactly one of them says where the vehicle is."""
+    """Returns the facts that are listed; exactly one of them says where the vehicle is."""
     facts: list[Atom] = []
     for index, text in enumerate(file.initially):
         with document.locating("initially", index):
@@ -234,7 +241,7 @@ def _initially(file: MissionFile, document: Document, vocabulary: Vocabulary) ->
 def _check_reachable_names(
     skills: Mapping[str, Skill], given: Collection[str], document: Document
 ) -> None:
-    """A misspelt condition would be a fact of its own that nothing ever makes true.
+    """Refuses a condition that nothing ever makes true, such as a misspelt one.
 
     Args:
         given: names of facts that need no skill: events, what holds at the start, what PDDL

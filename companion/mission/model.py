@@ -9,13 +9,15 @@ Facts are written as the formula language writes them: `at(A)`, `targetFound`, `
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 
 from companion.geometry import Ned, NorthEast
 from companion.ltl.formula import Formula
 from companion.mission.tree_nodes import Tree
 from companion.motion.grid import OccupancyGrid
+from companion.motion.profile import SpeedLimits
+from companion.vehicle_profile import VehicleProfile
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +31,7 @@ class Place:
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What no setpoint may leave.
+    """Bounds that no setpoint leaves.
 
     Attributes:
         speed_mps: greatest speed.
@@ -92,10 +94,10 @@ class Atom:
     name: str
     arguments: tuple[str, ...]
 
-    def ground(self, binding: Mapping[str, str]) -> str:
-        """The fact under a binding of parameters; names without a binding stand for themselves.
+    def instantiate(self, binding: Mapping[str, str]) -> str:
+        """Returns the fact under a binding; names without a binding stand for themselves.
 
-        >>> Atom("at", ("from",)).ground({"from": "A"})
+        >>> Atom("at", ("from",)).instantiate({"from": "A"})
         'at(A)'
         """
         if not self.arguments:
@@ -112,7 +114,7 @@ class Literal:
 
 
 @dataclass(frozen=True, slots=True)
-class Conditional:
+class ConditionalEffectTemplate:
     """An effect that only comes if a condition holds before the skill."""
 
     condition: tuple[Literal, ...]
@@ -207,14 +209,14 @@ class Skill:
     execute: tuple[Execution, ...]
     tries: int
     timeout_s: float | None
-    conditional: tuple[Conditional, ...] = ()
+    conditional: tuple[ConditionalEffectTemplate, ...] = ()
     distinct: tuple[tuple[str, ...], ...] = ()
     is_planned: bool = True
     retry_after_s: float | None = None
 
 
 class Otherwise(Enum):
-    """What to do when no plan exists."""
+    """The behaviour when no plan exists."""
 
     RETURN_HOME = "return_home"
     LAND = "land"
@@ -231,6 +233,7 @@ class Mission:
         initially: facts that hold at the start, beliefs left out; all others are false.
         grid: what the vehicle is told of the map beforehand.
         tree: the plan, if it was written by hand; the task is then not planned for.
+        vehicle: what it is written for.
     """
 
     name: str
@@ -246,3 +249,21 @@ class Mission:
     task: Mapping[str, Formula]
     otherwise: Otherwise
     tree: Tree | None = None
+    vehicle: VehicleProfile = field(default_factory=VehicleProfile)
+
+    @property
+    def speed_limits(self) -> SpeedLimits:
+        """The limits of its flights: the vehicle's, and no faster than the mission allows."""
+        vehicle = self.vehicle
+        return SpeedLimits(
+            min(self.limits.speed_mps, vehicle.speed_mps),
+            vehicle.acceleration_mps2,
+            vehicle.jerk_mps3,
+            vehicle.climb_mps,
+            vehicle.descent_mps,
+        )
+
+    @property
+    def home(self) -> Place:
+        """The place where the mission begins."""
+        return next(p for name, p in self.places.items() if f"at({name})" in self.initially)

@@ -1,4 +1,4 @@
-"""What does a PDDL domain say of a mission? Its actions as skills, its types as sets.
+"""A PDDL domain as part of a mission: its actions are skills, its types sets.
 
 The domain and problem files (`pddl_files.py`) are written in the mission's own terms, as if the
 author had: facts such as `in(p1, Home)`, effects such as
@@ -44,7 +44,7 @@ Predicates = Mapping[str, tuple[tuple[str, ...], ...]]
 def with_domain(
     file: MissionFile, document: Document, folder: Path
 ) -> tuple[MissionFile, Predicates]:
-    """The mission file with what its PDDL files say, and the predicates that they declare.
+    """Returns the mission file with what its PDDL files say, and the predicates they declare.
 
     Raises:
         MissionError: a file cannot be read, uses what is not supported, or contradicts the
@@ -70,7 +70,7 @@ class _Import:
     expanded: Iterator[int] = field(default_factory=itertools.count)
 
     def merged(self) -> MissionFile:
-        """The mission file with all of it."""
+        """Returns the mission file with all of it."""
         file = self.file
         self._refuse_one_name_for_two()
         actions = self.problem.actions
@@ -92,7 +92,7 @@ class _Import:
         )
 
     def predicates(self) -> Predicates:
-        """The predicates of which a fact may exist."""
+        """Returns the predicates of which a fact may exist."""
         declared: dict[str, tuple[tuple[str, ...], ...]] = {}
         for fluent in self.problem.fluents:
             name = self._spelled(fluent.name, self.file.events)
@@ -103,7 +103,7 @@ class _Import:
         return declared
 
     def _refuse_predicate(self, name: str, arity: int) -> None:
-        """Words of the formula language, and `at` with another meaning."""
+        """Refuses words of the formula language, and `at` with another meaning."""
         try:
             parse_fact(f"{name}(a)" if arity else name)
         except FormulaError:
@@ -194,7 +194,7 @@ class _Import:
         return facts, distinct
 
     def _effect(self, name: str, effect: Effect) -> Iterator[str]:
-        """The facts of one effect, for every choice of its variables."""
+        """Yields the facts of one effect, for every choice of its variables."""
         where = f"an effect of {name}"
         if not effect.value.is_bool_constant():
             raise self._unsupported(where, str(effect))
@@ -206,7 +206,7 @@ class _Import:
             yield f"({condition} -> {text})" if condition else text
 
     def _cost(self, name: str, action: Action) -> float | None:
-        """What an action adds to the total cost; where a metric names it, the reader moved it."""
+        """Returns what an action adds to the total cost; the reader moves it into the metric."""
         costs = [effect.value for effect in action.effects if _is_cost(effect)]
         for metric in self.problem.quality_metrics:
             if metric.is_minimize_action_costs():
@@ -229,7 +229,7 @@ class _Import:
         return " & ".join(self._literal(*part, "the goal") for part in parts) or None
 
     def _conjuncts(self, node: FNode, binding: Binding) -> Iterator[tuple[FNode, Binding]]:
-        """The parts of a conjunction, a universal one written out; none of true."""
+        """Yields the parts of a conjunction, a universal one written out; none of true."""
         if node.is_and():
             for part in node.args:
                 yield from self._conjuncts(part, binding)
@@ -240,7 +240,7 @@ class _Import:
             yield node, binding
 
     def _bindings(self, variables: Iterable[Variable], outer: Binding) -> Iterator[Binding]:
-        """Every choice for the variables of a forall."""
+        """Yields every choice for the variables of a forall."""
         names = [variable.name for variable in variables]
         domains = [self._members(variable.type) for variable in variables]
         for members in itertools.product(*domains):
@@ -253,7 +253,7 @@ class _Import:
             yield {**outer, **dict(zip(names, members, strict=True))}
 
     def _sets(self) -> dict[str, list[str]]:
-        """The types that have members; those that have none must be sets of the mission file."""
+        """Returns the types that have members; the others must be sets of the mission file."""
         sets: dict[str, list[str]] = {}
         for kind in self.problem.user_types:
             name = self._set_name(kind)
@@ -267,7 +267,7 @@ class _Import:
         return sets
 
     def _members(self, kind: Type) -> list[str]:
-        """The members of a type, which the mission file has where PDDL has none."""
+        """Returns the members of a type; those of the mission file where PDDL has none."""
         members = [self._member(thing.name) for thing in self.problem.objects(kind)]
         return members or self.file.sets.get(self._set_name(kind), [])
 
@@ -297,7 +297,7 @@ class _Import:
         return self._spelled(kind.name, self.file.sets)
 
     def _spelled(self, name: str, known: Iterable[str]) -> str:
-        """A name as the mission file has it, if it has it."""
+        """Returns a name as the mission file spells it, if it is there."""
         plain = _plain(name)
         return next((other for other in known if other.lower() == plain.lower()), plain)
 

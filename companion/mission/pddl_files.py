@@ -1,4 +1,4 @@
-"""What stands in a mission's PDDL files? unified-planning reads them.
+"""A mission's PDDL files, read by unified-planning.
 
 Its reader checks little and fails in many ways; here each failure becomes an error that says what
 is wrong, where, and what PDDL may use.
@@ -18,7 +18,6 @@ from companion.mission.schema import MissionFile
 if TYPE_CHECKING:
     from unified_planning.model import Problem
 
-INSTALL = "pip install 'mav-companion[planners]'"
 MAX_BYTES = 65_536  # as of a mission file
 _KEYS = ("domain", "problem")
 
@@ -48,7 +47,7 @@ _QUOTED = re.compile(r"^UP\w+\((['\"])(.*?)\1?\)?$")  # an error of the reader i
 
 
 def parsed(folder: Path, file: MissionFile, document: Document) -> Problem:
-    """The PDDL files of a mission, as unified-planning reads them.
+    """Returns the PDDL files of a mission as unified-planning reads them.
 
     Args:
         folder: where the files are.
@@ -56,15 +55,12 @@ def parsed(folder: Path, file: MissionFile, document: Document) -> Problem:
         document: of the mission file, for the places of its keys.
 
     Raises:
-        MissionError: unified-planning is not installed, or a file cannot be read or has what a
-            mission has no word for; with the file's own line and column if they are known.
+        MissionError: a file cannot be read, or has what a mission has no word for; with the file's
+            own line and column if they are known.
     """
-    try:
-        from unified_planning.environment import get_environment
-        from unified_planning.io import PDDLReader
-    except ImportError:
-        what, hint = "PDDL needs unified-planning", f"install it: {INSTALL}"
-        raise MissionError(what, document.where("domain"), hint) from None
+    from unified_planning.environment import get_environment
+    from unified_planning.io import PDDLReader
+
     names = [name for name in (file.domain, file.problem) if name is not None]
     texts = [_text(folder / name, document, key) for name, key in zip(names, _KEYS, strict=False)]
     # A type and an object may share a name. The reader needs its global environment for forall.
@@ -87,7 +83,7 @@ def parsed(folder: Path, file: MissionFile, document: Document) -> Problem:
 
 
 def _reason(error: Exception) -> tuple[str, tuple[int, int] | None]:
-    """What the reader found, in one line, and at which line and column if it says so."""
+    """Returns what the reader found, in one line, with line and column if it gives them."""
     if isinstance(error, RecursionError):
         return "it is nested too deeply", None
     if isinstance(error, KeyError):

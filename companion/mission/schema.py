@@ -1,4 +1,4 @@
-"""What a mission file may contain: the model of its YAML, key by key.
+"""The model of a mission file's YAML, key by key.
 
 This is the written form, in people's units (east, north, up; seconds). loader.py makes the
 checked `Mission` of model.py from it. The descriptions become the JSON Schema
@@ -16,19 +16,42 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 from pydantic_core import PydanticCustomError
 
+from companion.vehicle_files import VehicleEntry, VehicleKey
+
 Name = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$", max_length=40)]
 """Of a place, set, event, skill, parameter, component or conjunct."""
 
 Text = Annotated[str, Field(min_length=1)]
 
 
-class Entry(BaseModel):
-    """Part of a mission file; unknown keys are refused."""
+class StrictModel(BaseModel):
+    """A mapping of a mission file; unknown keys are refused."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
-class LimitsEntry(Entry):
+Span = Annotated[tuple[float, float], Field(description="[from, to], metres from home.")]
+
+
+class WallEntry(StrictModel):
+    """A box on the map that is occupied."""
+
+    east_m: Span
+    north_m: Span
+
+
+class MapEntry(StrictModel):
+    """An area with walls, in place of a map file; what lies outside of it is occupied."""
+
+    east_m: Span
+    north_m: Span
+    cell_m: Annotated[float, Field(ge=0.01, le=10, description="Edge of a cell, metres.")] = 0.1
+    walls: Annotated[
+        list[WallEntry], Field(description="Boxes: [{east_m: [4, 5], north_m: [0, 6]}, ...].")
+    ] = []
+
+
+class LimitsEntry(StrictModel):
     """What no setpoint may leave."""
 
     speed_mps: Annotated[float, Field(gt=0, le=20, description="Greatest speed, m/s.")]
@@ -45,7 +68,7 @@ class LimitsEntry(Entry):
     ]
 
 
-class PlaceEntry(Entry):
+class PlaceEntry(StrictModel):
     """A point, in metres from the home position, with a region around it."""
 
     east_m: Annotated[float, Field(description="Metres east of home.")]
@@ -57,13 +80,13 @@ class PlaceEntry(Entry):
 
 
 def _given(value: Any) -> Any:
-    """A key that may be left out may not be left empty: that is a line somebody forgot."""
+    """Refuses an optional key without a value: that is a line somebody forgot."""
     if value is None:
         raise PydanticCustomError("empty", "has no value; write one, or remove the key")
     return value
 
 
-class EventEntry(Entry):
+class EventEntry(StrictModel):
     """A fact that the vehicle observes and cannot choose."""
 
     when: Annotated[
@@ -99,11 +122,11 @@ class EventEntry(Entry):
 
 
 def _listed(value: Any) -> Any:
-    """A single fact is a list of one."""
+    """Makes a list of a single fact."""
     return [value] if isinstance(value, str) else value
 
 
-class SkillEntry(Entry):
+class SkillEntry(StrictModel):
     """An action template: the planner uses it with every binding of its parameters."""
 
     parameters: Annotated[
@@ -175,7 +198,7 @@ class SkillEntry(Entry):
     ] = None
 
 
-class MissionFile(Entry):
+class MissionFile(StrictModel):
     """A mission: what must hold, not where to fly next."""
 
     model_config = ConfigDict(title="Mission")
@@ -194,12 +217,14 @@ class MissionFile(Entry):
         Field(description="Axes of all positions. Only enu: metres east, north and up of home."),
     ] = "enu"
     map: Annotated[
-        Text,
+        Text | MapEntry,
         Field(
-            description="Map file (ROS map_server YAML), relative to this file: what the vehicle "
-            "is told beforehand."
+            description="What the vehicle is told of the world beforehand: a map file (ROS "
+            "map_server YAML), relative to this file, or an area with walls: {east_m: [-2, 12], "
+            "north_m: [-2, 12], walls: [{east_m: [4, 5], north_m: [0, 6]}]}."
         ),
     ]
+    vehicle: VehicleKey = VehicleEntry()
     limits: Annotated[
         LimitsEntry, Field(description="Speed, altitudes and fence that no setpoint leaves.")
     ]
@@ -292,7 +317,7 @@ class MissionFile(Entry):
 
 
 def json_schema() -> dict[str, Any]:
-    """The JSON Schema (draft 2020-12) of a mission file."""
+    """Returns the JSON Schema (draft 2020-12) of a mission file."""
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         **MissionFile.model_json_schema(),

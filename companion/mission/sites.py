@@ -1,4 +1,4 @@
-"""Can the vehicle be at the places of a mission? Holds them against map, fence and altitudes."""
+"""Checks that the vehicle can be at a mission's places: map, fence and altitudes."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def check_places(
     clearance_m: float,
     document: Document,
 ) -> None:
-    """Check every place.
+    """Checks every place.
 
     Args:
         clearance_m: least distance from a place to an obstacle.
@@ -77,7 +77,7 @@ def _map_problem(place: Place, grid: OccupancyGrid, clearance_m: float) -> tuple
 
 
 def _nearest_free(position: NorthEast, grid: OccupancyGrid, clearance_m: float) -> NorthEast | None:
-    """Centre of the nearest cell with enough room; None if the map has none."""
+    """Returns the centre of the nearest cell with enough room; None if the map has none."""
     rows, cols = np.nonzero(grid.distance_m >= clearance_m)
     if rows.size == 0:
         return None

@@ -1,4 +1,4 @@
-"""What can the vehicle do? Makes the checked skills from their entries in the mission file.
+"""The checked skills of a mission, made from their entries in its file.
 
 Every name in a skill is checked here: its sets, the arguments of its facts, the component and
 command that it executes. The facts that skills name become part of the mission's vocabulary.
@@ -19,8 +19,8 @@ from companion.mission.model import Atom, Do, Execution, Fly, Skill
 from companion.mission.schema import MissionFile, SkillEntry
 from companion.mission.vocabulary import Domain, Vocabulary
 
-MAX_INSTANCES = 10_000  # grounded actions of all skills; 100 places give `move` that many
-MAX_CONDITIONAL = 50_000  # conditional effects of all grounded actions
+MAX_INSTANCES = 10_000  # actions of all skills; 100 places give `move` that many
+MAX_CONDITIONAL = 50_000  # conditional effects of all actions
 DEFAULT_COST_S = 1.0
 WAIT = "wait"  # the planner's own action, one step of rest
 
@@ -28,7 +28,7 @@ T = TypeVar("T")
 
 
 def build_skills(file: MissionFile, document: Document, vocabulary: Vocabulary) -> dict[str, Skill]:
-    """The skills of a mission file; their facts are added to the vocabulary.
+    """Returns the skills of a mission file; their facts are added to the vocabulary.
 
     Raises:
         MissionError: at the first skill that cannot be used.
@@ -36,7 +36,7 @@ def build_skills(file: MissionFile, document: Document, vocabulary: Vocabulary) 
     skills: dict[str, Skill] = {}
     instances = effects = 0
     for name, entry in file.skills.items():
-        skills[name] = _Builder(name, entry, file, document, vocabulary).build()
+        skills[name] = _SkillBuilder(name, entry, file, document, vocabulary).build()
         own = math.prod(len(file.sets[s]) for s in entry.parameters.values())
         instances += own
         effects += own * len(skills[name].conditional)
@@ -59,7 +59,7 @@ def build_skills(file: MissionFile, document: Document, vocabulary: Vocabulary) 
 def _check_calls(
     name: str, skills: Mapping[str, Skill], file: MissionFile, document: Document
 ) -> None:
-    """What a skill calls takes as many arguments, and leads back to itself nowhere."""
+    """Refuses calls with a wrong number of arguments, and calls that lead back to the skill."""
     constants = {*file.places, *file.objects}
     for index, step in enumerate(skills[name].execute):
         if not isinstance(step, Do):
@@ -70,7 +70,7 @@ def _check_calls(
             raise MissionError(
                 f"{step.skill} is called with {len(step.arguments)} arguments",
                 where,
-                f"write {Atom(step.skill, tuple(wanted)).ground({})}",
+                f"write {Atom(step.skill, tuple(wanted)).instantiate({})}",
             )
         known = {parameter for parameter, _ in skills[name].parameters} | constants
         for argument in step.arguments:
@@ -87,7 +87,7 @@ def _check_calls(
 
 
 def _called(name: str, skills: Mapping[str, Skill], seen: frozenset[str]) -> frozenset[str]:
-    """A skill and all that refine it, directly or not."""
+    """Returns a skill and all that refine it, directly or not."""
     if name in seen:
         return seen
     seen |= {name}
@@ -98,7 +98,7 @@ def _called(name: str, skills: Mapping[str, Skill], seen: frozenset[str]) -> fro
 
 
 @dataclass(frozen=True, slots=True)
-class _Builder:
+class _SkillBuilder:
     name: str
     entry: SkillEntry
     file: MissionFile
@@ -231,7 +231,7 @@ class _Builder:
                     f"{atom.name} is an event, so the skill {self.name} cannot set it",
                     self.document.where("skills", self.name, *keys),
                     "an event is read off MAVLink; use another fact, or remove the event in "
-                    f"line {self.document.key_at('events', atom.name).line}",
+                    f"{self.document.key_at('events', atom.name).inside}",
                 )
 
     def _refuse_unused(self, atoms: list[Atom], execute: tuple[Execution, ...]) -> None:

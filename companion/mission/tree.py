@@ -35,16 +35,16 @@ def read_tree(
     sets: Mapping[str, Collection[str]],
     vocabulary: Vocabulary,
 ) -> Tree:
-    """The tree under the key `tree`.
+    """Reads the tree under the key `tree`.
 
     Raises:
         MissionError: with the place of the first node that cannot be used.
     """
-    return _Reader(document, skills, sets, vocabulary).node(data, ("tree",))
+    return _WrittenTreeReader(document, skills, sets, vocabulary).node(data, ("tree",))
 
 
 @dataclass(frozen=True, slots=True)
-class _Reader:
+class _WrittenTreeReader:
     document: Document
     skills: Mapping[str, Skill]
     sets: Mapping[str, Collection[str]]
@@ -98,7 +98,7 @@ class _Reader:
             self.vocabulary.check(text)
         facts = {True: set[str](), False: set[str]()}
         for literal in literals:
-            facts[literal.is_positive].add(literal.atom.ground({}))
+            facts[literal.is_positive].add(literal.atom.instantiate({}))
         return Check(text, frozenset(facts[True]), frozenset(facts[False]))
 
     def _act(self, text: str, keys: tuple[str | int, ...]) -> Act:
@@ -116,7 +116,7 @@ class _Reader:
                 hint = f"{parameter} is one of {members}. {did_you_mean(argument, self.sets[name])}"
                 where = self.document.where(*keys)
                 raise MissionError(f"{argument} is not in {name}", where, hint.rstrip())
-        return Act(atom.ground({}))
+        return Act(atom.instantiate({}))
 
     def _error(self, what: str, keys: tuple[str | int, ...]) -> MissionError:
         return MissionError(what, self.document.where(*keys), _HINT)

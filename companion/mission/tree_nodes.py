@@ -1,4 +1,4 @@
-"""The nodes of a tree that was written by hand; tree.py reads them, acting builds them."""
+"""The nodes of a behaviour tree written by hand; tree.py reads them, acting builds them."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Act:
-    """An action by its grounded name, e.g. "move(A, B)"."""
+    """An action by its name, e.g. "move(A, B)"."""
 
     action: str
 
@@ -23,21 +23,21 @@ class Check:
 
 @dataclass(frozen=True, slots=True)
 class Steps:
-    """One after the other, until one fails."""
+    """A sequence: its nodes one after the other, until one fails."""
 
     nodes: tuple[Tree, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Fallback:
-    """The first that succeeds."""
+    """A selector: its nodes one after the other, until one succeeds."""
 
     nodes: tuple[Tree, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Repeat:
-    """A number of times, None for ever; fails when the steps fail."""
+    """The steps a number of times, None for ever; fails when they fail."""
 
     steps: Steps
     times: int | None
@@ -45,7 +45,7 @@ class Repeat:
 
 @dataclass(frozen=True, slots=True)
 class Retry:
-    """Again after a failure, so often at most."""
+    """The steps again after a failure, so many times at most."""
 
     steps: Steps
     times: int
@@ -60,7 +60,7 @@ class Watch:
 
 
 def actions(node: Tree) -> set[str]:
-    """The actions of a tree, by name."""
+    """Returns the names of the actions of a tree."""
     match node:
         case Act(name):
             return {name}

@@ -1,4 +1,4 @@
-"""Which facts exist in a mission, and which was meant when one does not?
+"""The facts that exist in a mission, and the most similar one to a fact that does not.
 
 A fact exists if it is an event, if some skill names its predicate with arguments from the same
 sets, or if a PDDL domain declares it. `at(p)` exists for every place. Facts are not enumerated: a
@@ -47,7 +47,7 @@ class Vocabulary:
             self._uses.setdefault(name, [domains])
 
     def learn(self, text: str, domains: Mapping[str, Domain]) -> None:
-        """Add the facts of a skill's text, where new predicates may appear.
+        """Adds the facts of a skill's text, where new predicates may appear.
 
         Args:
             text: literals or one fact.
@@ -79,7 +79,11 @@ class Vocabulary:
             self._uses.setdefault(atom.name, []).append(use)
 
     def check(self, text: str) -> None:
-        """Check every fact of a formula. Raises FormulaError at the first unknown one."""
+        """Checks every fact of a formula.
+
+        Raises:
+            FormulaError: at the first that does not exist.
+        """
         for fact, offset, length in occurrences(text):
             atom = atom_of(fact)
             if atom.name not in self._uses:
@@ -102,12 +106,12 @@ class Vocabulary:
             raise FormulaError(f"{atom.name} has {count}", text, offset, length, hint)
 
     def _example(self, name: str) -> str:
-        return Atom(name, tuple(domain[0] for domain in self._uses[name][0])).ground({})
+        return Atom(name, tuple(domain[0] for domain in self._uses[name][0])).instantiate({})
 
     def _similar(self, atom: Atom) -> str:
-        """The most similar fact, with one argument or the name replaced."""
+        """Returns the most similar fact, with one argument or the name replaced."""
         facts = [
-            Atom(atom.name, (*atom.arguments[:i], place, *atom.arguments[i + 1 :])).ground({})
+            Atom(atom.name, (*atom.arguments[:i], place, *atom.arguments[i + 1 :])).instantiate({})
             for use in self._uses.get(atom.name, [])[:1]
             for i, domain in enumerate(use)
             for place in domain
@@ -115,11 +119,11 @@ class Vocabulary:
         ]
         if atom.name not in self._uses:
             facts = [
-                Atom(name, atom.arguments).ground({})
+                Atom(name, atom.arguments).instantiate({})
                 for name, uses in self._uses.items()
                 if len(uses[0]) == len(atom.arguments)
             ]
-        return did_you_mean(atom.ground({}), facts)
+        return did_you_mean(atom.instantiate({}), facts)
 
     def _domain_listing(self, atom: Atom) -> str:
         things = (*self._places, *self._objects)

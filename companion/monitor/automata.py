@@ -1,4 +1,4 @@
-"""Where do the automata of the task stand? Followed along the recorded word, for drawing.
+"""Follows the automata of the task along the recorded word, for drawing.
 
 An automaton has its marks on transitions. To show them on states, as people know Büchi automata,
 a node is a state together with the marks of the transition that has just been taken; a node with
@@ -16,13 +16,14 @@ from companion.ltl.formula import Formula, conjuncts
 from companion.ltl.monitor import live_states
 from companion.ltl.semantics import Letter
 from companion.ltl.translate import translate
+from companion.monitor.page_events import Arrow, AutomatonDrawing
 
 Node = tuple[int, frozenset[int]]
 """A state, and the marks of the transition that has led there."""
 
 
 @dataclass(frozen=True)
-class Drawing:
+class DrawnAutomaton:
     """The automaton of one conjunct with its marks on nodes."""
 
     name: str
@@ -57,8 +58,9 @@ class Drawing:
             if t.target in self.live and t.label.matches(letter)
         )
 
-    def as_json(self) -> dict[str, object]:
-        """For the page: nodes (accepting or not), and arrows between them with their labels."""
+    @property
+    def drawing(self) -> AutomatonDrawing:
+        """Nodes (accepting or not), and arrows between them with their labels."""
         number = {node: i for i, node in enumerate(self.nodes)}
         arrows: dict[tuple[int, int], list[str]] = {}
         for node in self.nodes:
@@ -66,12 +68,12 @@ class Drawing:
                 end = (t.target, t.marks)
                 if end in number:
                     arrows.setdefault((number[node], number[end]), []).append(str(t.label))
-        return {
-            "conjunct": self.name,
-            "formula": str(self.formula),
-            "accepting": [len(marks) == self.automaton.marks for _, marks in self.nodes],
-            "arrows": [[*ends, " or ".join(labels)] for ends, labels in arrows.items()],
-        }
+        return AutomatonDrawing(
+            conjunct=self.name,
+            formula=str(self.formula),
+            accepting=tuple(len(marks) == self.automaton.marks for _, marks in self.nodes),
+            arrows=tuple(Arrow(*ends, " or ".join(labels)) for ends, labels in arrows.items()),
+        )
 
 
 def _order(node: Node) -> tuple[int, list[int]]:
@@ -82,23 +84,23 @@ class TaskReader:
     """Reads the word of a flight with the automata of its task."""
 
     def __init__(self, task: dict[str, Formula]) -> None:
-        self.drawings = [
-            Drawing(name, part, translate(part))
+        self.automata = [
+            DrawnAutomaton(name, part, translate(part))
             for name, formula in task.items()
             for part in conjuncts(formula)
         ]
-        self._nodes = [drawing.start for drawing in self.drawings]
+        self._nodes = [automaton.start for automaton in self.automata]
 
     def read(self, letter: Letter, restarted: Collection[str]) -> None:
         """One more position; the named conjuncts begin anew with it."""
-        for i, drawing in enumerate(self.drawings):
-            before = drawing.start if drawing.name in restarted else self._nodes[i]
-            self._nodes[i] = drawing.after(before, letter)
+        for i, automaton in enumerate(self.automata):
+            before = automaton.start if automaton.name in restarted else self._nodes[i]
+            self._nodes[i] = automaton.after(before, letter)
 
     @property
-    def states(self) -> list[list[int]]:
+    def states(self) -> tuple[tuple[int, ...], ...]:
         """For each conjunct the numbers of the nodes where it may be; none: it is violated."""
-        return [
-            [i for i, node in enumerate(drawing.nodes) if node in self._nodes[d]]
-            for d, drawing in enumerate(self.drawings)
-        ]
+        return tuple(
+            tuple(i for i, node in enumerate(automaton.nodes) if node in nodes)
+            for automaton, nodes in zip(self.automata, self._nodes, strict=True)
+        )

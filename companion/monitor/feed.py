@@ -1,4 +1,4 @@
-"""What does each page get, and when? Server-sent events for many clients, none of which waits.
+"""Server-sent events for many clients, none of which waits: the run that is shown, and its news.
 
 A client that connects gets the mission, all events so far and the trail so far; afterwards what
 is new. One that is slow loses snapshots but no event, since each event changes what is shown from
@@ -14,6 +14,7 @@ import json
 from collections.abc import AsyncIterator, Sequence
 from typing import Any
 
+from companion.flight_events.writing import line_of
 from companion.monitor.follower import Follower
 from companion.monitor.watching import Snapshot
 
@@ -50,11 +51,11 @@ class Feed:
 
     async def stream(self) -> AsyncIterator[str]:
         """Everything for one client, until the feed is closed."""
-        reader = _Reader()
+        cursor = ClientCursor()
         yield "retry: 2000\n\n"
         while True:
             version = self._version
-            if self.run is not None and (text := reader.news(self.run)):
+            if self.run is not None and (text := cursor.news(self.run)):
                 yield text
             if self._is_closed:
                 return
@@ -62,7 +63,7 @@ class Feed:
                 await self._news.wait()
 
 
-class _Reader:
+class ClientCursor:
     """How far one client has read."""
 
     def __init__(self) -> None:
@@ -79,7 +80,7 @@ class _Reader:
         events, snapshots = run.events[self._events :], run.snapshots[self._snapshots :]
         self._events, self._snapshots = len(run.events), len(run.snapshots)
         if events:
-            text += _message("events", events)
+            text += _message("events", [line_of(event) for event in events])
         if snapshots:
             text += _message("snapshots", [s.as_json() for s in thinned(snapshots, most)])
         return text

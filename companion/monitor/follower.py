@@ -1,12 +1,9 @@
-"""What happens in a run, in order: its folder read as it grows, or from beginning to end.
+"""Follows a run in order: its folder read as it grows, or from beginning to end.
 
-Everything shown comes out of what the run recorded. Four things are derived here and join the
-run's own events under kinds of their own:
-
-- `automata`: the task's automata, with the first plan
-- `states`: where they may be, with each position of the word
-- `path`: the way along which the plan leads, on the map as it was known then, with its tree
-- `cells`: cells that have become occupied or free by what the lidar saw
+Everything shown comes out of what the run recorded. Some events are derived here and join the
+run's own (page_events.py): the task's automata come with the first plan, where they may be with
+each position of the word, the way along which the plan leads with its tree, and the cells that
+the lidar saw when it did.
 """
 
 from __future__ import annotations
@@ -22,25 +19,36 @@ import numpy as np
 import numpy.typing as npt
 
 from companion.errors import CompanionError
+from companion.flight_events.catalogue import FOR_PROGRAMS
+from companion.flight_events.event import FlightEvent, Stamped
+from companion.flight_events.plans import PlanMade, WrittenTreeAdopted
+from companion.flight_events.skills import SymbolMoved
+from companion.flight_events.tree import ActionTreeNode, TreeBuilt
+from companion.flight_events.word import PositionLeft
 from companion.geometry import Ned, enu_from_ned
 from companion.ltl.parser import parse
-from companion.mission.loader import CLEARANCE_M
 from companion.monitor.automata import TaskReader
+from companion.monitor.page_events import (
+    DERIVED,
+    AutomataDrawn,
+    AutomataMoved,
+    CellsChanged,
+    Leg,
+    SeenCell,
+    WayPlanned,
+)
 from companion.monitor.scene import Scene, read_scene
 from companion.monitor.tailing import EventLines, TlogFrames
 from companion.monitor.watching import Snapshot, Watcher
 from companion.motion.grid import OccupancyGrid
 from companion.motion.routes import RouteMap
-from companion.record.events import EVENTS
+from companion.record.events import EVENTS_FILE
 
 PERIOD_S = 0.2
 """Between snapshots, in the flight's time."""
 SHADE_LIMIT_M = 3.0
 """Distance to the next obstacle from which on a cell is white."""
 _ROUNDING_S = 1e-3
-
-Event = dict[str, Any]
-"""A line of events.jsonl, or one of the same form that is derived here."""
 
 
 class Follower:
@@ -62,15 +70,15 @@ class Follower:
     def __init__(self, folder: Path, is_live: bool) -> None:
         scene = read_scene(folder)
         self.mission = _mission(scene, folder.name, is_live)
-        self.events: list[Event] = []
+        self.events: list[Stamped] = []
         self.snapshots: list[Snapshot] = []
         self._scene = scene
-        self._lines = EventLines(folder / EVENTS)
+        self._lines = EventLines(folder / EVENTS_FILE)
         self._frames = TlogFrames(folder / "flight.tlog")
-        self._waiting: deque[Event] = deque()
+        self._waiting: deque[Stamped] = deque()
         self._watcher = Watcher(scene.grid)
         self._grid = scene.grid
-        self._routes = RouteMap(scene.grid, scene.sites, scene.fence, CLEARANCE_M)
+        self._routes = RouteMap(scene.grid, scene.sites, scene.fence, scene.clearance_m)
         self._task: TaskReader | None = None
         self._is_written = False  # the tree is the mission's own, and no way is planned
         self._next_s = 0.0
@@ -94,7 +102,7 @@ class Follower:
         if not is_more:
             self._happen(self._settled_s)
             if self._is_live:
-                self._settled_s = self._waiting[-1]["t_s"] + _ROUNDING_S if self._waiting else 0.0
+                self._settled_s = self._waiting[-1].time_s + _ROUNDING_S if self._waiting else 0.0
         return is_more
 
     def _look(self, now_s: float) -> None:
@@ -104,54 +112,50 @@ class Follower:
             self.snapshots.append(snapshot)
         if self._watcher.grid is not self._grid:
             changed = self._watcher.grid.occupied != self._grid.occupied
-            cells = [
-                [int(row), int(col), bool(self._watcher.grid.occupied[row, col])]
+            cells = tuple(
+                SeenCell(int(row), int(col), bool(self._watcher.grid.occupied[row, col]))
                 for row, col in np.argwhere(changed)
-            ]
+            )
             self._grid = self._watcher.grid
             self._routes.see(self._grid)
-            self.events.append({"t_s": round(now_s, 3), "kind": "cells", "cells": cells})
+            self.events.append(Stamped(round(now_s, 3), CellsChanged(cells)))
 
     def _happen(self, until_s: float) -> None:
         """Tells the events up to a time, each with what is derived from it."""
-        while self._waiting and self._waiting[0]["t_s"] < until_s:
-            event = self._waiting.popleft()
-            self.events.append(event)
+        while self._waiting and self._waiting[0].time_s < until_s:
+            stamped = self._waiting.popleft()
+            self.events.append(stamped)
             try:
-                derived = list(self._derived(event))
-            except (CompanionError, KeyError, TypeError, ValueError, AttributeError):
-                continue  # a line that is not as documented; `companion audit` says where
-            self.events += [{"t_s": event["t_s"], **more} for more in derived]
+                derived = list(self._derived(stamped.event))
+            except (CompanionError, KeyError):
+                continue  # a formula or a place that is none; `companion audit` says where
+            self.events += [Stamped(stamped.time_s, event) for event in derived]
 
-    def _derived(self, event: Event) -> Iterator[Event]:
-        match event["kind"]:
-            case "plan":
-                self._is_written = "loop" not in event
-                self._task = TaskReader({n: parse(text) for n, text in event["task"].items()})
-                drawings = [drawing.as_json() for drawing in self._task.drawings]
-                yield {"kind": "automata", "automata": drawings}
-                yield {"kind": "states", "states": self._task.states}
-            case "position" if self._task is not None:
-                self._task.read(frozenset(event["facts"]), event["restarted"])
-                yield {"kind": "states", "states": self._task.states}
-            case "symbol":
-                north, east, down = map(float, event["position"])
-                self._routes.aim(event["place"], (north, east, down))
-            case "tree" if not self._is_written:
-                yield {"kind": "path", "legs": self._legs(event["nodes"])}
+    def _derived(self, event: FlightEvent) -> Iterator[FlightEvent]:
+        match event:
+            case PlanMade(task=task) | WrittenTreeAdopted(task=task):
+                self._is_written = isinstance(event, WrittenTreeAdopted)
+                self._task = TaskReader({name: parse(text) for name, text in task.items()})
+                yield AutomataDrawn(tuple(each.drawing for each in self._task.automata))
+                yield AutomataMoved(self._task.states)
+            case PositionLeft() if self._task is not None:
+                self._task.read(frozenset(event.facts), event.restarted)
+                yield AutomataMoved(self._task.states)
+            case SymbolMoved():
+                self._routes.aim(event.place, event.position)
+            case TreeBuilt() if not self._is_written:
+                yield WayPlanned(tuple(self._legs(event)))
 
-    def _legs(self, nodes: list[dict[str, Any]]) -> list[list[list[float]]]:
-        """The way of each action that flies somewhere: corners, east and north."""
+    def _legs(self, tree: TreeBuilt) -> Iterator[Leg]:
+        """The way of each action that flies somewhere."""
         at: Ned | None = self._watcher.position
-        legs = []
-        for node in nodes:
-            place = node.get("destination")
+        for node in tree.nodes:
+            place = node.destination if isinstance(node, ActionTreeNode) else None
             if at is not None and place in self._scene.sites:
                 route = self._routes.route(at, place)
                 corners = route.waypoints if route else np.array([at])
-                legs.append([[round(e, 2), round(n, 2)] for n, e, _ in corners.tolist()])
+                yield tuple((round(e, 2), round(n, 2)) for n, e, _ in corners.tolist())
                 at = tuple(corners[-1].tolist())
-        return legs
 
 
 def _mission(scene: Scene, run: str, is_live: bool) -> dict[str, Any]:
@@ -162,6 +166,7 @@ def _mission(scene: Scene, run: str, is_live: bool) -> dict[str, Any]:
         "name": scene.name,
         "is_live": is_live,
         "period_s": PERIOD_S,
+        "for_programs": sorted(FOR_PROGRAMS | {event.kind for event in DERIVED}),
         "map": {
             "rows": rows,
             "cols": cols,

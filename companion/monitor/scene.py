@@ -1,4 +1,4 @@
-"""In which world does a run take place? Reads the scene.json of its folder.
+"""Reads the scene.json of a run folder: the world in which the run takes place.
 
 docs/run-folder.md describes the file. Lengths are metres; inside they become local NED.
 """
@@ -17,7 +17,8 @@ import numpy as np
 from companion.errors import MissionError
 from companion.geometry import NorthEast, ned_from_enu
 from companion.motion.grid import OccupancyGrid
-from companion.motion.routes import Site
+from companion.motion.routes import PlaceRegion
+from companion.vehicle_profile import VehicleProfile
 
 SCENE = "scene.json"
 MAX_CELLS = 16_000_000
@@ -30,13 +31,15 @@ class Scene:
     Attributes:
         start_unix_s: t_s 0 of the events on the clock of flight.tlog.
         fence: north-east corners.
+        clearance_m: that routes keep from obstacles.
     """
 
     name: str
     start_unix_s: float
     grid: OccupancyGrid
     fence: tuple[NorthEast, ...]
-    sites: dict[str, Site]
+    sites: dict[str, PlaceRegion]
+    clearance_m: float
 
 
 def read_scene(folder: Path) -> Scene:
@@ -74,10 +77,11 @@ def _scene(data: dict[str, Any]) -> Scene:
     origin = (float(about["north_m"]), float(about["east_m"]))
     grid = OccupancyGrid(bits.reshape(shape).astype(np.bool_), float(about["cell_m"]), origin)
     sites = {
-        str(place["name"]): Site(
+        str(place["name"]): PlaceRegion(
             ned_from_enu(*map(float, place["enu"])), float(place["radius_m"]), place["in_task"]
         )
         for place in data["places"]
     }
     fence = tuple((float(north), float(east)) for east, north in data["fence"])
-    return Scene(str(data["name"]), float(data["start_unix_s"]), grid, fence, sites)
+    clearance_m = float(data.get("clearance_m", VehicleProfile().clearance_m))  # absent at first
+    return Scene(str(data["name"]), float(data["start_unix_s"]), grid, fence, sites, clearance_m)

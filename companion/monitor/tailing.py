@@ -1,4 +1,4 @@
-"""What has been added to a run folder's growing files since they were looked at last?
+"""Reads what was added to a run folder's growing files since they were looked at last.
 
 `events.jsonl` is read by whole lines, `flight.tlog` by whole records: eight bytes of time and one
 MAVLink frame. What is not whole yet waits for the next look, so a file that is being written, or
@@ -7,12 +7,12 @@ was cut off in the middle, is read as far as it goes. A door: it opens the files
 
 from __future__ import annotations
 
-import json
-import math
 import struct
 from pathlib import Path
-from typing import Any
 
+from companion.errors import MissionError
+from companion.flight_events.event import Stamped
+from companion.flight_events.reading import read_line
 from companion.mavlink.framing import frame_size
 
 CHUNK_BYTES = 1 << 19
@@ -27,11 +27,11 @@ class EventLines:
         self._path = path
         self._at = 0
 
-    def news(self) -> list[dict[str, Any]]:
-        """The lines since the last call; what is no JSON object is left out."""
+    def news(self) -> list[Stamped]:
+        """The events since the last call; a line that is none is left out."""
         whole, newline, _ = _read(self._path, self._at, -1).rpartition(b"\n")
         self._at += len(whole) + len(newline)
-        return [line for line in map(_json, whole.splitlines()) if line is not None]
+        return [event for event in map(_event, whole.splitlines()) if event is not None]
 
 
 class TlogFrames:
@@ -82,15 +82,9 @@ def _read(path: Path, at: int, size: int) -> bytes:
         return b""
 
 
-def _json(text: bytes) -> dict[str, Any] | None:
+def _event(line: bytes) -> Stamped | None:
+    """A line's event; None if it is not as documented: `companion audit` says why."""
     try:
-        found = json.loads(text)
-    except (ValueError, RecursionError):
+        return read_line(line)
+    except MissionError:
         return None
-    is_event = (
-        isinstance(found, dict)
-        and isinstance(found.get("kind"), str)
-        and isinstance(found.get("t_s"), int | float)
-        and math.isfinite(found["t_s"])
-    )
-    return found if is_event else None

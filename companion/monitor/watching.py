@@ -1,4 +1,4 @@
-"""What did the vehicle and the companion say on the wire? The newest of it, as a Snapshot.
+"""Snapshots of the vehicle: the newest of what it and the companion said on the wire.
 
 Frames of one time in flight.tlog are those of one tick, so the state and the map as sensed are
 read here as the companion itself has read them, by the same code.
@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 
 from companion.geometry import Ned, enu_from_ned
-from companion.mavlink.framing import Endpoint, Message, choose, dialect, source
+from companion.mavlink.framing import MavlinkCodec, Message, choose, dialect, source
 from companion.mavlink.px4_modes import mode_name
 from companion.motion.grid import OccupancyGrid
 from companion.motion.sensed_map import SensedMap
@@ -85,7 +85,7 @@ class Watcher:
         self._map = SensedMap(told)
         self._telemetry = Telemetry()
         self._ranging = Ranging()
-        self._endpoint = Endpoint(0, 0)
+        self._codec = MavlinkCodec(0, 0)
         self._system = 0
         self._mode = ""
         self._heard_s = -math.inf
@@ -105,7 +105,7 @@ class Watcher:
     def hear(self, now_s: float, frames: list[bytes]) -> None:
         """Takes the frames of one tick."""
         for frame in choose(frames, _WANTED, _CONTINUAL):
-            for message in self._endpoint.parse(frame):
+            for message in self._codec.parse(frame):
                 self._take(now_s, message)
         if home := self._telemetry.home:
             for scan in self._ranging.scans(now_s, home[:2]):

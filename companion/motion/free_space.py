@@ -1,8 +1,8 @@
-"""Which cells are free, which legs keep clear, and by which cell does a route begin?
+"""Free space: the cells that are free, the legs that keep clear, and where a route begins.
 
 A cell is free if the next obstacle is at least the clearance away and the fence holds all of the
-cell. A route begins in a free cell or near one: where the vehicle has drifted, or something has
-come near it. Points are in cells (`sight.py`), positions in metres.
+cell. A route begins in a free cell, or near one if the vehicle has drifted or something has come
+near it. Points are in cells (`line_of_sight.py`), positions in metres.
 """
 
 from __future__ import annotations
@@ -16,21 +16,21 @@ from scipy import ndimage
 
 from companion.geometry import NorthEast
 from companion.motion.grid import OccupancyGrid
-from companion.motion.moves import Cell
+from companion.motion.grid_graph import Cell
+from companion.motion.line_of_sight import LineOfSight, Points
 from companion.motion.regions import Regions
-from companion.motion.sight import Points, Sight
 
-ENTRY_M = 1.0  # how far from the nearest free cell a route may begin (tracking error)
+ENTRY_M = 1.0  # greatest distance from a route's start to the nearest free cell (tracking error)
 
-_EDGE = 1e-6  # cells; nearer to the edge of a cell a leg might touch the next one
-_MOST_VIEWS = 256
+_BORDER = 1e-6  # cells; nearer to the border of a cell a leg might touch the next one
+_MAX_VIEWS = 256  # that are kept
 
 
 class _View(NamedTuple):
-    """The free cells that a leg leads to from a start.
+    """The free cells within reach of a start that a straight leg leads to.
 
     Attributes:
-        is_free: the start has the clearance; if not, legs out of there keep clear of walls alone.
+        is_free: the start has the clearance; if not, legs from there keep clear of walls alone.
         cells: (n, 2) nearest first.
     """
 
@@ -39,7 +39,7 @@ class _View(NamedTuple):
 
 
 class FreeSpace:
-    """What is free on one map.
+    """The free cells of one map.
 
     Attributes:
         grid: the map.
@@ -58,8 +58,8 @@ class FreeSpace:
         self.free: npt.NDArray[np.bool_] = (grid.distance_m >= clearance_m) & is_inside
         self._is_inside = is_inside
         self._clearance_m = clearance_m
-        self._free_sight = Sight(self.free)
-        self._open_sight = Sight(~grid.occupied)
+        self._free_sight = LineOfSight(self.free)
+        self._open_sight = LineOfSight(~grid.occupied)
         self._parts = ndimage.label(self.free)[0]
         self._views: dict[NorthEast, _View] = {}
 
@@ -77,16 +77,16 @@ class FreeSpace:
         return self._free_sight.is_clear(a, b)
 
     def may_be_clear(self, a: Points, b: Points) -> npt.NDArray[np.bool_]:
-        """A quick look at many legs: False only for those that are not clear."""
+        """A quick test of many legs: False only for those that are not clear."""
         return self._free_sight.may_be_clear(a, b)
 
     def keeps_away(self, a: Points, b: Points) -> bool:
-        """Whether a leg comes no closer to an obstacle than the clearance and its start, by a cell.
+        """Whether a leg stays as far from obstacles as its start or the clearance, less a cell.
 
         It leaves the fence only if it begins outside.
         """
-        way = np.linspace(a, b, 2 + int(2 * math.dist(a, b)))
-        cells = np.clip(np.floor(way).astype(int), 0, np.array(self.free.shape) - 1)
+        points = np.linspace(a, b, 2 + int(2 * math.dist(a, b)))
+        cells = np.clip(np.floor(points).astype(int), 0, np.array(self.free.shape) - 1)
         away_m = self.grid.distance_m[cells[:, 0], cells[:, 1]]
         is_inside = self._is_inside[cells[:, 0], cells[:, 1]]
         least_m = min(away_m[0], self._clearance_m) - self.grid.cell_m
@@ -102,12 +102,12 @@ class FreeSpace:
     def entry(
         self, start: NorthEast, others: Regions, cost: npt.NDArray[np.float64]
     ) -> Cell | None:
-        """The nearest cell to which a leg leads and from which there is a way.
+        """The nearest cell to which a leg leads and from which there is a path.
 
         Args:
             start: where the route begins.
             others: regions that the leg may not enter.
-            cost: (rows, cols) of the ways; inf where there is none.
+            cost: (rows, cols) cost-to-go; inf where there is no path.
         """
         own_cell, point = self.grid.cell(start), self.point(start)
         if self._is_plain(point, own_cell, others) and math.isfinite(cost[own_cell]):
@@ -127,11 +127,11 @@ class FreeSpace:
 
     @property
     def _reach(self) -> float:
-        """The farthest entry, in cells."""
+        """ENTRY_M in cells."""
         return ENTRY_M / self.grid.cell_m
 
     def _view(self, start: NorthEast, own_cell: Cell) -> _View:
-        """What is seen from a start; kept, since each place is a start on the way to all others."""
+        """The view from a start; kept, since each place is a start of routes to all others."""
         if start not in self._views:
             point = self.point(start)
             is_free = bool(self._free_sight.is_clear(point, point))
@@ -140,7 +140,7 @@ class FreeSpace:
             cells = np.argwhere(self.free[near]) + [axis.start for axis in near]
             away = np.linalg.norm(cells - np.array(own_cell), axis=1)
             usable = (away <= self._reach) & sight.is_clear(point, cells + 0.5)
-            if len(self._views) >= _MOST_VIEWS:
+            if len(self._views) >= _MAX_VIEWS:
                 self._views.clear()
             nearest = np.argsort(away[usable], kind="stable")
             self._views[start] = _View(is_free, cells[usable][nearest])
@@ -155,15 +155,15 @@ class FreeSpace:
         return row, col
 
     def _is_plain(self, point: Points, cell: Cell, others: Regions) -> bool:
-        """Whether a start is well inside a free cell, and at no border of a region.
+        """Whether a start is well inside a free cell and not at the border of a region.
 
-        Its leg to the centre of the cell is then clear, and enters no region that it was not in.
-        Most starts are plain, and the test is quick.
+        The leg to the centre of the cell is then clear and enters no region. Most starts are
+        plain, and the test is quick.
         """
         if not self.is_free(cell):
             return False
         row, col = point.tolist()
-        if not (_EDGE < row - cell[0] < 1 - _EDGE and _EDGE < col - cell[1] < 1 - _EDGE):
+        if not (_BORDER < row - cell[0] < 1 - _BORDER and _BORDER < col - cell[1] < 1 - _BORDER):
             return False
         away = others.away(point)
-        return not np.any((away >= -_EDGE) & (away <= 1))
+        return not np.any((away >= -_BORDER) & (away <= 1))

@@ -1,4 +1,4 @@
-"""Occupancy grid and its distance field: what is free, and how far the next obstacle is.
+"""Occupancy grid and its distance field: the cells that are free, and the nearest obstacles.
 
 Row 0 is the southmost row and column 0 the westmost column, so that row grows with north and
 column with east. Cells outside the grid count as occupied. The distance field is the exact

@@ -1,34 +1,31 @@
-"""Profiles: how fast can the speed along a straight leg change, and what does it take?
+"""Speed profiles along a straight leg, under limits of speed, acceleration and jerk.
 
-The speed, its change (acceleration) and the change of that (jerk) are limited. The quickest change
-from one speed to another, with no acceleration at both, is in closed form: the acceleration rises
-and falls with the greatest jerk j, and holds between, if the change is greater than a^2 / j,
+The quickest change from one speed to another, with no acceleration at both, has a closed form: the
+acceleration rises and falls with the greatest jerk j, and holds between, if the change is greater
+than a^2 / j,
 
     T = |v1 - v0| / a + a / j,   else   T = 2 sqrt(|v1 - v0| / j);   s = (v0 + v1) / 2 T
 
 by symmetry (Biagiotti and Melchiorri, Trajectory Planning for Automatic Machines and Robots, 2008,
-section 3.4). From these follow the speed that can be reached within a way, the way to a stop and
-the time of a flight from rest to rest. The quickest profile along a leg of given length between
-given speeds, from an acceleration too, is Ruckig's (Berscheid and Kroeger, Jerk-limited Real-time
-Trajectory Generation with Arbitrary Target States, RSS 2021).
+section 3.4). From these follow the speed that can be reached within a distance, the distance to a
+stop and the time of a flight from rest to rest. The quickest profile along a leg of given length
+between given speeds, from an acceleration too, is Ruckig's (Berscheid and Kroeger, Jerk-limited
+Real-time Trajectory Generation with Arbitrary Target States, RSS 2021).
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import ruckig
-
-ACCELERATION_MPS2 = 2.0
-JERK_MPS3 = 8.0  # PX4's MPC_JERK_MAX
 
 _REST_MPS = 1e-9  # slower is at rest
 
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """A speed, at least 0, and how it changes."""
+    """A speed, at least 0, and its rate of change."""
 
     speed_mps: float
     acceleration_mps2: float = 0.0
@@ -39,11 +36,32 @@ REST = Motion(0.0)
 
 @dataclass(frozen=True, slots=True)
 class SpeedLimits:
-    """The greatest speed, acceleration and jerk along a leg, all positive."""
+    """The greatest speed, acceleration and jerk along a leg, all positive.
+
+    Attributes:
+        climb_mps: greatest vertical speed upwards.
+        descent_mps: the same downwards.
+    """
 
     speed_mps: float
-    acceleration_mps2: float = ACCELERATION_MPS2
-    jerk_mps3: float = JERK_MPS3
+    acceleration_mps2: float
+    jerk_mps3: float
+    climb_mps: float = math.inf
+    descent_mps: float = math.inf
+
+    def along(self, down: float) -> SpeedLimits:
+        """The limits along a direction.
+
+        Args:
+            down: component of the unit vector, negative for a climb.
+
+        >>> SpeedLimits(2.0, 2.0, 8.0, descent_mps=0.9).along(0.6).speed_mps
+        1.5
+        """
+        vertical_mps = self.descent_mps if down > 0.0 else self.climb_mps
+        if self.speed_mps * abs(down) <= vertical_mps:
+            return self
+        return replace(self, speed_mps=vertical_mps / abs(down))
 
     def change_s(self, from_mps: float, to_mps: float) -> float:
         """Least time from one speed to another, with no acceleration at both."""
@@ -54,11 +72,11 @@ class SpeedLimits:
         return change_mps / self.acceleration_mps2 + ramp_s
 
     def change_m(self, from_mps: float, to_mps: float) -> float:
-        """The way that such a change takes."""
+        """The distance that such a change takes."""
         return (from_mps + to_mps) / 2 * self.change_s(from_mps, to_mps)
 
     def reached_mps(self, from_mps: float, within_m: float) -> float:
-        """The greatest speed that can be reached within a way, up to the limit.
+        """The greatest speed that can be reached within a distance, up to the limit.
 
         The inverse of `change_m`: a quadratic in the speed or, if the acceleration is not reached,
         a cubic in the square root of the change.
@@ -77,23 +95,23 @@ class SpeedLimits:
         return min(reached_mps, self.speed_mps)
 
     def released(self, motion: Motion) -> tuple[float, float]:
-        """The speed when the acceleration has been let go of, and the way until then."""
+        """The speed once the acceleration is brought to zero, and the distance until then."""
         ramp_s = abs(motion.acceleration_mps2) / self.jerk_mps3
         change_mps = motion.acceleration_mps2 * ramp_s / 2
-        way_m = (motion.speed_mps + change_mps * 2 / 3) * ramp_s
-        return motion.speed_mps + change_mps, way_m
+        distance_m = (motion.speed_mps + change_mps * 2 / 3) * ramp_s
+        return motion.speed_mps + change_mps, distance_m
 
     def braking(self, motion: Motion) -> tuple[float, float]:
-        """The speed, without acceleration, at which a brake begins, and how far ahead that is.
+        """The speed, without acceleration, at which braking begins, and the distance to there.
 
-        Less than 0, thus behind, if the vehicle is braking already, as if it had begun there.
+        The distance is negative if the vehicle is braking already: there it would have begun.
         """
         ramp_s = motion.acceleration_mps2 / self.jerk_mps3
         speed_mps = motion.speed_mps + motion.acceleration_mps2 * ramp_s / 2
         return speed_mps, (motion.speed_mps + self.jerk_mps3 * ramp_s**2 / 3) * ramp_s
 
     def stop_m(self, motion: Motion) -> float:
-        """The shortest way to a stop.
+        """The shortest distance to a stop.
 
         >>> SpeedLimits(2.0, 2.0, 8.0).stop_m(Motion(2.0))
         1.25
@@ -117,7 +135,7 @@ def flight_time_s(distance_m: float, limits: SpeedLimits) -> float:
 def quickest(
     length_m: float, start: Motion, end_mps: float, limits: SpeedLimits
 ) -> ruckig.Trajectory:
-    """The quickest way along a leg, to a speed with no acceleration.
+    """The quickest profile along a leg, to a speed with no acceleration.
 
     Raises:
         ArithmeticError: Ruckig finds none.

@@ -1,17 +1,18 @@
-"""Which cells are occupied, as far as the vehicle has seen: the told map, corrected by scans.
+"""The map as sensed: the prior map of the mission, corrected by range scans.
 
 Each cell has the logarithm of its odds to be occupied (Moravec and Elfes 1985). A scan raises it
 where a beam ends and lowers it where beams pass, by the amounts of OctoMap (Hornung et al. 2013,
 section 3): 0.7 and 0.4 as probabilities. Clamps at both ends keep the map ready to change: two
 scans with a hit make a free cell occupied, nine without free it again.
 
-What the vehicle was told weighs more:
-- An echo within `explained_m` of a told wall is that wall, displaced by an error of the position
-  or of the map; what routes keep beside the vehicle (0.25 m, `mission/loader.py`) covers it.
+The prior map weighs more:
+- An echo within EXPLAINED_M of a wall of the prior map is that wall, displaced by an error of the
+  position or of the map; the margin that routes keep (0.25 m, `mission/loader.py`) covers it.
 - A beam passes a cell only if its two neighbours get as far. So no beam that grazes a wall or a
-  corner wears it away, and told walls go only when they are clearly seen through, for seconds.
+  corner wears it away, and a wall of the prior map goes only when beams pass through it clearly,
+  for seconds.
 
-Left out: tilt, the third dimension, and errors of the position beyond `explained_m`, which show up
+Left out: tilt, the third dimension, and errors of the position beyond EXPLAINED_M, which show up
 as obstacles.
 """
 
@@ -27,16 +28,19 @@ from scipy import ndimage
 from companion.geometry import NorthEast
 from companion.motion.grid import OccupancyGrid
 
-HIT, MISS = 0.85, 0.41
-"""Log-odds of 0.7 and (lowering) of 0.4."""
-LEAST, MOST = -1.0, 3.5
-WALL = 10.0
-"""Of a told wall, and its upper clamp: 25 scans through it."""
+HIT_LOG_ODDS = 0.85
+"""Added by a hit: the log-odds of 0.7."""
+MISS_LOG_ODDS = 0.41
+"""Taken away by a miss: minus the log-odds of 0.4."""
+MIN_LOG_ODDS, MAX_LOG_ODDS = -1.0, 3.5
+WALL_LOG_ODDS = 10.0
+"""Of a wall of the prior map, and its upper clamp: 25 scans through it."""
 REACH_M = 8.0
 """Echoes from farther away are not used: at 2 m above ground a beam that is tilted by 14 degrees,
 the tilt of an acceleration of 2.5 m/s2, meets the ground there."""
 EXPLAINED_M = 0.25
-_BEHIND_M = 0.0051
+"""An echo this close to a wall of the prior map is taken for that wall."""
+_BEHIND_M = 0.0051  # the cell of an echo is looked for this far behind it
 _DIAGONAL = 1.5  # cells; next to each other, corners included
 
 Floats = npt.NDArray[np.float64]
@@ -49,12 +53,12 @@ class RangeScan:
     """Distances all around, from where the vehicle was when they were measured.
 
     Attributes:
-        stamp_s: when it was heard.
-        position: where the vehicle was, in the mission's frame.
+        stamp_s: time of reception.
+        position: of the vehicle, in the mission's frame.
         distances_m: (n,) along each beam; inf: nothing within the range; nan: not known.
         first_rad: direction of the first beam, 0 is north, positive to the east.
-        step_rad: from one beam to the next; negative to the left.
-        range_m: the farthest that is seen.
+        step_rad: angle from one beam to the next; negative to the left.
+        range_m: greatest distance that is measured.
     """
 
     stamp_s: float
@@ -69,44 +73,44 @@ class SensedMap:
     """The map as the vehicle knows it.
 
     Args:
-        told: the map of the mission.
+        prior: the map of the mission.
 
     Attributes:
-        grid: what is occupied now; another object exactly when a cell has changed.
+        grid: the cells that are occupied now; another object exactly when a cell has changed.
     """
 
-    def __init__(self, told: OccupancyGrid) -> None:
-        self.grid = told
-        walls = told.occupied
-        self._odds = np.where(walls, WALL, LEAST).ravel()
-        self._most = np.where(walls, WALL, MOST).ravel()
-        self._meant = _meant(told)
+    def __init__(self, prior: OccupancyGrid) -> None:
+        self.grid = prior
+        walls = prior.occupied
+        self._log_odds = np.where(walls, WALL_LOG_ODDS, MIN_LOG_ODDS).ravel()
+        self._max_log_odds = np.where(walls, WALL_LOG_ODDS, MAX_LOG_ODDS).ravel()
+        self._cell_of_echo = _cell_of_echo(prior)
         self._find_surface()
 
     def integrate(self, scan: RangeScan) -> bool:
-        """Takes in a scan; whether a cell has become occupied or free."""
+        """Takes in a scan; True if a cell has become occupied or free."""
         reach_m = min(scan.range_m, REACH_M)
         hits, passed = self._hits(scan, reach_m), self._passed(scan, reach_m)
-        if not passed.size and (self._odds[hits] == self._most[hits]).all():
-            return False  # all is as it is known, as nearly always
-        raised = np.minimum(self._odds[hits] + HIT, self._most[hits])
+        if not passed.size and (self._log_odds[hits] == self._max_log_odds[hits]).all():
+            return False  # nothing new, as nearly always
+        raised = np.minimum(self._log_odds[hits] + HIT_LOG_ODDS, self._max_log_odds[hits])
         touched = np.concatenate([hits, passed])
-        before = self._odds[touched]
-        self._odds[passed] = np.maximum(self._odds[passed] - MISS, LEAST)
-        self._odds[hits] = raised
-        after = self._odds[touched]
-        if np.any((before > LEAST) != (after > LEAST)):
+        before = self._log_odds[touched]
+        self._log_odds[passed] = np.maximum(self._log_odds[passed] - MISS_LOG_ODDS, MIN_LOG_ODDS)
+        self._log_odds[hits] = raised
+        after = self._log_odds[touched]
+        if np.any((before > MIN_LOG_ODDS) != (after > MIN_LOG_ODDS)):
             self._find_surface()
         if np.array_equal(before > 0, after > 0):
             return False
-        occupied = (self._odds > 0).reshape(self.grid.occupied.shape)
+        occupied = (self._log_odds > 0).reshape(self.grid.occupied.shape)
         self.grid = OccupancyGrid(occupied, self.grid.cell_m, self.grid.origin)
         return True
 
     def _find_surface(self) -> None:
-        """The cells that can be lowered, but for those inside: no beam gets there first."""
+        """Finds the cells that can be lowered, without inner ones, which no beam reaches first."""
         rows, cols = self.grid.occupied.shape
-        is_raised = (self._odds > LEAST).reshape(rows, cols)
+        is_raised = (self._log_odds > MIN_LOG_ODDS).reshape(rows, cols)
         is_inside = ndimage.binary_erosion(
             is_raised, np.ones((3, 3), dtype=np.bool_), border_value=1
         )
@@ -115,9 +119,9 @@ class SensedMap:
         self._centres = cells * self.grid.cell_m + np.array(self.grid.origin)[:, None]
 
     def _hits(self, scan: RangeScan, reach_m: float) -> Cells:
-        """The cells that echoes speak of; a cell may come twice. Echoes off the map are left out.
+        """The cells that echoes come from, some of them twice; echoes off the map are left out.
 
-        They are looked for half a centimetre behind the echo, the rounding of a distance on the
+        A cell is looked for half a centimetre behind the echo, the rounding of a distance on the
         wire: an echo comes from a face, and the cell is behind it.
         """
         rows, cols = self.grid.occupied.shape
@@ -129,13 +133,14 @@ class SensedMap:
         row = np.floor(north / self.grid.cell_m).astype(np.intp)
         col = np.floor(east / self.grid.cell_m).astype(np.intp)
         is_on_map = (row >= 0) & (row < rows) & (col >= 0) & (col < cols)
-        meant = self._meant[row[is_on_map] * cols + col[is_on_map]]
-        return np.asarray(meant[meant >= 0])
+        hits = self._cell_of_echo[row[is_on_map] * cols + col[is_on_map]]
+        return np.asarray(hits[hits >= 0])
 
     def _passed(self, scan: RangeScan, reach_m: float) -> Cells:
-        """The cells that a beam and its two neighbours have passed, of those on the surface.
+        """The cells of the surface that a beam and its two neighbours have passed.
 
-        A beam that crosses a cell has its centre within half a diagonal; all these count.
+        A beam passes within half a diagonal of the centre of each cell that it crosses; all cells
+        that close count.
         """
         cell_m = self.grid.cell_m
         north, east = self._centres - np.array(scan.position)[:, None]
@@ -158,18 +163,18 @@ class SensedMap:
         return np.asarray(self._surface[near[is_clear][is_crossed]])
 
 
-def _meant(told: OccupancyGrid) -> Cells:
-    """(rows * cols,) for an echo in each cell, the flat index of the cell that it speaks of.
+def _cell_of_echo(prior: OccupancyGrid) -> Cells:
+    """(rows * cols,) for an echo in each cell, the flat index of the cell that it comes from.
 
-    Outside the map everything is a wall; what speaks of it is negative.
+    Outside the map everything is a wall; an echo from there is negative.
     """
-    rows, cols = told.occupied.shape
+    rows, cols = prior.occupied.shape
     away, nearest = ndimage.distance_transform_edt(
-        np.pad(~told.occupied, 1), sampling=told.cell_m, return_indices=True
+        np.pad(~prior.occupied, 1), sampling=prior.cell_m, return_indices=True
     )
     away, (row, col) = away[1:-1, 1:-1], nearest[:, 1:-1, 1:-1] - 1
     is_on_map = (row >= 0) & (row < rows) & (col >= 0) & (col < cols)
     wall = np.where(is_on_map, row * cols + col, -1)
     own = np.arange(rows * cols).reshape(rows, cols)
-    is_explained = away <= max(EXPLAINED_M, _DIAGONAL * told.cell_m)
+    is_explained = away <= max(EXPLAINED_M, _DIAGONAL * prior.cell_m)
     return np.asarray(np.where(is_explained, wall, own).ravel(), dtype=np.intp)

@@ -1,4 +1,4 @@
-"""Trajectories: where along its route should the vehicle be at a time, and how fast?
+"""Trajectories: position, velocity and heading along a route at each time.
 
 The vehicle follows the legs of a route exactly, from rest (or from a motion along the first leg)
 to rest. On each leg the speed changes as fast as the limits of acceleration and jerk allow
@@ -39,7 +39,7 @@ _STRAIGHT = 1e-6  # radians; legs that turn by less are one
 _REACH = (
     0.99  # share of a leg that a change of speed may take; profiles that just fit are not found
 )
-_RUN_OUT = 1.03  # of the shortest way to a stop; more than 1 / _REACH
+_RUN_OUT = 1.03  # of the shortest distance to a stop; more than 1 / _REACH
 _MIN_LEVEL_SHARE = 1e-3  # of a leg; a steeper leg has no heading
 
 
@@ -84,10 +84,13 @@ class Trajectory:
         self._end = _ned(route.waypoints[-1])
         self._corners = waypoints[:-1]
         self._directions = legs / lengths[:, None]
-        motions = _corner_motions(self._directions, lengths.tolist(), start, limits)
+        each = [limits.along(down) for _, _, down in self._directions.tolist()]
+        motions = _corner_motions(self._directions, lengths.tolist(), start, each)
         self._profiles = [
-            quickest(length, before, after.speed_mps, limits)
-            for length, (before, after) in zip(lengths.tolist(), pairwise(motions), strict=True)
+            quickest(length, before, after.speed_mps, along)
+            for length, (before, after), along in zip(
+                lengths.tolist(), pairwise(motions), each, strict=True
+            )
         ]
         self._begin_s = [0.0]
         for profile in self._profiles:
@@ -145,7 +148,7 @@ def motion_of(velocity: Ned, acceleration: Ned) -> Motion:
 
 
 def run_out(position: Ned, velocity: Ned, acceleration: Ned, limits: SpeedLimits) -> Ned:
-    """Where a moving vehicle can come to rest, straight ahead, with a little room.
+    """The point straight ahead where a moving vehicle can come to rest, with a little room.
 
     >>> north, *_ = run_out((0.0, 0.0, -2.0), (2.0, 0.0, 0.0), AT_REST, SpeedLimits(2.0, 2.0, 8.0))
     >>> round(north, 3)
@@ -176,37 +179,46 @@ def _corners(waypoints: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
 
 
 def _corner_motions(
-    directions: npt.NDArray[np.float64], lengths_m: list[float], start: Motion, limits: SpeedLimits
+    directions: npt.NDArray[np.float64],
+    lengths_m: list[float],
+    start: Motion,
+    limits: list[SpeedLimits],
 ) -> list[Motion]:
-    """The motion at the beginning of each leg and at the end of the last, which is at rest."""
+    """The motion at the beginning of each leg and at the end of the last, which is at rest.
+
+    Args:
+        limits: along each leg.
+    """
     if not lengths_m:
         return [REST]
     half_jump = np.linalg.norm(np.diff(directions, axis=0), axis=1) / 2  # sin(turn / 2)
-    corners = limits.acceleration_mps2 * CORNER_TIME_S / (2 * np.maximum(half_jump, 1e-9))
-    most = [*np.minimum(corners, limits.speed_mps).tolist(), 0.0]
+    first = limits[0]
+    corners = first.acceleration_mps2 * CORNER_TIME_S / (2 * np.maximum(half_jump, 1e-9))
+    legs = [min(a.speed_mps, b.speed_mps) for a, b in pairwise(limits)]
+    max_mps = [*np.minimum(corners, legs).tolist(), 0.0]
     rooms_m = [_REACH * length_m for length_m in lengths_m]
-    start = Motion(min(start.speed_mps, limits.speed_mps), start.acceleration_mps2)
-    ends = _reachable(most, rooms_m, start, limits)
-    if not _can_brake(start, ends[0], rooms_m[0], limits):  # to a stop it takes less
-        ends = _reachable([0.0, *most[1:]], rooms_m, start, limits)
-    if not _can_brake(start, ends[0], rooms_m[0], limits):
-        start = Motion(min(start.speed_mps, limits.reached_mps(ends[0], rooms_m[0])))
+    start = Motion(min(start.speed_mps, first.speed_mps), start.acceleration_mps2)
+    ends = _reachable(max_mps, rooms_m, start, limits)
+    if not _can_brake(start, ends[0], rooms_m[0], first):  # a stop takes less room
+        ends = _reachable([0.0, *max_mps[1:]], rooms_m, start, limits)
+    if not _can_brake(start, ends[0], rooms_m[0], first):
+        start = Motion(min(start.speed_mps, first.reached_mps(ends[0], rooms_m[0])))
     return [start, *map(Motion, ends)]
 
 
 def _reachable(
-    most_mps: list[float], rooms_m: list[float], start: Motion, limits: SpeedLimits
+    max_mps: list[float], rooms_m: list[float], start: Motion, limits: list[SpeedLimits]
 ) -> list[float]:
     """The greatest speeds at the ends of legs, each reachable from those beside it."""
-    ends = most_mps.copy()
-    speed_mps, way_m = limits.released(start)
+    ends = max_mps.copy()
+    speed_mps, used_m = limits[0].released(start)
     for leg, room_m in enumerate(rooms_m):
-        is_room = room_m > way_m
-        reached_mps = limits.reached_mps(speed_mps, room_m - way_m) if is_room else 0.0
-        speed_mps, way_m = min(ends[leg], reached_mps), 0.0
+        is_room = room_m > used_m
+        reached_mps = limits[leg].reached_mps(speed_mps, room_m - used_m) if is_room else 0.0
+        speed_mps, used_m = min(ends[leg], reached_mps), 0.0
         ends[leg] = speed_mps
     for leg in range(len(ends) - 1, 0, -1):
-        ends[leg - 1] = min(ends[leg - 1], limits.reached_mps(ends[leg], rooms_m[leg]))
+        ends[leg - 1] = min(ends[leg - 1], limits[leg].reached_mps(ends[leg], rooms_m[leg]))
     return ends
 
 
@@ -233,8 +245,8 @@ def _turns(
     return turns
 
 
-def _limited(angle_rad: float, most_rad: float) -> float:
-    return math.copysign(min(abs(angle_rad), most_rad), angle_rad)
+def _limited(angle_rad: float, max_rad: float) -> float:
+    return math.copysign(min(abs(angle_rad), max_rad), angle_rad)
 
 
 def _ned(vector: npt.NDArray[np.float64]) -> Ned:

@@ -1,4 +1,4 @@
-"""Is a lasso right? The independent check that every plan passes before it flies.
+"""The independent check that every plan passes before it flies.
 
 No automaton and no search takes part: the actions are executed on the facts, the loop must
 close, and each conjunct must hold on the word by the direct semantics of LTL. The history
@@ -14,10 +14,10 @@ from companion.planning.lasso import Lasso, Letter, Problem, word
 
 
 def fault(problem: Problem, lasso: Lasso, histories: Sequence[Sequence[Letter]]) -> str | None:
-    """What is wrong with a plan, in words; None if nothing is.
+    """The fault of a plan, in words; None if it is right.
 
     Args:
-        problem: what the plan answers.
+        problem: that the plan solves.
         lasso: the plan.
         histories: per conjunct, the letters that it has read, the present position's included.
     """

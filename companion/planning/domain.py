@@ -1,4 +1,4 @@
-"""The task model: skills grounded to STRIPS actions over facts, with beliefs and costs.
+"""The task model: skills instantiated to STRIPS actions over facts, with beliefs and costs.
 
 Skills become actions by binding their parameters to the members of their sets (the paper's
 action templates, Section II-E). What a skill `assumes` is a further precondition that is taken
@@ -24,7 +24,7 @@ from dataclasses import dataclass
 from companion.mission.model import Atom, Do, Fly, Literal, Mission, Primitive, Skill, Wait
 
 Fact = str
-"""A ground atom in the formula language's spelling, e.g. "at(A)"."""
+"""An atom without variables in the formula language's spelling, e.g. "at(A)"."""
 
 FlightTime = Callable[[str, str], float]
 """Seconds of flight from one place to another; inf where no route exists."""
@@ -66,7 +66,7 @@ Step = Primitive | Refinement
 
 @dataclass(frozen=True, slots=True)
 class Action:
-    """A grounded skill.
+    """An instance of a skill: all its parameters are bound.
 
     Attributes:
         name: e.g. "move(A, B)".
@@ -131,7 +131,7 @@ class TaskModel:
     """The mission's transition system, determinised: events keep their value, beliefs hold.
 
     Attributes:
-        actions: grounded actions, in the order of the mission file, `wait` last.
+        actions: instances of the skills, in the order of the mission file, `wait` last.
         beliefs: all facts that some action assumes.
     """
 
@@ -139,7 +139,7 @@ class TaskModel:
     beliefs: frozenset[Fact]
 
 
-def ground(mission: Mission, flight_time: FlightTime) -> TaskModel:
+def instantiate(mission: Mission, flight_time: FlightTime) -> TaskModel:
     """The task model of a mission. A move whose flight time is infinite does not exist."""
     actions = [
         action
@@ -206,7 +206,7 @@ def _flies(mission: Mission, skill: Skill) -> bool:
 
 def _beliefs(mission: Mission, skill: Skill, binding: dict[str, str]) -> frozenset[Fact]:
     """What a skill and those that refine it assume."""
-    assumed = {atom.ground(binding) for atom in skill.assumes}
+    assumed = {atom.instantiate(binding) for atom in skill.assumes}
     for step in skill.execute:
         if isinstance(step, Do):
             inner = mission.skills[step.skill]
@@ -229,7 +229,7 @@ def _refined(mission: Mission, skill: Skill, binding: dict[str, str]) -> tuple[S
         elif isinstance(step, Do):
             inner = mission.skills[step.skill]
             own = _own(inner, step, binding)
-            name = Atom(inner.name, tuple(own)).ground(own)
+            name = Atom(inner.name, tuple(own)).instantiate(own)
             below = _refined(mission, inner, own)
             steps.append(Refinement(name, below, inner.tries, inner.timeout_s))
         else:
@@ -265,7 +265,7 @@ def _instance(
     if requires & forbids:
         return None
     return Action(
-        name=Atom(skill.name, tuple(name for name, _ in skill.parameters)).ground(binding),
+        name=Atom(skill.name, tuple(name for name, _ in skill.parameters)).instantiate(binding),
         skill=skill.name,
         requires=requires | assumes,
         forbids=forbids,
@@ -289,6 +289,6 @@ def _facts(
 ) -> tuple[frozenset[Fact], frozenset[Fact]]:
     """The facts of the positive and of the negative literals."""
     return (
-        frozenset(x.atom.ground(binding) for x in literals if x.is_positive),
-        frozenset(x.atom.ground(binding) for x in literals if not x.is_positive),
+        frozenset(x.atom.instantiate(binding) for x in literals if x.is_positive),
+        frozenset(x.atom.instantiate(binding) for x in literals if not x.is_positive),
     )

@@ -1,4 +1,7 @@
-"""How much may a search cost? Counted, not timed, so that equal problems have equal answers."""
+"""The effort of a search: limits that are counted, not timed.
+
+So equal problems have equal answers on every machine.
+"""
 
 from __future__ import annotations
 
@@ -10,17 +13,22 @@ class Effort:
     """Limits of a search.
 
     Attributes:
-        edges: of the product; with more of them the search is given up. About 4 us each.
-        ways: shortest ways times edges; of more hits the nearest are looked at. About 0.2 us each.
-        additions: in the tables of exact rounds; beyond them rounds are improved instead. About
-            5 ns each.
+        product_edges: edges of the product; with more of them the search is given up. About 4 us
+            each.
+        dijkstra_edges: edges that shortest-path searches see, one search for each target and each
+            edge of the product in each; of too many targets the nearest are looked at. About
+            0.2 us each.
+        held_karp_additions: additions in the tables of exact tours; beyond them local search
+            takes their place. About 5 ns each.
     """
 
-    edges: int
-    ways: int
-    additions: int
+    product_edges: int
+    dijkstra_edges: int
+    held_karp_additions: int
 
 
-ON_THE_GROUND = Effort(edges=2_000_000, ways=40_000_000, additions=60_000_000)
-IN_FLIGHT = Effort(edges=80_000, ways=1_000_000, additions=15_000_000)
+BEFORE_FLIGHT = Effort(
+    product_edges=2_000_000, dijkstra_edges=40_000_000, held_karp_additions=60_000_000
+)
+IN_FLIGHT = Effort(product_edges=80_000, dijkstra_edges=1_000_000, held_karp_additions=15_000_000)
 """Well under a second, the time after which an autopilot misses its setpoints."""

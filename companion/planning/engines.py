@@ -1,7 +1,7 @@
 """Classical planners through unified-planning: they solve a compiled task (`compilation/`).
 
 Fast Downward is the default, pyperplan a second planner for encoding v5; any other engine that
-unified-planning knows goes by its name. The library and the planners are optional, and they are
+unified-planning knows goes by its name. The planners are optional (extra `planners`), and they are
 met here alone, when a plan is asked for. Planners are processes: this module is a door.
 
 A planner may hang, crash, print, leave files (Fast Downward its output.sas, where it is called) and
@@ -13,7 +13,6 @@ are forked from a server that has the library loaded, for that takes a second.
 from __future__ import annotations
 
 import contextlib
-import importlib.util
 import multiprocessing
 import os
 import signal
@@ -44,7 +43,7 @@ INSTALL = {
     "lpg": "pip install up-lpg",
     "tamer": "pip install up-tamer",
 }
-"""What brings an engine, by the beginning of its name."""
+"""The command that installs an engine, by the beginning of its name."""
 NO_COSTS = ("pyperplan",)
 """Engines that take no costs of actions and look for a plan of few actions."""
 FAILURES = {
@@ -52,9 +51,9 @@ FAILURES = {
     "UNSOLVABLE_INCOMPLETELY": "found no plan and cannot tell whether there is one; "
     f"{FAST_DOWNWARD} can",
 }
-"""What an engine that gave no answer did, and what to do then."""
+"""Texts for statuses without an answer: what the engine did, and what to do."""
 GRACE_S = 2.0
-"""What a child may take longer than its time, before it is killed from outside."""
+"""Time beyond its limit after which a child is killed from outside."""
 
 _server = multiprocessing.get_context("forkserver")
 _server.set_forkserver_preload(
@@ -72,7 +71,7 @@ class _TimeIsOver(Exception):
 
 @dataclass(frozen=True)
 class _Setup:
-    """How an engine is called.
+    """The call of an engine.
 
     Attributes:
         proves_cost: a plan has the least cost there is.
@@ -109,7 +108,7 @@ def solve(
     """A plan as the names of its actions; None if it is proved that there is none.
 
     Args:
-        classical: what to solve.
+        classical: the problem.
         engine: its name in unified-planning.
         timeout_s: after this many seconds the engine is ended.
         optimal: ask Fast Downward for a plan of least cost, else for any plan soon. Other engines
@@ -177,12 +176,7 @@ def solve_with(
 def _run(
     classical: ClassicalProblem, engine: str, setup: _Setup, timeout_s: float
 ) -> tuple[str, list[str] | None]:
-    """What the engine says, and its plan."""
-    if importlib.util.find_spec("unified_planning") is None:
-        raise EngineError(
-            f"the engine {engine} needs the package unified-planning; "
-            f"{INSTALL[FAST_DOWNWARD]}, or use the built-in engine"
-        )
+    """The engine's status, and its plan."""
     here, there = _server.Pipe(duplex=False)
     with tempfile.TemporaryDirectory(prefix="companion-", ignore_cleanup_errors=True) as folder:
         child = _server.Process(
@@ -245,7 +239,7 @@ def _child(
     setup: _Setup,
     timeout_s: float,
 ) -> None:
-    """Runs in a process of its own: sends what the engine says, or an `EngineError`."""
+    """Runs in a process of its own: sends the engine's answer, or an `EngineError`."""
     os.setsid()  # Ctrl-C in the terminal is the parent's business
     os.chdir(folder)
     nowhere = os.open(os.devnull, os.O_WRONLY)

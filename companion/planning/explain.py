@@ -1,4 +1,4 @@
-"""Why is there no plan? The conjuncts that conflict, the facts out of reach, the beliefs to blame.
+"""The reason why there is no plan: conjuncts that conflict, facts out of reach, lost beliefs.
 
 A smallest conflicting set is found by deletion: drop one conjunct after the other for as long
 as the rest still has no plan. Facts that these conjuncts mention, that some skill makes true, and
@@ -20,9 +20,9 @@ from companion.planning.domain import Action, Fact
 from companion.planning.lasso import Conjunct, Problem
 
 IsSolvable = Callable[[Problem], bool | None]
-"""Whether a problem has a plan; None if that would take too long to find out."""
+"""Whether a problem has a plan; None if the search for one reaches its limit."""
 
-_SHOWN = 6  # alternatives that are listed in words
+_MAX_SHOWN = 6  # alternatives that are listed in words
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,15 +30,16 @@ class Unreachable:
     """A fact that no skill can make true from here.
 
     Attributes:
-        needs: for each way to make it true the facts that are missing.
+        needs: for each skill that makes it true the facts that are missing.
     """
 
     fact: Fact
     needs: tuple[frozenset[Fact], ...]
 
     def __str__(self) -> str:
-        ways = [" and ".join(sorted(needed)) for needed in self.needs]
-        listed = " or ".join(ways[:_SHOWN]) + (" or ..." if len(ways) > _SHOWN else "")
+        options = [" and ".join(sorted(needed)) for needed in self.needs]
+        more = " or ..." if len(options) > _MAX_SHOWN else ""
+        listed = " or ".join(options[:_MAX_SHOWN]) + more
         return f"{self.fact} can never become true: that needs {listed}"
 
 
@@ -48,9 +49,9 @@ class Explanation:
 
     Attributes:
         conflict: a smallest set of conjuncts that cannot hold together.
-        unreachable: facts of theirs that cannot be made true.
+        unreachable: facts mentioned in them that cannot be made true.
         withdrawn: the beliefs that were withdrawn.
-        restoring: of these, the ones that would each make a plan possible.
+        restoring: those of them that would each make a plan possible again.
     """
 
     conflict: tuple[Conjunct, ...]
@@ -71,7 +72,7 @@ class Explanation:
         return "\n".join(lines)
 
     def as_json(self) -> dict[str, object]:
-        """The same for programs."""
+        """The explanation as JSON values."""
         return {
             "conflict": [{"name": c.name, "formula": str(c.formula)} for c in self.conflict],
             "unreachable": [
@@ -84,7 +85,7 @@ class Explanation:
 
 
 class NoPlan(NoPlanError):
-    """There is no plan, and why."""
+    """There is no plan, with the explanation."""
 
     def __init__(self, explanation: Explanation) -> None:
         self.explanation = explanation
@@ -97,8 +98,8 @@ def why_no_plan(problem: Problem, is_solvable: IsSolvable) -> Explanation:
 
 
 def explaining(problem: Problem, is_solvable: IsSolvable) -> Iterator[Explanation | None]:
-    """The same in parts of one search each: None until the reason is found."""
-    core = list(range(len(problem.conjuncts)))
+    """Finds the reason in parts of one search each: None until it is found."""
+    core = list(range(len(problem.conjuncts)))  # indices of a conflicting set
     for i in tuple(core):
         rest = [j for j in core if j != i]
         if is_solvable(_only(problem, rest)) is False:

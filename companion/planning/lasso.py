@@ -1,4 +1,4 @@
-"""What planning asks and answers: a Problem, and a Lasso that solves it.
+"""The planning problem, and the lasso that solves it.
 
 A lasso is a finite prefix of actions and a loop that is repeated for ever (Section III-A). Its
 word is the sequence of facts at the positions it passes.
@@ -12,9 +12,10 @@ A, and then away, before it may rest.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
 from dataclasses import dataclass
 
+from companion.flight_events.plans import PlannedAction, PlannedLasso
+from companion.flight_events.writing import json_of
 from companion.ltl.automaton import BuchiAutomaton
 from companion.ltl.formula import Formula
 from companion.planning.domain import WAIT, Action, Fact
@@ -38,7 +39,7 @@ class Problem:
     """A planning problem; between replans only the last three fields change.
 
     Attributes:
-        actions: grounded actions; their order breaks ties.
+        actions: instances of skills; their order breaks ties.
         conjuncts: the task.
         facts: what holds now.
         automaton_states: per conjunct, the states its automaton may be in after reading the
@@ -72,11 +73,11 @@ class Lasso:
 
     @property
     def ends_at_rest(self) -> bool:
-        """Whether nothing but rest is left after the prefix: the task is then done."""
+        """Whether the loop is nothing but rest: after the prefix the task is done."""
         return all(a is WAIT for a in self.suffix)
 
     def names(self, count: int, start: int = 0) -> list[str]:
-        """So many of its actions by name, without the first ones.
+        """The names of `count` actions from position `start` on.
 
         >>> lap = Lasso((), (WAIT,))
         >>> lap.names(2, start=7)
@@ -90,34 +91,31 @@ class Lasso:
         suffix = ", ".join(a.name for a in self.suffix)
         return f"{prefix + ', ' if prefix else ''}({suffix})^w"
 
-    def as_json(self) -> dict[str, object]:
-        """Prefix and loop with costs, as `companion plan --json` and the run folder give them."""
-        return {
-            "prefix": [_step(a) for a in self.prefix],
-            "loop": [_step(a) for a in self.suffix],
-            "prefix_cost_s": self.prefix_cost_ms / 1000,
-            "lap_cost_s": self.lap_cost_ms / 1000,
-        }
+    @property
+    def planned(self) -> PlannedLasso:
+        """Prefix and loop with costs, as they are told and recorded."""
+        return PlannedLasso(
+            prefix=tuple(_planned(a) for a in self.prefix),
+            loop=tuple(_planned(a) for a in self.suffix),
+            prefix_cost_s=self.prefix_cost_ms / 1000,
+            lap_cost_s=self.lap_cost_ms / 1000,
+        )
 
 
-def _step(action: Action) -> Mapping[str, object]:
-    arguments = action.name.removeprefix(action.skill).strip("()")
-    return {
-        "action": action.name,
-        "skill": action.skill,
-        "arguments": arguments.split(", ") if arguments else [],
-        "cost_s": action.cost_ms / 1000,
-    }
+def _planned(action: Action) -> PlannedAction:
+    text = action.name.removeprefix(action.skill).strip("()")
+    arguments = tuple(text.split(", ")) if text else ()
+    return PlannedAction(action.name, action.skill, arguments, action.cost_ms / 1000)
 
 
 @dataclass(frozen=True)
 class Solution:
-    """A lasso and what is known of its quality.
+    """A plan: a lasso, and what is known of its quality.
 
     Attributes:
-        cost_ms: the objective: the lap, or prefix and lap together, or the worst wait.
+        cost_ms: the objective: the lap, or prefix and lap together, or the bottleneck.
         bound_ms: no lasso has a lower objective; 0 if nothing is known.
-        engine: who found it.
+        engine: name of the planner that found it.
     """
 
     lasso: Lasso
@@ -127,6 +125,39 @@ class Solution:
     engine: str
 
     @property
+    def prefix(self) -> tuple[Action, ...]:
+        """The actions that are done once, first."""
+        return self.lasso.prefix
+
+    @property
+    def loop(self) -> tuple[Action, ...]:
+        """The actions that are then repeated for ever, at least one."""
+        return self.lasso.suffix
+
+    @property
+    def prefix_cost_s(self) -> float:
+        """Cost of the prefix, seconds."""
+        return self.lasso.prefix_cost_ms / 1000
+
+    @property
+    def lap_cost_s(self) -> float:
+        """Cost of one lap of the loop, seconds."""
+        return self.lasso.lap_cost_ms / 1000
+
+    @property
+    def cost_s(self) -> float:
+        """The objective, seconds."""
+        return self.cost_ms / 1000
+
+    @property
+    def bound_s(self) -> float | None:
+        """What no plan's objective is below, seconds; None if nothing is known."""
+        return self.bound_ms / 1000 if self.bound_ms else None
+
+    def __str__(self) -> str:
+        return str(self.lasso)
+
+    @property
     def is_optimal(self) -> bool:
         """Whether it is proved that no lasso is better."""
         return self.cost_ms <= self.bound_ms
@@ -134,10 +165,10 @@ class Solution:
     def as_json(self) -> dict[str, object]:
         """The lasso and its quality, as `companion plan --json` gives them."""
         return {
-            **self.lasso.as_json(),
+            **json_of(self.lasso.planned),
             "objective": self.objective.value,
-            "cost_s": self.cost_ms / 1000,
-            "bound_s": self.bound_ms / 1000 if self.bound_ms else None,
+            "cost_s": self.cost_s,
+            "bound_s": self.bound_s,
             "optimal": self.is_optimal,
             "engine": self.engine,
             "reason": None,

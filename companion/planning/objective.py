@@ -1,4 +1,7 @@
-"""What may be asked of a planner? Kept apart from the rest, which takes long to import."""
+"""Objectives and encodings that a planner may be asked for.
+
+They are kept apart from the rest, which takes long to import.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +9,7 @@ from enum import StrEnum
 
 
 class Objective(StrEnum):
-    """What the best lasso is.
+    """The cost that the best lasso minimises.
 
     LAP: the shortest lap, and to it the shortest prefix; a mission that loops for ever pays the
     lap for ever. SUM: the least cost of prefix and one lap together, which is what a classical
@@ -21,7 +24,7 @@ class Objective(StrEnum):
 
 
 class Encoding(StrEnum):
-    """How a problem is said to a classical planner.
+    """The compilation of a problem for a classical planner.
 
     V1: the paper's compilation (Figs. 2-4) with one automaton for the whole task. V4: one automaton
     for each conjunct. V5: as V4, without conditional effects and negation.

@@ -1,63 +1,108 @@
-"""The planner of one mission: everything that is made once, and a verb that plans.
+"""The planner of one mission: everything that is made once, and the verbs that plan.
 
-Formulas are translated and skills are grounded when the planner is made. In flight only the
+On the ground one asks `plan` and `explain`, from the mission's first state or from another one.
+What flies keeps the state itself (task_state.py) and asks `solve` and `replan` for a problem.
+
+Formulas are translated and skills are instantiated when the planner is made. In flight only the
 initial state changes (Section V, last paragraph): the facts, the automata's states after the
 history, and the moves from where the vehicle is between places. When the map has changed, the
-moves are grounded again: other costs, and none without a route.
+moves are instantiated again: other costs, and none without a route.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+import logging
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 from companion.errors import CompanionError
 from companion.ltl.formula import atoms, conjuncts
+from companion.ltl.monitor import Runs
 from companion.ltl.translate import translate
 from companion.mission.model import Mission
 from companion.mission.tree_nodes import Tree, actions
+from companion.planning.builtin.product import Product
 from companion.planning.builtin.search import Search
+from companion.planning.builtin.transition_system import FactBits, TransitionSystem
 from companion.planning.check import fault
-from companion.planning.domain import Action, Fact, FlightTime, TaskModel, departures, ground
-from companion.planning.effort import IN_FLIGHT, ON_THE_GROUND, Effort
+from companion.planning.domain import Action, Fact, FlightTime, TaskModel, departures, instantiate
+from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT, Effort
 from companion.planning.explain import Explanation, NoPlan, explaining, why_no_plan
+from companion.planning.flight_times import flight_times, from_table, route_map
 from companion.planning.lasso import Conjunct, Lasso, Letter, Problem, Solution
-from companion.planning.objective import Objective
+from companion.planning.objective import Encoding, Objective
+from companion.planning.supposition import supposed_facts, supposed_withdrawn
+
+BUILT_IN = "built-in"
+"""The engine that plans unless another one is named."""
+
+log = logging.getLogger(__name__)
 
 
 class Planner:
     """Plans a mission from any state.
 
+    >>> from companion import Planner, load_mission
+    >>> planner = Planner(load_mission("missions/surveillance.yaml"))
+    >>> [action.name for action in planner.plan().loop]
+    ['move(A, B)', 'move(B, C)', 'move(C, A)']
+    >>> print(planner.plan(at="r1", facts={"targetFound"}))
+    upload(r1), move(r1, Home), (wait)^w
+
     Args:
         mission: what to do.
-        flight_time: seconds between two places, or from `here` to a place; inf for no route.
-        clock: seconds; measures `translating_s` and `grounding_s`.
+        flight_time: seconds between two places, or from `here` to a place, inf where there is no
+            route: a function, or a table of pairs of places in which a pair without a route is
+            left out. Without it, the times of flight on the mission's map.
+        clock: seconds; measures `translating_s` and `instantiating_s`.
 
     Attributes:
         without_a_move: beliefs that only moves assume that do not exist any more.
     """
 
     def __init__(
-        self, mission: Mission, flight_time: FlightTime, clock: Callable[[], float] = lambda: 0.0
+        self,
+        mission: Mission,
+        flight_time: FlightTime | Mapping[tuple[str, str], float] | None = None,
+        clock: Callable[[], float] = lambda: 0.0,
     ) -> None:
+        if flight_time is None:
+            flight_time = flight_times(mission, route_map(mission))
+        elif isinstance(flight_time, Mapping):
+            flight_time = from_table(mission, flight_time)
         self.mission = mission
         start_s = clock()
-        self.model = ground(mission, flight_time)
-        self.grounding_s = clock() - start_s
+        self.model = instantiate(mission, flight_time)
+        self.instantiating_s = clock() - start_s
         self.conjuncts = tuple(
             Conjunct(name, part, translate(part))
             for name, formula in mission.task.items()
             for part in conjuncts(formula)
         )
-        self.translating_s = clock() - start_s - self.grounding_s
+        self.translating_s = clock() - start_s - self.instantiating_s
         self.task_facts = frozenset().union(*(atoms(c.formula) for c in self.conjuncts))
         self.flight_time = flight_time
         self.without_a_move: frozenset[Fact] = frozenset()
         self._search = Search(self.model.actions)
+        self._log_sizes()
 
-    def reground(self) -> None:
+    def _log_sizes(self) -> None:
+        log.debug("%d actions, %d beliefs", len(self.model.actions), len(self.model.beliefs))
+        for name, automaton in ((c.name, c.automaton) for c in self.conjuncts):
+            log.debug(
+                "automaton of %s: %d states, %d transitions, %d marks",
+                name,
+                automaton.states,
+                len(automaton.transitions),
+                automaton.marks,
+            )
+        if self.translating_s:  # it was measured
+            times_ms = 1000 * self.instantiating_s, 1000 * self.translating_s
+            log.debug("instantiated in %.1f ms, translated in %.1f ms", *times_ms)
+
+    def reinstantiate(self) -> None:
         """Takes over flight times that have changed; what was ever believed stays a belief."""
         known = {action: action for action in self.model.actions}  # whose bits are kept
-        model = ground(self.mission, self.flight_time)
+        model = instantiate(self.mission, self.flight_time)
         beliefs = self.model.beliefs | model.beliefs
         self.without_a_move = beliefs - model.beliefs
         self.model = TaskModel(
@@ -99,6 +144,121 @@ class Planner:
         held = facts | (beliefs - withdrawn)
         return Problem(actions, self.conjuncts, held, automaton_states, beliefs & withdrawn)
 
+    def plan(
+        self,
+        *,
+        at: str | None = None,
+        facts: Iterable[str] = (),
+        without: Iterable[str] = (),
+        objective: Objective = Objective.LAP,
+        engine: str = BUILT_IN,
+        encoding: Encoding = Encoding.V4,
+        timeout_s: float = 60.0,
+    ) -> Solution:
+        """The best plan from the mission's first state, or from one that differs from it.
+
+        Args:
+            at: the place where the vehicle is; without it, where the mission begins.
+            facts: what holds besides, e.g. `{"targetFound"}`; `"!loaded"` does not hold.
+            without: beliefs that are withdrawn, e.g. `{"canUpload(r1)"}`.
+            objective: what is minimised.
+            engine: who plans: `built-in`, or an engine of unified-planning by its name.
+            encoding: how another engine is told.
+            timeout_s: what another engine may take.
+
+        Raises:
+            NoPlan: there is none; its `explanation` says why.
+            MissionError: the mission does not know one of the names.
+            SearchLimit: the search was given up: whether there is a plan is not known.
+            CompanionError: the engine failed.
+        """
+        problem, histories = self.initial_problem(at=at, facts=facts, without=without)
+        if engine == BUILT_IN:
+            return self.solve(problem, histories, objective)
+        from companion.planning.engines import solve_with
+
+        found = solve_with(problem, histories, engine, encoding, objective, timeout_s)
+        if found is None:
+            best = self.solve(problem, histories, objective)  # or says why there is none
+            raise CompanionError(f"{engine} says that there is no plan, but there is: {best.lasso}")
+        return found
+
+    def explain(
+        self, *, at: str | None = None, facts: Iterable[str] = (), without: Iterable[str] = ()
+    ) -> Explanation | None:
+        """Why there is no plan from a state; None if there is one. The state is as in `plan`.
+
+        >>> from companion import Planner, load_mission
+        >>> planner = Planner(load_mission("missions/surveillance.yaml"))
+        >>> refused = {"canUpload(r1)", "canUpload(r2)", "canUpload(r3)"}
+        >>> why = planner.explain(facts={"targetFound"}, without=refused)
+        >>> [conjunct.name for conjunct in why.conflict], [str(u.fact) for u in why.unreachable]
+        (['upload'], ['targetReported'])
+        >>> planner.explain() is None
+        True
+
+        Raises:
+            MissionError: the mission does not know one of the names.
+            SearchLimit: the search was given up: whether there is a plan is not known.
+        """
+        try:
+            next(self.solutions(*self.initial_problem(at=at, facts=facts, without=without)))
+        except NoPlan as reason:
+            return reason.explanation
+        return None
+
+    def transition_system(
+        self, *, at: str | None = None, facts: Iterable[str] = (), without: Iterable[str] = ()
+    ) -> TransitionSystem:
+        """The states that the actions lead to, from a state as in `plan`.
+
+        >>> from companion import Planner, load_mission
+        >>> planner = Planner(load_mission("missions/surveillance.yaml"))
+        >>> graph = planner.transition_system().to_networkx()
+        >>> graph.number_of_nodes(), graph.number_of_edges()
+        (7, 49)
+
+        Raises:
+            MissionError: the mission does not know one of the names.
+        """
+        problem, _ = self.initial_problem(at=at, facts=facts, without=without)
+        return TransitionSystem(problem.actions, problem.facts, FactBits(()))
+
+    def product(
+        self, *, at: str | None = None, facts: Iterable[str] = (), without: Iterable[str] = ()
+    ) -> Product:
+        """The transition system and the automata together, explored from a state as in `plan`.
+
+        >>> from companion import Planner, load_mission
+        >>> planner = Planner(load_mission("missions/surveillance.yaml"))
+        >>> graph = planner.product(at="r1", facts={"targetFound"}).to_networkx()
+        >>> graph.nodes[0]["facts"], graph.graph["conjuncts"][-1]
+        (frozenset({'at(r1)'}), 'G(targetReported -> X at(Home))')
+
+        Raises:
+            MissionError: the mission does not know one of the names.
+            SearchLimit: it has too many states.
+        """
+        problem, _ = self.initial_problem(at=at, facts=facts, without=without)
+        return self._search.product(problem)
+
+    def initial_problem(
+        self, *, at: str | None = None, facts: Iterable[str] = (), without: Iterable[str] = ()
+    ) -> tuple[Problem, list[list[Letter]]]:
+        """The problem in the first state, or in one that differs; and what each conjunct has read.
+
+        Its arguments are those of `plan`.
+
+        Raises:
+            MissionError: the mission does not know one of the names.
+        """
+        state = supposed_facts(self.mission, self.model, self.task_facts, at, facts)
+        withdrawn = supposed_withdrawn(self.model, without)
+        letter = state | (self.model.beliefs - withdrawn)
+        runs = (Runs.begin(conjunct.automaton).after(letter) for conjunct in self.conjuncts)
+        problem = self.problem(state, tuple(run.states for run in runs), withdrawn)
+        return problem, [[letter] for _ in self.conjuncts]
+
     def solutions(
         self,
         problem: Problem,
@@ -112,19 +272,25 @@ class Planner:
             histories: per conjunct, the letters that it has read.
 
         Raises:
-            NoPlanError: there is none; the message says why.
+            NoPlan: there is none; its `explanation` says why.
+            SearchLimit: the search was given up.
         """
         found = False
-        for solution in self._checked(problem, histories, objective, ON_THE_GROUND):
+        for solution in self._checked(problem, histories, objective, BEFORE_FLIGHT):
             found = True
             yield solution
         if not found:
             raise NoPlan(why_no_plan(problem, self._search.is_solvable))
 
-    def plan(self, problem: Problem, histories: Sequence[Sequence[Letter]]) -> Lasso:
-        """The best lasso that is found. Raises NoPlanError as `solutions` does."""
-        *_, best = self.solutions(problem, histories)
-        return best.lasso
+    def solve(
+        self,
+        problem: Problem,
+        histories: Sequence[Sequence[Letter]],
+        objective: Objective = Objective.LAP,
+    ) -> Solution:
+        """The best solution that is found. Raises as `solutions` does."""
+        *_, best = self.solutions(problem, histories, objective)
+        return best
 
     def replan(self, problem: Problem, histories: Sequence[Sequence[Letter]]) -> Lasso | None:
         """The first lasso that is found: in flight an answer has to come at once.
@@ -132,7 +298,7 @@ class Planner:
         None if there is none; `reasons` says why.
 
         Raises:
-            NoPlanError: the search was given up.
+            SearchLimit: the search was given up.
         """
         first = next(self._checked(problem, histories, Objective.LAP, IN_FLIGHT), None)
         return first.lasso if first else None

@@ -1,4 +1,4 @@
-"""What if? A state other than the mission's first one, to plan from on the ground.
+"""A state other than the mission's first one, to plan from on the ground.
 
 Facts and beliefs are named as the mission names them; a name that the mission does not know is a
 mistake and not a new fact.
@@ -6,71 +6,66 @@ mistake and not a new fact.
 
 from __future__ import annotations
 
-from collections.abc import Collection
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable
 
 from companion.documents import did_you_mean
 from companion.errors import MissionError
-from companion.planning.domain import Fact
-from companion.planning.planner import Planner
+from companion.mission.model import Mission
+from companion.planning.domain import Fact, TaskModel
 
 
-@dataclass(frozen=True, slots=True)
-class Supposition:
-    """A difference to the mission's first state.
+def supposed_facts(
+    mission: Mission,
+    model: TaskModel,
+    task_facts: frozenset[Fact],
+    at: str | None = None,
+    facts: Iterable[str] = (),
+) -> frozenset[Fact]:
+    """The facts of a supposed state, without the beliefs.
 
-    Attributes:
+    Args:
+        mission: says what holds at first.
+        model: its actions and beliefs.
+        task_facts: what the task mentions.
         at: the place where the vehicle is; None leaves it where the mission begins.
-        holds: facts that hold.
-        fails: facts that do not hold.
-        without: beliefs that are withdrawn.
+        facts: what else holds; with `!` before it, what does not hold.
+
+    Raises:
+        MissionError: the mission does not know a fact or the place.
     """
-
-    at: str | None = None
-    holds: tuple[Fact, ...] = ()
-    fails: tuple[Fact, ...] = ()
-    without: tuple[Fact, ...] = ()
-
-    def facts(self, planner: Planner) -> frozenset[Fact]:
-        """The facts of the supposed state, without the beliefs.
-
-        Raises:
-            MissionError: the mission does not know a fact or the place.
-        """
-        facts = planner.mission.initially
-        if self.at is not None:
-            _check("place", [self.at], planner.mission.places)
-            facts = frozenset(f for f in facts if not f.startswith("at(")) | {f"at({self.at})"}
-        known = _facts_of(planner) - planner.model.beliefs
-        _check("fact", [*self.holds, *self.fails], known)
-        return (facts | set(self.holds)) - set(self.fails)
-
-    def withdrawn(self, planner: Planner) -> frozenset[Fact]:
-        """The beliefs that are withdrawn.
-
-        Raises:
-            MissionError: no skill assumes one of them.
-        """
-        _check("belief", self.without, planner.model.beliefs)
-        return frozenset(self.without)
+    state = mission.initially
+    if at is not None:
+        _check("place", [at], mission.places)
+        state = frozenset(f for f in state if not f.startswith("at(")) | {f"at({at})"}
+    literals = sorted(facts)
+    fails = [literal.removeprefix("!").strip() for literal in literals if literal.startswith("!")]
+    holds = [literal for literal in literals if not literal.startswith("!")]
+    known = task_facts.union(mission.initially, mission.events, _facts_of(model))
+    _check("fact", [*holds, *fails], known - model.beliefs)
+    return (state | set(holds)) - set(fails)
 
 
-def _facts_of(planner: Planner) -> frozenset[Fact]:
-    """Every fact that the mission can speak of."""
-    actions = planner.model.actions
-    return planner.task_facts.union(
-        planner.mission.initially,
-        planner.mission.events,
-        *(a.requires | a.forbids | a.adds | a.deletes for a in actions),
-        *(
-            effect.requires | effect.forbids | effect.adds | effect.deletes
-            for action in actions
-            for effect in action.conditional
-        ),
+def supposed_withdrawn(model: TaskModel, without: Iterable[str] = ()) -> frozenset[Fact]:
+    """The beliefs that are withdrawn in a supposed state.
+
+    Raises:
+        MissionError: no skill assumes one of them.
+    """
+    withdrawn = frozenset(without)
+    _check("belief", sorted(withdrawn), model.beliefs)
+    return withdrawn
+
+
+def _facts_of(model: TaskModel) -> frozenset[Fact]:
+    """Every fact that the actions speak of."""
+    effects = (effect for action in model.actions for effect in action.conditional)
+    return frozenset().union(
+        *(a.requires | a.forbids | a.adds | a.deletes for a in model.actions),
+        *(e.requires | e.forbids | e.adds | e.deletes for e in effects),
     )
 
 
-def _check(kind: str, names: Collection[str], known: Collection[str]) -> None:
+def _check(kind: str, names: Iterable[str], known: Collection[str]) -> None:
     for name in names:
         if name not in known:
             listing = ", ".join(sorted(known)[:12]) + (", ..." if len(known) > 12 else "")

@@ -1,4 +1,4 @@
-"""Did the recorded flight do what the task says? Each conjunct held against the executed word.
+"""Holds a recorded flight against its task: each conjunct against the word that was executed.
 
 The word is read again from the record alone, letter by letter, by a monitor of each conjunct
 (`companion/ltl/monitor.py`). If the vehicle came to rest for ever, the word is a lasso, and the
@@ -14,13 +14,14 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from enum import Enum
 
+from companion.flight_events.word import PositionLeft
 from companion.ltl.formula import Formula, conjuncts
 from companion.ltl.monitor import Monitor, TruthValue
 from companion.ltl.semantics import Letter, holds
-from companion.record.events import LeftPosition, RunRecord
+from companion.record.events import RunRecord
 
 
-class Outcome(Enum):
+class ConjunctOutcome(Enum):
     """What a flight has done about a conjunct; the first two are failures."""
 
     VIOLATED = "violated"
@@ -32,7 +33,7 @@ class Outcome(Enum):
     @property
     def is_failure(self) -> bool:
         """Whether the flight does not satisfy the conjunct."""
-        return self in (Outcome.VIOLATED, Outcome.UNFULFILLED)
+        return self in (ConjunctOutcome.VIOLATED, ConjunctOutcome.UNFULFILLED)
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +48,7 @@ class Finding:
 
     name: str
     formula: Formula
-    outcome: Outcome
+    outcome: ConjunctOutcome
     position: int | None
     states: tuple[TruthValue, ...]
 
@@ -103,29 +104,30 @@ class _Reading:
     violated: tuple[int, ...]
 
 
-def _read(name: str, formula: Formula, positions: Iterable[LeftPosition]) -> _Reading:
+def _read(name: str, formula: Formula, positions: Iterable[PositionLeft]) -> _Reading:
     fresh = monitor = Monitor.of(formula)
     begun, states, violated = 0, [], []
     for position in positions:
         if name in position.restarted:
             monitor, begun = fresh, position.number
-        before, monitor = monitor.truth_value, monitor.after(position.facts)
+        before, monitor = monitor.truth_value, monitor.after(frozenset(position.facts))
         states.append(monitor.truth_value)
         if before is not TruthValue.FALSE and monitor.truth_value is TruthValue.FALSE:
             violated.append(position.number)
     return _Reading(name, formula, begun, tuple(states), tuple(violated))
 
 
-def _finding(reading: _Reading, positions: tuple[LeftPosition, ...]) -> Finding:
-    outcome, number = Outcome.OPEN, None
+def _finding(reading: _Reading, positions: tuple[PositionLeft, ...]) -> Finding:
+    outcome, number = ConjunctOutcome.OPEN, None
     if reading.violated:
-        outcome, number = Outcome.VIOLATED, reading.violated[0]
+        outcome, number = ConjunctOutcome.VIOLATED, reading.violated[0]
     elif TruthValue.TRUE in reading.states[reading.begun :]:
-        outcome, number = Outcome.FULFILLED, reading.states.index(TruthValue.TRUE, reading.begun)
-    elif positions and positions[-1].is_for_ever:
-        word: list[Letter] = [position.facts for position in positions[reading.begun :]]
+        outcome = ConjunctOutcome.FULFILLED
+        number = reading.states.index(TruthValue.TRUE, reading.begun)
+    elif positions and positions[-1].for_ever:
+        word: list[Letter] = [frozenset(each.facts) for each in positions[reading.begun :]]
         is_satisfied = holds(reading.formula, word[:-1], word[-1:])
-        outcome = Outcome.SATISFIED if is_satisfied else Outcome.UNFULFILLED
+        outcome = ConjunctOutcome.SATISFIED if is_satisfied else ConjunctOutcome.UNFULFILLED
     return Finding(reading.name, reading.formula, outcome, number, reading.states)
 
 
@@ -133,8 +135,8 @@ def as_json(record: RunRecord, result: Audit) -> Mapping[str, object]:
     """Record and findings for programs."""
     return {
         "satisfied": not result.is_failure,
-        "at_rest": bool(record.positions) and record.positions[-1].is_for_ever,
-        "ending": record.ending,
+        "at_rest": bool(record.positions) and record.positions[-1].for_ever,
+        "ending": record.ending and record.ending.text,
         "torn": record.is_torn,
         "differs": [{"conjunct": name, "position": number} for name, number in result.differs],
         "conjuncts": [
@@ -149,12 +151,12 @@ def as_json(record: RunRecord, result: Audit) -> Mapping[str, object]:
         "positions": [
             {
                 "number": position.number,
-                "t_s": position.time_s,
+                "t_s": time_s,
                 "facts": sorted(position.facts),
                 "withdrawn": sorted(position.withdrawn),
                 "restarted": sorted(position.restarted),
                 "states": [finding.states[position.number].value for finding in result.findings],
             }
-            for position in record.positions
+            for position, time_s in zip(record.positions, record.times_s, strict=True)
         ],
     }

@@ -1,8 +1,8 @@
 """One folder per run: mission, scene, plans, events.jsonl, flight.tlog, flight.png.
 
-- `events.jsonl`: one report per line with `t_s` (seconds since the run began), `kind`, `text`
-  and the report's data (docs/run-folder.md). It holds no wall-clock time, so that equal runs give
-  equal bytes.
+- `events.jsonl`: one event per line with `t_s` (seconds since the run began), `kind`, `text` and
+  the fields of the event (docs/run-folder.md). It holds no wall-clock time, so that equal runs
+  give equal bytes.
 - `scene.json`: what the mission says of the world (scene.py).
 - `plan-N.json`: the N-th plan; 0 is the first, N the one after replan N.
 - `flight.tlog`: every MAVLink frame in either direction behind eight bytes of time (big-endian
@@ -14,14 +14,18 @@ from __future__ import annotations
 
 import json
 import struct
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from companion.acting.report import Report
+from companion.flight_events.event import FlightEvent, Stamped
+from companion.flight_events.hosting import RecordingFailed
+from companion.flight_events.plans import PlanMade, PlanReplaced
+from companion.flight_events.writing import json_of, line_of
 from companion.geometry import Ned
 from companion.mavlink.framing import split_frames
 from companion.mission.model import Mission
+from companion.record.events import EVENTS_FILE
 from companion.record.figure import Trail, draw_flight
 from companion.record.scene import scene
 
@@ -35,14 +39,14 @@ class RunFolder:
         folder: where to write; made if missing.
         mission: the mission flown.
         start_unix_s: wall-clock time of the run's beginning; stamps flight.tlog alone.
-        tell: called with every report that is news for people.
+        tell: called with every event that is news for people.
 
     Attributes:
         trail: where the vehicle was, by plan.
     """
 
     def __init__(
-        self, folder: Path, mission: Mission, start_unix_s: float, tell: Callable[[Report], None]
+        self, folder: Path, mission: Mission, start_unix_s: float, tell: Callable[[Stamped], None]
     ) -> None:
         folder.mkdir(parents=True, exist_ok=True)
         self.folder = folder
@@ -55,19 +59,21 @@ class RunFolder:
         (folder / "mission.yaml").write_text(mission.text, encoding="utf-8")
         about = json.dumps(scene(mission, start_unix_s)) + "\n"
         (folder / "scene.json").write_text(about, encoding="utf-8")
-        self._events = (folder / "events.jsonl").open("w", encoding="utf-8")
+        self._events = (folder / EVENTS_FILE).open("w", encoding="utf-8")
         self._tlog = (folder / "flight.tlog").open("wb")
 
-    def report(self, report: Report) -> None:
+    def report(self, stamped: Stamped) -> None:
         """Appends a line to events.jsonl, at once; a plan also becomes a file."""
-        if report.is_told:
-            self._tell(report)
-        line = {"t_s": report.time_s, "kind": report.kind, "text": report.text, **report.data}
+        if stamped.event.is_told:
+            self._tell(stamped)
         with self._going_on():
-            self._events.write(json.dumps(line) + "\n")
+            self._events.write(json.dumps(line_of(stamped)) + "\n")
             self._events.flush()
-            if report.kind in ("plan", "replan") and "loop" in report.data:
-                self._plan(report.data)
+            match stamped.event:
+                case PlanMade(number=number) as plan:
+                    self._plan(number, plan, "first plan")
+                case PlanReplaced(number=number, reason=reason) as plan:
+                    self._plan(number, plan, f"replan {number}: {reason}")
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
         """Appends frames to flight.tlog."""
@@ -100,12 +106,10 @@ class RunFolder:
         except OSError as error:
             if not self._is_failing:
                 self._is_failing = True
-                text = f"the run folder cannot be written, the flight goes on: {error.strerror}"
-                self._tell(Report(0.0, "record", text))
+                self._tell(Stamped(0.0, RecordingFailed(str(error.strerror))))
 
-    def _plan(self, plan: Mapping[str, object]) -> None:
+    def _plan(self, number: int, plan: FlightEvent, title: str) -> None:
         """Writes a plan; the trail's next part belongs to it."""
-        path = self.folder / f"plan-{plan['number']}.json"
-        path.write_text(json.dumps(plan, indent=2) + "\n", encoding="utf-8")
-        reason = plan.get("reason")
-        self.trail.begin(f"replan {plan['number']}: {reason}" if reason else "first plan")
+        path = self.folder / f"plan-{number}.json"
+        path.write_text(json.dumps(json_of(plan), indent=2) + "\n", encoding="utf-8")
+        self.trail.begin(title)

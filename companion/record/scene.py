@@ -36,6 +36,7 @@ def scene(mission: Mission, start_unix_s: float) -> dict[str, object]:
             "north_m": grid.origin[0],
             "occupied": base64.b64encode(zlib.compress(cells)).decode("ascii"),
         },
+        "clearance_m": mission.vehicle.clearance_m,
         "fence": [[east, north] for north, east in mission.limits.fence],
         "places": [
             {

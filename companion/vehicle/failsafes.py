@@ -1,4 +1,4 @@
-"""Does the autopilot look after the vehicle when we cannot? Asked before every arming.
+"""The failsafe parameters that an autopilot must have before a companion arms it.
 
 PX4's own defaults leave much of this off: without setpoints and without a pilot it sinks to the
 ground where it is, and an empty battery only warns. A companion that dies in flight relies on

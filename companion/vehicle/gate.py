@@ -8,6 +8,7 @@ Rules, in this order; the first that applies decides:
 5. Further from the vehicle than the carrot: hold. A setpoint that stays behind when
    this program dies means "hover a carrot's length ahead", never "fly to the far end".
 6. Faster than the speed limit: hold.
+7. Climbing or descending faster than the vehicle can: hold.
 
 To hold is to be sent to the present position with no velocity. The gate knows no map: walls
 are the business of routes.
@@ -34,6 +35,8 @@ class Envelope:
         fence: polygon of north-east corners.
         up_m: lowest and highest altitude above home.
         speed_mps: greatest speed.
+        climb_mps: greatest vertical speed upwards.
+        descent_mps: the same downwards.
         carrot_m: greatest distance of a setpoint from the vehicle.
         max_age_s: age of telemetry at which the vehicle holds.
         lost_s: age of telemetry at which the stream ends and the autopilot's failsafe begins.
@@ -42,7 +45,9 @@ class Envelope:
     fence: tuple[NorthEast, ...]
     up_m: tuple[float, float]
     speed_mps: float
-    carrot_m: float = 1.5
+    climb_mps: float
+    descent_mps: float
+    carrot_m: float
     max_age_s: float = 0.5
     lost_s: float = 3.0
 
@@ -107,6 +112,14 @@ def _too_fast(setpoint: Setpoint, _: VehicleState, __: float, envelope: Envelope
     return "" if is_within else f"{speed_mps:.1f} m/s is too fast"
 
 
+def _too_steep(setpoint: Setpoint, _: VehicleState, __: float, envelope: Envelope) -> str:
+    down_mps = setpoint.velocity[2]
+    most_mps = envelope.descent_mps if down_mps > 0 else envelope.climb_mps
+    if abs(down_mps) <= most_mps * SPEED_TOLERANCE:
+        return ""
+    return f"{abs(down_mps):.1f} m/s {'down' if down_mps > 0 else 'up'} is too fast"
+
+
 _RULES: Sequence[Callable[[Setpoint, VehicleState, float, Envelope], str]] = (
     _stale,
     _not_finite,
@@ -114,4 +127,5 @@ _RULES: Sequence[Callable[[Setpoint, VehicleState, float, Envelope], str]] = (
     _outside_band,
     _too_far,
     _too_fast,
+    _too_steep,
 )

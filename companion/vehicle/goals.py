@@ -1,9 +1,13 @@
-"""How each goal is brought about: the table of commands, modes and times.
+"""The table of goals: which command brings each about, in which modes, in what time.
 
 A goal is a state of the vehicle (`port.Goal`). The command is sent and, if the vehicle accepts
 it without getting there, sent again, until the state is observed or the time is up. The modes
 listed are those that the vehicle may pass through on the way without anybody having taken it
-from us. Source: PX4 v1.16 as observed.
+from us; authority is watched from the first goal on, also while the vehicle is disarmed.
+
+When PX4 disarms it falls back to the mode that was chosen last and may be armed in: OFFBOARD after
+a flight, else the mode in which the vehicle stood at first. A vehicle that is to be armed again
+may therefore stand in OFFBOARD. Source: PX4 v1.16 as observed, and its UserModeIntention.cpp.
 """
 
 from __future__ import annotations
@@ -29,8 +33,9 @@ class Approach:
         command: MAV_CMD number.
         parameters: its parameters, from the altitude above mean sea level to take off to.
         is_reached: whether a state is the goal.
-        passes: modes on the way; the mode at the start is always one of them.
-        keeps: modes in which the goal, once reached, still stands.
+        passes: modes on the way; the mode at the start is one of them until it was left.
+        keeps: modes in which the goal, once reached, still stands; None for those on the way.
+        needs_arming: a vehicle that is not armed cannot get there.
         underway: modes that show that the vehicle is on its way and need not be asked again.
         lead_s: time to stream setpoints before asking; PX4 wants to see them first.
         timeout_s: time after which the goal has failed.
@@ -40,8 +45,9 @@ class Approach:
     parameters: Callable[[float], Parameters]
     is_reached: Callable[[VehicleState], bool]
     passes: frozenset[Mode]
-    keeps: frozenset[Mode]
+    keeps: frozenset[Mode] | None
     timeout_s: float
+    needs_arming: bool = False
     underway: frozenset[Mode] = frozenset()
     lead_s: float = 0.0
 
@@ -51,22 +57,31 @@ def _set_mode(mode: Mode) -> Parameters:
     return (CUSTOM_MODE_ENABLED, main, sub, 0.0, 0.0, 0.0, 0.0)
 
 
+def _has_climbed(state: VehicleState) -> bool:
+    """Returns whether AUTO.TAKEOFF has ended: hold was heard after the vehicle had left the ground.
+
+    The mode heard last before that says nothing, as heartbeats may be lost on the way.
+    """
+    return not state.is_landed and state.mode is Mode.LOITER and state.mode_s > state.landed_since_s
+
+
 APPROACHES: dict[Goal, Approach] = {
     Goal.ARMED: Approach(
         command=dialect.MAV_CMD_COMPONENT_ARM_DISARM,
         parameters=lambda _: (1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
         is_reached=lambda s: s.is_armed,
-        passes=frozenset(Mode),
-        keeps=frozenset(Mode),
+        passes=frozenset({Mode.LOITER, Mode.OFFBOARD}),
+        keeps=None,
         timeout_s=20.0,
     ),
     Goal.AIRBORNE: Approach(
         command=dialect.MAV_CMD_NAV_TAKEOFF,
         parameters=lambda altitude_m: (NAN, NAN, NAN, NAN, NAN, NAN, altitude_m),
-        is_reached=lambda s: not s.is_landed and s.mode is Mode.LOITER,
+        is_reached=_has_climbed,
         passes=frozenset({Mode.TAKEOFF, Mode.LOITER}),
         keeps=frozenset({Mode.LOITER}),
         timeout_s=60.0,
+        needs_arming=True,
         underway=frozenset({Mode.TAKEOFF}),
     ),
     Goal.OFFBOARD: Approach(
@@ -76,6 +91,7 @@ APPROACHES: dict[Goal, Approach] = {
         passes=frozenset({Mode.OFFBOARD}),
         keeps=frozenset({Mode.OFFBOARD}),
         timeout_s=15.0,
+        needs_arming=True,
         lead_s=1.0,
     ),
     Goal.HOLDING: Approach(
@@ -91,7 +107,7 @@ APPROACHES: dict[Goal, Approach] = {
         parameters=lambda _: (0.0, 0.0, 0.0, NAN, NAN, NAN, NAN),
         is_reached=lambda s: s.is_landed and not s.is_armed,
         passes=frozenset({Mode.LAND}),
-        keeps=frozenset(Mode),
+        keeps=frozenset({Mode.LAND, Mode.LOITER, Mode.OFFBOARD}),
         timeout_s=120.0,
         underway=frozenset({Mode.LAND}),
     ),

@@ -1,12 +1,13 @@
-"""The doors of the flight side: a UDP socket and a clock. Everything else is a pure step.
+"""The door of the flight side: a UDP socket. Everything else is a pure step.
 
-A URL says who speaks first. `udpin` binds a port and answers whoever sends autopilot frames to
-it (PX4 sends to 14540 by itself); `udpout` sends to an address. A bare `udp` means one thing to
-MAVSDK and another to pymavlink, so it is refused.
+A URL says who speaks first. `udpin` binds a port and answers the autopilot that sends heartbeats
+to it (`autopilot_address.py`; PX4 sends to 14540 by itself); `udpout` sends to an address. A bare
+`udp` means one thing to MAVSDK and another to pymavlink, so it is refused.
 """
 
 from __future__ import annotations
 
+import logging
 import re
 import select
 import socket
@@ -14,14 +15,16 @@ import time
 from dataclasses import dataclass
 
 from companion.errors import LinkError
+from companion.vehicle.autopilot_address import Address, AutopilotAddress
 
 URL = re.compile(r"(?P<scheme>[a-z]+):(?://)?((?P<host>[^:/]*):)?(?P<port>\d+)/?$")
 SCHEMES = ("udp", "udpin", "udpout")
 MAX_PORT = 65535
-MAVLINK2_MAGIC = 0xFD
-AUTOPILOT_COMPONENT = 1
+MAVLINK2_MAGIC = b"\xfd"
 MAX_DATAGRAM = 65535
 RECEIVE_BUFFER = 1 << 20
+
+log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,17 +73,17 @@ class UdpLink:
     def __init__(self, endpoint: Endpoint) -> None:
         self.endpoint = endpoint
         self._heard: dict[str, int] = {}
-        self._system: int | None = None
         self._mavlink = 0
+        self._autopilot = AutopilotAddress()
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._socket.setblocking(False)
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
-        self._peer: tuple[str, int] | None = None
+        self._called: Address | None = None
         try:
             if endpoint.is_listening:
                 self._socket.bind((endpoint.host, endpoint.port))
             else:
-                self._peer = (socket.gethostbyname(endpoint.host), endpoint.port)
+                self._called = (socket.gethostbyname(endpoint.host), endpoint.port)
         except OSError as error:
             self._socket.close()
             if not endpoint.is_listening:
@@ -101,25 +104,20 @@ class UdpLink:
             except ConnectionError:  # an ICMP "nobody listens" of an earlier send
                 continue
             datagrams.append(datagram)
+            if sender[0] not in self._heard:
+                log.debug("first datagram from %s:%d, %d bytes", *sender, len(datagram))
             self._heard[sender[0]] = self._heard.get(sender[0], 0) + 1
-            if len(datagram) > 8 and datagram[0] == MAVLINK2_MAGIC:
-                self._mavlink += 1
-                self._learn(sender, system=datagram[5], component=datagram[6])
-
-    def _learn(self, sender: tuple[str, int], system: int, component: int) -> None:
-        """Answers go to where the first vehicle's autopilot was heard last."""
-        if component == AUTOPILOT_COMPONENT and self._system in (None, system):
-            self._system = system
-            if self.endpoint.is_listening:
-                self._peer = sender
+            self._mavlink += datagram[:1] == MAVLINK2_MAGIC
+            self._autopilot.hear(time.monotonic(), sender, datagram)
 
     def send(self, datagrams: list[bytes]) -> None:
         """Sends to the vehicle; what the network does not take is lost, as on a radio."""
-        if self._peer is None:
+        address = self._called or self._autopilot.address
+        if address is None:
             return
         for datagram in datagrams:
             try:
-                self._socket.sendto(datagram, self._peer)
+                self._socket.sendto(datagram, address)
             except OSError:
                 continue
 
@@ -132,7 +130,8 @@ class UdpLink:
         total = sum(self._heard.values())
         if not total:
             return "nothing arrived"
-        autopilot = "no autopilot" if self._system is None else f"the autopilot of {self._system}"
+        system = self._autopilot.system
+        autopilot = "no autopilot" if system is None else f"the autopilot of {system}"
         return (
             f"{total} packets came from {', '.join(sorted(self._heard))}, "
             f"{self._mavlink or 'none'} of them MAVLink 2; {autopilot} was heard"
@@ -141,23 +140,3 @@ class UdpLink:
     def close(self) -> None:
         """Frees the port."""
         self._socket.close()
-
-
-class ScaledClock:
-    """Monotonic time that runs `speed` times as fast as the wall's, from zero."""
-
-    def __init__(self, speed: float = 1.0) -> None:
-        self._speed = speed
-        self._start_s = time.monotonic()
-
-    def now_s(self) -> float:
-        """Scaled seconds since the clock was made."""
-        return (time.monotonic() - self._start_s) * self._speed
-
-    def sleep_until(self, time_s: float) -> None:
-        """Sleeps until a scaled time."""
-        time.sleep(max(0.0, self.wall_s_until(time_s)))
-
-    def wall_s_until(self, time_s: float) -> float:
-        """Wall-clock seconds until a scaled time."""
-        return (time_s - self.now_s()) / self._speed

@@ -7,9 +7,13 @@ not for here (`ground/component.py`).
 Rules:
 1. Other systems than the vehicle's are ignored.
 2. Every setpoint passes the gate (`gate.py`); nothing repeats a setpoint by itself.
-3. A goal is pursued until it is observed (`goals.py`).
-4. A mode that our goal does not pass through was chosen by somebody else: our authority ends, at
-   once. Nothing is streamed or commanded after that, unless an operator gives it back (`regain`).
+3. A skill's command passes the rules of `mavlink/payload_commands.py`.
+4. A goal is pursued until it is observed (`goals.py`).
+5. A mode that our goal does not pass through was chosen by somebody else, on the ground as in the
+   air: our authority ends, at once. Nothing is streamed or commanded after that, unless an operator
+   gives it back (`regain`).
+6. A mode that was heard too long ago is not known. Until the next heartbeat no goal is reached, and
+   nothing is asked for.
 
 Source: https://mavlink.io/en/services/command.html, PX4's offboard mode.
 """
@@ -17,12 +21,14 @@ Source: https://mavlink.io/en/services/command.html, PX4's offboard mode.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from companion.mavlink.commands import CommandSender, Parameters
 from companion.mavlink.framing import Message, dialect, source
+from companion.mavlink.payload_commands import why_not_sent
 from companion.mission.model import Signal
 from companion.motion.sensed_map import RangeScan
+from companion.outcomes import Refusal
 from companion.vehicle.gate import Envelope, admit
 from companion.vehicle.goals import APPROACHES
 from companion.vehicle.parameters import ParameterReader
@@ -76,9 +82,9 @@ class MavlinkVehicle:
         takeoff_up_m: altitude above home to take off to.
 
     Attributes:
-        scans: see `port.Vehicle`.
-        lost_authority: see `port.Vehicle`.
-        refusal: see `port.Vehicle`.
+        scans: what was heard of the surroundings since the tick before, in order.
+        lost_authority: why control is lost; "" while it is not.
+        refusal: why a hold is sent in place of the setpoint; "" while it is not.
     """
 
     def __init__(
@@ -105,6 +111,7 @@ class MavlinkVehicle:
         self._readings: list[tuple[Signal, float]] = []
         self._setpoint: Setpoint | None = None
         self._pursuit: _Pursuit | None = None
+        self._first_mode: Mode | None = None
         self._now_s = 0.0
 
     # -- messages ------------------------------------------------------------------------------
@@ -144,25 +151,30 @@ class MavlinkVehicle:
 
     @property
     def state(self) -> VehicleState | None:
-        """See `port.Vehicle`."""
+        """The newest state, None until one has been heard."""
         return self._telemetry.state
 
     def fly(self, setpoint: Setpoint) -> None:
-        """See `port.Vehicle`."""
+        """Streams a setpoint from now on."""
         self._setpoint = setpoint
 
+    def set_speed_limit(self, speed_mps: float) -> None:
+        """The gate admits no faster setpoint from now on."""
+        if speed_mps != self._envelope.speed_mps:
+            self._envelope = replace(self._envelope, speed_mps=speed_mps)
+
     def release(self) -> None:
-        """See `port.Vehicle`."""
+        """Streams nothing and asks for nothing any longer."""
         self._setpoint = None
         self._pursuit = None
         self._commands = CommandSender()
 
     def regain(self) -> None:
-        """See `port.Vehicle`."""
+        """Takes back control that was lost; the operator has given it."""
         self.lost_authority = ""
 
     def pursue(self, goal: Goal) -> Outcome:
-        """See `port.Vehicle`."""
+        """Works towards a goal; the caller asks in every tick until it is reached or has failed."""
         state, approach = self.state, APPROACHES[goal]
         if self.lost_authority:
             return Outcome(Progress.FAILED, self.lost_authority)
@@ -172,33 +184,38 @@ class MavlinkVehicle:
         if pursuit is None or pursuit.goal is not goal:
             self._end_command()
             allowed = approach.passes | {state.mode}
+            self._first_mode = self._first_mode or state.mode
             pursuit = _Pursuit(goal, allowed, state.mode, self._now_s)
             self._pursuit = pursuit
-        if approach.is_reached(state):
+        if state.is_mode_known(self._now_s) and approach.is_reached(state):
             self._end_command()
-            pursuit.allowed = approach.keeps
+            if approach.keeps is not None:
+                pursuit.allowed = approach.keeps
             return Outcome(Progress.DONE)
         failure = self._ask(pursuit, state)
         return Outcome(Progress.FAILED, failure) if failure else Outcome(Progress.RUNNING)
 
     def send_command(self, component: int, command: int, parameters: tuple[float, ...]) -> int:
-        """See `port.Vehicle`."""
+        """Starts a skill's command if payloads take it; returns its ticket."""
         p1, p2, p3, p4, p5, p6, p7 = (*parameters, *[0.0] * (7 - len(parameters)))
-        return self._start(component, command, (p1, p2, p3, p4, p5, p6, p7))
+        ticket = self._start(component, command, (p1, p2, p3, p4, p5, p6, p7))
+        if why_not := why_not_sent(component, command):
+            self._commands.refuse(ticket, Refusal(f"not sent: {why_not}"))
+        return ticket
 
     def command_outcome(self, ticket: int) -> Outcome:
-        """See `port.Vehicle`."""
+        """How far the command of a ticket has come."""
         exchange = self._commands[ticket]
         if exchange.has_failed:
-            return Outcome(Progress.FAILED, exchange.result.replace("_", " ").lower())
+            return Outcome(Progress.FAILED, exchange.in_words)
         return Outcome(Progress.DONE if exchange.result else Progress.RUNNING)
 
     def forget_command(self, ticket: int) -> None:
-        """See `port.Vehicle`."""
+        """Asks for a command no longer."""
         self._commands.forget(ticket)
 
     def parameter(self, name: str) -> float | None:
-        """See `port.Vehicle`."""
+        """A parameter of the autopilot; asks for it, and is None until it was answered."""
         return self._parameters.read(name)
 
     # -- goals ---------------------------------------------------------------------------------
@@ -209,13 +226,16 @@ class MavlinkVehicle:
         elapsed_s = self._now_s - pursuit.start_s
         if elapsed_s >= approach.timeout_s:
             return self._because(f"not {pursuit.goal.value} after {approach.timeout_s:.0f} s")
+        if not state.is_mode_known(self._now_s):
+            return ""
+        if approach.needs_arming and not state.is_armed:
+            return self._because(f"not {pursuit.goal.value}: disarmed")
         if elapsed_s < approach.lead_s or state.mode in approach.underway:
             return ""
         if pursuit.ticket is not None:
             exchange = self._commands[pursuit.ticket]
             if exchange.has_failed:
-                answer = exchange.result.replace("_", " ").lower()
-                return self._because(f"not {pursuit.goal.value}: {answer}")
+                return self._because(f"not {pursuit.goal.value}: {exchange.in_words}")
             if not exchange.result or self._now_s < exchange.next_send_s + ASK_AGAIN_S:
                 return ""
             self._end_command()
@@ -291,13 +311,20 @@ class MavlinkVehicle:
             self._read(signal, message)
 
     def _watch_authority(self) -> None:
-        """Rule 4. The mode in which a goal was begun is ours only until it was left."""
+        """Rule 5, from the first goal on. The mode of a goal's start is ours until it was left.
+
+        A vehicle that has landed for us may fall back to the mode in which it stood at first.
+        """
         heard, pursuit = self._telemetry, self._pursuit
-        if pursuit is None or heard.mode is None or not heard.is_armed:
+        if pursuit is None or heard.mode is None:
             return
-        if heard.mode in APPROACHES[pursuit.goal].passes:
-            pursuit.allowed -= {pursuit.start_mode} - APPROACHES[pursuit.goal].passes
-        elif heard.mode not in pursuit.allowed:
+        passes = APPROACHES[pursuit.goal].passes
+        has_landed = pursuit.goal is Goal.LANDED and not heard.is_armed
+        if heard.mode in passes:
+            pursuit.allowed -= {pursuit.start_mode} - passes
+        elif heard.mode not in pursuit.allowed and not (
+            has_landed and heard.mode in (Mode.LOITER, Mode.OFFBOARD, self._first_mode)
+        ):
             who = "a failsafe of the autopilot" if heard.is_failsafe else "the pilot"
             self.lost_authority = f"{who} has control, in {heard.mode.value}"
 

@@ -6,11 +6,15 @@ does not know.
 
 from __future__ import annotations
 
+import logging
+
 from companion.mavlink.framing import Message, dialect
 from companion.mavlink.parameters import INT32, REAL32, decode
 
 ASK_AGAIN_S = 0.5
 BY_NAME = -1
+
+log = logging.getLogger(__name__)
 
 
 class ParameterReader:
@@ -31,7 +35,9 @@ class ParameterReader:
         is_known_type = message.param_type in (INT32, REAL32)
         if is_known_type and message.param_id in self._next_ask_s:
             del self._next_ask_s[message.param_id]
-            self._values[message.param_id] = float(decode(message.param_value, message.param_type))
+            value = float(decode(message.param_value, message.param_type))
+            self._values[message.param_id] = value
+            log.debug("parameter %s is %g", message.param_id, value)
 
     def due(self, now_s: float, target: tuple[int, int]) -> list[Message]:
         """The questions to send now to (system, component)."""
@@ -39,6 +45,7 @@ class ParameterReader:
         for name, next_ask_s in self._next_ask_s.items():
             if now_s >= next_ask_s:
                 self._next_ask_s[name] = now_s + ASK_AGAIN_S
+                log.debug("parameter %s: asked %d/%d", name, *target)
                 questions.append(
                     dialect.MAVLink_param_request_read_message(*target, name.encode(), BY_NAME)
                 )

@@ -15,6 +15,10 @@ from typing import Protocol
 from companion.geometry import Ned
 from companion.motion.sensed_map import RangeScan
 
+MODE_KNOWN_S = 1.5
+"""Age of the newest heartbeat, sent once a second, up to which its mode is taken for the present
+one. With an older one no goal is reached, no mode is asked for, and no control is taken back."""
+
 
 class Mode(StrEnum):
     """Flight modes of PX4 that matter here; the value is how people know them."""
@@ -42,6 +46,8 @@ class VehicleState:
         yaw_rad: heading, 0 is north, positive to the east.
         is_failsafe: the autopilot reports a critical system status.
         battery_percent: remaining charge, None while unknown.
+        mode_s: when the mode was received; an old one is not known any more.
+        landed_since_s: since when it is, or is not, landed.
     """
 
     stamp_s: float
@@ -53,6 +59,12 @@ class VehicleState:
     is_landed: bool
     is_failsafe: bool
     battery_percent: int | None
+    mode_s: float = 0.0
+    landed_since_s: float = 0.0
+
+    def is_mode_known(self, now_s: float) -> bool:
+        """Whether the mode is that of a recent heartbeat."""
+        return now_s - self.mode_s <= MODE_KNOWN_S
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""What does an OBSTACLE_DISTANCE say, and where was the vehicle when it was measured?
+"""Places range scans (OBSTACLE_DISTANCE) by where the vehicle was when they were measured.
 
 At full speed and turning the far end of a scan moves by a metre in the time between two messages,
 and messages overtake each other. So positions and headings of the last second are kept, and a scan

@@ -16,7 +16,7 @@ from collections.abc import Callable
 from companion.geometry import Ned
 from companion.mavlink.framing import Message, dialect
 from companion.mavlink.px4_modes import mode_name
-from companion.mavlink.sequence import Order
+from companion.mavlink.sequence import SequenceTracker
 from companion.vehicle.port import Mode, VehicleState
 
 KNOWN_MODES = {mode.value: mode for mode in Mode}
@@ -39,10 +39,11 @@ class Telemetry:
         self.texts: deque[str] = deque(maxlen=MAX_TEXTS)
         self.heartbeat_s = -math.inf
         self.mode: Mode | None = None
-        self._order = Order()
+        self._order = SequenceTracker()
         self.is_armed = False
         self.is_failsafe = False
         self._is_landed: bool | None = None
+        self._landed_since_s = -math.inf
         self._position: tuple[float, Ned, Ned] | None = None  # stamp, position, velocity
         self._yaw_rad: float | None = None
         self._battery_percent: int | None = None
@@ -75,6 +76,8 @@ class Telemetry:
             is_landed=self._is_landed,
             is_failsafe=self.is_failsafe,
             battery_percent=self._battery_percent,
+            mode_s=self.heartbeat_s,
+            landed_since_s=self._landed_since_s,
         )
 
     def local(self, position: Ned) -> Ned:
@@ -118,9 +121,12 @@ class Telemetry:
             self.home = position
             self.home_altitude_m = message.altitude / 1000
 
-    def _on_landed(self, _: float, message: Message) -> None:
-        if message.landed_state != dialect.MAV_LANDED_STATE_UNDEFINED:
-            self._is_landed = message.landed_state == dialect.MAV_LANDED_STATE_ON_GROUND
+    def _on_landed(self, now_s: float, message: Message) -> None:
+        if message.landed_state == dialect.MAV_LANDED_STATE_UNDEFINED:
+            return
+        is_landed = message.landed_state == dialect.MAV_LANDED_STATE_ON_GROUND
+        if is_landed is not self._is_landed:
+            self._is_landed, self._landed_since_s = is_landed, now_s
 
     def _on_battery(self, _: float, message: Message) -> None:
         if message.battery_remaining >= 0:

@@ -1,4 +1,4 @@
-"""What has arrived for component 191, and how does it speak? Bytes to messages and back, once.
+"""Decodes what arrives for component 191, and packs what it says: bytes to messages and back.
 
 The one place that decodes what comes in; the vehicle's side (`offboard.py`) and the ground
 stations' side (`ground/component.py`) both read the messages that it hands out.
@@ -13,7 +13,7 @@ Source: https://mavlink.io/en/services/heartbeat.html. No I/O: `link.py` moves t
 
 from __future__ import annotations
 
-from companion.mavlink.framing import Endpoint, Message, choose, dialect, source
+from companion.mavlink.framing import MavlinkCodec, Message, choose, dialect, source
 
 COMPONENT = dialect.MAV_COMP_ID_ONBOARD_COMPUTER
 AUTOPILOT = dialect.MAV_COMP_ID_AUTOPILOT1
@@ -23,14 +23,14 @@ class Wire:
     """The ear and the voice of component 191."""
 
     def __init__(self) -> None:
-        self._endpoint = Endpoint(0, COMPONENT)
+        self._codec = MavlinkCodec(0, COMPONENT)
         self._wanted: frozenset[int] = frozenset()
         self._continual: frozenset[int] = frozenset()
 
     @property
     def system(self) -> int:
         """The vehicle's system id, and our own; 0 until an autopilot was heard."""
-        return self._endpoint.system
+        return self._codec.system
 
     def listen(self, wanted: frozenset[str], continual: frozenset[str]) -> None:
         """What to decode from now on, by names of messages.
@@ -45,25 +45,26 @@ class Wire:
     def parse(self, datagrams: list[bytes]) -> list[Message]:
         """The messages of a tick, in order, from whomever and for whomever."""
         frames = choose(datagrams, self._wanted, self._continual)
-        messages = [message for frame in frames for message in self._endpoint.parse(frame)]
+        messages = [message for frame in frames for message in self._codec.parse(frame)]
         if self.system:
             return messages
         for at, message in enumerate(messages):
-            if _is_autopilot(message):
-                self._endpoint = Endpoint(source(message)[0], COMPONENT)
+            if is_autopilot(message):
+                self._codec = MavlinkCodec(source(message)[0], COMPONENT)
                 return messages[at:]
         return []
 
     def pack(self, messages: list[Message]) -> list[bytes]:
         """A datagram for each message; none before the system is known."""
-        return [self._endpoint.pack(m) for m in messages] if self.system else []
+        return [self._codec.pack(m) for m in messages] if self.system else []
 
 
 def _ids(names: frozenset[str]) -> frozenset[int]:
     return frozenset(n for n, kind in dialect.mavlink_map.items() if kind.msgname in names)
 
 
-def _is_autopilot(message: Message) -> bool:
+def is_autopilot(message: Message) -> bool:
+    """Whether a message is the HEARTBEAT of an autopilot, which a decoded frame vouches for."""
     return bool(
         message.get_type() == "HEARTBEAT"
         and message.get_srcComponent() == AUTOPILOT

@@ -1,4 +1,4 @@
-"""How fast are routes, physics, MAVLink, and a whole flight?"""
+"""The speed of routes, physics, MAVLink, and a whole flight."""
 
 from __future__ import annotations
 
@@ -18,25 +18,24 @@ import psutil
 from scipy import ndimage
 
 from benches import MISSION, ROOT, Row, timed
-from companion.acting.report import Report
-from companion.app import Companion
+from companion.api.simulating import lockstep, world_of
+from companion.flight_events.event import Stamped
 from companion.geometry import Ned
-from companion.mavlink.framing import Endpoint, Message, dialect, split_frames
+from companion.mavlink.framing import MavlinkCodec, Message, dialect, split_frames
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
 from companion.motion.grid import OccupancyGrid
 from companion.motion.routes import RouteMap
 from companion.motion.sensed_map import RangeScan, SensedMap
-from companion.run import route_map
-from sitl.flight.controllers import Cascade, Target
+from companion.planning.flight_times import route_map
+from sitl.flight.controllers import Cascade, TrajectorySetpoint
 from sitl.flight.mixer import Motors
 from sitl.flight.physics import Physics
-from sitl.harness import fly_in_lockstep
 from sitl.link.routing import LinkName
 from sitl.link.server import HOST, PORTS
-from sitl.simulation import DT_S, Simulation
+from sitl.simulation import DT_S
 from sitl.world.lidar import STEP_RAD, Lidar, LidarSpec
-from sitl.world.scenario import PX4_HOME, read_scenario
+from sitl.world.scenario import PX4_HOME
 
 AUTOPILOT = 1  # component id
 INSTANCE = 97  # of the simulator at real time, away from any that runs
@@ -51,8 +50,8 @@ class Flight:
     end_s: float = 0.0
     datagrams: list[bytes] = field(default_factory=list)
 
-    def report(self, report: Report) -> None:
-        """Reports are not needed."""
+    def report(self, stamped: Stamped) -> None:
+        """Events are not needed."""
 
     def position(self, now_s: float, position: Ned) -> None:
         """Positions are not needed."""
@@ -63,25 +62,25 @@ class Flight:
         self.datagrams += datagrams
 
 
-def fields(runs: int) -> Iterator[Row]:
-    """A place's field of the way to it; the peer is the distance field of the same map."""
+def cost_to_go(runs: int) -> Iterator[Row]:
+    """The cost-to-go of a place; the peer is the distance field of the same map."""
     mission = load_mission(MISSION)
     home = mission.places["Home"].position
 
-    def first_way_to(goal: str) -> float:
-        routes = route_map(mission)  # keeps the fields that it has found
+    def first_path_to(goal: str) -> float:
+        routes = route_map(mission)  # keeps what it has found
         return timed(lambda: routes.distance_m(home[:2], goal), 1)[0]
 
     goals = [name for name in mission.places if name != "Home"]
-    ours = median(first_way_to(goals[i % len(goals)]) for i in range(runs))
+    ours = median(first_path_to(goals[i % len(goals)]) for i in range(runs))
     free = ~mission.grid.occupied
     peer = median(timed(lambda: ndimage.distance_transform_edt(free), runs))
-    yield Row("field of the way to a place", ours, "ms", "scipy's EDT", peer)
+    yield Row("cost-to-go of a place", ours, "ms", "scipy's EDT", peer)
     yield repairing(mission, runs)
 
 
 def repairing(mission: Mission, runs: int) -> Row:
-    """A crate comes and goes: the fields of all places, each repaired; the peer is a new one."""
+    """A crate comes and goes: each place's cost-to-go is repaired; the peer is a new search."""
     crate = with_crate(mission.grid)
     routes, took, new = route_map(mission), [], []
     routes.find(ALL)
@@ -91,7 +90,7 @@ def repairing(mission: Mission, runs: int) -> Row:
         fresh = route_map(mission)
         new += timed(lambda fresh=fresh: fresh.find(ALL), 1)
     each = 1 / len(mission.places)
-    return Row("field repaired", each * median(took), "ms", "a new field", each * median(new))
+    return Row("cost-to-go repaired", each * median(took), "ms", "a new search", each * median(new))
 
 
 def with_crate(grid: OccupancyGrid) -> OccupancyGrid:
@@ -127,7 +126,9 @@ def rerouting(runs: int) -> Iterator[Row]:
 def simulating(runs: int) -> Iterator[Row]:
     """Physics and control of a vehicle that flies 2 m up; the peer is the physics alone."""
     steps = 500 * runs
-    target = Target(position=(3.0, 4.0, -2.0), velocity=(None, None, None), yaw_rad=0.0)
+    setpoint = TrajectorySetpoint(
+        position=(3.0, 4.0, -2.0), velocity=(None, None, None), yaw_rad=0.0
+    )
 
     def speed(command: Callable[[Physics, Cascade], Motors]) -> float:
         physics, cascade = Physics(dt_s=DT_S, origin=PX4_HOME), Cascade()
@@ -138,7 +139,7 @@ def simulating(runs: int) -> Iterator[Row]:
 
     hover = (0.5, 0.5, 0.5, 0.5)
     peer = speed(lambda physics, cascade: hover)
-    ours = speed(lambda physics, cascade: cascade.step(physics.state, target, DT_S))
+    ours = speed(lambda physics, cascade: cascade.step(physics.state, setpoint, DT_S))
     yield Row("physics and control", ours, "x real time", "physics alone", peer)
 
 
@@ -150,18 +151,15 @@ def flying(runs: int) -> Iterator[Row]:
     speeds = []
     for _ in range(max(1, runs // 10)):
         mission = load_mission(MISSION)
-        scenario, grid = read_scenario(MISSION.with_suffix(".sim.yaml"))
-        flight = Flight()
-        links = frozenset({LinkName.OFFBOARD})
-        companion = Companion(mission, flight)
-        simulation = Simulation(scenario, grid, seed=0, links=links)
+        seen = Flight()
+        flight = lockstep(mission, world_of(mission), seen)
         start_s = perf_counter()
-        fly_in_lockstep(companion, simulation)
-        speeds.append(flight.end_s / (perf_counter() - start_s))
-        if companion.failure is not None:
-            raise companion.failure
+        flight.fly()
+        speeds.append(seen.end_s / (perf_counter() - start_s))
+        if flight.companion.failure is not None:
+            raise flight.companion.failure
     yield Row("simulator and companion in lockstep", median(speeds), "x real time")
-    frames = [frame for datagram in flight.datagrams for frame in split_frames(datagram)]
+    frames = [frame for datagram in seen.datagrams for frame in split_frames(datagram)]
     yield from mavlink([f for f in frames if f[6] == AUTOPILOT], runs)
 
 
@@ -193,7 +191,7 @@ def take_off(udp: socket.socket) -> None:
     """
     port, _ = PORTS[LinkName.OFFBOARD]
     system = 1 + INSTANCE
-    station = Endpoint(255, 190)
+    station = MavlinkCodec(255, 190)
     takeoff, arm = dialect.MAV_CMD_NAV_TAKEOFF, dialect.MAV_CMD_COMPONENT_ARM_DISARM
     for command, parameters in ((takeoff, (0, 0, 0, *(math.nan,) * 4)), (arm, (1, *(0,) * 6))):
         message = dialect.MAVLink_command_long_message(system, AUTOPILOT, command, 0, *parameters)
@@ -210,14 +208,14 @@ def take_off(udp: socket.socket) -> None:
 def mavlink(frames: list[bytes], runs: int) -> Iterator[Row]:
     """Messages per second, one frame a datagram; the peer is pymavlink's own code."""
     frames = frames[: 200 * runs]
-    endpoint = Endpoint(1, AUTOPILOT)
+    codec = MavlinkCodec(1, AUTOPILOT)
     plain = dialect.MAVLink(None, srcSystem=1, srcComponent=AUTOPILOT)
-    messages: list[Message] = [m for frame in frames for m in endpoint.parse(frame)]
+    messages: list[Message] = [m for frame in frames for m in codec.parse(frame)]
 
     def rate(call: Callable[[Any], object], items: Sequence[object]) -> float:
         return 1000 * len(items) / median(timed(lambda: [call(item) for item in items], 3))
 
     peer = rate(lambda message: message.pack(plain), messages)
-    yield Row("pack MAVLink", rate(endpoint.pack, messages), "messages/s", "pymavlink", peer)
+    yield Row("pack MAVLink", rate(codec.pack, messages), "messages/s", "pymavlink", peer)
     peer = rate(plain.parse_buffer, frames)
-    yield Row("parse MAVLink", rate(endpoint.parse, frames), "messages/s", "pymavlink", peer)
+    yield Row("parse MAVLink", rate(codec.parse, frames), "messages/s", "pymavlink", peer)

@@ -6,21 +6,18 @@ import gc
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from functools import partial
 from statistics import median
 from time import perf_counter
 
 from benches import Row, timed
 from benches.shipped import shipped
-from companion.acting.report import Report
-from companion.acting.task_state import TaskState
 from companion.app import Companion
+from companion.flight_events.event import Stamped
+from companion.flight_events.sortie import Phase, PhaseEntered, ReturnBegun
 from companion.geometry import Ned, distance
-from companion.ground.operations import Standing
-from companion.mavlink.framing import Endpoint, split_frames
-from companion.mission.model import Mission
+from companion.ground.operations import SystemStatus
+from companion.mavlink.framing import MavlinkCodec, split_frames
 from companion.planning.planner import Planner
-from companion.run import Recorder, flight_times, route_map
 from sitl.simulation import Simulation
 
 SETPOINT = bytes([84, 0, 0])  # id of SET_POSITION_TARGET_LOCAL_NED, in bytes 7 to 9 of a frame
@@ -36,17 +33,22 @@ class Tracking:
         clearances_m: from the vehicle's centre to what is truly nearest, once per tick.
     """
 
-    simulation: Simulation
+    simulation: Simulation | None = None
     gaps_m: list[float] = field(default_factory=list)
     clearances_m: list[float] = field(default_factory=list)
     is_on_task: bool = False
     setpoint: Ned | None = None
-    ear: Endpoint = field(default_factory=lambda: Endpoint(0, 0))
+    ear: MavlinkCodec = field(default_factory=lambda: MavlinkCodec(0, 0))
 
-    def report(self, report: Report) -> None:
+    def report(self, stamped: Stamped) -> None:
         """The task lasts until something else is flown than its plan."""
-        if report.kind == "phase":
-            self.is_on_task = report.text.startswith(("flying the task", "returning"))
+        match stamped.event:
+            case PhaseEntered(phase=phase):
+                self.is_on_task = phase in (Phase.TASK, Phase.RETURNING)
+            case ReturnBegun():
+                self.is_on_task = True
+            case event if event.kind == PhaseEntered.kind:
+                self.is_on_task = False
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
         """Hears the setpoints."""
@@ -58,59 +60,50 @@ class Tracking:
 
     def position(self, now_s: float, position: Ned) -> None:
         """Takes the truth of this tick."""
+        assert self.simulation is not None and self.simulation.true_map is not None
         truth = self.simulation.flight.position
-        assert self.simulation.true_map is not None
         self.clearances_m.append(self.simulation.true_map.clearance_m(truth[:2]))
         is_followed = self.is_on_task and self.simulation.mode == "OFFBOARD"
         if is_followed and self.setpoint is not None:
             self.gaps_m.append(distance(self.setpoint, truth))
 
 
-class Stopwatch(Companion):
-    """Takes the time of its steps while it has the vehicle.
+def timed_steps(companion: Companion) -> list[float]:
+    """Seconds that each step of a companion takes from now on while it has the vehicle."""
+    ticks_s: list[float] = []
+    step = companion.step
 
-    Args:
-        ticks_s: where the times go.
-    """
-
-    def __init__(self, ticks_s: list[float], mission: Mission, recorder: Recorder) -> None:
-        super().__init__(mission, recorder)
-        self._ticks_s = ticks_s
-
-    def step(self, now_s: float, datagrams: list[bytes]) -> list[bytes]:
-        """One tick."""
+    def timed_step(now_s: float, datagrams: list[bytes]) -> list[bytes]:
         start_s = perf_counter()
-        packets = super().step(now_s, datagrams)
-        if self.standing is Standing.ACTIVE:
-            self._ticks_s.append(perf_counter() - start_s)
+        packets = step(now_s, datagrams)
+        if companion.system_status is SystemStatus.ACTIVE:
+            ticks_s.append(perf_counter() - start_s)
         return packets
+
+    companion.step = timed_step  # type: ignore[method-assign]
+    return ticks_s
 
 
 def planning(runs: int) -> Iterator[Row]:
     """The search for the first plan; the way between places is known."""
-    for path in sorted({flight.mission: flight for flight in shipped()}.values(), key=str):
-        mission = path.load()
-        planner = Planner(mission, flight_times(mission, route_map(mission)))
-        problem = TaskState(planner).problem()
-
-        def plan(planner: Planner = planner, problem: object = problem) -> object:
-            return planner.plan(*problem)  # type: ignore[misc]
-
-        yield Row(f"{mission.name}: first plan", median(timed(plan, max(3, runs // 5))), "ms")
+    for each in sorted({each.mission: each for each in shipped()}.values(), key=str):
+        mission = each.load()
+        took = timed(Planner(mission).plan, max(3, runs // 5))
+        yield Row(f"{mission.name}: first plan", median(took), "ms")
 
 
 def flying(runs: int) -> Iterator[Row]:
     """Setpoint against vehicle, and the room that was left, the same each time; what ticks take."""
-    for flight in shipped():
-        ticks_s: list[float] = []
-        mission = flight.load()
+    for each in shipped():
+        mission, seen = each.load(), Tracking()
+        flight = each.flight(mission, seen)
+        seen.simulation, ticks_s = flight.simulation, timed_steps(flight.companion)
         gc.collect()
         gc.freeze()  # as before any flight by the clock
-        seen = flight.fly(mission, Tracking, companion=partial(Stopwatch, ticks_s))
+        flight.fly()
         gc.unfreeze()
-        assert isinstance(seen, Tracking)
         square = sum(gap_m**2 for gap_m in seen.gaps_m) / len(seen.gaps_m)
-        yield Row(f"{flight.name}: gap to setpoint, RMS", 100 * math.sqrt(square), "cm")
-        yield Row(f"{flight.name}: gap to setpoint, worst", 100 * max(seen.gaps_m), "cm")
-        yield Row(f"{flight.name}: least clearance", 100 * min(seen.clearances_m), "cm")
-        yield Row(f"{flight.name}: slowest tick of {len(ticks_s)}", 1000 * max(ticks_s), "ms")
+        yield Row(f"{each.name}: gap to setpoint, RMS", 100 * math.sqrt(square), "cm")
+        yield Row(f"{each.name}: gap to setpoint, worst", 100 * max(seen.gaps_m), "cm")
+        yield Row(f"{each.name}: least clearance", 100 * min(seen.clearances_m), "cm")
+        yield Row(f"{each.name}: slowest tick of {len(ticks_s)}", 1000 * max(ticks_s), "ms")

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 from benches import ROOT
-from companion.app import Companion
-from companion.mission.loader import load_mission
+from companion import load_mission
+from companion.api.simulating import lockstep, world_of
 from companion.mission.model import Mission
-from companion.run import Recorder
-from sitl.harness import fly_in_lockstep
-from sitl.link.routing import LinkName
-from sitl.simulation import Simulation
-from sitl.world.scenario import read_scenario
+from companion.mission_run import Recorder
+from sitl.harness import LockstepFlight
 
 MISSIONS = ROOT / "missions"
 SCENARIO = ".sim.yaml"
@@ -36,19 +32,9 @@ class Shipped:
         """Reads the mission."""
         return load_mission(self.mission)
 
-    def fly(
-        self,
-        mission: Mission,
-        recorder: Callable[[Simulation], Recorder],
-        seed: int = 0,
-        companion: Callable[[Mission, Recorder], Companion] = Companion,
-    ) -> Recorder:
-        """Flies it to its end, however it ends; the recorder is made for the simulation."""
-        scenario, grid = read_scenario(self.scenario)
-        simulation = Simulation(scenario, grid, seed=seed, links=frozenset({LinkName.OFFBOARD}))
-        witness = recorder(simulation)
-        fly_in_lockstep(companion(mission, witness), simulation)
-        return witness
+    def flight(self, mission: Mission, recorder: Recorder) -> LockstepFlight:
+        """The flight, seed 0, that is still to be flown."""
+        return lockstep(mission, world_of(mission, self.scenario), recorder)
 
 
 def shipped() -> list[Shipped]:

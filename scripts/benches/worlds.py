@@ -7,13 +7,13 @@ import random
 from dataclasses import replace
 
 from benches import MISSION
-from companion.acting.task_state import TaskState
 from companion.ltl.parser import parse
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission, Place
 from companion.planning.domain import HERE, FlightTime
 from companion.planning.lasso import Letter, Problem
 from companion.planning.planner import Planner
+from companion.planning.task_state import TaskState
 
 SIDE_M = 100.0
 SPEED_MPS = 2.0
@@ -46,11 +46,6 @@ def straight(mission: Mission) -> FlightTime:
     positions = {name: place.position for name, place in mission.places.items()}
     positions[HERE] = (SIDE_M / 2, SIDE_M / 2, -2.0)
     return lambda origin, goal: math.dist(positions[origin], positions[goal]) / SPEED_MPS
-
-
-def at_the_start(planner: Planner) -> Asked:
-    """The first problem."""
-    return TaskState(planner).problem()
 
 
 def target_found(planner: Planner, goal: str) -> Asked:

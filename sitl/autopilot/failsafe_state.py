@@ -1,18 +1,25 @@
-"""Which failsafe acts now, and which mode does it fly?
+"""Selection of the failsafe that acts, and of the mode that it flies.
 
 PX4's rules, as a real PX4 was seen to follow them:
 
-1. A failsafe never changes the mode that was asked for; it flies another one while it lasts. So
-   PX4 returns to OFFBOARD by itself when the stream of setpoints comes back.
-2. The most severe action wins: `Action` is in order.
-3. An action worse than holding waits for COM_FAIL_ACT_T in a hold, so that a pilot can take over;
-   a rise from one action to a worse one does not start that time again. A mode that lost what it
-   needs (setpoints, position) falls back at once.
-4. Some failsafes end with their condition (a link that returns); others only with a change of the
-   mode or a disarming (battery, geofence).
-5. Asking for another mode during a failsafe takes the vehicle over; a further or worse failsafe
-   acts again.
-6. An action that needs a position becomes a blind descent without one.
+1. A failsafe never changes the intended mode; it flies another one while it lasts. So PX4 returns
+   to OFFBOARD by itself when the stream of setpoints comes back.
+2. The most severe action wins: `FailsafeAction` is in order.
+3. An action worse than holding is delayed by COM_FAIL_ACT_T in a hold, so that a pilot can take
+   over; a rise from one action to a worse one does not start that time again. A mode that lost its
+   requirement (setpoints, position) falls back at once; motors are stopped at once.
+4. Some failsafes end with their condition (a link that returns); others are latched until a change
+   of the mode or a disarming (battery, geofence).
+5. A change of the mode during a failsafe takes the vehicle over; a further or worse failsafe acts
+   again.
+6. An action that needs a position becomes a descent without one.
+
+    stage      holds while the selected action is          flown
+    INACTIVE   none                                        the intended mode
+    WARNING    WARN                                        the intended mode
+    DELAYED    worse than HOLD, within COM_FAIL_ACT_T      AUTO.LOITER
+    ACTING     any other that has a mode                   the mode of the action
+    STOPPING   DISARM or TERMINATE                         nothing, the motors stop
 
 Source: PX4 1.16, src/modules/commander/failsafe/framework.cpp; timings measured.
 """
@@ -20,99 +27,128 @@ Source: PX4 1.16, src/modules/commander/failsafe/framework.cpp; timings measured
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import Enum
 
-from sitl.autopilot.failsafes import FAILSAFES, Action, Cause, Conditions, Failsafe
+from sitl.autopilot.failsafes import (
+    FAILSAFES,
+    Failsafe,
+    FailsafeAction,
+    FailsafeCause,
+    FailsafeInputs,
+)
 
 _MODES = {
-    Action.POSITION: "POSCTL",
-    Action.ALTITUDE: "ALTCTL",
-    Action.HOLD: "AUTO.LOITER",
-    Action.RETURN: "AUTO.RTL",
-    Action.LAND: "AUTO.LAND",
-    Action.DESCEND: "DESCEND",
+    FailsafeAction.POSITION: "POSCTL",
+    FailsafeAction.ALTITUDE: "ALTCTL",
+    FailsafeAction.HOLD: "AUTO.LOITER",
+    FailsafeAction.RETURN: "AUTO.RTL",
+    FailsafeAction.LAND: "AUTO.LAND",
+    FailsafeAction.DESCEND: "DESCEND",
 }
-"""Action -> the mode that is flown; none while only warning, or once the motors stop."""
+"""Action -> the mode that it flies."""
+
+
+class FailsafeStage(Enum):
+    """The stages of a failsafe; the module's table says when each holds."""
+
+    INACTIVE = "inactive"
+    WARNING = "warning"
+    DELAYED = "delayed"
+    ACTING = "acting"
+    STOPPING = "stopping"
 
 
 @dataclass(frozen=True, slots=True)
-class Active:
-    """The failsafe that acts: its cause and its action, which may still be waited for."""
+class SelectedAction:
+    """The most severe action that is called for, and its cause."""
 
-    cause: Cause
-    action: Action
-    waits: bool
+    cause: FailsafeCause
+    action: FailsafeAction
+    allows_delay: bool
 
 
 class FailsafeState:
     """The failsafes of one flight.
 
     Attributes:
-        active: the most severe one, None while the intended mode is flown.
-        is_waiting: it still holds, COM_FAIL_ACT_T is not over.
+        selected: the most severe action, None while none is called for.
+        stage: of the selected action.
+        mode: to fly instead of the intended one, None if that one is flown.
     """
 
     def __init__(self) -> None:
-        self.active: Active | None = None
-        self.is_waiting = False
-        self._kept: dict[Cause, Action] = {}
-        self._taken_over: dict[Cause, Action] = {}
-        self._waiting_since_s: float | None = None
-        self._is_position_lost = False
-
-    def update(self, now: Conditions, now_s: float) -> None:
-        """Look at the conditions again."""
-        self._is_position_lost = now.is_position_lost
-        calling = [
-            Active(failsafe.cause, action, failsafe.waits)
-            for failsafe in FAILSAFES
-            if (action := self._called_for(failsafe, now)) is not None
-        ]
-        self.active = max(calling, key=lambda active: active.action, default=None)
-        waits = [active for active in calling if active.waits and active.action > Action.HOLD]
-        if not waits:
-            self._waiting_since_s = None
-        elif self._waiting_since_s is None:
-            self._waiting_since_s = now_s
-        self.is_waiting = (
-            self.active is not None
-            and self.active.waits
-            and self._waiting_since_s is not None
-            and now_s - self._waiting_since_s < now.parameters["COM_FAIL_ACT_T"]
-        )
-
-    @property
-    def mode(self) -> str | None:
-        """The mode to fly instead of the intended one, None if that one is flown."""
-        if self.active is None:
-            return None
-        action = Action.HOLD if self.is_waiting else self.active.action
-        if self._is_position_lost and Action.HOLD <= action <= Action.LAND:
-            action = Action.DESCEND
-        return _MODES.get(action)
+        self.selected: SelectedAction | None = None
+        self.stage = FailsafeStage.INACTIVE
+        self.mode: str | None = None
+        self._latched: dict[FailsafeCause, FailsafeAction] = {}
+        self._taken_over: dict[FailsafeCause, FailsafeAction] = {}
+        self._delayed_since_s: float | None = None
 
     @property
     def stops_motors(self) -> bool:
         """The action is to stop the motors, wherever the vehicle is."""
-        return self.active is not None and self.active.action >= Action.DISARM
+        return self.stage is FailsafeStage.STOPPING
+
+    def update(self, now: FailsafeInputs, now_s: float) -> None:
+        """Selects anew."""
+        calling = [
+            SelectedAction(failsafe.cause, action, failsafe.allows_delay)
+            for failsafe in FAILSAFES
+            if (action := self._called_for(failsafe, now)) is not None
+        ]
+        self.selected = max(calling, key=lambda each: each.action, default=None)
+        if not any(each.allows_delay and each.action > FailsafeAction.HOLD for each in calling):
+            self._delayed_since_s = None
+        elif self._delayed_since_s is None:
+            self._delayed_since_s = now_s
+        since_s, delay_s = self._delayed_since_s, now.parameters["COM_FAIL_ACT_T"]
+        self.stage = _stage(self.selected, since_s is not None and now_s - since_s < delay_s)
+        self.mode = _mode(self.selected, self.stage, now.is_position_lost)
 
     def take_over(self) -> None:
-        """A mode was asked for: what acts now shall not act again, unless it gets worse."""
-        if self.active and self.active.waits:
-            self._taken_over |= self._kept | {self.active.cause: self.active.action}
-        self._kept.clear()
+        """A mode was commanded: the selected action is not taken again, unless it gets worse."""
+        if self.selected and self.selected.allows_delay:
+            self._taken_over |= self._latched | {self.selected.cause: self.selected.action}
+        self._latched.clear()
 
-    def _called_for(self, failsafe: Failsafe, now: Conditions) -> Action | None:
+    def _called_for(self, failsafe: Failsafe, now: FailsafeInputs) -> FailsafeAction | None:
         action = failsafe.action(now)
         if self._taken_over:
             action = self._unless_taken_over(failsafe.cause, action)
-        if failsafe.is_kept and (self._kept or action is not None):
-            called = [each for each in (action, self._kept.get(failsafe.cause)) if each is not None]
+        if failsafe.is_latched and (self._latched or action is not None):
+            latched = self._latched.get(failsafe.cause)
+            called = [each for each in (action, latched) if each is not None]
             if called:
-                self._kept[failsafe.cause] = action = max(called)
+                self._latched[failsafe.cause] = action = max(called)
         return action
 
-    def _unless_taken_over(self, cause: Cause, action: Action | None) -> Action | None:
+    def _unless_taken_over(
+        self, cause: FailsafeCause, action: FailsafeAction | None
+    ) -> FailsafeAction | None:
         allowed = self._taken_over.get(cause)
         if action is None:
             self._taken_over.pop(cause, None)  # once it is over, the next one acts again
         return None if action is not None and allowed is not None and action <= allowed else action
+
+
+def _stage(selected: SelectedAction | None, is_within_delay: bool) -> FailsafeStage:
+    """The table of stages."""
+    if selected is None:
+        return FailsafeStage.INACTIVE
+    if selected.action is FailsafeAction.WARN:
+        return FailsafeStage.WARNING
+    if selected.action >= FailsafeAction.DISARM:
+        return FailsafeStage.STOPPING
+    is_delayed = selected.allows_delay and is_within_delay
+    return FailsafeStage.DELAYED if is_delayed else FailsafeStage.ACTING
+
+
+def _mode(
+    selected: SelectedAction | None, stage: FailsafeStage, is_position_lost: bool
+) -> str | None:
+    if selected is None or stage not in (FailsafeStage.DELAYED, FailsafeStage.ACTING):
+        return None
+    action = FailsafeAction.HOLD if stage is FailsafeStage.DELAYED else selected.action
+    if is_position_lost and FailsafeAction.HOLD <= action <= FailsafeAction.LAND:
+        action = FailsafeAction.DESCEND
+    return _MODES[action]

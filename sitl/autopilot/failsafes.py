@@ -1,7 +1,7 @@
-"""Which failsafes does the autopilot's situation call for, and what shall they do?
+"""The failsafes: when each calls for an action, and for which one.
 
-A pure function of the `Conditions` for each failsafe, and a table of them; which one wins, when it
-acts and when it ends is in failsafe_state.py. A new failsafe is a new line in `FAILSAFES`.
+A pure function of the `FailsafeInputs` for each failsafe, and a table of them; which one wins, when
+it acts and when it ends is in failsafe_state.py. A new failsafe is a new line in `FAILSAFES`.
 
 Source: PX4 1.16, src/modules/commander/failsafe, and user guide, "Safety Configuration"; timings
 measured. Left out: failsafes of a remote control (there is none), of wind, flight time, motors and
@@ -32,8 +32,8 @@ class BatteryLevel(IntEnum):
     EMERGENCY = 4
 
 
-class Action(IntEnum):
-    """What a failsafe does, the most severe last."""
+class FailsafeAction(IntEnum):
+    """The actions of failsafes, the most severe last."""
 
     WARN = 1
     POSITION = 2
@@ -46,8 +46,8 @@ class Action(IntEnum):
     TERMINATE = 9
 
 
-class Cause(StrEnum):
-    """Why a failsafe acts; the value is how people are told."""
+class FailsafeCause(StrEnum):
+    """The causes of failsafes; the value is the text for people."""
 
     OFFBOARD_LOST = "no offboard signal"
     GROUND_STATION_LOST = "connection to ground control lost"
@@ -56,11 +56,11 @@ class Cause(StrEnum):
     POSITION_LOST = "no valid position"
 
 
-class Conditions(NamedTuple):
-    """What the failsafes look at.
+class FailsafeInputs(NamedTuple):
+    """The inputs of the failsafes.
 
     Attributes:
-        intended_mode: the mode that was asked for.
+        intended_mode: the mode that was commanded.
         setpoint_age_s: time since the last valid offboard setpoint, inf before the first.
         ground_station_age_s: time since the last heartbeat of a ground station.
         position_age_s: time since the position was last measured.
@@ -96,52 +96,54 @@ def battery_level(charge: float, parameters: Parameters) -> BatteryLevel:
     return BatteryLevel.OK
 
 
-def _termination(parameters: Parameters) -> Action:
+def _termination(parameters: Parameters) -> FailsafeAction:
     """Flight termination, or a landing while its circuit breaker is set."""
     is_broken = parameters["CBRK_FLIGHTTERM"] == TERMINATION_BREAKER
-    return Action.LAND if is_broken else Action.TERMINATE
+    return FailsafeAction.LAND if is_broken else FailsafeAction.TERMINATE
 
 
-def _chosen(parameters: Parameters, name: str, actions: Mapping[int, Action]) -> Action | None:
+def _chosen(
+    parameters: Parameters, name: str, actions: Mapping[int, FailsafeAction]
+) -> FailsafeAction | None:
     action = actions.get(int(parameters[name]))
-    return _termination(parameters) if action is Action.TERMINATE else action
+    return _termination(parameters) if action is FailsafeAction.TERMINATE else action
 
 
 _OFFBOARD_LOSS = {
-    0: Action.POSITION,
-    1: Action.ALTITUDE,
-    2: Action.ALTITUDE,  # MANUAL: without a pilot no other than ALTCTL
-    3: Action.RETURN,
-    4: Action.LAND,
-    5: Action.HOLD,
-    6: Action.TERMINATE,
-    7: Action.DISARM,
+    0: FailsafeAction.POSITION,
+    1: FailsafeAction.ALTITUDE,
+    2: FailsafeAction.ALTITUDE,  # MANUAL: without a pilot no other than ALTCTL
+    3: FailsafeAction.RETURN,
+    4: FailsafeAction.LAND,
+    5: FailsafeAction.HOLD,
+    6: FailsafeAction.TERMINATE,
+    7: FailsafeAction.DISARM,
 }
 """COM_OBL_RC_ACT; a remote control, which would be asked first, does not exist here."""
 
 _LINK_LOSS = {
-    1: Action.HOLD,
-    2: Action.RETURN,
-    3: Action.LAND,
-    5: Action.TERMINATE,
-    6: Action.DISARM,
+    1: FailsafeAction.HOLD,
+    2: FailsafeAction.RETURN,
+    3: FailsafeAction.LAND,
+    5: FailsafeAction.TERMINATE,
+    6: FailsafeAction.DISARM,
 }
 """NAV_DLL_ACT; 0 is off."""
 
 _BREACH = {
-    1: Action.WARN,
-    2: Action.HOLD,
-    3: Action.RETURN,
-    4: Action.TERMINATE,
-    5: Action.LAND,
+    1: FailsafeAction.WARN,
+    2: FailsafeAction.HOLD,
+    3: FailsafeAction.RETURN,
+    4: FailsafeAction.TERMINATE,
+    5: FailsafeAction.LAND,
 }
 """GF_ACTION; 0 is off."""
 
 _BATTERY = {
-    (2, BatteryLevel.CRITICAL): Action.LAND,
-    (2, BatteryLevel.EMERGENCY): Action.LAND,
-    (3, BatteryLevel.CRITICAL): Action.RETURN,
-    (3, BatteryLevel.EMERGENCY): Action.LAND,
+    (2, BatteryLevel.CRITICAL): FailsafeAction.LAND,
+    (2, BatteryLevel.EMERGENCY): FailsafeAction.LAND,
+    (3, BatteryLevel.CRITICAL): FailsafeAction.RETURN,
+    (3, BatteryLevel.EMERGENCY): FailsafeAction.LAND,
 }
 """COM_LOW_BAT_ACT and level; 0 only warns."""
 
@@ -151,14 +153,14 @@ _EXCEPTIONS = {"AUTO.MISSION": 1, "AUTO.LOITER": 2, "OFFBOARD": 4}
 _NEEDS_NO_POSITION = frozenset({"ALTCTL", "MANUAL", "STABILIZED", "ACRO"})
 
 
-def _offboard_loss(now: Conditions) -> Action | None:
+def _offboard_loss(now: FailsafeInputs) -> FailsafeAction | None:
     limit_s = now.parameters["COM_OF_LOSS_T"] + LOSS_NOTICED_S
     if now.intended_mode != "OFFBOARD" or now.setpoint_age_s <= limit_s:
         return None
-    return _chosen(now.parameters, "COM_OBL_RC_ACT", _OFFBOARD_LOSS) or Action.LAND
+    return _chosen(now.parameters, "COM_OBL_RC_ACT", _OFFBOARD_LOSS) or FailsafeAction.LAND
 
 
-def _ground_station_loss(now: Conditions) -> Action | None:
+def _ground_station_loss(now: FailsafeInputs) -> FailsafeAction | None:
     limit_s = now.parameters["COM_DL_LOSS_T"] + LINK_SILENT_S
     excepted = int(now.parameters["COM_DLL_EXCEPT"]) & _EXCEPTIONS.get(now.intended_mode, 0)
     if now.ground_station_age_s <= limit_s or excepted:
@@ -166,21 +168,25 @@ def _ground_station_loss(now: Conditions) -> Action | None:
     return _chosen(now.parameters, "NAV_DLL_ACT", _LINK_LOSS)
 
 
-def _battery(now: Conditions) -> Action | None:
+def _battery(now: FailsafeInputs) -> FailsafeAction | None:
     return _BATTERY.get((int(now.parameters["COM_LOW_BAT_ACT"]), now.battery))
 
 
-def _breach(now: Conditions) -> Action | None:
+def _breach(now: FailsafeInputs) -> FailsafeAction | None:
     if not now.is_fence_breached:
         return None
     return _chosen(now.parameters, "GF_ACTION", _BREACH)
 
 
-def _position_loss(now: Conditions) -> Action | None:
+def _position_loss(now: FailsafeInputs) -> FailsafeAction | None:
     if not now.is_position_lost or now.intended_mode in _NEEDS_NO_POSITION:
         return None
     is_auto = now.intended_mode.startswith("AUTO.")
-    return Action.DESCEND if is_auto or now.parameters["COM_POSCTL_NAVL"] == 1 else Action.ALTITUDE
+    return (
+        FailsafeAction.DESCEND
+        if is_auto or now.parameters["COM_POSCTL_NAVL"] == 1
+        else FailsafeAction.ALTITUDE
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,22 +194,24 @@ class Failsafe:
     """A line of `FAILSAFES`.
 
     Attributes:
-        action: what the conditions call for, None for nothing.
-        waits: an action worse than holding comes after COM_FAIL_ACT_T.
-        is_kept: acts until the mode is changed, even if its condition ends.
+        action: called for by the inputs, None for none.
+        allows_delay: an action worse than holding comes after COM_FAIL_ACT_T.
+        is_latched: acts until the mode is changed, even if its condition ends.
     """
 
-    cause: Cause
-    action: Callable[[Conditions], Action | None]
-    waits: bool
-    is_kept: bool
+    cause: FailsafeCause
+    action: Callable[[FailsafeInputs], FailsafeAction | None]
+    allows_delay: bool
+    is_latched: bool
 
 
 FAILSAFES = (
-    Failsafe(Cause.BATTERY, _battery, waits=True, is_kept=True),
-    Failsafe(Cause.GEOFENCE, _breach, waits=True, is_kept=True),
-    Failsafe(Cause.GROUND_STATION_LOST, _ground_station_loss, waits=True, is_kept=False),
-    Failsafe(Cause.POSITION_LOST, _position_loss, waits=False, is_kept=False),
-    Failsafe(Cause.OFFBOARD_LOST, _offboard_loss, waits=False, is_kept=False),
+    Failsafe(FailsafeCause.BATTERY, _battery, allows_delay=True, is_latched=True),
+    Failsafe(FailsafeCause.GEOFENCE, _breach, allows_delay=True, is_latched=True),
+    Failsafe(
+        FailsafeCause.GROUND_STATION_LOST, _ground_station_loss, allows_delay=True, is_latched=False
+    ),
+    Failsafe(FailsafeCause.POSITION_LOST, _position_loss, allows_delay=False, is_latched=False),
+    Failsafe(FailsafeCause.OFFBOARD_LOST, _offboard_loss, allows_delay=False, is_latched=False),
 )
 """Of equal actions the first is told."""

@@ -1,4 +1,4 @@
-"""Is the vehicle where its geofence allows it to be?
+"""The geofence: areas to stay in and areas to stay out of.
 
 A fence is a set of areas, polygons and circles, each of which must be kept to: inside those of
 inclusion, outside those of exclusion. Besides, GF_MAX_HOR_DIST and GF_MAX_VER_DIST limit the
@@ -19,37 +19,37 @@ from sitl.autopilot.parameters import Parameters
 
 
 @dataclass(frozen=True, slots=True)
-class Polygon:
+class FencePolygon:
     """A simple polygon of three or more corners."""
 
     corners: tuple[NorthEast, ...]
 
     def contains(self, point: Sequence[float]) -> bool:
-        """Whether a point lies inside, seen from above."""
+        """True if a point lies inside, seen from above."""
         return is_in_polygon(point, self.corners)
 
 
 @dataclass(frozen=True, slots=True)
-class Circle:
+class FenceCircle:
     """A circle."""
 
     centre: NorthEast
     radius_m: float
 
     def contains(self, point: Sequence[float]) -> bool:
-        """Whether a point lies inside, seen from above."""
+        """True if a point lies inside, seen from above."""
         return horizontal_distance(point, self.centre) < self.radius_m
 
 
 @dataclass(frozen=True, slots=True)
-class Area:
+class FenceArea:
     """A part of a fence: to stay in, or to stay out of."""
 
-    shape: Polygon | Circle
+    shape: FencePolygon | FenceCircle
     is_inclusion: bool
 
     def allows(self, point: Sequence[float]) -> bool:
-        """Whether a point keeps to this area."""
+        """True if a point keeps to this area."""
         return self.shape.contains(point) == self.is_inclusion
 
 
@@ -61,10 +61,10 @@ class Geofence:
     """
 
     def __init__(self) -> None:
-        self.areas: tuple[Area, ...] = ()
+        self.areas: tuple[FenceArea, ...] = ()
 
-    def load(self, areas: Sequence[Area], kept_to: Mapping[str, Ned]) -> list[str]:
-        """Replace all areas.
+    def load(self, areas: Sequence[FenceArea], kept_to: Mapping[str, Ned]) -> list[str]:
+        """Replaces all areas.
 
         Args:
             areas: the new ones.
@@ -78,7 +78,7 @@ class Geofence:
         return [n for area in areas for n, point in kept_to.items() if not area.allows(point)]
 
     def is_breached(self, position: Ned, home: Ned, parameters: Parameters) -> bool:
-        """Whether a position is outside the fence or too far from home."""
+        """True if a position is outside the fence or too far from home."""
         most_away_m = parameters["GF_MAX_HOR_DIST"]
         if most_away_m > 0 and horizontal_distance(position, home) >= most_away_m:
             return True

@@ -1,11 +1,21 @@
-"""Does the vehicle stand on the ground or fly?
+"""Detection of landings and take-offs.
 
-Modelled on PX4's land detector (user guide, "Land Detector Configuration"): contact for a short
-time stops the rotors, contact and rest for longer is a landing; leaving the ground is believed
-after a moment in the air. A vehicle that is told to climb is not landing.
+Modelled on PX4's land detector (user guide, "Land Detector Configuration"). The evidence is for
+how long the vehicle has rested on the ground, or has been off it; a vehicle whose setpoint is a
+climb does not rest.
+
+    state           rest of CONTACT_S   rest of LANDED_S   no rest          off it for AIRBORNE_S
+    LANDED                                                 LIFTING_OFF      IN_AIR
+    LIFTING_OFF     LANDED              LANDED                              IN_AIR
+    IN_AIR          GROUND_CONTACT      LANDED
+    GROUND_CONTACT                      LANDED             IN_AIR           IN_AIR
+
+Ground contact stops the rotors; a landing is told and disarms.
 """
 
 from __future__ import annotations
+
+from enum import IntEnum
 
 from sitl.flight.physics import FlightState
 
@@ -14,42 +24,79 @@ LANDED_S = 1.0  # PX4: contact 0.35 + maybe landed 0.25 + landed 0.30, rounded u
 AIRBORNE_S = 0.3
 
 
+class LandState(IntEnum):
+    """Landed or not, with ground contact or without."""
+
+    LANDED = 0
+    LIFTING_OFF = 1
+    IN_AIR = 2
+    GROUND_CONTACT = 3
+
+
+class _Evidence(IntEnum):
+    """The columns of the module's table."""
+
+    CONTACT = 0
+    REST = 1
+    NO_REST = 2
+    AIRBORNE = 3
+
+
+_CONTACT, _REST, _NO_REST, _AIRBORNE = _Evidence
+
+_TRANSITIONS: tuple[tuple[LandState, LandState, LandState, LandState], ...] = (
+    (LandState.LANDED, LandState.LANDED, LandState.LIFTING_OFF, LandState.IN_AIR),
+    (LandState.LANDED, LandState.LANDED, LandState.LIFTING_OFF, LandState.IN_AIR),
+    (LandState.GROUND_CONTACT, LandState.LANDED, LandState.IN_AIR, LandState.IN_AIR),
+    (LandState.GROUND_CONTACT, LandState.LANDED, LandState.IN_AIR, LandState.IN_AIR),
+)
+"""State, then evidence -> the next state."""
+_IS_LANDED = (True, True, False, False)
+_HAS_CONTACT = (True, False, False, True)
+"""Of each state; looked up several times in each step of 4 ms."""
+
+
 class LandDetector:
-    """Starts landed.
+    """The state of one vehicle, landed at first.
 
     Attributes:
-        is_landed: the vehicle rests on the ground.
+        state: after the last update.
     """
 
     def __init__(self) -> None:
-        self.is_landed = True
-        self._contact_s = LANDED_S
+        self.state = LandState.LANDED
+        self._rest_s = LANDED_S
         self._airborne_s = 0.0
 
     @property
-    def is_touching(self) -> bool:
-        """The vehicle has been on the ground for long enough to stop the rotors."""
-        return self._contact_s >= CONTACT_S
+    def is_landed(self) -> bool:
+        """The vehicle counts as landed."""
+        return _IS_LANDED[self.state]
+
+    @property
+    def has_ground_contact(self) -> bool:
+        """The vehicle has rested on the ground for long enough to stop the rotors."""
+        return _HAS_CONTACT[self.state]
 
     def update(
         self, state: FlightState, is_climbing: bool, max_vertical_mps: float, dt_s: float
     ) -> None:
-        """Take one more state.
+        """Takes one more state.
 
         Args:
             state: the newest.
-            is_climbing: the vehicle is told to go up.
+            is_climbing: the setpoint is a climb.
             max_vertical_mps: faster is no rest (LNDMC_Z_VEL_MAX).
             dt_s: time since the state before.
         """
-        if not state.is_on_ground:
-            self._contact_s = 0.0
+        if state.is_on_ground:
+            self._airborne_s = 0.0
+            is_resting = not is_climbing and abs(state.velocity[2]) <= max_vertical_mps
+            self._rest_s = self._rest_s + dt_s if is_resting else 0.0
+            contact = _CONTACT if self._rest_s >= CONTACT_S else _NO_REST
+            evidence = _REST if self._rest_s >= LANDED_S else contact
+        else:
+            self._rest_s = 0.0
             self._airborne_s += dt_s
-            if self._airborne_s >= AIRBORNE_S:
-                self.is_landed = False
-            return
-        self._airborne_s = 0.0
-        is_resting = not is_climbing and abs(state.velocity[2]) <= max_vertical_mps
-        self._contact_s = self._contact_s + dt_s if is_resting else 0.0
-        if self._contact_s >= LANDED_S:
-            self.is_landed = True
+            evidence = _AIRBORNE if self._airborne_s >= AIRBORNE_S else _NO_REST
+        self.state = _TRANSITIONS[self.state][evidence]

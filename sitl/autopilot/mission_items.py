@@ -1,8 +1,8 @@
-"""What is a mission made of?
+"""The items of a mission, as the autopilot flies them.
 
-An `Item` is one of PX4's mission items with its place already in local NED. Only those named in
-`Command` change the flight; every other one (cameras, gimbals, regions of interest) is passed over
-as soon as its turn comes. What was not given, NaN on the wire, is None here.
+A `MissionItem` is one of PX4's mission items with its place already in local NED. Only those named
+in `MissionCommand` change the flight; every other one (cameras, gimbals, regions of interest) is
+passed over as soon as its turn comes. What was not given, NaN on the wire, is None here.
 
 Source: MAV_CMD in common.xml; PX4, src/modules/navigator/mission_base.cpp.
 """
@@ -19,7 +19,7 @@ from companion.geometry import Ned, NorthEast, wrap_angle
 MANY_JUMPS = 65535  # a negative count of repetitions: PX4 keeps it in 16 bits
 
 
-class Command(IntEnum):
+class MissionCommand(IntEnum):
     """The items that change the flight; the values are MAV_CMD."""
 
     WAYPOINT = 16
@@ -34,7 +34,7 @@ class Command(IntEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Item:
+class MissionItem:
     """One item of a mission.
 
     Attributes:
@@ -43,7 +43,7 @@ class Item:
         place: local north and east, None for wherever the vehicle is.
         up_m: height above home or above the local origin, None for the present one.
         is_above_home: which of the two.
-        goes_on: autocontinue: the next item follows by itself.
+        autocontinue: the next item follows by itself.
     """
 
     command: int
@@ -51,7 +51,7 @@ class Item:
     place: NorthEast | None = None
     up_m: float | None = None
     is_above_home: bool = True
-    goes_on: bool = True
+    autocontinue: bool = True
 
     def parameter(self, number: int, default: float = 0.0) -> float:
         """One of param1 to param4, or what stands for it."""
@@ -67,7 +67,7 @@ class Item:
 
     @property
     def yaw_rad(self) -> float | None:
-        """The heading that is asked for at a waypoint."""
+        """The heading at a waypoint, None for any."""
         yaw_deg = self.parameters[3]
         return None if yaw_deg is None else wrap_angle(math.radians(yaw_deg))
 
@@ -78,13 +78,13 @@ class Item:
 
     @property
     def repetitions(self) -> int:
-        """How often a DO_JUMP jumps."""
+        """The number of times that a DO_JUMP jumps."""
         count = self.parameter(2)
         return MANY_JUMPS if count < 0 else int(min(count, MANY_JUMPS))
 
 
-def speed_before(items: Sequence[Item], index: int) -> float | None:
+def speed_before(items: Sequence[MissionItem], index: int) -> float | None:
     """The speed in m/s that is in force when an item's turn comes, None for the default."""
-    changes = [item for item in items[:index] if item.command == Command.DO_CHANGE_SPEED]
+    changes = [item for item in items[:index] if item.command == MissionCommand.DO_CHANGE_SPEED]
     speed_mps = changes[-1].parameter(2) if changes else 0.0
     return speed_mps if speed_mps > 0 else None

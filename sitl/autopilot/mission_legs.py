@@ -1,7 +1,7 @@
-"""How is each item of a mission flown, and when is it done?
+"""The legs of a mission: how each item is flown, and when it counts as reached.
 
 `LEGS` has a line for each item that takes the vehicle somewhere or keeps it there. A leg gives the
-target of each step and says when its item counts as reached. PX4's rules:
+setpoint of each step and says when its item counts as reached. PX4's rules:
 
 - A place is reached within the item's radius (NAV_ACC_RAD if it has none) and NAV_MC_ALT_RAD of
   its height; a heading that is asked for, within MIS_YAW_ERR; then the hold time passes.
@@ -20,23 +20,23 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from companion.geometry import Ned, horizontal_distance, wrap_angle
-from sitl.autopilot.basic_modes import Hold, Land, Takeoff
-from sitl.autopilot.mission_items import Command, Item
+from sitl.autopilot.basic_modes import HoldMode, LandMode, TakeoffMode
+from sitl.autopilot.mission_items import MissionCommand, MissionItem
 from sitl.autopilot.situation import Situation, heading
-from sitl.flight.controllers import Target
+from sitl.flight.controllers import TrajectorySetpoint
 
 
 class Leg(Protocol):
     """An item being flown."""
 
-    def target(self, now: Situation) -> Target:
-        """What the control cascade shall follow in this step."""
+    def setpoint(self, now: Situation) -> TrajectorySetpoint:
+        """The setpoint of this step."""
 
     def is_done(self, now: Situation) -> bool:
-        """Whether the item counts as reached."""
+        """True if the item counts as reached."""
 
-    def hold(self) -> Hold:
-        """Where the vehicle stays if nothing follows."""
+    def hold(self) -> HoldMode:
+        """The hold that comes after the leg if nothing follows."""
 
 
 @dataclass(slots=True)
@@ -44,23 +44,25 @@ class FlyTo:
     """Flies straight to a place and stays for a time.
 
     Attributes:
-        wanted_yaw_rad: the heading that has to be reached as well, None for any.
+        required_yaw_rad: the heading that has to be reached as well, None for any.
         speed_mps: horizontal, None for the cruise speed.
-        arrived_s: when the place was reached.
+        arrived_s: time of the arrival.
     """
 
     point: Ned
     yaw_rad: float
-    wanted_yaw_rad: float | None
+    required_yaw_rad: float | None
     acceptance_m: float
     stay_s: float
     speed_mps: float | None
     arrived_s: float | None = None
 
-    def target(self, now: Situation) -> Target:
+    def setpoint(self, now: Situation) -> TrajectorySetpoint:
         """The place."""
         speed_mps = self.speed_mps or now.cruise_mps
-        return Target(self.point, (0.0, 0.0, 0.0), yaw_rad=self.yaw_rad, speed_mps=speed_mps)
+        return TrajectorySetpoint(
+            self.point, (0.0, 0.0, 0.0), yaw_rad=self.yaw_rad, speed_mps=speed_mps
+        )
 
     def is_done(self, now: Situation) -> bool:
         """Arrived, and stayed."""
@@ -68,9 +70,9 @@ class FlyTo:
             self.arrived_s = now.state.time_s
         return self.arrived_s is not None and now.state.time_s - self.arrived_s >= self.stay_s
 
-    def hold(self) -> Hold:
+    def hold(self) -> HoldMode:
         """At the place."""
-        return Hold(self.point, self.yaw_rad)
+        return HoldMode(self.point, self.yaw_rad)
 
     def _has_arrived(self, now: Situation) -> bool:
         position = now.state.position
@@ -78,9 +80,9 @@ class FlyTo:
             return False
         if abs(position[2] - self.point[2]) > now.parameters["NAV_MC_ALT_RAD"]:
             return False
-        if self.wanted_yaw_rad is None:
+        if self.required_yaw_rad is None:
             return True
-        error_rad = abs(wrap_angle(self.wanted_yaw_rad - heading(now.state)))
+        error_rad = abs(wrap_angle(self.required_yaw_rad - heading(now.state)))
         return error_rad < math.radians(now.parameters["MIS_YAW_ERR"])
 
 
@@ -104,17 +106,17 @@ class Climb:
             acceptance_m = height_m / 2
         return cls((north, east, down_m), heading(now.state), acceptance_m)
 
-    def target(self, now: Situation) -> Target:
+    def setpoint(self, now: Situation) -> TrajectorySetpoint:
         """Up, slower near the height."""
-        return Takeoff(self.point, self.yaw_rad).target(now)
+        return TakeoffMode(self.point, self.yaw_rad).setpoint(now)
 
     def is_done(self, now: Situation) -> bool:
         """High enough."""
         return now.state.position[2] < self.point[2] + self.acceptance_m
 
-    def hold(self) -> Hold:
+    def hold(self) -> HoldMode:
         """At the height."""
-        return Hold(self.point, self.yaw_rad)
+        return HoldMode(self.point, self.yaw_rad)
 
 
 @dataclass(slots=True)
@@ -126,12 +128,14 @@ class LandAt:
     speed_mps: float | None
     is_descending: bool = False
 
-    def target(self, now: Situation) -> Target:
+    def setpoint(self, now: Situation) -> TrajectorySetpoint:
         """The place, then down."""
         if self.is_descending:
-            return Land(self.point[0], self.point[1], self.yaw_rad).target(now)
+            return LandMode(self.point[0], self.point[1], self.yaw_rad).setpoint(now)
         speed_mps = self.speed_mps or now.cruise_mps
-        return Target(self.point, (0.0, 0.0, 0.0), yaw_rad=self.yaw_rad, speed_mps=speed_mps)
+        return TrajectorySetpoint(
+            self.point, (0.0, 0.0, 0.0), yaw_rad=self.yaw_rad, speed_mps=speed_mps
+        )
 
     def is_done(self, now: Situation) -> bool:
         """On the ground."""
@@ -139,61 +143,61 @@ class LandAt:
         self.is_descending = self.is_descending or away_m <= now.parameters["NAV_ACC_RAD"]
         return now.is_landed
 
-    def hold(self) -> Hold:
+    def hold(self) -> HoldMode:
         """Over the place."""
-        return Hold(self.point, self.yaw_rad)
+        return HoldMode(self.point, self.yaw_rad)
 
 
 @dataclass(slots=True)
 class Delay:
-    """Stays where the item before has led."""
+    """Stays at the place of the item before."""
 
-    place: Hold
+    place: HoldMode
     until_s: float
 
-    def target(self, now: Situation) -> Target:
+    def setpoint(self, now: Situation) -> TrajectorySetpoint:
         """The same place."""
-        return self.place.target(now)
+        return self.place.setpoint(now)
 
     def is_done(self, now: Situation) -> bool:
         """The time is over."""
         return now.state.time_s >= self.until_s
 
-    def hold(self) -> Hold:
+    def hold(self) -> HoldMode:
         """The same place."""
         return self.place
 
 
-def _fly_to(item: Item, now: Situation, speed_mps: float | None, stay_s: float) -> FlyTo:
+def _fly_to(item: MissionItem, now: Situation, speed_mps: float | None, stay_s: float) -> FlyTo:
     here = now.state.position
     point = item.point(here, now.home)
     wanted = item.yaw_rad
     yaw_rad = _heading_to(point, now) if wanted is None else wanted
-    acceptance_m = item.parameter(2) if item.command == Command.WAYPOINT else 0.0
+    acceptance_m = item.parameter(2) if item.command == MissionCommand.WAYPOINT else 0.0
     if acceptance_m <= 0:
         acceptance_m = now.parameters["NAV_ACC_RAD"]
     return FlyTo(point, yaw_rad, wanted, acceptance_m, stay_s, speed_mps)
 
 
-def _timed(item: Item, now: Situation, speed_mps: float | None, before: Hold) -> Leg:
+def _timed(item: MissionItem, now: Situation, speed_mps: float | None, before: HoldMode) -> Leg:
     return _fly_to(item, now, speed_mps, stay_s=item.parameter(1))
 
 
-def _endless(item: Item, now: Situation, speed_mps: float | None, before: Hold) -> Leg:
+def _endless(item: MissionItem, now: Situation, speed_mps: float | None, before: HoldMode) -> Leg:
     return _fly_to(item, now, speed_mps, stay_s=math.inf)
 
 
-def _take_off(item: Item, now: Situation, speed_mps: float | None, before: Hold) -> Leg:
+def _take_off(item: MissionItem, now: Situation, speed_mps: float | None, before: HoldMode) -> Leg:
     return Climb.to(item.point(now.state.position, now.home)[2], now)
 
 
-def _land(item: Item, now: Situation, speed_mps: float | None, before: Hold) -> Leg:
+def _land(item: MissionItem, now: Situation, speed_mps: float | None, before: HoldMode) -> Leg:
     north, east, _ = item.point(now.state.position, now.home)
     point = (north, east, now.state.position[2])
     return LandAt(point, _heading_to(point, now), speed_mps)
 
 
-def _delay(item: Item, now: Situation, speed_mps: float | None, before: Hold) -> Leg:
+def _delay(item: MissionItem, now: Situation, speed_mps: float | None, before: HoldMode) -> Leg:
     return Delay(before, now.state.time_s + item.parameter(1))
 
 
@@ -205,17 +209,19 @@ def _heading_to(point: Ned, now: Situation) -> float:
     return math.atan2(point[1] - east, point[0] - north)
 
 
-Begin = Callable[[Item, Situation, float | None, Hold], Leg]
+LegFactory = Callable[[MissionItem, Situation, float | None, HoldMode], Leg]
 
-LEGS: dict[int, Begin] = {
-    Command.WAYPOINT: _timed,
-    Command.LOITER_UNLIMITED: _endless,
-    Command.LOITER_TIME: _timed,
-    Command.LAND: _land,
-    Command.TAKEOFF: _take_off,
-    Command.DELAY: _delay,
+LEGS: dict[int, LegFactory] = {
+    MissionCommand.WAYPOINT: _timed,
+    MissionCommand.LOITER_UNLIMITED: _endless,
+    MissionCommand.LOITER_TIME: _timed,
+    MissionCommand.LAND: _land,
+    MissionCommand.TAKEOFF: _take_off,
+    MissionCommand.DELAY: _delay,
 }
-"""MAV_CMD -> how it begins, from the item, the situation, the speed and where it held before."""
+"""MAV_CMD -> its leg, from the item, the situation, the speed and the hold of the leg before."""
 
-NEEDS_HEIGHT = frozenset({Command.WAYPOINT, Command.LOITER_UNLIMITED, Command.LOITER_TIME})
+NEEDS_HEIGHT = frozenset(
+    {MissionCommand.WAYPOINT, MissionCommand.LOITER_UNLIMITED, MissionCommand.LOITER_TIME}
+)
 """On the ground a take-off is put in front of these."""

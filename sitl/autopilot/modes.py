@@ -1,4 +1,4 @@
-"""What does the vehicle do in each flight mode?
+"""The flight modes: what each needs, and how it starts.
 
 `FLIGHT_MODES` says for each of PX4's mode names what the mode needs before it may be flown, and
 how it starts. A new mode is a new line there.
@@ -6,7 +6,7 @@ how it starts. A new mode is a new line there.
     OFFBOARD      follow the companion's setpoint
     AUTO.TAKEOFF  climb over the present position, then AUTO.LOITER
     AUTO.LOITER   stop and hold
-    AUTO.MISSION  fly the mission's items (mission.py)
+    AUTO.MISSION  fly the mission's items (mission_mode.py)
     AUTO.RTL      climb, fly home, land there
     AUTO.LAND     descend over the present position
     POSCTL        without a pilot's sticks: hold horizontally, sink at 0.5 m/s (seen on PX4)
@@ -22,13 +22,20 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
 
-from sitl.autopilot.basic_modes import Descend, Hold, Land, Offboard, SinkWithoutPilot, Takeoff
-from sitl.autopilot.return_mode import Return
+from sitl.autopilot.basic_modes import (
+    DescendMode,
+    HoldMode,
+    LandMode,
+    OffboardMode,
+    PositionMode,
+    TakeoffMode,
+)
+from sitl.autopilot.return_mode import ReturnMode
 from sitl.autopilot.situation import FlightMode, Situation
 
 
-class Need(Enum):
-    """What a mode needs before it may be flown; the value says what is missing."""
+class ModeRequirement(Enum):
+    """The requirement of a mode before it may be flown; the value says what is missing."""
 
     NOTHING = ""
     SETPOINTS = "no offboard signal"
@@ -37,31 +44,47 @@ class Need(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class ModeEntry:
+class ModeDefinition:
     """A line of `FLIGHT_MODES`.
 
     Attributes:
-        need: without it the mode is refused in the air, and arming in it.
+        requirement: without it the mode is refused in the air, and arming in it.
         start: the mode in flight; a mode that cannot be flown here yet sinks.
         may_arm: PX4 refuses arming in modes that would land at once.
     """
 
-    need: Need
+    requirement: ModeRequirement
     start: Callable[[Situation], FlightMode]
     may_arm: bool = True
 
 
-FLIGHT_MODES: dict[str, ModeEntry] = {
-    "OFFBOARD": ModeEntry(Need.SETPOINTS, lambda now: Offboard()),
-    "AUTO.TAKEOFF": ModeEntry(Need.NOTHING, Takeoff.start),
-    "AUTO.LOITER": ModeEntry(Need.NOTHING, Hold.start),
-    "AUTO.RTL": ModeEntry(Need.NOTHING, Return.start, may_arm=False),
-    "AUTO.LAND": ModeEntry(Need.NOTHING, Land.start, may_arm=False),
-    "AUTO.MISSION": ModeEntry(Need.MISSION, lambda now: now.mission.start(now)),
-    "POSCTL": ModeEntry(Need.PILOT, SinkWithoutPilot.start),
-    "ALTCTL": ModeEntry(Need.PILOT, Descend.without_pilot),
-    "MANUAL": ModeEntry(Need.PILOT, Descend.without_pilot),
-    "STABILIZED": ModeEntry(Need.PILOT, Descend.without_pilot),
-    "ACRO": ModeEntry(Need.PILOT, Descend.without_pilot),
-    "DESCEND": ModeEntry(Need.NOTHING, Descend.to_land, may_arm=False),
+FLIGHT_MODES: dict[str, ModeDefinition] = {
+    "OFFBOARD": ModeDefinition(ModeRequirement.SETPOINTS, lambda now: OffboardMode()),
+    "AUTO.TAKEOFF": ModeDefinition(ModeRequirement.NOTHING, TakeoffMode.start),
+    "AUTO.LOITER": ModeDefinition(ModeRequirement.NOTHING, HoldMode.start),
+    "AUTO.RTL": ModeDefinition(ModeRequirement.NOTHING, ReturnMode.start, may_arm=False),
+    "AUTO.LAND": ModeDefinition(ModeRequirement.NOTHING, LandMode.start, may_arm=False),
+    "AUTO.MISSION": ModeDefinition(ModeRequirement.MISSION, lambda now: now.mission.start(now)),
+    "POSCTL": ModeDefinition(ModeRequirement.PILOT, PositionMode.start),
+    "ALTCTL": ModeDefinition(ModeRequirement.PILOT, DescendMode.without_sticks),
+    "MANUAL": ModeDefinition(ModeRequirement.PILOT, DescendMode.without_sticks),
+    "STABILIZED": ModeDefinition(ModeRequirement.PILOT, DescendMode.without_sticks),
+    "ACRO": ModeDefinition(ModeRequirement.PILOT, DescendMode.without_sticks),
+    "DESCEND": ModeDefinition(ModeRequirement.NOTHING, DescendMode.to_land, may_arm=False),
 }
+
+
+def missing_requirement(
+    mode: str, *, has_setpoints: bool, has_mission: bool, has_position: bool
+) -> str:
+    """The requirement that a mode lacks, in words; empty if none."""
+    requirement = FLIGHT_MODES[mode].requirement
+    is_met = {
+        ModeRequirement.NOTHING: True,
+        ModeRequirement.SETPOINTS: has_setpoints,
+        ModeRequirement.MISSION: has_mission,
+        ModeRequirement.PILOT: False,
+    }
+    if not is_met[requirement]:
+        return str(requirement.value)
+    return "" if has_position else "GPS fix too low"

@@ -1,4 +1,4 @@
-"""Which parameters does this autopilot have, and what are their values?
+"""The autopilot's parameters and their values.
 
 The table holds PX4's names, types and defaults (PX4 1.16, quadrotor in SITL): those that our
 modes and failsafes read, and those without which a ground station complains. A new parameter is
@@ -13,6 +13,7 @@ import math
 from collections.abc import Mapping
 
 from companion.mavlink.parameters import INT32, REAL32
+from companion.vehicle_profile import VehicleProfile
 
 PARAMETERS: dict[str, tuple[int, float]] = {
     "BAT1_CAPACITY": (REAL32, -1.0),
@@ -162,7 +163,19 @@ AIRFRAME_DEFAULTS: dict[str, float] = {
     "COM_OBL_RC_ACT": 5,  # hold when the offboard stream is lost; PX4's 0 sinks without a pilot
     "COM_LOW_BAT_ACT": 3,  # return at critical, land at emergency; PX4's 0 only warns
 }
-"""What this airframe sets otherwise, like `param set-default` in a PX4 airframe file."""
+"""This airframe's own defaults, like `param set-default` in a PX4 airframe file."""
+
+
+def vehicle_defaults(vehicle: VehicleProfile) -> dict[str, float]:
+    """The defaults that a vehicle profile sets, of the limits that the controllers keep to."""
+    return {
+        "MPC_XY_VEL_MAX": vehicle.speed_mps,
+        "MPC_Z_VEL_MAX_UP": vehicle.climb_mps,
+        "MPC_Z_VEL_MAX_DN": vehicle.descent_mps,
+        "MPC_ACC_HOR_MAX": vehicle.max_acceleration_mps2,
+        "MPC_JERK_MAX": vehicle.jerk_mps3,
+    }
+
 
 _NAMES = list(PARAMETERS)
 
@@ -184,7 +197,7 @@ class Parameters:
         return self._values[name]
 
     def set(self, name: str, value: float) -> None:
-        """Store a value; a float that is not finite changes nothing.
+        """Stores a value; a float that is not finite changes nothing.
 
         Raises:
             KeyError: an unknown name.

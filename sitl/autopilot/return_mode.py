@@ -1,4 +1,4 @@
-"""How does the vehicle come home by itself (AUTO.RTL)?
+"""AUTO.RTL: the return to home and the landing there.
 
 Source: PX4, src/modules/navigator/rtl.cpp (height of the return).
 """
@@ -10,13 +10,15 @@ from dataclasses import dataclass
 from enum import Enum
 
 from companion.geometry import Ned, horizontal_distance
-from sitl.autopilot.basic_modes import REACHED_M, Endless, Land
+from sitl.autopilot.basic_modes import REACHED_M, LandMode, OpenEndedMode
 from sitl.autopilot.parameters import Parameters
 from sitl.autopilot.situation import Situation, heading, stopping_point
-from sitl.flight.controllers import Target
+from sitl.flight.controllers import TrajectorySetpoint
 
 
-class _Leg(Enum):
+class ReturnPhase(Enum):
+    """The phases of a return, in order; each may be over at once."""
+
     CLIMB = "climb"
     HOME = "fly home"
     WAIT = "descend to RTL_DESCEND_ALT and wait there"
@@ -24,38 +26,47 @@ class _Leg(Enum):
 
 
 @dataclass(slots=True)
-class Return(Endless):
+class ReturnMode(OpenEndedMode):
     """Climbs, flies home, waits there for RTL_LAND_DELAY (negative: for good), lands."""
 
     climb: Ned
     yaw_rad: float
-    leg: _Leg = _Leg.CLIMB
+    phase: ReturnPhase = ReturnPhase.CLIMB
     waiting_since_s: float | None = None
 
     @classmethod
-    def start(cls, now: Situation) -> Return:
+    def start(cls, now: Situation) -> ReturnMode:
         """Climbs over the point where the vehicle can stop."""
         north, east, _ = stopping_point(now)
         down = now.home[2] - return_height_m(now.state.position, now.home, now.parameters)
         return cls((north, east, down), heading(now.state))
 
-    def target(self, now: Situation) -> Target:
-        """The goal of the present leg."""
-        position, home = now.state.position, now.home
-        if self.leg is _Leg.CLIMB and position[2] < self.climb[2] + REACHED_M:
-            self.leg = _Leg.HOME
-        is_home = horizontal_distance(position, home) < now.parameters["NAV_ACC_RAD"]
-        if self.leg is _Leg.HOME and is_home:
-            self.leg = _Leg.WAIT
-        if self.leg is _Leg.WAIT and self._has_waited(now):
-            self.leg = _Leg.LAND
-        if self.leg is _Leg.LAND:
-            return Land(home[0], home[1], self.yaw_rad).target(now)
-        if self.leg is _Leg.WAIT:
+    def setpoint(self, now: Situation) -> TrajectorySetpoint:
+        """The setpoint of the present phase."""
+        self._update_phase(now)
+        home = now.home
+        if self.phase is ReturnPhase.LAND:
+            return LandMode(home[0], home[1], self.yaw_rad).setpoint(now)
+        if self.phase is ReturnPhase.WAIT:
             down = max(self.climb[2], home[2] - now.parameters["RTL_DESCEND_ALT"])
-            return Target((home[0], home[1], down), (0.0, 0.0, 0.0), yaw_rad=self.yaw_rad)
-        at = self.climb if self.leg is _Leg.CLIMB else (home[0], home[1], self.climb[2])
-        return Target(at, (0.0, 0.0, 0.0), yaw_rad=self.yaw_rad, speed_mps=now.cruise_mps)
+            return TrajectorySetpoint(
+                (home[0], home[1], down), (0.0, 0.0, 0.0), yaw_rad=self.yaw_rad
+            )
+        is_climbing = self.phase is ReturnPhase.CLIMB
+        at = self.climb if is_climbing else (home[0], home[1], self.climb[2])
+        return TrajectorySetpoint(
+            at, (0.0, 0.0, 0.0), yaw_rad=self.yaw_rad, speed_mps=now.cruise_mps
+        )
+
+    def _update_phase(self, now: Situation) -> None:
+        position = now.state.position
+        if self.phase is ReturnPhase.CLIMB and position[2] < self.climb[2] + REACHED_M:
+            self.phase = ReturnPhase.HOME
+        is_home = horizontal_distance(position, now.home) < now.parameters["NAV_ACC_RAD"]
+        if self.phase is ReturnPhase.HOME and is_home:
+            self.phase = ReturnPhase.WAIT
+        if self.phase is ReturnPhase.WAIT and self._has_waited(now):
+            self.phase = ReturnPhase.LAND
 
     def _has_waited(self, now: Situation) -> bool:
         delay_s = now.parameters["RTL_LAND_DELAY"]

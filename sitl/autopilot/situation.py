@@ -1,6 +1,7 @@
-"""What does a flight mode see, and what does it answer?
+"""The interface between the autopilot and a flight mode.
 
-A mode in flight answers one question each step: which `Target` shall the control cascade follow?
+A mode in flight takes a `Situation` and gives the `TrajectorySetpoint` that the control cascade
+follows. It also says which mode follows it by itself, if any.
 """
 
 from __future__ import annotations
@@ -11,34 +12,34 @@ from typing import NamedTuple, Protocol
 
 from companion.geometry import Ned
 from sitl.autopilot.parameters import Parameters
-from sitl.flight.controllers import Target
+from sitl.flight.controllers import TrajectorySetpoint
 from sitl.flight.physics import FlightState
 
 
 class Situation(NamedTuple):
-    """What a mode sees.
+    """The inputs of a flight mode.
 
     Attributes:
         home: where the vehicle was armed, local NED.
-        setpoint: the newest valid offboard setpoint, None before the first.
-        takeoff_down_m: the height that was asked for, as local NED down.
+        offboard_setpoint: the newest valid one, None before the first.
+        takeoff_down_m: the height of the take-off, as local NED down.
         cruise_mps: horizontal speed between places.
         is_landed: the vehicle rests on the ground.
-        mission: what AUTO.MISSION flies.
+        mission: flown by AUTO.MISSION.
     """
 
     state: FlightState
     home: Ned
-    setpoint: Target | None
+    offboard_setpoint: TrajectorySetpoint | None
     takeoff_down_m: float
     cruise_mps: float
     is_landed: bool
-    mission: Plan
+    mission: ModeFactory
     parameters: Parameters
 
 
-class Plan(Protocol):
-    """What a mode is made of that knows more than the vehicle's situation."""
+class ModeFactory(Protocol):
+    """The origin of a mode that knows more than the vehicle's situation."""
 
     def start(self, now: Situation) -> FlightMode:
         """The mode in flight."""
@@ -47,16 +48,16 @@ class Plan(Protocol):
 class FlightMode(Protocol):
     """A mode being flown."""
 
-    def target(self, now: Situation) -> Target:
-        """What the control cascade shall follow in this step."""
+    def setpoint(self, now: Situation) -> TrajectorySetpoint:
+        """The setpoint of this step."""
 
-    def successor(self, now: Situation) -> Succession | None:
-        """What follows once the mode has done its work, None until then; asked at 50 Hz."""
+    def mode_change(self, now: Situation) -> ModeChange | None:
+        """The mode that follows once this one is done, None until then; called at 50 Hz."""
 
 
 @dataclass(frozen=True, slots=True)
-class Succession:
-    """A mode that follows by itself, and what people are told of it."""
+class ModeChange:
+    """A mode that follows by itself, and its status text for people."""
 
     mode: str
     flying: FlightMode
@@ -69,7 +70,7 @@ def heading(state: FlightState) -> float:
 
 
 def stopping_point(now: Situation) -> Ned:
-    """Where the vehicle can come to rest from its present velocity, at its present height."""
+    """The point where the vehicle can come to rest, at its present height."""
     north, east, down = now.state.position
     v_north, v_east, _ = now.state.velocity
     speed = math.hypot(v_north, v_east)

@@ -1,4 +1,4 @@
-"""How do thrust directions, Euler angles and attitude errors turn into each other?
+"""Conversions between thrust directions, Euler angles and attitude errors.
 
 Pure functions on quaternions (w, x, y, z), body to NED. Source: the reduced attitude follows
 Brescianini, Hehn, D'Andrea, "Nonlinear Quadrocopter Attitude Control" (ETH Zurich, 2013), as

@@ -1,9 +1,9 @@
-"""Which motor commands bring the vehicle to its target? PX4's multicopter cascade.
+"""PX4's multicopter cascade: from a setpoint to motor commands.
 
     position P -> velocity PI -> attitude P -> rate PID -> mixer
     |------ 50 Hz ----------|    |------- every step --------|
 
-Position and velocity errors become a wanted acceleration, that a thrust vector, that an attitude
+Position and velocity errors become an acceleration setpoint, that a thrust vector, that an attitude
 (the direction of thrust first, heading second) and a thrust. When thrust is short, height comes
 before horizontal motion; integrators stand still while their loop is limited.
 
@@ -45,8 +45,8 @@ Maybe = tuple[float | None, float | None, float | None]
 
 
 @dataclass(frozen=True, slots=True)
-class Limits:
-    """What the position loops may ask for."""
+class ControllerLimits:
+    """The limits of the position loops' outputs."""
 
     speed_mps: float = 5.0
     climb_mps: float = 3.0
@@ -57,8 +57,8 @@ class Limits:
 
 
 @dataclass(frozen=True, slots=True)
-class Target:
-    """What to fly to; None is "not controlled", as NaN in PX4.
+class TrajectorySetpoint:
+    """PX4's trajectory_setpoint; None is "not controlled", as NaN there.
 
     Attributes:
         position: local NED, metres.
@@ -78,21 +78,21 @@ class Target:
 
 
 class VelocityLoop:
-    """Position P and velocity PI: from a target to a specific thrust vector in NED, m/s^2."""
+    """Position P and velocity PI: from a setpoint to a specific thrust vector in NED, m/s^2."""
 
-    def __init__(self, limits: Limits) -> None:
+    def __init__(self, limits: ControllerLimits) -> None:
         self._limits = limits
         self.reset()
 
     def reset(self) -> None:
-        """Forget the integrals."""
+        """Clears the integrals."""
         self._integral: Vector = (0.0, 0.0, 0.0)
 
-    def step(self, state: FlightState, target: Target, dt_s: float) -> Vector:
-        """The thrust per mass that the target asks for; at rest (0, 0, -g)."""
-        e_n, e_e, e_d = self._velocity_error(state, target)
+    def step(self, state: FlightState, setpoint: TrajectorySetpoint, dt_s: float) -> Vector:
+        """The thrust per mass towards the setpoint; at rest (0, 0, -g)."""
+        e_n, e_e, e_d = self._velocity_error(state, setpoint)
         i_n, i_e, i_d = self._integral
-        a_n, a_e, a_d = target.acceleration
+        a_n, a_e, a_d = setpoint.acceleration
         north = a_n + VELOCITY_P[0] * e_n + i_n
         east = a_e + VELOCITY_P[1] * e_e + i_e
         down = a_d + VELOCITY_P[2] * e_d + i_d
@@ -122,11 +122,11 @@ class VelocityLoop:
         )
         return (north, east, lift)
 
-    def _velocity_error(self, state: FlightState, target: Target) -> Vector:
+    def _velocity_error(self, state: FlightState, setpoint: TrajectorySetpoint) -> Vector:
         limits = self._limits
         braking = BRAKING_SHARE * limits.acceleration_mps2
-        p_n, p_e, p_d = target.position
-        v_n, v_e, v_d = target.velocity
+        p_n, p_e, p_d = setpoint.position
+        v_n, v_e, v_d = setpoint.velocity
         n, e, d = state.position
         to_n = 0.0 if p_n is None else p_n - n
         to_e = 0.0 if p_e is None else p_e - e
@@ -138,8 +138,8 @@ class VelocityLoop:
         east = gain * to_e + (v_e or 0.0)
         down = _clamp(climb + (v_d or 0.0), -limits.climb_mps, limits.descent_mps)
         speed, most = math.hypot(north, east), limits.speed_mps
-        if target.speed_mps is not None:
-            most = min(most, target.speed_mps)
+        if setpoint.speed_mps is not None:
+            most = min(most, setpoint.speed_mps)
         if speed > most:
             north, east = north * most / speed, east * most / speed
         now_n, now_e, now_d = state.velocity
@@ -151,14 +151,14 @@ class VelocityLoop:
 
 
 class RateLoop:
-    """Rate PID: from wanted body rates to torques in N m."""
+    """Rate PID: from body rate setpoints to torques in N m."""
 
     def __init__(self) -> None:
         self._integral = [0.0, 0.0, 0.0]
         self._last: Vector = (0.0, 0.0, 0.0)
 
     def reset(self) -> None:
-        """Forget the integrals."""
+        """Clears the integrals."""
         self._integral = [0.0, 0.0, 0.0]
 
     def step(self, rates: Vector, wanted: Vector, dt_s: float) -> Vector:
@@ -175,7 +175,7 @@ class RateLoop:
     def integrate(
         self, rates: Vector, wanted: Vector, dt_s: float, *, is_tilting: bool, is_turning: bool
     ) -> None:
-        """Let the integrals follow their error; not of axes where the mixer is limited."""
+        """Integrates the errors, but for axes where the mixer is limited."""
         integral, most = self._integral, MAX_RATE_INTEGRAL_NM
         if is_tilting:
             roll = integral[0] + RATE_I[0] * (wanted[0] - rates[0]) * dt_s
@@ -191,18 +191,18 @@ class Cascade:
     """The whole cascade for one vehicle; call `reset` when arming.
 
     Attributes:
-        attitude: that is wanted, body to NED.
-        thrust_n: that is wanted, N.
+        attitude: setpoint, body to NED.
+        thrust_n: setpoint, N.
     """
 
-    def __init__(self, limits: Limits = Limits()) -> None:
+    def __init__(self, limits: ControllerLimits = ControllerLimits()) -> None:
         self._limits = limits
         self._velocity_loop = VelocityLoop(limits)
         self._rate_loop = RateLoop()
         self.reset(0.0)
 
     def reset(self, yaw_rad: float) -> None:
-        """Clear the integrators; hold this heading while none is commanded."""
+        """Clears the integrators; holds this heading while none is commanded."""
         self._velocity_loop.reset()
         self._rate_loop.reset()
         self._yaw = yaw_rad
@@ -216,11 +216,11 @@ class Cascade:
         self.reset(self._yaw)
         return (IDLE_COMMAND,) * 4
 
-    def step(self, state: FlightState, target: Target, dt_s: float) -> Motors:
-        """Motor commands 0 to 1 towards the target; call once per physics step."""
+    def step(self, state: FlightState, setpoint: TrajectorySetpoint, dt_s: float) -> Motors:
+        """Motor commands 0 to 1 towards the setpoint; call once per physics step."""
         if self._until_position == 0:
             self._until_position = POSITION_EVERY
-            self._step_position(state, target, dt_s * POSITION_EVERY)
+            self._step_position(state, setpoint, dt_s * POSITION_EVERY)
         self._until_position -= 1
         wanted = self._wanted_rates(state.attitude)
         roll, pitch, yaw = self._rate_loop.step(state.rates, wanted, dt_s)
@@ -246,16 +246,16 @@ class Cascade:
             _clamp(yaw, -limit, limit),
         )
 
-    def _step_position(self, state: FlightState, target: Target, dt_s: float) -> None:
+    def _step_position(self, state: FlightState, setpoint: TrajectorySetpoint, dt_s: float) -> None:
         limit = self._limits.yaw_rate_radps
-        self._yaw_rate = _clamp(target.yaw_rate_radps or 0.0, -limit, limit)
-        if target.yaw_rad is not None:
-            self._yaw = target.yaw_rad
+        self._yaw_rate = _clamp(setpoint.yaw_rate_radps or 0.0, -limit, limit)
+        if setpoint.yaw_rad is not None:
+            self._yaw = setpoint.yaw_rad
         else:
             self._yaw = wrap_angle(self._yaw + self._yaw_rate * dt_s)
-        thrust = self._velocity_loop.step(state, target, dt_s)
+        thrust = self._velocity_loop.step(state, setpoint, dt_s)
         self.attitude = attitude_from_thrust(thrust, self._yaw)
-        # Only the part of the wanted thrust along the present body axis is asked for, so that
+        # Only the part of the wanted thrust along the present body axis is commanded, so that
         # height does not jump while the vehicle is still turning.
         w, x, y, z = state.attitude
         down = (2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y))
@@ -272,7 +272,7 @@ def _approach_speed(distance_m: float, gain: float, braking_mps2: float) -> floa
 
 
 def _fade(error: float) -> float:
-    """A velocity error as the integrals see it: large ones come from a step of the target.
+    """A velocity error as the integrals see it: large ones come from a step of the setpoint.
 
     A constant disturbance shows as a small error and is integrated away; the large error at the
     start of a step would leave a tail of seconds (PX4's rate loop fades its integral likewise).

@@ -1,12 +1,12 @@
-"""Which motor commands give a wanted collective thrust and torque?
+"""The mixer: motor commands for a collective thrust and torques.
 
 In: thrust in N and torques in N m. Out: four motor commands for PX4's quad-x and whether they
 fall short. When the motors cannot do everything, roll and pitch come first, then thrust, and yaw
 loses first: a quadrotor with the wrong heading still flies (PX4, ControlAllocation, sequential
 desaturation). The commands are corrected for the battery's voltage, as PX4's MC_BAT_SCALE_EN does.
 
-The constants are what the autopilot knows of `quadrotor.xml`, at sea level; the tests hold one
-against the other.
+The constants are those of `quadrotor.xml`, at sea level, as the autopilot is configured with them;
+the tests hold one against the other.
 """
 
 from __future__ import annotations

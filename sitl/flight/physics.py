@@ -1,4 +1,4 @@
-"""Where does the vehicle go when its four motors are commanded? JSBSim answers.
+"""The flight dynamics of the vehicle, by JSBSim.
 
 In: four motor commands (0 to 1, PX4's quad-x order), wind, a seed. Out: a `FlightState` per step.
 Everything physical is in `quadrotor.xml`; this module only loads it, binds its properties and
@@ -76,8 +76,8 @@ class FlightState(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Battery:
-    """What the battery's gauge says.
+class BatteryStatus:
+    """The battery as its gauge reports it.
 
     Attributes:
         consumed_mah: drawn since the start, less what was charged.
@@ -133,11 +133,11 @@ class Physics:
         self._start = start
         self._dt_s = dt_s
         self._steps = 0
-        self._place(origin, start, yaw_rad)
+        self._set_initial_conditions(origin, start, yaw_rad)
         self._fdm["battery/charge"] = self._full_charge = charge
         if not self._fdm.run_ic():
             raise RuntimeError("JSBSim refuses the initial conditions")
-        self._stir(turbulence_mps, seed)
+        self._set_turbulence(turbulence_mps, seed)
         self.set_wind(wind)  # after run_ic, which replaces the wind by its own
         self._bind()
         self.is_draining = False
@@ -145,7 +145,7 @@ class Physics:
         self._choose_rate_integrators()
 
     def step(self, motors: Motors) -> FlightState:
-        """Move on by one step with these motor commands."""
+        """Moves on by one step with these motor commands."""
         for set_command, command in zip(self._set_commands, motors, strict=True):
             set_command(command)
         self._fdm.run()
@@ -165,11 +165,11 @@ class Physics:
         self._full_charge += charge - self._charge()
         self._fdm["battery/charge"] = charge
 
-    def battery(self) -> Battery:
-        """What the battery's gauge says now."""
+    def battery(self) -> BatteryStatus:
+        """The battery as its gauge reports it now."""
         charge, mean_current_a = self._charge(), self._mean_current()
         drains = self.is_draining and self._current() > 0 and mean_current_a > 0
-        return Battery(
+        return BatteryStatus(
             (self._full_charge - charge) * CAPACITY_AH * 1e3,
             self._energy(),
             mean_current_a,
@@ -188,14 +188,14 @@ class Physics:
 
     @property
     def is_draining(self) -> bool:
-        """Whether the charge goes down."""
+        """True if the charge goes down."""
         return bool(self._fdm["battery/is-draining"])
 
     @is_draining.setter
     def is_draining(self, value: bool) -> None:
         self._fdm["battery/is-draining"] = float(value)
 
-    def _place(self, origin: GlobalOrigin, start: Ned, yaw_rad: float) -> None:
+    def _set_initial_conditions(self, origin: GlobalOrigin, start: Ned, yaw_rad: float) -> None:
         latitude_deg, longitude_deg, _ = origin.to_global(start)
         self._fdm["ic/lat-geod-deg"] = latitude_deg
         self._fdm["ic/long-gc-deg"] = longitude_deg
@@ -203,7 +203,7 @@ class Physics:
         self._fdm["ic/h-agl-ft"] = (STANDING_M - start[2]) / M_PER_FT
         self._fdm["ic/psi-true-rad"] = yaw_rad
 
-    def _stir(self, turbulence_mps: float, seed: int) -> None:
+    def _set_turbulence(self, turbulence_mps: float, seed: int) -> None:
         self._fdm["simulation/randomseed"] = seed + 1  # JSBSim takes 0 for 1
         if turbulence_mps > 0:
             self._fdm["atmosphere/turb-type"] = _DRYDEN
@@ -213,7 +213,7 @@ class Physics:
             self._fdm["atmosphere/turbulence/milspec/windspeed_at_20ft_AGL-fps"] = at_20ft_fps
 
     def _bind(self) -> None:
-        """Look the properties up once: a bound node is read in 40 ns, a name in 65 to 290."""
+        """Looks the properties up once: a bound node is read in 40 ns, a name in 65 to 290."""
 
         def readers(*names: str) -> tuple[Callable[[], float], ...]:
             return tuple(self._node(name).get_double_value for name in names)

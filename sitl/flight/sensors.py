@@ -1,13 +1,13 @@
-"""What do the sensors read? GPS, inertial unit and barometer, with noise, at their own rates.
+"""GPS, inertial unit and barometer, with noise, at their own rates.
 
-In: the true state each step, and what the estimator knows of GPS. Out: the newest `readings`, held
-between samples as a driver's topic holds them. They are for the messages that show raw sensors
+In: the true state each step, and the quality of GPS. Out: the newest `readings`, held between
+samples as a driver's topic holds them. They are for the messages that show raw sensors
 (HIGHRES_IMU, GPS_RAW_INT, SCALED_PRESSURE); nothing is flown by them.
 
 Noise is white: that of PX4's simulated sensors (SensorGpsSim, SensorBaroSim, the IMU of its iris
 model: a density times the root of the rate). The wandering part of GPS is the estimator's
-`fix_error`, so that belief and receiver agree. Left out: biases, temperature drift, vibration, the
-magnetometer.
+`fix_error`, so that estimate and receiver agree. Left out: biases, temperature drift, vibration,
+the magnetometer.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import random
 from dataclasses import dataclass
 
 from companion.geometry import GlobalOrigin, Ned
-from sitl.flight.estimate import GpsState
+from sitl.flight.estimate import GpsQuality
 from sitl.flight.physics import FlightState
 
 GPS_HZ, IMU_HZ, BAROMETER_HZ = 8.0, 50.0, 20.0
@@ -30,7 +30,7 @@ CELSIUS_ZERO_K = 273.15
 
 
 @dataclass(frozen=True, slots=True)
-class Noise:
+class SensorNoise:
     """Standard deviations of one sample."""
 
     gps_horizontal_m: float = 0.2
@@ -42,8 +42,8 @@ class Noise:
 
 
 @dataclass(frozen=True, slots=True)
-class Fix:
-    """What the GPS receiver reports.
+class GpsFix:
+    """A report of the GPS receiver.
 
     Attributes:
         time_s: of the sample.
@@ -65,7 +65,7 @@ class Fix:
 
 
 @dataclass(frozen=True, slots=True)
-class Inertial:
+class ImuSample:
     """Accelerometer (m/s^2) and gyroscope (rad/s), body."""
 
     time_s: float
@@ -74,7 +74,7 @@ class Inertial:
 
 
 @dataclass(frozen=True, slots=True)
-class Barometer:
+class BarometerSample:
     """Static pressure, the height above the sea that it stands for, temperature of the air."""
 
     time_s: float
@@ -84,12 +84,12 @@ class Barometer:
 
 
 @dataclass(frozen=True, slots=True)
-class Readings:
+class SensorReadings:
     """The newest sample of each sensor."""
 
-    gps: Fix
-    imu: Inertial
-    barometer: Barometer
+    gps: GpsFix
+    imu: ImuSample
+    barometer: BarometerSample
 
 
 class Sensors:
@@ -110,23 +110,23 @@ class Sensors:
         origin: GlobalOrigin,
         rng: random.Random,
         state: FlightState,
-        noise: Noise = Noise(),
+        noise: SensorNoise = SensorNoise(),
     ) -> None:
         self._origin, self._gauss, self._noise = origin, rng.gauss, noise
         self._gps_s = state.time_s + 1 / GPS_HZ
         self._imu_s = self._due_s = state.time_s + 1 / IMU_HZ
         self._barometer_s = state.time_s + 1 / BAROMETER_HZ
-        self._gps = self._locate(state, GpsState(), (0.0, 0.0))
-        self._imu = self._feel(state)
-        self._barometer = self._weigh_air(state)
-        self.readings = Readings(self._gps, self._imu, self._barometer)
+        self._gps = self._sample_gps(state, GpsQuality(), (0.0, 0.0))
+        self._imu = self._sample_imu(state)
+        self._barometer = self._sample_barometer(state)
+        self.readings = SensorReadings(self._gps, self._imu, self._barometer)
 
-    def step(self, truth: FlightState, gps: GpsState, fix_error: tuple[float, float]) -> None:
-        """Sample what is due.
+    def step(self, truth: FlightState, gps: GpsQuality, fix_error: tuple[float, float]) -> None:
+        """Samples what is due.
 
         Args:
             truth: the true state now.
-            gps: how good GPS is.
+            gps: the quality of GPS.
             fix_error: north and east, the slowly wandering part.
         """
         now_s = truth.time_s + EARLY_S
@@ -134,20 +134,22 @@ class Sensors:
             return
         if now_s >= self._gps_s:
             self._gps_s += 1 / GPS_HZ
-            self._gps = self._locate(truth, gps, fix_error)
+            self._gps = self._sample_gps(truth, gps, fix_error)
         if now_s >= self._imu_s:
             self._imu_s += 1 / IMU_HZ
-            self._imu = self._feel(truth)
+            self._imu = self._sample_imu(truth)
         if now_s >= self._barometer_s:
             self._barometer_s += 1 / BAROMETER_HZ
-            self._barometer = self._weigh_air(truth)
+            self._barometer = self._sample_barometer(truth)
         self._due_s = min(self._gps_s, self._imu_s, self._barometer_s)
-        self.readings = Readings(self._gps, self._imu, self._barometer)
+        self.readings = SensorReadings(self._gps, self._imu, self._barometer)
 
-    def _locate(self, truth: FlightState, gps: GpsState, fix_error: tuple[float, float]) -> Fix:
+    def _sample_gps(
+        self, truth: FlightState, gps: GpsQuality, fix_error: tuple[float, float]
+    ) -> GpsFix:
         if gps.is_lost:
             last = self._gps
-            return Fix(
+            return GpsFix(
                 truth.time_s,
                 False,
                 *(last.latitude_deg, last.longitude_deg, last.altitude_m),
@@ -166,27 +168,27 @@ class Sensors:
         v_n, v_e, v_d = truth.velocity
         speed = noise.gps_speed_mps
         velocity = (v_n + gauss(0.0, speed), v_e + gauss(0.0, speed), v_d + gauss(0.0, speed))
-        return Fix(
+        return GpsFix(
             truth.time_s, True, latitude_deg, longitude_deg, altitude_m, velocity, gps.satellites
         )
 
-    def _feel(self, truth: FlightState) -> Inertial:
+    def _sample_imu(self, truth: FlightState) -> ImuSample:
         gauss = self._gauss
         force, rate = self._noise.acceleration_mps2, self._noise.rate_radps
         f_x, f_y, f_z = truth.specific_force
         p, q, r = truth.rates
-        return Inertial(
+        return ImuSample(
             truth.time_s,
             (f_x + gauss(0.0, force), f_y + gauss(0.0, force), f_z + gauss(0.0, force)),
             (p + gauss(0.0, rate), q + gauss(0.0, rate), r + gauss(0.0, rate)),
         )
 
-    def _weigh_air(self, truth: FlightState) -> Barometer:
+    def _sample_barometer(self, truth: FlightState) -> BarometerSample:
         altitude_m = self._origin.altitude_m - truth.position[2]
         kelvin = SEA_TEMPERATURE_K - LAPSE_K_PER_M * altitude_m
         pressure = SEA_PRESSURE_PA * (kelvin / SEA_TEMPERATURE_K) ** PRESSURE_EXPONENT
         pressure += self._gauss(0.0, self._noise.pressure_pa)
-        return Barometer(
+        return BarometerSample(
             truth.time_s, pressure, pressure_altitude_m(pressure), kelvin - CELSIUS_ZERO_K
         )
 

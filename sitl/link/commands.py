@@ -1,9 +1,9 @@
-"""What does the autopilot answer to each MAVLink command?
+"""The MAVLink commands of the autopilot and their results.
 
 `COMMANDS` maps a MAV_CMD to a function of the autopilot's link and the seven parameters; whatever
-is not listed is UNSUPPORTED. COMMAND_LONG and COMMAND_INT become the same `Request` first. Values
-are PX4's: which results, which meaning of each parameter (common.xml and what a PX4 was seen to
-answer). Rejections tell the reason as a STATUSTEXT, which the autopilot writes.
+is not listed is UNSUPPORTED. COMMAND_LONG and COMMAND_INT become the same `CommandRequest` first.
+Results and meanings of parameters are PX4's (common.xml and what a PX4 was seen to answer).
+Rejections tell the reason as a STATUSTEXT, which the autopilot writes.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from typing import Protocol
 from companion.mavlink.framing import Message, dialect
 from companion.mavlink.px4_modes import mode_from
 from sitl.autopilot.modes import FLIGHT_MODES
-from sitl.link.vehicle import Vehicle
-from sitl.results import Result
+from sitl.link.vehicle import SimulatedVehicle
+from sitl.results import MavResult
 
 FORCE = 21196  # magic number of MAV_CMD_COMPONENT_ARM_DISARM
 CHANGE_MODE = 1  # MAV_DO_REPOSITION_FLAGS_CHANGE_MODE
@@ -28,8 +28,8 @@ INT_UNKNOWN = 2**31 - 1  # COMMAND_INT's x or y: not given
 
 
 @dataclass(frozen=True, slots=True)
-class Request:
-    """A command as it was meant.
+class CommandRequest:
+    """A COMMAND_LONG or COMMAND_INT.
 
     Attributes:
         command: MAV_CMD.
@@ -42,74 +42,76 @@ class Request:
     is_relative: bool = False
 
 
-class Commanded(Protocol):
-    """What the commands act on: one link of the autopilot."""
+class CommandContext(Protocol):
+    """One link of the autopilot, on which the commands act."""
 
-    vehicle: Vehicle
+    vehicle: SimulatedVehicle
 
     def send(self, message: Message) -> None:
-        """Send a message on this link."""
+        """Sends a message on this link."""
 
     def interval_us(self, message_id: int) -> int:
         """Interval of a stream, 0 for what is not sent by itself."""
 
     def request_message(self, message_id: int) -> bool:
-        """Send a message once; False if there is none with that id."""
+        """Sends a message once; False if there is none with that id."""
 
     def set_interval(self, message_id: int, interval_us: float) -> bool:
-        """Change a stream's interval; False if it is not streamed."""
+        """Changes a stream's interval; False if it is not streamed."""
 
 
-def request_from(message: Message) -> Request:
+def request_from(message: Message) -> CommandRequest:
     """The request in a COMMAND_LONG or COMMAND_INT."""
     first = (message.param1, message.param2, message.param3, message.param4)
     if message.get_type() == "COMMAND_LONG":
-        return Request(message.command, (*first, message.param5, message.param6, message.param7))
+        return CommandRequest(
+            message.command, (*first, message.param5, message.param6, message.param7)
+        )
     x, y = (math.nan if v == INT_UNKNOWN else v / 1e7 for v in (message.x, message.y))
     is_relative = message.frame in RELATIVE_FRAMES
-    return Request(message.command, (*first, x, y, message.z), is_relative)
+    return CommandRequest(message.command, (*first, x, y, message.z), is_relative)
 
 
-def execute(on: Commanded, request: Request) -> Result:
-    """Do what a request asks and say how it went."""
+def execute(on: CommandContext, request: CommandRequest) -> MavResult:
+    """Does what a request asks; returns its result."""
     handler = COMMANDS.get(request.command)
-    return handler(on, request) if handler else Result.UNSUPPORTED
+    return handler(on, request) if handler else MavResult.UNSUPPORTED
 
 
-def _granted(is_granted: bool) -> Result:
-    return Result.ACCEPTED if is_granted else Result.TEMPORARILY_REJECTED
+def _granted(is_granted: bool) -> MavResult:
+    return MavResult.ACCEPTED if is_granted else MavResult.TEMPORARILY_REJECTED
 
 
-def _arm_disarm(on: Commanded, request: Request) -> Result:
+def _arm_disarm(on: CommandContext, request: CommandRequest) -> MavResult:
     autopilot, is_forced = on.vehicle.autopilot, request.parameters[1] == FORCE
     act = {1.0: autopilot.arm, 0.0: autopilot.disarm}.get(request.parameters[0])
-    return _granted(act(is_forced=is_forced)) if act else Result.UNSUPPORTED
+    return _granted(act(is_forced=is_forced)) if act else MavResult.UNSUPPORTED
 
 
-def _do_set_mode(on: Commanded, request: Request) -> Result:
+def _do_set_mode(on: CommandContext, request: CommandRequest) -> MavResult:
     base, main, sub = request.parameters[:3]
     if not all(math.isfinite(p) for p in (base, main, sub)) or not int(base) & 1:
-        return Result.UNSUPPORTED  # PX4 knows custom modes only
+        return MavResult.UNSUPPORTED  # PX4 knows custom modes only
     mode = mode_from(int(main), int(sub))
     if mode not in FLIGHT_MODES:
-        return Result.TEMPORARILY_REJECTED
+        return MavResult.TEMPORARILY_REJECTED
     return _granted(on.vehicle.autopilot.set_mode(mode))
 
 
-def _takeoff(on: Commanded, request: Request) -> Result:
+def _takeoff(on: CommandContext, request: CommandRequest) -> MavResult:
     return _granted(on.vehicle.autopilot.take_off(_down_m(on, request)))
 
 
-def _mode(name: str) -> Callable[[Commanded, Request], Result]:
+def _mode(name: str) -> Callable[[CommandContext, CommandRequest], MavResult]:
     return lambda on, request: _granted(on.vehicle.autopilot.set_mode(name))
 
 
-def _reposition(on: Commanded, request: Request) -> Result:
+def _reposition(on: CommandContext, request: CommandRequest) -> MavResult:
     autopilot = on.vehicle.autopilot
     flags, yaw_rad, lat_deg, lon_deg = (request.parameters[i] for i in (1, 3, 4, 5))
     if not math.isfinite(flags) or not int(flags) & CHANGE_MODE:
         if autopilot.mode != "AUTO.LOITER":
-            return Result.DENIED
+            return MavResult.DENIED
     north_m = east_m = None
     if math.isfinite(lat_deg) and math.isfinite(lon_deg):
         north_m, east_m, _ = on.vehicle.origin.to_local(lat_deg, lon_deg, 0.0)
@@ -117,7 +119,7 @@ def _reposition(on: Commanded, request: Request) -> Result:
     return _granted(autopilot.hold_at(north_m, east_m, _down_m(on, request), yaw))
 
 
-def _down_m(on: Commanded, request: Request) -> float | None:
+def _down_m(on: CommandContext, request: CommandRequest) -> float | None:
     """Local NED down of param7, None where it is not given."""
     altitude_m = request.parameters[6]
     if not math.isfinite(altitude_m):
@@ -127,86 +129,86 @@ def _down_m(on: Commanded, request: Request) -> float | None:
     return on.vehicle.origin.altitude_m - altitude_m
 
 
-def _request_message(on: Commanded, request: Request) -> Result:
-    return Result.ACCEPTED if on.request_message(_id(request)) else Result.DENIED
+def _request_message(on: CommandContext, request: CommandRequest) -> MavResult:
+    return MavResult.ACCEPTED if on.request_message(_id(request)) else MavResult.DENIED
 
 
-def _set_message_interval(on: Commanded, request: Request) -> Result:
+def _set_message_interval(on: CommandContext, request: CommandRequest) -> MavResult:
     interval_us = request.parameters[1]
     is_set = math.isfinite(interval_us) and on.set_interval(_id(request), interval_us)
-    return Result.ACCEPTED if is_set else Result.FAILED
+    return MavResult.ACCEPTED if is_set else MavResult.FAILED
 
 
-def _get_message_interval(on: Commanded, request: Request) -> Result:
+def _get_message_interval(on: CommandContext, request: CommandRequest) -> MavResult:
     number = _id(request)
     if not 0 <= number <= UINT16_MAX:
-        return Result.DENIED
+        return MavResult.DENIED
     interval_us = on.interval_us(number)
     on.send(dialect.MAVLink_message_interval_message(number, interval_us))
-    return Result.ACCEPTED
+    return MavResult.ACCEPTED
 
 
-def _answer_with(message_id: int) -> Callable[[Commanded, Request], Result]:
+def _answer_with(message_id: int) -> Callable[[CommandContext, CommandRequest], MavResult]:
     """An older command that asks for one message."""
 
-    def handler(on: Commanded, request: Request) -> Result:
-        return Result.ACCEPTED if on.request_message(message_id) else Result.DENIED
+    def handler(on: CommandContext, request: CommandRequest) -> MavResult:
+        return MavResult.ACCEPTED if on.request_message(message_id) else MavResult.DENIED
 
     return handler
 
 
-def _accepted(on: Commanded, request: Request) -> Result:
-    """Nothing to do: what is asked for is so already."""
-    return Result.ACCEPTED
+def _accepted(on: CommandContext, request: CommandRequest) -> MavResult:
+    """Nothing to do: it is so already."""
+    return MavResult.ACCEPTED
 
 
-def _run_prearm_checks(on: Commanded, request: Request) -> Result:
+def _run_prearm_checks(on: CommandContext, request: CommandRequest) -> MavResult:
     autopilot = on.vehicle.autopilot
     if autopilot.is_armed:
-        return Result.TEMPORARILY_REJECTED
-    autopilot.tell_objection()
-    return Result.ACCEPTED
+        return MavResult.TEMPORARILY_REJECTED
+    autopilot.report_arming_denial()
+    return MavResult.ACCEPTED
 
 
-def _set_home(on: Commanded, request: Request) -> Result:
+def _set_home(on: CommandContext, request: CommandRequest) -> MavResult:
     vehicle, (current, _, _, _, lat_deg, lon_deg, altitude_m) = on.vehicle, request.parameters
     if current == 1:
         vehicle.autopilot.home = vehicle.state.position
-        return Result.ACCEPTED
+        return MavResult.ACCEPTED
     if not (abs(lat_deg) <= 90 and abs(lon_deg) <= 180 and abs(altitude_m) <= HIGHEST_HOME_M):
-        return Result.DENIED
+        return MavResult.DENIED
     vehicle.autopilot.home = vehicle.origin.to_local(lat_deg, lon_deg, altitude_m)
-    return Result.ACCEPTED
+    return MavResult.ACCEPTED
 
 
-def _change_speed(on: Commanded, request: Request) -> Result:
+def _change_speed(on: CommandContext, request: CommandRequest) -> MavResult:
     _, speed_mps, *_ = request.parameters
     if not math.isfinite(speed_mps) or speed_mps == 0:
-        return Result.DENIED
+        return MavResult.DENIED
     on.vehicle.autopilot.cruise_mps = speed_mps if speed_mps > 0 else None
-    return Result.ACCEPTED
+    return MavResult.ACCEPTED
 
 
-def _mission_start(on: Commanded, request: Request) -> Result:
+def _mission_start(on: CommandContext, request: CommandRequest) -> MavResult:
     vehicle, (first, *_) = on.vehicle, request.parameters
     mission = vehicle.autopilot.mission
     if not (mission.is_ready(vehicle.state.time_s) and -1 <= first < len(mission.items)):
-        return Result.DENIED
+        return MavResult.DENIED
     return _granted(vehicle.autopilot.start_mission(int(first) if first >= 0 else None))
 
 
-def _terminate(on: Commanded, request: Request) -> Result:
+def _terminate(on: CommandContext, request: CommandRequest) -> MavResult:
     if request.parameters[0] > 0.5:
         on.vehicle.autopilot.terminate()
-    return Result.ACCEPTED
+    return MavResult.ACCEPTED
 
 
-def _id(request: Request) -> int:
+def _id(request: CommandRequest) -> int:
     value = request.parameters[0]
     return int(value) if math.isfinite(value) else -1
 
 
-COMMANDS: dict[int, Callable[[Commanded, Request], Result]] = {
+COMMANDS: dict[int, Callable[[CommandContext, CommandRequest], MavResult]] = {
     dialect.MAV_CMD_COMPONENT_ARM_DISARM: _arm_disarm,
     dialect.MAV_CMD_DO_SET_MODE: _do_set_mode,
     dialect.MAV_CMD_NAV_TAKEOFF: _takeoff,

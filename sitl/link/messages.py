@@ -1,4 +1,4 @@
-"""Which telemetry messages are there?
+"""The table of telemetry messages.
 
 Each is one small function in sitl/link/telemetry, vehicle in, the message's fields out; the table
 lists them by MAVLink's names. Units on the wire are those of common.xml (mm, cm/s, 1e7 degrees,
@@ -12,9 +12,9 @@ from collections.abc import Callable
 
 from companion.mavlink.framing import Fields, Message, dialect
 from sitl.link.telemetry import control, motion, sensors, system
-from sitl.link.vehicle import Vehicle
+from sitl.link.vehicle import SimulatedVehicle
 
-MESSAGES: dict[str, Callable[[Vehicle], Fields]] = {
+MESSAGES: dict[str, Callable[[SimulatedVehicle], Fields]] = {
     "HEARTBEAT": system.heartbeat,
     "SYS_STATUS": system.sys_status,
     "BATTERY_STATUS": system.battery_status,
@@ -47,13 +47,15 @@ MESSAGES: dict[str, Callable[[Vehicle], Fields]] = {
 }
 """Name -> maker: what can be requested. Those with a rate in streams.py are also streamed."""
 
-KINDS = {kind.msgname: kind for kind in dialect.mavlink_map.values() if kind.msgname in MESSAGES}
+MESSAGE_CLASSES = {
+    kind.msgname: kind for kind in dialect.mavlink_map.values() if kind.msgname in MESSAGES
+}
 """Name -> pymavlink's class."""
 
 
-def compose(name: str, vehicle: Vehicle) -> Message:
+def compose(name: str, vehicle: SimulatedVehicle) -> Message:
     """A message by its name, as of now."""
-    return KINDS[name](*MESSAGES[name](vehicle))
+    return MESSAGE_CLASSES[name](*MESSAGES[name](vehicle))
 
 
 def message_name(message_id: int) -> str | None:

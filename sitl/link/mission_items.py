@@ -1,8 +1,8 @@
-"""What does a MISSION_ITEM_INT mean, and may the autopilot have it?
+"""The items of the mission protocol: parsing, checking, conversion.
 
 A `WireItem` is an item as it was sent, free of the two forms it may come in: places in degrees,
 frames without `_INT`, None for NaN (or INT32_MAX: "not given"). It is what a download returns.
-`verdict` says what PX4 answers to it; `item_from` and `areas_from` turn it into what the autopilot
+`check_item` gives PX4's answer to it; `item_from` and `areas_from` turn it into what the autopilot
 flies and keeps to.
 
 Source: https://mavlink.io/en/services/mission.html; PX4 1.16, src/modules/mavlink/
@@ -18,8 +18,8 @@ from enum import IntEnum
 
 from companion.geometry import GlobalOrigin, NorthEast
 from companion.mavlink.framing import Message, dialect
-from sitl.autopilot.geofence import Area, Circle, Polygon
-from sitl.autopilot.mission_items import Item
+from sitl.autopilot.geofence import FenceArea, FenceCircle, FencePolygon
+from sitl.autopilot.mission_items import MissionItem
 
 GLOBAL, MISSION, RELATIVE = 0, 2, 3  # MAV_FRAME
 WITHOUT_INT = {5: GLOBAL, 6: RELATIVE}
@@ -27,7 +27,7 @@ WITH_INT = {GLOBAL: 5, RELATIVE: 6}
 INT32_MIN, INT32_MAX = -(2**31), 2**31 - 1
 
 
-class Kind(IntEnum):
+class MissionType(IntEnum):
     """MAV_MISSION_TYPE."""
 
     MISSION = 0
@@ -83,7 +83,7 @@ def wire_item(message: Message) -> WireItem:
 
 
 def int_message(
-    item: WireItem, seq: int, target: tuple[int, int], kind: Kind, is_current: bool
+    item: WireItem, seq: int, target: tuple[int, int], kind: MissionType, is_current: bool
 ) -> Message:
     """MISSION_ITEM_INT."""
     scale = 1e7 if item.is_global else 1.0
@@ -95,7 +95,7 @@ def int_message(
 
 
 def float_message(
-    item: WireItem, seq: int, target: tuple[int, int], kind: Kind, is_current: bool
+    item: WireItem, seq: int, target: tuple[int, int], kind: MissionType, is_current: bool
 ) -> Message:
     """MISSION_ITEM, for those who ask with MISSION_REQUEST."""
     x, y, z = map(_or_nan, (item.x, item.y, item.z))
@@ -115,23 +115,23 @@ _POLYGONS = {5001: True, 5002: False}
 _CIRCLES = {5003: True, 5004: False}
 """MAV_CMD -> an area of inclusion."""
 
-COMMANDS: dict[tuple[Kind, bool], frozenset[int]] = {
-    (Kind.MISSION, True): _PLACES,
-    (Kind.MISSION, False): _ACTIONS,
-    (Kind.FENCE, True): frozenset({_RETURN_POINT, *_POLYGONS, *_CIRCLES}),
-    (Kind.RALLY, True): frozenset({_RALLY_POINT}),
+COMMANDS: dict[tuple[MissionType, bool], frozenset[int]] = {
+    (MissionType.MISSION, True): _PLACES,
+    (MissionType.MISSION, False): _ACTIONS,
+    (MissionType.FENCE, True): frozenset({_RETURN_POINT, *_POLYGONS, *_CIRCLES}),
+    (MissionType.RALLY, True): frozenset({_RALLY_POINT}),
 }
 """Kind of plan, and whether the item has a place -> MAV_CMDs that are taken."""
 
 
-def verdict(kind: Kind, item: WireItem) -> int:
+def check_item(kind: MissionType, item: WireItem) -> int:
     """MAV_MISSION_RESULT of an item."""
     if not (item.is_global or item.frame == MISSION):
         return int(dialect.MAV_MISSION_UNSUPPORTED_FRAME)
     if item.command not in COMMANDS.get((kind, item.is_global), frozenset()):
         return int(dialect.MAV_MISSION_UNSUPPORTED)
     if item.is_global:
-        needs_place = kind is not Kind.MISSION
+        needs_place = kind is not MissionType.MISSION
         if not _is_angle(item.x, 90.0, needs_place):
             return int(dialect.MAV_MISSION_INVALID_PARAM5_X)
         if not _is_angle(item.y, 180.0, needs_place):
@@ -144,17 +144,17 @@ def verdict(kind: Kind, item: WireItem) -> int:
     return int(dialect.MAV_MISSION_ACCEPTED)
 
 
-def item_from(item: WireItem, origin: GlobalOrigin) -> Item:
+def item_from(item: WireItem, origin: GlobalOrigin) -> MissionItem:
     """An accepted item of a mission, as the autopilot flies it."""
     is_above_home = item.frame == RELATIVE
     up_m = item.z if is_above_home or item.z is None else item.z - origin.altitude_m
     place = _place(item, origin) if item.is_global else None
-    return Item(item.command, item.parameters, place, up_m, is_above_home, item.autocontinue)
+    return MissionItem(item.command, item.parameters, place, up_m, is_above_home, item.autocontinue)
 
 
-def areas_from(items: Sequence[WireItem], origin: GlobalOrigin) -> list[Area] | None:
+def areas_from(items: Sequence[WireItem], origin: GlobalOrigin) -> list[FenceArea] | None:
     """The areas of a fence of accepted items, None if a polygon is not complete."""
-    areas: list[Area] = []
+    areas: list[FenceArea] = []
     at = 0
     while at < len(items):
         item, places = items[at], 1
@@ -166,10 +166,10 @@ def areas_from(items: Sequence[WireItem], origin: GlobalOrigin) -> list[Area] | 
             } or len(corners) < places:
                 return None
             known = tuple(corner for corner in corners if corner is not None)
-            areas.append(Area(Polygon(known), _POLYGONS[item.command]))
+            areas.append(FenceArea(FencePolygon(known), _POLYGONS[item.command]))
         elif item.command in _CIRCLES and (centre := _place(item, origin)) is not None:
-            circle = Circle(centre, item.parameters[0] or 0.0)
-            areas.append(Area(circle, _CIRCLES[item.command]))
+            circle = FenceCircle(centre, item.parameters[0] or 0.0)
+            areas.append(FenceArea(circle, _CIRCLES[item.command]))
         at += places
     return areas
 

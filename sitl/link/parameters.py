@@ -1,6 +1,6 @@
-"""How does the autopilot answer the parameter protocol?
+"""The autopilot's side of the parameter protocol, PX4's way.
 
-PX4's way: integers travel byte by byte, unknown names are met with silence, a value of another
+Integers travel byte by byte, unknown names are met with silence, a value of another
 type changes nothing and the present one is told, a list is spread over time so that no buffer
 overflows. `_HASH_CHECK` is a checksum of all names and values, by which QGroundControl saves
 itself the list.
@@ -56,7 +56,7 @@ def read(request: Message, parameters: Parameters) -> Message | None:
 
 
 def write(request: Message, parameters: Parameters) -> Message | None:
-    """Do what PARAM_SET asks; the answer is the value from now on."""
+    """Does what PARAM_SET asks; the answer is the value from now on."""
     name = request.param_id
     if name not in PARAMETERS:
         return None

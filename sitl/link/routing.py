@@ -1,4 +1,4 @@
-"""Which link shall a message go out on?
+"""Routing of messages between the links.
 
 PX4 forwards between its links as the MAVLink routing guide says
 (https://mavlink.io/en/guide/routing.html), and so do we:
@@ -38,12 +38,12 @@ def target(message: Message) -> tuple[int, int]:
 
 
 def is_for(address: tuple[int, int], message: Message) -> bool:
-    """Whether a component should handle a message: its own, or a broadcast."""
+    """True if a component should handle a message: its own, or a broadcast."""
     return all(wanted in (0, own) for wanted, own in zip(target(message), address, strict=True))
 
 
 class Router:
-    """Remembers who was heard where: each component, and component 0 for its whole system.
+    """The routing table: where each component was heard, and component 0 for its whole system.
 
     Args:
         links: those with somebody at the other end.
@@ -55,19 +55,19 @@ class Router:
         self._local = frozenset(local)
         self._with_gcs: set[LinkName] = set()
 
-    def hear(self, origin: LinkName, message: Message) -> None:
-        """Learn from a message that came in."""
+    def learn(self, origin: LinkName, message: Message) -> None:
+        """Learns from a message that came in."""
         system, component = source(message)
         self._heard.setdefault(origin, set()).update([(system, component), (system, 0)])
         if message.get_type() == "HEARTBEAT" and message.type == MAV_TYPE_GCS:
             self._with_gcs |= {origin, *self._heard}
 
     def has_ground_station(self, link: LinkName) -> bool:
-        """Whether a ground station's heartbeat has passed on a link."""
+        """True if a ground station's heartbeat has passed on a link."""
         return link in self._with_gcs
 
     def destinations(self, message: Message, origin: LinkName | None) -> list[LinkName]:
-        """Where a message goes: from outside, or (origin None) from a component on board."""
+        """The links that a message from outside, or (origin None) from on board, goes to."""
         if target(message) in self._local:
             return []
         return [

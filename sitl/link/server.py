@@ -56,18 +56,18 @@ class Server:
         self.close()
 
     def close(self) -> None:
-        """Give the ports back."""
+        """Gives the ports back."""
         for udp in self._sockets.values():
             udp.close()
 
     def receive(self, timeout_s: float) -> list[tuple[LinkName, bytes]]:
-        """What has arrived, in order for each link; waits until something does."""
+        """The datagrams that have arrived, in order for each link; waits for the first."""
         links = {udp: link for link, udp in self._sockets.items()}
         ready, _, _ = select.select(list(links), [], [], max(0.0, timeout_s))
         return [(links[udp], datagram) for udp in ready for datagram in self._drain(links[udp])]
 
     def send(self, frames: list[tuple[LinkName, bytes]]) -> None:
-        """Send each frame as a datagram to its link's peer."""
+        """Sends each frame as a datagram to its link's peer."""
         for link, frame in frames:
             try:
                 self._sockets[link].sendto(frame, self.peers[link])

@@ -1,4 +1,4 @@
-"""Is a SET_POSITION_TARGET_LOCAL_NED or _GLOBAL_INT a setpoint, and which one?
+"""The setpoint in a SET_POSITION_TARGET_LOCAL_NED or SET_POSITION_TARGET_GLOBAL_INT.
 
 PX4 takes frame 1 (MAV_FRAME_LOCAL_NED), and frame 8 (MAV_FRAME_BODY_NED) for velocity alone; of a
 global setpoint the altitude above the sea (frames 0, 5) or above home (3, 6). Other frames, a mask
@@ -12,7 +12,7 @@ import math
 
 from companion.geometry import GlobalOrigin, Ned
 from companion.mavlink.framing import Message
-from sitl.flight.controllers import Target
+from sitl.flight.controllers import TrajectorySetpoint
 
 LOCAL_NED, BODY_NED = 1, 8
 LOCAL_FRAMES = (LOCAL_NED, BODY_NED)
@@ -22,9 +22,9 @@ FORCE_SET, YAW_IGNORE, YAW_RATE_IGNORE = 512, 1024, 2048
 Triple = tuple[float | None, float | None, float | None]
 
 
-def target_from(
+def setpoint_from(
     message: Message, heading_rad: float, origin: GlobalOrigin, home_down_m: float
-) -> Target | None:
+) -> TrajectorySetpoint | None:
     """The setpoint in a message.
 
     Args:
@@ -58,7 +58,7 @@ def target_from(
             return None
         velocity = _turned(velocity, heading_rad)
     north, east, down = (v or 0.0 for v in acceleration)
-    return Target(position, velocity, (north, east, down), yaw, yaw_rate)
+    return TrajectorySetpoint(position, velocity, (north, east, down), yaw, yaw_rate)
 
 
 def _local(message: Message, origin: GlobalOrigin, home_down_m: float) -> Ned:

@@ -1,4 +1,4 @@
-"""Which telemetry message leaves on which link, and when?
+"""The schedule of the telemetry streams on each link.
 
 `RATES_HZ` holds the default rates of a real PX4 in SITL on its two links, measured and rounded to
 what PX4's `mavlink stream` configures; a message that we do not make is not listed.
@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import heapq
 
-from sitl.link.messages import KINDS
+from sitl.link.messages import MESSAGE_CLASSES
 from sitl.link.routing import LinkName
 
 RATES_HZ: dict[str, tuple[float, float]] = {
@@ -62,7 +62,7 @@ class Streams:
             for name, rates in RATES_HZ.items()
         }
         self._intervals_s = {name: s for name, s in self._defaults_s.items() if s > 0}
-        self._queue = [(now_s, KINDS[name].id, name) for name in self._intervals_s]
+        self._queue = [(now_s, MESSAGE_CLASSES[name].id, name) for name in self._intervals_s]
         heapq.heapify(self._queue)
 
     def due(self, now_s: float) -> list[str]:
@@ -79,7 +79,7 @@ class Streams:
         return names
 
     def set_interval(self, name: str, interval_us: float, now_s: float) -> bool:
-        """Change a message's interval: 0 is the default, negative is off.
+        """Changes a message's interval: 0 is the default, negative is off.
 
         Returns:
             False for a message that is not streamed.
@@ -91,7 +91,7 @@ class Streams:
         self._queue = [entry for entry in self._queue if entry[2] != name]
         if interval_s > 0:
             self._intervals_s[name] = interval_s
-            self._queue.append((now_s + interval_s, KINDS[name].id, name))
+            self._queue.append((now_s + interval_s, MESSAGE_CLASSES[name].id, name))
         heapq.heapify(self._queue)
         return True
 

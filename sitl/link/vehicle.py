@@ -1,4 +1,4 @@
-"""Of whom does the telemetry speak?"""
+"""The parts of the vehicle that its MAVLink component reads and commands."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ from dataclasses import dataclass
 
 from companion.geometry import GlobalOrigin
 from sitl.autopilot.autopilot import Autopilot
-from sitl.flight.physics import Battery, FlightState
+from sitl.flight.physics import BatteryStatus, FlightState
 from sitl.flight.sensors import Sensors
 
 
 @dataclass(slots=True)
-class Vehicle:
-    """What the messages are made of.
+class SimulatedVehicle:
+    """One vehicle: its autopilot, its estimated state, its sensors.
 
     Attributes:
-        state: as the autopilot believes it is; replaced every step.
+        state: estimated; replaced every step.
         origin: of the local frame.
         battery: reads the gauge.
     """
@@ -25,7 +25,7 @@ class Vehicle:
     state: FlightState
     origin: GlobalOrigin
     sensors: Sensors
-    battery: Callable[[], Battery]
+    battery: Callable[[], BatteryStatus]
 
     @property
     def boot_ms(self) -> int:

@@ -1,4 +1,4 @@
-"""Has the vehicle hit a wall, or the ground with more than its legs?
+"""Collisions with walls, and with the ground by more than the legs.
 
 Walls are the occupied cells of the true map and have no upper end; off the map counts as a wall.
 The vehicle is a disc. Accuracy is that of the map's distance field: about one cell. The flight
@@ -12,39 +12,40 @@ from companion.geometry import Ned
 from companion.motion.grid import OccupancyGrid
 from sitl.flight.physics import LEG_M, FlightState
 
-VEHICLE_RADIUS_M = 0.35
 UPRIGHT = 0.5  # cosine of the tilt at which the body touches the ground beside the legs
 
 
-class CollisionWatch:
-    """Counts how often the vehicle came to touch a wall.
+class CollisionCounter:
+    """Counts the contacts of the vehicle with walls.
 
     Args:
         grid: the true map; None is a world without walls.
+        radius_m: of the vehicle.
 
     Attributes:
         grid: may be replaced when the map changes.
         count: of collisions so far.
     """
 
-    def __init__(self, grid: OccupancyGrid | None) -> None:
+    def __init__(self, grid: OccupancyGrid | None, radius_m: float) -> None:
         self.count = 0
+        self._radius_m = radius_m
         self.grid = grid
         self._is_touching = False
 
     def update(self, position: Ned) -> bool:
-        """Take a position; true when a collision begins there."""
+        """Takes a position; true when a collision begins there."""
         if self.grid is None:
             return False
         was_touching = self._is_touching
-        self._is_touching = self.grid.clearance_m(position[:2]) < VEHICLE_RADIUS_M
+        self._is_touching = self.grid.clearance_m(position[:2]) < self._radius_m
         has_begun = self._is_touching and not was_touching
         self.count += has_begun
         return has_begun
 
 
 def is_wreck(state: FlightState) -> bool:
-    """Whether the body touches the ground: fallen over, or hit harder than the legs can take."""
+    """True if the body touches the ground: fallen over, or hit harder than the legs can take."""
     _, x, y, _ = state.attitude
     is_upright = 1 - 2 * (x * x + y * y) > UPRIGHT
     down = state.position[2]

@@ -1,4 +1,4 @@
-"""How far is the nearest wall, all around the vehicle?
+"""The lidar: distances to the nearest walls, all around the vehicle.
 
 A level scanner in the vehicle's centre: 72 beams, 5 degrees apart, the first one straight ahead,
 then clockwise. It turns with the heading; tilt is left out. Walls have no upper end, and off the
@@ -33,7 +33,7 @@ Floats = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class LidarSpec:
-    """What the scanner can do.
+    """Range and noise of the scanner.
 
     Attributes:
         component: its MAVLink component id. 196 is MAV_COMP_ID_OBSTACLE_AVOIDANCE, the one id of
@@ -47,7 +47,7 @@ class LidarSpec:
     noise_m: float = 0.0
 
 
-class Faces(NamedTuple):
+class WallFaces(NamedTuple):
     """The borders between free cells and walls, in cells; every array is (n,).
 
     Attributes:
@@ -65,7 +65,7 @@ class Faces(NamedTuple):
 
 
 class Lidar:
-    """Scans a grid.
+    """Scans the true map.
 
     Args:
         spec: range and noise.
@@ -76,16 +76,16 @@ class Lidar:
     def __init__(self, spec: LidarSpec, grid: OccupancyGrid | None, random: Random) -> None:
         self.spec = spec
         self._random = random
-        self.see(grid)
+        self.set_map(grid)
 
-    def see(self, grid: OccupancyGrid | None) -> None:
+    def set_map(self, grid: OccupancyGrid | None) -> None:
         """The true map from now on."""
         self._grid = grid
         if grid is not None:
             walls = np.pad(grid.occupied, 1, constant_values=True)
             found = np.concatenate((_faces(walls, _NORTH), _faces(walls.T, _EAST)))
             over, *places = found.T.copy()
-            self._faces = Faces(over.astype(np.intp), *places)
+            self._faces = WallFaces(over.astype(np.intp), *places)
 
     def scan(self, position: NorthEast, yaw_rad: float) -> Floats:
         """(BEAMS,) distance along each beam, metres; inf where nothing is within range."""
@@ -99,8 +99,8 @@ class Lidar:
         c, s = math.cos(yaw_rad), math.sin(yaw_rad)
         beams = np.array((c * _AHEAD - s * _RIGHT, s * _AHEAD + c * _RIGHT))
         far = self.spec.range_m / grid.cell_m
-        way = _hits(self._faces, start, beams, far)
-        distances_m = np.where(way <= far, grid.cell_m * way, math.inf)
+        lengths = _lengths_to_walls(self._faces, start, beams, far)
+        distances_m = np.where(lengths <= far, grid.cell_m * lengths, math.inf)
         if self.spec.noise_m > 0:
             noise = [self._random.gauss(0.0, self.spec.noise_m) for _ in range(BEAMS)]
             distances_m = np.maximum(0.0, distances_m + noise)
@@ -124,8 +124,8 @@ def _faces(walls: npt.NDArray[np.bool_], axis: int) -> Floats:
     return np.array(found, dtype=np.float64).reshape(-1, 5)
 
 
-def _hits(faces: Faces, start: Floats, beams: Floats, far: float) -> Floats:
-    """The way of each beam to its first face, inf without one; everything in cells.
+def _lengths_to_walls(faces: WallFaces, start: Floats, beams: Floats, far: float) -> Floats:
+    """The length of each beam up to its first face, inf without one; everything in cells.
 
     Args:
         start: (2,) north and east.
@@ -139,8 +139,8 @@ def _hits(faces: Faces, start: Floats, beams: Floats, far: float) -> Floats:
     (seen,) = np.nonzero(is_seen)
     over, along = over[seen], along[seen]
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
-        way = (line[seen] - across[seen])[:, None] * (1 / beams)[over]
-        at = way * beams[1 - over]
-        is_hit = (way >= 0) & (at >= (begin[seen] - along)[:, None])
+        lengths = (line[seen] - across[seen])[:, None] * (1 / beams)[over]
+        at = lengths * beams[1 - over]
+        is_hit = (lengths >= 0) & (at >= (begin[seen] - along)[:, None])
         is_hit &= at <= (end[seen] - along)[:, None]
-    return np.asarray(np.where(is_hit, way, math.inf).min(axis=0, initial=math.inf))
+    return np.asarray(np.where(is_hit, lengths, math.inf).min(axis=0, initial=math.inf))

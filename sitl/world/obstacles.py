@@ -1,7 +1,7 @@
-"""Which cells of the true map are occupied now?
+"""The true map: the map file plus the obstacles that are present.
 
-The map file plus the obstacles that are present. A cell that an obstacle touches is occupied. The
-grid and its distance field are made anew only when an obstacle appears or disappears.
+A cell that an obstacle touches is occupied. The grid and its distance field are made anew only when
+an obstacle appears or disappears.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class TrueMap:
         self.grid = self._draw()
 
     def place(self, name: str, is_present: bool) -> bool:
-        """Put an obstacle there or take it away; true if the grid is another one now."""
+        """Puts an obstacle there or takes it away; true if the grid is another one now."""
         if (name in self._present) == is_present:
             return False
         (self._present.add if is_present else self._present.discard)(name)

@@ -1,7 +1,7 @@
-"""What do the obstacles and happenings of a scenario file mean, and can they be?
+"""The obstacles and events of a scenario file, as the simulator's types.
 
-Turns their models (schema.py) into the simulator's types. What contradicts itself or can never
-happen is refused with its place in the file.
+Their models are in schema.py. What contradicts itself or can never happen is refused with its
+place in the file.
 """
 
 from __future__ import annotations
@@ -9,10 +9,16 @@ from __future__ import annotations
 from companion.documents import Document, did_you_mean
 from companion.errors import MissionError
 from companion.mavlink.framing import dialect
-from sitl.world.detector import Circle
-from sitl.world.happenings import EFFECTS, AtPlace, AtTime, Happening, OnCommand
 from sitl.world.obstacles import Obstacle
-from sitl.world.schema import HappeningModel, ObstacleModel, ScenarioModel
+from sitl.world.scenario_events import (
+    EFFECTS,
+    CommandTrigger,
+    ScenarioEvent,
+    TimeTrigger,
+    VisitTrigger,
+)
+from sitl.world.schema import ObstacleModel, ScenarioEventModel, ScenarioModel
+from sitl.world.visits import Circle
 
 AUTOPILOT = 1
 TRIGGERS = ("at_s", "place", "command")
@@ -65,14 +71,14 @@ def _obstacle(entry: ObstacleModel, document: Document, i: int) -> Obstacle:
     )
 
 
-def read_happenings(model: ScenarioModel, document: Document) -> tuple[Happening, ...]:
-    """What happens, in the order of the file."""
-    return tuple(_happening(entry, model, document, i) for i, entry in enumerate(model.happens))
+def read_events(model: ScenarioModel, document: Document) -> tuple[ScenarioEvent, ...]:
+    """The events, in the order of the file."""
+    return tuple(_event(entry, model, document, i) for i, entry in enumerate(model.happens))
 
 
-def _happening(
-    entry: HappeningModel, model: ScenarioModel, document: Document, i: int
-) -> Happening:
+def _event(
+    entry: ScenarioEventModel, model: ScenarioModel, document: Document, i: int
+) -> ScenarioEvent:
     where = document.where("happens", i)
     given = [name for name in TRIGGERS if getattr(entry, name) is not None]
     if len(given) != 1:
@@ -88,7 +94,7 @@ def _happening(
         raise MissionError("nothing happens here", where, f"say what: {', '.join(EFFECTS)}")
     _check_effects(entry, model, document, i)
     text = "; ".join(f"{kind}: {_words(getattr(entry, kind))}" for kind in kinds)
-    return Happening(
+    return ScenarioEvent(
         _trigger(entry, model, document, i),
         tuple((kind, getattr(entry, kind)) for kind in kinds),
         text,
@@ -97,12 +103,12 @@ def _happening(
 
 
 def _trigger(
-    entry: HappeningModel, model: ScenarioModel, document: Document, i: int
-) -> AtTime | AtPlace | OnCommand:
+    entry: ScenarioEventModel, model: ScenarioModel, document: Document, i: int
+) -> TimeTrigger | VisitTrigger | CommandTrigger:
     if entry.at_s is not None:
-        return AtTime(entry.at_s)
+        return TimeTrigger(entry.at_s)
     if place := entry.place:
-        return AtPlace(Circle((place.north_m, place.east_m), place.radius_m), place.visit)
+        return VisitTrigger(Circle((place.north_m, place.east_m), place.radius_m), place.visit)
     number = command_number(entry.command or "", document, "happens", i, "command")
     on_board = {AUTOPILOT, *model.components.values()}
     if entry.component is not None and entry.component not in on_board:
@@ -111,10 +117,12 @@ def _trigger(
             document.where("happens", i, "component"),
             f"on board are {', '.join(map(str, sorted(on_board)))}",
         )
-    return OnCommand(number, entry.nth or 1, entry.component)
+    return CommandTrigger(number, entry.nth or 1, entry.component)
 
 
-def _check_effects(entry: HappeningModel, model: ScenarioModel, document: Document, i: int) -> None:
+def _check_effects(
+    entry: ScenarioEventModel, model: ScenarioModel, document: Document, i: int
+) -> None:
     for kind in ("target", "payload"):
         if getattr(entry, kind) and not getattr(model, kind):
             raise MissionError(

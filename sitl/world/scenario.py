@@ -1,4 +1,4 @@
-"""What does the world do to the vehicle? The scenario file `NAME.sim.yaml`.
+"""The scenario file `NAME.sim.yaml`: the world in which a mission is flown.
 
 A scenario holds what the mission must not know: the true map, the wind, where a target appears,
 what the payload answers, how full the battery is, which parameters differ. It is read by the
@@ -7,6 +7,7 @@ are degrees clockwise from north; inside, everything is local NED and radians.
 
     version: 1
     map: maps/hall.yaml
+    vehicle: {profile: quad_35cm, radius_m: 0.4}
     start: {east_m: 2, north_m: 2, heading_deg: 90}
     wind: {east_mps: 2, north_mps: 0, turbulence_mps: 0.3}
     target: {component: 26, seen: {east_m: 5, north_m: 13, radius_m: 0.8, visit: 2}}
@@ -19,7 +20,8 @@ are degrees clockwise from north; inside, everything is local NED and radians.
     happens:
       - {at_s: 30, obstacle: {name: crate, present: true}}
 
-`read_scenario` is a door: it opens the file and its map. The rest is pure.
+A door: it opens the file, its map and its vehicle profile. A scenario may also be given as a text,
+or as data.
 """
 
 from __future__ import annotations
@@ -29,23 +31,25 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from companion.documents import Document, did_you_mean, validate
+from companion.documents import Document, Given, Source, did_you_mean, read_source, validate
 from companion.errors import MissionError
 from companion.geometry import GlobalOrigin, Ned, ned_from_enu
 from companion.maps import read_map
 from companion.mavlink.parameters import INT32, encode
 from companion.motion.grid import OccupancyGrid
+from companion.vehicle_files import read_vehicle
+from companion.vehicle_profile import VehicleProfile
 from sitl.autopilot.parameters import PARAMETERS
-from sitl.results import Result
-from sitl.world.collision import VEHICLE_RADIUS_M
-from sitl.world.detector import Circle
-from sitl.world.happenings import AtPlace, Happening
+from sitl.results import MavResult
 from sitl.world.lidar import LidarSpec
 from sitl.world.obstacles import Obstacle, TrueMap
-from sitl.world.payload import Answer, PayloadScript, Site
-from sitl.world.reading import command_number, read_happenings, read_obstacles
+from sitl.world.payload import PayloadAnswer, PayloadScript, PayloadSite
+from sitl.world.reading import command_number, read_events, read_obstacles
+from sitl.world.scenario_events import ScenarioEvent, VisitTrigger
 from sitl.world.schema import PayloadModel, ScenarioModel
+from sitl.world.visits import Circle
 
+DEFAULT_MAP = "the default map"
 PX4_HOME = GlobalOrigin(47.397742, 8.545594, 488.0)  # PX4's default in SITL: Irchelpark, Zurich
 
 
@@ -55,6 +59,7 @@ class Scenario:
 
     Attributes:
         home: where local NED (0, 0, 0) lies.
+        vehicle: as it truly is; the mission may think otherwise.
         start: where the vehicle stands at first.
         yaw_rad: where it looks at first.
         wind: the air's velocity, NED.
@@ -64,11 +69,12 @@ class Scenario:
         detector: component id of the target detector; None is no detector.
         lidar: None is no lidar.
         pads: charging pads, each with its current in amperes.
-        happenings: in the order of the file.
-        map_path: None is a world without walls.
+        events: in the order of the file.
+        map_path: None is a world without walls, but for a map that was given otherwise.
     """
 
     home: GlobalOrigin = PX4_HOME
+    vehicle: VehicleProfile = field(default_factory=VehicleProfile)
     start: Ned = (0.0, 0.0, 0.0)
     yaw_rad: float = 0.0
     wind: Ned = (0.0, 0.0, 0.0)
@@ -81,66 +87,65 @@ class Scenario:
     lidar: LidarSpec | None = None
     obstacles: tuple[Obstacle, ...] = ()
     pads: tuple[tuple[Circle, float], ...] = ()
-    happenings: tuple[Happening, ...] = ()
+    events: tuple[ScenarioEvent, ...] = ()
     map_path: Path | None = None
 
 
 def read_scenario(
-    path: Path, default_home: GlobalOrigin = PX4_HOME
+    given: Given | Source,
+    default_home: GlobalOrigin = PX4_HOME,
+    default_map: OccupancyGrid | None = None,
 ) -> tuple[Scenario, OccupancyGrid | None]:
-    """The scenario of a file, and its map.
+    """A scenario and its map.
 
     Args:
-        path: the file; its map lies relative to it.
-        default_home: where home is if the file does not say.
+        given: the path of its file, to which its map lies relative; or a YAML text; or data.
+        default_home: where home is if it is not said.
+        default_map: the map if none is named.
 
     Raises:
         MissionError: a file cannot be read, or says something that cannot be.
     """
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise MissionError(f"the scenario {path} cannot be read: {reason}") from error
-    scenario, document = _parse(text, path, default_home)
-    if scenario.map_path is None:
-        return scenario, None
-    grid = read_map(scenario.map_path)
+    source = given if isinstance(given, Source) else read_source(given, "scenario")
+    scenario, document = _parse(source, default_home, default_map is not None)
+    grid = default_map if scenario.map_path is None else read_map(scenario.map_path)
     now = TrueMap(grid, scenario.obstacles).grid
-    if now and now.clearance_m(scenario.start[:2]) < VEHICLE_RADIUS_M:
+    radius_m = scenario.vehicle.radius_m
+    if now and now.clearance_m(scenario.start[:2]) < radius_m:
         raise MissionError(
             "the start lies in a wall or an obstacle, too near one, or off the map",
             document.where("start"),
-            f"the vehicle needs {VEHICLE_RADIUS_M} m around it",
+            f"the vehicle needs {radius_m} m around it",
         )
     return scenario, grid
 
 
-def parse_scenario(text: str, path: Path, default_home: GlobalOrigin = PX4_HOME) -> Scenario:
-    """The scenario of a text; the map is not opened.
+def parse_scenario(text: str, path: Path) -> Scenario:
+    """The scenario of a text; the map is not opened, but a vehicle profile that has a file is.
 
     Raises:
         MissionError: with the place in the file.
     """
-    return _parse(text, path, default_home)[0]
+    return _parse(Source(text, str(path), path.parent, path), PX4_HOME, has_default_map=False)[0]
 
 
-def _parse(text: str, path: Path, default_home: GlobalOrigin) -> tuple[Scenario, Document]:
-    model, document = validate(text, str(path), ScenarioModel)
+def _parse(
+    source: Source, default_home: GlobalOrigin, has_default_map: bool
+) -> tuple[Scenario, Document]:
+    model, document = validate(source.content, source.name, ScenarioModel)
+    map_path = source.folder / model.map if model.map else None
+    if map_path is None and has_default_map:
+        model = model.model_copy(update={"map": DEFAULT_MAP})
     for name, value in model.parameters.items():
         _check_parameter(name, value, document)
     _check_components(model, document)
     start, home, wind = model.start, model.home, model.wind
-    seen = model.target.seen if model.target else None
-    sighting = (
-        AtPlace(Circle((seen.north_m, seen.east_m), seen.radius_m), seen.visit) if seen else None
-    )
-    first = (Happening(sighting, (("target", "seen"),), "target: seen"),) if sighting else ()
     lidar = model.lidar_on_board
     scenario = Scenario(
         home=GlobalOrigin(home.latitude_deg, home.longitude_deg, home.altitude_m)
         if home
         else default_home,
+        vehicle=read_vehicle(model.vehicle, source.folder, document),
         start=ned_from_enu(start.east_m, start.north_m, 0.0),
         yaw_rad=math.radians(start.heading_deg),
         wind=ned_from_enu(wind.east_mps, wind.north_mps, 0.0),
@@ -155,10 +160,19 @@ def _parse(text: str, path: Path, default_home: GlobalOrigin) -> tuple[Scenario,
         pads=tuple(
             (Circle((pad.north_m, pad.east_m), pad.radius_m), pad.current_a) for pad in model.pads
         ),
-        happenings=first + read_happenings(model, document),
-        map_path=path.parent / model.map if model.map else None,
+        events=_first_sighting(model) + read_events(model, document),
+        map_path=map_path,
     )
     return scenario, document
+
+
+def _first_sighting(model: ScenarioModel) -> tuple[ScenarioEvent, ...]:
+    """The event that the key `target: {seen: ...}` stands for."""
+    seen = model.target.seen if model.target else None
+    if seen is None:
+        return ()
+    trigger = VisitTrigger(Circle((seen.north_m, seen.east_m), seen.radius_m), seen.visit)
+    return (ScenarioEvent(trigger, (("target", "seen"),), "target: seen"),)
 
 
 def _check_components(model: ScenarioModel, document: Document) -> None:
@@ -194,7 +208,11 @@ def _check_parameter(name: str, value: float, document: Document) -> None:
 def _payload(model: PayloadModel, document: Document) -> PayloadScript:
     command = command_number(model.command, document, "payload", "command")
     sites = tuple(
-        Site((site.north_m, site.east_m), site.radius_m, Answer(Result[site.result], site.after_s))
+        PayloadSite(
+            (site.north_m, site.east_m),
+            site.radius_m,
+            PayloadAnswer(MavResult[site.result], site.after_s),
+        )
         for site in model.answers
     )
-    return PayloadScript(model.component, command, sites, Result[model.otherwise])
+    return PayloadScript(model.component, command, sites, MavResult[model.otherwise])

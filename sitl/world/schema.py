@@ -1,7 +1,7 @@
-"""Which keys may a scenario file have, and which values?
+"""The pydantic models of `NAME.sim.yaml`: its keys and their values.
 
-The pydantic models of `NAME.sim.yaml`; scenario.py turns them into the types that the simulator
-works with. Unknown keys are refused. Descriptions serve as hints in error messages.
+scenario.py turns them into the types that the simulator works with. Unknown keys are refused.
+Descriptions serve as hints in error messages.
 """
 
 from __future__ import annotations
@@ -10,6 +10,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from companion.vehicle_files import VehicleEntry, VehicleKey
+
 ResultName = Literal["ACCEPTED", "TEMPORARILY_REJECTED", "DENIED", "FAILED"]
 
 
@@ -17,44 +19,44 @@ class _Strict(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
-def _told(description: str, **limits: Any) -> Any:
+def _described(description: str, **limits: Any) -> Any:
     return Field(description=description, **limits)
 
 
-East = Annotated[float, _told("metres east of home")]
-North = Annotated[float, _told("metres north of home")]
-EastSpeed = Annotated[float, _told("m/s towards east", ge=-30, le=30)]
-NorthSpeed = Annotated[float, _told("m/s towards north", ge=-30, le=30)]
-Component = Annotated[int, _told("its MAVLink component id", ge=2, le=255)]
-Charge = Annotated[float, _told("state of charge, 0 to 1", ge=0, le=1)]
-Result = Annotated[ResultName, _told("the MAV_RESULT of the final answer")]
-After = Annotated[float, _told("seconds until the final answer", ge=0)]
+East = Annotated[float, _described("metres east of home")]
+North = Annotated[float, _described("metres north of home")]
+EastSpeed = Annotated[float, _described("m/s towards east", ge=-30, le=30)]
+NorthSpeed = Annotated[float, _described("m/s towards north", ge=-30, le=30)]
+Component = Annotated[int, _described("its MAVLink component id", ge=2, le=255)]
+Charge = Annotated[float, _described("state of charge, 0 to 1", ge=0, le=1)]
+Result = Annotated[ResultName, _described("the MAV_RESULT of the final answer")]
+After = Annotated[float, _described("seconds until the final answer", ge=0)]
 
 
 class StartModel(_Strict):
-    """Where the vehicle stands at first."""
+    """The place and heading of the vehicle at the start."""
 
     east_m: East = 0.0
     north_m: North = 0.0
-    heading_deg: Annotated[float, _told("clockwise from north")] = 0.0
+    heading_deg: Annotated[float, _described("clockwise from north")] = 0.0
 
 
 class HomeModel(_Strict):
-    """Where the local frame's origin lies on the earth."""
+    """The place of the local frame's origin on the earth."""
 
-    latitude_deg: Annotated[float, _told("degrees north", ge=-90, le=90)]
-    longitude_deg: Annotated[float, _told("degrees east", ge=-180, le=180)]
-    altitude_m: Annotated[float, _told("above mean sea level")] = 488.0
+    latitude_deg: Annotated[float, _described("degrees north", ge=-90, le=90)]
+    longitude_deg: Annotated[float, _described("degrees east", ge=-180, le=180)]
+    altitude_m: Annotated[float, _described("above mean sea level")] = 488.0
 
 
 class WindModel(_Strict):
-    """Where the air moves to, and how rough it is."""
+    """The air's velocity and its gusts."""
 
     east_mps: EastSpeed = 0.0
     north_mps: NorthSpeed = 0.0
     turbulence_mps: Annotated[
         float,
-        _told("deviation of vertical gusts; horizontal ones are twice as strong", ge=0, le=10),
+        _described("deviation of vertical gusts; horizontal ones are twice as strong", ge=0, le=10),
     ] = 0.0
 
 
@@ -62,9 +64,9 @@ class BatteryModel(_Strict):
     """The battery at the start."""
 
     charge: Charge = 1.0
-    drains: Annotated[Literal["armed", "always"], _told("when; in PX4's simulator while armed")] = (
-        "armed"
-    )
+    drains: Annotated[
+        Literal["armed", "always"], _described("when; in PX4's simulator while armed")
+    ] = "armed"
 
 
 class CircleModel(_Strict):
@@ -72,24 +74,24 @@ class CircleModel(_Strict):
 
     east_m: East
     north_m: North
-    radius_m: Annotated[float, _told("metres", gt=0)]
+    radius_m: Annotated[float, _described("metres", gt=0)]
 
 
 class VisitModel(CircleModel):
     """A visit of the vehicle to a circle."""
 
-    visit: Annotated[int, _told("the vehicle's n-th visit to the circle, from 1", ge=1)] = 1
+    visit: Annotated[int, _described("the vehicle's n-th visit to the circle, from 1", ge=1)] = 1
 
 
 class TargetModel(_Strict):
     """The target detector."""
 
     component: Component = 26
-    seen: Annotated[VisitModel | None, _told("when the target is seen first")] = None
+    seen: Annotated[VisitModel | None, _described("when the target is seen first")] = None
 
 
 class SiteModel(CircleModel):
-    """What the payload answers inside a circle."""
+    """The answer of the payload inside a circle."""
 
     result: Result
     after_s: After = 1.0
@@ -99,54 +101,54 @@ class PayloadModel(_Strict):
     """The payload."""
 
     component: Component = 25
-    command: Annotated[str, _told("a MAVLink command by name, such as MAV_CMD_USER_1")]
+    command: Annotated[str, _described("a MAVLink command by name, such as MAV_CMD_USER_1")]
     answers: Annotated[
-        tuple[SiteModel, ...], _told("the first circle that holds the vehicle answers")
+        tuple[SiteModel, ...], _described("the first circle that holds the vehicle answers")
     ] = ()
-    otherwise: Annotated[ResultName, _told("the answer outside all circles")] = "DENIED"
+    otherwise: Annotated[ResultName, _described("the answer outside all circles")] = "DENIED"
 
 
 class LidarModel(_Strict):
     """The lidar."""
 
     component: Component = 196
-    range_m: Annotated[float, _told("farther walls are not seen", gt=0, le=600)] = 12.0
-    noise_m: Annotated[float, _told("deviation of each distance", ge=0)] = 0.0
+    range_m: Annotated[float, _described("farther walls are not seen", gt=0, le=600)] = 12.0
+    noise_m: Annotated[float, _described("deviation of each distance", ge=0)] = 0.0
 
 
 class BoxModel(_Strict):
     """A box with sides to the east and to the north."""
 
-    east_m: Annotated[tuple[float, float], _told("[from, to]")]
-    north_m: Annotated[tuple[float, float], _told("[from, to]")]
+    east_m: Annotated[tuple[float, float], _described("[from, to]")]
+    north_m: Annotated[tuple[float, float], _described("[from, to]")]
 
 
 class ObstacleModel(_Strict):
-    """Something in the way that the mission's map does not show: a circle or a box."""
+    """An obstacle that the mission's map does not show: a circle or a box."""
 
-    name: Annotated[str, _told("for events", min_length=1)]
-    circle: Annotated[CircleModel | None, _told("its shape, if it is round")] = None
-    box: Annotated[BoxModel | None, _told("its shape, if it is a box")] = None
-    present: Annotated[bool, _told("whether it is there at the start")] = True
+    name: Annotated[str, _described("for events", min_length=1)]
+    circle: Annotated[CircleModel | None, _described("its shape, if it is round")] = None
+    box: Annotated[BoxModel | None, _described("its shape, if it is a box")] = None
+    present: Annotated[bool, _described("whether it is there at the start")] = True
 
 
 class PadModel(CircleModel):
     """A charging pad: on it, landed and disarmed, the battery charges."""
 
-    current_a: Annotated[float, _told("amperes that the charger gives", gt=0, le=100)] = 5.0
+    current_a: Annotated[float, _described("amperes that the charger gives", gt=0, le=100)] = 5.0
 
 
 class PayloadEventModel(_Strict):
-    """What the payload answers from now on, everywhere."""
+    """The answer of the payload from now on, everywhere."""
 
     result: Result = "ACCEPTED"
     after_s: After = 1.0
-    silent: Annotated[bool, _told("nothing is answered at all")] = False
-    progress: Annotated[bool, _told("tell the progress each second")] = False
+    silent: Annotated[bool, _described("nothing is answered at all")] = False
+    progress: Annotated[bool, _described("tell the progress each second")] = False
 
 
 class WindEventModel(_Strict):
-    """Where the air moves to from now on."""
+    """The air's velocity from now on."""
 
     east_mps: EastSpeed = 0.0
     north_mps: NorthSpeed = 0.0
@@ -155,8 +157,8 @@ class WindEventModel(_Strict):
 class ObstacleEventModel(_Strict):
     """An obstacle appears or disappears."""
 
-    name: Annotated[str, _told("of one of the obstacles")]
-    present: Annotated[bool, _told("true: it appears; false: it disappears")]
+    name: Annotated[str, _described("of one of the obstacles")]
+    present: Annotated[bool, _described("true: it appears; false: it disappears")]
 
 
 class BatteryEventModel(_Strict):
@@ -166,62 +168,65 @@ class BatteryEventModel(_Strict):
 
 
 class GpsEventModel(_Strict):
-    """How good GPS is from now on; what is left out stays."""
+    """The quality of GPS from now on; what is left out stays."""
 
-    lost: Annotated[bool | None, _told("there is no fix")] = None
-    noise_m: Annotated[float | None, _told("deviation of the fix, metres", ge=0)] = None
+    lost: Annotated[bool | None, _described("there is no fix")] = None
+    noise_m: Annotated[float | None, _described("deviation of the fix, metres", ge=0)] = None
 
 
 class ArmingEventModel(_Strict):
-    """Whether the autopilot lets itself be armed."""
+    """Arming is refused, or allowed again."""
 
-    refused: Annotated[str | None, _told("why, as it is told", min_length=1)] = None
-    allowed: Annotated[Literal[True] | None, _told("the refusal ends")] = None
+    refused: Annotated[str | None, _described("why, as it is told", min_length=1)] = None
+    allowed: Annotated[Literal[True] | None, _described("the refusal ends")] = None
 
 
-class HappeningModel(_Strict):
-    """One trigger (at_s, place or command) and what happens then, once."""
+class ScenarioEventModel(_Strict):
+    """One trigger (at_s, place or command) and its effects, once."""
 
-    at_s: Annotated[float | None, _told("trigger: simulated seconds", ge=0)] = None
-    place: Annotated[VisitModel | None, _told("trigger: a visit to a circle")] = None
-    command: Annotated[str | None, _told("trigger: MAV_CMD_... that arrives on board")] = None
-    nth: Annotated[int | None, _told("the n-th such command", ge=1)] = None
-    component: Annotated[int | None, _told("to whom the command goes", ge=1, le=255)] = None
-    after_s: Annotated[float, _told("seconds after the trigger", ge=0)] = 0.0
+    at_s: Annotated[float | None, _described("trigger: simulated seconds", ge=0)] = None
+    place: Annotated[VisitModel | None, _described("trigger: a visit to a circle")] = None
+    command: Annotated[str | None, _described("trigger: MAV_CMD_... that arrives on board")] = None
+    nth: Annotated[int | None, _described("the n-th such command", ge=1)] = None
+    component: Annotated[int | None, _described("to whom the command goes", ge=1, le=255)] = None
+    after_s: Annotated[float, _described("seconds after the trigger", ge=0)] = 0.0
     target: Annotated[
-        Literal["seen", "lost"] | None, _told("the detector sees the target, or no more")
+        Literal["seen", "lost"] | None, _described("the detector sees the target, or no more")
     ] = None
-    payload: Annotated[PayloadEventModel | None, _told("what it answers from now on")] = None
-    wind: Annotated[WindEventModel | None, _told("where the air moves to from now on")] = None
-    obstacle: Annotated[ObstacleEventModel | None, _told("one appears or disappears")] = None
-    battery: Annotated[BatteryEventModel | None, _told("its charge jumps")] = None
-    gps: Annotated[GpsEventModel | None, _told("it is lost, found or noisy")] = None
-    arming: Annotated[ArmingEventModel | None, _told("it is refused, or allowed again")] = None
+    payload: Annotated[PayloadEventModel | None, _described("what it answers from now on")] = None
+    wind: Annotated[WindEventModel | None, _described("where the air moves to from now on")] = None
+    obstacle: Annotated[ObstacleEventModel | None, _described("one appears or disappears")] = None
+    battery: Annotated[BatteryEventModel | None, _described("its charge jumps")] = None
+    gps: Annotated[GpsEventModel | None, _described("it is lost, found or noisy")] = None
+    arming: Annotated[ArmingEventModel | None, _described("it is refused, or allowed again")] = None
     operator: Annotated[
-        str | None, _told("MAV_CMD_... that the operator sends to the companion")
+        str | None, _described("MAV_CMD_... that the operator sends to the companion")
     ] = None
 
 
 class ScenarioModel(_Strict):
     """The whole file."""
 
-    version: Annotated[Literal[1], _told("of this format")]
-    map: Annotated[str | None, _told("ROS map_server YAML file, relative to this file")] = None
-    start: Annotated[StartModel, _told("where the vehicle stands at first")] = StartModel()
-    home: Annotated[HomeModel | None, _told("where on the earth home lies")] = None
-    wind: Annotated[WindModel, _told("where the air moves to, and its gusts")] = WindModel()
-    battery: Annotated[BatteryModel, _told("how full it is at the start")] = BatteryModel()
+    version: Annotated[Literal[1], _described("of this format")]
+    vehicle: VehicleKey = VehicleEntry()
+    map: Annotated[str | None, _described("ROS map_server YAML file, relative to this file")] = None
+    start: Annotated[StartModel, _described("where the vehicle stands at first")] = StartModel()
+    home: Annotated[HomeModel | None, _described("where on the earth home lies")] = None
+    wind: Annotated[WindModel, _described("where the air moves to, and its gusts")] = WindModel()
+    battery: Annotated[BatteryModel, _described("how full it is at the start")] = BatteryModel()
     parameters: Annotated[
-        dict[str, float], _told("of the autopilot, by PX4's names, where they differ")
+        dict[str, float], _described("of the autopilot, by PX4's names, where they differ")
     ] = {}
-    target: Annotated[TargetModel | None, _told("a target detector on board")] = None
-    payload: Annotated[PayloadModel | None, _told("a payload on board")] = None
-    lidar: Annotated[LidarModel | None, _told("there by default where there is a map")] = None
+    target: Annotated[TargetModel | None, _described("a target detector on board")] = None
+    payload: Annotated[PayloadModel | None, _described("a payload on board")] = None
+    lidar: Annotated[LidarModel | None, _described("there by default where there is a map")] = None
     obstacles: Annotated[
-        tuple[ObstacleModel, ...], _told("what the mission's map does not show")
+        tuple[ObstacleModel, ...], _described("what the mission's map does not show")
     ] = ()
-    pads: Annotated[tuple[PadModel, ...], _told("charging pads")] = ()
-    happens: Annotated[tuple[HappeningModel, ...], _told("what happens when, each once")] = ()
+    pads: Annotated[tuple[PadModel, ...], _described("charging pads")] = ()
+    happens: Annotated[
+        tuple[ScenarioEventModel, ...], _described("what happens when, each once")
+    ] = ()
 
     @property
     def lidar_on_board(self) -> LidarModel | None:

@@ -1,8 +1,8 @@
-"""What is there besides the vehicle, and what does it do to it?
+"""The world around the vehicle, and its effects on the vehicle.
 
 The true map with its obstacles, the target detector, the payload, the lidar and charging pads; the
-schedule of what happens; collisions. All of it knows the truth. A happening acts on the vehicle by
-its physics (wind, charge), its estimate (GPS) and its autopilot (arming).
+schedule of the scenario's events; collisions. All of it knows the truth. An event acts on the
+vehicle by its physics (wind, charge), its estimate (GPS) and its autopilot (arming).
 """
 
 from __future__ import annotations
@@ -15,31 +15,31 @@ from companion.motion.grid import OccupancyGrid
 from sitl.autopilot.autopilot import Autopilot
 from sitl.flight.estimate import Estimator
 from sitl.flight.physics import FlightState, Physics
-from sitl.world.collision import CollisionWatch, is_wreck
-from sitl.world.detector import Detector
-from sitl.world.happenings import EFFECTS, Schedule
+from sitl.world.collision import CollisionCounter, is_wreck
+from sitl.world.detector import TargetDetector
 from sitl.world.lidar import Lidar
 from sitl.world.obstacles import TrueMap
-from sitl.world.payload import Answer, Payload
+from sitl.world.payload import Payload, PayloadAnswer
 from sitl.world.scenario import Scenario
+from sitl.world.scenario_events import EFFECTS, EventSchedule
 
 
 class World:
-    """The world of one vehicle; `happenings.Actuators` for its scenario.
+    """The world of one vehicle; the `EffectReceiver` of its scenario's events.
 
     Args:
-        scenario: what is there and what happens.
+        scenario: what is there, and its events.
         grid: of the map file, None without walls.
         physics: of the vehicle.
-        estimator: what it believes.
+        estimator: of the vehicle.
         autopilot: of the vehicle.
         rng: of the lidar's noise.
 
     Attributes:
-        happened: time and text of each happening so far, damage included.
+        event_log: time and text of each event so far, damage included.
         is_wreck: the vehicle has fallen over or hit the ground with its body.
-        asked: MAV_CMD names that the operator is to send to the companion now; who sends them
-            takes them off the list.
+        operator_commands: MAV_CMD names that the operator is to send to the companion now; who
+            sends them takes them off the list.
     """
 
     def __init__(
@@ -53,33 +53,33 @@ class World:
     ) -> None:
         self._physics, self._estimator, self._autopilot = physics, estimator, autopilot
         self._map = TrueMap(grid, scenario.obstacles)
-        self.walls = CollisionWatch(self._map.grid)
-        self.detector = Detector(scenario.detector) if scenario.detector else None
+        self.collisions = CollisionCounter(self._map.grid, scenario.vehicle.radius_m)
+        self.detector = TargetDetector(scenario.detector) if scenario.detector else None
         self.payload = Payload(scenario.payload) if scenario.payload else None
         self.lidar = Lidar(scenario.lidar, self._map.grid, rng) if scenario.lidar else None
-        self.happened: list[tuple[float, str]] = []
+        self.event_log: list[tuple[float, str]] = []
         self.is_wreck = False
-        self.asked: list[str] = []
-        self._schedule = Schedule(scenario.happenings, physics.state.position)
+        self.operator_commands: list[str] = []
+        self._schedule = EventSchedule(scenario.events, physics.state.position)
         self._pads = scenario.pads
         self._drains_always = scenario.drains_always
 
-    def hear_command(self, command: int, component: int, now_s: float) -> None:
+    def note_command(self, command: int, component: int, now_s: float) -> None:
         """A command has arrived for a component on board, 0 for all."""
-        self._schedule.hear(command, component, now_s)
+        self._schedule.note_command(command, component, now_s)
 
     def step(self, state: FlightState) -> None:
-        """Take the true state of the vehicle."""
-        for happening in self._schedule.step(state.position, state.time_s):
-            self.happened.append((state.time_s, happening.text))
-            for kind, value in happening.effects:
+        """Takes the true state of the vehicle."""
+        for event in self._schedule.step(state.position, state.time_s):
+            self.event_log.append((state.time_s, event.text))
+            for kind, value in event.effects:
                 EFFECTS[kind](self, value)
-        self._feed(state)
+        self._update_battery(state)
         if not self.is_wreck:
-            self._look_for_damage(state)
+            self._detect_damage(state)
 
-    def _feed(self, state: FlightState) -> None:
-        """What flows into the battery and out of it; in PX4's simulator it drains while armed."""
+    def _update_battery(self, state: FlightState) -> None:
+        """Charging and draining of the battery; in PX4's simulator it drains while armed."""
         physics, is_armed = self._physics, self._autopilot.is_armed
         is_draining = is_armed or self._drains_always
         if physics.is_draining != is_draining:
@@ -87,29 +87,29 @@ class World:
         if self._pads:
             charging_a = 0.0
             if not is_armed and state.is_on_ground:
-                charging_a = next((a for c, a in self._pads if c.holds(state.position)), 0.0)
+                charging_a = next((a for c, a in self._pads if c.contains(state.position)), 0.0)
             if physics.charging_a != charging_a:
                 physics.charging_a = charging_a
 
-    def _look_for_damage(self, state: FlightState) -> None:
-        if self.walls.update(state.position):
-            self._break(state, "Collision with a wall")
+    def _detect_damage(self, state: FlightState) -> None:
+        if self.collisions.update(state.position):
+            self._crash(state, "Collision with a wall")
         if is_wreck(state):
             self.is_wreck = True
-            self._break(state, "Crash detected")
+            self._crash(state, "Crash detected")
 
-    def _break(self, state: FlightState, text: str) -> None:
-        self.happened.append((state.time_s, text))
+    def _crash(self, state: FlightState, text: str) -> None:
+        self.event_log.append((state.time_s, text))
         self._autopilot.crash(text)
 
-    # What a scenario can do; see happenings.py.
+    # The effects of events.
 
     def show_target(self, is_seen: bool) -> None:
         """The detector sees the target from now on, or does not."""
         if self.detector:
             self.detector.sees_target = is_seen
 
-    def set_payload_answer(self, answer: Answer) -> None:
+    def set_payload_answer(self, answer: PayloadAnswer) -> None:
         """The payload's answer from now on, everywhere."""
         if self.payload:
             self.payload.override = answer
@@ -119,18 +119,18 @@ class World:
         self._physics.set_wind(wind)
 
     def place_obstacle(self, name: str, is_present: bool) -> None:
-        """Put an obstacle there or take it away."""
+        """Puts an obstacle there or takes it away."""
         if self._map.place(name, is_present):
-            self.walls.grid = self._map.grid
+            self.collisions.grid = self._map.grid
             if self.lidar:
-                self.lidar.see(self._map.grid)
+                self.lidar.set_map(self._map.grid)
 
     def set_charge(self, charge: float) -> None:
         """The battery's state of charge, 0 to 1."""
         self._physics.set_charge(charge)
 
     def set_gps(self, is_lost: bool | None, noise_m: float | None) -> None:
-        """How good GPS is; None leaves it as it is."""
+        """The quality of GPS; None leaves it as it is."""
         gps = self._estimator.gps
         if is_lost is not None:
             gps = replace(gps, is_lost=is_lost)
@@ -142,6 +142,6 @@ class World:
         """Arming is refused for this reason; None allows it."""
         self._autopilot.refuse_arming(reason)
 
-    def ask_companion(self, command: str) -> None:
+    def send_operator_command(self, command: str) -> None:
         """The operator sends the companion a MAV_CMD."""
-        self.asked.append(command)
+        self.operator_commands.append(command)

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from browsing import Open, Watched
+from browsing import LIMIT_S, Open, Watched
 from playwright.sync_api import Browser, ViewportSize, sync_playwright
 
 CHROMIUM = shutil.which("chromium")
@@ -24,7 +24,9 @@ def browser() -> Iterator[Browser]:
         give_up("needs a browser: apt install chromium")
     with sync_playwright() as playwright:
         # Without its sandbox, which root cannot have: it opens no page but ours.
-        yield playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        yield playwright.chromium.launch(
+            executable_path=CHROMIUM, args=["--no-sandbox"], timeout=1000 * LIMIT_S
+        )
 
 
 @pytest.fixture
@@ -36,6 +38,7 @@ def open_page(browser: Browser) -> Iterator[Open]:
     ) -> Watched:
         window: ViewportSize = {"width": width, "height": height}
         watched = Watched(browser.new_page(viewport=window, has_touch=has_touch), origin)
+        watched.page.set_default_timeout(1000 * LIMIT_S)
         pages.append(watched)
         watched.look()
         return watched

@@ -33,6 +33,7 @@ class Map:
         watched.until("document.querySelectorAll('.mark').length === 2")
         watched.page.keyboard.press(" ")
         self.page, self.until = watched.page, watched.until
+        self.comes_true = watched.comes_true
         self.whole_m = self.width_m
 
     @property
@@ -142,8 +143,8 @@ def test_keys_are_the_map_s_while_it_has_the_focus(recorded: str, open_page: Ope
     time, left_m = seen.page.locator("#time"), seen.page.evaluate(UNDER, seen.at(0, 0))[0]
     before = time.input_value()
     keys.press("ArrowRight")
+    assert seen.comes_true(lambda: seen.page.evaluate(UNDER, seen.at(0, 0))[0] > left_m + 1.0)
     seen.page.wait_for_timeout(200)
-    assert seen.page.evaluate(UNDER, seen.at(0, 0))[0] > left_m + 1.0
     assert time.input_value() == before
     keys.press("0")
     assert seen.times == 1.0
@@ -158,10 +159,22 @@ def test_two_fingers_zoom_and_one_moves(recorded: str, open_page: Open) -> None:
     devtools = seen.page.context.new_cdp_session(seen.page)
 
     def tap_whole() -> None:
-        seen.page.wait_for_timeout(SLOW_MS)
-        seen.page.locator("#whole").tap()
-        watched.until("document.getElementById('whole').hidden")
+        whole = seen.page.locator("#whole")
+        for _ in range(20):
+            seen.page.wait_for_timeout(SLOW_MS)
+            whole.tap()
+            if watched.comes_true(lambda: not whole.is_visible(), limit_s=2.0):
+                break
         assert seen.times == 1.0
+
+    def tap_twice() -> None:
+        """Until it was quick enough for one gesture, which it is not always on a busy machine."""
+        for _ in range(20):
+            for _ in range(2):
+                seen.page.touchscreen.tap(*centre)
+            if watched.comes_true(lambda: seen.times > 1.0, limit_s=2.0):
+                return
+        raise AssertionError("taps are not taken for a double click")
 
     def touch(kind: str, *points: list[float]) -> None:
         fingers = [{"x": x, "y": y, "id": i} for i, (x, y) in enumerate(points)]
@@ -180,13 +193,10 @@ def test_two_fingers_zoom_and_one_moves(recorded: str, open_page: Open) -> None:
     for x in (0.45, 0.35, 0.3):
         touch("touchMove", seen.at(x, 0.7))
     touch("touchEnd")
-    seen.page.wait_for_timeout(100)
-    assert seen.under(seen.at(0.3, 0.7)) == here
+    assert seen.comes_true(lambda: seen.under(seen.at(0.3, 0.7)) == here)
     assert seen.boxes() == boxes and watched.has_no_horizontal_scroll()
     tap_whole()
-    for _ in range(2):
-        seen.page.touchscreen.tap(*centre)
-    watched.until("!document.getElementById('whole').hidden")
+    tap_twice()
     assert seen.times == pytest.approx(2.0)
     tap_whole()
     top = seen.page.evaluate("scrollY")

@@ -52,7 +52,7 @@ class FakeWorld:
 class SimulatedWorld:
     def __init__(self) -> None:
         self._wire = Wire()
-        envelope = Envelope(FENCE, (0.2, 5.0), 2.0)
+        envelope = Envelope(FENCE, (0.2, 5.0), 2.0, climb_mps=2.0, descent_mps=1.5, carrot_m=1.5)
         self.vehicle = MavlinkVehicle(self._wire, Telemetry(), envelope, frozenset(), 2.5)
         self._wire.listen(self.vehicle.wanted, self.vehicle.continual)
         scenario = parse_scenario(WORLD, Path("contract.sim.yaml"))

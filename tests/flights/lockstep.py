@@ -11,11 +11,14 @@ from collections.abc import Callable
 from random import Random
 from typing import Any, NamedTuple
 
+from happened import Happened
+
 from companion.acting.flight import TICK_S
-from companion.acting.report import Report
 from companion.app import Companion
+from companion.flight_events.event import FlightEvent, Stamped
+from companion.flight_events.sortie import RunEnded
 from companion.geometry import Ned
-from companion.mavlink.framing import Endpoint, dialect
+from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mavlink.px4_modes import MODES
 from companion.mission.model import Mission
 from companion.motion.grid import OccupancyGrid
@@ -87,7 +90,18 @@ class Cut:
         return [] if self.is_cut else datagrams
 
 
-class Lockstep:
+class Deaf:
+    """Messages of one kind are lost while it is deaf."""
+
+    def __init__(self, message_id: int) -> None:
+        self.is_deaf = False
+        self._header = message_id.to_bytes(3, "little")
+
+    def __call__(self, now_s: float, datagrams: list[bytes]) -> list[bytes]:
+        return [d for d in datagrams if not (self.is_deaf and d[7:10] == self._header)]
+
+
+class Lockstep(Happened):
     """One flight; it is also the recorder of its companion.
 
     Args:
@@ -101,7 +115,7 @@ class Lockstep:
     Attributes:
         companion: under test.
         is_companion_alive: whether it steps with every tick.
-        reports: what the companion reported, as people are told.
+        reports: what the companion reported that people are told.
         said: what it sent, before the way to the vehicle.
         heard: what the ground station heard of it.
         acknowledged: every COMMAND_ACK that left the vehicle, before the way to the companion.
@@ -124,26 +138,26 @@ class Lockstep:
         self.simulation = Simulation(scenario, grid, seed=seed, links=frozenset(links))
         self.companion = Companion(mission, self)
         self.is_companion_alive = True
-        self.reports: list[Report] = []
+        self.reports: list[Stamped] = []
         self.said: list[Said] = []
         self.heard: list[Said] = []
         self.acknowledged: list[Said] = []
         self.modes: list[tuple[float, str]] = []
         self.armings = 0
         self._up, self._down = up, down
-        self._station = Endpoint(255, 190)
+        self._station = MavlinkCodec(255, 190)
         self._has_station = has_station
-        self._ear, self._vehicle_ear = Endpoint(0, 0), Endpoint(0, 0)
-        self._station_ear = Endpoint(0, 0)
+        self._ear, self._vehicle_ear = MavlinkCodec(0, 0), MavlinkCodec(0, 0)
+        self._station_ear = MavlinkCodec(0, 0)
         self._to_vehicle: list[tuple[LinkName, bytes]] = []
         self._was_armed = False
         self._ticks = 0
 
     # -- companion.app.Recorder ----------------------------------------------------------------
 
-    def report(self, report: Report) -> None:
-        if report.is_told:
-            self.reports.append(report)
+    def report(self, stamped: Stamped) -> None:
+        if stamped.event.is_told:
+            self.reports.append(stamped)
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
         """Kept in `said`."""
@@ -180,17 +194,25 @@ class Lockstep:
         for _ in range(round(seconds / TICK_S)):
             self.tick()
 
+    def run_for(self, seconds: float) -> Lockstep:
+        """Lets time pass, in a chain of calls."""
+        self.run(seconds)
+        return self
+
     def until(self, is_so: Callable[[], bool], limit_s: float = 150.0) -> Lockstep:
         """Lets time pass until something is so; the test fails if that takes too long."""
         for _ in range(round(limit_s / TICK_S)):
             if is_so():
                 return self
             self.tick()
-        raise AssertionError(f"not in {limit_s:.0f} s:\n" + "\n".join(self.texts))
+        told = "\n".join(event.text for event in self.events)
+        raise AssertionError(f"not in {limit_s:.0f} s:\n{told}")
 
-    def until_reported(self, text: str, limit_s: float = 150.0) -> Lockstep:
-        """Lets time pass until a report is made."""
-        return self.until(lambda: text in self.texts, limit_s)
+    def until_reported(
+        self, kind: type[FlightEvent], limit_s: float = 150.0, **fields: Any
+    ) -> Lockstep:
+        """Lets time pass until an event is reported."""
+        return self.until(lambda: self.of(kind, **fields) != [], limit_s)
 
     def until_the_end(self) -> Lockstep:
         """Lets time pass until the companion has ended."""
@@ -199,15 +221,15 @@ class Lockstep:
     # -- what happened -------------------------------------------------------------------------
 
     @property
-    def texts(self) -> list[str]:
-        """What was reported, as people read it."""
-        return [report.text for report in self.reports]
+    def ending(self) -> RunEnded:
+        """The last event, which must be the end."""
+        assert isinstance(self.events[-1], RunEnded), self.events
+        return self.events[-1]
 
     @property
-    def exit_code(self) -> object:
-        """Of the last report, which must be that of the end."""
-        assert self.reports[-1].kind == "end", self.texts
-        return self.reports[-1].data["exit_code"]
+    def exit_code(self) -> int:
+        """Of the end."""
+        return self.ending.exit_code
 
     @property
     def setpoints(self) -> list[Said]:

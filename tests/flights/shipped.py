@@ -10,19 +10,39 @@ from __future__ import annotations
 import math
 from itertools import pairwise
 from pathlib import Path
+from typing import NamedTuple
 
 from lockstep import Lockstep
 
+from companion.flight_events.event import FlightEvent
+from companion.flight_events.facts import BeliefWithdrawn, MissionEventChanged
+from companion.flight_events.plans import NoPlanFound, PlanReplaced
+from companion.flight_events.skills import (
+    PlaceReached,
+    RouteBlocked,
+    SkillCompleted,
+    SkillFailed,
+)
+from companion.flight_events.sortie import RunEnded
 from companion.geometry import Ned, distance
 from companion.ltl.semantics import Letter, holds
 from companion.mission.loader import load_mission
 from companion.mission.model import Fly, Mission
-from companion.planning.domain import Action, departures, ground
-from companion.run import home_of
+from companion.planning.domain import Action, departures, instantiate
 from sitl.world.scenario import read_scenario
 
 MISSIONS = Path(__file__).parents[2] / "missions"
-TOLD = ("at", "event", "done", "failed", "withdrawn", "route", "replan", "end")
+TOLD = (MissionEventChanged, SkillCompleted, SkillFailed, BeliefWithdrawn, RouteBlocked, RunEnded)
+
+
+class Replanned(NamedTuple):
+    """A replan, whatever the plan."""
+
+    reason: str
+
+
+Story = list[FlightEvent | Replanned | str]
+"""What happened, in short; a string is a place that was reached."""
 
 
 class ShippedFlight(Lockstep):
@@ -56,13 +76,18 @@ class ShippedFlight(Lockstep):
         ]
 
     @property
-    def story(self) -> list[str]:
+    def story(self) -> Story:  # type: ignore[override]
         """What happened, in short: why it replanned, and not to what."""
-        return [
-            f"replan: {report.data['reason']}" if report.kind == "replan" else report.text
-            for report in self.reports
-            if report.kind in TOLD
-        ]
+        found: Story = []
+        for event in self.events:
+            match event:
+                case PlaceReached():
+                    found.append(event.place)
+                case PlanReplaced() | NoPlanFound():
+                    found.append(Replanned(event.reason))
+                case _ if isinstance(event, TOLD):
+                    found.append(event)
+        return found
 
     def lines_that_hold(self) -> list[str]:
         """Lines of the task that the flown word satisfies, if it rests at its end for ever.
@@ -92,17 +117,17 @@ def flown_word(flight: ShippedFlight) -> tuple[list[Letter], dict[str, int]]:
     facts = flight.mission.initially
     word = [facts]
     since: dict[str, int] = {}
-    for report in flight.reports:
-        if report.kind == "event":
-            name = str(report.data["event"])
-            facts = facts | {name} if report.data["holds"] else facts - {name}
-            since[name] = len(word)
-        elif report.kind in ("at", "done"):
-            action = actions[str(report.data["action"])]
-            if isinstance(action.execute, Fly):  # the vehicle may come from between places
-                facts = frozenset(fact for fact in facts if not fact.startswith("at("))
-            facts = action.apply(facts)
-            word.append(facts)
+    for event in flight.events:
+        match event:
+            case MissionEventChanged(event=name, holds=holds):
+                facts = facts | {name} if holds else facts - {name}
+                since[name] = len(word)
+            case PlaceReached(action=name) | SkillCompleted(action=name):
+                action = actions[name]
+                if isinstance(action.execute, Fly):  # the vehicle may come from between places
+                    facts = frozenset(fact for fact in facts if not fact.startswith("at("))
+                facts = action.apply(facts)
+                word.append(facts)
     return word, since
 
 
@@ -112,10 +137,10 @@ def _actions(mission: Mission) -> tuple[Action, ...]:
     def one_second(origin: str, goal: str) -> float:
         return 1.0
 
-    return (*ground(mission, one_second).actions, *departures(mission, one_second))
+    return (*instantiate(mission, one_second).actions, *departures(mission, one_second))
 
 
 def distance_from_home_m(flight: ShippedFlight) -> float:
     """Of the vehicle at the end, from the place on the ground below Home."""
-    north, east, _ = home_of(flight.mission).position
+    north, east, _ = flight.mission.home.position
     return distance(flight.truth[-1], (north, east, 0.0))

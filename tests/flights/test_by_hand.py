@@ -22,5 +22,5 @@ def test_it_visits_the_places_of_the_planned_mission_in_the_same_order() -> None
         ).until_the_end()
         assert flight.exit_code == 0
         assert flight.simulation.collisions == 0
-        visits.append([report.text for report in flight.reports if report.kind == "at"])
+        visits.append(flight.places)
     assert visits[0] == visits[1]

@@ -14,11 +14,14 @@ from typing import NamedTuple
 import pytest
 from lockstep import Lockstep
 
+from companion.flight_events.plans import LapCompleted
 from companion.geometry import NorthEast
 from companion.mavlink.framing import dialect
 from companion.mission.loader import load_mission
-from sitl.world.collision import VEHICLE_RADIUS_M
+from companion.vehicle_profile import VehicleProfile
 from sitl.world.scenario import read_scenario
+
+QUAD = VehicleProfile()
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 CRATES, CHANGES = 10, 80
@@ -34,7 +37,7 @@ class Crate(NamedTuple):
     radius_m: float
 
     def clear_m(self, position: NorthEast) -> float:
-        return math.dist(self.centre, position) - self.radius_m - VEHICLE_RADIUS_M
+        return math.dist(self.centre, position) - self.radius_m - QUAD.radius_m
 
 
 def crates(rng: Random, places: list[NorthEast]) -> list[Crate]:
@@ -88,5 +91,5 @@ def test_nothing_is_touched(tmp_path: Path, seed: int) -> None:
             next_s = flight.now_s + EVERY_S
             flight.station_commands(dialect.MAV_CMD_USER_3)
     assert flight.simulation.collisions == 0
-    assert least_m >= VEHICLE_RADIUS_M
-    assert sum(report.kind == "lap" for report in flight.reports) >= 3
+    assert least_m >= QUAD.radius_m
+    assert len(flight.of(LapCompleted)) >= 3

@@ -8,6 +8,10 @@ from pathlib import Path
 import pytest
 from lockstep import Lockstep
 
+from companion.flight_events.facts import BeliefWithdrawn
+from companion.flight_events.plans import NoPlanFound
+from companion.flight_events.skills import SkillCompleted, SkillFailed
+from companion.flight_events.sortie import Phase, PhaseEntered, TaskSatisfied
 from companion.mission.loader import load_mission
 from sitl.world.scenario import read_scenario
 
@@ -28,25 +32,24 @@ def fly(seed: int, **changes: object) -> Lockstep:
 )
 def test_it_charges_three_times_and_goes_on_where_it_was(seed: int) -> None:
     flight = fly(seed)
-    assert flight.texts[-1] == "task satisfied, landed"
-    assert flight.exit_code == 0
+    assert flight.ending == TaskSatisfied()
     assert flight.simulation.collisions == 0
-    assert flight.texts.count("recharge(here, Dock) done") == CYCLES
+    assert len(flight.of(SkillCompleted, action="recharge(here, Dock)")) == CYCLES
     assert flight.armings == 1 + CYCLES
-    places = [report.text[-1] for report in flight.reports if report.kind == "at"]
-    sites = "".join(place for place in places if place in "ABC")
+    sites = "".join(place for place in flight.places if place in ("A", "B", "C"))
     assert sites == ("ABC" * 9)[: len(sites)]
     assert len(sites) >= 3 * CYCLES
-    assert places[-1] == "e"  # Home
+    assert flight.places[-1] == "Home"
 
 
 def test_a_dock_without_power_is_given_up_and_the_vehicle_goes_home() -> None:
     flight = fly(1, pads=())
-    failed = "recharge(here, Dock) failed: the battery does not charge, it is at "
-    at = next(i for i, text in enumerate(flight.texts) if text.startswith(failed))
-    assert flight.texts[at + 1] == "belief canCharge(Dock) withdrawn"
-    assert "no plan" in flight.texts[at + 2]
-    assert flight.texts[-2:] == ["landing", flight.texts[-1]]
-    assert "at Home" in flight.texts[at:]
+    failed = flight.one(SkillFailed, action="recharge(here, Dock)")
+    assert failed.reason.startswith("the battery does not charge, it is at ")
+    at = flight.events.index(failed)
+    assert flight.events[at + 1] == BeliefWithdrawn("canCharge(Dock)")
+    assert isinstance(flight.events[at + 2], NoPlanFound)
+    assert flight.events[-2] == PhaseEntered(Phase.LANDING)
+    assert flight.places[-1] == "Home"
     assert flight.exit_code == 3
     assert flight.armings == 2

@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 from lockstep import Lockstep
 
+from companion.flight_events.facts import BeliefWithdrawn
+from companion.flight_events.skills import PlaceReached, SkillCompleted, SymbolMoved
 from companion.geometry import horizontal_distance
 from companion.mission.loader import load_mission
 from sitl.world.scenario import read_scenario
@@ -22,14 +24,14 @@ def test_a_blocked_site_is_seen_from_elsewhere_and_a_closed_one_is_given_up(seed
     flight = Lockstep(mission, world, seed=seed).until_the_end()
     assert flight.exit_code == 0
     assert flight.simulation.collisions == 0
-    done = [r.text for r in flight.reports if r.kind in ("done", "withdrawn", "at")]
-    assert done == [
-        "inspect(Home, A) done",
-        "belief accessible(B) withdrawn",
-        "inspect(here, C) done",
-        "at Home",
+    done = (SkillCompleted, BeliefWithdrawn, PlaceReached)
+    assert [event for event in flight.events if isinstance(event, done)] == [
+        SkillCompleted("inspect(Home, A)"),
+        BeliefWithdrawn("accessible(B)"),
+        SkillCompleted("inspect(here, C)"),
+        PlaceReached("Home", "move(C, Home)"),
     ]
-    (*_, view) = [r.data for r in flight.reports if r.kind == "symbol" and r.data["place"] == "A"]
-    assert view["source"] == "samples of the region"
+    view = flight.of(SymbolMoved, place="A")[-1]
+    assert view.source == "samples of the region"
     site = mission.places["A"]
-    assert horizontal_distance(view["position"], site.position) <= site.radius_m  # type: ignore[arg-type]
+    assert horizontal_distance(view.position, site.position) <= site.radius_m

@@ -1,7 +1,8 @@
 """MAVSDK, as an authority from outside, flies the simulator over UDP and is content with it.
 
 The simulator is a child process, as a user would start it. MAVSDK's own timers run in wall time,
-so simulated time runs no more than five times as fast.
+and on a busy machine it is paused for longer than an autopilot waits for setpoints, so simulated
+time runs only twice as fast.
 """
 
 import asyncio
@@ -23,8 +24,8 @@ from mavsdk.plugins.offboard.offboard import PositionNedYaw  # noqa: E402
 
 pytestmark = pytest.mark.sockets
 
-SPEED = 5
-PHASE_S = 20.0  # wall time that no phase of the flight needs
+SPEED = 2
+PHASE_S = START_S = 300.0  # wall time that no phase of a flight and no start needs
 T = TypeVar("T")
 
 
@@ -42,7 +43,7 @@ def port() -> Iterator[int]:
         finally:
             assert child.poll() is None
             child.send_signal(signal.SIGINT)
-            assert child.wait(timeout=5) == 0
+            assert child.wait(timeout=START_S) == 0
 
 
 async def first(stream: AsyncIterator[T], wanted: Callable[[T], bool]) -> T:
@@ -69,7 +70,7 @@ async def fly(port: int) -> None:
     kind = mavsdk.ComponentType.GROUND_STATION
     async with mavsdk.Mavsdk(mavsdk.Configuration.create_with_component_type(kind)) as client:
         await client.add_any_connection(f"udpin://127.0.0.1:{port}")
-        system = await client.first_autopilot(timeout_s=10)
+        system = await client.first_autopilot(timeout_s=START_S)
         assert system is not None, "no autopilot seen"
         action, telemetry = ActionAsync(system), TelemetryAsync(system)
         offboard, param = OffboardAsync(system), ParamAsync(system)

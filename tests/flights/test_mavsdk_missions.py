@@ -1,7 +1,7 @@
 """MAVSDK, as an authority from outside, uploads, flies and clears missions and geofences over UDP.
 
-The simulator is a child process; simulated time runs no more than five times as fast, because
-MAVSDK's own timers run in wall time.
+The simulator is a child process; simulated time runs only twice as fast, because MAVSDK's own
+timers run in wall time.
 """
 
 import asyncio
@@ -10,7 +10,7 @@ from collections.abc import Awaitable, Callable
 from typing import Any
 
 import pytest
-from test_mavsdk_client import first, mavsdk, port, within
+from test_mavsdk_client import START_S, first, mavsdk, port, within
 
 from sitl.world.scenario import PX4_HOME
 
@@ -37,7 +37,7 @@ async def connected(port: int, act: Callable[[Make], Awaitable[None]]) -> None:
     kind = mavsdk.ComponentType.GROUND_STATION
     async with mavsdk.Mavsdk(mavsdk.Configuration.create_with_component_type(kind)) as client:
         await client.add_any_connection(f"udpin://127.0.0.1:{port}")
-        system = await client.first_autopilot(timeout_s=10)
+        system = await client.first_autopilot(timeout_s=START_S)
         assert system is not None, "no autopilot seen"
         made: list[Any] = []
 

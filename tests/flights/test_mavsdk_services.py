@@ -11,7 +11,7 @@ from collections.abc import Awaitable, Callable, Iterator
 from typing import Any
 
 import pytest
-from test_mavsdk_client import first, mavsdk, port, within
+from test_mavsdk_client import PHASE_S, SPEED, START_S, first, mavsdk, port, within
 
 from companion.geometry import GlobalOrigin
 from sitl.autopilot.parameters import PARAMETERS
@@ -78,7 +78,7 @@ def run(port: int) -> Iterator[Callable[[Callable[[Client], Awaitable[None]]], N
         kind = mavsdk.ComponentType.GROUND_STATION
         async with mavsdk.Mavsdk(mavsdk.Configuration.create_with_component_type(kind)) as client:
             await client.add_any_connection(f"udpin://127.0.0.1:{port}")
-            system = await client.first_autopilot(timeout_s=10)
+            system = await client.first_autopilot(timeout_s=START_S)
             assert system is not None
             plugins = Client(system)
             await first(plugins.telemetry.subscribe_health_all_ok(), bool)
@@ -109,18 +109,17 @@ def test_every_stream_of_telemetry_gives_values(run: Run) -> None:
 
 def test_rates_can_be_changed(run: Run) -> None:
     async def task(client: Client) -> None:
+        """Twice a second; what is heard first may have been sent before."""
         await within(client.telemetry.set_rate_attitude_euler(2.0))
-        await asyncio.sleep(0.5)
-        seen = []
-        async with asyncio.timeout(10):
-            stream = client.telemetry.subscribe_attitude_euler()
-            async for attitude in stream:
-                seen.append(attitude.timestamp_us)
-                if len(seen) == 5:
-                    break
-            await stream.aclose()
-        intervals = [b - a for a, b in itertools.pairwise(seen)]
-        assert max(intervals) == pytest.approx(5e5, rel=0.1)
+        seen: list[int] = []
+
+        def is_regular(attitude: Any) -> bool:
+            seen.append(attitude.timestamp_us)
+            intervals = [b - a for a, b in itertools.pairwise(seen[-5:])]
+            return len(intervals) == 4 and intervals == [pytest.approx(5e5, rel=0.1)] * 4
+
+        await first(client.telemetry.subscribe_attitude_euler(), is_regular)
+        assert len(seen) < 100
 
     run(task)
 
@@ -148,7 +147,9 @@ def test_who_it_is(run: Run) -> None:
         assert (version.flight_sw_major, version.flight_sw_minor) == (1, 16)
         await within(client.info.get_identification())
         await within(client.info.get_product())
-        assert await within(client.info.get_speed_factor()) == pytest.approx(5.0, rel=0.2)
+        async with asyncio.timeout(PHASE_S):  # a busy machine pauses the simulator
+            while await client.info.get_speed_factor() != pytest.approx(SPEED, rel=0.2):
+                await asyncio.sleep(0.1)
 
     run(task)
 

@@ -12,10 +12,21 @@ from pathlib import Path
 import pytest
 from lockstep import Lockstep
 
+from companion.flight_events.facts import BeliefWithdrawn, PlacesConnected, PlacesCutOff
+from companion.flight_events.skills import (
+    PlaceReached,
+    RouteBlocked,
+    RouteResponse,
+    SkillCompleted,
+    SkillFailed,
+)
+from companion.flight_events.sortie import Phase, PhaseEntered, ReturnBegun, TaskSatisfied
 from companion.geometry import horizontal_distance
 from companion.mission.model import Mission
-from sitl.world.collision import VEHICLE_RADIUS_M
+from companion.vehicle_profile import VehicleProfile
 from sitl.world.scenario import read_scenario
+
+QUAD = VehicleProfile()
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 STRAIGHT_TO_B = "circle: {east_m: 15.3, north_m: 10.3, radius_m: 0.5}"
@@ -53,7 +64,7 @@ class Flown(Lockstep):
     @property
     def is_unhurt(self) -> bool:
         """Nothing was touched, and nothing came as near as the vehicle is wide."""
-        return self.simulation.collisions == 0 and self.least_m >= VEHICLE_RADIUS_M
+        return self.simulation.collisions == 0 and self.least_m >= QUAD.radius_m
 
 
 def a_crate(shape: str, is_late: bool = False) -> str:
@@ -72,13 +83,11 @@ def test_a_crate_on_the_way_is_flown_round(
     happens = appears(HALFWAY) if is_late else ""
     flown = Flown(surveillance, tmp_path, a_crate(STRAIGHT_TO_B, is_late), happens, seed)
     assert flown.is_unhurt
-    assert "the way to B is not clear: another route" in flown.texts
+    assert RouteBlocked("B", RouteResponse.ANOTHER_ROUTE) in flown.events
     assert flown.exit_code == 0
-    told = [r.text for r in flown.reports if r.kind in ("at", "done", "withdrawn")]
-    assert told == [
-        *("at A", "at B", "at C", "at A", "at r1", "belief canUpload(r1) withdrawn"),
-        *("at r2", "upload(r2) done", "at Home"),
-    ]
+    assert flown.places == ["A", "B", "C", "A", "r1", "r2", "Home"]
+    assert flown.of(BeliefWithdrawn) == [BeliefWithdrawn("canUpload(r1)")]
+    assert flown.of(SkillCompleted) == [SkillCompleted("upload(r2)")]
 
 
 @pytest.mark.parametrize("is_late", [False, True])
@@ -89,14 +98,14 @@ def test_without_a_way_it_stops_gives_up_the_belief_and_flies_home(
     happens = appears(HALFWAY) if is_late else ""
     flown = Flown(surveillance, tmp_path, a_crate(ACROSS, is_late), happens)
     assert flown.is_unhurt
-    assert "move(A, B) failed: no clear route to B" in flown.texts
-    assert "belief trans_ok(A, B) withdrawn" in flown.texts
-    (by_the_map,) = [r.data["withdrawn"] for r in flown.reports if r.kind == "map"]
+    assert SkillFailed("move(A, B)", "no clear route to B") in flown.events
+    assert BeliefWithdrawn("trans_ok(A, B)") in flown.events
+    by_the_map = set(flown.one(PlacesCutOff).withdrawn)
     lost = {"trans_ok(A, C)", "trans_ok(B, Home)", "trans_ok(r1, B)"}
-    assert lost <= set(by_the_map)  # type: ignore[call-overload]
-    assert not {"trans_ok(A, B)", "trans_ok(A, r1)", "trans_ok(B, C)"} & set(by_the_map)  # type: ignore[call-overload]
+    assert lost <= by_the_map
+    assert not {"trans_ok(A, B)", "trans_ok(A, r1)", "trans_ok(B, C)"} & by_the_map
     assert flown.exit_code == 3
-    assert "at B" not in flown.texts and "at Home" in flown.texts
+    assert "B" not in flown.places and flown.places[-1] == "Home"
     assert horizontal_distance(flown.simulation.flight.position, (0.0, 0.0)) < 0.5
 
 
@@ -107,21 +116,28 @@ def test_a_way_that_opens_again_is_believed_in_and_the_task_goes_on(
     goes = "  - {at_s: 28.5, obstacle: {name: crate, present: false}}"
     flown = Flown(surveillance, tmp_path, a_crate(ACROSS, True), f"{appears(HALFWAY)}\n{goes}")
     assert flown.is_unhurt
-    lost, held = [r.data for r in flown.reports if r.kind == "map"]
-    assert set(held["restored"]) == {*lost["withdrawn"], "trans_ok(A, B)"}  # type: ignore[misc]
-    told = [r.text for r in flown.reports if r.kind in ("at", "done", "phase", "failed")]
-    assert told[told.index("returning to Home") :] == [
-        *("returning to Home", "at C", "at B", "at r1", "upload(r1) failed: denied"),
-        *("at r2", "upload(r2) done", "at Home", "landing"),
+    cut_off, connected = flown.one(PlacesCutOff), flown.one(PlacesConnected)
+    assert set(connected.restored) == {*cut_off.withdrawn, "trans_ok(A, B)"}
+    since = flown.events[flown.events.index(ReturnBegun("Home")) + 1 :]
+    told = (PlaceReached, SkillCompleted, SkillFailed, PhaseEntered, TaskSatisfied)
+    assert [event for event in since if isinstance(event, told)] == [
+        PlaceReached("C", "move(here, C)"),
+        PlaceReached("B", "move(C, B)"),
+        PlaceReached("r1", "move(here, r1)"),
+        SkillFailed("upload(r1)", "denied"),
+        PlaceReached("r2", "move(r1, r2)"),
+        SkillCompleted("upload(r2)"),
+        PlaceReached("Home", "move(r2, Home)"),
+        PhaseEntered(Phase.LANDING),
+        TaskSatisfied(),
     ]
-    assert flown.exit_code == 0
 
 
 def test_a_crate_on_the_place_itself_fails_the_move(surveillance: Mission, tmp_path: Path) -> None:
     flown = Flown(surveillance, tmp_path, a_crate(ON_B))
     assert flown.is_unhurt
-    assert "move(A, B) failed: no clear route to B" in flown.texts
-    assert "belief trans_ok(A, B) withdrawn" in flown.texts
+    assert SkillFailed("move(A, B)", "no clear route to B") in flown.events
+    assert BeliefWithdrawn("trans_ok(A, B)") in flown.events
     assert flown.exit_code == 3
 
 
@@ -133,13 +149,15 @@ def test_a_vehicle_that_holds_stays_and_leaves_away_from_what_has_come_near(
     happens = appears("command: MAV_CMD_USER_1, nth: 1")
     flown = Flown(surveillance, tmp_path, a_crate(shape, is_late=True), happens)
     assert flown.is_unhurt
-    (seen_s,) = [t_s for t_s, text in flown.simulation.happened if "crate" in text]
-    failed_s = next(r.time_s for r in flown.reports if r.text == "upload(r1) failed: denied")
+    (seen_s,) = [t_s for t_s, text in flown.simulation.event_log if "crate" in text]
+    failed_s = flown.time_of(SkillFailed, action="upload(r1)", reason="denied")
     assert failed_s - seen_s > 1.0
     r1 = surveillance.places["r1"].position
     held = [s.message for s in flown.setpoints if seen_s < s.time_s < failed_s]
     assert all(math.dist((m.x, m.y, m.z), r1) < 0.1 for m in held)
-    assert {"at r2", "upload(r2) done", "task satisfied, landed"} <= set(flown.texts)
+    assert "r2" in flown.places
+    assert SkillCompleted("upload(r2)") in flown.events
+    assert flown.ending == TaskSatisfied()
 
 
 def test_the_flight_is_the_same_each_time(surveillance: Mission, tmp_path: Path) -> None:

@@ -7,19 +7,34 @@ autopilot's routing. Positions are the simulator's truth.
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import pytest
 from lockstep import COMPANION, VEHICLE, Lockstep, World
 
-from companion.acting.report import Report
+from companion.acting.flight import TICK_S
 from companion.app import Companion
+from companion.flight_events.event import Stamped
+from companion.flight_events.facts import MissionEventChanged
+from companion.flight_events.plans import LapCompleted, PlanMade, PlanReplaced
+from companion.flight_events.skills import PlaceReached
+from companion.flight_events.sortie import (
+    ControlYielded,
+    Phase,
+    PhaseEntered,
+    ReturnedAsAsked,
+    RunEnded,
+    RunFailed,
+    SetpointRefused,
+    TaskSatisfied,
+)
 from companion.geometry import distance, horizontal_distance
-from companion.mavlink.framing import Endpoint, dialect
+from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
-from companion.run import Recorder
+from companion.mission_run import Recorder
 from sitl.link.routing import LinkName
 from sitl.world.scenario import read_scenario
 
@@ -41,7 +56,7 @@ class Operated(Lockstep):
     def __init__(self, mission: Mission, world: World, is_hosted: bool = False) -> None:
         super().__init__(mission, world, has_station=True)
         self.uploads = None
-        self.runs: list[list[Report]] = []
+        self.runs: list[list[Stamped]] = []
         if is_hosted:
             self.companion = Companion(mission, None, host=self)
 
@@ -54,10 +69,10 @@ class Operated(Lockstep):
         return self
 
     def end_run(self, recorder: Recorder) -> None:
-        assert self.reports[-1].kind == "end"
+        assert isinstance(self.reports[-1].event, RunEnded)
 
-    def tell(self, report: Report) -> None:
-        self.reports.append(report)
+    def tell(self, stamped: Stamped) -> None:
+        self.reports.append(stamped)
 
     def ask(self, command: int, *parameters: float) -> int:
         """Sends a command to the companion; its answer, which comes in time."""
@@ -113,7 +128,7 @@ def hosted(surveillance: Mission, hall: World) -> Operated:
 
 def on_the_way_to_b(flight: Operated) -> Operated:
     """In the middle of the task, at full speed."""
-    flight.until_reported("at A").run(2.0)
+    flight.until_reported(PlaceReached, place="A").run(2.0)
     assert math.hypot(*flight.simulation.flight.velocity) > 1.0
     return flight
 
@@ -124,29 +139,32 @@ def on_the_way_to_b(flight: Operated) -> Operated:
 def test_a_pause_holds_within_a_second_and_the_task_goes_on_to_its_end(flight: Operated) -> None:
     on_the_way_to_b(flight)
     assert flight.ask(PAUSE, 0) == ACCEPTED
-    assert flight.texts[-1] == "paused"
+    assert flight.events[-1] == PhaseEntered(Phase.PAUSED)
     flight.run(1.0)
     held = flight.simulation.flight.position
     before = len(flight.reports)
     for _ in range(200):
         flight.tick()
         assert distance(flight.simulation.flight.position, held) < 0.5
-    assert flight.texts[before:] == []
+    assert flight.events[before:] == []
     assert flight.simulation.mode == "OFFBOARD"
     assert flight.ask(PAUSE, 1) == ACCEPTED
     flight.until_the_end()
-    assert flight.texts[before] == "flying the task"
-    assert flight.texts[before + 1].startswith("replan 1: going on -> move(here, ")
-    assert flight.texts[-1] == "task satisfied, landed"
+    resumed, replaced = flight.events[before : before + 2]
+    assert resumed == PhaseEntered(Phase.TASK)
+    assert isinstance(replaced, PlanReplaced)
+    assert (replaced.number, replaced.reason) == (1, "going on")
+    assert replaced.plan.prefix[0].action.startswith("move(here, ")
+    assert flight.ending == TaskSatisfied()
     assert flight.simulation.collisions == 0
 
 
 def test_both_may_be_said_twice(flight: Operated) -> None:
     on_the_way_to_b(flight)
     assert [flight.ask(PAUSE, 0), flight.ask(PAUSE, 0)] == [ACCEPTED, ACCEPTED]
-    assert flight.texts.count("paused") == 1
+    assert len(flight.of(PhaseEntered, phase=Phase.PAUSED)) == 1
     assert [flight.ask(PAUSE, 1), flight.ask(PAUSE, 1)] == [ACCEPTED, ACCEPTED]
-    assert sum(text.startswith("replan") for text in flight.texts) == 1
+    assert len(flight.of(PlanReplaced)) == 1
 
 
 def test_many_pauses_do_not_count_as_plans_that_lead_nowhere(flight: Operated) -> None:
@@ -159,7 +177,7 @@ def test_many_pauses_do_not_count_as_plans_that_lead_nowhere(flight: Operated) -
 
 
 def test_a_pause_is_refused_with_a_reason_while_it_takes_off(flight: Operated) -> None:
-    flight.until_reported("taking off")
+    flight.until_reported(PhaseEntered, phase=Phase.TAKE_OFF)
     assert flight.ask(PAUSE, 0) == NOT_NOW
     assert flight.ask(PAUSE, 0.5) == DENIED
     flight.run(1.0)
@@ -168,13 +186,13 @@ def test_a_pause_is_refused_with_a_reason_while_it_takes_off(flight: Operated) -
 
 def test_an_event_during_a_pause_is_not_lost(flight: Operated) -> None:
     """The target is seen from near B, where the vehicle is paused."""
-    flight.until_reported("lap 1 done")
-    flight.until_reported("target found")
+    flight.until_reported(LapCompleted, lap=1)
+    flight.until_reported(MissionEventChanged, event="targetFound")
     assert flight.ask(PAUSE, 0) == ACCEPTED
     flight.run(3.0)
     assert flight.ask(PAUSE, 1) == ACCEPTED
     flight.until_the_end()
-    assert flight.texts[-1] == "task satisfied, landed"
+    assert flight.ending == TaskSatisfied()
 
 
 # -- home ------------------------------------------------------------------------------------------
@@ -187,8 +205,11 @@ def test_a_return_flies_home_and_lands(flight: Operated, is_paused: bool) -> Non
         assert flight.ask(PAUSE, 0) == ACCEPTED
     assert flight.ask(RETURN) == ACCEPTED
     flight.until_the_end()
-    assert flight.texts[-3:] == ["returning home as asked", "landing", "returned as asked, landed"]
-    assert flight.exit_code == 0
+    assert flight.events[-3:] == [
+        PhaseEntered(Phase.RETURNING),
+        PhaseEntered(Phase.LANDING),
+        ReturnedAsAsked(),
+    ]
     assert not flight.simulation.is_armed
     assert horizontal_distance(flight.simulation.flight.position, (0.0, 0.0, 0.0)) < 0.5
     assert flight.simulation.collisions == 0
@@ -203,18 +224,18 @@ def test_a_return_may_be_paused(flight: Operated) -> None:
     assert math.hypot(*flight.simulation.flight.velocity) < 0.2
     assert flight.ask(PAUSE, 1) == ACCEPTED
     flight.until_the_end()
-    assert flight.texts[-1] == "returned as asked, landed"
+    assert flight.ending == ReturnedAsAsked()
 
 
 def test_a_mission_with_an_event_for_it_decides_itself() -> None:
     path = MISSIONS / "return_home.yaml"
     flight = Operated(load_mission(path), read_scenario(path.with_suffix(".sim.yaml")))
-    flight.until(lambda: any(text.startswith("at ") for text in flight.texts))
+    flight.until(lambda: flight.places != [])
     assert flight.ask(PAUSE, 0) == ACCEPTED
     assert flight.ask(RETURN) == ACCEPTED
     flight.until_the_end()
-    assert "returning home as asked" not in flight.texts
-    assert flight.texts[-1] == "task satisfied, landed"
+    assert PhaseEntered(Phase.RETURNING) not in flight.events
+    assert flight.ending == TaskSatisfied()
 
 
 # -- the pilot -------------------------------------------------------------------------------------
@@ -225,7 +246,7 @@ def test_control_comes_back_only_when_both_say_so(hosted: Operated) -> None:
     hosted.station_chooses("AUTO.RTL")
     hosted.run(1.0)
     taken = len(hosted.setpoints), len(hosted.commands)
-    assert hosted.texts[-1].startswith("the pilot has control, in AUTO.RTL")
+    assert hosted.events[-1] == ControlYielded("the pilot has control, in AUTO.RTL")
     assert hosted.statuses[-1] == dialect.MAV_STATE_CRITICAL
     assert hosted.ask(START) == NOT_NOW
     assert hosted.ask(PAUSE, 1) == NOT_NOW  # the operator alone
@@ -237,7 +258,7 @@ def test_control_comes_back_only_when_both_say_so(hosted: Operated) -> None:
     hosted.until(lambda: hosted.simulation.mode == "OFFBOARD", 10.0)
     hosted.until(lambda: hosted.companion._run is None)
     hosted.run(0.2)
-    assert hosted.texts[-1] == "task satisfied, landed"
+    assert hosted.ending == TaskSatisfied()
     assert hosted.statuses[-2:] == [dialect.MAV_STATE_ACTIVE, dialect.MAV_STATE_STANDBY]
 
 
@@ -267,8 +288,7 @@ def test_without_a_host_a_takeover_ends_the_run(flight: Operated) -> None:
     on_the_way_to_b(flight)
     flight.station_chooses("AUTO.RTL")
     flight.until_the_end()
-    assert flight.exit_code == 5
-    assert flight.texts[-1] == "the pilot has control, in AUTO.RTL"
+    assert flight.ending == RunFailed("the pilot has control, in AUTO.RTL", 5)
 
 
 # -- hosting ---------------------------------------------------------------------------------------
@@ -290,20 +310,25 @@ def test_each_start_is_a_run_of_its_own(hosted: Operated) -> None:
     hosted.until(lambda: hosted.companion._run is None)
     hosted.run(2.0)
     hosted.start_by_operator()
-    hosted.until_reported("flying the task").run(2.0)
+    hosted.until_reported(PhaseEntered, phase=Phase.TASK).run(2.0)
     assert hosted.ask(START) == NOT_NOW
     assert hosted.ask(RETURN) == ACCEPTED
     hosted.until(lambda: hosted.companion._run is None).run(0.2)
-    first, second = ([r for r in run if r.kind != "event"] for run in hosted.runs)
-    assert first[-1].text == "task satisfied, landed"
-    assert second[-1].text == "returned as asked, landed"
-    assert second[0].time_s < 1.0  # since this run began
-    assert first[0].text == second[0].text  # the same plan
+    (begun, ended), (begun_again, ended_again) = (first_and_last(run) for run in hosted.runs)
+    assert (ended.event, ended_again.event) == (TaskSatisfied(), ReturnedAsAsked())
+    assert begun_again.time_s < 1.0  # since this run began
+    assert isinstance(begun.event, PlanMade) and begun.event == begun_again.event
     assert hosted.armings == 2
     standby, active = dialect.MAV_STATE_STANDBY, dialect.MAV_STATE_ACTIVE
     assert hosted.statuses == [standby, active, standby, active, standby]
     hosted.companion.stop()
     hosted.until_the_end()
+
+
+def first_and_last(run: list[Stamped]) -> tuple[Stamped, Stamped]:
+    """But for events of the mission."""
+    told = [stamped for stamped in run if not isinstance(stamped.event, MissionEventChanged)]
+    return told[0], told[-1]
 
 
 def test_an_armed_vehicle_is_not_started(hosted: Operated) -> None:
@@ -323,7 +348,8 @@ def test_ground_stations_hear_what_the_console_says(flight: Operated) -> None:
     flight.tick()
     flight.tick()
     told = [text.removesuffix("...") for text in flight.told]
-    reported = ["; ".join(map(str.strip, text.splitlines())) for text in flight.texts]
+    texts = [event.text for event in flight.events]
+    reported = ["; ".join(map(str.strip, text.splitlines())) for text in texts]
     assert len(told) == len(reported)
     assert all(whole.startswith(text) for whole, text in zip(reported, told, strict=True))
     times = [s.time_s for s in flight.heard if s.message.get_type() == "STATUSTEXT"]
@@ -335,7 +361,7 @@ def test_five_ground_stations_each_get_their_own_answers(flight: Operated) -> No
     """Four ask at once and one has stopped; nobody waits for another."""
     flight.run(3.0)
     numbers = [RETURN, PAUSE, 31014, dialect.MAV_CMD_DO_SET_MISSION_CURRENT]
-    stations = [Endpoint(250 - i, 190) for i in range(5)]
+    stations = [MavlinkCodec(250 - i, 190) for i in range(5)]
     for station, number in zip(stations, numbers, strict=False):
         message = dialect.MAVLink_command_long_message(VEHICLE, COMPANION, number, 0, *[0] * 7)
         flight._to_vehicle.append((LinkName.GCS, station.pack(message)))
@@ -352,13 +378,50 @@ def test_five_ground_stations_each_get_their_own_answers(flight: Operated) -> No
 
 
 def test_a_speed_limit_that_was_set_in_flight_is_kept(flight: Operated) -> None:
-    flight.until_reported("at A").run(0.2)
+    flight.until_reported(PlaceReached, place="A").run(0.2)
     slow = dialect.MAVLink_param_set_message(VEHICLE, COMPANION, b"CMP_SPEED_MAX", 0.8, 9)
     flight.station_says(slow)
-    flight.until_reported("at B")
+    flight.until_reported(PlaceReached, place="B")
     since_s = flight.now_s
-    flight.until_reported("at C")
+    flight.until_reported(PlaceReached, place="C")
     speeds = [
         math.hypot(s.message.vx, s.message.vy) for s in flight.setpoints if s.time_s > since_s
     ]
     assert 0.75 < max(speeds) <= 0.8 * 1.001
+
+
+def test_a_speed_limit_in_flight_slows_the_flight_under_way_and_nothing_is_refused(
+    flight: Operated,
+) -> None:
+    """Costs of plans, trajectories and the gate follow one limit; the gate never stops a flight."""
+    on_the_way_to_b(flight)
+    run = flight.companion._run
+    assert run is not None
+    planner, vehicle = run.sortie._executive._planner, run.vehicle
+    before = {action.name: action.cost_ms for action in planner.model.actions}
+    since_s = flight.now_s
+    slow = dialect.MAVLink_param_set_message(VEHICLE, COMPANION, b"CMP_SPEED_MAX", 0.5, 9)
+    flight.station_says(slow)
+    flight.run(1.5)
+    slowed = speeds_since(flight, since_s)
+    assert slowed[0] > 1.9  # the flight under way was at full speed
+    assert max(a - b for a, b in pairwise(slowed)) <= 4.0 * TICK_S + 1e-6
+    assert max(speeds_since(flight, since_s + 1.0)) <= 0.5 * 1.001
+    assert vehicle._envelope.speed_mps == 0.5
+    assert math.hypot(*flight.simulation.flight.velocity) < 0.8  # it overshoots, and there is wind
+    flight.until_reported(PlanReplaced)
+    after = {action.name: action.cost_ms for action in planner.model.actions}
+    flown = [name for name in before if name.startswith("move(")]
+    assert flown and all(after[name] > 2.0 * before[name] for name in flown)
+    fast = dialect.MAVLink_param_set_message(VEHICLE, COMPANION, b"CMP_SPEED_MAX", 50.0, 9)
+    flight.station_says(fast)
+    since_s = flight.now_s
+    flight.until_the_end()
+    assert 1.9 < max(speeds_since(flight, since_s)) <= 2.0 * 1.001
+    assert flight.of(SetpointRefused) == []
+
+
+def speeds_since(flight: Operated, since_s: float) -> list[float]:
+    """Of the setpoints that have left."""
+    sent = [s.message for s in flight.setpoints if s.time_s > since_s]
+    return [math.hypot(m.vx, m.vy, m.vz) for m in sent]

@@ -7,20 +7,31 @@ companion; modes, arming and positions are the simulator's truth.
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
-from lockstep import Air, Cut, Jittery, Lockstep, Lossy, Said, World
+from lockstep import Air, Cut, Deaf, Jittery, Lockstep, Lossy, Said, World
 
 from companion.app import Companion
 from companion.errors import Aborted, LinkError, NoPlanError
+from companion.flight_events.facts import BeliefWithdrawn
+from companion.flight_events.plans import PlanReplaced
+from companion.flight_events.skills import PlaceReached, SkillFailed
+from companion.flight_events.sortie import (
+    Phase,
+    PhaseEntered,
+    ReturnBegun,
+    RunFailed,
+    SetpointRefused,
+    StoppedAsAsked,
+    StopRequested,
+)
 from companion.geometry import distance, is_in_polygon
 from companion.mavlink.framing import dialect
 from companion.mission.model import Mission
 from companion.vehicle.port import hold_at
-from sitl.results import Result
+from sitl.results import MavResult
 
 PAYLOAD = 25
 COM_OF_LOSS_T_S = 1.0  # of the simulated airframe
@@ -45,9 +56,13 @@ def undisturbed(surveillance: Mission, hall: World) -> Lockstep:
 
 def on_the_way_to_b(flight: Lockstep) -> Lockstep:
     """In the middle of the task, at full speed."""
-    flight.until_reported("at A").run(2.0)
+    flight.until_reported(PlaceReached, place="A").run(2.0)
     assert math.hypot(*flight.simulation.flight.velocity) > 1.0
     return flight
+
+
+def aborted(reason: str) -> RunFailed:
+    return RunFailed(reason, Aborted.exit_code)
 
 
 def flown_modes(flight: Lockstep) -> list[str]:
@@ -66,9 +81,38 @@ def test_the_pilot_wins(mode: str, start: Start) -> None:
     assert flight.simulation.mode == mode
     assert flight.setpoints[-1].time_s <= switched_s + 0.1
     assert flight.commands[-1].time_s < switched_s
-    assert flight.texts[-1] == f"the pilot has control, in {mode}"
-    assert flight.exit_code == 5
+    assert flight.ending == aborted(f"the pilot has control, in {mode}")
     assert isinstance(flight.companion.failure, Aborted)
+
+
+@pytest.mark.parametrize("after_s", [0.1, 0.3, 0.6, 0.9, 1.2, 1.5, 2.0, 3.0, 4.0, 5.0])
+def test_the_pilot_wins_from_the_first_command_on(after_s: float, start: Start) -> None:
+    """While it arms, climbs, and enters OFFBOARD."""
+    flight = (
+        start(has_station=True).until_reported(PhaseEntered, phase=Phase.ARMING).run_for(after_s)
+    )
+    flight.station_chooses("AUTO.RTL")
+    switched_s = flight.now_s
+    flight.until_the_end().run(5.0)
+    assert flight.ending == aborted("the pilot has control, in AUTO.RTL")
+    assert all(said.time_s <= switched_s + 0.1 for said in flight.commands + flight.setpoints)
+
+
+@pytest.mark.parametrize("silence_s", [1.2, 2.0, 3.0, 8.0])
+@pytest.mark.parametrize("after_s", [0.0, 0.8])
+def test_lost_heartbeats_at_the_take_off_fake_no_take_over(
+    silence_s: float, after_s: float, start: Start, undisturbed: Lockstep
+) -> None:
+    up = Deaf(0)  # HEARTBEAT
+    flight = start(up=up).until_reported(PhaseEntered, phase=Phase.TAKE_OFF).run_for(after_s)
+    up.is_deaf = True
+    flight.run(silence_s)
+    up.is_deaf = False
+    flight.until_reported(PlaceReached, place="A")
+    begun = len(flight.story)
+    assert flight.story == undisturbed.story[:begun]
+    modes = flown_modes(flight)
+    assert modes == flown_modes(undisturbed)[: len(modes)]  # the take-off had ended before OFFBOARD
 
 
 def test_a_mode_that_the_autopilot_refuses_changes_nothing(
@@ -78,7 +122,7 @@ def test_a_mode_that_the_autopilot_refuses_changes_nothing(
     flight = on_the_way_to_b(start(has_station=True))
     flight.station_chooses("POSCTL")
     flight.until_the_end()
-    assert flight.texts == undisturbed.texts
+    assert flight.story == undisturbed.story
     assert flown_modes(flight) == flown_modes(undisturbed)
 
 
@@ -92,7 +136,7 @@ def test_a_pilot_who_took_over_during_an_outage_keeps_the_vehicle(start: Start) 
     up.is_cut = down.is_cut = False
     back_s = flight.now_s
     flight.until_the_end()
-    assert flight.texts[-1] == "the pilot has control, in AUTO.LOITER"
+    assert flight.ending == aborted("the pilot has control, in AUTO.LOITER")
     assert all(command.time_s < back_s for command in flight.commands)
     assert flight.simulation.mode == "AUTO.LOITER"
 
@@ -122,7 +166,7 @@ def test_a_short_silence_is_not_noticed(start: Start, undisturbed: Lockstep) -> 
     flight.run(0.4)
     up.is_cut = down.is_cut = False
     flight.until_the_end()
-    assert flight.texts == undisturbed.texts
+    assert flight.story == undisturbed.story
     assert flown_modes(flight) == flown_modes(undisturbed)
 
 
@@ -135,9 +179,9 @@ def test_without_telemetry_it_holds_and_then_goes_on(start: Start, undisturbed: 
     up.is_cut = False
     flight.until_the_end()
     assert held == {(0.0, 0.0)}
-    (refusal,) = [text for text in flight.texts if "refused" in text]
-    assert re.fullmatch(r"setpoint refused, holding: the position is 0\.[56] s old", refusal)
-    assert [text for text in flight.texts if text != refusal] == undisturbed.texts
+    refused = flight.one(SetpointRefused)
+    assert refused.reason in ("the position is 0.5 s old", "the position is 0.6 s old")
+    assert [event for event in flight.story if event != refused] == undisturbed.story
     assert flown_modes(flight) == flown_modes(undisturbed)
     assert flight.simulation.collisions == 0
 
@@ -153,7 +197,7 @@ def test_after_an_outage_the_autopilot_keeps_the_vehicle(start: Start) -> None:
     streamed, asked = len(flight.setpoints), len(flight.commands)
     flight.until_the_end()
     flight.run(5.0)
-    assert flight.texts[-1] == "a failsafe of the autopilot has control, in AUTO.LOITER"
+    assert flight.ending == aborted("a failsafe of the autopilot has control, in AUTO.LOITER")
     assert (len(flight.setpoints), len(flight.commands)) == (streamed, asked)
     assert flight.simulation.mode == "AUTO.LOITER"
     assert flight.simulation.collisions == 0
@@ -169,8 +213,8 @@ def test_a_vehicle_that_is_silent_for_ever_ends_the_run(start: Start) -> None:
     assert flight.setpoints[-1].time_s - silent_s == pytest.approx(3.0, abs=0.1)
     assert flight.commands[-1].time_s < silent_s
     assert isinstance(flight.companion.failure, LinkError)
-    assert flight.texts[-1] == "no position from the vehicle for 10 s"
-    assert flight.exit_code == 4
+    silence = "no position from the vehicle for 10 s"
+    assert flight.ending == RunFailed(silence, LinkError.exit_code)
     assert flight.simulation.mode == "AUTO.LOITER"
 
 
@@ -188,7 +232,7 @@ class AllButFinalAnswers:
 def is_final_answer(frame: bytes) -> bool:
     """COMMAND_ACK (id 77) of the payload, other than IN_PROGRESS; MAVLink 2 trims zeros."""
     is_payloads_ack = frame[6] == PAYLOAD and frame[7:10] == bytes([77, 0, 0])
-    return is_payloads_ack and frame[12] != Result.IN_PROGRESS
+    return is_payloads_ack and frame[12] != MavResult.IN_PROGRESS
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -196,7 +240,7 @@ def test_loss_changes_no_action(seed: int, start: Start, undisturbed: Lockstep) 
     """A tenth of all datagrams each way; what is sent only once is the subject of the next test."""
     up = AllButFinalAnswers(Lossy(0.1, seed))
     flight = start(up=up, down=Lossy(0.1, 100 + seed)).until_the_end()
-    assert flight.texts == undisturbed.texts
+    assert flight.story == undisturbed.story
     assert_each_command_took_effect_once(flight, undisturbed)
 
 
@@ -209,14 +253,17 @@ def test_a_final_answer_that_is_lost_is_a_failed_upload(start: Start) -> None:
         return [d for d in datagrams if d not in lost[1:2]]
 
     flight = start(up=without_the_second).until_the_end()
-    texts = flight.texts
-    failed = texts.index("upload(r2) failed: no answer")
-    assert texts[failed + 1] == "belief canUpload(r2) withdrawn"
-    assert texts[failed + 2].startswith("replan 3: upload(r2) failed: no answer -> move(r2, r3)")
+    failed = flight.one(SkillFailed, action="upload(r2)", reason="no answer")
+    at = flight.events.index(failed)
+    assert flight.events[at + 1] == BeliefWithdrawn("canUpload(r2)")
+    replaced = flight.events[at + 2]
+    assert isinstance(replaced, PlanReplaced)
+    assert (replaced.number, replaced.reason) == (3, failed.text)
+    assert replaced.plan.prefix[0].action == "move(r2, r3)"
     assert [answer.message.result for answer in payloads_answers(flight)] == [
-        *(Result.DENIED, Result.ACCEPTED, Result.ACCEPTED),
+        *(MavResult.DENIED, MavResult.ACCEPTED, MavResult.ACCEPTED),
     ]
-    assert flight.reports[failed].time_s - payloads_answers(flight)[1].time_s < 10.0
+    assert flight.reports[at].time_s - payloads_answers(flight)[1].time_s < 10.0
     assert flight.exit_code == 0
 
 
@@ -225,20 +272,20 @@ def test_doubled_and_reordered_datagrams_change_no_action(
     seed: int, start: Start, undisturbed: Lockstep
 ) -> None:
     flight = start(up=Jittery(0.2, seed), down=Jittery(0.2, 100 + seed)).until_the_end()
-    assert flight.texts == undisturbed.texts
+    assert flight.story == undisturbed.story
     assert_each_command_took_effect_once(flight, undisturbed)
 
 
 def test_an_old_heartbeat_is_no_pilot(start: Start, undisturbed: Lockstep) -> None:
     flight = start(up=Jittery(0.2, 6), down=Jittery(0.2, 106)).until_the_end()
-    assert flight.texts == undisturbed.texts
+    assert flight.story == undisturbed.story
 
 
 def assert_each_command_took_effect_once(flight: Lockstep, undisturbed: Lockstep) -> None:
     assert flown_modes(flight) == flown_modes(undisturbed)
     assert flight.armings == 1
     answers = [answer.message.result for answer in payloads_answers(flight)]
-    assert answers == [Result.DENIED, Result.ACCEPTED]
+    assert answers == [MavResult.DENIED, MavResult.ACCEPTED]
     assert flight.simulation.collisions == 0
 
 
@@ -247,7 +294,8 @@ def payloads_answers(flight: Lockstep) -> list[Said]:
     return [
         said
         for said in flight.acknowledged
-        if said.message.get_srcComponent() == PAYLOAD and said.message.result != Result.IN_PROGRESS
+        if said.message.get_srcComponent() == PAYLOAD
+        and said.message.result != MavResult.IN_PROGRESS
     ]
 
 
@@ -259,11 +307,15 @@ def test_a_stop_in_the_air_holds_lands_and_disarms(start: Start) -> None:
     before = len(flight.reports)
     flight.companion.stop()
     flight.until_the_end()
-    assert flight.texts[before:] == ["stopping as asked", "holding", "landing", "stopped as asked"]
+    assert flight.events[before:] == [
+        StopRequested(),
+        PhaseEntered(Phase.HOLDING),
+        PhaseEntered(Phase.LANDING),
+        StoppedAsAsked(),
+    ]
     assert flown_modes(flight)[-4:] == ["OFFBOARD", "AUTO.LOITER", "AUTO.LAND", "AUTO.LOITER"]
     assert not flight.simulation.is_armed
     assert -flight.simulation.flight.position[2] < 0.05
-    assert flight.exit_code == 0
     assert flight.simulation.collisions == 0
 
 
@@ -275,8 +327,9 @@ def test_the_next_run_does_not_start_away_from_home(surveillance: Mission, start
     flight.companion = Companion(surveillance, flight)
     stopped_s = flight.now_s
     flight.until_the_end()
-    assert "m from Home, where the mission begins; put it there" in flight.texts[-1]
-    assert flight.exit_code == 5
+    assert flight.exit_code == Aborted.exit_code
+    ended = flight.of(RunFailed)[-1]
+    assert ended.reason.endswith("m from Home, where the mission begins; put it there")
     assert [s for s in (*flight.setpoints, *flight.commands) if s.time_s > stopped_s] == []
 
 
@@ -284,25 +337,19 @@ def test_a_stop_before_anything_is_heard_ends_at_once(start: Start) -> None:
     flight = start()
     flight.companion.stop()
     flight.tick()
-    assert flight.texts == ["stopping as asked", "stopped as asked"]
-    assert flight.exit_code == 0
+    assert flight.events == [StopRequested(), StoppedAsAsked()]
     assert flight.said == []
 
 
 @pytest.mark.parametrize(
     ("phase", "climbs"),
-    [
-        ("checking the autopilot's failsafes", False),
-        ("taking off", False),
-        ("entering OFFBOARD", True),
-    ],
+    [(Phase.CHECKING, False), (Phase.TAKE_OFF, False), (Phase.OFFBOARD, True)],
 )
-def test_a_stop_before_the_task(phase: str, climbs: bool, start: Start) -> None:
-    flight = start().until_reported(phase)
+def test_a_stop_before_the_task(phase: Phase, climbs: bool, start: Start) -> None:
+    flight = start().until_reported(PhaseEntered, phase=phase)
     flight.companion.stop()
     flight.until_the_end()
-    assert flight.texts[-1] == "stopped as asked"
-    assert flight.exit_code == 0
+    assert flight.ending == StoppedAsAsked()
     assert not flight.simulation.is_armed
     assert -flight.simulation.flight.position[2] < 0.05
     assert ("AUTO.TAKEOFF" in flown_modes(flight)) is climbs
@@ -316,10 +363,9 @@ def test_a_vehicle_that_may_not_arm_says_why(start: Start, hall: World) -> None:
     """The battery is empty. PX4 tells reasons (STATUSTEXT) only if a ground station is there."""
     scenario, grid = hall
     flight = start((replace(scenario, charge=0.05), grid), has_station=True).until_the_end()
-    assert flight.texts[-1] == (
+    assert flight.ending == aborted(
         "not armed: temporarily rejected (autopilot: Arming denied: low battery)"
     )
-    assert flight.exit_code == 5
     assert flight.setpoints == []
     assert flight.armings == 0
 
@@ -328,9 +374,9 @@ def test_weak_failsafes_are_not_flown_with(start: Start, hall: World) -> None:
     scenario, grid = hall
     weak = replace(scenario, parameters={"COM_OBL_RC_ACT": 0, "COM_OF_LOSS_T": 5.0})
     flight = start((weak, grid)).until_the_end()
-    assert "COM_OF_LOSS_T is 5; set 1.0 or less" in flight.texts[-1]
-    assert "COM_OBL_RC_ACT is 0; set 5 (hold)" in flight.texts[-1]
-    assert flight.exit_code == 5
+    ended = flight.one(RunFailed, exit_code=Aborted.exit_code)
+    assert "COM_OF_LOSS_T is 5; set 1.0 or less" in ended.reason
+    assert "COM_OBL_RC_ACT is 0; set 5 (hold)" in ended.reason
     assert flight.commands == [] and flight.setpoints == []
 
 
@@ -343,8 +389,9 @@ def test_a_vehicle_that_is_armed_already_is_left_alone(start: Start) -> None:
     assert flight.simulation.is_armed
     flight.is_companion_alive = True
     flight.until_the_end()
-    assert flight.texts == ["the vehicle is armed or flying already; it is left alone"]
-    assert flight.exit_code == 5
+    assert flight.events == [
+        aborted("the vehicle is armed or flying already; it is left alone"),
+    ]
     assert flight.commands == [] and flight.setpoints == []
 
 
@@ -354,14 +401,16 @@ def test_a_vehicle_that_is_armed_already_is_left_alone(start: Start) -> None:
 def test_without_any_upload_site_it_returns_home_and_says_why(start: Start, hall: World) -> None:
     scenario, grid = hall
     assert scenario.payload is not None
-    payload = replace(scenario.payload, sites=(), otherwise=Result.DENIED)
+    payload = replace(scenario.payload, sites=(), otherwise=MavResult.DENIED)
     flight = start((replace(scenario, payload=payload), grid)).until_the_end()
-    withdrawn = [r.data["belief"] for r in flight.reports if r.kind == "withdrawn"]
+    withdrawn = [event.belief for event in flight.of(BeliefWithdrawn)]
     assert withdrawn == ["canUpload(r1)", "canUpload(r2)", "canUpload(r3)"]
-    assert flight.texts[-4:-1] == ["returning to Home", "at Home", "landing"]
-    assert "no plan: upload cannot hold from here" in flight.texts[-1]
-    assert "withdrawn: canUpload(r1), canUpload(r2), canUpload(r3)" in flight.texts[-1]
-    assert flight.exit_code == 3
+    begun, reached, landing, _ = flight.events[-4:]
+    assert (begun, landing) == (ReturnBegun("Home"), PhaseEntered(Phase.LANDING))
+    assert isinstance(reached, PlaceReached) and reached.place == "Home"
+    ended = flight.one(RunFailed, exit_code=NoPlanError.exit_code)
+    assert "no plan: upload cannot hold from here" in ended.reason
+    assert "withdrawn: canUpload(r1), canUpload(r2), canUpload(r3)" in ended.reason
     assert isinstance(flight.companion.failure, NoPlanError)
     north, east, _ = flight.simulation.flight.position
     assert math.hypot(north, east) < 0.5
@@ -395,6 +444,6 @@ def test_a_setpoint_outside_the_fence_never_leaves(
     assert {(s.message.vx, s.message.vy, s.message.vz) for s in fed} == {(0.0, 0.0, 0.0)}
     assert math.hypot(*flight.simulation.flight.velocity) < 0.5
     flight.until_the_end()
-    gate = [r for r in flight.reports if r.kind == "gate"]
-    assert [r.text for r in gate] == ["setpoint refused, holding: outside the fence"]
-    assert [r.text for r in flight.reports if r.kind != "gate"] == undisturbed.texts
+    refused = flight.one(SetpointRefused)
+    assert refused.reason == "outside the fence"
+    assert [event for event in flight.story if event != refused] == undisturbed.story

@@ -9,10 +9,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import pytest
-from shipped import ShippedFlight, distance_from_home_m
+from shipped import Replanned, ShippedFlight, Story, distance_from_home_m
 
-from companion.mission.loader import MARGIN_M
-from sitl.world.collision import VEHICLE_RADIUS_M
+from companion.flight_events.facts import BeliefWithdrawn, MissionEventChanged
+from companion.flight_events.skills import (
+    RouteBlocked,
+    RouteResponse,
+    SkillCompleted,
+    SkillFailed,
+)
+from companion.flight_events.sortie import RunFailed, TaskSatisfied
+from companion.vehicle_profile import VehicleProfile
+
+QUAD = VehicleProfile()
 
 NO_PLAN = """\
 no plan: upload cannot hold from here.
@@ -32,71 +41,72 @@ class Shipped:
 
     mission: str
     scenario: str
-    story: tuple[str, ...]
-    exit_code: int = 0
+    story: Story
     broken: tuple[str, ...] = ()
 
 
-def refused(site: str) -> tuple[str, ...]:
-    what = f"upload({site}) failed: denied"
-    return (f"at {site}", what, f"belief canUpload({site}) withdrawn", f"replan: {what}")
+def refused(site: str) -> Story:
+    failed = SkillFailed(f"upload({site})", "denied")
+    return [site, failed, BeliefWithdrawn(f"canUpload({site})"), Replanned(failed.text)]
 
 
-def delivered(parcel: str, customer: str) -> tuple[str, ...]:
-    return (
-        *("at Depot", f"pick_up({parcel}, Depot) done"),
-        *(f"at {customer}", f"hand_over({parcel}, {customer}) done"),
-    )
+def delivered(parcel: str, customer: str) -> Story:
+    return [
+        *("Depot", SkillCompleted(f"pick_up({parcel}, Depot)")),
+        *(customer, SkillCompleted(f"hand_over({parcel}, {customer})")),
+    ]
+
+
+def noticed(event: str, reason: str) -> Story:
+    return [MissionEventChanged(event, holds=True), Replanned(reason)]
 
 
 SHIPPED = (
     Shipped(
         "surveillance",
         "surveillance_all_uploads_fail",
-        (
-            *("at A", "at B", "at C", "at A"),
-            *("target found", "replan: target found"),
+        [
+            *("A", "B", "C", "A", *noticed("targetFound", "target found")),
             *(*refused("r1"), *refused("r2"), *refused("r3")),
-            *("at Home", NO_PLAN),
-        ),
-        exit_code=3,
+            *("Home", RunFailed(NO_PLAN, 3)),
+        ],
         broken=("upload",),
     ),
     Shipped(
         "delivery",
         "delivery",
-        (
+        [
             *(*delivered("p1", "North"), *delivered("p3", "East"), *delivered("p2", "North")),
-            *("at Home", "task satisfied, landed"),
-        ),
+            *("Home", TaskSatisfied()),
+        ],
     ),
     Shipped(
         "return_home",
         "return_home",
-        (
-            *("at Gate", "at Store", "at Dock", "at Gate"),
-            *("called home", "replan: called home", "at Home", "task satisfied, landed"),
-        ),
+        [
+            *("Gate", "Store", "Dock", "Gate"),
+            *(*noticed("calledHome", "called home"), "Home", TaskSatisfied()),
+        ],
     ),
     Shipped(
         "corridor",
         "corridor",
-        (
-            *("at Shelf", "at Bench"),
-            *("the way to Shelf is not clear: another route", "at Shelf"),
-            *("corridor clear", "replan: corridor clear"),
-            *("at Shelf", "at Corridor", "at Bench"),
-            *("called home", "replan: called home", "at Home", "task satisfied, landed"),
-        ),
+        [
+            *("Shelf", "Bench"),
+            *(RouteBlocked("Shelf", RouteResponse.ANOTHER_ROUTE), "Shelf"),
+            *noticed("corridorClear", "corridor clear"),
+            *("Shelf", "Corridor", "Bench"),
+            *(*noticed("calledHome", "called home"), "Home", TaskSatisfied()),
+        ],
     ),
     Shipped(
         "hall_of_20",
         "hall_of_20",
-        (
-            *("at s2", "at s1", "at s3"),
-            *("target found", "replan: target found", *refused("r1")),
-            *("at r2", "upload(r2) done", "at Home", "task satisfied, landed"),
-        ),
+        [
+            *("s2", "s1", "s3"),
+            *(*noticed("targetFound", "target found"), *refused("r1")),
+            *("r2", SkillCompleted("upload(r2)"), "Home", TaskSatisfied()),
+        ],
     ),
 )
 
@@ -119,10 +129,9 @@ def ways_between_the_rooms(flight: ShippedFlight) -> list[str]:
 
 def flies_as_told(shipped: Shipped, seed: int) -> None:
     flight = ShippedFlight(shipped.mission, shipped.scenario, seed)
-    assert flight.story == list(shipped.story)
-    assert flight.exit_code == shipped.exit_code
+    assert flight.story == shipped.story
     assert flight.simulation.collisions == 0
-    assert flight.clearance_m >= VEHICLE_RADIUS_M + MARGIN_M
+    assert flight.clearance_m >= QUAD.radius_m + QUAD.margin_m
     assert distance_from_home_m(flight) < 0.5
     assert not flight.simulation.is_armed
     kept = [line for line in flight.mission.task if line not in shipped.broken]

@@ -1,7 +1,7 @@
 """The paper's mission (Section V), from take-off to landing, in lockstep.
 
 The sequence of events is stored in tests/data/surveillance.events.txt: kind and text of each
-line of events.jsonl that people are told, without times. What is said of the vehicle here is the
+event that people are told, without times. What is said of the vehicle here is the
 simulator's truth, never what telemetry or the companion believe.
 """
 
@@ -19,32 +19,38 @@ from typing import Any
 
 import numpy as np
 import pytest
+from happened import Happened
 from lockstep import SETPOINT, World
 from notes import Notes
 from pymavlink import mavutil
 
-from companion.acting.report import FOR_PROGRAMS, Report
+from companion.api.simulating import lockstep
 from companion.app import Companion
 from companion.errors import LinkTimeout
+from companion.flight_events.event import Stamped
+from companion.flight_events.facts import BeliefWithdrawn, MissionEventChanged
+from companion.flight_events.plans import LapCompleted, PlanMade, PlanReplaced
+from companion.flight_events.reading import read_line
+from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFailed
+from companion.flight_events.sortie import Phase, PhaseEntered, TaskSatisfied
 from companion.geometry import Ned, horizontal_distance, is_in_polygon
 from companion.mission.model import Mission
 from companion.record.run_folder import RunFolder
+from companion.vehicle_profile import VehicleProfile
 from sitl.flight.physics import FlightState
-from sitl.harness import fly_in_lockstep
+from sitl.harness import LockstepFlight
 from sitl.link.routing import LinkName
 from sitl.simulation import Simulation
-from sitl.world.collision import VEHICLE_RADIUS_M
+
+QUAD = VehicleProfile()
 
 SURVEILLANCE = Path(__file__).parents[2] / "missions" / "surveillance.yaml"
 STORED = Path(__file__).parents[1] / "data" / "surveillance.events.txt"
 START_UNIX_S = 1_700_000_000.0
-ON_BOARD = frozenset({LinkName.OFFBOARD})
-
-Event = dict[str, Any]
 
 
 @dataclass
-class Flown:
+class Flown(Happened):
     """A flight: its run folder, and the vehicle's true state at each tick."""
 
     folder: Path
@@ -53,22 +59,22 @@ class Flown:
     truth: list[tuple[float, FlightState]] = field(default_factory=list)
 
     @property
-    def lines(self) -> list[Event]:
+    def reports(self) -> list[Stamped]:  # type: ignore[override]
+        """As they are recorded."""
         text = (self.folder / "events.jsonl").read_text(encoding="utf-8")
-        return [json.loads(line) for line in text.splitlines()]
-
-    @property
-    def events(self) -> list[Event]:
-        """Of these, what people are told."""
-        return [line for line in self.lines if line["kind"] not in FOR_PROGRAMS]
+        return [read_line(line) for line in text.splitlines()]
 
     @property
     def sequence(self) -> str:
-        return sequence(self.events)
+        return "".join(f"{event.kind} {event.text}\n" for event in self.events)
 
-    def time_of(self, text: str) -> float:
-        """Seconds since the run began at which something was first reported."""
-        return next(float(e["t_s"]) for e in self.events if e["text"].startswith(text))
+    @property
+    def task_s(self) -> tuple[float, float]:
+        """When the task began, and when the landing did."""
+        return (
+            self.time_of(PhaseEntered, phase=Phase.TASK),
+            self.time_of(PhaseEntered, phase=Phase.LANDING),
+        )
 
     def between(self, start_s: float, end_s: float) -> list[FlightState]:
         return [state for now_s, state in self.truth if start_s <= now_s <= end_s]
@@ -77,34 +83,32 @@ class Flown:
 class Witness:
     """A recorder that keeps the run folder, and what was true at each tick."""
 
-    def __init__(self, folder: RunFolder, flown: Flown) -> None:
-        self._folder = folder
-        self._flown = flown
+    flown: Flown
 
-    def report(self, report: Report) -> None:
-        self._folder.report(report)
+    def __init__(self, folder: RunFolder) -> None:
+        self._folder = folder
+
+    def report(self, stamped: Stamped) -> None:
+        self._folder.report(stamped)
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
         self._folder.packets(now_s, datagrams)
 
     def position(self, now_s: float, position: Ned) -> None:
         self._folder.position(now_s, position)
-        self._flown.truth.append((now_s, self._flown.simulation.flight))
+        self.flown.truth.append((now_s, self.flown.simulation.flight))
 
 
 def fly(mission: Mission, hall: World, seed: int, path: Path) -> Flown:
-    scenario, grid = hall
-    flown = Flown(path, Simulation(scenario, grid, seed=seed, links=ON_BOARD))
-    folder = RunFolder(path, mission, START_UNIX_S, lambda report: None)
-    companion = Companion(mission, Witness(folder, flown))
-    fly_in_lockstep(companion, flown.simulation)
+    folder = RunFolder(path, mission, START_UNIX_S, lambda stamped: None)
+    witness = Witness(folder)
+    flight = lockstep(mission, hall, witness, seed=seed)
+    flown = witness.flown = Flown(path, flight.simulation)
+    flight.fly()
     folder.close()
+    companion = flight.companion
     flown.exit_code = companion.failure.exit_code if companion.failure else 0
     return flown
-
-
-def sequence(events: list[Event]) -> str:
-    return "".join(f"{event['kind']} {event['text']}\n" for event in events)
 
 
 @pytest.fixture(scope="session")
@@ -121,44 +125,53 @@ def test_the_sequence_of_events_is_the_stored_one(flown: Flown) -> None:
 
 def test_the_sequence_is_that_of_the_paper(flown: Flown) -> None:
     """Section V, step by step; the stored file could be replaced by mistake, the paper not."""
-    told = [e["text"] for e in flown.events if e["kind"] not in ("phase", "plan", "lap")]
-    shortened = [text.partition(": ")[0] if text.startswith("replan") else text for text in told]
-    assert shortened == [
-        *("at A", "at B", "at C", "at A"),
-        *("target found", "replan 1", "at r1"),
-        *("upload(r1) failed: denied", "belief canUpload(r1) withdrawn", "replan 2", "at r2"),
-        *("upload(r2) done", "at Home", "task satisfied, landed"),
+    first, second = flown.of(PlanReplaced)
+    assert (first.number, second.number) == (1, 2)
+    besides = (PhaseEntered, PlanMade, LapCompleted)
+    assert [event for event in flown.events if not isinstance(event, besides)] == [
+        PlaceReached("A", "move(Home, A)"),
+        PlaceReached("B", "move(A, B)"),
+        PlaceReached("C", "move(B, C)"),
+        PlaceReached("A", "move(C, A)"),
+        MissionEventChanged("targetFound", holds=True),
+        first,
+        PlaceReached("r1", "move(here, r1)"),
+        SkillFailed("upload(r1)", "denied"),
+        BeliefWithdrawn("canUpload(r1)"),
+        second,
+        PlaceReached("r2", "move(r1, r2)"),
+        SkillCompleted("upload(r2)"),
+        PlaceReached("Home", "move(r2, Home)"),
+        TaskSatisfied(),
     ]
 
 
 def test_each_of_the_two_replans_has_its_reason_and_its_plan(flown: Flown) -> None:
-    first, *replans = [e for e in flown.events if e["kind"] in ("plan", "replan")]
-    assert [action["action"] for action in first["loop"]] == [
-        "move(A, B)",
-        "move(B, C)",
-        "move(C, A)",
-    ]
-    assert [(e["reason"], [action["action"] for action in e["prefix"]]) for e in replans] == [
-        ("target found", ["move(here, r1)", "upload(r1)", "move(r1, Home)"]),
-        ("upload(r1) failed: denied", ["move(r1, r2)", "upload(r2)", "move(r2, Home)"]),
+    made = flown.one(PlanMade)
+    assert str(made.plan) == "move(Home, A), (move(A, B), move(B, C), move(C, A))^w"
+    assert [(replaced.reason, str(replaced.plan)) for replaced in flown.of(PlanReplaced)] == [
+        ("target found", "move(here, r1), upload(r1), move(r1, Home), (wait)^w"),
+        ("upload(r1) failed: denied", "move(r1, r2), upload(r2), move(r2, Home), (wait)^w"),
     ]
 
 
 def test_the_target_is_found_on_the_second_way_from_a_to_b(
     flown: Flown, surveillance: Mission
 ) -> None:
-    events = [e for e in flown.events if e["kind"] in ("at", "event")]
-    assert [e["text"] for e in events[3:5]] == ["at A", "target found"]
-    found = flown.between(flown.time_of("target found"), math.inf)[0].position
+    found_s = flown.time_of(MissionEventChanged, event="targetFound", holds=True)
+    before = [s.event for s in flown.reports if s.time_s < found_s]
+    places = [event.place for event in before if isinstance(event, PlaceReached)]
+    assert places == ["A", "B", "C", "A"]
+    found = flown.between(found_s, math.inf)[0].position
     for place in surveillance.places.values():
         assert horizontal_distance(found, place.position) > place.radius_m
 
 
 def test_nothing_lies_between_the_upload_and_home(flown: Flown, surveillance: Mission) -> None:
     """Not in the events, and not on the way: no region of another place is crossed."""
-    texts = [e["text"] for e in flown.events]
-    assert texts[texts.index("upload(r2) done") + 1] == "at Home"
-    way = flown.between(flown.time_of("upload(r2) done"), flown.time_of("at Home"))
+    uploaded, home = SkillCompleted("upload(r2)"), PlaceReached("Home", "move(r2, Home)")
+    assert flown.events[flown.events.index(uploaded) + 1] == home
+    way = flown.between(flown.time_of(SkillCompleted), flown.time_of(PlaceReached, place="Home"))
     for name in surveillance.places.keys() - {"r2", "Home"}:
         place = surveillance.places[name]
         nearest_m = min(horizontal_distance(s.position, place.position) for s in way)
@@ -167,7 +180,7 @@ def test_nothing_lies_between_the_upload_and_home(flown: Flown, surveillance: Mi
 
 def test_it_lands_at_home_with_the_motors_off(flown: Flown, surveillance: Mission) -> None:
     assert flown.exit_code == 0
-    assert flown.events[-1]["exit_code"] == 0
+    assert flown.events[-1] == TaskSatisfied()
     _, last = flown.truth[-1]
     assert horizontal_distance(last.position, surveillance.places["Home"].position) < 0.5
     assert -last.position[2] < 0.05
@@ -182,12 +195,12 @@ def test_it_never_comes_near_a_wall(flown: Flown, hall: World) -> None:
     assert grid is not None
     assert flown.simulation.collisions == 0
     clearance_m = min(grid.clearance_m(s.position[:2]) for _, s in flown.truth)
-    assert clearance_m >= VEHICLE_RADIUS_M
+    assert clearance_m >= QUAD.radius_m
 
 
 def test_it_stays_within_the_limits(flown: Flown, surveillance: Mission) -> None:
     limits = surveillance.limits
-    task = flown.between(flown.time_of("flying the task"), flown.time_of("landing"))
+    task = flown.between(*flown.task_s)
     low_m, high_m = limits.up_m
     assert all(low_m <= -s.position[2] <= high_m for s in task)
     assert all(is_in_polygon(s.position, limits.fence) for s in task)
@@ -195,17 +208,15 @@ def test_it_stays_within_the_limits(flown: Flown, surveillance: Mission) -> None
 
 def test_it_follows_its_setpoints(flown: Flown) -> None:
     """Distance from the line through the setpoints, the replan at full speed included."""
-    task_s = (flown.time_of("flying the task"), flown.time_of("landing"))
     line = setpoints(flown.folder / "flight.tlog")
-    flying = [s for now_s, s in flown.truth if task_s[0] <= now_s <= task_s[1]]
-    gaps = [distance_to_line(s.position, line) for s in flying]
+    gaps = [distance_to_line(s.position, line) for s in flown.between(*flown.task_s)]
     assert max(gaps) < 0.15
     assert math.sqrt(sum(g * g for g in gaps) / len(gaps)) < 0.05
 
 
 def test_it_hardly_exceeds_its_speed(flown: Flown, surveillance: Mission) -> None:
     """The setpoints never do; the vehicle does for a moment, when it makes up a lag."""
-    task = flown.between(flown.time_of("flying the task"), flown.time_of("landing"))
+    task = flown.between(*flown.task_s)
     assert max(math.hypot(*s.velocity) for s in task) < 1.25 * surveillance.limits.speed_mps
 
 
@@ -245,14 +256,14 @@ def test_the_recording_covers_the_flight(flown: Flown) -> None:
     """Read by pymavlink; each frame stands behind its time, big-endian microseconds."""
     tlog = flown.folder / "flight.tlog"
     (first_us,) = struct.unpack(">Q", tlog.read_bytes()[:8])
-    assert first_us == pytest.approx((START_UNIX_S + flown.events[0]["t_s"]) * 1e6, abs=1e3)
+    assert first_us == pytest.approx((START_UNIX_S + flown.reports[0].time_s) * 1e6, abs=1e3)
     log = mavutil.mavlink_connection(str(tlog))
     senders, last_s = set(), 0.0
     while message := log.recv_match(type="HEARTBEAT"):
         senders.add((message.get_srcSystem(), message.get_srcComponent()))
         last_s = message._timestamp - START_UNIX_S
     assert senders == {(1, 1), (1, 25), (1, 26), (1, 191), (1, 196)}
-    assert flown.events[-1]["t_s"] - last_s < 1.0
+    assert flown.reports[-1].time_s - last_s < 1.0
 
 
 # -- again -----------------------------------------------------------------------------------------
@@ -279,7 +290,7 @@ def test_equal_seeds_give_equal_bytes_in_every_process(
         for hash_seed in ("1", "2")
     ]
     for log_dir, child in children:
-        printed, _ = child.communicate(timeout=120)
+        printed, _ = child.communicate(timeout=600)
         assert child.returncode == 0, printed
         (folder,) = log_dir.iterdir()
         written.append((folder / "events.jsonl").read_bytes())
@@ -302,6 +313,6 @@ def start_command(log_dir: Path, hash_seed: str) -> subprocess.Popen[str]:
 def test_a_vehicle_that_says_nothing_ends_the_wait(surveillance: Mission, hall: World) -> None:
     elsewhere = Simulation(*hall, seed=0, links=frozenset({LinkName.GCS}))
     with pytest.raises(LinkTimeout, match="not heard in 3 s") as caught:
-        fly_in_lockstep(Companion(surveillance, Notes()), elsewhere, timeout_s=3.0)
+        LockstepFlight(Companion(surveillance, Notes()), elsewhere).fly(timeout_s=3.0)
     assert caught.value.exit_code == 4
     assert elsewhere.flight.time_s == pytest.approx(3.0, abs=0.1)

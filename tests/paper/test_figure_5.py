@@ -11,8 +11,9 @@ import py_trees
 from rig import Rig
 from synthetic import command, mission
 
-from companion.acting.predictions import Predictions
-from companion.acting.tree import build
+from companion.acting.behaviour_tree.builder import build
+from companion.acting.replanning.assumptions import Assumptions
+from companion.flight_events.plans import LapCompleted
 from companion.mission.model import Mission
 from companion.motion.routes import RouteMap
 
@@ -24,7 +25,7 @@ def text_of(root: py_trees.behaviour.Behaviour) -> list[str]:
 def tree_of_the_plan(rig: Rig) -> list[str]:
     lasso = rig.begin().executive.lasso
     assert lasso is not None
-    return text_of(build(rig.flight, lasso, Predictions(rig.planner, rig.flight)))
+    return text_of(build(rig.flight, lasso, Assumptions(rig.planner, rig.flight)))
 
 
 def move_as_text(origin: str, goal: str) -> list[str]:
@@ -90,7 +91,6 @@ def test_a_command_and_rest_have_the_same_shape() -> None:
 
 def test_the_prefix_is_executed_once_and_the_suffix_for_ever() -> None:
     rig = Rig(mission("G F at(A) & G F at(B)")).begin()
-    rig.run_until("lap 3 done")
-    visits = rig.of_kind("at")
-    assert visits == ["at A", *["at B", "at A"] * 3]
+    rig.run_until(LapCompleted, lap=3)
+    assert rig.places == ["A", *["B", "A"] * 3]
     assert str(rig.executive.lasso) == "move(H, A), (move(A, B), move(B, A))^w"

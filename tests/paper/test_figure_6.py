@@ -7,15 +7,18 @@ selector
 
 from __future__ import annotations
 
+from happened import Replan
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 from py_trees.decorators import Retry
 from rig import Rig
 from synthetic import POSITIONS, mission, move
 
-from companion.acting.executive import TaskStatus
-from companion.acting.predictions import Predictions
-from companion.acting.tree import build
+from companion.acting.behaviour_tree.builder import build
+from companion.acting.executive_states import TaskStatus
+from companion.acting.replanning.assumptions import Assumptions
+from companion.flight_events.facts import BeliefWithdrawn
+from companion.flight_events.skills import SkillFailed, SymbolMoved
 from companion.planning.domain import WAIT, Action
 from companion.planning.lasso import Lasso
 
@@ -34,7 +37,7 @@ class Figure:
         self.root = build(
             self.rig.flight,
             Lasso((self.action,), (WAIT,)),
-            Predictions(self.rig.planner, self.rig.flight),
+            Assumptions(self.rig.planner, self.rig.flight),
         )
         self.selector = self.root.children[1].children[0]
         self.triple, self.inverter = self.selector.children
@@ -120,10 +123,10 @@ def test_failure_right_branch() -> None:
     assert figure.rig.task.withdrawn == {"trans_ok(H, A)"}
     assert "trans_ok(H, A)" not in figure.rig.task.all_facts
     assert figure.rig.task.facts == {"at(here)"}  # on the way
-    texts = [r.text for r in figure.rig.flight.reports if r.kind != "symbol"]
-    assert texts == [
-        "move(H, A) failed: not there after 1 s",
-        "belief trans_ok(H, A) withdrawn",
+    events = [stamped.event for stamped in figure.rig.flight.reports]
+    assert [event for event in events if not isinstance(event, SymbolMoved)] == [
+        SkillFailed("move(H, A)", "not there after 1 s"),
+        BeliefWithdrawn("trans_ok(H, A)"),
     ]
 
 
@@ -133,14 +136,10 @@ def test_the_failure_of_the_root_replans_without_the_deleted_transition() -> Non
     rig.vehicle.drift = (0.0, 0.5, 0.0)  # it always settles beside its setpoint
     rig.run(lambda: rig.executive.replans > 0)
     rig.vehicle.drift = (0.0, 0.0, 0.0)
-    texts = [report.text for report in rig.reports if report.kind != "symbol"]
-    assert texts[1:3] == [
-        "move(H, A) failed: still 0.5 m from A",
-        "belief trans_ok(H, A) withdrawn",
-    ]
-    assert texts[3] == (
-        "replan 1: move(H, A) failed: still 0.5 m from A -> move(here, A), (wait)^w"
-    )
+    failed = SkillFailed("move(H, A)", "still 0.5 m from A")
+    story = [event for event in rig.story if not isinstance(event, SymbolMoved)]
+    replan = Replan(failed.text, "move(here, A), (wait)^w")
+    assert story[1:] == [failed, BeliefWithdrawn("trans_ok(H, A)"), replan]
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
     assert rig.task.withdrawn == {"trans_ok(H, A)"}
 

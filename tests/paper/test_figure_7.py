@@ -18,18 +18,19 @@ import pytest
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 
-from companion.acting.report import Report
-from companion.app import Companion
+from companion.api.simulating import lockstep, world_of
+from companion.flight_events.event import FlightEvent, Stamped
+from companion.flight_events.facts import BeliefWithdrawn, MissionEventChanged
+from companion.flight_events.plans import PlanMade, PlanReplaced
+from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFailed
 from companion.geometry import Ned, horizontal_distance
 from companion.mission.model import Mission
 from companion.record.figure import Trail, figure_of
 from companion.record.run_folder import RunFolder
-from sitl.harness import fly_in_lockstep
-from sitl.link.routing import LinkName
-from sitl.simulation import Simulation
-from sitl.world.scenario import read_scenario
 
 SCENARIO = Path(__file__).parents[2] / "missions" / "surveillance.sim.yaml"
+
+TOLD = (PlaceReached, SkillCompleted, MissionEventChanged, SkillFailed, BeliefWithdrawn)
 
 
 @dataclass
@@ -38,7 +39,7 @@ class Flown:
 
     folder: Path
     trail: Trail
-    reports: list[Report]
+    reports: list[Stamped]
 
     def plan(self, number: int) -> tuple[list[str], list[str]]:
         """Names of the actions of prefix and loop."""
@@ -47,24 +48,21 @@ class Flown:
         prefix, loop = ([a["action"] for a in plan[part]] for part in ("prefix", "loop"))
         return prefix, loop
 
-    def told_in(self, number: int) -> list[str]:
+    def told_in(self, number: int) -> list[FlightEvent]:
         """What was done, failed or noticed between a plan and the next one."""
-        made = [i for i, r in enumerate(self.reports) if r.kind in ("plan", "replan")]
-        ends = [*made, len(self.reports)]
-        between = self.reports[ends[number] : ends[number + 1]]
-        kinds = ("at", "done", "event", "failed", "withdrawn")
-        return [r.text for r in between if r.kind in kinds]
+        events = [stamped.event for stamped in self.reports]
+        made = [i for i, event in enumerate(events) if isinstance(event, PlanMade | PlanReplaced)]
+        ends = [*made, len(events)]
+        between = events[ends[number] : ends[number + 1]]
+        return [event for event in between if isinstance(event, TOLD)]
 
 
 @pytest.fixture(scope="module")
 def flown(surveillance: Mission, tmp_path_factory: pytest.TempPathFactory) -> Flown:
-    reports: list[Report] = []
+    reports: list[Stamped] = []
     path = tmp_path_factory.mktemp("figure7")
     folder = RunFolder(path, surveillance, 0.0, reports.append)
-    scenario, grid = read_scenario(SCENARIO)
-    links = frozenset({LinkName.OFFBOARD})
-    simulation = Simulation(scenario, grid, seed=0, links=links)
-    fly_in_lockstep(Companion(surveillance, folder), simulation)
+    lockstep(surveillance, world_of(surveillance), folder).fly()
     folder.close()
     return Flown(path, folder.trail, reports)
 
@@ -98,7 +96,13 @@ def test_a_the_vehicle_loops_around_three_sites_to_search_a_target(
     assert loop == ["move(A, B)", "move(B, C)", "move(C, A)"]
     _, trail = flown.trail.parts[0]
     assert entered(surveillance, trail) == ["Home", "A", "B", "C", "A"]
-    assert flown.told_in(0) == ["at A", "at B", "at C", "at A", "target found"]
+    assert flown.told_in(0) == [
+        PlaceReached("A", "move(Home, A)"),
+        PlaceReached("B", "move(A, B)"),
+        PlaceReached("C", "move(B, C)"),
+        PlaceReached("A", "move(C, A)"),
+        MissionEventChanged("targetFound", holds=True),
+    ]
 
 
 def test_b_a_target_is_found_and_the_vehicle_flies_to_r1(
@@ -108,8 +112,8 @@ def test_b_a_target_is_found_and_the_vehicle_flies_to_r1(
     assert prefix == ["move(here, r1)", "upload(r1)", "move(r1, Home)"]
     _, trail = flown.trail.parts[1]
     assert entered(surveillance, trail) == ["r1"]
-    refused = ["upload(r1) failed: denied", "belief canUpload(r1) withdrawn"]
-    assert flown.told_in(1) == ["at r1", *refused]
+    refused = [SkillFailed("upload(r1)", "denied"), BeliefWithdrawn("canUpload(r1)")]
+    assert flown.told_in(1) == [PlaceReached("r1", "move(here, r1)"), *refused]
 
 
 def test_c_the_upload_has_failed_and_the_vehicle_flies_to_r2_and_home(
@@ -120,7 +124,11 @@ def test_c_the_upload_has_failed_and_the_vehicle_flies_to_r2_and_home(
     assert loop == ["wait"]
     _, trail = flown.trail.parts[2]
     assert entered(surveillance, trail) == ["r1", "r2", "Home"]
-    assert flown.told_in(2) == ["at r2", "upload(r2) done", "at Home"]
+    assert flown.told_in(2) == [
+        PlaceReached("r2", "move(r1, r2)"),
+        SkillCompleted("upload(r2)"),
+        PlaceReached("Home", "move(r2, Home)"),
+    ]
 
 
 # -- as it is drawn --------------------------------------------------------------------------------

@@ -20,7 +20,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from synthetic import at_the_start, command, mission
+from synthetic import command, mission
 
 from companion.errors import NoPlanError
 from companion.ltl.patterns import PATTERNS
@@ -126,9 +126,9 @@ def written(actions: tuple[Action, ...]) -> str:
 def test_the_plan_is_what_the_pattern_means(task: str) -> None:
     order, prefix, loop = PLANS[task]
     made = planner({"task": task}, order)
-    lasso = made.plan(*at_the_start(made))
+    lasso = made.plan().lasso
     assert (written(lasso.prefix), written(lasso.suffix)) == (prefix, loop)
-    assert made.replan(*at_the_start(made)) == lasso
+    assert made.replan(*made.initial_problem()) == lasso
 
 
 @pytest.mark.parametrize("task", NO_PLANS)
@@ -137,7 +137,7 @@ def test_where_the_world_has_no_room_for_a_pattern_it_is_named(task: str) -> Non
     lines = dict(line.strip().split(": ", 1) for line in task.split(";"))
     made = planner(lines, order)
     with pytest.raises(NoPlanError, match=f"no plan: {named} cannot hold"):
-        made.plan(*at_the_start(made))
+        made.plan()
 
 
 def test_every_pattern_has_been_planned() -> None:

@@ -12,18 +12,22 @@ from unittest.mock import Mock
 
 import pytest
 from fakes import DONE, failed
+from happened import Replan
 from rig import Rig
 from synthetic import command, event, mission, reading
 
-from companion.acting.executive import TaskStatus
-from companion.acting.task_state import TaskState
+from companion.acting.executive_states import TaskStatus
+from companion.flight_events.facts import BeliefWithdrawn, MissionEventChanged
+from companion.flight_events.plans import LapCompleted, NoPlanFound
+from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFailed
 from companion.ltl.parser import parse
 from companion.ltl.semantics import holds
 from companion.ltl.translate import translate
 from companion.mission.model import Mission, Signal
 from companion.motion.routes import RouteMap
-from companion.planning.domain import ground
+from companion.planning.domain import instantiate
 from companion.planning.lasso import Problem, word
+from companion.planning.task_state import TaskState
 
 TARGET = (Signal("NAMED_VALUE_INT", "target", "value"), 1.0)
 SITES = ("Home", "A", "B", "C", "r1", "r2", "r3")
@@ -44,7 +48,7 @@ def fly_section_5(rig: Rig) -> Rig:
     """The flight of Fig. 7: a target on the way to B for the second time, r1 refuses."""
     rig.begin()
     rig.vehicle.answers = [(2.0, failed("denied")), (1.0, DONE)]
-    rig.run_until("at A", times=2)
+    rig.run_until(PlaceReached, place="A", times=2)
     for _ in range(60):
         rig.tick()
     rig.tick(TARGET)
@@ -93,7 +97,7 @@ def test_the_task_is_the_paper_s_formula(surveillance: Mission) -> None:
 
 def test_the_first_plan_cycles_among_a_b_and_c(rig: Rig) -> None:
     rig.begin()
-    assert rig.texts == ["plan: move(Home, A), (move(A, B), move(B, C), move(C, A))^w"]
+    assert rig.story == ["move(Home, A), (move(A, B), move(B, C), move(C, A))^w"]
 
 
 def test_the_first_plan_satisfies_the_formula(rig: Rig) -> None:
@@ -106,22 +110,23 @@ def test_the_first_plan_satisfies_the_formula(rig: Rig) -> None:
 
 def test_the_simulation_of_figure_7(rig: Rig) -> None:
     """(a) loops, (b) a target and so to r1, (c) r1 refuses and so to r2, and then home."""
-    assert fly_section_5(rig).texts == [
-        "plan: move(Home, A), (move(A, B), move(B, C), move(C, A))^w",
-        "at A",
-        "at B",
-        "at C",
-        "at A",
-        "lap 1 done",
-        "target found",
-        "replan 1: target found -> move(here, r1), upload(r1), move(r1, Home), (wait)^w",
-        "at r1",
-        "upload(r1) failed: denied",
-        "belief canUpload(r1) withdrawn",
-        "replan 2: upload(r1) failed: denied -> move(r1, r2), upload(r2), move(r2, Home), (wait)^w",
-        "at r2",
-        "upload(r2) done",
-        "at Home",
+    refused = SkillFailed("upload(r1)", "denied")
+    assert fly_section_5(rig).story == [
+        "move(Home, A), (move(A, B), move(B, C), move(C, A))^w",
+        PlaceReached("A", "move(Home, A)"),
+        PlaceReached("B", "move(A, B)"),
+        PlaceReached("C", "move(B, C)"),
+        PlaceReached("A", "move(C, A)"),
+        LapCompleted(1),
+        MissionEventChanged("targetFound", holds=True),
+        Replan("target found", "move(here, r1), upload(r1), move(r1, Home), (wait)^w"),
+        PlaceReached("r1", "move(here, r1)"),
+        refused,
+        BeliefWithdrawn("canUpload(r1)"),
+        Replan(refused.text, "move(r1, r2), upload(r2), move(r2, Home), (wait)^w"),
+        PlaceReached("r2", "move(r1, r2)"),
+        SkillCompleted("upload(r2)"),
+        PlaceReached("Home", "move(r2, Home)"),
     ]
 
 
@@ -145,14 +150,12 @@ def test_the_word_that_was_flown_satisfies_what_was_never_restarted(rig: Rig) ->
 def test_a_refused_site_is_not_tried_again(rig: Rig) -> None:
     rig.begin()
     rig.vehicle.answers = [(1.0, failed("denied")), (1.0, failed("denied")), (1.0, DONE)]
-    rig.run_until("at A")
+    rig.run_until(PlaceReached, place="A")
     rig.tick(TARGET)
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
-    assert [t for t in rig.texts if t.startswith("upload")] == [
-        "upload(r1) failed: denied",
-        "upload(r2) failed: denied",
-        "upload(r3) done",
-    ]
+    failures = [(failed.action, failed.reason) for failed in rig.of(SkillFailed)]
+    assert failures == [("upload(r1)", "denied"), ("upload(r2)", "denied")]
+    assert rig.of(SkillCompleted) == [SkillCompleted("upload(r3)")]
     assert rig.executive.replans == 3
 
 
@@ -161,7 +164,7 @@ def test_when_all_sites_refuse_there_is_no_plan_and_each_is_to_blame(rig: Rig) -
     rig.vehicle.answers = [(1.0, failed("denied"))] * 3
     rig.tick(TARGET)
     assert rig.run_to_the_end() is TaskStatus.NO_PLAN
-    last = rig.texts[-1]
+    last = rig.one(NoPlanFound).explanation
     assert "no plan: upload cannot hold from here." in last
     assert "with canUpload(r1) or canUpload(r2) or canUpload(r3) there would be a plan" in last
 
@@ -172,15 +175,15 @@ def test_when_all_sites_refuse_there_is_no_plan_and_each_is_to_blame(rig: Rig) -
 def test_nothing_but_the_initial_state_changes_in_flight(
     surveillance: Mission, surveillance_routes: RouteMap, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Each conjunct is translated once, and skills are grounded once, over the whole flight."""
-    translated, grounded = Mock(wraps=translate), Mock(wraps=ground)
+    """Each conjunct is translated once, and skills are instantiated once, over the whole flight."""
+    translated, instantiated = Mock(wraps=translate), Mock(wraps=instantiate)
     monkeypatch.setattr("companion.planning.planner.translate", translated)
-    monkeypatch.setattr("companion.planning.planner.ground", grounded)
+    monkeypatch.setattr("companion.planning.planner.instantiate", instantiated)
     rig = Rig(surveillance, surveillance_routes)
     automata = [conjunct.automaton for conjunct in rig.planner.conjuncts]
     actions = rig.planner.model.actions
-    planned, replanned = Mock(wraps=rig.planner.plan), Mock(wraps=rig.planner.replan)
-    monkeypatch.setattr(rig.planner, "plan", planned)
+    planned, replanned = Mock(wraps=rig.planner.solve), Mock(wraps=rig.planner.replan)
+    monkeypatch.setattr(rig.planner, "solve", planned)
     monkeypatch.setattr(rig.planner, "replan", replanned)
     fly_section_5(rig)
 
@@ -188,7 +191,7 @@ def test_nothing_but_the_initial_state_changes_in_flight(
     problems: list[Problem] = [call.args[0] for call in calls]
     assert len(problems) == 4  # after the target was found also: is the plan still the best one?
     assert translated.call_count == len(automata) == 5
-    assert grounded.call_count == 1
+    assert instantiated.call_count == 1
     for problem in problems:
         assert problem.conjuncts is rig.planner.conjuncts
         assert all(c.automaton is a for c, a in zip(problem.conjuncts, automata, strict=True))
@@ -248,18 +251,18 @@ def test_what_was_visited_is_not_visited_again() -> None:
     rig.vehicle.answers = [(1.0, failed("denied")), (1.0, DONE)]
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
     assert rig.executive.replans == 1
-    assert rig.of_kind("at") == ["at A", "at B", "at H"]
+    assert rig.places == ["A", "B", "H"]
 
 
 def test_without_its_history_the_planner_would_visit_it_again() -> None:
     """The other half of the argument: from the initial states, A is still to be visited at B."""
     rig = Rig(mission("F (at(A) & F at(B))")).begin()
-    rig.run_until("at B")
+    rig.run_until(PlaceReached, place="B")
     forgetful = TaskState(rig.planner)
     forgetful.facts = frozenset({"at(B)"})
-    assert str(rig.planner.plan(*rig.task.problem())) == "(wait)^w"
+    assert str(rig.planner.solve(*rig.task.problem())) == "(wait)^w"
     again = "move(B, A), move(A, B), (wait)^w"
-    assert str(rig.planner.plan(*forgetful.problem())) == again
+    assert str(rig.planner.solve(*forgetful.problem())) == again
 
 
 def test_an_event_may_restart_a_conjunct(surveillance: Mission, rig: Rig) -> None:
@@ -268,7 +271,7 @@ def test_an_event_may_restart_a_conjunct(surveillance: Mission, rig: Rig) -> Non
     strict = Rig(replace(surveillance, events=kept_events), rig.flight.routes)
     for asked in (strict, rig):
         asked.begin()
-        asked.run_until("at A")
+        asked.run_until(PlaceReached, place="A")
         asked.tick(TARGET)
     first_goals = [str(asked.executive.lasso).split(",")[1] for asked in (strict, rig)]
     assert first_goals[1] == " r1)"

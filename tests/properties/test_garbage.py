@@ -10,8 +10,8 @@ import pytest
 from garbage import KINDS, any_frame, frame, payload_of, random_bytes, truncated_frame, with_fields
 from wire import Wire
 
-from companion.mavlink.framing import Endpoint, Message, dialect
-from sitl.link.component import AutopilotComponent
+from companion.mavlink.framing import MavlinkCodec, Message, dialect
+from sitl.link.autopilot_component import AutopilotComponent
 from sitl.link.routing import LinkName, is_for
 from sitl.simulation import Simulation
 
@@ -38,7 +38,7 @@ def state(simulation: Simulation) -> tuple[object, ...]:
         autopilot.home,
         autopilot.cruise_mps,
         autopilot._setpoint,
-        autopilot._flying,
+        autopilot._active_mode,
         parameters,
     )
 
@@ -56,7 +56,7 @@ def test_garbage_changes_nothing(garbage: Garbage, number: int) -> None:
     wire = Wire()
     wire.fly_offboard(2.0, 0.0, -3.0)
     wire.set_mode("AUTO.LOITER")
-    simulation, ear = wire.simulation, Endpoint(0, 0)
+    simulation, ear = wire.simulation, MavlinkCodec(0, 0)
     step, before = round(wire.now_s / 0.004), state(simulation)
     for i in range(number):
         datagram = garbage(rng)
@@ -84,5 +84,7 @@ def test_nonsense_for_the_autopilot_is_survived(number: int) -> None:
         datagram = frame_for_the_autopilot(rng)
         simulation.step(step * 0.004, [(rng.choice(list(LinkName)), datagram)])
         step += i % STEP_EVERY == 0
-    told = [m for _, f in simulation.step(step * 0.004 + 2.0, []) for m in Endpoint(0, 0).parse(f)]
+    told = [
+        m for _, f in simulation.step(step * 0.004 + 2.0, []) for m in MavlinkCodec(0, 0).parse(f)
+    ]
     assert any(m.get_type() == "HEARTBEAT" for m in told)

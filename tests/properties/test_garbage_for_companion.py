@@ -21,15 +21,16 @@ from notes import Notes
 from synthetic import mission
 
 from companion.acting.flight import TICK_S
-from companion.acting.report import Report
 from companion.app import Companion
-from companion.ground.checking import Answer
+from companion.flight_events.event import Stamped
+from companion.flight_events.sortie import Phase, PhaseEntered
+from companion.ground.checking import CheckResult
 from companion.ground.component import Component
 from companion.ground.parameters import NAMES
 from companion.ground.uploads import Uploads
-from companion.mavlink.framing import Endpoint, dialect
+from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mission.model import Mission
-from companion.run import Recorder
+from companion.mission_run import Recorder
 
 TASK = "G F at(A) & G F at(B)"
 PER_TICK = 4
@@ -81,7 +82,7 @@ def garbage(rng: random.Random, knows: bool) -> bytes:
 
 def means_nothing(datagram: bytes) -> bool:
     """Whether it sets and commands nothing that the companion knows, nor comes from on board."""
-    for message in Endpoint(0, 0).parse(datagram):
+    for message in MavlinkCodec(0, 0).parse(datagram):
         is_known = getattr(message, "command", 0) in KNOWN
         if is_known or message.get_type() == "PARAM_SET" or message.get_srcSystem() == 1:
             return False
@@ -101,7 +102,7 @@ class Aboard(Notes):
         )
         self.beats_s: list[float] = []
         self.acknowledged = 0
-        self._autopilot, self._ear = Autopilot(), Endpoint(0, 0)
+        self._autopilot, self._ear = Autopilot(), MavlinkCodec(0, 0)
         self._answers: list[bytes] = []
         self._ticks = 0
 
@@ -115,8 +116,8 @@ class Aboard(Notes):
     def end_run(self, recorder: Recorder) -> None:
         """Nothing is kept open."""
 
-    def tell(self, report: Report) -> None:
-        self.report(report)
+    def tell(self, stamped: Stamped) -> None:
+        self.report(stamped)
 
     def tick(self, datagrams: list[bytes]) -> None:
         """One tick; every command to it is answered in it, once, to who has sent it."""
@@ -146,8 +147,8 @@ class Aboard(Notes):
 class Refused:
     """A check that is over at once."""
 
-    def poll(self) -> Answer:
-        return Answer(False, "no mission")
+    def poll(self) -> CheckResult:
+        return CheckResult(False, "no mission")
 
     def kill(self) -> None:
         """It is over."""
@@ -155,7 +156,7 @@ class Refused:
 
 def asked_in(datagrams: list[bytes]) -> Counter[tuple[int, int, int]]:
     """The commands to component 191, by who sent them."""
-    ear = Endpoint(0, 0)
+    ear = MavlinkCodec(0, 0)
     messages: list[Any] = [m for d in datagrams for m in ear.parse(d)]
     return Counter(
         (m.get_srcSystem(), m.get_srcComponent(), m.command)
@@ -176,7 +177,7 @@ def test_a_companion_that_hosts_survives_what_ground_stations_cannot_mean(
     assert aboard.beats_each_second()
     assert not (tmp_path / "incoming" / "verdict.json").is_dir()
     assert aboard.runs >= 1 and aboard.acknowledged > number // 100
-    assert "flying the task" in aboard.texts
+    assert PhaseEntered(Phase.TASK) in aboard.events
 
 
 @pytest.mark.parametrize("number", NUMBERS, ids=["few", "many"])
@@ -189,5 +190,5 @@ def test_a_flight_takes_no_notice_of_what_means_nothing(number: int) -> None:
         disturbed.tick([datagram for datagram in said if means_nothing(datagram)])
         undisturbed.tick([])
     assert disturbed.beats_each_second()
-    assert disturbed.texts == undisturbed.texts
-    assert "at A" in disturbed.texts and disturbed.acknowledged > number // 100
+    assert disturbed.reports == undisturbed.reports
+    assert "A" in disturbed.places and disturbed.acknowledged > number // 100

@@ -21,10 +21,10 @@ from scipy import ndimage
 from companion.geometry import NorthEast, wrap_angle
 from companion.motion.free_space import ENTRY_M
 from companion.motion.grid import OccupancyGrid
-from companion.motion.profile import JERK_MPS3, SpeedLimits, flight_time_s
+from companion.motion.line_of_sight import LineOfSight
+from companion.motion.profile import SpeedLimits, flight_time_s
 from companion.motion.regions import Regions
-from companion.motion.routes import Route, RouteMap, Site
-from companion.motion.sight import Sight
+from companion.motion.routes import PlaceRegion, Route, RouteMap
 from companion.motion.trajectory import (
     CORNER_TIME_S,
     YAW_RATE_RADPS,
@@ -32,6 +32,9 @@ from companion.motion.trajectory import (
     motion_of,
     run_out,
 )
+
+JERK = 8.0  # m/s3
+
 
 FAST = settings(max_examples=60, deadline=None, derandomize=True)
 WIDE: list[NorthEast] = [(-99, -99), (-99, 99), (99, 99), (99, -99)]
@@ -97,13 +100,15 @@ def test_the_distance_field_equals_brute_force(grid: OccupancyGrid) -> None:
 
 @FAST
 @given(grids(), st.data())
-def test_sight_agrees_with_separating_axes(grid: OccupancyGrid, data: st.DataObject) -> None:
+def test_line_of_sight_agrees_with_separating_axes(
+    grid: OccupancyGrid, data: st.DataObject
+) -> None:
     rows, cols = grid.occupied.shape
     quarter = st.tuples(st.integers(0, 4 * rows), st.integers(0, 4 * cols))  # corners, edges too
     a, b = (np.array(data.draw(quarter)) / 4 for _ in range(2))
     framed = np.argwhere(np.pad(grid.occupied, 1, constant_values=True)) - 1.0
     expected = not meets(a[None], b[None], framed, grown=1e-7).any()
-    assert bool(Sight(~grid.occupied).is_clear(a, b)) is expected
+    assert bool(LineOfSight(~grid.occupied).is_clear(a, b)) is expected
 
 
 @FAST
@@ -111,7 +116,7 @@ def test_sight_agrees_with_separating_axes(grid: OccupancyGrid, data: st.DataObj
 def test_a_quick_look_dismisses_no_clear_leg_and_most_others(
     grid: OccupancyGrid, seed: int
 ) -> None:
-    sight, chance = Sight(~grid.occupied), np.random.default_rng(seed)
+    sight, chance = LineOfSight(~grid.occupied), np.random.default_rng(seed)
     a, b = chance.integers(0, 4 * np.array(grid.occupied.shape) + 1, (2, 200, 2)) / 4
     is_clear, may_be_clear = sight.is_clear(a, b), sight.may_be_clear(a, b)
     assert may_be_clear[is_clear].all()
@@ -142,7 +147,7 @@ def test_legs_keep_the_clearance_and_exist_where_cells_connect(
     assume(is_free.any())
     free = np.argwhere(is_free).tolist()
     start, goal = draw_position(data, grid, free), draw_position(data, grid, free)
-    routes = RouteMap(grid, {"goal": Site((*goal, -2.0), 0.5, True)}, WIDE, clearance_m)
+    routes = RouteMap(grid, {"goal": PlaceRegion((*goal, -2.0), 0.5, True)}, WIDE, clearance_m)
     route = routes.route((*start, -1.0), "goal")
     parts = ndimage.label(is_free)[0]
     if parts[grid.cell(start)] != parts[grid.cell(goal)]:
@@ -184,8 +189,8 @@ def test_lengths_are_close_to_the_optimum_of_a_visibility_graph(
         zip(first[clear].tolist(), second[clear].tolist(), lengths[clear].tolist(), strict=True)
     )
     goal = data.draw(st.integers(0, len(free) - 1))
-    site = Site((*grid.centre(*free[goal].tolist()), 0.0), 0.0, False)
-    routes = RouteMap(grid, {"goal": site}, WIDE, 2 * grid.cell_m)
+    place = PlaceRegion((*grid.centre(*free[goal].tolist()), 0.0), 0.0, False)
+    routes = RouteMap(grid, {"goal": place}, WIDE, 2 * grid.cell_m)
     optimum = nx.single_source_dijkstra_path_length(visible, goal)
     for i, cell in enumerate(free.tolist()):
         start = grid.centre(*cell)
@@ -206,15 +211,15 @@ def test_no_route_enters_the_region_of_another_place(
     assume(free)
     start = draw_position(data, grid, free)
     radius = st.floats(0.1, 4.0).map(lambda cells: cells * grid.cell_m)
-    sites = {
-        name: Site((*draw_position(data, grid, free), 0.0), data.draw(radius), True)
+    places = {
+        name: PlaceRegion((*draw_position(data, grid, free), 0.0), data.draw(radius), True)
         for name in ("goal", "X", "Y")
     }
-    route = RouteMap(grid, sites, WIDE, grid.cell_m).route((*start, 0.0), "goal")
+    route = RouteMap(grid, places, WIDE, grid.cell_m).route((*start, 0.0), "goal")
     assume(route is not None)
     assert route is not None
     for name in ("X", "Y"):
-        centre, radius_m = np.array(sites[name].position[:2]), sites[name].radius_m
+        centre, radius_m = np.array(places[name].position[:2]), places[name].radius_m
         legs = list(pairwise(route.waypoints[:, :2]))
         outside = [i for i, (a, _) in enumerate(legs) if np.linalg.norm(a - centre) >= radius_m]
         for a, b in legs[outside[0] :] if outside else []:  # once outside, outside for good
@@ -229,12 +234,12 @@ def test_routes_do_not_depend_on_what_the_map_was_before(
     cells = np.argwhere(np.ones_like(grid.occupied)).tolist()
     names = ("A", "B", "X")
     radius = st.floats(0.1, 3.0).map(lambda cells: cells * grid.cell_m)
-    sites = {
-        name: Site((*draw_position(data, grid, cells), 0.0), data.draw(radius), True)
+    places = {
+        name: PlaceRegion((*draw_position(data, grid, cells), 0.0), data.draw(radius), True)
         for name in names
     }
     start = draw_position(data, grid, cells)
-    routes = RouteMap(grid, sites, WIDE, grid.cell_m)
+    routes = RouteMap(grid, places, WIDE, grid.cell_m)
     for _ in range(data.draw(st.integers(1, 4))):
         routes.distance_m(start, data.draw(st.sampled_from(names)))
         occupied = grid.occupied.copy()
@@ -243,7 +248,7 @@ def test_routes_do_not_depend_on_what_the_map_was_before(
         occupied[row : row + height, col : col + width] = data.draw(st.booleans())
         grid = OccupancyGrid(occupied, grid.cell_m, grid.origin)
         routes.see(grid)
-    new = RouteMap(grid, sites, WIDE, grid.cell_m)
+    new = RouteMap(grid, places, WIDE, grid.cell_m)
     for name in names:
         assert routes.distance_m(start, name) == pytest.approx(new.distance_m(start, name))
         route, expected = (each.route((*start, 0.0), name) for each in (routes, new))
@@ -262,7 +267,7 @@ def test_a_start_beside_the_free_cells_is_left_across_no_obstacle(
     assume(is_free.any() and band)
     start = draw_position(data, grid, band)
     goal = draw_position(data, grid, np.argwhere(is_free).tolist())
-    routes = RouteMap(grid, {"goal": Site((*goal, 0.0), 0.5, True)}, WIDE, 2.5 * grid.cell_m)
+    routes = RouteMap(grid, {"goal": PlaceRegion((*goal, 0.0), 0.5, True)}, WIDE, 2.5 * grid.cell_m)
     route = routes.route((*start, 0.0), "goal")
     assume(route is not None)
     assert route is not None
@@ -290,7 +295,7 @@ def test_a_trajectory_keeps_its_limits_and_its_route(
     corners: list[tuple[float, float, float]], speed: float, acceleration: float, yaw_rad: float
 ) -> None:
     route = Route(np.array(corners))
-    trajectory = Trajectory(route, SpeedLimits(speed, acceleration), yaw_rad)
+    trajectory = Trajectory(route, SpeedLimits(speed, acceleration, JERK), yaw_rad)
     times, dt_s = np.linspace(-0.1, trajectory.duration_s + 0.1, 1500, retstep=True)
     samples = [trajectory.sample(float(t_s)) for t_s in times]
     positions = np.array([sample.position for sample in samples])
@@ -302,7 +307,7 @@ def test_a_trajectory_keeps_its_limits_and_its_route(
     assert positions[-1].tolist() == list(corners[-1])
     assert rates.max() <= speed + 1e-9
     assert np.linalg.norm(changes, axis=1).max() <= acceleration + 1e-9
-    assert np.linalg.norm(np.diff(changes, axis=0), axis=1).max() <= JERK_MPS3 * dt_s + 1e-6
+    assert np.linalg.norm(np.diff(changes, axis=0), axis=1).max() <= JERK * dt_s + 1e-6
     assert np.abs(np.diff(rates)).max() <= acceleration * dt_s + 1e-9
     steps = np.linalg.norm(np.diff(positions, axis=0), axis=1)
     assert np.all(steps <= (rates[:-1] + rates[1:]) / 2 * dt_s + acceleration * dt_s**2 + 1e-9)
@@ -320,7 +325,7 @@ def test_the_velocity_jumps_at_corners_by_a_bounded_amount_and_nowhere_else(
     corners: list[tuple[float, float, float]], speed: float, acceleration: float
 ) -> None:
     assume(all(math.dist(a, b) > 1.0 for a, b in pairwise(corners)))
-    trajectory = Trajectory(Route(np.array(corners)), SpeedLimits(speed, acceleration))
+    trajectory = Trajectory(Route(np.array(corners)), SpeedLimits(speed, acceleration, JERK))
     dt_s = 0.5 / speed / 20  # at most one corner in each step
     times = np.arange(0.0, trajectory.duration_s, dt_s).tolist()
     velocities = np.array([trajectory.sample(t_s).velocity for t_s in times])
@@ -335,7 +340,10 @@ def test_a_route_takes_longer_than_its_length_in_a_straight_line_but_not_than_st
     corners: list[tuple[float, float, float]], speed: float, acceleration: float
 ) -> None:
     route = Route(np.array(corners))
-    legs, limits = [math.dist(a, b) for a, b in pairwise(corners)], SpeedLimits(speed, acceleration)
+    legs, limits = (
+        [math.dist(a, b) for a, b in pairwise(corners)],
+        SpeedLimits(speed, acceleration, JERK),
+    )
     duration_s = Trajectory(route, limits).duration_s
     assert flight_time_s(route.length_m, limits) <= duration_s + 1e-6
     assert duration_s <= sum(flight_time_s(leg, limits) for leg in legs) + 1e-6

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from rig import Rig
 from synthetic import command, mission
 
-from companion.acting.executive import TaskStatus
+from companion.acting.executive_states import TaskStatus
 from companion.errors import NoPlanError
 from companion.planning.lasso import word
 
@@ -51,11 +51,11 @@ def fly(rig: Rig) -> list[str]:
 
     def watch() -> bool:
         nonlocal under_way
-        for _ in range(rig.flight.completed - len(completed)):
+        for _ in range(rig.flight.progress.completed - len(completed)):
             completed.append(under_way)
         under_way = rig.task.running.name if rig.task.running else ""
         is_over = rig.executive.status is not TaskStatus.RUNNING
-        return is_over or rig.flight.laps == LAPS
+        return is_over or rig.flight.progress.laps == LAPS
 
     rig.run(watch, LIMIT_S)
     return completed
@@ -74,7 +74,7 @@ def test_the_tree_executes_the_prefix_and_then_the_loop_again_and_again(parts: l
     laps = 1 if lasso.ends_at_rest else LAPS
     assert fly(rig) == [a.name for a in (*lasso.prefix, *lasso.suffix * laps)]
     assert rig.executive.replans == 0
-    assert rig.flight.laps == laps
+    assert rig.flight.progress.laps == laps
     ending = TaskStatus.SATISFIED if lasso.ends_at_rest else TaskStatus.RUNNING
     assert rig.executive.status is ending
 

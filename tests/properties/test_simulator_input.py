@@ -6,13 +6,13 @@ from typing import Any
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from companion.mavlink.framing import Endpoint, dialect
+from companion.mavlink.framing import MavlinkCodec, dialect
 from sitl.link.commands import COMMANDS
 from sitl.link.routing import LinkName
 from sitl.simulation import Simulation
 from sitl.world.scenario import Scenario
 
-SENDER = Endpoint(1, 191)
+SENDER = MavlinkCodec(1, 191)
 number = st.one_of(
     st.sampled_from([0.0, 1.0, -1.0, 3.0, 6.0, 21196.0, math.nan, math.inf, -math.inf, 1e30]),
     st.floats(width=32),
@@ -76,6 +76,6 @@ def test_any_datagrams_leave_a_flying_simulator(received: list[bytes]) -> None:
         out += simulation.step(2.1 + 0.1 * i, [(LinkName.OFFBOARD, datagram)])
     out += simulation.step(4.0, [])
     assert all(map(math.isfinite, simulation.flight.position))
-    ear = Endpoint(0, 0)
+    ear = MavlinkCodec(0, 0)
     heard: list[Any] = [m for _, frame in out for m in ear.parse(frame)]
     assert any(m.get_type() == "HEARTBEAT" for m in heard)

@@ -4,46 +4,47 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
 from itertools import pairwise
 
 import pytest
 from autopilot import ARM, LAND, SET_MODE, TAKE_OFF, Autopilot, named, of_type
+from happened import Happened, Replan
 from synthetic import PAYLOAD, POSITIONS, command, event, mission
 
 from companion.acting.flight import TICK_S
-from companion.acting.report import Report
 from companion.app import Companion
 from companion.driving import fly
 from companion.errors import Aborted, LinkTimeout
+from companion.flight_events.event import Stamped
+from companion.flight_events.skills import PlaceReached, SkillCompleted
+from companion.flight_events.sortie import (
+    Phase,
+    PhaseEntered,
+    SetpointRefused,
+    StoppedAsAsked,
+    TaskSatisfied,
+)
 from companion.geometry import Ned
-from companion.mavlink.framing import Endpoint, dialect
-from companion.mission.model import Mission, Place
-from companion.motion.profile import JERK_MPS3
-from companion.run import flight_times, home_of, route_map
+from companion.mavlink.framing import MavlinkCodec, dialect
+from companion.mission.model import Mission
 
 
-class Notes:
+class Notes(Happened):
     """A recorder that keeps everything."""
 
     def __init__(self) -> None:
-        self.reports: list[Report] = []
+        self.reports: list[Stamped] = []
         self.datagrams: list[tuple[float, list[bytes]]] = []
         self.positions: list[Ned] = []
 
-    def report(self, report: Report) -> None:
-        if report.is_told:
-            self.reports.append(report)
+    def report(self, stamped: Stamped) -> None:
+        self.reports.append(stamped)
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
         self.datagrams.append((now_s, list(datagrams)))
 
     def position(self, now_s: float, position: Ned) -> None:
         self.positions.append(position)
-
-    @property
-    def texts(self) -> list[str]:
-        return [report.text for report in self.reports]
 
 
 class World:
@@ -91,7 +92,11 @@ class World:
 
 def test_a_flight_from_the_ground_to_the_ground() -> None:
     world = World(mission("F at(A)")).fly()
-    assert world.notes.texts[-3:] == ["at A", "landing", "task satisfied, landed"]
+    assert world.notes.events[-3:] == [
+        PlaceReached("A", "move(H, A)"),
+        PhaseEntered(Phase.LANDING),
+        TaskSatisfied(),
+    ]
     assert world.companion.has_ended and world.companion.failure is None
     commands = of_type(world.autopilot.heard, "COMMAND_LONG")
     assert [c.command for c in commands] == [ARM, TAKE_OFF, SET_MODE, LAND]
@@ -102,7 +107,7 @@ def test_a_flight_from_the_ground_to_the_ground() -> None:
 
 def test_all_that_came_and_left_is_recorded() -> None:
     world = World(mission("F at(A)")).fly()
-    ear = Endpoint(0, 0)
+    ear = MavlinkCodec(0, 0)
     recorded = [d for _, datagrams in world.notes.datagrams for d in datagrams]
     senders = {m.get_srcComponent() for d in recorded for m in ear.parse(d)}
     assert senders == {1, 191}
@@ -114,7 +119,8 @@ def test_all_that_came_and_left_is_recorded() -> None:
 
 def test_a_report_is_recorded_once() -> None:
     world = World(mission("F at(A)")).fly()
-    assert len(set(world.notes.texts)) == len(world.notes.texts)
+    told = world.notes.events
+    assert [event for event in told if told.count(event) != 1] == []
 
 
 def test_ticks_are_a_twentieth_of_a_second_apart() -> None:
@@ -163,7 +169,7 @@ def test_a_stop_lands() -> None:
 
     world.neighbour = operator
     world.fly()
-    assert world.notes.texts[-1] == "stopped as asked"
+    assert world.notes.events[-1] == StoppedAsAsked()
     assert not world.autopilot.is_armed
     assert world.companion.failure is None
 
@@ -190,7 +196,7 @@ def test_a_command_of_a_skill_reaches_its_component() -> None:
     payload = Autopilot(component=PAYLOAD)
     world.neighbour = payload.answer
     world.fly()
-    assert "do done" in world.notes.texts
+    assert SkillCompleted("do") in world.notes.events
     sent = [m for m in of_type(payload.heard, "COMMAND_LONG") if m.target_component == PAYLOAD]
     assert {(m.param1, m.param2) for m in sent} == {(1.5, -2.0)}
 
@@ -198,11 +204,11 @@ def test_a_command_of_a_skill_reaches_its_component() -> None:
 def test_an_event_off_the_wire_replans() -> None:
     asked = mission("G (F at(A) | found) & G (F at(B) | found)", events=[event("found")])
     world = World(asked)
-    detector = Endpoint(1, 26)
+    detector = MavlinkCodec(1, 26)
     world.neighbour = lambda datagrams: [detector.pack(named("found", world.now > 7.0))]
     world.fly()
-    assert [t.split(":")[1] for t in world.notes.texts if t.startswith("replan")] == [
-        " found -> move(here, B), (wait)^w"  # which was demanded before
+    assert [event for event in world.notes.story if isinstance(event, Replan)] == [
+        Replan("found", "move(here, B), (wait)^w")  # which was demanded before
     ]
 
 
@@ -213,40 +219,10 @@ def test_every_setpoint_of_a_flight_stays_within_the_limits() -> None:
     for s in setpoints:
         assert -1.5 <= s.x <= 7.5 and -1.5 <= s.y <= 7.5 and -4.0 <= s.z <= -0.5
         assert math.hypot(s.vx, s.vy, s.vz) <= 2.0 * 1.01
-    assert [r for r in world.notes.reports if r.kind == "gate"] == []
+    assert world.notes.of(SetpointRefused) == []
 
 
-# -- what is put together --------------------------------------------------------------------------
-
-
-def test_home_is_where_the_mission_begins() -> None:
-    asked = mission("F at(H)", initially=["at(B)", "loaded"])
-    assert home_of(asked).name == "B"
-
-
-def test_only_places_of_the_task_are_not_crossed_by_chance() -> None:
-    """C, A and the middle of the room: M is in the way only if the task mentions it."""
-    straight = math.hypot(6.0, 6.0)
-    for task, is_in_the_way in (("F at(A)", False), ("F at(A) & G !at(M)", True)):
-        asked = mission(task, places="HAC")
-        middle = Place("M", (3.0, 3.0, -2.0), 1.0)
-        routes = route_map(replace(asked, places={**asked.places, "M": middle}))
-        route = routes.route(POSITIONS["C"], "A")
-        assert route is not None
-        assert (route.length_m > straight + 0.1) is is_in_the_way
-
-
-def test_flight_times_are_those_of_the_map() -> None:
-    """At rest at both ends: d/v + v/a + a/j; a way along cells is a little longer."""
-    asked = mission("F at(A)")
-    here: Ned | None = None
-    seconds = flight_times(asked, route_map(asked), lambda: here)
-    assert seconds("H", "A") == pytest.approx(6.0 / 2.0 + 2.0 / 2.0 + 2.0 / JERK_MPS3, abs=0.4)
-    assert seconds("here", "A") == math.inf
-    here = (3.0, 0.0, -2.0)
-    assert seconds("here", "A") == pytest.approx(3.0 / 2.0 + 2.0 / 2.0 + 2.0 / JERK_MPS3, abs=0.4)
-
-
+@pytest.mark.slow
 @pytest.mark.parametrize("ticks", range(12))
 def test_no_command_leaves_after_a_stop_on_the_ground(ticks: int) -> None:
     world = World(mission("F at(A)"))

@@ -10,7 +10,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from pydantic import BaseModel, ConfigDict, Field
 
-from companion.documents import Document, validate
+from companion.documents import TextDocument, validate
 from companion.documents.yaml_tree import MAX_BYTES, MAX_DEPTH
 from companion.errors import FormulaError, Location, MissionError
 
@@ -126,7 +126,7 @@ def test_depth_is_limited(opening: str) -> None:
 )
 def test_unsafe_yaml_is_refused(text: str, line: int, column: int, what: str) -> None:
     with pytest.raises(MissionError) as caught:
-        Document(text, "f")
+        TextDocument(text, "f")
     assert caught.value.where == Location("f", line, column)
     assert what in caught.value.what
 
@@ -150,13 +150,13 @@ def test_unsafe_yaml_is_refused(text: str, line: int, column: int, what: str) ->
     ],
 )
 def test_plain_scalars_follow_yaml_1_2(text: str, value: object) -> None:
-    read = Document(f"key: {text}", "f").data()
+    read = TextDocument(f"key: {text}", "f").data()
     assert read == {"key": value}
     assert type(read["key"]) is type(value)
 
 
 def test_keys_are_always_texts() -> None:
-    assert Document("no: 1\n1: 2\ntrue: 3\n~: 4", "f").data() == {
+    assert TextDocument("no: 1\n1: 2\ntrue: 3\n~: 4", "f").data() == {
         "no": 1,
         "1": 2,
         "true": 3,
@@ -176,7 +176,7 @@ JSON = st.recursive(
 def test_json_means_the_same(value: object) -> None:
     """YAML 1.2 is a superset of JSON."""
     assume(_longest_key(value) < 200)  # YAML limits a key on one line to 1024 characters
-    assert Document(json.dumps(value, ensure_ascii=False), "f").data() == value
+    assert TextDocument(json.dumps(value, ensure_ascii=False), "f").data() == value
 
 
 def _longest_key(value: object) -> int:
@@ -187,7 +187,7 @@ def _longest_key(value: object) -> int:
 
 # Where things are.
 
-PLACES = Document("a: {b: [1, x]}\nc:\n  d: 'text'\ne:\n", "f")
+PLACES = TextDocument("a: {b: [1, x]}\nc:\n  d: 'text'\ne:\n", "f")
 
 
 @pytest.mark.parametrize(
@@ -234,7 +234,7 @@ def test_every_character_of_a_scalar_is_found_in_the_file(
     """The character at `inside(offset)` is the one at `offset` of the value."""
     words = [f"w{i}:{word}" for i, word in enumerate(words)]  # no two alike, no YAML indicators
     text = f"# é 😀\nkey: [0]\nformula: {_written(style, words, breaks)}\nafter: 1\n"
-    document = Document(text, "f")
+    document = TextDocument(text, "f")
     value = document.data()["formula"]  # type: ignore[index,call-overload]
     assert isinstance(value, str)
     assert value.split() == words
@@ -245,18 +245,18 @@ def test_every_character_of_a_scalar_is_found_in_the_file(
 
 
 def test_end_of_a_scalar_is_after_its_last_character() -> None:
-    assert Document("k: 'ab'", "f").inside(2, "k") == Location("f", 1, 7)
-    assert Document("k: >\n  a\n  b\n", "f").inside(4, "k") == Location("f", 3, 4)
+    assert TextDocument("k: 'ab'", "f").inside(2, "k") == Location("f", 1, 7)
+    assert TextDocument("k: >\n  a\n  b\n", "f").inside(4, "k") == Location("f", 3, 4)
 
 
 def test_a_scalar_with_escapes_is_found_by_its_start() -> None:
-    assert Document('k: "a\\tb"', "f").inside(2, "k") == Location("f", 1, 4)
-    assert Document("k: 'it''s'", "f").inside(4, "k") == Location("f", 1, 4)
-    assert Document("k: 5", "f").inside(0, "k") == Location("f", 1, 4)
+    assert TextDocument('k: "a\\tb"', "f").inside(2, "k") == Location("f", 1, 4)
+    assert TextDocument("k: 'it''s'", "f").inside(4, "k") == Location("f", 1, 4)
+    assert TextDocument("k: 5", "f").inside(0, "k") == Location("f", 1, 4)
 
 
 def test_formula_errors_are_given_their_place() -> None:
-    document = Document("k: G at(D)", "f")
+    document = TextDocument("k: G at(D)", "f")
     with pytest.raises(FormulaError) as caught, document.locating("k"):
         raise FormulaError("unknown fact at(D)", "G at(D)", 2, 5)
     assert caught.value.where == Location("f", 1, 6)

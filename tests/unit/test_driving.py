@@ -13,12 +13,12 @@ from notes import Notes
 from synthetic import mission
 
 from companion.acting.flight import TICK_S
-from companion.acting.report import Report
 from companion.app import Companion
 from companion.driving import fly
-from companion.mavlink.framing import Endpoint, dialect
+from companion.flight_events.event import Stamped
+from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mission.model import Mission
-from companion.run import Recorder
+from companion.mission_run import Recorder
 
 UNDER_WAY_S = 0.002
 """From one end to the other."""
@@ -47,8 +47,8 @@ class Line(Notes):
         self.answers = 0
         self.set_aside_before = self.set_aside = 0
         self._asks_until_s = asks_until_s
-        self._autopilot, self._station = Autopilot(), Endpoint(255, 190)
-        self._ear = Endpoint(0, 0)
+        self._autopilot, self._station = Autopilot(), MavlinkCodec(255, 190)
+        self._ear = MavlinkCodec(0, 0)
         self._under_way: list[tuple[float, bytes]] = []
         self._streamed_s = 0.0
         self._ask(REQUEST)
@@ -113,7 +113,7 @@ class Line(Notes):
         self.ended_s, self.set_aside = self.now, gc.get_freeze_count()
         self.companion.stop()
 
-    def tell(self, report: Report) -> None:
+    def tell(self, stamped: Stamped) -> None:
         """Told to nobody."""
 
 
@@ -151,3 +151,12 @@ def test_the_heartbeat_is_the_same_with_and_without_questions(line: Line) -> Non
 def test_in_flight_what_was_there_before_is_not_searched_for_garbage(line: Line) -> None:
     assert line.set_aside_before == 0
     assert line.set_aside > 10_000
+
+
+def test_what_takes_long_is_done_before_the_clock_is_read() -> None:
+    """Planning 20 sites takes seconds, in which no heartbeat leaves and time-outs run."""
+    line, done = Line(asks_until_s=0.0), []
+    line.companion.rehearse = lambda: done.append(line.steps_s.copy())  # type: ignore[method-assign]
+    fly(line.companion, line, line, 0.0)  # type: ignore[arg-type]
+    gc.unfreeze()
+    assert done == [[]]

@@ -2,7 +2,6 @@
 
 import { byId, html, minutes, say } from "./dom.js";
 
-const FOR_PROGRAMS = new Set(["position", "tree", "status", "automata", "states", "path", "cells"]);
 const MOST_BEHIND_S = 10;
 const SPEEDS = [0.5, 1, 2, 5, 20];
 
@@ -16,6 +15,7 @@ export class Timeline {
   // `isFollowing`: the page looks at the newest time, as it comes.
   constructor(history) {
     this.history = history;
+    this.forPrograms = new Set(history.mission.for_programs);
     this.isFollowing = history.mission.is_live;
     this.isPlaying = !this.isFollowing;
     this.time_s = 0;
@@ -109,7 +109,7 @@ export class Timeline {
     const { events } = this.history;
     for (; this.listed < events.length; this.listed += 1) {
       const event = events[this.listed];
-      if (FOR_PROGRAMS.has(event.kind)) continue;
+      if (this.forPrograms.has(event.kind)) continue;
       const jump = () => { this.seek(event.t_s); };
       const line = html("li", { "data-kind": event.kind },
         html("button", { type: "button", onclick: jump },

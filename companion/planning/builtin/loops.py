@@ -1,8 +1,8 @@
-"""What loops does a strongly connected component of the product offer, and at what cost?
+"""The loops that a strongly connected component of the product offers, and their costs.
 
 Two kinds: a component where every loop meets all marks anyway offers its shortest cycles, among
-them rest; in any other a loop is a round over hits of the marks. Hits are nodes; a mark whose hits
-are all hits of some other mark as well is met with that one and left out.
+them rest; in any other a loop is a tour over targets of the marks. Targets are nodes; a mark whose
+targets include all those of another mark is met with that one and left out.
 """
 
 from __future__ import annotations
@@ -12,14 +12,14 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from companion.planning.builtin.improve import Tour
+from companion.planning.builtin.costs import UNREACHABLE_MS, Costs
+from companion.planning.builtin.gtsp import tours
 from companion.planning.builtin.product import Product
-from companion.planning.builtin.rounds import FAR, Costs, Rounds, work
-from companion.planning.builtin.ways import Stride, Ways
+from companion.planning.builtin.shortest_paths import Edge, ShortestPaths
 from companion.planning.effort import Effort
 
 _CHUNK = 4_000_000  # additions at once; bounds memory
-_MOST = 400  # hits that are ever looked at
+_MAX_TARGETS = 400  # of a component; of more the nearest are looked at
 
 
 class Loops(Protocol):
@@ -35,213 +35,218 @@ class Loops(Protocol):
 
     @property
     def bound_ms(self) -> int:
-        """No loop is shorter."""
+        """A cost that no loop goes below."""
 
     @property
     def is_exact(self) -> bool:
         """Whether `costs` are those of the shortest loops."""
 
     @property
-    def wait_bound_ms(self) -> int:
-        """On no loop is that shorter."""
+    def bottleneck_bound_ms(self) -> int:
+        """A bottleneck that no loop goes below."""
 
-    def wait_ms(self, strides: list[Stride]) -> int:
-        """The longest time between two hits of the same mark on one of the loops."""
+    def bottleneck_ms(self, loop: list[Edge]) -> int:
+        """The longest time between two passes of targets of the same mark on one of the loops."""
 
     @property
     def is_final(self) -> bool:
         """Whether `improve` has nothing left to do."""
 
     @property
-    def at_once(self) -> int:
-        """Nodes for which `costs` should be asked together."""
+    def batch_size(self) -> int:
+        """Number of nodes for which `costs` should be asked together."""
 
     def costs(self, nodes: NDArray[np.intp]) -> Costs:
         """Cost of the shortest loop known through each of some nodes."""
 
-    def walk(self, node: int) -> list[Stride]:
-        """That loop, from the node on."""
+    def loop_from(self, node: int) -> list[Edge]:
+        """The shortest loop known through a node, from the node on."""
 
     def improve(self) -> None:
         """Looks for shorter loops."""
 
 
-def loops_of(product: Product, nodes: NDArray[np.intp], ways: Ways, effort: Effort) -> Loops:
+def loops_of(
+    product: Product, nodes: NDArray[np.intp], paths: ShortestPaths, effort: Effort
+) -> Loops:
     """The loops of a component."""
-    hits_of = _essential(product, nodes)
-    most = min(_MOST, max(1, effort.ways // len(product.targets)))
-    if not hits_of:
-        return Cycles(product, nodes, ways, most)
-    return RoundTrips(nodes, hits_of, ways, most, effort.additions)
+    targets_of = _essential(product, nodes)
+    max_targets = min(_MAX_TARGETS, max(1, effort.dijkstra_edges // len(product.ends)))
+    if not targets_of:
+        return ShortestCycles(product, nodes, paths, max_targets)
+    return TargetTours(nodes, targets_of, paths, max_targets, effort.held_karp_additions)
 
 
 def _essential(product: Product, nodes: NDArray[np.intp]) -> list[frozenset[int]]:
-    """The hits of each mark that matters."""
-    every = product.all_marks
-    hits_of: dict[frozenset[int], None] = {}
-    for mark in range(every.bit_length()):
-        hits_of[frozenset(int(n) for n in nodes if product.marks[n] >> mark & 1)] = None
-    distinct = [hits for hits in hits_of if len(hits) < len(nodes)]
-    return [hits for hits in distinct if not any(other < hits for other in distinct)]
+    """The targets of each mark that is not met with another one anyway."""
+    targets_of: dict[frozenset[int], None] = {}
+    for mark in range(product.all_marks.bit_length()):
+        targets_of[frozenset(int(n) for n in nodes if product.marks[n] >> mark & 1)] = None
+    distinct = [targets for targets in targets_of if len(targets) < len(nodes)]
+    return [targets for targets in distinct if not any(other < targets for other in distinct)]
 
 
-class Cycles:
-    """Shortest cycles, where all marks are met anyway.
+class ShortestCycles:
+    """Shortest cycles, where all marks are met anyway; the interface is `Loops`.
 
-    If no rest is as short as can be, cycles are looked for through the `most` nearest nodes.
+    If no rest is as short as can be, cycles are looked for through the `max_nodes` nearest nodes.
     """
 
-    def __init__(self, product: Product, nodes: NDArray[np.intp], ways: Ways, most: int) -> None:
+    def __init__(
+        self, product: Product, nodes: NDArray[np.intp], paths: ShortestPaths, max_nodes: int
+    ) -> None:
         self.nodes = nodes
         self.is_final = True
-        self.at_once = len(nodes)
-        self._ways = ways
+        self.batch_size = len(nodes)
+        self._paths = paths
         inside = set(nodes.tolist())
         edges = [
-            (cost, node, target)
+            (cost, node, end)
             for node in inside
-            for target, cost, _ in product.edges(node)
-            if target in inside
+            for _, cost, end in product.edges(node)
+            if end in inside
         ]
-        self.bound_ms = self.wait_bound_ms = min(cost for cost, _, _ in edges)
-        self._rest = {node: cost for cost, node, target in edges if target == node}
-        self.best_ms = min(self._rest.values(), default=FAR)
+        self.bound_ms = self.bottleneck_bound_ms = min(cost for cost, _, _ in edges)
+        self._rest = {node: cost for cost, node, end in edges if end == node}
+        self.best_ms = min(self._rest.values(), default=UNREACHABLE_MS)
         if self.best_ms > self.bound_ms:
-            looked_at = nodes[np.argsort(ways.arrivals[nodes], kind="stable")[:most]]
-            self.best_ms = min(self.best_ms, int(self.costs(looked_at).min()))
-            if len(nodes) <= most:
+            nearest = nodes[np.argsort(paths.from_start[nodes], kind="stable")[:max_nodes]]
+            self.best_ms = min(self.best_ms, int(self.costs(nearest).min()))
+            if len(nodes) <= max_nodes:
                 self.bound_ms = self.best_ms
 
         self.is_exact = self.best_ms == self.bound_ms
 
-    def wait_ms(self, strides: list[Stride]) -> int:
-        """See `Loops`."""
-        return max(stride.cost_ms for stride in strides)
+    def bottleneck_ms(self, loop: list[Edge]) -> int:
+        """The longest edge of a loop, as every node meets all marks."""
+        return max(edge.cost_ms for edge in loop)
 
     def costs(self, nodes: NDArray[np.intp]) -> Costs:
-        """See `Loops`."""
-        return np.array([self._cost(int(node)) for node in nodes])
+        """Cost of the shortest cycle through each of some nodes."""
+        return np.array([self._cost_ms(int(node)) for node in nodes])
 
-    def _cost(self, node: int) -> int:
+    def _cost_ms(self, node: int) -> int:
         if self._rest.get(node) == self.bound_ms:
             return self.bound_ms
-        (to_node,) = self._ways.to([node])
-        return self._ways.turn_ms(node, to_node)
+        (to_node,) = self._paths.costs_to([node])
+        return self._paths.cycle_ms(node, to_node)
 
-    def walk(self, node: int) -> list[Stride]:
-        """See `Loops`."""
-        (to_node,) = self._ways.to([node])
-        return self._ways.walk(node, node, to_node)
+    def loop_from(self, node: int) -> list[Edge]:
+        """The shortest cycle through a node."""
+        (to_node,) = self._paths.costs_to([node])
+        return self._paths.path(node, node, to_node)
 
     def improve(self) -> None:
-        """See `Loops`."""
+        """Does nothing: the cycles are the shortest."""
 
 
-class RoundTrips:
-    """Rounds over hits of the marks.
+class TargetTours:
+    """Tours over targets of the marks; the interface is `Loops`.
 
-    Of more than `most` hits the nearest of each mark are looked at, and then nothing is proved.
+    Of more than `max_targets` targets the nearest of each mark are looked at, and then nothing is
+    proved.
     """
 
     def __init__(
         self,
         nodes: NDArray[np.intp],
-        hits_of: list[frozenset[int]],
-        ways: Ways,
-        most: int,
-        additions: int,
+        targets_of: list[frozenset[int]],
+        paths: ShortestPaths,
+        max_targets: int,
+        max_additions: int,
     ) -> None:
         self.nodes = nodes
-        self._ways = ways
-        self._hits_of = hits_of
-        every = sorted(frozenset().union(*hits_of))
-        self._hits = _nearest(every, hits_of, ways, most)
-        self._to_hits = ways.to(self._hits)
-        self._from_hits = ways.out_of(self._hits)
-        marks = np.array([[hit in hits for hits in hits_of] for hit in self._hits])
-        self._between = between = self._to_hits[:, self._hits].T.copy()
-        for i, hit in enumerate(self._hits):
-            between[i, i] = ways.turn_ms(hit, self._to_hits[i])
+        self._paths = paths
+        self._targets_of = targets_of
+        every = sorted(frozenset().union(*targets_of))
+        self._targets = _nearest(every, targets_of, paths, max_targets)
+        self._to_targets = paths.costs_to(self._targets)
+        self._from_targets = paths.costs_from(self._targets)
+        marks = np.array([[target in group for group in targets_of] for target in self._targets])
+        self._between = between = self._to_targets[:, self._targets].T.copy()
+        for i, target in enumerate(self._targets):
+            between[i, i] = paths.cycle_ms(target, self._to_targets[i])
         self._marks = marks
-        is_small = work(marks) <= additions
-        self._rounds: Rounds | Tour = (Rounds if is_small else Tour)(between, marks)
-        self._has_all_hits = len(self._hits) == len(every)
-        self.is_final = is_small
-        self.at_once = max(1, _CHUNK // (len(self._hits) << (len(hits_of) if is_small else 0)))
+        self._tours = tours(between, marks, max_additions)
+        self._has_all_targets = len(self._targets) == len(every)
+        self.is_final = self._tours.is_exact
+        sets = 1 << (len(targets_of) if self._tours.is_exact else 0)
+        self.batch_size = max(1, _CHUNK // (len(self._targets) * sets))
 
     @property
     def best_ms(self) -> int:
-        """See `Loops`."""
-        return self._rounds.cost_ms
+        """Cost of the shortest tour that is known."""
+        return self._tours.cost_ms
 
     @property
     def bound_ms(self) -> int:
-        """See `Loops`."""
-        return self._rounds.bound_ms if self._has_all_hits else 0
+        """A cost that no tour goes below; 0 if targets were left out."""
+        return self._tours.bound_ms if self._has_all_targets else 0
 
-    def wait_ms(self, strides: list[Stride]) -> int:
-        """See `Loops`."""
-        return max(_longest_wait_ms(strides, hits) for hits in self._hits_of)
+    def bottleneck_ms(self, loop: list[Edge]) -> int:
+        """The longest time between two passes of targets of the same mark."""
+        return max(_longest_gap_ms(loop, targets) for targets in self._targets_of)
 
     @property
     def is_exact(self) -> bool:
-        """See `Loops`."""
-        return self._has_all_hits and isinstance(self._rounds, Rounds)
+        """Whether all targets are there and the tours over them are exact."""
+        return self._has_all_targets and self._tours.is_exact
 
     @property
-    def wait_bound_ms(self) -> int:
-        """See `Loops`.
+    def bottleneck_bound_ms(self) -> int:
+        """A bottleneck that no tour goes below.
 
-        Where each mark has one hit, somewhere the longest wait begins and ends at one hit and
-        passes all others, so it is a round. Where a mark has several, it is at least as long as
-        the way between the nearest two of them, or from one back to itself.
+        Where each mark has one target, somewhere the longest gap begins and ends at one target and
+        passes all others, so it is a tour. Where a mark has several, it is at least as long as
+        the path between the nearest two of them, or from one back to itself.
         """
-        if not self._has_all_hits:
+        if not self._has_all_targets:
             return 0
-        if all(len(hits) == 1 for hits in self._hits_of):
-            return self._rounds.bound_ms
+        if all(len(targets) == 1 for targets in self._targets_of):
+            return self._tours.bound_ms
         places = [np.flatnonzero(column) for column in self._marks.T]
         return max(int(self._between[np.ix_(at, at)].min()) for at in places)
 
     def costs(self, nodes: NDArray[np.intp]) -> Costs:
-        """See `Loops`."""
-        return self._rounds.through(self._to_hits[:, nodes], self._from_hits[:, nodes])
+        """Cost of the shortest tour known through each of some nodes."""
+        return self._tours.costs_through(self._to_targets[:, nodes], self._from_targets[:, nodes])
 
-    def walk(self, node: int) -> list[Stride]:
-        """See `Loops`."""
-        order = self._rounds.order(self._to_hits[:, node], self._from_hits[:, node])
-        taken: list[Stride] = []
+    def loop_from(self, node: int) -> list[Edge]:
+        """The shortest tour known through a node, from the node on."""
+        order = self._tours.order_after(self._to_targets[:, node], self._from_targets[:, node])
+        loop: list[Edge] = []
         here = node
         for place in order:
-            hit = self._hits[place]
-            if hit != here:
-                taken += self._ways.walk(here, hit, self._to_hits[place])
-                here = hit
-        if here != node or not taken:
-            (to_node,) = self._ways.to([node])
-            taken += self._ways.walk(here, node, to_node)
-        return taken
+            target = self._targets[place]
+            if target != here:
+                loop += self._paths.path(here, target, self._to_targets[place])
+                here = target
+        if here != node or not loop:
+            (to_node,) = self._paths.costs_to([node])
+            loop += self._paths.path(here, node, to_node)
+        return loop
 
     def improve(self) -> None:
-        """See `Loops`."""
-        if isinstance(self._rounds, Tour):
-            self._rounds.improve()
+        """Looks for shorter tours."""
+        self._tours.improve()
         self.is_final = True
 
 
-def _nearest(every: list[int], hits_of: list[frozenset[int]], ways: Ways, most: int) -> list[int]:
-    """The hits, or if they are too many the nearest ones of each mark."""
-    if len(every) <= most:
+def _nearest(
+    every: list[int], targets_of: list[frozenset[int]], paths: ShortestPaths, max_targets: int
+) -> list[int]:
+    """The targets, or if they are too many the nearest ones of each mark."""
+    if len(every) <= max_targets:
         return every
-    share = max(1, most // len(hits_of))
+    share = max(1, max_targets // len(targets_of))
     kept: set[int] = set()
-    for hits in hits_of:
-        kept.update(sorted(hits, key=lambda hit: (ways.arrivals[hit], hit))[:share])
+    for targets in targets_of:
+        kept.update(sorted(targets, key=lambda node: (paths.from_start[node], node))[:share])
     return sorted(kept)
 
 
-def _longest_wait_ms(strides: list[Stride], hits: frozenset[int]) -> int:
-    """The longest time between two hits on a loop that is repeated for ever."""
-    ends = np.cumsum([stride.cost_ms for stride in strides])
-    met = ends[[stride.node in hits for stride in strides]]
-    return int(np.diff(met, append=met[0] + ends[-1]).max())
+def _longest_gap_ms(loop: list[Edge], targets: frozenset[int]) -> int:
+    """The longest time between two passes of some targets on a loop that is repeated for ever."""
+    elapsed_ms = np.cumsum([edge.cost_ms for edge in loop])
+    met = elapsed_ms[[edge.end in targets for edge in loop]]
+    return int(np.diff(met, append=met[0] + elapsed_ms[-1]).max())

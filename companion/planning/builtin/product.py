@@ -1,16 +1,16 @@
-"""The product of the task model and the automata, built only where the search goes.
+"""The product of the transition system and the automata, built only where the search goes.
 
-A node is a set of facts together with one state per automaton (Section III-A):
+A product state is a set of facts together with one state per automaton (Section III-A):
 
     s -> s'  and  z_i --L(s')--> z_i'  for every i   gives   (s, z) -> (s', z')
 
 The automata have read the position they are at (see `lasso.py`). A nondeterministic automaton makes
 several edges, so a path through the product fixes one run of each. Acceptance stays generalized.
-A node also says which acceptance sets (marks) were met on the way into it, so that a loop meets
-a mark exactly if it passes a node that has it.
+A node is a product state together with the acceptance marks that were met on the way into it, so
+that a loop meets a mark exactly if it passes a node that has it.
 
-Constants (`system.py`) are taken out of facts and automata first (`ltl/restriction.py`); what is
-left of a patrol are the places alone.
+Constants (`transition_system.py`) are taken out of facts and automata first
+(`ltl/restriction.py`); what is left of a patrol are the places alone.
 """
 
 from __future__ import annotations
@@ -19,27 +19,26 @@ import itertools
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.sparse import csr_array
 
-from companion.errors import NoPlanError
+from companion.errors import SearchLimit
 from companion.ltl.automaton import BuchiAutomaton
 from companion.ltl.restriction import Restriction, restricted
-from companion.planning.builtin.system import TransitionSystem, Vocabulary
-from companion.planning.effort import ON_THE_GROUND
+from companion.planning.builtin.transition_system import FactBits, TransitionSystem
+from companion.planning.effort import BEFORE_FLIGHT
 from companion.planning.lasso import Conjunct, Problem
 
-MIN_ERRANDS = 4
-"""Things to be met once that are kept out of the product, if there are so many: each of them
-would double it."""
+if TYPE_CHECKING:
+    import networkx
+
+MIN_ONE_SHOT_GOALS = 4
+"""Goals to be met once are kept out of the product if there are so many: each would double it."""
 
 Node = tuple[int, tuple[int, ...], int]
 """Facts, states of the automata, marks met on the way in."""
-
-
-class SearchLimit(NoPlanError):
-    """The search was given up at its limit; there may be a plan."""
 
 
 class Restrictions:
@@ -65,130 +64,175 @@ class Product:
     """The reachable product of a problem.
 
     Attributes:
-        nodes: how many.
-        roots: nodes at which a plan may begin.
+        system: the transition system under the product.
+        nodes: how many there are.
+        initial: nodes at which a plan may begin.
         marks: for each node the marks (bits) met on the way into it.
-        twins: for each node the first that differs from it in its marks alone. All that can be
-            done after one can be done after the other, so a plan may enter a loop at either.
-        all_marks: what a loop has to meet.
-        errands: for each thing that has to be met once, the nodes where it is.
-        targets, costs, actions: of the edges; those of node n are first[n] to first[n + 1].
+        state_of: for each node its product state, as the number of the first node with the same
+            one. All that can be done after one of these nodes can be done after the others, so a
+            plan may enter a loop at any of them.
+        all_marks: the marks (bits) that a loop has to meet.
+        one_shot_goals: for each goal that is kept out of the product the nodes that meet it.
+        ends, costs, actions: of the edges; those of node n are first[n] to first[n + 1].
             Between two nodes only the cheapest edge is kept, in the order of the actions.
+
+    Args:
+        problem: what to plan.
+        bits: of the facts, with the actions that are in every problem.
+        restrictions: of the conjuncts, kept from plan to plan.
+        max_edges: limit of the search.
+
+    Raises:
+        SearchLimit: there are more edges, or more initial states, than `max_edges`.
     """
 
     def __init__(
         self,
         problem: Problem,
-        vocabulary: Vocabulary,
+        bits: FactBits,
         restrictions: Restrictions,
-        max_edges: int = ON_THE_GROUND.edges,
+        max_edges: int = BEFORE_FLIGHT.product_edges,
     ) -> None:
-        steps = vocabulary.steps(problem.actions)
-        self._system = TransitionSystem(steps, vocabulary.mask(problem.facts))
-        self._readers: list[_Reader] = []
+        self._problem, self._bits, self._max_edges = problem, bits, max_edges
+        self.system = TransitionSystem(problem.actions, problem.facts, bits)
+        self._conjuncts: list[Conjunct] = []  # whose automata are read
+        self._automata: list[_MaskedAutomaton] = []
         choices: list[list[int]] = []
+        goals: list[tuple[_MaskedAutomaton, int]] = []
         marks = 0
-
-        def constant(proposition: str) -> bool | None:
-            bit = vocabulary.bit(proposition)
-            return None if bit & self._system.changing else bool(bit & self._system.constant)
-
-        errands: list[tuple[_Reader, int]] = []
         parts = [
-            _Part.of(restrictions.of(conjunct, constant), states)
+            _RestrictedConjunct.of(conjunct, restrictions.of(conjunct, self._constant), states)
             for conjunct, states in zip(problem.conjuncts, problem.automaton_states, strict=True)
         ]
-        is_worth_it = sum(part.is_errand for part in parts) >= MIN_ERRANDS
+        is_worth_it = sum(part.is_one_shot for part in parts) >= MIN_ONE_SHOT_GOALS
         for part in parts:
             if part.accepts_all:
                 continue
-            reader = _Reader(part.automaton, marks, vocabulary)
-            if part.is_errand and is_worth_it:
-                errands.append((reader, part.states[0]))
+            automaton = _MaskedAutomaton(part.automaton, marks, bits)
+            if part.is_one_shot and is_worth_it:
+                goals.append((automaton, part.states[0]))
             else:
                 choices.append(part.states)
-                self._readers.append(reader)
+                self._conjuncts.append(part.conjunct)
+                self._automata.append(automaton)
                 marks += part.automaton.marks
         if math.prod(map(len, choices)) > max_edges:
-            raise SearchLimit(f"no plan found: more than {max_edges} states to begin with")
+            raise SearchLimit(f"{max_edges:,} initial states of the product")
         self.all_marks = (1 << marks) - 1
         self._joint: dict[tuple[int, tuple[int, ...]], list[tuple[tuple[int, ...], int]]] = {}
-        facts = self._explore(
-            [(self._system.start, states, 0) for states in itertools.product(*choices)], max_edges
-        )
-        self.errands = [
-            [node for node, letter in enumerate(facts) if _is_over(reader, pending, letter)]
-            for reader, pending in errands
+        initial = [(self.system.start, states, 0) for states in itertools.product(*choices)]
+        self._nodes = self._explore(initial)
+        self.one_shot_goals = [
+            [node for node, (facts, _, _) in enumerate(self._nodes) if goal.leaves(pending, facts)]
+            for goal, pending in goals
         ]
 
     @property
     def nodes(self) -> int:
-        """How many nodes there are."""
+        """The number of nodes."""
         return len(self.marks)
 
-    def graph(self) -> csr_array:
-        """Costs of the edges, as a sparse matrix from sources to targets."""
+    def cost_matrix(self) -> csr_array:
+        """Costs of the edges, as a sparse matrix from nodes to nodes."""
         shape = (self.nodes, self.nodes)
-        return csr_array((self.costs.astype(float), self.targets, self.first), shape=shape)
+        return csr_array((self.costs.astype(float), self.ends, self.first), shape=shape)
 
     def edges(self, node: int) -> Iterator[tuple[int, int, int]]:
-        """Target, cost and action of each edge that leaves a node."""
+        """Action, cost and end of each edge that leaves a node."""
         span = slice(self.first[node], self.first[node + 1])
         return zip(
-            self.targets[span].tolist(),
-            self.costs[span].tolist(),
             self.actions[span].tolist(),
+            self.costs[span].tolist(),
+            self.ends[span].tolist(),
             strict=True,
         )
 
-    def _explore(self, roots: list[Node], max_edges: int) -> list[int]:
-        """Finds all nodes and edges; returns the facts of each node."""
-        number_of = {node: number for number, node in enumerate(roots)}
-        self.roots = list(range(len(roots)))
-        todo = list(roots)
-        first, targets, costs, actions = [0], [], [], []
-        moves_of = self._system.moves
-        for state, automata, _ in todo:  # grows while it is read
+    def to_networkx(self) -> networkx.DiGraph:
+        """The explored product as a graph.
+
+        Each node, by number, has the `facts` that hold of those that can change, the
+        `automaton_states`, one for each of the graph's `conjuncts`, the `marks` met on the way
+        into it, and the `goals` it meets, of the graph's number of `one_shot_goals` that are kept
+        out of the product. Each edge has the `action` by name and its `cost_ms`. The graph also
+        has the `initial` nodes, the number of `marks`, and as `constant` the facts that always
+        hold. The automata are those under the constants, so their states are not numbered as in
+        the problem.
+        """
+        import networkx
+
+        graph = networkx.DiGraph(
+            initial=tuple(self.initial),
+            conjuncts=tuple(str(conjunct.formula) for conjunct in self._conjuncts),
+            one_shot_goals=len(self.one_shot_goals),
+            marks=self.all_marks.bit_length(),
+            constant=self._bits.facts(self.system.constant),
+        )
+        met_at = [frozenset(nodes) for nodes in self.one_shot_goals]
+        for node, (facts, states, marks) in enumerate(self._nodes):
+            graph.add_node(
+                node,
+                facts=self._bits.facts(facts),
+                automaton_states=states,
+                marks=tuple(mark for mark in range(marks.bit_length()) if marks >> mark & 1),
+                goals=tuple(goal for goal, nodes in enumerate(met_at) if node in nodes),
+            )
+        for node in range(self.nodes):
+            for action, cost_ms, end in self.edges(node):
+                name = self._problem.actions[action].name
+                graph.add_edge(node, end, action=name, cost_ms=cost_ms)
+        return graph
+
+    def _constant(self, proposition: str) -> bool | None:
+        """The value of a proposition that keeps it; None for others."""
+        bit = self._bits.bit(proposition)
+        return None if bit & self.system.changing else bool(bit & self.system.constant)
+
+    def _explore(self, initial: list[Node]) -> list[Node]:
+        """Finds all nodes and edges from the initial nodes on; returns the nodes."""
+        number_of = {node: number for number, node in enumerate(initial)}
+        self.initial = list(range(len(initial)))
+        nodes = list(initial)
+        first, ends, costs, actions = [0], [], [], []
+        successors_of = self.system.successors
+        for state, automata, _ in nodes:  # grows while it is read
             cheapest: dict[int, tuple[int, int]] = {}
-            for after, action, cost_ms in moves_of(state):
-                for following, marks in self._read(after, automata, max_edges):
+            for after, action, cost_ms in successors_of(state):
+                for following, marks in self._joint_moves(after, automata):
                     node = (after, following, marks)
                     number = number_of.get(node)
                     if number is None:
-                        number = number_of[node] = len(todo)
-                        todo.append(node)
+                        number = number_of[node] = len(nodes)
+                        nodes.append(node)
                     known = cheapest.get(number)
                     if known is None or cost_ms < known[0]:
                         cheapest[number] = (cost_ms, action)
             for number, (cost_ms, action) in sorted(cheapest.items(), key=_by_action):
-                targets.append(number)
+                ends.append(number)
                 costs.append(cost_ms)
                 actions.append(action)
-            first.append(len(targets))
-            if len(targets) > max_edges:
-                raise SearchLimit(
-                    f"no plan found among the first {max_edges} steps between product states"
-                )
-        self.marks = [marks for _, _, marks in todo]
-        twins: dict[tuple[int, tuple[int, ...]], int] = {}
-        self.twins = [twins.setdefault(node[:2], number) for number, node in enumerate(todo)]
+            first.append(len(ends))
+            if len(ends) > self._max_edges:
+                raise SearchLimit(f"{self._max_edges:,} edges of the product")
+        self.marks = [marks for _, _, marks in nodes]
+        states: dict[tuple[int, tuple[int, ...]], int] = {}
+        self.state_of = [states.setdefault(node[:2], number) for number, node in enumerate(nodes)]
         self.first = np.array(first, np.int32)
-        self.targets = np.array(targets, np.int32)
+        self.ends = np.array(ends, np.int32)
         self.costs = np.array(costs, np.int64)
         self.actions = np.array(actions, np.int32)
-        return [facts for facts, _, _ in todo]
+        return nodes
 
-    def _read(
-        self, facts: int, states: tuple[int, ...], most: int
+    def _joint_moves(
+        self, facts: int, states: tuple[int, ...]
     ) -> list[tuple[tuple[int, ...], int]]:
         """All joint moves of the automata on the label of some facts, with their marks."""
         joint = self._joint.get((facts, states))
         if joint is None:
             joint = [((), 0)]
-            for reader, state in zip(self._readers, states, strict=True):
-                moves = reader.moves(state, facts)
-                if len(joint) * len(moves) > most:
-                    raise SearchLimit(f"no plan found: more than {most} runs of the automata")
+            for automaton, state in zip(self._automata, states, strict=True):
+                moves = automaton.moves(state, facts)
+                if len(joint) * len(moves) > self._max_edges:
+                    raise SearchLimit(f"{self._max_edges:,} joint moves of the automata")
                 joint = [((*zs, z), marks | m) for zs, marks in joint for z, m in moves]
             self._joint[facts, states] = joint
         return joint
@@ -199,18 +243,27 @@ def _by_action(edge: tuple[int, tuple[int, int]]) -> int:
 
 
 @dataclass(frozen=True, slots=True)
-class _Part:
-    """One conjunct under the constants, in the states that it may be in."""
+class _RestrictedConjunct:
+    """One conjunct under the constants, in the states that its automaton may be in.
 
+    Attributes:
+        accepts_all: from one of the states every word is accepted.
+        is_one_shot: the automaton waits to read a letter of some kind once.
+    """
+
+    conjunct: Conjunct
     automaton: BuchiAutomaton
     states: list[int]
     accepts_all: bool
-    is_errand: bool
+    is_one_shot: bool
 
     @classmethod
-    def of(cls, restriction: Restriction, whole: frozenset[int]) -> _Part:
+    def of(
+        cls, conjunct: Conjunct, restriction: Restriction, whole: frozenset[int]
+    ) -> _RestrictedConjunct:
         states = restriction.states(whole)
         return cls(
+            conjunct,
             restriction.automaton,
             states,
             bool(restriction.everything.intersection(states)),
@@ -218,15 +271,15 @@ class _Part:
         )
 
 
-class _Reader:
+class _MaskedAutomaton:
     """One automaton over bit masks; its marks are shifted to their place among all marks."""
 
-    def __init__(self, automaton: BuchiAutomaton, first_mark: int, vocabulary: Vocabulary) -> None:
+    def __init__(self, automaton: BuchiAutomaton, first_mark: int, bits: FactBits) -> None:
         self._outgoing = [
             [
                 (
-                    vocabulary.mask(t.label.positive),
-                    vocabulary.mask(t.label.negative),
+                    bits.mask(t.label.positive),
+                    bits.mask(t.label.negative),
                     t.target,
                     sum(1 << first_mark + m for m in t.marks),
                 )
@@ -239,13 +292,12 @@ class _Reader:
         """Successor states and marks on reading some facts."""
         return list(
             dict.fromkeys(
-                (target, marks)
-                for positive, negative, target, marks in self._outgoing[state]
+                (after, marks)
+                for positive, negative, after, marks in self._outgoing[state]
                 if positive & facts == positive and not negative & facts
             )
         )
 
-
-def _is_over(reader: _Reader, pending: int, facts: int) -> bool:
-    """Whether an errand is done on reading some facts."""
-    return any(target != pending for target, _ in reader.moves(pending, facts))
+    def leaves(self, state: int, facts: int) -> bool:
+        """Whether reading some facts leads from a state to another one."""
+        return any(after != state for after, _ in self.moves(state, facts))

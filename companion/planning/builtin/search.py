@@ -1,4 +1,4 @@
-"""Finds the best lasso of a problem, or a good one with a bound where there are too many.
+"""The built-in search: the best lasso of a problem, or a good one with a bound.
 
 A mission that loops for ever pays the lap for ever, so by default the shortest lap comes first,
 and to it the shortest prefix. The sum of prefix and lap, which a classical planner minimises on
@@ -7,9 +7,9 @@ exists.
 
 A loop lies in a strongly connected component of the product that has every mark. In each such
 component the marks that every loop meets anyway are dropped; if none is left the best loop is the
-shortest cycle (rest, for a task that ends), else the shortest round over hits of the marks
-(`rounds.py`), or a good one if there are many (`improve.py`). A prefix leads to any node of a best
-loop. Equal costs fall to the order of the actions.
+shortest cycle (rest, for a task that ends), else the shortest tour over targets of the marks, or
+a good one if there are many (`gtsp.py`). A prefix leads to any node of a best loop. Equal costs
+fall to the order of the actions.
 
 `Search` keeps what does not change between plans: the actions as bits, and the automata under
 the constants that it has met. In flight only the facts and the automata's states change.
@@ -17,6 +17,7 @@ the constants that it has met. In flight only the facts and the automata's state
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
@@ -24,18 +25,21 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
-from companion.planning.builtin.errands import Errands
+from companion.errors import SearchLimit
+from companion.planning.builtin.costs import UNREACHABLE_MS
 from companion.planning.builtin.loops import Loops, loops_of
-from companion.planning.builtin.product import Product, Restrictions, SearchLimit
-from companion.planning.builtin.rounds import FAR
-from companion.planning.builtin.system import Vocabulary
-from companion.planning.builtin.ways import Stride, Ways
+from companion.planning.builtin.one_shot_goals import OneShotGoals
+from companion.planning.builtin.product import Product, Restrictions
+from companion.planning.builtin.shortest_paths import Edge, ShortestPaths
+from companion.planning.builtin.transition_system import FactBits
 from companion.planning.domain import Action
-from companion.planning.effort import ON_THE_GROUND, Effort
+from companion.planning.effort import BEFORE_FLIGHT, Effort
 from companion.planning.lasso import Lasso, Problem, Solution
 from companion.planning.objective import Objective
 
 ENGINE = "built-in"
+
+log = logging.getLogger(__name__)
 
 
 class Search:
@@ -46,24 +50,24 @@ class Search:
     """
 
     def __init__(self, actions: Sequence[Action] = ()) -> None:
-        self._vocabulary = Vocabulary(actions)
+        self._bits = FactBits(actions)
         self._restrictions = Restrictions()
 
-    def is_solvable(self, problem: Problem, effort: Effort = ON_THE_GROUND) -> bool | None:
+    def is_solvable(self, problem: Problem, effort: Effort = BEFORE_FLIGHT) -> bool | None:
         """Whether there is a lasso; None if the product has too many states to search."""
         try:
-            product = self._product(problem, effort)
+            product = self.product(problem, effort)
+            if not product.one_shot_goals:  # then any loop will do
+                return bool(_accepting_components(product))
+            return next(_plans(product, Objective.LAP, effort), None) is not None
         except SearchLimit:
             return None
-        if not product.errands:  # then any loop will do
-            return bool(_accepting_components(product))
-        return next(_plans(product, Objective.LAP, effort), None) is not None
 
     def solutions(
         self,
         problem: Problem,
         objective: Objective = Objective.LAP,
-        effort: Effort = ON_THE_GROUND,
+        effort: Effort = BEFORE_FLIGHT,
     ) -> Iterator[Solution]:
         """Lassos, each better than the one before; none if the task cannot be done from here.
 
@@ -72,27 +76,37 @@ class Search:
         Raises:
             SearchLimit: the product has too many states to search.
         """
-        for plan in _plans(self._product(problem, effort), objective, effort):
+        for plan in _plans(self.product(problem, effort), objective, effort):
             prefix, suffix = (
-                tuple(problem.actions[stride.action] for stride in part)
+                tuple(problem.actions[edge.action] for edge in part)
                 for part in (plan.prefix, plan.suffix)
             )
             lasso = Lasso(prefix, suffix)
+            log.debug(
+                "%s: %d ms, not below %d ms: %s", objective, plan.cost_ms, plan.bound_ms, lasso
+            )
             yield Solution(lasso, objective, plan.cost_ms, plan.bound_ms, ENGINE)
 
-    def _product(self, problem: Problem, effort: Effort) -> Product:
-        return Product(problem, self._vocabulary, self._restrictions, effort.edges)
+    def product(self, problem: Problem, effort: Effort = BEFORE_FLIGHT) -> Product:
+        """The product that is searched for a problem's lassos.
+
+        Raises:
+            SearchLimit: it has too many states.
+        """
+        product = Product(problem, self._bits, self._restrictions, effort.product_edges)
+        log.debug("product of %d nodes and %d edges", product.nodes, len(product.ends))
+        return product
 
 
 def _accepting_components(product: Product) -> list[NDArray[np.intp]]:
     """The nodes of each strong component with a loop that meets every mark."""
-    count, component = connected_components(product.graph(), connection="strong")
+    count, component = connected_components(product.cost_matrix(), connection="strong")
     sources = np.repeat(np.arange(product.nodes), np.diff(product.first))
-    inside = component[sources] == component[product.targets]
+    inside = component[sources] == component[product.ends]
     has_loop = np.bincount(component[sources[inside]], minlength=count) > 0
     marks = [0] * count
-    for node, mine in enumerate(component.tolist()):
-        marks[mine] |= product.marks[node]
+    for node, own in enumerate(component.tolist()):
+        marks[own] |= product.marks[node]
     members = np.split(
         np.argsort(component, kind="stable"), np.cumsum(np.bincount(component, minlength=count))
     )
@@ -104,8 +118,8 @@ def _accepting_components(product: Product) -> list[NDArray[np.intp]]:
 class _Plan(NamedTuple):
     """A lasso in the product; `is_final` if its prefix will not get better."""
 
-    prefix: list[Stride]
-    suffix: list[Stride]
+    prefix: list[Edge]
+    suffix: list[Edge]
     cost_ms: int
     bound_ms: int
     is_final: bool
@@ -114,22 +128,22 @@ class _Plan(NamedTuple):
 def _plans(product: Product, objective: Objective, effort: Effort) -> Iterator[_Plan]:
     """Lassos in the product, each better than the one before; none if there is none."""
     components = _accepting_components(product)
-    if not components or not all(product.errands):
+    if not components or not all(product.one_shot_goals):
         return
-    ways = Ways(product)
-    offers = [loops_of(product, nodes, ways, effort) for nodes in components]
-    best_ms = FAR
+    paths = ShortestPaths(product)
+    components_loops = [loops_of(product, nodes, paths, effort) for nodes in components]
+    best_ms = UNREACHABLE_MS
     for is_second in (False, True):
-        for offer in offers if is_second else ():
-            offer.improve()
+        for loops in components_loops if is_second else ():
+            loops.improve()
         plan = (
-            _over_errands(product, offers, ways, objective, effort, is_second)
-            if product.errands
-            else _direct(offers, ways, objective)
+            _plan_over_goals(product, components_loops, paths, objective, effort, is_second)
+            if product.one_shot_goals
+            else _plan_without_goals(components_loops, paths, objective)
         )
         if plan is None:
             return
-        is_last = is_second or (plan.is_final and all(loops.is_final for loops in offers))
+        is_last = is_second or (plan.is_final and all(loops.is_final for loops in components_loops))
         if plan.cost_ms < best_ms or is_last:
             best_ms = plan.cost_ms
             yield plan
@@ -137,97 +151,110 @@ def _plans(product: Product, objective: Objective, effort: Effort) -> Iterator[_
             return
 
 
-def _direct(offers: list[Loops], ways: Ways, objective: Objective) -> _Plan:
+def _plan_without_goals(
+    components_loops: list[Loops], paths: ShortestPaths, objective: Objective
+) -> _Plan:
     """The best loop, entered where it is reached first."""
-    best, chosen, entry = (FAR, FAR, 0), offers[0], -1
-    for loops in offers:
-        order = np.lexsort((ways.twins[loops.nodes], ways.arrivals[loops.nodes]))
+    best, chosen, entry = (UNREACHABLE_MS, UNREACHABLE_MS, 0), components_loops[0], -1
+    for loops in components_loops:
+        order = np.lexsort((paths.state_of[loops.nodes], paths.from_start[loops.nodes]))
         nodes = loops.nodes[order]
-        for start in range(0, len(nodes), loops.at_once):
-            some = nodes[start : start + loops.at_once]
-            arrivals = ways.arrivals[some]
-            if _rank(objective, int(arrivals[0]), loops.best_ms) > best[:2]:
+        for start in range(0, len(nodes), loops.batch_size):
+            batch = nodes[start : start + loops.batch_size]
+            prefixes = paths.from_start[batch]
+            if _rank(objective, int(prefixes[0]), loops.best_ms) > best[:2]:
                 break
-            for node, arrival, cost in zip(some, arrivals, loops.costs(some), strict=True):
-                rank = (*_rank(objective, int(arrival), int(cost)), int(ways.twins[node]))
+            for node, prefix_ms, lap_ms in zip(batch, prefixes, loops.costs(batch), strict=True):
+                state = int(paths.state_of[node])
+                rank = (*_rank(objective, int(prefix_ms), int(lap_ms)), state)
                 if rank < best:
                     best, chosen, entry = rank, loops, int(node)
-    suffix = chosen.walk(entry)
-    cost_ms = chosen.wait_ms(suffix) if objective is Objective.BOTTLENECK else best[0]
-    bound_ms = _bound_ms(offers, ways, objective, cost_ms, is_exact=True)
-    return _Plan(ways.arrival(entry), suffix, cost_ms, bound_ms, True)
+    suffix = chosen.loop_from(entry)
+    cost_ms = chosen.bottleneck_ms(suffix) if objective is Objective.BOTTLENECK else best[0]
+    bound_ms = _bound_ms(components_loops, paths, objective, cost_ms, is_exact=True)
+    return _Plan(paths.path_from_start(entry), suffix, cost_ms, bound_ms, True)
 
 
-def _over_errands(
+def _plan_over_goals(
     product: Product,
-    offers: list[Loops],
-    ways: Ways,
+    components_loops: list[Loops],
+    paths: ShortestPaths,
     objective: Objective,
     effort: Effort,
     is_second: bool,
 ) -> _Plan | None:
-    """The best loop, entered after all errands; None if none can be reached after them."""
+    """The best loop, entered after all one-shot goals; None if none can be reached after them."""
     is_sum = objective is Objective.SUM
-    offered = _offered(offers, ways, objective)
-    levels = sorted({offer.rank for offer in offered.values()})
+    entries = _entries(components_loops, paths, objective)
+    levels = sorted({entry.rank for entry in entries.values()})
     for level in levels[-1:] if is_sum else levels:
-        by_twin = np.full(product.nodes, FAR)
-        for twin, offer in offered.items():
-            if offer.rank <= level:
-                by_twin[twin] = offer.rank if is_sum else 0
-        loop_costs = by_twin[ways.twins]
-        errands = Errands(product, ways, loop_costs, effort)
+        by_state = np.full(product.nodes, UNREACHABLE_MS)
+        for state, entry in entries.items():
+            if entry.rank <= level:
+                by_state[state] = entry.rank if is_sum else 0
+        loop_costs = by_state[paths.state_of]
+        goals = OneShotGoals(product, paths, loop_costs, effort)
         if is_second:
-            errands.improve()
-        if errands.cost_ms < FAR:
-            prefix, entry = errands.walk()
-            _, node, loops = offered[int(ways.twins[entry])]
-            suffix = loops.walk(node)
-            cost_ms = errands.cost_ms if is_sum else level
+            goals.improve()
+        if goals.cost_ms < UNREACHABLE_MS:
+            prefix, last = goals.prefix()
+            _, node, loops = entries[int(paths.state_of[last])]
+            suffix = loops.loop_from(node)
+            cost_ms = goals.cost_ms if is_sum else level
             if objective is Objective.BOTTLENECK:
-                cost_ms = loops.wait_ms(suffix)
-            bound_ms = _bound_ms(offers, ways, objective, cost_ms, errands.is_exact)
-            return _Plan(prefix, suffix, cost_ms, bound_ms, errands.is_final)
+                cost_ms = loops.bottleneck_ms(suffix)
+            bound_ms = _bound_ms(components_loops, paths, objective, cost_ms, goals.is_exact)
+            return _Plan(prefix, suffix, cost_ms, bound_ms, goals.is_final)
     return None
 
 
-class _Offer(NamedTuple):
-    """A loop that may be entered at a node."""
+class _LoopEntry(NamedTuple):
+    """A node at which a loop may be entered."""
 
     rank: int
     node: int
     loops: Loops
 
 
-def _offered(offers: list[Loops], ways: Ways, objective: Objective) -> dict[int, _Offer]:
-    """The best loop to enter at each twin; unless prefixes count, only loops that are best."""
-    found: dict[int, _Offer] = {}
-    for loops in offers:
+def _entries(
+    components_loops: list[Loops], paths: ShortestPaths, objective: Objective
+) -> dict[int, _LoopEntry]:
+    """The best loop to enter at each product state; unless prefixes count, only the best loops."""
+    found: dict[int, _LoopEntry] = {}
+    for loops in components_loops:
         for node, cost in zip(loops.nodes, loops.costs(loops.nodes), strict=True):
             if objective is Objective.SUM or cost == loops.best_ms:
                 rank, _ = _rank(objective, 0, int(cost))
-                twin = int(ways.twins[node])
-                if twin not in found or (rank, node) < found[twin][:2]:
-                    found[twin] = _Offer(rank, int(node), loops)
+                state = int(paths.state_of[node])
+                if state not in found or (rank, node) < found[state][:2]:
+                    found[state] = _LoopEntry(rank, int(node), loops)
     return found
 
 
 def _rank(objective: Objective, prefix_ms: int, lap_ms: int) -> tuple[int, int]:
-    """The smaller the better: what is minimised, then the prefix."""
+    """The smaller the better: the cost that is minimised, then the prefix."""
     cost_ms = prefix_ms + lap_ms if objective is Objective.SUM else lap_ms
     return cost_ms, prefix_ms
 
 
 def _bound_ms(
-    offers: list[Loops], ways: Ways, objective: Objective, cost_ms: int, is_exact: bool
+    components_loops: list[Loops],
+    paths: ShortestPaths,
+    objective: Objective,
+    cost_ms: int,
+    is_exact: bool,
 ) -> int:
-    """What no lasso can be better than; `is_exact` if the prefix is the best one."""
+    """A cost that no lasso goes below; `is_exact` if the prefix is the best one."""
     if objective is Objective.BOTTLENECK:
-        return min(cost_ms, *(loops.wait_bound_ms for loops in offers))
-    if objective is Objective.SUM and is_exact and all(loops.is_exact for loops in offers):
+        return min(cost_ms, *(loops.bottleneck_bound_ms for loops in components_loops))
+    if (
+        objective is Objective.SUM
+        and is_exact
+        and all(loops.is_exact for loops in components_loops)
+    ):
         return cost_ms
     bounds = (
-        _rank(objective, int(ways.arrivals[loops.nodes].min()), loops.bound_ms)[0]
-        for loops in offers
+        _rank(objective, int(paths.from_start[loops.nodes].min()), loops.bound_ms)[0]
+        for loops in components_loops
     )
     return min(cost_ms, *bounds)

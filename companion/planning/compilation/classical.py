@@ -1,4 +1,4 @@
-"""What a classical planner is asked: propositional fluents, and actions over them with costs.
+"""The classical planning problem: propositional fluents, and actions over them with costs.
 
 Encodings make it (`paper.py`, `decomposed.py`), `pddl.py` writes it down, `engines.py` has it
 solved, and `decode.py` reads a plan for it back into a lasso. It knows of no planner.

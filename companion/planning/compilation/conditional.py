@@ -19,7 +19,7 @@ from companion.planning.compilation.decomposed import (
     IN_LP,
     LP_S,
     NOTHING,
-    Form,
+    DecomposedEncoding,
     Part,
     passing,
 )
@@ -30,13 +30,13 @@ DEAD = "deadBA"
 READ_ALL = "BAturn"
 
 
-class Conditional(Form):
-    """v4."""
+class ConditionalEncoding(DecomposedEncoding):
+    """Encoding v4."""
 
     encoding = Encoding.V4
 
     def moves_together(self, part: Part) -> bool:
-        """Deterministic automata do."""
+        """Whether the automaton is deterministic."""
         return part.is_deterministic
 
     @property
@@ -45,11 +45,11 @@ class Conditional(Form):
         return [part for part in self.parts if self.moves_together(part)]
 
     def turns(self) -> tuple[Fluent, ...]:
-        """First the parts that move together."""
+        """The turns of all parts; those that move together come first, in one turn."""
         return (READ_ALL, *super().turns()) if self.together else super().turns()
 
     def condition(self, action: ClassicalAction) -> ClassicalAction:
-        """Not after a letter that some automaton cannot read."""
+        """The action, forbidden after a letter that some automaton cannot read."""
         return replace(action, forbids=action.forbids | {DEAD})
 
     def reading(self) -> Iterator[ClassicalAction]:
@@ -61,7 +61,7 @@ class Conditional(Form):
         yield from super().reading()
 
     def closing(self) -> tuple[frozenset[Fluent], list[ClassicalAction]]:
-        """One action each remembers and compares all."""
+        """One action that remembers everything, and one that compares everything."""
         begin, end, ends = [], [], set()
         for name, values in self.remembered():
             ends.add(name)
@@ -87,7 +87,7 @@ class Conditional(Form):
 
 
 def _moves_of(part: Part) -> Iterator[ConditionalEffect]:
-    """How a deterministic automaton moves. Only the state that is left is deleted."""
+    """The moves of a deterministic automaton. Only the state that is left is deleted."""
     for state, leaving in enumerate(part.automaton.outgoing):
         here = frozenset({part.at(state)})
         for transition in leaving:
@@ -134,7 +134,7 @@ def _when(
 
 
 def _literal(value: Fact) -> tuple[frozenset[Fluent], frozenset[Fluent]]:
-    """A value of a variable as a condition: what must hold and what must not."""
+    """A value of a variable as a condition: the facts that must hold, and those that must not."""
     if value.startswith("not("):
         return NOTHING, frozenset({value[len("not(") : -1]})
     return frozenset({value}), NOTHING

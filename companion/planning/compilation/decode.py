@@ -1,7 +1,7 @@
-"""Which lasso does a plan of a classical problem stand for?
+"""The lasso that a plan of a classical problem stands for.
 
-The automata's moves and the book-keeping are stripped. What is done before the loop action is
-the prefix, what is done after it the loop. Whether the lasso is right is for `planning/check.py`.
+The automata's moves and the book-keeping are stripped. The actions before the loop action are the
+prefix, those after it the loop. `planning/check.py` decides whether the lasso is right.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ def decode(classical: ClassicalProblem, names: Sequence[str]) -> Lasso:
     """The lasso of a plan.
 
     Args:
-        classical: what was solved.
+        classical: the problem that was solved.
         names: the actions of the plan, as the classical problem names them.
 
     Raises:

@@ -4,12 +4,13 @@ One automaton for the whole task grows exponentially with the task, and its one 
 fixes in which order a lap meets its parts. Here each conjunct keeps its own small automaton, and
 a flag for each acceptance set says that the loop has met it, in whatever order.
 
-The turn goes round: the vehicle acts, the automata read what holds then, the vehicle acts. Of a
-nondeterministic automaton the planner chooses each transition and with it one run, so no set of
+They take turns: the vehicle acts, the automata read the facts that hold then, the vehicle acts. Of
+a nondeterministic automaton the planner chooses each transition and with it one run, so no set of
 states has to be tracked, and none to be collapsed where the loop begins. A word without a run
 leaves no transition to choose.
 
-Here is what both encodings have in common; `conditional.py` makes v4 of it and `strips.py` v5.
+This module has the part that both encodings share; `conditional.py` makes v4 of it and
+`strips.py` v5.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from typing import ClassVar
 from companion.ltl.automaton import BuchiAutomaton, Transition
 from companion.ltl.restriction import restricted
 from companion.planning.compilation.classical import ClassicalAction, ClassicalProblem, Fluent
-from companion.planning.compilation.grounded import Grounded
+from companion.planning.compilation.reduced_task import ReducedTask
 from companion.planning.lasso import Problem
 from companion.planning.objective import Encoding, Objective
 
@@ -37,7 +38,7 @@ class Part:
 
     Attributes:
         number: its place among the parts, for names.
-        states: where it may be.
+        states: those it may be in.
     """
 
     number: int
@@ -45,35 +46,35 @@ class Part:
     states: tuple[int, ...]
 
     def at(self, state: int) -> Fluent:
-        """It is in a state."""
+        """The fluent: the automaton is in a state."""
         return f"currBA({self.number}, {state})"
 
     def req(self, state: int) -> Fluent:
-        """The loop begins in a state."""
+        """The fluent: the loop begins in a state."""
         return f"reqLp({self.number}, {state})"
 
     def seen(self, mark: int) -> Fluent:
-        """The loop has met a mark."""
+        """The fluent: the loop has met a mark."""
         return f"seenBA({self.number}, {mark})"
 
     @property
     def turn(self) -> Fluent:
-        """It is to read the facts."""
+        """The fluent: the automaton is to read the facts."""
         return f"BAturn({self.number})"
 
     @property
     def start(self) -> Fluent:
-        """Its first state is to be chosen."""
+        """The fluent: the first state is to be chosen."""
         return f"BAstart({self.number})"
 
     @property
     def end(self) -> Fluent:
-        """It is where the loop began."""
+        """The fluent: the automaton is where the loop began."""
         return f"endBA({self.number})"
 
     @property
     def is_deterministic(self) -> bool:
-        """Whether it is in one state, and a letter leads to at most one."""
+        """Whether the automaton is in one state, and each letter leads to at most one."""
         return len(self.states) == 1 and not any(
             a.label.positive.isdisjoint(b.label.negative)
             and a.label.negative.isdisjoint(b.label.positive)
@@ -83,11 +84,11 @@ class Part:
 
     @property
     def marks(self) -> frozenset[Fluent]:
-        """The loop has met all its marks."""
+        """The fluents: the loop has met all marks."""
         return frozenset(map(self.seen, range(self.automaton.marks)))
 
 
-def parts(problem: Problem, task: Grounded) -> Iterator[Part]:
+def parts(problem: Problem, task: ReducedTask) -> Iterator[Part]:
     """The automata that are left under the constants; those that accept anything are not."""
     found = zip(problem.conjuncts, problem.automaton_states, strict=True)
     for number, (conjunct, whole) in enumerate(found):
@@ -97,12 +98,12 @@ def parts(problem: Problem, task: Grounded) -> Iterator[Part]:
             yield Part(number, rest.automaton, states)
 
 
-class Form(ABC):
-    """What both encodings have in common. Tokens, of which one is held, say whose turn it is."""
+class DecomposedEncoding(ABC):
+    """The part that v4 and v5 share. Fluents of which one holds at a time say whose turn it is."""
 
     encoding: ClassVar[Encoding]
 
-    def __init__(self, task: Grounded, parts: tuple[Part, ...], objective: Objective) -> None:
+    def __init__(self, task: ReducedTask, parts: tuple[Part, ...], objective: Objective) -> None:
         self.task = task
         self.parts = parts
         self.weight, is_first = (
@@ -149,7 +150,7 @@ class Form(ABC):
     def starting(
         self, undecided: list[Part], tokens: tuple[Fluent, ...]
     ) -> Iterator[ClassicalAction]:
-        """Where a run begins, if the history leaves several states; with none there is no way."""
+        """Choices of the first state, if the history leaves several; with none there is no plan."""
         for part, now, after in zip(undecided, tokens, tokens[1:], strict=False):
             for state in part.states:
                 yield ClassicalAction(
@@ -186,7 +187,7 @@ class Form(ABC):
             )
 
     def turns(self) -> tuple[Fluent, ...]:
-        """Who reads after an action, one after the other, and then the vehicle again."""
+        """The turns after an action: the parts read one after the other, then the vehicle acts."""
         return (*(part.turn for part in self.choosing), ACT)
 
     def reading(self) -> Iterator[ClassicalAction]:
@@ -200,7 +201,7 @@ class Form(ABC):
     def _choice(
         self, part: Part, number: int, transition: Transition, now: Fluent, after: Fluent
     ) -> Iterator[ClassicalAction]:
-        """A transition; of its marks the loop takes account."""
+        """The actions for a transition; in the loop its marks are noted."""
         source, target = part.at(transition.source), part.at(transition.target)
         move = self.condition(
             ClassicalAction(
@@ -226,7 +227,7 @@ class Form(ABC):
         )
 
     def condition(self, action: ClassicalAction) -> ClassicalAction:
-        """An action whose precondition and effects are as the encoding has them."""
+        """An action with the precondition and effects that the encoding gives it."""
         return action
 
     @abstractmethod
@@ -234,9 +235,9 @@ class Form(ABC):
         """The goal, and the actions that remember where the loop begins and compare at its end."""
 
     def remembered(self) -> Iterator[tuple[Fluent, tuple[tuple[Fluent, Fluent], ...]]]:
-        """What makes a loop close: a name, and its values with the fluent that remembers each.
+        """The variables that a loop restores: a name, and its values with the fluents for them.
 
-        A fact that is alone is either there or not; `not(p)` stands for the latter.
+        A fact that is alone either holds or not; `not(p)` stands for the latter.
         """
         for facts in self.task.variables:
             values = facts if len(facts) > 1 else (*facts, f"not({facts[0]})")

@@ -1,4 +1,4 @@
-"""Which encoding makes a classical planning problem of a task?
+"""The encodings of a task as a classical planning problem, by name.
 
 A plan of least cost is the best lasso, by the sum of prefix and one lap (each action at its own
 cost), or by the lap first and then the prefix (in the loop actions cost so much more that no
@@ -9,11 +9,11 @@ from __future__ import annotations
 
 from companion.errors import CompanionError
 from companion.planning.compilation.classical import ClassicalProblem
-from companion.planning.compilation.conditional import Conditional
+from companion.planning.compilation.conditional import ConditionalEncoding
 from companion.planning.compilation.decomposed import parts
-from companion.planning.compilation.grounded import grounded
 from companion.planning.compilation.paper import encode_paper
-from companion.planning.compilation.strips import Strips
+from companion.planning.compilation.reduced_task import reduced_task
+from companion.planning.compilation.strips import StripsEncoding
 from companion.planning.lasso import Problem
 from companion.planning.objective import Encoding, Objective
 
@@ -31,7 +31,7 @@ def encode(
 
     Args:
         problem: for v1 with one state-based automaton, as `monolithic` makes it.
-        encoding: which.
+        encoding: its name.
         objective: `LAP` or `SUM`.
 
     Raises:
@@ -40,15 +40,15 @@ def encode(
     """
     if objective is Objective.BOTTLENECK:
         raise CompanionError(
-            "a classical planner cannot minimise the worst wait (bottleneck); "
+            "a classical planner cannot minimise the bottleneck; "
             "use the built-in engine, or the objective lap or sum"
         )
     _check_names(problem)
     if encoding is Encoding.V1:
         return encode_paper(problem, objective)
-    task = grounded(problem)
-    form = Conditional if encoding is Encoding.V4 else Strips
-    return form(task, tuple(parts(problem, task)), objective).problem()
+    task = reduced_task(problem)
+    decomposed = ConditionalEncoding if encoding is Encoding.V4 else StripsEncoding
+    return decomposed(task, tuple(parts(problem, task)), objective).problem()
 
 
 def _check_names(problem: Problem) -> None:

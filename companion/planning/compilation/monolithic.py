@@ -1,4 +1,4 @@
-"""One automaton for a whole task, as the paper's compilation wants it.
+"""One automaton for a whole task, as the paper's compilation takes it.
 
 The paper translates the whole formula. That needs one history: where an event has restarted some
 conjuncts but not others, the automata of the conjuncts are multiplied instead, which accepts the
@@ -16,7 +16,7 @@ from companion.ltl.budget import TranslationLimit
 from companion.ltl.formula import Formula, Operator
 from companion.ltl.restriction import restricted
 from companion.ltl.translate import state_based, translate
-from companion.planning.compilation.grounded import Grounded, grounded
+from companion.planning.compilation.reduced_task import ReducedTask, reduced_task
 from companion.planning.lasso import Conjunct, Letter, Problem
 
 MAX_STATES = 10_000
@@ -30,14 +30,14 @@ def monolithic(
     """The same problem with one state-based automaton, good while its constants keep their values.
 
     Args:
-        problem: what to plan.
+        problem: with the automata of its conjuncts.
         histories: per conjunct, the letters that it has read, the present position's included.
         translation: makes the automaton of the whole formula.
 
     Raises:
         TranslationLimit: the automaton would be too large.
     """
-    task = grounded(problem)
+    task = reduced_task(problem)
     formulas = tuple(conjunct.formula for conjunct in problem.conjuncts)
     whole = Formula(Operator.AND, formulas) if len(formulas) > 1 else formulas[0]
     if all(list(history) == list(histories[0]) for history in histories):
@@ -58,8 +58,8 @@ def monolithic(
     )
 
 
-def _rest(task: Grounded, automaton: BuchiAutomaton, states: frozenset[int]) -> BuchiAutomaton:
-    """What is left of an automaton under the constants, initial where it may be now."""
+def _rest(task: ReducedTask, automaton: BuchiAutomaton, states: frozenset[int]) -> BuchiAutomaton:
+    """The automaton under the constants; its initial states are those it may be in now."""
     rest = restricted(automaton, task.constants(automaton.propositions))
     return replace(rest.automaton, initial=frozenset(rest.states(states)))
 

@@ -27,11 +27,11 @@ from dataclasses import replace
 
 from companion.ltl.automaton import BuchiAutomaton, Label
 from companion.planning.compilation.classical import ClassicalAction, ClassicalProblem, Fluent
-from companion.planning.compilation.grounded import (
-    Grounded,
+from companion.planning.compilation.reduced_task import (
+    ReducedTask,
     accepting_states,
-    grounded,
     is_state_based,
+    reduced_task,
 )
 from companion.planning.domain import ConditionalEffect
 from companion.planning.lasso import Problem
@@ -65,7 +65,7 @@ def encode_paper(problem: Problem, objective: Objective) -> ClassicalProblem:
     """
     if len(problem.conjuncts) != 1 or not is_state_based(problem.conjuncts[0]):
         raise ValueError("encoding v1 takes one state-based automaton; monolithic() makes it")
-    task = grounded(problem)
+    task = reduced_task(problem)
     automaton = problem.conjuncts[0].automaton
     states = range(automaton.states)
     accepting = sorted(accepting_states(automaton))
@@ -95,7 +95,7 @@ def encode_paper(problem: Problem, objective: Objective) -> ClassicalProblem:
     )
 
 
-def _mv_ba1(task: Grounded, automaton: BuchiAutomaton) -> ClassicalAction:
+def _mv_ba1(task: ReducedTask, automaton: BuchiAutomaton) -> ClassicalAction:
     """Fig. 2: the automaton reads the facts; where it may go is put aside."""
     return ClassicalAction(
         "mvBA1",
@@ -116,8 +116,8 @@ def _mv_ba1(task: Grounded, automaton: BuchiAutomaton) -> ClassicalAction:
     )
 
 
-def _possible(task: Grounded, label: Label) -> Label | None:
-    """What a label says of facts that change; None if constants contradict it."""
+def _possible(task: ReducedTask, label: Label) -> Label | None:
+    """The part of a label about facts that change; None if constants contradict it."""
     constants = task.constants(label.positive | label.negative)
     if not all(value == (p in label.positive) for p, value in constants.items()):
         return None
@@ -138,7 +138,7 @@ def _mv_ba2(states: range) -> ClassicalAction:
     )
 
 
-def _act_loop(task: Grounded, states: range, z: int) -> ClassicalAction:
+def _act_loop(task: ReducedTask, states: range, z: int) -> ClassicalAction:
     """Fig. 3: the loop begins here, in the accepting state z and in no other."""
     return ClassicalAction(
         f"actLoop({z})",
@@ -150,14 +150,14 @@ def _act_loop(task: Grounded, states: range, z: int) -> ClassicalAction:
     )
 
 
-def _remember(task: Grounded) -> Iterator[ConditionalEffect]:
+def _remember(task: ReducedTask) -> Iterator[ConditionalEffect]:
     for fact in task.changing:
         this = frozenset({fact})
         yield ConditionalEffect(this, NOTHING, frozenset({f"req({fact})"}), NOTHING)
         yield ConditionalEffect(NOTHING, this, frozenset({f"nreq({fact})"}), NOTHING)
 
 
-def _act_end(task: Grounded, accepting: list[int]) -> ClassicalAction:
+def _act_end(task: ReducedTask, accepting: list[int]) -> ClassicalAction:
     """Fig. 3: the loop ends here; facts and automaton must be as they were where it began."""
     closes = [
         ConditionalEffect(frozenset({curr_ba(z), req_lp(z)}), NOTHING, frozenset({END_BA}), NOTHING)
@@ -179,7 +179,7 @@ def _act_end(task: Grounded, accepting: list[int]) -> ClassicalAction:
 
 
 def _performing(
-    task: Grounded, automaton: BuchiAutomaton, objective: Objective
+    task: ReducedTask, automaton: BuchiAutomaton, objective: Objective
 ) -> Iterator[ClassicalAction]:
     """Fig. 4: the actions of the task. To put the lap first each has a dearer copy for the loop."""
     weight, _ = task.lap_weight([automaton])

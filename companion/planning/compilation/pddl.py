@@ -1,4 +1,4 @@
-"""A classical problem as PDDL text: what files does a planner that stands alone read?
+"""A classical problem as PDDL text, the two files that any planner reads.
 
 All predicates and actions are without parameters. Names become identifiers that every reader of
 PDDL takes: letters, digits, `-` and `_`; none is a word of the language, and none differs from

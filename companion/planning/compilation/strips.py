@@ -1,8 +1,8 @@
 """Encoding v5: one automaton for each conjunct, in plain STRIPS.
 
 The planner chooses each transition of every automaton. Where the loop begins is written down, and
-compared at its end, one variable at a time. Beside a fact p stands not(p), so that nothing is ever
-asked not to hold. Every classical planner reads this.
+compared at its end, one variable at a time. Beside a fact p stands not(p), so that no condition is
+negative. Every classical planner reads this.
 """
 
 from __future__ import annotations
@@ -18,16 +18,16 @@ from companion.planning.compilation.decomposed import (
     IN_LP,
     LP_S,
     NOTHING,
-    Form,
+    DecomposedEncoding,
     Part,
     passing,
 )
-from companion.planning.compilation.grounded import Grounded
+from companion.planning.compilation.reduced_task import ReducedTask
 from companion.planning.objective import Encoding, Objective
 
 
-class Strips(Form):
-    """v5.
+class StripsEncoding(DecomposedEncoding):
+    """Encoding v5.
 
     Raises:
         CompanionError: the effect of a skill depends on a condition.
@@ -35,7 +35,7 @@ class Strips(Form):
 
     encoding = Encoding.V5
 
-    def __init__(self, task: Grounded, parts: tuple[Part, ...], objective: Objective) -> None:
+    def __init__(self, task: ReducedTask, parts: tuple[Part, ...], objective: Objective) -> None:
         super().__init__(task, parts, objective)
         if task.has_conditional_effects:
             name = next(action.name for action in task.actions if action.conditional)
@@ -49,7 +49,7 @@ class Strips(Form):
         )
 
     def moves_together(self, part: Part) -> bool:
-        """None does."""
+        """No automaton does: the planner chooses each transition."""
         return False
 
     def all_facts(self, facts: frozenset[Fluent]) -> frozenset[Fluent]:
@@ -57,7 +57,7 @@ class Strips(Form):
         return facts | {f"not({p})" for p in self.complemented - facts}
 
     def condition(self, action: ClassicalAction) -> ClassicalAction:
-        """With complements in place of negations, and kept in step."""
+        """The action with complements in place of negations, and with effects that keep them."""
         gone, come = self.complemented & action.deletes, self.complemented & action.adds
         return replace(
             action,
@@ -68,7 +68,7 @@ class Strips(Form):
         )
 
     def closing(self) -> tuple[frozenset[Fluent], list[ClassicalAction]]:
-        """One action for each value remembers it, and one compares."""
+        """For each value an action that remembers it, and one that compares it."""
         remembered = list(self.remembered())
         keeping = [f"keepLp({name})" for name, _ in remembered]
         matching = [f"matchLp({name})" for name, _ in remembered]

@@ -1,4 +1,4 @@
-"""Where is the vehicle and how does it move? As the autopilot believes.
+"""Telemetry of position and motion, as estimated.
 
 Source: common.xml. Frames: local NED about the origin; global ones WGS84 and above the sea.
 """
@@ -9,29 +9,29 @@ import math
 
 from companion.mavlink.framing import Fields
 from sitl.flight.physics import FlightState
-from sitl.link.vehicle import Vehicle
+from sitl.link.vehicle import SimulatedVehicle
 
 NAN = math.nan
 LOCAL_NED, BODY_FRD = 1, 12  # MAV_FRAME
 UNKNOWN_COVARIANCE = (NAN, *(0.0,) * 20)
 
 
-def attitude(v: Vehicle) -> Fields:
+def attitude(v: SimulatedVehicle) -> Fields:
     """ATTITUDE."""
     return (v.boot_ms, *v.state.euler, *v.state.rates)
 
 
-def attitude_quaternion(v: Vehicle) -> Fields:
+def attitude_quaternion(v: SimulatedVehicle) -> Fields:
     """ATTITUDE_QUATERNION."""
     return (v.boot_ms, *v.state.attitude, *v.state.rates)
 
 
-def local_position_ned(v: Vehicle) -> Fields:
+def local_position_ned(v: SimulatedVehicle) -> Fields:
     """LOCAL_POSITION_NED, origin at the simulator's home."""
     return (v.boot_ms, *v.state.position, *v.state.velocity)
 
 
-def global_position_int(v: Vehicle) -> Fields:
+def global_position_int(v: SimulatedVehicle) -> Fields:
     """GLOBAL_POSITION_INT; relative_alt is above home."""
     lat, lon, alt = v.origin.to_global(v.state.position)
     north, east, down = v.state.velocity
@@ -48,7 +48,7 @@ def global_position_int(v: Vehicle) -> Fields:
     )
 
 
-def gps_global_origin(v: Vehicle) -> Fields:
+def gps_global_origin(v: SimulatedVehicle) -> Fields:
     """GPS_GLOBAL_ORIGIN of the local frame."""
     return (
         round(v.origin.latitude_deg * 1e7),
@@ -58,7 +58,7 @@ def gps_global_origin(v: Vehicle) -> Fields:
     )
 
 
-def home_position(v: Vehicle) -> Fields:
+def home_position(v: SimulatedVehicle) -> Fields:
     """HOME_POSITION: where the vehicle was armed, global and local."""
     lat, lon, alt = v.origin.to_global(v.autopilot.home)
     return (
@@ -74,14 +74,14 @@ def home_position(v: Vehicle) -> Fields:
     )
 
 
-def altitude(v: Vehicle) -> Fields:
+def altitude(v: SimulatedVehicle) -> Fields:
     """ALTITUDE; terrain is flat at home's height."""
     up = -v.state.position[2]
     amsl, above_home = v.origin.altitude_m + up, up + v.autopilot.home[2]
     return (v.boot_us, amsl, amsl, up, above_home, NAN, NAN)
 
 
-def vfr_hud(v: Vehicle) -> Fields:
+def vfr_hud(v: SimulatedVehicle) -> Fields:
     """VFR_HUD; a multicopter reports no airspeed of its own, so ground speed stands there."""
     north, east, down = v.state.velocity
     speed = math.hypot(north, east)
@@ -91,7 +91,7 @@ def vfr_hud(v: Vehicle) -> Fields:
     return (speed, speed, heading_deg, throttle, amsl, -down)
 
 
-def odometry(v: Vehicle) -> Fields:
+def odometry(v: SimulatedVehicle) -> Fields:
     """ODOMETRY: pose in local NED, velocities along the body's axes."""
     return (
         v.boot_us,

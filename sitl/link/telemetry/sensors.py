@@ -1,4 +1,4 @@
-"""What do the sensors measure?
+"""Telemetry of the sensors.
 
 Source: common.xml. A value that is not measured is sent as the message's own "unknown".
 """
@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 from companion.mavlink.framing import Fields
-from sitl.link.vehicle import Vehicle
+from sitl.link.vehicle import SimulatedVehicle
 
 NAN = math.nan
 UNKNOWN_16 = 65535
@@ -16,8 +16,8 @@ NO_FIX, FIX_3D = 1, 3  # GPS_FIX_TYPE
 IMU_AND_BAROMETER = 0x3F | 0x200 | 0x800 | 0x1000  # HIGHRES_IMU.fields_updated
 
 
-def gps_raw_int(v: Vehicle) -> Fields:
-    """GPS_RAW_INT: what the receiver reports."""
+def gps_raw_int(v: SimulatedVehicle) -> Fields:
+    """GPS_RAW_INT: the receiver's report."""
     gps = v.sensors.readings.gps
     north, east, _ = gps.velocity
     course_deg = math.degrees(math.atan2(east, north)) % 360
@@ -35,7 +35,7 @@ def gps_raw_int(v: Vehicle) -> Fields:
     )
 
 
-def highres_imu(v: Vehicle) -> Fields:
+def highres_imu(v: SimulatedVehicle) -> Fields:
     """HIGHRES_IMU; the magnetometer and the airspeed sensor are marked as not updated."""
     imu, air = v.sensors.readings.imu, v.sensors.readings.barometer
     return (
@@ -51,19 +51,19 @@ def highres_imu(v: Vehicle) -> Fields:
     )
 
 
-def scaled_pressure(v: Vehicle) -> Fields:
+def scaled_pressure(v: SimulatedVehicle) -> Fields:
     """SCALED_PRESSURE, hPa and centidegrees."""
     air = v.sensors.readings.barometer
     return (v.boot_ms, air.pressure_pa / 100, 0.0, round(air.temperature_degc * 100))
 
 
-def distance_sensor(v: Vehicle) -> Fields:
+def distance_sensor(v: SimulatedVehicle) -> Fields:
     """DISTANCE_SENSOR: a laser that looks down, to 50 m."""
     height_cm = round(max(0.0, -v.state.position[2]) * 100)
     return (v.boot_ms, 10, 5000, min(height_cm, 5001), 0, 0, 25, 0)
 
 
-def estimator_status(v: Vehicle) -> Fields:
+def estimator_status(v: SimulatedVehicle) -> Fields:
     """ESTIMATOR_STATUS: attitude and height are always good, the rest while there is a position."""
     attitude, height = 0x1, 0x4 | 0x20
     horizontal = 0x2 | 0x8 | 0x10 | 0x100 | 0x200
@@ -71,6 +71,6 @@ def estimator_status(v: Vehicle) -> Fields:
     return (v.boot_us, flags, *(0.1,) * 6, 0.5, 0.5)
 
 
-def vibration(v: Vehicle) -> Fields:
+def vibration(v: SimulatedVehicle) -> Fields:
     """VIBRATION: none."""
     return (v.boot_us, 0.0, 0.0, 0.0, 0, 0, 0)

@@ -1,4 +1,4 @@
-"""How is the vehicle? Mode, health, battery, versions, clocks.
+"""Telemetry of the system: mode, health, battery, versions, clocks.
 
 Sources: common.xml; what a PX4 was seen to send; for SYS_STATUS what MAVSDK's health checks and
 MAVProxy's fence need.
@@ -11,7 +11,7 @@ import math
 from companion.mavlink.framing import Fields
 from companion.mavlink.px4_modes import custom_mode
 from sitl.autopilot.autopilot import Autopilot
-from sitl.link.vehicle import Vehicle
+from sitl.link.vehicle import SimulatedVehicle
 
 CELLS = 4
 CHARGING = 7  # MAV_BATTERY_CHARGE_STATE
@@ -41,7 +41,7 @@ def status(autopilot: Autopilot) -> tuple[bool, str, int]:
     return (True, mode, CRITICAL if autopilot.is_failsafe else ACTIVE)
 
 
-def heartbeat(v: Vehicle) -> Fields:
+def heartbeat(v: SimulatedVehicle) -> Fields:
     """HEARTBEAT of a PX4 quadrotor."""
     is_armed, mode, state = status(v.autopilot)
     other = _BASE_MODE_AUTO if mode.startswith("AUTO.") else _BASE_MODE_STICKS
@@ -49,9 +49,9 @@ def heartbeat(v: Vehicle) -> Fields:
     return (2, 12, base, custom_mode(mode), state, 3)
 
 
-def sys_status(v: Vehicle) -> Fields:
+def sys_status(v: SimulatedVehicle) -> Fields:
     """SYS_STATUS: sensors, battery."""
-    ready = _PREARM_CHECK if v.autopilot.objection() is None else 0
+    ready = _PREARM_CHECK if v.autopilot.arming_denial() is None else 0
     unhealthy = (_GPS if v.autopilot.is_position_lost else 0) | (
         _GEOFENCE if v.autopilot.is_fence_breached else 0
     )
@@ -67,7 +67,7 @@ def sys_status(v: Vehicle) -> Fields:
     )
 
 
-def battery_status(v: Vehicle) -> Fields:
+def battery_status(v: SimulatedVehicle) -> Fields:
     """BATTERY_STATUS of the one lithium polymer pack."""
     gauge = v.battery()
     cell_mv = round(v.state.voltage_v / CELLS * 1e3)
@@ -82,53 +82,53 @@ def battery_status(v: Vehicle) -> Fields:
         round(gauge.consumed_j / 100),
         _percent(v.state.charge),
         round(gauge.remaining_s or 0),
-        CHARGING if gauge.is_charging else int(v.autopilot.battery),
+        CHARGING if gauge.is_charging else int(v.autopilot.health.battery),
     )
 
 
 _LANDED_STATES = {"AUTO.TAKEOFF": 3, "AUTO.LAND": 4, "DESCEND": 4}
 
 
-def extended_sys_state(v: Vehicle) -> Fields:
+def extended_sys_state(v: SimulatedVehicle) -> Fields:
     """EXTENDED_SYS_STATE: 1 on the ground, 2 in the air, 3 taking off, 4 landing."""
     landed = 1 if v.autopilot.is_landed else _LANDED_STATES.get(v.autopilot.mode, 2)
     return (0, landed)
 
 
-def mission_current(v: Vehicle) -> Fields:
+def mission_current(v: SimulatedVehicle) -> Fields:
     """MISSION_CURRENT: the item that is flown now or next."""
     mission, mode = v.autopilot.mission, v.autopilot.mode
     return (
         mission.current,
         len(mission.items) or UNKNOWN_16,
-        mission.state(mode, v.state.time_s),
+        mission.reported_state(mode, v.state.time_s),
         1 if mission.is_active(mode) else 2,
     )
 
 
-def autopilot_version(v: Vehicle) -> Fields:
-    """AUTOPILOT_VERSION: what is really served, and which PX4 this behaves like."""
+def autopilot_version(v: SimulatedVehicle) -> Fields:
+    """AUTOPILOT_VERSION: the capabilities served, and the PX4 version that is modelled."""
     nothing = (0,) * 8
     return (CAPABILITIES, PX4_VERSION, PX4_VERSION, 0, 1, nothing, nothing, nothing, 0, 0, 1)
 
 
-def system_time(v: Vehicle) -> Fields:
+def system_time(v: SimulatedVehicle) -> Fields:
     """SYSTEM_TIME; the simulated world has no calendar, so Unix time is 0, unknown."""
     return (0, v.boot_ms)
 
 
-def flight_information(v: Vehicle) -> Fields:
+def flight_information(v: SimulatedVehicle) -> Fields:
     """FLIGHT_INFORMATION: of the flight under way, or of the last one; times since start."""
     flights = v.autopilot.flights
     return (v.boot_ms, round(flights.armed_s * 1e6), round(flights.in_air_s * 1e6), flights.count)
 
 
-def ping(v: Vehicle) -> Fields:
+def ping(v: SimulatedVehicle) -> Fields:
     """PING to everybody, numbered by the second."""
     return (v.boot_us, int(v.state.time_s), 0, 0)
 
 
-def timesync(v: Vehicle) -> Fields:
+def timesync(v: SimulatedVehicle) -> Fields:
     """TIMESYNC: a question, to which clients answer."""
     return (0, v.boot_us * 1000)
 

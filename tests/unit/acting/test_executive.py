@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable
 from dataclasses import replace
 from unittest.mock import Mock
@@ -10,17 +9,31 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 from fakes import DONE, RUNNING, failed
+from happened import Replan
 from rig import Rig
 from synthetic import POSITIONS, command, event, mission, move, reading
 
-from companion.acting.executive import MAX_IDLE_REPLANS, TaskStatus
+from companion.acting.executive import REPLAN_TRIGGERS
+from companion.acting.executive_states import TaskStatus
 from companion.acting.flight import TICK_S
-from companion.acting.inquiry import SEARCHES_PER_TICK
-from companion.errors import NoPlanError
+from companion.acting.replanning.explanation import SEARCHES_PER_TICK
+from companion.acting.replanning.replanner import MAX_IDLE_REPLANS
+from companion.errors import NoPlanError, SearchLimit
+from companion.flight_events.facts import BeliefWithdrawn, MissionEventChanged
+from companion.flight_events.plans import (
+    LapCompleted,
+    NoPlanFound,
+    PlanMade,
+    PlannedAction,
+    PlanReplaced,
+)
+from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFailed
+from companion.flight_events.word import ConjunctViolated, PositionLeft
 from companion.geometry import distance
 from companion.mission.model import Event, Execution, Land, Mission, Skill, TakeOff, Wait
 from companion.motion.grid import OccupancyGrid
 from companion.planning.builtin.search import Search
+from companion.planning.effort import IN_FLIGHT
 from companion.planning.explain import why_no_plan
 from companion.vehicle.port import hold_at
 
@@ -43,12 +56,11 @@ def search_and_report(*events: Event) -> Mission:
 
 def test_the_first_plan_is_reported_with_its_number() -> None:
     rig = Rig(mission("F at(A)")).begin()
-    (report,) = rig.reports
-    assert (report.kind, report.text) == ("plan", "plan: move(H, A), (wait)^w")
-    assert report.data["number"] == 0
-    assert report.data["loop"] == [
-        {"action": "wait", "skill": "wait", "arguments": [], "cost_s": 0.1}
-    ]
+    (made,) = rig.events
+    assert isinstance(made, PlanMade)
+    assert made.number == 0
+    assert [action.action for action in made.plan.prefix] == ["move(H, A)"]
+    assert made.plan.loop == (PlannedAction("wait", "wait", (), 0.1),)
 
 
 def test_no_first_plan_is_an_error() -> None:
@@ -58,7 +70,7 @@ def test_no_first_plan_is_an_error() -> None:
 
 def test_a_plan_that_ends_at_rest_satisfies_the_task_when_the_rest_is_reached() -> None:
     rig = Rig(mission("F at(A)")).begin()
-    rig.run_until("at A")
+    rig.run_until(PlaceReached, place="A")
     assert rig.executive.status is TaskStatus.RUNNING
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
     assert rig.executive.replans == 0
@@ -66,7 +78,7 @@ def test_a_plan_that_ends_at_rest_satisfies_the_task_when_the_rest_is_reached() 
 
 def test_a_loop_goes_on() -> None:
     rig = Rig(mission("G F at(A) & G F at(B)")).begin()
-    rig.run_until("lap 3 done")
+    rig.run_until(LapCompleted, lap=3)
     assert rig.executive.status is TaskStatus.RUNNING
     assert rig.executive.replans == 0
     assert len(rig.plans) == 1
@@ -74,14 +86,14 @@ def test_a_loop_goes_on() -> None:
 
 def test_an_event_that_the_task_mentions_replans_in_the_same_tick() -> None:
     rig = Rig(search_and_report()).begin()
-    rig.run_until("at A")
+    rig.run_until(PlaceReached, place="A")
     for _ in range(20):
         rig.tick()
     rig.tick(reading("found"))
-    assert rig.texts[-2] == "found"
-    assert rig.texts[-1].startswith("replan 1: found -> ")
-    assert rig.reports[-1].data["number"] == 1
-    assert rig.reports[-1].data["reason"] == "found"
+    changed, replaced = rig.events[-2:]
+    assert changed == MissionEventChanged("found", holds=True)
+    assert isinstance(replaced, PlanReplaced)
+    assert (replaced.number, replaced.reason) == (1, "found")
 
 
 def test_an_interrupted_flight_goes_on_from_where_the_vehicle_is() -> None:
@@ -105,7 +117,9 @@ def test_an_event_that_only_a_precondition_mentions_replans() -> None:
     rig.tick()
     rig.tick(reading("low"))
     rig.run(lambda: rig.executive.status is TaskStatus.NO_PLAN, limit_s=0.5)
-    assert rig.of_kind("replan")[0].startswith("replan 1: low: no plan: task cannot hold")
+    told = rig.one(NoPlanFound)
+    assert (told.number, told.reason) == (1, "low")
+    assert told.explanation.startswith("no plan: task cannot hold")
 
 
 def test_an_event_that_nothing_mentions_is_reported_and_does_not_replan() -> None:
@@ -114,16 +128,11 @@ def test_an_event_that_nothing_mentions_is_reported_and_does_not_replan() -> Non
         rig.tick()
     for value in (1.0, 0.0, 1.0):
         rig.tick(reading("low", value))
-    assert rig.of_kind("event") == ["low", "no longer low", "low"]
-    assert rig.of_kind("replan") == []
-    rig.run_until("lap 1 done")
+    changes = [(change.event, change.holds) for change in rig.of(MissionEventChanged)]
+    assert changes == [("low", True), ("low", False), ("low", True)]
+    assert rig.of(PlanReplaced) == rig.of(NoPlanFound) == []
+    rig.run_until(LapCompleted, lap=1)
     assert len(rig.plans) == 1
-
-
-def test_a_name_in_camel_case_is_read_as_words() -> None:
-    rig = Rig(mission("F at(A)", events=[event("siteIsWet")])).begin()
-    rig.tick(reading("siteIsWet"))
-    assert rig.of_kind("event") == ["site is wet"]
 
 
 def test_a_failed_skill_replans_without_its_belief() -> None:
@@ -135,12 +144,12 @@ def test_a_failed_skill_replans_without_its_belief() -> None:
     rig = Rig(mission("F done", skills=skills)).begin()
     rig.vehicle.answers = [(1.0, failed("denied")), (1.0, DONE)]
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
-    assert rig.texts == [
-        "plan: cheap, (wait)^w",
-        "cheap failed: denied",
-        "belief can_cheap withdrawn",
-        "replan 1: cheap failed: denied -> dear, (wait)^w",
-        "dear done",
+    assert rig.story == [
+        "cheap, (wait)^w",
+        SkillFailed("cheap", "denied"),
+        BeliefWithdrawn("can_cheap"),
+        Replan("cheap failed: denied", "dear, (wait)^w"),
+        SkillCompleted("dear"),
     ]
 
 
@@ -148,7 +157,7 @@ def test_no_plan_says_which_belief_is_to_blame() -> None:
     rig = Rig(mission("F done", skills=[command("do", "at(H)", "done")])).begin()
     rig.vehicle.answers = [(0.0, failed("denied"))]
     assert rig.run_to_the_end() is TaskStatus.NO_PLAN
-    assert "with can_do there would be a plan" in rig.texts[-1]
+    assert "with can_do there would be a plan" in rig.one(NoPlanFound).explanation
 
 
 def test_the_vehicle_holds_where_no_plan_is_left() -> None:
@@ -168,14 +177,13 @@ def test_the_reason_is_found_in_parts_while_the_vehicle_holds(
     monkeypatch.setattr(rig.planner, "reasons", searches)
     rig.vehicle.answers = [(0.0, failed("denied"))]
     rig.run(lambda: rig.executive.status is TaskStatus.NO_PLAN, limit_s=2.0)
-    (failed_s,) = [r.time_s for r in rig.reports if r.kind == "withdrawn"]
-    (told,) = [r for r in rig.reports if r.kind == "replan"]
+    taken_s = rig.time_of(NoPlanFound) - rig.time_of(BeliefWithdrawn)
     searched = len(conjuncts) + 1 + 1  # a search per conjunct and per belief
-    assert told.time_s - failed_s == pytest.approx(TICK_S * (searched / SEARCHES_PER_TICK))
+    assert taken_s == pytest.approx(TICK_S * (searched / SEARCHES_PER_TICK))
     assert rig.vehicle.setpoint == hold_at(POSITIONS["H"], 0.0)
     (asked,) = searches.call_args_list
     why = why_no_plan(asked.args[0], Search().is_solvable)
-    assert told.text == f"replan 1: {told.data['reason']}: {why}"
+    assert rig.one(NoPlanFound) == NoPlanFound(1, "do failed: denied", str(why))
 
 
 def test_a_belief_that_comes_back_meanwhile_gives_a_plan() -> None:
@@ -183,21 +191,21 @@ def test_a_belief_that_comes_back_meanwhile_gives_a_plan() -> None:
     conjuncts = {f"c{i}": f"F at({name}) | F done" for i, name in enumerate("AB" * 5)}
     rig = Rig(mission({"do": "F done", **conjuncts}, skills=[DO], events=[again])).begin()
     rig.vehicle.answers = [(0.0, failed("denied")), (0.0, DONE)]
-    rig.run(lambda: bool(rig.of_kind("withdrawn")), limit_s=2.0)
+    rig.run(lambda: bool(rig.of(BeliefWithdrawn)), limit_s=2.0)
     rig.tick(reading("again"))
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
-    assert "no plan" not in " ".join(rig.texts)
+    assert rig.of(NoPlanFound) == []
 
 
 def test_what_flaps_while_the_reason_is_looked_for_does_not_hold_the_vehicle_for_ever() -> None:
     conjuncts = {f"c{i}": f"F at({name}) | F done" for i, name in enumerate("AB" * 5)}
     rig = Rig(mission({"do": "F done", **conjuncts}, skills=[DO], events=[FOUND])).begin()
     rig.vehicle.answers = [(0.0, failed("denied"))]
-    rig.run(lambda: bool(rig.of_kind("withdrawn")), limit_s=2.0)
+    rig.run(lambda: bool(rig.of(BeliefWithdrawn)), limit_s=2.0)
     for i in range(10):
         rig.tick(reading("found", float(i % 2 == 0)))
     assert rig.executive.status is TaskStatus.NO_PLAN
-    assert f"{MAX_IDLE_REPLANS} plans in a row led nowhere" in rig.texts[-1]
+    assert f"{MAX_IDLE_REPLANS} plans in a row led nowhere" in rig.of(NoPlanFound)[-1].explanation
 
 
 def test_a_flapping_event_ends_in_no_plan_and_not_in_replans_for_ever() -> None:
@@ -210,7 +218,7 @@ def test_a_flapping_event_ends_in_no_plan_and_not_in_replans_for_ever() -> None:
         rig.tick(reading("found", value))
         value = 1.0 - value
     assert rig.executive.status is TaskStatus.NO_PLAN
-    assert "5 plans in a row led nowhere" in rig.texts[-1]
+    assert "5 plans in a row led nowhere" in rig.of(NoPlanFound)[-1].explanation
     # The first one left position 0 behind, so it is not one of them.
     assert rig.executive.replans == MAX_IDLE_REPLANS + 2
 
@@ -219,7 +227,7 @@ def test_a_position_between_two_replans_shows_that_they_led_somewhere() -> None:
     rig = Rig(mission(A_OR_B, events=[FOUND])).begin()
     value = 1.0
     for arrival in range(1, 3 * MAX_IDLE_REPLANS):
-        rig.run(lambda arrival=arrival: len(rig.of_kind("at")) >= arrival)  # type: ignore[misc]
+        rig.run(lambda arrival=arrival: len(rig.places) >= arrival)  # type: ignore[misc]
         for _ in range(10):
             rig.tick()
         rig.tick(reading("found", value))
@@ -262,7 +270,7 @@ def test_stop_interrupts_the_skill_under_way() -> None:
 def test_a_stuck_vehicle_fails_the_skill() -> None:
     rig = Rig(mission("F at(A)")).begin()
     rig.vehicle.is_stuck = True
-    rig.run(lambda: "belief trans_ok(H, A) withdrawn" in rig.texts, limit_s=600.0)
+    rig.run(lambda: rig.of(BeliefWithdrawn, belief="trans_ok(H, A)") != [], limit_s=600.0)
 
 
 def test_no_skill_is_repeated_for_ever_in_place_of_rest() -> None:
@@ -274,7 +282,7 @@ def test_no_skill_is_repeated_for_ever_in_place_of_rest() -> None:
 def test_what_is_done_needs_no_precondition() -> None:
     do = command("do", "!low & at(H)", "done")
     rig = Rig(mission("F done & F at(A)", skills=[do], events=[event("low")])).begin()
-    rig.run_until("do done")
+    rig.run_until(SkillCompleted, action="do")
     for _ in range(20):
         rig.tick()
     rig.tick(reading("low"))
@@ -287,7 +295,9 @@ def test_an_event_that_does_not_matter_is_no_reason() -> None:
     rig.vehicle.answers = [(1.0, failed("denied"))]
     rig.tick(reading("lamp"))
     rig.run(lambda: rig.executive.replans == 1)
-    assert rig.of_kind("replan") == ["replan 1: a failed: denied -> b, (wait)^w"]
+    replaced = rig.one(PlanReplaced)
+    assert (replaced.number, replaced.reason) == (1, "a failed: denied")
+    assert str(replaced.plan) == "b, (wait)^w"
 
 
 def test_a_belief_about_here_can_be_to_blame() -> None:
@@ -296,7 +306,23 @@ def test_a_belief_about_here_can_be_to_blame() -> None:
     rig.task.interrupt()
     rig.task.withdraw(frozenset({"trans_ok(here, A)", "trans_ok(H, A)"}))
     with pytest.raises(NoPlanError, match=r"or trans_ok\(here, A\) there would be a plan"):
-        rig.planner.plan(*rig.task.problem())
+        rig.planner.solve(*rig.task.problem())
+
+
+def test_a_search_that_is_given_up_in_flight_is_told_as_that(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    rig = Rig(search_and_report()).begin()
+    rig.tick()
+    tiny = replace(IN_FLIGHT, product_edges=3)
+    monkeypatch.setattr("companion.planning.planner.IN_FLIGHT", tiny)
+    rig.tick(reading("found"))
+    assert rig.run_to_the_end() is TaskStatus.NO_PLAN
+    assert isinstance(rig.executive.failure, SearchLimit)
+    told = rig.one(NoPlanFound)
+    assert (told.number, told.reason) == (1, "found")
+    assert told.explanation.startswith("the search was given up at its limit of 3 edges")
+    assert "there may be a plan" in told.explanation
 
 
 def test_a_map_that_has_changed_takes_moves_out_of_the_next_plan() -> None:
@@ -307,7 +333,7 @@ def test_a_map_that_has_changed_takes_moves_out_of_the_next_plan() -> None:
     occupied[12:, 12:] = True  # B and what is around it
     rig.flight.routes.see(OccupancyGrid(occupied, 0.5, (-2.0, -2.0)))
     assert rig.run_to_the_end() is TaskStatus.NO_PLAN
-    assert rig.of_kind("withdrawn") == ["belief trans_ok(H, B) withdrawn"]
+    assert rig.of(BeliefWithdrawn) == [BeliefWithdrawn("trans_ok(H, B)")]
     assert rig.executive.replans == 1
 
 
@@ -321,13 +347,12 @@ def safe_visit() -> Rig:
 def test_each_position_of_the_word_is_reported_when_it_is_left() -> None:
     rig = safe_visit()
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
-    told = [(p["number"], p["facts"], p["for_ever"]) for p in rig.positions]
-    assert told == [
-        (0, ["at(H)"], False),
-        (1, ["at(A)"], False),
-        (2, ["at(A)"], True),
+    assert rig.positions == [
+        PositionLeft(0, ("at(H)",), (), (), for_ever=False),
+        PositionLeft(1, ("at(A)",), (), (), for_ever=False),
+        PositionLeft(2, ("at(A)",), (), (), for_ever=True),
     ]
-    assert rig.of_kind("violation") == []
+    assert rig.of(ConjunctViolated) == []
 
 
 def test_an_event_that_no_plan_survives_violates_where_the_vehicle_arrives() -> None:
@@ -337,18 +362,13 @@ def test_an_event_that_no_plan_survives_violates_where_the_vehicle_arrives() -> 
         rig.tick()
     rig.tick(reading("low"))
     rig.run(lambda: rig.executive.status is TaskStatus.NO_PLAN, limit_s=0.5)
-    assert rig.texts[-1].startswith("replan 1: low: no plan: safe cannot hold from here")
+    assert rig.one(NoPlanFound).reason == "low"
+    assert rig.one(NoPlanFound).explanation.startswith("no plan: safe cannot hold from here")
     assert rig.executive.go_to("H")
-    assert rig.of_kind("violation") == []
+    assert rig.of(ConjunctViolated) == []
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
-    assert rig.of_kind("violation") == ["safe violated at position 1: G !low"]
-    (report,) = [report for report in rig.reports if report.kind == "violation"]
-    assert report.data == {
-        "conjunct": "safe",
-        "formula": "G !low",
-        "position": 1,
-        "facts": ["at(H)", "low"],
-    }
+    violated = ConjunctViolated("safe", "G !low", position=1, facts=("at(H)", "low"))
+    assert rig.of(ConjunctViolated) == [violated]
     assert rig.executive.failure is not None  # the way home does not make it well
 
 
@@ -356,11 +376,12 @@ def test_a_violation_at_the_start_is_told_when_the_start_is_left() -> None:
     rig = safe_visit()
     rig.tick(reading("low"))
     rig.run(lambda: rig.executive.status is TaskStatus.NO_PLAN, limit_s=0.5)
-    assert rig.of_kind("violation") == []
+    assert rig.of(ConjunctViolated) == []
     assert rig.executive.go_to("H")
     rig.tick()
-    assert rig.of_kind("violation") == ["safe violated at position 0: G !low"]
-    assert rig.positions[0]["facts"] == ["at(H)", "low"]
+    violated = ConjunctViolated("safe", "G !low", position=0, facts=("at(H)", "low"))
+    assert rig.of(ConjunctViolated) == [violated]
+    assert rig.positions[0].facts == violated.facts
 
 
 def violated_at_the_start(restarts: Iterable[str] = ()) -> Rig:
@@ -372,7 +393,8 @@ def violated_at_the_start(restarts: Iterable[str] = ()) -> Rig:
     rig.run(lambda: rig.executive.status is TaskStatus.NO_PLAN, limit_s=0.5)
     assert rig.executive.go_to("A")
     rig.run(lambda: rig.flight.now_s > 2.0)
-    assert rig.of_kind("violation") == ["safe violated at position 0: G !low"]
+    assert rig.one(ConjunctViolated).conjunct == "safe"
+    assert rig.one(ConjunctViolated).position == 0
     return rig
 
 
@@ -384,15 +406,15 @@ def test_no_event_ends_the_way_home_after_a_violation(name: str) -> None:
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
     assert "at(A)" in rig.task.facts
     assert rig.executive.failure is not None
-    assert len(rig.of_kind("violation")) == 1
+    assert len(rig.of(ConjunctViolated)) == 1
 
 
 def test_an_event_by_which_the_violated_line_begins_anew_resumes_the_task() -> None:
     rig = violated_at_the_start(restarts=["safe"])
     rig.tick(reading("low", 0.0), reading("calm"))
     assert rig.executive.failure is None
-    rig.run_until("lap 1 done")
-    assert len(rig.of_kind("violation")) == 1
+    rig.run_until(LapCompleted, lap=1)
+    assert len(rig.of(ConjunctViolated)) == 1
 
 
 def service(*steps: Execution) -> Skill:
@@ -406,11 +428,43 @@ def test_a_task_that_is_violated_on_the_ground_is_not_satisfied_in_the_end(
     """There nothing interrupts the plan, so a position comes that it did not foresee."""
     task = {"goal": "F serviced", "safe": "G !low"}
     rig = Rig(mission(task, skills=[service(*steps)], events=[LOW])).begin()
-    rig.run(lambda: rig.flight.is_grounded)
+    rig.run(lambda: rig.flight.progress.is_landed_by_plan)
     rig.tick(reading("low"))
-    rig.run_until("service done")
+    rig.run_until(SkillCompleted, action="service")
     rig.tick(reading("low", 0.0))  # the facts are again as the plan has them
     assert rig.run_to_the_end() is TaskStatus.NO_PLAN
-    assert rig.of_kind("violation") == ["safe violated at position 1: G !low"]
-    (told,) = rig.of_kind("replan")
-    assert re.match(r"replan 1: (low|safe violated): no plan: safe cannot hold from here", told)
+    assert rig.one(ConjunctViolated).conjunct == "safe"
+    assert rig.one(ConjunctViolated).position == 1
+    told = rig.one(NoPlanFound)
+    assert told.reason in ("low", "safe violated")
+    assert told.explanation.startswith("no plan: safe cannot hold from here")
+
+
+# -- states and triggers ---------------------------------------------------------------------------
+
+
+def test_the_state_says_what_is_done() -> None:
+    rig = Rig(mission("F done", skills=[DO], events=[FOUND]))
+    states = [rig.executive.state]
+    rig.vehicle.answers = [(0.0, failed("denied"))]
+    rig.begin()
+    states.append(rig.executive.state)
+    while rig.executive.status is TaskStatus.RUNNING:
+        rig.tick()
+        if rig.executive.state is not states[-1]:
+            states.append(rig.executive.state)
+    names = [state.name for state in states]
+    assert names in (
+        ["IDLE", "EXECUTING", "EXPLAINING", "WITHOUT_PLAN"],
+        ["IDLE", "EXECUTING", "WITHOUT_PLAN"],  # the reason was found in the same tick
+    )
+
+
+def test_the_triggers_are_looked_at_in_their_order() -> None:
+    """What the map and the beliefs say is known before the tree acts on it."""
+    assert [trigger.name for trigger in REPLAN_TRIGGERS] == [
+        "the map cuts off a belief of the plan",
+        "the task has a plan again",
+        "the tree has failed",
+        "the task is violated",
+    ]

@@ -4,23 +4,46 @@ from __future__ import annotations
 
 import pytest
 from fakes import RUNNING, FakeVehicle, failed
+from happened import Happened
 from rig import Rig
 from synthetic import command, event, mission, reading
 
 from companion.acting.authority import LINK_LOST_S
-from companion.acting.phases import STEPS, Phase
+from companion.acting.phases import GOALS, TRANSITIONS, SortieEvent
 from companion.acting.sortie import ANSWER_TIMEOUT_S, Sortie
-from companion.errors import Aborted, LinkError, NoPlanError
+from companion.errors import Aborted, LinkError, NoPlanError, SearchLimit
+from companion.flight_events.event import Stamped
+from companion.flight_events.skills import PlaceReached
+from companion.flight_events.sortie import (
+    GoalFailed,
+    Phase,
+    PhaseEntered,
+    ReturnBegun,
+    RunEnded,
+    RunFailed,
+    SetpointRefused,
+    StoppedAsAsked,
+    StopRequested,
+    TaskSatisfied,
+    WeakFailsafeAccepted,
+)
 from companion.mission.model import Mission, Otherwise, Signal
-from companion.run import home_of
+from companion.planning.effort import Effort
 from companion.vehicle.port import Goal, Mode
 
 NEVER = (1e9, RUNNING)
+OTHERWISE = {
+    Otherwise.LAND: Goal.LANDED,
+    Otherwise.HOLD: Goal.HOLDING,
+    Otherwise.RETURN_HOME: Goal.LANDED,
+}
+"""The last goal of a sortie without a plan."""
+FINISHED = (SortieEvent.REACHED, SortieEvent.FAILED, SortieEvent.SATISFIED)
 NO_WAY_OUT = command("do", "at(A)", "done")
 """When it is refused at A, "F done" has no plan any longer."""
 
 
-class Run:
+class Run(Happened):
     """A sortie with a FakeVehicle that stands at home."""
 
     def __init__(self, asked: Mission | None = None, accepts_weak: bool = False) -> None:
@@ -28,7 +51,7 @@ class Run:
         self.rig = Rig(asked or mission("F at(A)"), vehicle=self.vehicle)
         asked = self.rig.mission
         self.sortie = Sortie(
-            self.rig.flight, self.rig.executive, home_of(asked), asked.otherwise, accepts_weak
+            self.rig.flight, self.rig.executive, asked.home, asked.otherwise, accepts_weak
         )
 
     def step(self, *readings: tuple[Signal, float]) -> None:
@@ -40,35 +63,51 @@ class Run:
             if self.sortie.phase is phase:
                 return self
             self.step()
-        raise AssertionError(f"not {phase} but {self.sortie.phase}: {self.texts}")
+        raise AssertionError(f"not {phase} but {self.sortie.phase}: {self.events}")
 
     @property
-    def texts(self) -> list[str]:
-        return [report.text for report in self.rig.flight.reports if report.is_told]
+    def reports(self) -> list[Stamped]:  # type: ignore[override]
+        return self.rig.flight.reports
 
     @property
-    def end(self) -> tuple[str, object]:
-        """Text and exit code of the last report, which is that of the end."""
-        report = self.rig.flight.reports[-1]
-        assert report.kind == "end" and self.sortie.has_ended
-        return report.text, report.data["exit_code"]
+    def end(self) -> RunEnded:
+        """The last event, which is the end."""
+        event = self.reports[-1].event
+        assert isinstance(event, RunEnded) and self.sortie.has_ended
+        return event
+
+    @property
+    def failure(self) -> RunFailed:
+        """The end, which is not a good one."""
+        assert isinstance(self.end, RunFailed)
+        return self.end
+
+
+def aborted(reason: str) -> RunFailed:
+    return RunFailed(reason, Aborted.exit_code)
+
+
+def give_up_searches(monkeypatch: pytest.MonkeyPatch, effort: str) -> None:
+    """Searches have a limit that they reach at once."""
+    tiny = Effort(product_edges=1, dijkstra_edges=1, held_karp_additions=1)
+    monkeypatch.setattr(f"companion.planning.planner.{effort}", tiny)
 
 
 def test_a_sortie_that_goes_well() -> None:
     run = Run().until(Phase.ENDED)
-    assert run.texts == [
-        "plan: move(H, A), (wait)^w",
-        "checking the autopilot's failsafes",
-        "arming",
-        "taking off",
-        "entering OFFBOARD",
-        "flying the task",
-        "at A",
-        "landing",
-        "task satisfied, landed",
+    assert run.story == [
+        "move(H, A), (wait)^w",
+        PhaseEntered(Phase.CHECKING),
+        PhaseEntered(Phase.ARMING),
+        PhaseEntered(Phase.TAKE_OFF),
+        PhaseEntered(Phase.OFFBOARD),
+        PhaseEntered(Phase.TASK),
+        PlaceReached("A", "move(H, A)"),
+        PhaseEntered(Phase.LANDING),
+        TaskSatisfied(),
     ]
     assert run.vehicle.pursued == [Goal.ARMED, Goal.AIRBORNE, Goal.OFFBOARD, Goal.LANDED]
-    assert run.end == ("task satisfied, landed", 0)
+    assert run.end == TaskSatisfied()
     assert run.sortie.failure is None
 
 
@@ -88,12 +127,12 @@ def test_setpoints_are_streamed_before_offboard_is_entered() -> None:
 @pytest.mark.parametrize("phase", [Phase.ARMING, Phase.TAKE_OFF, Phase.OFFBOARD])
 def test_a_goal_that_fails_is_followed_by_what_the_table_says(phase: Phase) -> None:
     run = Run()
-    run.vehicle.script[STEPS[phase].goal] = (1.0, failed("not there: denied"))
+    run.vehicle.script[GOALS[phase]] = (1.0, failed("not there: denied"))
     run.until(phase)
-    run.until(STEPS[phase].if_failed)
-    assert "not there: denied" in run.texts
+    run.until(TRANSITIONS.next(phase, SortieEvent.FAILED))
+    assert GoalFailed("not there: denied") in run.events
     run.until(Phase.ENDED)
-    assert run.end == ("not there: denied", Aborted.exit_code)
+    assert run.end == aborted("not there: denied")
     assert run.vehicle.setpoint is None
 
 
@@ -101,7 +140,7 @@ def test_a_landing_that_fails_leaves_the_failure_and_ends() -> None:
     run = Run()
     run.vehicle.script[Goal.LANDED] = (1.0, failed("not landed"))
     run.until(Phase.ENDED)
-    assert run.end == ("not landed", Aborted.exit_code)
+    assert run.end == aborted("not landed")
 
 
 def test_the_first_failure_is_the_one_that_counts() -> None:
@@ -109,7 +148,7 @@ def test_the_first_failure_is_the_one_that_counts() -> None:
     run.vehicle.script[Goal.OFFBOARD] = (0.0, failed("first"))
     run.vehicle.script[Goal.LANDED] = (0.0, failed("second"))
     run.until(Phase.ENDED)
-    assert run.end == ("first", Aborted.exit_code)
+    assert run.end == aborted("first")
 
 
 def test_nothing_happens_before_a_vehicle_is_heard() -> None:
@@ -118,7 +157,7 @@ def test_nothing_happens_before_a_vehicle_is_heard() -> None:
     for _ in range(2000):
         run.step()
     assert run.sortie.phase is Phase.WAITING
-    assert run.texts == []
+    assert run.events == []
 
 
 # -- before the flight -----------------------------------------------------------------------------
@@ -129,8 +168,7 @@ def test_a_vehicle_that_is_under_way_is_not_ours_to_take(fields: dict[str, bool]
     run = Run()
     run.vehicle.change(**fields)
     run.step()
-    assert run.end[1] == Aborted.exit_code
-    assert "left alone" in run.end[0]
+    assert run.end == aborted("the vehicle is armed or flying already; it is left alone")
     assert run.vehicle.pursued == []
 
 
@@ -141,16 +179,16 @@ def test_the_vehicle_has_to_stand_where_the_mission_begins(north_m: float, is_ho
     run.step()
     assert run.sortie.has_ended is not is_home
     if not is_home:
-        assert (
-            run.end[0] == "the vehicle stands 0.6 m from H, where the mission begins; put it there"
+        assert run.end == aborted(
+            "the vehicle stands 0.6 m from H, where the mission begins; put it there"
         )
 
 
 def test_without_a_plan_nothing_is_armed() -> None:
     run = Run(mission("G at(H) & X at(A)"))
     run.step()
-    assert run.end[1] == NoPlanError.exit_code
-    assert run.end[0].startswith("no plan: task cannot hold")
+    assert run.end.exit_code == NoPlanError.exit_code
+    assert run.failure.reason.startswith("no plan: task cannot hold")
     assert run.vehicle.pursued == []
 
 
@@ -158,8 +196,8 @@ def test_weak_failsafes_are_refused() -> None:
     run = Run()
     run.vehicle.parameters["COM_OF_LOSS_T"] = 30.0
     run.until(Phase.ENDED)
-    assert run.end[1] == Aborted.exit_code
-    assert "COM_OF_LOSS_T is 30; set 1.0 or less" in run.end[0]
+    assert run.end.exit_code == Aborted.exit_code
+    assert "COM_OF_LOSS_T is 30; set 1.0 or less" in run.failure.reason
     assert run.vehicle.pursued == []
 
 
@@ -167,8 +205,8 @@ def test_weak_failsafes_are_accepted_by_name() -> None:
     run = Run(accepts_weak=True)
     run.vehicle.parameters["COM_LOW_BAT_ACT"] = 0.0
     run.until(Phase.ENDED)
-    assert run.end == ("task satisfied, landed", 0)
-    assert [t for t in run.texts if t.startswith("accepted: COM_LOW_BAT_ACT is 0")]
+    assert run.end == TaskSatisfied()
+    assert run.one(WeakFailsafeAccepted).weakness.startswith("COM_LOW_BAT_ACT is 0")
 
 
 def test_an_autopilot_that_does_not_answer_is_given_its_time() -> None:
@@ -178,7 +216,64 @@ def test_an_autopilot_that_does_not_answer_is_given_its_time() -> None:
     start_s = run.rig.flight.now_s
     run.until(Phase.ENDED)
     assert run.rig.flight.now_s - start_s == pytest.approx(ANSWER_TIMEOUT_S, abs=0.11)
-    assert "COM_OBL_RC_ACT was not answered" in run.end[0]
+    assert "COM_OBL_RC_ACT was not answered" in run.failure.reason
+
+
+def test_the_time_for_an_answer_begins_with_the_question() -> None:
+    """The tick before has planned, and taken longer than an answer may."""
+    run = Run()
+    run.vehicle.parameters.clear()
+    run.until(Phase.CHECKING)
+    late_s = run.rig.flight.now_s + 2 * ANSWER_TIMEOUT_S
+    run.vehicle.step(late_s)
+    run.sortie.step(late_s, [])
+    run.vehicle.step(late_s + ANSWER_TIMEOUT_S)
+    run.sortie.step(late_s + ANSWER_TIMEOUT_S, [])
+    assert run.sortie.phase is Phase.CHECKING
+    run.vehicle.step(late_s + ANSWER_TIMEOUT_S + 0.1)
+    run.sortie.step(late_s + ANSWER_TIMEOUT_S + 0.1, [])
+    assert run.sortie.has_ended
+    assert "was not answered" in run.failure.reason
+
+
+def test_a_rehearsal_changes_nothing() -> None:
+    plain, rehearsed = Run(), Run()
+    rehearsed.sortie.rehearse()
+    assert rehearsed.events == []
+    assert rehearsed.until(Phase.ENDED).events == plain.until(Phase.ENDED).events
+
+
+def test_a_rehearsal_without_a_plan_leaves_the_telling_to_the_start() -> None:
+    run = Run(mission("F at(A) & G !at(A)"))
+    run.sortie.rehearse()
+    assert run.events == []
+    assert run.until(Phase.ENDED).end.exit_code == NoPlanError.exit_code
+
+
+# -- the table -------------------------------------------------------------------------------------
+
+
+def test_each_phase_is_reached_and_left() -> None:
+    left = {row.state for row in TRANSITIONS}
+    reached = {row.then for row in TRANSITIONS}
+    assert left == set(Phase) - {Phase.ENDED}
+    assert reached == set(Phase) - {Phase.WAITING}
+
+
+def test_every_phase_can_be_given_up() -> None:
+    for phase in set(Phase) - {Phase.ENDED}:
+        assert TRANSITIONS.next(phase, SortieEvent.GIVEN_UP) is Phase.ENDED
+
+
+def test_only_the_operator_leads_out_of_a_takeover() -> None:
+    events = {row.event for row in TRANSITIONS if row.state is Phase.YIELDED}
+    assert events == {SortieEvent.HANDED_BACK, SortieEvent.STOPPED, SortieEvent.GIVEN_UP}
+
+
+def test_a_vehicle_that_may_be_in_the_air_is_not_left_without_a_hold_or_a_landing() -> None:
+    """But for a pilot or a failsafe that has it, and a mission that asks for a hold."""
+    ending = {row.state for row in TRANSITIONS if row.then is Phase.ENDED and row.event in FINISHED}
+    assert ending == {Phase.ARMING, Phase.PARTING, Phase.LANDING}
 
 
 # -- loss of control -------------------------------------------------------------------------------
@@ -187,14 +282,14 @@ def test_an_autopilot_that_does_not_answer_is_given_its_time() -> None:
 @pytest.mark.parametrize("phase", [Phase.ARMING, Phase.TAKE_OFF, Phase.OFFBOARD, Phase.TASK])
 def test_the_pilot_wins_in_every_phase(phase: Phase) -> None:
     run = Run()
-    if phase in STEPS:
-        run.vehicle.script[STEPS[phase].goal] = NEVER
+    if phase in GOALS:
+        run.vehicle.script[GOALS[phase]] = NEVER
     run.until(phase)
     run.step()
     run.vehicle.lost_authority = "the pilot has control, in POSCTL"
     asked = len(run.vehicle.pursued)
     run.step()
-    assert run.end == ("the pilot has control, in POSCTL", Aborted.exit_code)
+    assert run.end == aborted("the pilot has control, in POSCTL")
     assert run.vehicle.setpoint is None
     flown = len(run.vehicle.flown)
     for _ in range(100):
@@ -209,7 +304,7 @@ def test_a_vehicle_that_falls_silent_is_given_up() -> None:
     run.vehicle.step = lambda now_s: None  # type: ignore[method-assign]
     run.until(Phase.ENDED)
     assert run.rig.flight.now_s - heard_s == pytest.approx(LINK_LOST_S, abs=0.11)
-    assert run.end == ("no position from the vehicle for 10 s", LinkError.exit_code)
+    assert run.end == RunFailed("no position from the vehicle for 10 s", LinkError.exit_code)
 
 
 @pytest.mark.parametrize("phase", [Phase.OFFBOARD, Phase.TASK])
@@ -220,7 +315,7 @@ def test_a_vehicle_that_is_disarmed_in_flight_is_given_up(phase: Phase) -> None:
     run.until(phase)
     run.vehicle.change(is_armed=False)
     run.step()
-    assert run.end == ("the vehicle was disarmed", Aborted.exit_code)
+    assert run.end == aborted("the vehicle was disarmed")
 
 
 # -- stop ------------------------------------------------------------------------------------------
@@ -230,8 +325,7 @@ def test_a_stop_on_the_ground_ends_at_once() -> None:
     run = Run()
     run.sortie.stop()
     run.step()
-    assert run.texts == ["stopping as asked", "stopped as asked"]
-    assert run.end == ("stopped as asked", 0)
+    assert run.events == [StopRequested(), StoppedAsAsked()]
 
 
 def test_a_stop_before_a_vehicle_is_heard_ends_at_once() -> None:
@@ -239,7 +333,7 @@ def test_a_stop_before_a_vehicle_is_heard_ends_at_once() -> None:
     run.vehicle.state = None
     run.sortie.stop()
     run.step()
-    assert run.end == ("stopped as asked", 0)
+    assert run.end == StoppedAsAsked()
 
 
 def test_a_stop_in_the_air_holds_and_lands() -> None:
@@ -248,9 +342,14 @@ def test_a_stop_in_the_air_holds_and_lands() -> None:
         run.step()
     run.sortie.stop()
     run.until(Phase.ENDED)
-    assert run.texts[-4:] == ["stopping as asked", "holding", "landing", "stopped as asked"]
+    assert run.events[-4:] == [
+        StopRequested(),
+        PhaseEntered(Phase.HOLDING),
+        PhaseEntered(Phase.LANDING),
+        StoppedAsAsked(),
+    ]
     assert run.vehicle.pursued[-2:] == [Goal.HOLDING, Goal.LANDED]
-    assert run.end == ("stopped as asked", 0)
+    assert run.end == StoppedAsAsked()
 
 
 def test_the_vehicle_does_not_fly_on_after_a_stop() -> None:
@@ -275,7 +374,7 @@ def test_a_stop_while_landing_changes_nothing() -> None:
     run.sortie.stop()
     run.step()
     assert run.sortie.phase is Phase.LANDING
-    assert "stopping as asked" not in run.texts
+    assert StopRequested() not in run.events
 
 
 # -- no plan in the air ----------------------------------------------------------------------------
@@ -286,9 +385,9 @@ def without_plan(otherwise: Otherwise) -> Run:
     run = Run(mission("F done", skills=[NO_WAY_OUT], otherwise=otherwise))
     run.vehicle.answers = [(0.0, failed("denied"))]
     run.until(Phase.ENDED)
-    assert run.end[1] == NoPlanError.exit_code
-    assert run.end[0].startswith("no plan: task cannot hold from here.")
-    assert run.end[0].endswith("with can_do there would be a plan")
+    assert run.end.exit_code == NoPlanError.exit_code
+    assert run.failure.reason.startswith("no plan: task cannot hold from here.")
+    assert run.failure.reason.endswith("with can_do there would be a plan")
     return run
 
 
@@ -302,12 +401,12 @@ def test_otherwise_hold_leaves_the_vehicle_in_the_air() -> None:
     run = without_plan(Otherwise.HOLD)
     assert run.vehicle.pursued[-1] is Goal.HOLDING
     assert run.vehicle.state is not None and not run.vehicle.state.is_landed
-    assert "leaving the vehicle on hold" in run.texts
+    assert PhaseEntered(Phase.PARTING) in run.events
 
 
 def test_otherwise_return_home_flies_home_and_lands_there() -> None:
     run = without_plan(Otherwise.RETURN_HOME)
-    assert "returning to H" in run.texts and "at H" in run.texts
+    assert ReturnBegun("H") in run.events and "H" in run.places
     assert Goal.HOLDING not in run.vehicle.pursued
     assert run.vehicle.state is not None and run.vehicle.state.is_landed
     assert abs(run.vehicle.state.position[0]) < 0.3
@@ -318,13 +417,42 @@ def test_when_the_way_home_fails_as_well_it_lands_where_it_is() -> None:
     run = Run(asked)
     run.vehicle.answers = [(0.0, failed("denied"))]
     run.until(Phase.TASK)
-    while "returning to H" not in run.texts:
+    while ReturnBegun("H") not in run.events:
         run.step()
     run.vehicle.drift = (0.0, 0.5, 0.0)
     run.until(Phase.ENDED, limit_s=300.0)
-    assert run.texts.count("returning to H") == 1
+    assert run.events.count(ReturnBegun("H")) == 1
     assert run.vehicle.pursued[-2:] == [Goal.HOLDING, Goal.LANDED]
-    assert run.end[1] == NoPlanError.exit_code
+    assert run.end.exit_code == NoPlanError.exit_code
+
+
+@pytest.mark.parametrize(("otherwise", "goal"), OTHERWISE.items())
+def test_a_search_that_is_given_up_in_flight_leads_to_otherwise(
+    monkeypatch: pytest.MonkeyPatch, otherwise: Otherwise, goal: Goal
+) -> None:
+    """At A it is refused, and the other skill that would do is not found."""
+    other = command("other", "at(H)", "done", cost_s=99.0)
+    run = Run(mission("F done", skills=[NO_WAY_OUT, other], otherwise=otherwise))
+    run.vehicle.answers = [(0.0, failed("denied"))]
+    run.until(Phase.TASK)
+    give_up_searches(monkeypatch, "IN_FLIGHT")
+    run.until(Phase.ENDED)
+    text = "the search was given up at its limit of 1 edges of the product; there may be"
+    assert text in run.failure.reason
+    assert run.failure.exit_code == SearchLimit.exit_code == 7
+    assert run.vehicle.pursued[-1] is goal
+    assert (ReturnBegun("H") in run.events) is (otherwise is Otherwise.RETURN_HOME)
+
+
+def test_a_first_search_that_is_given_up_ends_the_sortie_on_the_ground(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    give_up_searches(monkeypatch, "BEFORE_FLIGHT")
+    run = Run()
+    run.sortie.rehearse()
+    run.until(Phase.ENDED)
+    assert run.end.exit_code == SearchLimit.exit_code
+    assert run.vehicle.pursued == []
 
 
 # -- reports ---------------------------------------------------------------------------------------
@@ -335,11 +463,8 @@ def test_the_gate_is_reported_when_it_begins_to_refuse_and_not_at_every_tick() -
     for refusal in ("outside the fence", "outside the fence", "", "too fast", ""):
         run.vehicle.refusal = refusal
         run.step()
-    gate = [r.text for r in run.rig.flight.reports if r.kind == "gate"]
-    assert gate == [
-        "setpoint refused, holding: outside the fence",
-        "setpoint refused, holding: too fast",
-    ]
+    refused = [SetpointRefused("outside the fence"), SetpointRefused("too fast")]
+    assert run.of(SetpointRefused) == refused
 
 
 def test_events_count_before_the_take_off_already() -> None:
@@ -351,14 +476,14 @@ def test_events_count_before_the_take_off_already() -> None:
     run.step(reading("found"))
     run.vehicle.state = state
     run.until(Phase.ENDED)
-    assert "at A" in run.texts
-    assert run.end == ("task satisfied, landed", 0)
+    assert run.places == ["A"]
+    assert run.end == TaskSatisfied()
 
 
 def test_the_mode_before_the_start_does_not_matter() -> None:
     run = Run()
     run.vehicle.change(mode=Mode.MANUAL)
-    assert run.until(Phase.ENDED).end == ("task satisfied, landed", 0)
+    assert run.until(Phase.ENDED).end == TaskSatisfied()
 
 
 @pytest.mark.parametrize("stops", [False, True])
@@ -391,4 +516,4 @@ def test_a_task_that_is_possible_again_on_the_way_home_ends_well() -> None:
     for _ in range(20):
         run.step()
     run.step(reading("low", 0.0), reading("calm"))
-    assert run.until(Phase.ENDED).end == ("task satisfied, landed", 0)
+    assert run.until(Phase.ENDED).end == TaskSatisfied()

@@ -8,20 +8,30 @@ from itertools import product
 
 import pytest
 from fakes import FakeVehicle
+from happened import Happened
 from rig import Rig
 from synthetic import mission
 
 from companion.acting.authority import FRESH_S, not_handed_over
 from companion.acting.flight import TICK_S
-from companion.acting.phases import Phase
-from companion.acting.sortie import GROUNDED, Sortie
-from companion.run import home_of
-from companion.vehicle.port import Goal, Mode, VehicleState
+from companion.acting.sortie import ON_THE_GROUND_BY_PLAN, Sortie
+from companion.errors import Aborted
+from companion.flight_events.event import Stamped
+from companion.flight_events.plans import NoPlanFound, PlanReplaced
+from companion.flight_events.sortie import (
+    ControlRegained,
+    ControlYielded,
+    Phase,
+    ReturnFailed,
+    RunFailed,
+)
+from companion.outcomes import Refusal
+from companion.vehicle.port import MODE_KNOWN_S, Goal, Mode, VehicleState
 
 PATROL = "G F at(A) & G F at(B)"
 
 
-class Stepping:
+class Stepping(Happened):
     """A sortie with a FakeVehicle, in the middle of a patrol."""
 
     def __init__(self, task: str = PATROL, may_yield: bool = True) -> None:
@@ -31,7 +41,7 @@ class Stepping:
         self.sortie = Sortie(
             self.rig.flight,
             self.rig.executive,
-            home_of(asked),
+            asked.home,
             asked.otherwise,
             may_yield=may_yield,
         )
@@ -55,8 +65,8 @@ class Stepping:
         return self.vehicle.state.position
 
     @property
-    def texts(self) -> list[str]:
-        return [report.text for report in self.rig.flight.reports if report.is_told]
+    def reports(self) -> list[Stamped]:  # type: ignore[override]
+        return self.rig.flight.reports
 
 
 @pytest.fixture
@@ -65,16 +75,16 @@ def flown() -> Stepping:
 
 
 def test_a_pause_freezes_the_task(flown: Stepping) -> None:
-    assert flown.sortie.pause() == ""
+    assert flown.sortie.pause() is None
     flown.run(1.0)
     held, positions = flown.position, flown.rig.task.positions
     flown.run(30.0)
     assert math.dist(flown.position, held) < 1e-6
     assert flown.rig.task.positions == positions
-    assert flown.sortie.go_on() == ""
+    assert flown.sortie.resume() is None
     flown.run(20.0)
     assert flown.rig.task.positions > positions
-    assert flown.texts.count("at A") >= 1 and flown.texts.count("at B") >= 1
+    assert {"A", "B"} <= set(flown.places)
 
 
 @pytest.mark.parametrize("phase", [p for p in Phase if p not in (Phase.TASK, Phase.RETURNING)])
@@ -83,37 +93,44 @@ def test_what_is_possible_in_which_phase(phase: Phase) -> None:
     sortie = Stepping().sortie
     sortie.phase = phase
     can_pause, can_return = phase is Phase.PAUSED, phase in (Phase.PAUSED, Phase.LANDING)
-    assert (sortie.pause() == "") is can_pause
+    assert (sortie.pause() is None) is can_pause
     if not can_pause:
-        assert phase.value in sortie.pause()
-        assert phase is Phase.YIELDED or phase.value in sortie.go_on()
+        assert phase.value in reason(sortie.pause())
+        assert phase is Phase.YIELDED or phase.value in reason(sortie.resume())
     if not can_return:
-        assert phase.value in sortie.go_home()
+        assert phase.value in reason(sortie.return_home())
     assert sortie.phase is phase
-    assert (sortie.go_home() == "") is can_return
+    assert (sortie.return_home() is None) is can_return
+
+
+def reason(refusal: Refusal | None) -> str:
+    assert refusal is not None
+    return refusal.reason
 
 
 def test_nothing_interrupts_a_vehicle_on_the_ground_by_its_plan(flown: Stepping) -> None:
-    flown.rig.flight.is_grounded = True
-    assert flown.sortie.pause() == flown.sortie.go_home() == GROUNDED
+    flown.rig.flight.progress.is_landed_by_plan = True
+    assert flown.sortie.pause() == flown.sortie.return_home() == ON_THE_GROUND_BY_PLAN
     assert flown.sortie.phase is Phase.TASK
 
 
 def test_a_return_that_finds_no_way_lands_where_it_is(flown: Stepping) -> None:
     flown.vehicle.is_stuck = True
-    assert flown.sortie.go_home() == ""
+    assert flown.sortie.return_home() is None
     flown.until(Phase.ENDED)
     assert flown.vehicle.pursued[-2:] == [Goal.HOLDING, Goal.LANDED]
-    assert flown.texts[-1].startswith("cannot return to H: ")
+    failed = flown.one(ReturnFailed)
+    assert failed.place == "H"
+    assert flown.events[-1] == RunFailed(failed.text, Aborted.exit_code)
     assert flown.sortie.failure is not None and flown.sortie.failure.exit_code == 5
 
 
 def test_a_return_is_not_left_for_the_task(flown: Stepping) -> None:
-    assert flown.sortie.go_home() == ""
-    flown.rig.flight.may_do_better = True
+    assert flown.sortie.return_home() is None
+    flown.rig.executive._assumptions.note_restored_beliefs()
     flown.until(Phase.ENDED)
     assert math.dist(flown.position[:2], (0.0, 0.0)) < 0.3
-    assert not [text for text in flown.texts if text.startswith("replan")]
+    assert flown.of(PlanReplaced) == flown.of(NoPlanFound) == []
 
 
 # -- whose it is -----------------------------------------------------------------------------------
@@ -128,6 +145,7 @@ def take_over(flown: Stepping, mode: Mode) -> None:
 def test_nothing_is_sent_while_the_pilot_flies(flown: Stepping) -> None:
     take_over(flown, Mode.POSCTL)
     assert flown.sortie.phase is Phase.YIELDED
+    assert flown.one(ControlYielded).loss == "the pilot has control, in POSCTL"
     flown_before, sent = len(flown.vehicle.flown), len(flown.vehicle.pursued)
     flown.run(60.0)
     assert (len(flown.vehicle.flown), len(flown.vehicle.pursued)) == (flown_before, sent)
@@ -138,13 +156,13 @@ def test_given_back_it_holds_where_it_is_and_goes_on(flown: Stepping) -> None:
     take_over(flown, Mode.POSCTL)
     flown.vehicle.change(position=(3.0, 3.0, -2.5), mode=Mode.LOITER)
     flown.run(1.0)
-    assert flown.sortie.go_on() == ""
+    assert flown.sortie.resume() is None
     flown.run(TICK_S)
     assert flown.vehicle.setpoint is not None
     assert flown.vehicle.setpoint.position == (3.0, 3.0, -2.5)
     flown.until(Phase.TASK).run(20.0)
-    assert "control given back by the operator" in flown.texts
-    assert flown.texts.count("at A") >= 1
+    assert ControlRegained() in flown.events
+    assert "A" in flown.places
 
 
 def test_without_somebody_who_may_give_it_back_it_ends() -> None:
@@ -156,16 +174,17 @@ def test_without_somebody_who_may_give_it_back_it_ends() -> None:
 def test_it_is_handed_over_only_if_all_is_so() -> None:
     """All combinations: one alone that is wrong, and all of them, is a refusal."""
     good = VehicleState(
-        10.0, (0.0, 0.0, -2.0), (0.0, 0.0, 0.0), 0.0, Mode.LOITER, True, False, False, 80
+        10.0, (0.0, 0.0, -2.0), (0.0, 0.0, 0.0), 0.0, Mode.LOITER, True, False, False, 80, 10.0
     )
     wrong: list[dict[str, object]] = [
         {"stamp_s": 10.0 - FRESH_S - 0.01},
+        {"mode_s": 10.0 - MODE_KNOWN_S - 0.01},
         {"is_armed": False},
         {"is_landed": True},
         {"is_failsafe": True},
         *({"mode": mode} for mode in Mode if mode is not Mode.LOITER),
     ]
-    assert not_handed_over(good, 10.0) == ""
-    assert not_handed_over(None, 10.0) != ""
+    assert not_handed_over(good, 10.0) is None
+    assert not_handed_over(None, 10.0)
     for one, other in product(wrong, wrong):
-        assert not_handed_over(replace(good, **(one | other)), 10.0) != ""  # type: ignore[arg-type]
+        assert not_handed_over(replace(good, **(one | other)), 10.0)  # type: ignore[arg-type]

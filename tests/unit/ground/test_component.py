@@ -14,13 +14,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from companion.acting.flight import TICK_S
-from companion.acting.report import Report
+from companion.flight_events.skills import PlaceReached, SkillFailed
+from companion.flight_events.sortie import RunEnded, RunFailed, TaskSatisfied
 from companion.ground.component import WANTED, Component
-from companion.ground.operations import Standing
+from companion.ground.operations import SystemStatus
 from companion.ground.parameters import NAMES
-from companion.mavlink.framing import Endpoint, dialect
+from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mavlink.parameters import INT32, REAL32, decode, encode
 from companion.mission.model import Signal
+from companion.outcomes import Refusal
 from companion.vehicle.wire import Wire
 
 DOCS = Path(__file__).parents[3] / "docs"
@@ -37,26 +39,26 @@ class Desk:
     """Where operators' wishes arrive; it says no if it has a reason."""
 
     def __init__(self) -> None:
-        self.standing = Standing.STANDBY
+        self.system_status = SystemStatus.STANDBY
         self.awaited = frozenset({"MAV_CMD_USER_1"})
         self.asked: list[str] = []
-        self.reason = ""
+        self.refusal: Refusal | None = None
 
-    def start(self) -> str:
+    def start(self) -> Refusal | None:
         return self._note("start")
 
-    def pause(self) -> str:
+    def pause(self) -> Refusal | None:
         return self._note("pause")
 
-    def go_on(self) -> str:
-        return self._note("go on")
+    def resume(self) -> Refusal | None:
+        return self._note("resume")
 
-    def go_home(self) -> str:
-        return self._note("go home")
+    def return_home(self) -> Refusal | None:
+        return self._note("return home")
 
-    def _note(self, what: str) -> str:
+    def _note(self, what: str) -> Refusal | None:
         self.asked.append(what)
-        return self.reason
+        return self.refusal
 
 
 class Radio:
@@ -70,7 +72,7 @@ class Radio:
         self._wire = Wire()
         self._wire.listen(WANTED, frozenset())
         self._wire.parse(Autopilot().telemetry())
-        self._ear = Endpoint(0, 0)
+        self._ear = MavlinkCodec(0, 0)
 
     def raw(self, *datagrams: bytes) -> list[Any]:
         """One tick; what left, as messages."""
@@ -85,7 +87,7 @@ class Radio:
         return sent
 
     def say(self, *messages: Any, sender: tuple[int, int] = STATION) -> list[Any]:
-        return self.raw(*(Endpoint(*sender).pack(m) for m in messages))
+        return self.raw(*(MavlinkCodec(*sender).pack(m) for m in messages))
 
     def run(self, seconds: float) -> list[Any]:
         return [m for _ in range(round(seconds / TICK_S)) for m in self.raw()]
@@ -131,8 +133,12 @@ def test_the_first_heartbeat_comes_as_soon_as_the_system_is_known(radio: Radio) 
 
 def test_a_change_of_the_status_is_told_at_once(radio: Radio) -> None:
     radio.run(0.3)
-    for standing, state in ((Standing.ACTIVE, 4), (Standing.CRITICAL, 5), (Standing.STANDBY, 3)):
-        radio.desk.standing = standing
+    for status, state in (
+        (SystemStatus.ACTIVE, 4),
+        (SystemStatus.CRITICAL, 5),
+        (SystemStatus.STANDBY, 3),
+    ):
+        radio.desk.system_status = status
         (beat,) = of_type(radio.raw(), "HEARTBEAT")
         assert beat.system_status == state
 
@@ -145,13 +151,13 @@ def test_a_change_of_the_status_is_told_at_once(radio: Radio) -> None:
     [
         ((START,), "start"),
         ((PAUSE, 0.0), "pause"),
-        ((PAUSE, 1.0), "go on"),
-        ((RETURN,), "go home"),
+        ((PAUSE, 1.0), "resume"),
+        ((RETURN,), "return home"),
     ],
 )
 def test_what_an_operator_may_ask_for(radio: Radio, asked: Any, what: str) -> None:
     assert radio.result(*asked) == ACCEPTED
-    radio.desk.reason = "it rains"
+    radio.desk.refusal = Refusal("it rains")
     sent = radio.ask(*asked)
     (answer,), (text,) = of_type(sent, "COMMAND_ACK"), of_type(sent, "STATUSTEXT")
     assert answer.result == NOT_NOW
@@ -183,7 +189,7 @@ def test_a_command_that_an_event_waits_for_is_accepted(radio: Radio, form: str) 
 def test_a_return_that_an_event_waits_for_does_both(radio: Radio) -> None:
     radio.desk.awaited = frozenset({"MAV_CMD_NAV_RETURN_TO_LAUNCH"})
     assert radio.result(RETURN) == ACCEPTED
-    assert radio.desk.asked == ["go home"]
+    assert radio.desk.asked == ["return home"]
     assert len(radio.readings) == 1
 
 
@@ -204,7 +210,7 @@ def test_a_command_to_somebody_else_is_theirs_to_answer(
 
 def test_several_ask_in_one_tick_and_each_gets_its_own_answer(radio: Radio) -> None:
     stations = [(250 + i, 190 + i) for i in range(5)]
-    packed = [Endpoint(*s).pack(command(31100 + i)) for i, s in enumerate(stations)]
+    packed = [MavlinkCodec(*s).pack(command(31100 + i)) for i, s in enumerate(stations)]
     answers = of_type(radio.raw(*packed), "COMMAND_ACK")
     got = {(a.target_system, a.target_component): a.command for a in answers}
     assert got == {station: 31100 + i for i, station in enumerate(stations)}
@@ -220,7 +226,7 @@ def test_every_button_for_qgroundcontrol_is_understood(radio: Radio) -> None:
         parameters = [float(action.get(f"param{i}", 0.0)) for i in range(1, 8)]
         assert action["compId"] == 191
         assert radio.result(action["mavCmd"], *parameters) == ACCEPTED, action["label"]
-    assert radio.desk.asked == ["start", "pause", "go on", "go home"]
+    assert radio.desk.asked == ["start", "pause", "resume", "return home"]
 
 
 # -- messages on request ---------------------------------------------------------------------------
@@ -257,7 +263,7 @@ def test_the_protocol_version_is_laid_out_as_common_xml_says(radio: Radio) -> No
             if length > 1:
                 crc.accumulate(bytes([length]))
         assert (crc.crc & 0xFF) ^ (crc.crc >> 8) == version.crc_extra
-        frame = Endpoint(1, 191).pack(version)
+        frame = MavlinkCodec(1, 191).pack(version)
         assert frame[7:10] == (300).to_bytes(3, "little")
         assert frame[10:15] == b"\xc8\0\xc8\0\xc8"  # zeros at the end are left out
 
@@ -343,20 +349,21 @@ def test_a_value_that_cannot_be_is_refused_with_the_present_one(
 
 def test_the_level_of_texts_is_followed(radio: Radio) -> None:
     put(radio, "CMP_TEXT_LEVEL", 4, INT32)
-    radio.component.tell(radio.now_s, Report(0.0, "at", "at A"))
-    radio.component.tell(radio.now_s, Report(0.0, "failed", "upload failed"))
-    assert [m.text for m in of_type(radio.run(1.0), "STATUSTEXT")] == ["upload failed"]
+    failed = SkillFailed("upload", "denied")
+    radio.component.tell(radio.now_s, PlaceReached("A", "move"))
+    radio.component.tell(radio.now_s, failed)
+    assert [m.text for m in of_type(radio.run(1.0), "STATUSTEXT")] == [failed.text]
 
 
-@pytest.mark.parametrize("code", [0, 5])
-def test_the_end_is_told_to_programs_after_all_texts(radio: Radio, code: int) -> None:
+@pytest.mark.parametrize("ending", [TaskSatisfied(), RunFailed("landed", exit_code=5)])
+def test_the_end_is_told_to_programs_after_all_texts(radio: Radio, ending: RunEnded) -> None:
     radio.run(0.3)
-    radio.component.tell(radio.now_s, Report(0.0, "at", "a way " * 20))
-    radio.component.tell(radio.now_s, Report(0.0, "end", "landed", {"exit_code": code}))
+    radio.component.tell(radio.now_s, PlaceReached("a place " * 15, "move"))
+    radio.component.tell(radio.now_s, ending)
     last = radio.component.transmit(radio.now_s, is_last=True)
     kinds = [m.get_type() for m in last]
     assert kinds == ["STATUSTEXT"] * 4 + ["NAMED_VALUE_INT"]
-    assert (last[-1].name, last[-1].value) == ("exit_code", code)
+    assert (last[-1].name, last[-1].value) == ("exit_code", ending.exit_code)
 
 
 # -- the rest --------------------------------------------------------------------------------------

@@ -19,7 +19,7 @@ from companion.ground.mission_store import (
     VERDICT,
     MissionStore,
 )
-from companion.mavlink.ftp_frames import Nak, Opcode, Refusal
+from companion.mavlink.ftp_frames import FtpRefusal, Nak, Opcode
 
 SECRET = b"SECRET-OUTSIDE"
 NASTY = (
@@ -80,7 +80,7 @@ def test_no_path_leads_out(store: MissionStore, path: str) -> None:
         lambda: store.rename("a.yaml", path),
         lambda: store.remove_folder(path),
     ):
-        with pytest.raises(Refusal):
+        with pytest.raises(FtpRefusal):
             attempt()
     assert surroundings(store) == before
     assert store.entries("/") == ["Fa.yaml\t6"]
@@ -142,10 +142,10 @@ def test_all_files_together_have_a_limit(store: MissionStore) -> None:
     part = bytes(256 * 1024)
     for i in range(MAX_TOTAL_BYTES // len(part) - 1):
         store.write(f"{i}.pgm", part)
-    with pytest.raises(Refusal) as refused:
+    with pytest.raises(FtpRefusal) as refused:
         store.write("more.pgm", part)
     assert refused.value.nak is Nak.FAIL_ERRNO
-    with pytest.raises(Refusal):
+    with pytest.raises(FtpRefusal):
         store.write("large.pgm", part + b"x")
 
 
@@ -158,13 +158,13 @@ def test_the_verdict_is_read_only(store: MissionStore) -> None:
         lambda: store.rename(VERDICT, "a2.yaml"),
         lambda: store.rename("a.yaml", VERDICT),
     ):
-        with pytest.raises(Refusal) as refused:
+        with pytest.raises(FtpRefusal) as refused:
             attempt()
         assert refused.value.nak is Nak.FILE_PROTECTED
 
 
 def test_no_folder_stands_where_the_verdict_will(store: MissionStore) -> None:
-    with pytest.raises(Refusal) as refused:
+    with pytest.raises(FtpRefusal) as refused:
         store.make_folder(VERDICT)
     assert refused.value.nak is Nak.FILE_PROTECTED
     store.publish(b"{}")

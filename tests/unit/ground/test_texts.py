@@ -1,4 +1,4 @@
-"""Reports as STATUSTEXT: what is said, how bad it is, and how fast."""
+"""Events as STATUSTEXT: what is said, how bad it is, and how fast."""
 
 from __future__ import annotations
 
@@ -8,14 +8,20 @@ from typing import Any
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.acting.report import Report
-from companion.ground.texts import LONGEST, MESSAGE_S, PATIENCE_S, Texts, severity
+from companion.flight_events.hosting import MissionReady, MissionUnreadable, UploadChecked
+from companion.flight_events.plans import NoPlanFound
+from companion.flight_events.skills import PlaceReached, SkillFailed
+from companion.flight_events.sortie import RunFailed, TaskSatisfied
+from companion.flight_events.word import ConjunctViolated
+from companion.ground.texts import LONGEST, MESSAGE_S, PATIENCE_S, StatusTextQueue, severity
 from companion.mavlink.framing import dialect
 
 INFO, WARNING = dialect.MAV_SEVERITY_INFO, dialect.MAV_SEVERITY_WARNING
 
 
-def drained(texts: Texts, since_s: float = 0.0, seconds: float = 60.0) -> list[tuple[float, Any]]:
+def drained(
+    texts: StatusTextQueue, since_s: float = 0.0, seconds: float = 60.0
+) -> list[tuple[float, Any]]:
     """All that leaves, with its time; asked twenty times a second."""
     times = [since_s + 0.05 * i for i in range(round(20 * seconds))]
     return [(now_s, message) for now_s in times for message in texts.due(now_s)]
@@ -34,16 +40,28 @@ def together(messages: list[Any]) -> list[str]:
 
 
 def test_a_failed_run_is_critical_and_a_satisfied_one_a_notice() -> None:
-    assert severity(Report(0.0, "end", "landed", {"exit_code": 0})) == dialect.MAV_SEVERITY_NOTICE
-    assert severity(Report(0.0, "end", "lost", {"exit_code": 5})) == dialect.MAV_SEVERITY_CRITICAL
-    assert severity(Report(0.0, "violation", "")) < severity(Report(0.0, "failed", ""))
-    assert severity(Report(0.0, "failed", "")) < severity(Report(0.0, "replan", ""))
-    assert severity(Report(0.0, "replan", "")) < severity(Report(0.0, "at", ""))
+    assert severity(TaskSatisfied()) == dialect.MAV_SEVERITY_NOTICE
+    assert severity(RunFailed("lost", exit_code=5)) == dialect.MAV_SEVERITY_CRITICAL
+
+
+def test_what_is_worse_has_the_smaller_number() -> None:
+    violated = ConjunctViolated("safe", "G !low", position=1, facts=("low",))
+    failed, no_plan = SkillFailed("do", "denied"), NoPlanFound(1, "denied", "no plan")
+    reached = PlaceReached("A", "move(H, A)")
+    numbers = [severity(event) for event in (violated, failed, no_plan, reached)]
+    assert numbers == sorted(set(numbers))
+
+
+def test_a_refused_upload_is_a_warning_and_an_accepted_one_a_notice() -> None:
+    assert severity(UploadChecked("refused a.yaml", is_refused=True)) == WARNING
+    assert severity(MissionUnreadable("no such file")) == WARNING
+    accepted = [UploadChecked("a.yaml accepted", is_refused=False), MissionReady("a")]
+    assert {severity(event) for event in accepted} == {dialect.MAV_SEVERITY_NOTICE}
 
 
 @given(st.lists(st.text(st.characters(codec="utf-8", exclude_categories=["C", "Z"])), max_size=8))
 def test_texts_arrive_in_order_and_whole_up_to_their_longest(said: list[str]) -> None:
-    texts = Texts()
+    texts = StatusTextQueue()
     for text in said:
         texts.tell(0.0, WARNING, text)
     heard = together([m for _, m in drained(texts)])
@@ -57,13 +75,13 @@ def test_texts_arrive_in_order_and_whole_up_to_their_longest(said: list[str]) ->
 
 
 def test_lines_become_one() -> None:
-    texts = Texts()
+    texts = StatusTextQueue()
     texts.tell(0.0, WARNING, "weak failsafes\n    COM_OF_LOSS_T is 5\n    set 1")
     assert together([m for _, m in drained(texts)]) == ["weak failsafes; COM_OF_LOSS_T is 5; set 1"]
 
 
 def test_a_burst_is_spread() -> None:
-    texts = Texts()
+    texts = StatusTextQueue()
     for _ in range(20):
         texts.tell(0.0, WARNING, "x" * 60)
     times = [now_s for now_s, _ in drained(texts)]
@@ -72,7 +90,7 @@ def test_a_burst_is_spread() -> None:
 
 
 def test_of_what_waits_too_long_only_warnings_are_said() -> None:
-    texts = Texts()
+    texts = StatusTextQueue()
     for i in range(100):
         texts.tell(0.0, INFO, f"info {i}")
         texts.tell(0.0, WARNING, f"warning {i}")
@@ -84,7 +102,7 @@ def test_of_what_waits_too_long_only_warnings_are_said() -> None:
 
 
 def test_at_the_end_all_is_said() -> None:
-    texts = Texts()
+    texts = StatusTextQueue()
     for i in range(30):
         texts.tell(0.0, INFO, f"{i}")
     assert together(texts.rest()) == [f"{i}" for i in range(30)]

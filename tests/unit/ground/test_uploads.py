@@ -12,15 +12,19 @@ from pathlib import Path
 import pytest
 from ftp_client import Client
 
-from companion.ground.checking import Answer, ChildCheck
+from companion.ground.checking import CheckResult, ChildCheck
 from companion.ground.limited import MAX_CPU_S, MAX_MEMORY_BYTES, MAX_OUTPUT_BYTES
-from companion.ground.uploads import CHECK_S, Uploads, Verdict
+from companion.ground.upload_states import UploadVerdict
+from companion.ground.uploads import CHECK_S, Uploads
 from companion.mavlink.ftp_frames import Opcode, crc32
 from companion.mission.loader import load_mission
+from companion.vehicle_profile import VehicleProfile
+
+pytestmark = pytest.mark.slow
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 MISSION = (MISSIONS / "surveillance.yaml").read_bytes()
-LIMIT_S = 60.0
+LIMIT_S = 300.0
 
 
 class Ground(Client):
@@ -35,7 +39,7 @@ class Ground(Client):
         for name in ("hall.pgm", "hall.yaml"):
             self.put(f"maps/{name}", (MISSIONS / "maps" / name).read_bytes())
 
-    def verdict(self, is_flying: bool = False) -> Verdict:
+    def verdict(self, is_flying: bool = False) -> UploadVerdict:
         end_s = time.monotonic() + LIMIT_S
         while not (verdicts := self.uploads.poll(self.now_s, is_flying)):
             assert time.monotonic() < end_s
@@ -53,7 +57,7 @@ class _Door:
 class Slow:
     """A check that ends only if it is killed; or as told."""
 
-    def __init__(self, answer: Answer | None = None) -> None:
+    def __init__(self, answer: CheckResult | None = None) -> None:
         self.folders: list[Path] = []
         self.answer = answer
         self.killed = 0
@@ -62,12 +66,12 @@ class Slow:
         self.folders.append(folder)
         return self
 
-    def poll(self) -> Answer | None:
+    def poll(self) -> CheckResult | None:
         return self.answer
 
     def kill(self) -> None:
         self.killed += 1
-        self.answer = Answer(False, "the check needs too much time or memory")
+        self.answer = CheckResult(False, "the check needs too much time or memory")
 
 
 def test_a_good_mission_becomes_active_with_its_files(tmp_path: Path) -> None:
@@ -91,6 +95,25 @@ def test_a_good_mission_becomes_active_with_its_files(tmp_path: Path) -> None:
     restarted = Ground(Uploads(tmp_path))
     restarted.put("surveillance.yaml", b"version: 2\n")
     assert restarted.verdict().number == verdict.number + 1
+
+
+def test_a_vehicle_profile_is_no_mission_and_goes_with_the_one_that_names_it(
+    tmp_path: Path,
+) -> None:
+    uploads = Uploads(tmp_path)
+    ground = Ground(uploads)
+    ground.upload_map()
+    ground.ask(Opcode.CREATE_DIRECTORY, "vehicles")
+    profile = (MISSIONS / "vehicles" / "quad_35cm.yaml").read_bytes()
+    ground.put("vehicles/small.yaml", profile.replace(b"radius_m: 0.35", b"radius_m: 0.25"))
+    assert uploads.poll(0.0) == []
+    ground.put("surveillance.yaml", MISSION.replace(b"limits:", b"vehicle: small\nlimits:", 1))
+    assert ground.verdict().is_accepted
+    path = uploads.take_active()
+    assert path is not None
+    assert load_mission(path).vehicle == VehicleProfile("small", radius_m=0.25)
+    ground.put("surveillance.yaml", MISSION.replace(b"limits:", b"vehicle: large\nlimits:", 1))
+    assert "surveillance.yaml:13:10: there is no vehicle profile large" in ground.verdict().text
 
 
 @pytest.mark.parametrize(
@@ -134,7 +157,7 @@ def test_in_flight_it_waits_for_the_landing(tmp_path: Path) -> None:
     ground = Ground(uploads)
     ground.put("a.yaml", MISSION)
     assert uploads.poll(0.0, is_flying=True) == []
-    slow.answer = Answer(True, "a plan")
+    slow.answer = CheckResult(True, "a plan")
     assert ground.verdict(is_flying=True).text == "a.yaml accepted; becomes active after landing"
     ground.put("b.yaml", MISSION)
     assert ground.verdict(is_flying=True).mission == "b.yaml"
@@ -145,7 +168,7 @@ def test_in_flight_it_waits_for_the_landing(tmp_path: Path) -> None:
 
 def accepted(root: Path, *names: str) -> Uploads:
     """Missions that were accepted one after the other, by a check that takes no time."""
-    uploads = Uploads(root, Slow(Answer(True, "a plan")))
+    uploads = Uploads(root, Slow(CheckResult(True, "a plan")))
     ground = Ground(uploads)
     for name in names:
         ground.put(name, MISSION + f"# {name}\n".encode())
@@ -168,7 +191,7 @@ def test_what_was_accepted_and_not_flown_is_offered_again_after_a_restart(tmp_pa
         assert (verdict.number, verdict.crc32) == (number + times, crc32(MISSION))
         path = restarted.uploads.take_active()
         assert path is not None and load_mission(path).name == "surveillance"
-    restarted.uploads.flown()
+    restarted.uploads.started()
     assert is_forgotten(tmp_path)
 
 
@@ -183,21 +206,21 @@ def test_the_one_that_was_accepted_last_is_offered_and_none_before_it(tmp_path: 
     uploads = accepted(tmp_path, "a.yaml", "b.yaml")
     path = uploads.take_active()
     assert path is not None and path.name == "b.yaml"
-    again = Uploads(tmp_path, Slow(Answer(True, "a plan")))
+    again = Uploads(tmp_path, Slow(CheckResult(True, "a plan")))
     assert Ground(again).verdict().mission == "b.yaml"
     again.take_active()
-    again.flown()
+    again.started()
     assert is_forgotten(tmp_path)
 
 
 def test_one_that_came_in_flight_is_offered_although_another_was_flown(tmp_path: Path) -> None:
-    slow = Slow(Answer(True, "a plan"))
+    slow = Slow(CheckResult(True, "a plan"))
     uploads = Uploads(tmp_path, slow)
     ground = Ground(uploads)
     ground.put("a.yaml", MISSION)
     ground.verdict()
     uploads.take_active()
-    uploads.flown()
+    uploads.started()
     ground.put("b.yaml", MISSION)
     ground.verdict(is_flying=True)
     assert Ground(Uploads(tmp_path, Slow(slow.answer))).verdict().mission == "b.yaml"
@@ -209,7 +232,7 @@ def test_what_a_power_cut_has_broken_is_refused_and_an_upload_goes_on(tmp_path: 
     assert path is not None
     path.write_bytes(b"")
     (tmp_path / "incoming" / "verdict.json").unlink()
-    restarted = Ground(Uploads(tmp_path, Slow(Answer(True, "a plan"))))
+    restarted = Ground(Uploads(tmp_path, Slow(CheckResult(True, "a plan"))))
     verdict = restarted.verdict()
     assert not verdict.is_accepted and verdict.number == 2
     restarted.put("a.yaml", MISSION)
@@ -233,6 +256,28 @@ def test_one_check_at_a_time_and_a_late_one_is_ended(tmp_path: Path) -> None:
     slow.answer = None
     uploads.poll(CHECK_S + 0.2)
     assert len(slow.folders) == 2
+
+
+def test_a_check_that_was_ended_just_as_it_passed_is_accepted(tmp_path: Path) -> None:
+    uploads = Uploads(tmp_path, slow := Slow())
+    ground = Ground(uploads)
+    ground.put("a.yaml", MISSION)
+    for now_s in (0.0, CHECK_S + 0.1, CHECK_S + 0.2):
+        assert uploads.poll(now_s) == []
+        slow.answer = None  # it has not ended yet
+    assert slow.killed == 1
+    slow.answer = CheckResult(True, "a plan")
+    assert ground.verdict().is_accepted
+    assert uploads.take_active() is not None
+
+
+def test_of_two_that_were_accepted_only_the_newest_is_started(tmp_path: Path) -> None:
+    uploads = accepted(tmp_path, "a.yaml", "b.yaml")
+    assert uploads.take_active() is not None
+    assert uploads.take_active() is None
+    uploads.started()
+    uploads.started()  # the same mission is flown once more
+    assert is_forgotten(tmp_path)
 
 
 @pytest.mark.parametrize(

@@ -125,6 +125,7 @@ def test_atom_refuses_what_is_not_a_proposition() -> None:
         atom("a & b")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "text",
     [

@@ -80,6 +80,7 @@ def marks(runs: Runs) -> range:
     return range(runs.automaton.marks)
 
 
+@pytest.mark.slow
 @settings(max_examples=150)
 @given(FORMULAS, HISTORIES)
 def test_false_iff_no_continuation_satisfies_and_true_iff_all_do(
@@ -104,6 +105,7 @@ def test_true_and_false_stay(formula: Formula, letters: list[Letter], letter: Le
         assert monitor.after(letter).truth_value is monitor.truth_value
 
 
+@pytest.mark.slow
 @given(HISTORIES)
 def test_what_is_to_happen_infinitely_often_stays_inconclusive(letters: list[Letter]) -> None:
     for formula in ("G F p", "F G p", "G (p -> F q)"):

@@ -19,6 +19,8 @@ from companion.ltl.parser import parse
 from companion.ltl.semantics import accepts
 from companion.ltl.translate import translate
 
+pytestmark = pytest.mark.slow
+
 TABLE = Path(__file__).parents[2] / "data" / "formulas.tsv"
 EMPTY, P = frozenset[str](), frozenset({"p"})
 

@@ -17,6 +17,8 @@ from companion.ltl.formula import negate
 from companion.ltl.parser import parse
 from companion.ltl.translate import state_based, translate
 
+pytestmark = pytest.mark.slow
+
 TABLE = Path(__file__).parents[2] / "data" / "formulas.tsv"
 
 VALID = {"sb-11", "sb-12"}

@@ -11,6 +11,7 @@ from companion.ltl.parser import MAX_ARGUMENTS, MAX_CHARACTERS, parse
 DEPTH = 20_000
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "nodes"),
     [

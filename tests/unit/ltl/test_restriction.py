@@ -43,6 +43,7 @@ def accepts_from(automaton: BuchiAutomaton, states: list[int], loop: list[Letter
     return accepts(replace(automaton, initial=frozenset(states)), loop[:-1], loop)
 
 
+@pytest.mark.slow
 @settings(max_examples=200)
 @given(
     st.sampled_from(FORMULAS),
@@ -62,6 +63,7 @@ def test_it_accepts_the_words_of_the_formula_in_which_the_constants_are_constant
     assert verdict is holds(parse(formula), prefix, loop)
 
 
+@pytest.mark.slow
 @settings(max_examples=100)
 @given(st.sampled_from(FORMULAS), VALUES, st.data())
 def test_any_set_of_states_accepts_as_much_as_before(

@@ -59,6 +59,7 @@ def test_law(text: str, expected: str) -> None:
     assert simplified(negation_normal_form(parse(text))) is negation_normal_form(parse(expected))
 
 
+@pytest.mark.slow
 def test_depth_is_limited_by_memory_alone() -> None:
     depth = 5_000
     deep = negation_normal_form(parse("a U (b & X(" * depth + "c" + "))" * depth))

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.mavlink.commands import CommandSender, result_name
-from companion.mavlink.framing import Endpoint, dialect
+from companion.mavlink.framing import MavlinkCodec, dialect
 
 RESEND_S, SILENCE_S, PROGRESS_S, REJECTION_PAUSE_S, MAX_REJECTIONS = 0.5, 5.0, 10.0, 1.0, 10
 """The numbers of the protocol's rules, written down once more on purpose."""
@@ -21,7 +21,7 @@ RESULTS = {entry.name[11:]: number for number, entry in dialect.enums["MAV_RESUL
 def ack(result: str, sender: tuple[int, int] = PAYLOAD, command: int = USER_1) -> Any:
     """A COMMAND_ACK after its way over the wire."""
     message = dialect.MAVLink_command_ack_message(command, RESULTS[result])
-    return Endpoint(0, 0).parse(Endpoint(*sender).pack(message))[0]
+    return MavlinkCodec(0, 0).parse(MavlinkCodec(*sender).pack(message))[0]
 
 
 class Talk:
@@ -42,7 +42,7 @@ class Talk:
         self.sender.receive(self.now_s, ack(result))
 
     @property
-    def result(self) -> str:
+    def result(self) -> str | None:
         return self.sender[self.ticket].result
 
     @property
@@ -69,7 +69,7 @@ def test_it_is_sent_again_until_it_is_answered_and_counted() -> None:
 def test_silence_is_a_failure() -> None:
     talk = Talk()
     talk.wait(SILENCE_S)
-    assert talk.result == ""
+    assert talk.result is None
     talk.wait(0.1)
     assert talk.result == "NO_ANSWER"
     assert talk.sender[talk.ticket].has_failed
@@ -83,9 +83,9 @@ def test_in_progress_lengthens_the_wait_and_ends_the_asking() -> None:
         talk.hear("IN_PROGRESS")
         talk.wait(9.0)
     assert len(talk.sent) == 1
-    assert talk.result == ""
+    assert talk.result is None
     talk.wait(PROGRESS_S - 9.0)
-    assert talk.result == ""
+    assert talk.result is None
     talk.wait(0.1)
     assert talk.result == "NO_ANSWER"
 
@@ -105,7 +105,7 @@ def test_the_silence_after_a_rejection_is_counted_from_its_pause() -> None:
     talk.wait(4.9)
     talk.hear("TEMPORARILY_REJECTED")
     talk.wait(REJECTION_PAUSE_S + SILENCE_S)
-    assert talk.result == ""
+    assert talk.result is None
     talk.wait(0.1)
     assert talk.result == "NO_ANSWER"
 
@@ -115,7 +115,7 @@ def test_after_ten_rejections_the_next_is_final() -> None:
     for _ in range(MAX_REJECTIONS):
         talk.wait(1.1)
         talk.hear("TEMPORARILY_REJECTED")
-        assert talk.result == ""
+        assert talk.result is None
     talk.wait(1.1)
     talk.hear("TEMPORARILY_REJECTED")
     assert talk.result == "TEMPORARILY_REJECTED"
@@ -153,7 +153,7 @@ def test_a_failure_that_follows_an_acceptance_counts() -> None:
 def test_an_answer_from_elsewhere_or_to_another_command_is_none(other: Any) -> None:
     talk = Talk()
     talk.sender.receive(0.0, other)
-    assert talk.result == ""
+    assert talk.result is None
 
 
 def test_an_answer_belongs_to_the_command_that_was_sent_last() -> None:
@@ -161,7 +161,7 @@ def test_an_answer_belongs_to_the_command_that_was_sent_last() -> None:
     first = sender.start(0.0, PAYLOAD, USER_1, (0.0,) * 7)
     second = sender.start(0.0, PAYLOAD, USER_1, (1.0,) * 7)
     sender.receive(0.0, ack("ACCEPTED"))
-    assert (sender[first].result, sender[second].result) == ("", "ACCEPTED")
+    assert (sender[first].result, sender[second].result) == (None, "ACCEPTED")
 
 
 def test_commands_under_way_do_not_disturb_each_other() -> None:
@@ -169,7 +169,7 @@ def test_commands_under_way_do_not_disturb_each_other() -> None:
     tickets = [sender.start(0.0, (1, c), USER_1, (0.0,) * 7) for c in (25, 26)]
     assert [m.target_component for m in sender.due(0.0)] == [25, 26]
     sender.receive(0.1, ack("ACCEPTED", sender=(1, 26)))
-    assert [sender[t].result for t in tickets] == ["", "ACCEPTED"]
+    assert [sender[t].result for t in tickets] == [None, "ACCEPTED"]
     assert [m.target_component for m in sender.due(1.0)] == [25]
 
 

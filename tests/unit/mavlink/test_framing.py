@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.mavlink.framing import Endpoint, choose, dialect, source, split_frames
+from companion.mavlink.framing import MavlinkCodec, choose, dialect, source, split_frames
 
 STUBS = [b"", b"\xfd", b"\xfd\xff\x00", b"\xfe\xff", b"\xfd" + bytes(9), b"hello"]
 
@@ -18,7 +18,7 @@ def value(number: int) -> Any:
 
 
 def frame(number: int) -> bytes:
-    return Endpoint(1, 26).pack(value(number))
+    return MavlinkCodec(1, 26).pack(value(number))
 
 
 def old_frame(number: int) -> bytes:
@@ -41,19 +41,19 @@ def values(messages: list[Any]) -> list[int]:
     return [message.value for message in messages]
 
 
-# -- an endpoint -----------------------------------------------------------------------------------
+# -- a codec ---------------------------------------------------------------------------------------
 
 
 def test_frames_are_mavlink_2_and_say_who_sent_them() -> None:
-    packed = Endpoint(7, 191).pack(value(5))
+    packed = MavlinkCodec(7, 191).pack(value(5))
     assert packed[0] == 0xFD
-    (message,) = Endpoint(0, 0).parse(packed)
+    (message,) = MavlinkCodec(0, 0).parse(packed)
     assert source(message) == (7, 191)
     assert (message.name, message.value) == ("target", 5)
 
 
 def test_the_sequence_number_counts_and_wraps() -> None:
-    speaker, ear = Endpoint(1, 1), Endpoint(0, 0)
+    speaker, ear = MavlinkCodec(1, 1), MavlinkCodec(0, 0)
     numbers = [ear.parse(speaker.pack(value(0)))[0].get_seq() for _ in range(300)]
     assert numbers == [i % 256 for i in range(300)]
 
@@ -70,7 +70,7 @@ def example(kind: Any, number: int) -> Any:
 
 @pytest.mark.parametrize("number", [0, 1, 100])
 def test_every_message_has_the_bytes_of_pymavlink(number: int) -> None:
-    ours, theirs = Endpoint(1, 191), dialect.MAVLink(None, srcSystem=1, srcComponent=191)
+    ours, theirs = MavlinkCodec(1, 191), dialect.MAVLink(None, srcSystem=1, srcComponent=191)
     for kind in dialect.mavlink_map.values():
         message = example(kind, number)
         assert ours.pack(message) == message.pack(theirs), kind.msgname
@@ -78,7 +78,7 @@ def test_every_message_has_the_bytes_of_pymavlink(number: int) -> None:
 
 
 def test_extensions_that_are_left_out_are_what_pymavlink_makes_of_them() -> None:
-    ours, theirs = Endpoint(1, 191), dialect.MAVLink(None, srcSystem=1, srcComponent=191)
+    ours, theirs = MavlinkCodec(1, 191), dialect.MAVLink(None, srcSystem=1, srcComponent=191)
     extended = 0
     for kind in dialect.mavlink_map.values():
         extensions = len(kind.__init__.__defaults__ or ())
@@ -95,7 +95,7 @@ def test_extensions_that_are_left_out_are_what_pymavlink_makes_of_them() -> None
 
 
 def test_hearing_does_not_disturb_speaking() -> None:
-    both = Endpoint(1, 1)
+    both = MavlinkCodec(1, 1)
     both.pack(value(0))
     both.parse(frame(1))
     assert both.parse(both.pack(value(0)))[0].get_seq() == 1
@@ -103,17 +103,17 @@ def test_hearing_does_not_disturb_speaking() -> None:
 
 @pytest.mark.parametrize("kind", FRAMES)
 def test_every_kind_of_frame_is_heard(kind: str) -> None:
-    assert values(Endpoint(0, 0).parse(FRAMES[kind](5))) == [5]
+    assert values(MavlinkCodec(0, 0).parse(FRAMES[kind](5))) == [5]
 
 
 def test_the_messages_of_a_datagram_keep_their_order() -> None:
     datagram = frame(1) + old_frame(2) + signed_frame(3)
-    assert values(Endpoint(0, 0).parse(datagram)) == [1, 2, 3]
+    assert values(MavlinkCodec(0, 0).parse(datagram)) == [1, 2, 3]
 
 
 @pytest.mark.parametrize("stub", STUBS)
 def test_a_stub_does_not_swallow_the_next_datagram(stub: bytes) -> None:
-    ear = Endpoint(0, 0)
+    ear = MavlinkCodec(0, 0)
     for _ in range(3):
         assert ear.parse(stub) == []
         assert values(ear.parse(frame(5))) == [5]
@@ -121,7 +121,7 @@ def test_a_stub_does_not_swallow_the_next_datagram(stub: bytes) -> None:
 
 def test_a_damaged_frame_is_not_heard() -> None:
     good = frame(5)
-    ear = Endpoint(0, 0)
+    ear = MavlinkCodec(0, 0)
     for at in range(len(good)):
         spoilt = bytearray(good)
         spoilt[at] ^= 0x40
@@ -132,13 +132,13 @@ def test_a_damaged_frame_is_not_heard() -> None:
 def test_an_unknown_message_is_not_heard() -> None:
     unknown = dialect.MAVLink_message(54321, "NEW")
     packed = bytes(unknown._pack(dialect.MAVLink(None, 1, 1), 0, b"payload"))
-    assert Endpoint(0, 0).parse(packed) == []
-    assert values(Endpoint(0, 0).parse(packed + frame(5))) == [5]
+    assert MavlinkCodec(0, 0).parse(packed) == []
+    assert values(MavlinkCodec(0, 0).parse(packed + frame(5))) == [5]
 
 
 @given(st.lists(st.binary(max_size=300), max_size=5))
 def test_no_bytes_raise_and_the_next_datagram_is_heard(junk: list[bytes]) -> None:
-    ear = Endpoint(0, 0)
+    ear = MavlinkCodec(0, 0)
     for datagram in junk:
         ear.parse(datagram)
     assert values(ear.parse(frame(5))) == [5]
@@ -180,7 +180,7 @@ def test_a_frame_that_is_cut_short_is_no_frame(kind: str) -> None:
 
 def test_of_what_comes_often_only_the_newest_of_each_sender_is_chosen() -> None:
     """Newest by sequence number, also where it wraps; other messages and other senders stay."""
-    one, two = Endpoint(1, 1), Endpoint(2, 1)
+    one, two = MavlinkCodec(1, 1), MavlinkCodec(2, 1)
     text = dialect.MAVLink_named_value_float_message(0, b"x", 1.0)
     often = {dialect.MAVLINK_MSG_ID_NAMED_VALUE_INT}
     both = {*often, dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT}

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.mavlink.framing import Endpoint, dialect
+from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mavlink.parameters import INT32, REAL32, decode, encode
 
 SIGNALLING = 0x7F800000, 0x7FC00000  # between them, sign aside, a float32 is a signalling NaN
@@ -19,9 +19,9 @@ def is_signalling_nan(value: int) -> bool:
 @given(st.integers(-(2**31), 2**31 - 1).filter(lambda v: not is_signalling_nan(v & 0xFFFFFFFF)))
 def test_integers_come_back_through_a_frame(value: int) -> None:
     message = dialect.MAVLink_param_value_message(b"A", encode(value, INT32), INT32, 1, 0)
-    frame = Endpoint(1, 1).pack(message)
+    frame = MavlinkCodec(1, 1).pack(message)
     assert struct.pack("<i", value).rstrip(b"\0") in frame  # the bytes themselves travel
-    (received,) = Endpoint(0, 0).parse(frame)
+    (received,) = MavlinkCodec(0, 0).parse(frame)
     assert decode(received.param_value, received.param_type) == value
 
 

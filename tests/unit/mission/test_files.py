@@ -16,12 +16,13 @@ MISSIONS = Path(__file__).parents[3] / "missions"
 @pytest.mark.parametrize(
     ("mission", "others"),
     [
-        ("surveillance", ["maps/hall.pgm", "maps/hall.yaml"]),
+        ("surveillance", ["maps/hall.pgm", "maps/hall.yaml", "vehicles/quad_35cm.yaml"]),
         (
             "delivery",
             [
                 "maps/hall.pgm",
                 "maps/hall.yaml",
+                "vehicles/quad_35cm.yaml",
                 "delivery.domain.pddl",
                 "delivery.problem.pddl",
             ],

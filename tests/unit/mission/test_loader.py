@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from companion.errors import FormulaError, MissionError
 from companion.ltl.parser import parse
-from companion.mission.loader import CLEARANCE_M, load_mission
+from companion.mission.loader import load_mission
 from companion.mission.model import (
     Atom,
     Charge,
@@ -33,6 +33,9 @@ from companion.mission.model import (
     Wait,
 )
 from companion.mission.skills import MAX_INSTANCES
+from companion.vehicle_profile import VehicleProfile
+
+QUAD = VehicleProfile()
 
 Load = Callable[[str | bytes], Mission]
 
@@ -111,6 +114,7 @@ SPOILT: list[tuple[str, str, str, str]] = [
     ("    until:", "    restores: [§canUplod]\n    until:", "restores canUplod", "mean canUpload?"),
     ("command(payload", "command(§paylaod", "unknown component paylaod", "mean payload?"),
     ("MAV_CMD_USER_1", "§MAV_CMD_USR_1", "unknown command MAV_CMD_USR_1", "MAV_CMD_USER_1?"),
+    ("MAV_CMD_USER_1", "§MAV_CMD_COMPONENT_ARM_DISARM", "is not a command for payloads", "land()"),
     ("1.5, -2", "1.5, §nan", "nan is not a number", "1.5"),
     ("1.5, -2", "1.5, §1e39", "1e39 is not a number", "1.5"),
     ("cost: 10", "cost: §flight_time", "upload does not fly", "write seconds"),
@@ -328,7 +332,7 @@ def test_too_many_instances_are_refused(load: Load, good: str) -> None:
 
 
 def test_clearance_decides_to_the_cell(load: Load, good: str) -> None:
-    """A is accepted from the first cell on that has CLEARANCE_M of room."""
+    """A is accepted from the first cell on that has the clearance."""
     accepted = []
     for column in range(20):
         east_m = 0.25 + 0.5 * column
@@ -339,7 +343,9 @@ def test_clearance_decides_to_the_cell(load: Load, good: str) -> None:
         else:
             accepted.append(east_m)
     assert accepted == [
-        x for x in (0.25 + 0.5 * c for c in range(20)) if min(x - 0.25, 9.75 - x) >= CLEARANCE_M
+        x
+        for x in (0.25 + 0.5 * c for c in range(20))
+        if min(x - 0.25, 9.75 - x) >= QUAD.clearance_m
     ]
 
 
@@ -360,6 +366,7 @@ EDITS = st.lists(
 )  # fmt: skip
 
 
+@pytest.mark.slow
 @given(edits=EDITS)
 @settings(max_examples=250, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_edits_raise_nothing_but_mission_errors(

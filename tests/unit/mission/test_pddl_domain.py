@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import shutil
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -12,12 +11,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from companion.acting.task_state import TaskState
 from companion.errors import MissionError
 from companion.ltl.parser import parse
 from companion.mission.loader import load_mission
 from companion.mission.model import Fly, Mission
-from companion.planning.domain import ground
+from companion.planning.domain import instantiate
 from companion.planning.planner import Planner
 
 ROOT = Path(__file__).parents[3]
@@ -90,7 +88,7 @@ def test_start_and_goal(delivery: Mission) -> None:
 def test_the_parcels_are_carried_one_at_a_time(delivery: Mission) -> None:
     """Every plan is checked by the planner itself; this one is the only sensible order."""
     planner = Planner(delivery, lambda origin, goal: 10.0)
-    assert str(planner.plan(*TaskState(planner).problem())) == (
+    assert str(planner.plan()) == (
         "pick_up(p1, Home), move(Home, A), hand_over(A), move(A, Home), "
         "pick_up(p2, Home), move(Home, B), hand_over(B), (wait)^w"
     )
@@ -149,7 +147,7 @@ def test_a_universal_goal_is_written_out(spoil: Spoil) -> None:
 def test_a_universal_precondition_is_written_out(spoil: Spoil) -> None:
     universal = ":precondition (and (at ?c) (forall (?x - parcel) (not (in ?x ?c))))"
     mission = spoil(DOMAIN, ":precondition (at ?c)", universal)
-    found = {a.name: a for a in ground(mission, lambda a, b: 1.0).actions}["hand_over(A)"]
+    found = {a.name: a for a in instantiate(mission, lambda a, b: 1.0).actions}["hand_over(A)"]
     assert found.forbids == {"in(p1, A)", "in(p2, A)"}
 
 
@@ -157,7 +155,7 @@ def test_a_parameter_may_differ_from_a_constant(edit: Edit, spoil: Spoil) -> Non
     edit(PROBLEM, "Home - depot ", "")
     edit(DOMAIN, "(:predicates", "(:constants Home - depot) (:predicates")
     mission = spoil(DOMAIN, "(not (= ?from ?to))", "(not (= ?to Home))")
-    moves = [a.name for a in ground(mission, lambda a, b: 1.0).actions if a.skill == "move"]
+    moves = [a.name for a in instantiate(mission, lambda a, b: 1.0).actions if a.skill == "move"]
     assert moves == ["move(Home, A)", "move(Home, B)", "move(A, B)", "move(B, A)"]
 
 
@@ -179,12 +177,6 @@ def test_a_condition_may_be_about_what_never_holds(spoil: Spoil) -> None:
 
 def test_an_object_may_have_the_name_of_a_type(spoil: Spoil) -> None:
     assert "depot" in spoil(PROBLEM, "p1 p2 - parcel", "p1 p2 depot - parcel").sets["parcel"]
-
-
-def test_without_the_reader(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "unified_planning.io", None)
-    with pytest.raises(MissionError, match=r"pip install 'mav-companion\[planners\]'"):
-        load_mission(EXAMPLE / "delivery.yaml")
 
 
 SPOILT = [
@@ -320,6 +312,7 @@ def _tokens(name: str) -> list[str]:
 TOKENS = [*_tokens(DOMAIN), *_tokens(PROBLEM), "or", "exists", "=", "#t", "5", "increase"]
 
 
+@pytest.mark.slow
 @settings(max_examples=25)
 @given(
     st.sampled_from([DOMAIN, PROBLEM]),
@@ -341,9 +334,10 @@ def test_any_spoilt_text_is_a_mission_or_a_mission_error(
         mission = load_mission(folder / "delivery.yaml")
     except MissionError:
         return
-    assert ground(mission, lambda a, b: 1.0).actions
+    assert instantiate(mission, lambda a, b: 1.0).actions
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "old", "new", "message"), SPOILT)
 def test_a_mistake_is_answered(spoil: Spoil, name: str, old: str, new: str, message: str) -> None:
     with pytest.raises(MissionError) as caught:

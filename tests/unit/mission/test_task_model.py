@@ -9,7 +9,7 @@ import pytest
 from companion.errors import MissionError
 from companion.ltl.parser import parse
 from companion.mission.model import Mission
-from companion.planning.domain import Action, ground
+from companion.planning.domain import Action, instantiate
 
 Load = Callable[[str], Mission]
 
@@ -40,7 +40,7 @@ def parcels(good: str) -> str:
 
 
 def actions(mission: Mission) -> dict[str, Action]:
-    return {action.name: action for action in ground(mission, lambda a, b: 3.0).actions}
+    return {action.name: action for action in instantiate(mission, lambda a, b: 3.0).actions}
 
 
 def test_parameters_range_over_objects(load: Load, parcels: str) -> None:
@@ -87,7 +87,7 @@ def test_an_event_may_restart_the_goal(load: Load, parcels: str) -> None:
 def test_instances_and_their_conditional_effects_are_counted_first(
     load: Load, parcels: str
 ) -> None:
-    """Before anything is grounded: 200^3 instances would not fit into memory."""
+    """Before anything is instantiated: 200^3 instances would not fit into memory."""
     many = ", ".join(f"q{i}" for i in range(200))
     text = parcels.replace("objects: [p1, p2]", f"objects: [p1, p2, {many}]")
     text = text.replace("Parcel: [p1, p2]", f"Parcel: [p1, p2, {many}]")

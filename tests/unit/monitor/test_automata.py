@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -11,7 +9,7 @@ from companion.ltl.monitor import Runs
 from companion.ltl.parser import parse
 from companion.ltl.semantics import holds
 from companion.ltl.translate import translate
-from companion.monitor.automata import Drawing, TaskReader
+from companion.monitor.automata import DrawnAutomaton, TaskReader
 
 FORMULAS = (
     "G (F p | q)",
@@ -24,9 +22,9 @@ FORMULAS = (
 letters = st.frozensets(st.sampled_from(["p", "q"]))
 
 
-def drawing(text: str) -> Drawing:
+def drawing(text: str) -> DrawnAutomaton:
     formula = parse(text)
-    return Drawing("it", formula, translate(formula))
+    return DrawnAutomaton("it", formula, translate(formula))
 
 
 @given(st.sampled_from(FORMULAS), st.lists(letters, max_size=8))
@@ -61,16 +59,16 @@ def test_a_violated_conjunct_stands_nowhere_and_may_begin_anew() -> None:
     begin = reader.states
     assert all(begin)
     reader.read(frozenset({"p"}), ())
-    assert reader.states[0] == [] and reader.states[1]
+    assert reader.states[0] == () and reader.states[1]
     reader.read(frozenset(), ("calm",))
     assert reader.states[0]
 
 
 def test_a_line_of_the_task_is_drawn_by_its_conjuncts() -> None:
     reader = TaskReader({"both": parse("G (F p & F q)")})
-    drawings = [drawn.as_json() for drawn in reader.drawings]
-    assert [drawn["formula"] for drawn in drawings] == ["G F p", "G F q"]
-    for drawn in json.loads(json.dumps(drawings)):
-        count = len(drawn["accepting"])
-        assert any(drawn["accepting"])
-        assert all(0 <= a < count and 0 <= b < count and label for a, b, label in drawn["arrows"])
+    drawings = [automaton.drawing for automaton in reader.automata]
+    assert [drawn.formula for drawn in drawings] == ["G F p", "G F q"]
+    for drawn in drawings:
+        count = len(drawn.accepting)
+        assert any(drawn.accepting)
+        assert all(0 <= a < count and 0 <= b < count and label for a, b, label in drawn.arrows)

@@ -11,6 +11,9 @@ from typing import Any
 
 import pytest
 
+from companion.flight_events.event import Stamped
+from companion.flight_events.skills import PlaceReached
+from companion.flight_events.writing import line_of
 from companion.monitor.feed import MOST_AT_ONCE, Feed, thinned
 from companion.monitor.follower import Follower
 
@@ -26,15 +29,27 @@ def run(surveillance_run: Path) -> Follower:
 async def received(stream: AsyncIterator[str]) -> list[tuple[str, Any]]:
     """What can be had without waiting for news."""
     found = []
-    try:
-        while True:
-            text = await asyncio.wait_for(anext(stream), 0.02)
-            for block in text.split("\n\n"):
-                kind, _, data = block.partition("\ndata: ")
-                if data:
-                    found.append((kind.removeprefix("event: "), json.loads(data)))
-    except (TimeoutError, StopAsyncIteration):
-        return found
+    while (text := await next_without_news(stream)) is not None:
+        for block in text.split("\n\n"):
+            kind, _, data = block.partition("\ndata: ")
+            if data:
+                found.append((kind.removeprefix("event: "), json.loads(data)))
+    return found
+
+
+async def next_without_news(stream: AsyncIterator[str]) -> str | None:
+    """The next text; None at the end, or if the stream waits after it has had its turn."""
+
+    async def read() -> str | None:
+        return await anext(stream, None)
+
+    reading = asyncio.create_task(read())
+    await asyncio.sleep(0)
+    if not reading.done():
+        reading.cancel()
+        await asyncio.wait([reading])
+        return None
+    return reading.result()
 
 
 def test_a_client_that_comes_late_gets_all_there_was(run: Follower) -> None:
@@ -46,7 +61,7 @@ def test_a_client_that_comes_late_gets_all_there_was(run: Follower) -> None:
 
     (kind, mission), (_, events), (_, snapshots) = asyncio.run(scenario())
     assert kind == "mission" and mission["name"] == "surveillance" and mission["is_live"]
-    assert events == json.loads(json.dumps(run.events))
+    assert events == [json.loads(json.dumps(line_of(event))) for event in run.events]
     assert snapshots == [json.loads(json.dumps(s.as_json())) for s in run.snapshots]
 
 
@@ -62,7 +77,7 @@ def test_a_slow_client_loses_snapshots_and_no_event(run: Follower) -> None:
         heard = ""
         for i in range(1, 201):
             run.snapshots.append(replace(last, time_s=last.time_s + i))
-            run.events.append({"t_s": last.time_s + i, "kind": "at", "text": f"at {i}"})
+            run.events.append(Stamped(last.time_s + i, PlaceReached(f"{i}", "move")))
             feed.tell()
             heard += await anext(quick)
         return heard, await anext(slow)

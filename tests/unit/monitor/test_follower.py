@@ -9,25 +9,31 @@ import math
 import random
 import zlib
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import pytest
 from pymavlink import mavutil
 
-from companion.app import Companion
+from companion.api.simulating import lockstep, world_of
 from companion.errors import MissionError
+from companion.flight_events.event import FlightEvent, Stamped
+from companion.flight_events.reading import read_line
+from companion.flight_events.sortie import RunEnded
+from companion.flight_events.word import PositionLeft
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
 from companion.monitor.follower import Follower
+from companion.monitor.page_events import (
+    AutomataDrawn,
+    AutomataMoved,
+    CellsChanged,
+    DerivedEvent,
+    WayPlanned,
+)
 from companion.record.run_folder import RunFolder
-from sitl.harness import fly_in_lockstep
-from sitl.link.routing import LinkName
-from sitl.simulation import Simulation
-from sitl.world.scenario import read_scenario
 
 MISSIONS = Path(__file__).parents[3] / "missions"
-DERIVED = {"automata", "states", "path", "cells"}
 
 
 def read_whole(folder: Path) -> Follower:
@@ -42,20 +48,24 @@ def whole(surveillance_run: Path) -> Follower:
     return read_whole(surveillance_run)
 
 
-def lines(folder: Path) -> list[dict[str, Any]]:
+def recorded(folder: Path) -> list[Stamped]:
     text = (folder / "events.jsonl").read_text(encoding="utf-8")
-    return [json.loads(line) for line in text.splitlines()]
+    return [read_line(line) for line in text.splitlines()]
 
 
-def of_kind(run: Follower, kind: str) -> list[dict[str, Any]]:
-    return [event for event in run.events if event["kind"] == kind]
+E = TypeVar("E", bound=FlightEvent)
+
+
+def of(run: Follower, kind: type[E]) -> list[E]:
+    return [stamped.event for stamped in run.events if isinstance(stamped.event, kind)]
 
 
 def test_every_recorded_event_comes_once_and_in_order(
     whole: Follower, surveillance_run: Path
 ) -> None:
-    assert [e for e in whole.events if e["kind"] not in DERIVED] == lines(surveillance_run)
-    times = [event["t_s"] for event in whole.events]
+    told = [stamped for stamped in whole.events if not isinstance(stamped.event, DerivedEvent)]
+    assert told == recorded(surveillance_run)
+    times = [stamped.time_s for stamped in whole.events]
     assert times == sorted(times)
 
 
@@ -102,8 +112,8 @@ def test_a_folder_that_grows_is_read_as_one_that_is_whole(
         run.read()
     run.read()
     assert run.snapshots == whole.snapshots
-    for kind in {event["kind"] for event in whole.events} - {"path"}:  # it begins at the vehicle
-        assert of_kind(run, kind) == of_kind(whole, kind), kind
+    for kind in {type(stamped.event) for stamped in whole.events} - {WayPlanned}:
+        assert of(run, kind) == of(whole, kind), kind  # a way begins at the vehicle
 
 
 def test_events_wait_for_the_frames_of_their_time_but_not_for_long(
@@ -116,7 +126,7 @@ def test_events_wait_for_the_frames_of_their_time_but_not_for_long(
     late.read()
     assert alone.events == late.events == []
     alone.read()
-    assert of_kind(alone, "end")
+    assert of(alone, RunEnded)
     (tmp_path / "flight.tlog").write_bytes((surveillance_run / "flight.tlog").read_bytes())
     while late.read():
         pass
@@ -127,7 +137,7 @@ def test_events_wait_for_the_frames_of_their_time_but_not_for_long(
 def test_the_way_of_each_plan_leads_from_the_vehicle_through_its_places(
     whole: Follower, surveillance: Mission
 ) -> None:
-    first, second, third = (event["legs"] for event in of_kind(whole, "path"))
+    first, second, third = (planned.legs for planned in of(whole, WayPlanned))
     for legs, names in ((first, "ABCA"), (second, ["r1", "Home"]), (third, ["r2", "Home"])):
         for leg, name in zip(legs, names, strict=True):
             north, east, _ = surveillance.places[name].position
@@ -145,14 +155,14 @@ def test_the_way_of_each_plan_leads_from_the_vehicle_through_its_places(
 
 
 def test_the_automata_stand_as_the_word_says(whole: Follower) -> None:
-    (automata,) = of_kind(whole, "automata")
-    names = [drawn["conjunct"] for drawn in automata["automata"]]
+    (drawn,) = of(whole, AutomataDrawn)
+    names = [automaton.conjunct for automaton in drawn.automata]
     assert names == ["search", "search", "search", "upload", "return"]
-    states = of_kind(whole, "states")
-    assert len(states) == 1 + len(of_kind(whole, "position"))
-    assert all(all(event["states"]) for event in states), "nothing was violated"
-    at_end = states[-1]["states"]
-    rings = [drawn["accepting"] for drawn in automata["automata"]]
+    moves = of(whole, AutomataMoved)
+    assert len(moves) == 1 + len(of(whole, PositionLeft))
+    assert all(all(moved.states) for moved in moves), "nothing was violated"
+    at_end = moves[-1].states
+    rings = [automaton.accepting for automaton in drawn.automata]
     for ring, nodes in zip(rings, at_end, strict=True):
         assert any(ring[node] for node in nodes), "home at rest satisfies the task"
 
@@ -169,19 +179,17 @@ def test_the_map_comes_with_its_distance_field(whole: Follower, surveillance: Mi
 
 def test_cells_that_were_seen_are_those_of_the_companions_own_map(tmp_path: Path) -> None:
     mission = load_mission(MISSIONS / "inspection.yaml")
-    scenario, truth = read_scenario(MISSIONS / "inspection.sim.yaml")
-    folder = RunFolder(tmp_path / "run", mission, 1.7e9, lambda report: None)
-    companion = Companion(mission, folder)
-    simulation = Simulation(scenario, truth, seed=0, links=frozenset({LinkName.OFFBOARD}))
-    fly_in_lockstep(companion, simulation)
+    folder = RunFolder(tmp_path / "run", mission, 1.7e9, lambda stamped: None)
+    flight = lockstep(mission, world_of(mission), folder)
+    flight.fly()
     folder.close()
     occupied = mission.grid.occupied.copy()
-    for event in of_kind(read_whole(tmp_path / "run"), "cells"):
-        for row, col, is_occupied in event["cells"]:
+    for changed in of(read_whole(tmp_path / "run"), CellsChanged):
+        for row, col, is_occupied in changed.cells:
             assert occupied[row, col] != is_occupied
             occupied[row, col] = is_occupied
-    assert companion._run is not None
-    assert np.array_equal(occupied, companion._run._map.grid.occupied)
+    assert flight.companion._run is not None
+    assert np.array_equal(occupied, flight.companion._run._map.grid.occupied)
     assert np.any(occupied != mission.grid.occupied)
 
 
@@ -245,4 +253,4 @@ def test_a_line_that_is_not_as_documented_stops_nothing(
     damaged = json.dumps({"t_s": 0.05, "text": "", **line})
     (tmp_path / "events.jsonl").write_text(f"{first}\n{damaged}\n{rest}", encoding="utf-8")
     run = read_whole(tmp_path)
-    assert of_kind(run, "end")
+    assert of(run, RunEnded)

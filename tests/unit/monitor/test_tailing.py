@@ -10,15 +10,20 @@ from tempfile import TemporaryDirectory
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.mavlink.framing import Endpoint, dialect
+from companion.flight_events.event import Stamped
+from companion.flight_events.sortie import GoalFailed, Phase, PhaseEntered
+from companion.flight_events.writing import line_of
+from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.monitor.tailing import EventLines, TlogFrames
 
-LINES = [{"t_s": i / 10, "kind": "phase", "text": "“é”" * i} for i in range(6)]
-EVENTS = "".join(json.dumps(line, ensure_ascii=False) + "\n" for line in LINES).encode()
+HAPPENED = [Stamped(i / 10, GoalFailed("“é”" * i)) for i in range(6)]
+EVENTS = "".join(
+    json.dumps(line_of(stamped), ensure_ascii=False) + "\n" for stamped in HAPPENED
+).encode()
 
 
 def frame(value: int) -> bytes:
-    return Endpoint(1, 26).pack(dialect.MAVLink_named_value_int_message(value, b"it", value))
+    return MavlinkCodec(1, 26).pack(dialect.MAVLink_named_value_int_message(value, b"it", value))
 
 
 BATCHES = [(10.0, [frame(1), frame(2)]), (10.05, [frame(3)]), (10.1, [frame(4), frame(5)])]
@@ -36,7 +41,7 @@ def test_lines(sizes: list[int]) -> None:
         for size in [*sizes, len(EVENTS)]:
             path.write_bytes(EVENTS[:size])
             found += reader.news()
-    assert found == LINES
+    assert found == HAPPENED
 
 
 @given(cuts)
@@ -55,8 +60,9 @@ def test_frames(sizes: list[int]) -> None:
 def test_what_is_no_event_is_left_out(tmp_path: Path) -> None:
     path = tmp_path / "events.jsonl"
     no_events = b'[1]\n{"kind": 3}\n{"t_s": NaN, "kind": "at"}\nnonsense\n'
-    path.write_bytes(no_events + b'{"t_s": 1, "kind": "at"}\n{"t_s": 2, "kind": "a')
-    assert EventLines(path).news() == [{"t_s": 1, "kind": "at"}]
+    event = b'{"t_s": 1, "kind": "phase", "text": "arming"}\n'
+    path.write_bytes(no_events + event + b'{"t_s": 2, "kind": "a')
+    assert EventLines(path).news() == [Stamped(1.0, PhaseEntered(Phase.ARMING))]
 
 
 def test_nothing_is_read_behind_damage(tmp_path: Path) -> None:

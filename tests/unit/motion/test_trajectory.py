@@ -7,9 +7,11 @@ import math
 import numpy as np
 import pytest
 
-from companion.motion.profile import JERK_MPS3, Motion, SpeedLimits, flight_time_s
+from companion.motion.profile import Motion, SpeedLimits, flight_time_s
 from companion.motion.routes import Route
 from companion.motion.trajectory import AT_REST, CORNER_TIME_S, YAW_RATE_RADPS, Trajectory, run_out
+
+JERK = 8.0  # m/s3
 
 
 def route_of(*waypoints: tuple[float, float, float]) -> Route:
@@ -34,14 +36,14 @@ def test_a_long_leg_is_a_trapezoid_with_rounded_corners() -> None:
 
 def test_a_short_leg_is_four_parts_of_greatest_jerk() -> None:
     """d = j t^3 / 32 of the whole time t; the peak, in the middle, is j t^2 / 16."""
-    trajectory = Trajectory(route_of((0, 0, 0), (0, 0.2, 0)), SpeedLimits(2.0, 2.0, 8.0))
+    trajectory = Trajectory(route_of((0, 0, 0), (0, 0.2, 0)), SpeedLimits(2.0, 2.0, JERK))
     whole_s = (32 * 0.2 / 8.0) ** (1 / 3)
     assert trajectory.duration_s == pytest.approx(whole_s)
     assert trajectory.sample(whole_s / 2).velocity == pytest.approx((0, 8.0 * whole_s**2 / 16, 0))
 
 
 def test_before_the_start_and_after_the_end_the_vehicle_rests() -> None:
-    trajectory = Trajectory(route_of((0.1, 0.2, -1), (3.3, 0.7, -2)), SpeedLimits(2.0, 1.0))
+    trajectory = Trajectory(route_of((0.1, 0.2, -1), (3.3, 0.7, -2)), SpeedLimits(2.0, 1.0, JERK))
     before, after = trajectory.sample(-5.0), trajectory.sample(1e6)
     assert (before.position, before.velocity) == ((0.1, 0.2, -1), (0, 0, 0))
     assert (after.position, after.velocity) == ((3.3, 0.7, -2), (0, 0, 0))
@@ -50,7 +52,9 @@ def test_before_the_start_and_after_the_end_the_vehicle_rests() -> None:
 
 
 def test_a_route_of_no_length_is_finished_at_once() -> None:
-    trajectory = Trajectory(route_of((1, 2, -3), (1, 2, -3)), SpeedLimits(2.0, 1.0), yaw_rad=0.5)
+    trajectory = Trajectory(
+        route_of((1, 2, -3), (1, 2, -3)), SpeedLimits(2.0, 1.0, JERK), yaw_rad=0.5
+    )
     assert trajectory.duration_s == 0.0
     sample = trajectory.sample(0.0)
     assert (sample.position, sample.yaw_rad, sample.is_finished) == ((1, 2, -3), 0.5, True)
@@ -60,7 +64,7 @@ def test_a_route_of_no_length_is_finished_at_once() -> None:
 def test_the_jump_of_the_velocity_at_a_corner_is_bounded(turn_deg: float) -> None:
     turn = math.radians(turn_deg)
     end = (10 + 10 * math.cos(turn), 10 * math.sin(turn), 0)
-    trajectory = Trajectory(route_of((0, 0, 0), (10, 0, 0), end), SpeedLimits(2.0, 2.0))
+    trajectory = Trajectory(route_of((0, 0, 0), (10, 0, 0), end), SpeedLimits(2.0, 2.0, JERK))
     corner_s = trajectory.duration_s / 2  # by symmetry
     before = np.array(trajectory.sample(corner_s - 1e-6).velocity)
     after = np.array(trajectory.sample(corner_s + 1e-6).velocity)
@@ -69,15 +73,15 @@ def test_the_jump_of_the_velocity_at_a_corner_is_bounded(turn_deg: float) -> Non
 
 
 def test_a_waypoint_on_a_straight_line_does_not_slow_the_vehicle() -> None:
-    straight = Trajectory(route_of((0, 0, 0), (9, 0, 0)), SpeedLimits(2.0, 1.0))
+    straight = Trajectory(route_of((0, 0, 0), (9, 0, 0)), SpeedLimits(2.0, 1.0, JERK))
     divided = Trajectory(
-        route_of((0, 0, 0), (2, 0, 0), (2.1, 0, 0), (9, 0, 0)), SpeedLimits(2.0, 1.0)
+        route_of((0, 0, 0), (2, 0, 0), (2.1, 0, 0), (9, 0, 0)), SpeedLimits(2.0, 1.0, JERK)
     )
     assert divided.duration_s == pytest.approx(straight.duration_s)
 
 
 def test_a_short_leg_before_a_sharp_corner_slows_the_legs_before_it() -> None:
-    limits = SpeedLimits(2.0, 1.0)
+    limits = SpeedLimits(2.0, 1.0, JERK)
     trajectory = Trajectory(route_of((0, 0, 0), (9, 0, 0), (9.2, 0.02, 0), (9.2, 9, 0)), limits)
     half_turn = (math.pi / 2 - math.atan2(0.02, 0.2)) / 2
     corner_mps = 1.0 * CORNER_TIME_S / (2 * math.sin(half_turn))
@@ -94,7 +98,7 @@ def test_a_short_leg_before_a_sharp_corner_slows_the_legs_before_it() -> None:
 
 def test_the_heading_turns_towards_each_leg_at_a_limited_rate() -> None:
     trajectory = Trajectory(
-        route_of((0, 0, 0), (0, -5, 0), (-5, -5, 0)), SpeedLimits(1.0, 1.0), yaw_rad=0.0
+        route_of((0, 0, 0), (0, -5, 0), (-5, -5, 0)), SpeedLimits(1.0, 1.0, JERK), yaw_rad=0.0
     )
     assert trajectory.sample(0.0).yaw_rad == 0.0
     assert trajectory.sample(0.5).yaw_rad == pytest.approx(-0.5 * YAW_RATE_RADPS)
@@ -103,21 +107,23 @@ def test_the_heading_turns_towards_each_leg_at_a_limited_rate() -> None:
 
 
 def test_the_heading_turns_on_at_the_end_and_keeps_on_a_vertical_leg() -> None:
-    south = Trajectory(route_of((0, 0, 0), (-0.1, 0, 0)), SpeedLimits(1.0, 1.0), yaw_rad=1.0)
+    south = Trajectory(route_of((0, 0, 0), (-0.1, 0, 0)), SpeedLimits(1.0, 1.0, JERK), yaw_rad=1.0)
     assert abs(south.sample(south.duration_s).yaw_rad) < 3
     assert abs(south.sample(10.0).yaw_rad) == pytest.approx(math.pi)
-    climb = Trajectory(route_of((0, 0, 0), (0, 0, -3)), SpeedLimits(1.0, 1.0), yaw_rad=1.0)
+    climb = Trajectory(route_of((0, 0, 0), (0, 0, -3)), SpeedLimits(1.0, 1.0, JERK), yaw_rad=1.0)
     assert climb.sample(1.0).yaw_rad == 1.0
 
 
 @pytest.mark.parametrize("distance_m", [0.0, 0.3, 4.0, 4.1, 25.0])
 def test_flight_time_is_the_duration_of_one_leg(distance_m: float) -> None:
-    trajectory = Trajectory(route_of((0, 0, 0), (distance_m, 0, 0)), SpeedLimits(2.0, 1.0))
-    assert flight_time_s(distance_m, SpeedLimits(2.0, 1.0)) == pytest.approx(trajectory.duration_s)
+    trajectory = Trajectory(route_of((0, 0, 0), (distance_m, 0, 0)), SpeedLimits(2.0, 1.0, JERK))
+    assert flight_time_s(distance_m, SpeedLimits(2.0, 1.0, JERK)) == pytest.approx(
+        trajectory.duration_s
+    )
 
 
 def test_flight_time_of_no_route_is_infinite() -> None:
-    assert flight_time_s(math.inf, SpeedLimits(2.0, 1.0)) == math.inf
+    assert flight_time_s(math.inf, SpeedLimits(2.0, 1.0, JERK)) == math.inf
 
 
 @pytest.mark.parametrize("turn_deg", [30, 90, 150])
@@ -130,7 +136,7 @@ def test_a_vehicle_like_px4_stays_within_ten_centimetres_of_the_legs(turn_deg: f
     turn, dt_s = math.radians(turn_deg), 0.01
     corner, heading = np.array([6.0, 0, 0]), np.array([math.cos(turn), math.sin(turn), 0.0])
     route = Route(np.array([np.zeros(3), corner, corner + 6 * heading]))
-    trajectory = Trajectory(route, SpeedLimits(2.0, 2.0))
+    trajectory = Trajectory(route, SpeedLimits(2.0, 2.0, JERK))
     position, velocity, acceleration = np.zeros(3), np.zeros(3), np.zeros(3)
     last = np.zeros(3)
     worst_m = 0.0
@@ -154,11 +160,11 @@ def test_a_vehicle_like_px4_stays_within_ten_centimetres_of_the_legs(turn_deg: f
 
 def test_a_vehicle_in_motion_brakes_on_its_course_before_it_turns_back() -> None:
     start, velocity = (0.0, 0.0, -2.0), (0.0, 2.0, 0.0)
-    stop = run_out(start, velocity, AT_REST, SpeedLimits(2.0, 2.0))
-    way_m = 2.0**2 / (2 * 2.0) + 2.0 * 2.0 / (2 * JERK_MPS3)  # v^2 / 2a + v a / 2j
+    stop = run_out(start, velocity, AT_REST, SpeedLimits(2.0, 2.0, JERK))
+    way_m = 2.0**2 / (2 * 2.0) + 2.0 * 2.0 / (2 * JERK)  # v^2 / 2a + v a / 2j
     assert stop == pytest.approx((0.0, 1.03 * way_m, -2.0))
     trajectory = Trajectory(
-        route_of(start, stop, (0, -5, -2)), SpeedLimits(2.0, 2.0), start=Motion(2.0)
+        route_of(start, stop, (0, -5, -2)), SpeedLimits(2.0, 2.0, JERK), start=Motion(2.0)
     )
     assert trajectory.sample(0.0).velocity == pytest.approx(velocity)
     assert trajectory.sample(0.5).acceleration == pytest.approx((0, -2, 0))
@@ -168,7 +174,9 @@ def test_a_vehicle_in_motion_brakes_on_its_course_before_it_turns_back() -> None
 
 def test_a_vehicle_in_motion_goes_straight_on_without_braking() -> None:
     trajectory = Trajectory(
-        route_of((0, 0, 0), (1, 0, 0), (9, 0, 0)), SpeedLimits(2.0, 2.0), start=Motion(2.0)
+        route_of((0, 0, 0), (1, 0, 0), (9, 0, 0)),
+        SpeedLimits(2.0, 2.0, JERK),
+        start=Motion(2.0),
     )
     assert all(
         trajectory.sample(t_s).velocity == pytest.approx((2.0, 0.0, 0.0))
@@ -178,9 +186,27 @@ def test_a_vehicle_in_motion_goes_straight_on_without_braking() -> None:
 
 def test_the_speed_at_the_start_is_lowered_to_what_the_route_allows() -> None:
     trajectory = Trajectory(
-        route_of((0, 0, 0), (0.25, 0, 0)), SpeedLimits(2.0, 2.0), start=Motion(5.0)
+        route_of((0, 0, 0), (0.25, 0, 0)), SpeedLimits(2.0, 2.0, JERK), start=Motion(5.0)
     )
-    per_jerk = 2.0 * 2.0 / (2 * JERK_MPS3)  # of v^2 / 2a + v a / 2j = 0.25 m
+    per_jerk = 2.0 * 2.0 / (2 * JERK)  # of v^2 / 2a + v a / 2j = 0.25 m
     allowed_mps = -per_jerk + math.sqrt(per_jerk**2 + 2 * 2.0 * 0.25)
     assert trajectory.sample(0.0).velocity == pytest.approx((allowed_mps, 0, 0), rel=0.01)
     assert trajectory.sample(9.0).position == (0.25, 0, 0)
+
+
+def test_steep_legs_keep_to_the_vertical_limits() -> None:
+    limits = SpeedLimits(2.0, 2.0, JERK, climb_mps=1.0, descent_mps=0.6)
+    up = route_of((0, 0, 0), (10, 0, 0), (14, 0, -14), (24, 0, -14), (24, 0, -4), (30, 0, -4))
+    trajectory = Trajectory(up, limits)
+    samples = [trajectory.sample(t / 20) for t in range(round(20 * trajectory.duration_s))]
+    assert max(s.velocity[2] for s in samples) == pytest.approx(0.6)
+    assert min(s.velocity[2] for s in samples) == pytest.approx(-1.0)
+    assert max(math.hypot(*s.velocity) for s in samples) == pytest.approx(2.0)
+    assert trajectory.sample(1e6).position == (30, 0, -4)
+
+
+def test_vertical_limits_that_are_not_reached_change_nothing() -> None:
+    route = route_of((0, 0, 0), (10, 0, -2), (14, 5, -1))
+    free = SpeedLimits(2.0, 2.0, JERK)
+    limited = SpeedLimits(2.0, 2.0, JERK, climb_mps=0.5, descent_mps=0.5)
+    assert Trajectory(route, free).duration_s == Trajectory(route, limited).duration_s

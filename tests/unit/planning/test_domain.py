@@ -16,7 +16,7 @@ from companion.planning.domain import (
     WAIT,
     Action,
     departures,
-    ground,
+    instantiate,
     origin_parameter,
 )
 
@@ -26,7 +26,7 @@ def four_seconds(origin: str, goal: str) -> float:
 
 
 def actions(asked: Mission) -> dict[str, Action]:
-    return {a.name: a for a in ground(asked, four_seconds).actions}
+    return {a.name: a for a in instantiate(asked, four_seconds).actions}
 
 
 def test_a_move_exists_for_every_pair_of_places_and_none_to_where_it_is() -> None:
@@ -68,7 +68,7 @@ def test_negated_facts_forbid_and_delete() -> None:
 
 
 def test_beliefs_are_what_the_actions_assume() -> None:
-    model = ground(mission("F at(A)", skills=[command("do")]), four_seconds)
+    model = instantiate(mission("F at(A)", skills=[command("do")]), four_seconds)
     moves = {f"trans_ok({a}, {b})" for a in "HAB" for b in "HAB" if a != b}
     assert model.beliefs == moves | {"can_do"}
 
@@ -98,7 +98,7 @@ def test_a_flight_without_a_way_does_not_exist() -> None:
     def walled(origin: str, goal: str) -> float:
         return math.inf if goal == "B" else 4.0
 
-    model = ground(mission("F at(A)"), walled)
+    model = instantiate(mission("F at(A)"), walled)
     assert [a.name for a in model.actions if "B" in a.name] == ["move(B, H)", "move(B, A)"]
     assert "trans_ok(H, B)" not in model.beliefs
 
@@ -109,7 +109,7 @@ def test_a_flight_without_a_way_does_not_exist() -> None:
 def test_costs_are_rounded_to_tenths_of_a_second_and_are_above_that_of_rest(
     flight_s: float, cost_ms: int
 ) -> None:
-    model = ground(mission("F at(A)"), lambda origin, goal: flight_s)
+    model = instantiate(mission("F at(A)"), lambda origin, goal: flight_s)
     assert {a.cost_ms for a in model.actions if a is not WAIT} == {cost_ms}
 
 
@@ -124,7 +124,7 @@ def test_a_command_keeps_its_numbers() -> None:
 
 
 def test_wait_is_an_action_that_is_always_there_and_changes_nothing() -> None:
-    model = ground(mission("F at(A)"), four_seconds)
+    model = instantiate(mission("F at(A)"), four_seconds)
     assert model.actions[-1] is WAIT
     facts = frozenset({"at(A)", "found"})
     assert WAIT.is_applicable(frozenset()) and WAIT.apply(facts) == facts
@@ -182,7 +182,7 @@ FACTS = st.frozensets(st.sampled_from(["at(H)", "at(A)", "at(B)", "found", "tran
 
 @given(FACTS)
 def test_an_action_changes_its_effects_and_nothing_else(facts: frozenset[str]) -> None:
-    for action in ground(mission("F at(A)"), four_seconds).actions:
+    for action in instantiate(mission("F at(A)"), four_seconds).actions:
         after = action.apply(facts)
         assert action.adds <= after
         assert action.deletes.isdisjoint(after)

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import pytest
 from problems import find_lasso
-from synthetic import at_the_start, command, event, mission, planner
+from synthetic import command, event, mission, planner
 
 from companion.planning.builtin.search import Search
 from companion.planning.explain import Explanation, NoPlan, why_no_plan
@@ -17,7 +17,7 @@ from companion.planning.planner import Planner
 
 
 def explained(made: Planner, withdrawn: frozenset[str] = frozenset()) -> Explanation:
-    problem, _ = at_the_start(made)
+    problem, _ = made.initial_problem()
     problem = replace(problem, facts=problem.facts - withdrawn, withdrawn=withdrawn)
     assert find_lasso(problem) is None
     return why_no_plan(problem, Search().is_solvable)
@@ -71,7 +71,7 @@ def test_the_named_conjuncts_conflict_and_every_smaller_set_has_a_plan(
 ) -> None:
     task = {f"line{i}": formula for i, formula in enumerate(formulas)}
     made = planner(mission(task))
-    problem, _ = at_the_start(made)
+    problem, _ = made.initial_problem()
     first = why(made).splitlines()[0]
     named = {name for name in task if name in first}
     assert find_lasso(only(problem, named)) is None
@@ -112,7 +112,7 @@ def test_exactly_the_beliefs_that_would_help_are_restoring(count: int) -> None:
     withdrawn = frozenset({*(f"can_do{i}" for i in range(count)), "trans_ok(A, B)"})
     found = explained(made, withdrawn)
     assert found.withdrawn == tuple(sorted(withdrawn))
-    problem, _ = at_the_start(made)
+    problem, _ = made.initial_problem()
     for belief in withdrawn:
         facts = problem.facts - withdrawn | {belief}
         assert (find_lasso(replace(problem, facts=facts)) is not None) == (

@@ -7,13 +7,13 @@ from typing import Any
 
 import pytest
 from reference_search import best_lap_and_prefix
-from synthetic import at_the_start, command, event, mission, planner
+from synthetic import command, event, mission, move, planner
 
 from companion.errors import CompanionError, NoPlanError
 from companion.ltl.automaton import successors
 from companion.planning.builtin.search import Search
 from companion.planning.check import fault
-from companion.planning.effort import IN_FLIGHT, ON_THE_GROUND, Effort
+from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT, Effort
 from companion.planning.explain import NoPlan
 from companion.planning.lasso import Lasso, Problem, Solution
 from companion.planning.objective import Objective
@@ -44,7 +44,7 @@ def test_beliefs_hold_but_for_those_that_were_withdrawn() -> None:
 
 def test_between_two_problems_only_the_initial_state_differs() -> None:
     made = planner(mission("F at(A)"))
-    first, _ = at_the_start(made)
+    first, _ = made.initial_problem()
     later = made.problem(frozenset({"at(B)"}), (frozenset({0}),))
     assert later.actions is first.actions
     assert later.conjuncts is first.conjuncts
@@ -75,7 +75,7 @@ def test_a_withdrawn_belief_about_here_is_not_held() -> None:
 
 def test_a_plan() -> None:
     made = planner(mission("F at(A) & F at(B)"))
-    assert str(made.plan(*at_the_start(made))) == "move(H, A), move(A, B), (wait)^w"
+    assert str(made.plan()) == "move(H, A), move(A, B), (wait)^w"
 
 
 TASKS = [
@@ -106,7 +106,7 @@ def test_interrupted_on_the_way_it_plans_from_there_and_forgets_nothing(
     here = frozenset({"at(here)"}) | events
     problem = made.problem(here, tuple(states), is_en_route=True)
     histories = [letters for _ in made.conjuncts]
-    best = made.plan(problem, histories)
+    best = made.solve(problem, histories).lasso
     assert best_lap_and_prefix(problem) == (best.lap_cost_ms, best.prefix_cost_ms)
     for lasso in (best, made.replan(problem, histories)):
         assert fault(problem, lasso, histories) is None
@@ -120,12 +120,12 @@ def test_a_replan_is_the_first_plan_and_a_plan_the_best(monkeypatch: pytest.Monk
     plans = [Lasso((go, back, go), (wait,)), Lasso((go,), (wait,))]
     offered = [Solution(plan, Objective.LAP, 100, 100, "test") for plan in plans]
     monkeypatch.setattr(Search, "solutions", lambda *args: iter(offered))
-    assert made.replan(*at_the_start(made)) == plans[0]
-    assert made.plan(*at_the_start(made)) == plans[1]
-    assert list(made.solutions(*at_the_start(made))) == offered
+    assert made.replan(*made.initial_problem()) == plans[0]
+    assert made.plan().lasso == plans[1]
+    assert list(made.solutions(*made.initial_problem())) == offered
 
 
-def test_in_flight_less_is_tried_than_on_the_ground(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_in_flight_less_is_tried_than_before(monkeypatch: pytest.MonkeyPatch) -> None:
     tried = []
     solutions = Search.solutions
 
@@ -135,18 +135,18 @@ def test_in_flight_less_is_tried_than_on_the_ground(monkeypatch: pytest.MonkeyPa
 
     monkeypatch.setattr(Search, "solutions", spied)
     made = planner(mission("F at(A)"))
-    made.plan(*at_the_start(made))
-    made.replan(*at_the_start(made))
-    assert tried == [ON_THE_GROUND, IN_FLIGHT]
-    assert IN_FLIGHT.edges < ON_THE_GROUND.edges
-    assert IN_FLIGHT.ways < ON_THE_GROUND.ways
-    assert IN_FLIGHT.additions < ON_THE_GROUND.additions
+    made.plan()
+    made.replan(*made.initial_problem())
+    assert tried == [BEFORE_FLIGHT, IN_FLIGHT]
+    assert IN_FLIGHT.product_edges < BEFORE_FLIGHT.product_edges
+    assert IN_FLIGHT.dijkstra_edges < BEFORE_FLIGHT.dijkstra_edges
+    assert IN_FLIGHT.held_karp_additions < BEFORE_FLIGHT.held_karp_additions
 
 
 def test_the_objective_is_passed_on() -> None:
     made = planner(mission("G F (at(A) & X at(H)) | G F at(B)"))
-    by_sum = list(made.solutions(*at_the_start(made), Objective.SUM))[-1]
-    by_lap = list(made.solutions(*at_the_start(made)))[-1]
+    by_sum = list(made.solutions(*made.initial_problem(), Objective.SUM))[-1]
+    by_lap = list(made.solutions(*made.initial_problem()))[-1]
     assert (by_sum.objective, by_lap.objective) == (Objective.SUM, Objective.LAP)
     assert by_lap.cost_ms == 100 < by_sum.lasso.lap_cost_ms + by_sum.lasso.prefix_cost_ms
 
@@ -154,15 +154,45 @@ def test_the_objective_is_passed_on() -> None:
 def test_no_plan_is_explained() -> None:
     made = planner(mission({"stay": "G at(H)", "go": "F at(A)"}))
     with pytest.raises(NoPlanError, match="stay, go cannot hold together") as caught:
-        made.plan(*at_the_start(made))
+        made.plan()
     assert isinstance(caught.value, NoPlan)
     assert [c.name for c in caught.value.explanation.conflict] == ["stay", "go"]
 
-    problem, histories = at_the_start(made)
+    problem, histories = made.initial_problem()
     assert made.replan(problem, histories) is None
     *searches, explanation = made.reasons(problem)
     assert searches == [None, None]
     assert explanation == caught.value.explanation
+
+
+def test_it_is_explained_without_a_plan_alone() -> None:
+    made = planner(mission({"go": "F at(A)"}, skills=[move(precondition="at(from) & !shut")]))
+    assert made.explain() is None
+    reason = made.explain(facts={"shut"})
+    assert reason is not None
+    assert [conjunct.name for conjunct in reason.conflict] == ["go"]
+    blocked = {f"trans_ok({place}, A)" for place in "HB"}
+    reason = made.explain(without=blocked)
+    assert reason is not None
+    assert set(reason.restoring) == blocked
+
+
+def test_flight_times_are_those_of_the_map_unless_others_are_given() -> None:
+    asked = mission("F at(B)")
+    assert str(Planner(asked).plan()) == "move(H, B), (wait)^w"
+    table = {("H", "A"): 1.0, ("A", "B"): 1.0}
+    assert str(Planner(asked, table).plan()) == "move(H, A), move(A, B), (wait)^w"
+    detour = Planner(asked, lambda origin, goal: 9.0 if (origin, goal) == ("H", "B") else 1.0)
+    assert str(detour.plan()) == "move(H, A), move(A, B), (wait)^w"
+
+
+def test_a_plan_is_a_prefix_and_a_loop_with_their_costs() -> None:
+    plan = planner(mission("F at(A)")).plan()
+    assert [action.name for action in plan.prefix] == ["move(H, A)"]
+    assert [action.name for action in plan.loop] == ["wait"]
+    assert (plan.prefix_cost_s, plan.lap_cost_s) == (4.0, 0.1)
+    assert (plan.cost_s, plan.bound_s, plan.is_optimal) == (0.1, 0.1, True)
+    assert plan.as_json()["optimal"]
 
 
 def test_a_wrong_plan_is_never_handed_out(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -171,15 +201,15 @@ def test_a_wrong_plan_is_never_handed_out(monkeypatch: pytest.MonkeyPatch) -> No
     wait = made.model.actions[-1]
     wrong = Solution(Lasso((), (wait,)), Objective.LAP, 100, 100, "test")
     monkeypatch.setattr(Search, "solutions", lambda *args: iter([wrong]))
-    for ask in (made.plan, made.replan):
+    for ask in (made.solve, made.replan):
         with pytest.raises(CompanionError, match=r"wrong plan.*does not satisfy task"):
-            ask(*at_the_start(made))
+            ask(*made.initial_problem())
 
 
 def test_what_it_takes_is_measured_by_the_clock_it_is_given() -> None:
     ticks = iter([10.0, 10.5, 13.0])
     made = Planner(mission("F at(A)"), lambda origin, goal: 4.0, lambda: next(ticks))
-    assert (made.grounding_s, made.translating_s) == (0.5, 2.5)
+    assert (made.instantiating_s, made.translating_s) == (0.5, 2.5)
     assert planner(mission("F at(A)")).translating_s == 0.0
 
 
@@ -190,26 +220,26 @@ def test_moves_cost_what_they_cost_now_and_none_is_planned_without_a_route() -> 
     asked = mission("F at(B)")
     seconds = {("H", "B"): 8.0}
     made = Planner(asked, lambda origin, goal: seconds.get((origin, goal), 3.0))
-    assert str(made.plan(*at_the_start(made))) == "move(H, A), move(A, B), (wait)^w"
+    assert str(made.plan()) == "move(H, A), move(A, B), (wait)^w"
     beliefs, actions = made.model.beliefs, made.model.actions
     seconds |= {("H", "B"): 5.0, ("H", "A"): math.inf}
-    made.reground()
-    assert str(made.plan(*at_the_start(made))) == "move(H, B), (wait)^w"
+    made.reinstantiate()
+    assert str(made.plan()) == "move(H, B), (wait)^w"
     assert made.model.beliefs == beliefs
     assert "move(H, A)" not in {a.name for a in made.model.actions}
     assert [a for a in made.model.actions if a.name == "move(A, B)"] == [
         a for a in actions if a.name == "move(A, B)"
     ]
     seconds |= {("H", "B"): 8.0, ("H", "A"): 3.0}
-    made.reground()
+    made.reinstantiate()
     assert made.model.actions == actions
-    assert str(made.plan(*at_the_start(made))) == "move(H, A), move(A, B), (wait)^w"
+    assert str(made.plan()) == "move(H, A), move(A, B), (wait)^w"
 
 
 def test_moves_that_no_longer_exist_are_no_way_out() -> None:
     seconds: dict[tuple[str, str], float] = {}
     made = Planner(mission("F at(B)"), lambda origin, goal: seconds.get((origin, goal), 3.0))
     seconds |= {(origin, "B"): math.inf for origin in "HAC"}
-    made.reground()
+    made.reinstantiate()
     with pytest.raises(NoPlanError):
-        made.plan(*at_the_start(made))
+        made.plan()

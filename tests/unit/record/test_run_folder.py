@@ -12,22 +12,41 @@ from PIL import Image
 from pymavlink import mavutil
 from synthetic import mission
 
-from companion.acting.report import Report
-from companion.mavlink.framing import Endpoint, dialect
+from companion.flight_events.event import Stamped
+from companion.flight_events.facts import MissionEventChanged
+from companion.flight_events.hosting import RecordingFailed
+from companion.flight_events.plans import (
+    NoPlanFound,
+    PlanMade,
+    PlannedAction,
+    PlannedLasso,
+    PlanReplaced,
+)
+from companion.flight_events.skills import PlaceReached
+from companion.flight_events.sortie import Phase, PhaseEntered, RunFailed, StoppedAsAsked
+from companion.flight_events.word import PositionLeft
+from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.record.figure import Trail, draw_flight
 from companion.record.run_folder import RunFolder
 
 START_UNIX_S = 1_700_000_000.0
-PLAN = {"number": 0, "prefix": [], "loop": [{"action": "wait", "cost_s": 1.0}], "lap_cost_s": 1.0}
+REST = PlannedLasso((), (PlannedAction("wait", "wait", (), 1.0),), 0.0, 1.0)
+"""As a plan, and as it is written."""
+REST_AS_JSON = {
+    "prefix": [],
+    "loop": [{"action": "wait", "skill": "wait", "arguments": [], "cost_s": 1.0}],
+    "prefix_cost_s": 0.0,
+    "lap_cost_s": 1.0,
+}
 
 
 @pytest.fixture
-def told() -> list[Report]:
+def told() -> list[Stamped]:
     return []
 
 
 @pytest.fixture
-def run(tmp_path: Path, told: list[Report]) -> Iterator[RunFolder]:
+def run(tmp_path: Path, told: list[Stamped]) -> Iterator[RunFolder]:
     folder = RunFolder(tmp_path / "runs" / "one", mission("F at(A)"), START_UNIX_S, told.append)
     yield folder
     folder.close()
@@ -40,18 +59,18 @@ def lines(run: RunFolder) -> list[dict[str, object]]:
 
 def value(number: int) -> bytes:
     message = dialect.MAVLink_named_value_int_message(number, b"target", number)
-    return Endpoint(1, 26).pack(message)
+    return MavlinkCodec(1, 26).pack(message)
 
 
 def test_the_mission_is_kept_as_it_was_written(run: RunFolder) -> None:
     assert (run.folder / "mission.yaml").read_text(encoding="utf-8") == "name: synthetic\n"
 
 
-def test_each_report_is_a_line_at_once(run: RunFolder, told: list[Report]) -> None:
+def test_each_report_is_a_line_at_once(run: RunFolder, told: list[Stamped]) -> None:
     reports = [
-        Report(0.05, "phase", "arming"),
-        Report(1.25, "event", "low battery", {"event": "lowBattery", "holds": True}),
-        Report(2.0, "at", "at Böschung “é”", {"action": "move(H, A)"}),
+        Stamped(0.05, PhaseEntered(Phase.ARMING)),
+        Stamped(1.25, MissionEventChanged("lowBattery", holds=True)),
+        Stamped(2.0, PlaceReached("Böschung “é”", "move(H, A)")),
     ]
     for number, report in enumerate(reports, start=1):
         run.report(report)
@@ -71,22 +90,25 @@ def test_each_report_is_a_line_at_once(run: RunFolder, told: list[Report]) -> No
 
 
 def test_a_text_of_many_lines_is_one_line_of_the_file(run: RunFolder) -> None:
-    run.report(Report(0.0, "end", "no plan: task\n  task: F at(A)", {"exit_code": 3}))
+    run.report(Stamped(0.0, RunFailed("no plan: task\n  task: F at(A)", exit_code=3)))
     (line,) = lines(run)
     assert line["text"] == "no plan: task\n  task: F at(A)"
 
 
 def test_each_plan_is_a_file_by_its_number(run: RunFolder) -> None:
-    run.report(Report(0.0, "plan", "plan: (wait)^w", PLAN))
-    later = {**PLAN, "number": 1, "reason": "target found"}
-    run.report(Report(9.0, "replan", "replan 1: target found -> (wait)^w", later))
-    for number, plan in enumerate([PLAN, later]):
+    run.report(Stamped(0.0, PlanMade({"visit": "F at(A)"}, REST)))
+    run.report(Stamped(9.0, PlanReplaced(1, "target found", REST)))
+    about: list[dict[str, object]] = [
+        {"number": 0, "task": {"visit": "F at(A)"}},
+        {"number": 1, "reason": "target found"},
+    ]
+    for number, known in enumerate(about):
         text = (run.folder / f"plan-{number}.json").read_text(encoding="utf-8")
-        assert json.loads(text) == plan
+        assert json.loads(text) == known | REST_AS_JSON
 
 
 def test_a_replan_without_a_plan_leaves_no_file(run: RunFolder) -> None:
-    run.report(Report(0.0, "replan", "replan 1: denied: no plan", {"reason": "denied"}))
+    run.report(Stamped(0.0, NoPlanFound(1, "denied", "no plan")))
     assert list(run.folder.glob("plan-*.json")) == []
     assert len(lines(run)) == 1
 
@@ -96,8 +118,8 @@ def test_equal_runs_give_equal_events(tmp_path: Path) -> None:
     contents = []
     for name, start_s in (("a", 1.7e9), ("b", 1.8e9)):
         folder = RunFolder(tmp_path / name, mission("F at(A)"), start_s, lambda report: None)
-        folder.report(Report(0.0, "plan", "plan: (wait)^w", PLAN))
-        folder.report(Report(1.0, "end", "stopped as asked", {"exit_code": 0}))
+        folder.report(Stamped(0.0, PlanMade({}, REST)))
+        folder.report(Stamped(1.0, StoppedAsAsked()))
         folder.close()
         contents.append((tmp_path / name / "events.jsonl").read_bytes())
     assert contents[0] == contents[1]
@@ -127,8 +149,8 @@ def size_of(path: Path) -> tuple[int, int]:
 
 def test_the_flight_is_drawn_with_a_panel_for_each_plan(run: RunFolder) -> None:
     for number in range(3):
-        plan = {**PLAN, "number": number, **({"reason": "denied"} if number else {})}
-        run.report(Report(0.0, "replan" if number else "plan", "text", plan))
+        event = PlanReplaced(number, "denied", REST) if number else PlanMade({}, REST)
+        run.report(Stamped(0.0, event))
         for step in range(20):
             run.position(0.0, (0.3 * step, 1.0 * number, -2.0))
     run.close()
@@ -176,19 +198,20 @@ def test_what_was_flown_can_be_seen(tmp_path: Path) -> None:
 
 def test_a_full_disk_ends_no_flight(tmp_path: Path) -> None:
     (tmp_path / "flight.tlog").symlink_to("/dev/full")
-    told: list[Report] = []
+    told: list[Stamped] = []
     folder = RunFolder(tmp_path, mission("F at(A)"), 0.0, told.append)
     for i in range(100):
         folder.packets(0.05 * i, Autopilot().telemetry() * 20)
-    folder.report(Report(1.0, "at", "at A"))
+    folder.report(Stamped(1.0, PlaceReached("A", "move(H, A)")))
     folder.close()
-    assert [r.kind for r in told] == ["record", "at"]
-    assert "No space left" in told[0].text
+    failed, reached = (stamped.event for stamped in told)
+    assert failed == RecordingFailed("No space left on device")
+    assert isinstance(reached, PlaceReached)
     assert (tmp_path / "events.jsonl").read_text().count("\n") == 1
 
 
-def test_positions_are_kept_and_not_told(run: RunFolder, told: list[Report]) -> None:
-    run.report(Report(1.0, "position", "position 0: at(H)", {"number": 0, "facts": ["at(H)"]}))
+def test_positions_are_kept_and_not_told(run: RunFolder, told: list[Stamped]) -> None:
+    run.report(Stamped(1.0, PositionLeft(0, ("at(H)",), (), (), for_ever=False)))
     assert told == []
     (line,) = lines(run)
     assert (line["kind"], line["number"], line["facts"]) == ("position", 0, ["at(H)"])

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from companion.geometry import GlobalOrigin, Ned, euler_from_quaternion, quaternion_from_yaw
 from sitl.flight.attitude import attitude_from_thrust, quaternion_from_euler, tilt_and_heading
-from sitl.flight.controllers import Cascade, Limits, Target
+from sitl.flight.controllers import Cascade, ControllerLimits, TrajectorySetpoint
 from sitl.flight.mixer import (
     HUB_M,
     IDLE_COMMAND,
@@ -32,11 +32,14 @@ HIGH = (0.0, 0.0, -10.0)
 
 
 def fly(
-    physics: Physics, cascade: Cascade, target: Target | Callable[[float], Target], seconds: float
+    physics: Physics,
+    cascade: Cascade,
+    setpoint: TrajectorySetpoint | Callable[[float], TrajectorySetpoint],
+    seconds: float,
 ) -> list[FlightState]:
     states = []
     for i in range(round(seconds / DT)):
-        wanted = target(i * DT) if callable(target) else target
+        wanted = setpoint(i * DT) if callable(setpoint) else setpoint
         states.append(physics.step(cascade.step(physics.state, wanted, DT)))
     return states
 
@@ -45,7 +48,7 @@ def hovering(wind: Ned = STILL, turbulence_mps: float = 0.0) -> tuple[Physics, C
     physics = Physics(origin=SEA, start=HIGH, wind=wind, turbulence_mps=turbulence_mps, seed=1)
     cascade = Cascade()
     cascade.reset(0.0)
-    fly(physics, cascade, Target(HIGH, STILL), 8.0)
+    fly(physics, cascade, TrajectorySetpoint(HIGH, STILL), 8.0)
     return physics, cascade
 
 
@@ -67,7 +70,9 @@ def settle_s(values: list[float], step: float) -> float:
 
 def test_roll_step() -> None:
     physics, cascade = hovering()
-    sideways = Target(NOTHING, (None, None, 0.0), (0.0, 9.80665 * math.tan(math.radians(20)), 0.0))
+    sideways = TrajectorySetpoint(
+        NOTHING, (None, None, 0.0), (0.0, 9.80665 * math.tan(math.radians(20)), 0.0)
+    )
     states = fly(physics, cascade, sideways, 1.0)
     roll = [math.degrees(euler_from_quaternion(state.attitude)[0]) for state in states]
     assert rise_s(roll, 20.0) <= 0.2
@@ -82,7 +87,7 @@ def test_roll_step() -> None:
 def test_position_step(position: Ned, axis: int, sign: int) -> None:
     physics, cascade = hovering()
     start = physics.state.position[axis]
-    states = fly(physics, cascade, Target(position, STILL), 6.0)
+    states = fly(physics, cascade, TrajectorySetpoint(position, STILL), 6.0)
     moved = [sign * (state.position[axis] - start) for state in states]
     assert max(moved) <= 1.05
     assert settle_s(moved, 1.0) <= 2.5
@@ -91,22 +96,22 @@ def test_position_step(position: Ned, axis: int, sign: int) -> None:
 @pytest.mark.parametrize("yaw_rad", [1.0, -3.0])
 def test_yaw_step_keeps_the_place(yaw_rad: float) -> None:
     physics, cascade = hovering()
-    states = fly(physics, cascade, Target(HIGH, STILL, yaw_rad=yaw_rad), 6.0)
+    states = fly(physics, cascade, TrajectorySetpoint(HIGH, STILL, yaw_rad=yaw_rad), 6.0)
     assert euler_from_quaternion(states[-1].attitude)[2] == pytest.approx(yaw_rad, abs=0.01)
     assert max(math.dist(state.position, HIGH) for state in states) < 0.05
-    assert max(abs(state.rates[2]) for state in states) < 1.2 * Limits().yaw_rate_radps
+    assert max(abs(state.rates[2]) for state in states) < 1.2 * ControllerLimits().yaw_rate_radps
 
 
 def test_a_yaw_rate_without_a_heading_turns_and_then_holds() -> None:
     physics, cascade = hovering()
-    fly(physics, cascade, Target(HIGH, STILL, yaw_rate_radps=0.5), 2.0)
-    states = fly(physics, cascade, Target(HIGH, STILL), 4.0)
+    fly(physics, cascade, TrajectorySetpoint(HIGH, STILL, yaw_rate_radps=0.5), 2.0)
+    states = fly(physics, cascade, TrajectorySetpoint(HIGH, STILL), 4.0)
     assert euler_from_quaternion(states[-1].attitude)[2] == pytest.approx(1.0, abs=0.02)
 
 
 def test_a_far_target_is_reached_without_overshoot_and_within_the_limits() -> None:
     physics, cascade = hovering()
-    states = fly(physics, cascade, Target((40.0, 30.0, -15.0), STILL), 20.0)
+    states = fly(physics, cascade, TrajectorySetpoint((40.0, 30.0, -15.0), STILL), 20.0)
     assert max(math.hypot(*state.velocity[:2]) for state in states) <= 5.1
     assert max(-state.velocity[2] for state in states) <= 3.1
     assert max(state.position[0] for state in states) <= 40.1
@@ -126,9 +131,9 @@ def test_far_steps_are_those_of_px4_but_for_the_overshoot(
     4 %, we brake on a parabola and do not. A companion that keeps clear of walls by a distance
     should meet a simulated vehicle that misses them by its own fault alone.
     """
-    physics, cascade = Physics(origin=SEA, start=HIGH), Cascade(Limits(speed_mps=12.0))
-    fly(physics, cascade, Target(HIGH, STILL), 6.0)
-    states = fly(physics, cascade, Target((step_m, 0.0, -10.0), STILL), 12.0)
+    physics, cascade = Physics(origin=SEA, start=HIGH), Cascade(ControllerLimits(speed_mps=12.0))
+    fly(physics, cascade, TrajectorySetpoint(HIGH, STILL), 6.0)
+    states = fly(physics, cascade, TrajectorySetpoint((step_m, 0.0, -10.0), STILL), 12.0)
     moved = [state.position[0] for state in states]
     assert max(math.hypot(*state.velocity) for state in states) == pytest.approx(peak_mps, rel=0.1)
     assert max(moved) - step_m < 0.1 * overshoot_m
@@ -139,7 +144,7 @@ def test_far_steps_are_those_of_px4_but_for_the_overshoot(
 
 def test_velocity_setpoints_reach_their_speed() -> None:
     physics, cascade = hovering()
-    states = fly(physics, cascade, Target((None, None, -10.0), (2.0, -1.0, 0.0)), 8.0)
+    states = fly(physics, cascade, TrajectorySetpoint((None, None, -10.0), (2.0, -1.0, 0.0)), 8.0)
     assert states[-1].velocity == pytest.approx((2.0, -1.0, 0.0), abs=0.05)
     assert states[-1].position[2] == pytest.approx(-10.0, abs=0.02)
 
@@ -152,13 +157,13 @@ def test_tracking(wind: Ned, turbulence_mps: float, reach_m: float) -> None:
     """A circle of 2 m at 1 m/s, entered smoothly, with feed-forward."""
     radius, rate, entry_s = 2.0, 0.5, 4.0
 
-    def circle(t: float) -> Target:
+    def circle(t: float) -> TrajectorySetpoint:
         r = min(t / entry_s, 1.0)  # the turn rate follows a smooth step
         angle = rate * (entry_s * (r**6 - 3 * r**5 + 2.5 * r**4) + max(t - entry_s, 0.0))
         turn = rate * (6 * r**5 - 15 * r**4 + 10 * r**3)
         spin = rate * 30 * r**2 * (r - 1) ** 2 / entry_s
         s, c = math.sin(angle), math.cos(angle)
-        return Target(
+        return TrajectorySetpoint(
             (radius * s, radius * (1 - c), -10.0),
             (radius * turn * c, radius * turn * s, 0.0),
             (radius * (spin * c - turn**2 * s), radius * (spin * s + turn**2 * c), 0.0),
@@ -188,13 +193,13 @@ def test_take_off_and_land() -> None:
     assert math.hypot(*state.position) < 0.005
     assert state.motor_speed_radps == pytest.approx((60.0,) * 4, abs=1.0)
 
-    climb = fly(physics, cascade, Target((0.0, 0.0, None), (0.0, 0.0, -1.0)), 3.0)
+    climb = fly(physics, cascade, TrajectorySetpoint((0.0, 0.0, None), (0.0, 0.0, -1.0)), 3.0)
     assert not climb[-1].is_on_ground
     assert climb[-1].position[2] < -2.0
     assert climb[-1].velocity[2] == pytest.approx(-1.0, abs=0.1)  # thin air, still integrating
     assert euler_from_quaternion(climb[-1].attitude)[2] == pytest.approx(1.0, abs=0.01)
 
-    sink = fly(physics, cascade, Target((0.0, 0.0, None), (0.0, 0.0, 0.7)), 5.0)
+    sink = fly(physics, cascade, TrajectorySetpoint((0.0, 0.0, None), (0.0, 0.0, 0.7)), 5.0)
     assert sink[-1].is_on_ground
     assert max(state.velocity[2] for state in sink) < 0.8
     resting = physics.state.position
@@ -210,13 +215,13 @@ def test_reset_forgets_the_last_flight() -> None:
     fresh = Cascade()
     fresh.reset(0.5)
     used.reset(0.5)
-    target = Target(HIGH, STILL)
+    setpoint = TrajectorySetpoint(HIGH, STILL)
     # The rate loop's derivative needs one step to know the present rates.
     state = physics.state._replace(rates=STILL)
-    fresh.step(state, target, DT), used.step(state, target, DT)
+    fresh.step(state, setpoint, DT), used.step(state, setpoint, DT)
     for cascade in (fresh, used):
         cascade.reset(0.5)
-    assert fresh.step(state, target, DT) == used.step(state, target, DT)
+    assert fresh.step(state, setpoint, DT) == used.step(state, setpoint, DT)
 
 
 # Attitude
@@ -304,7 +309,7 @@ def test_mixer_corrects_for_the_voltage(voltage_v: float, thrust: float) -> None
 
 def test_mixer_knows_the_airframe() -> None:
     physics, cascade = hovering()
-    command = cascade.step(physics.state, Target(HIGH, STILL), DT)
+    command = cascade.step(physics.state, TrajectorySetpoint(HIGH, STILL), DT)
     thrust = sum(THRUST_CONSTANT * speed**2 for speed in physics.state.motor_speed_radps)
     assert delivered(command, physics.state.voltage_v)[0] == pytest.approx(thrust, rel=1e-3)
     assert thrust == pytest.approx(-1.5 * physics.state.specific_force[2], rel=1e-3)

@@ -9,14 +9,14 @@ from statistics import fmean
 import pytest
 
 from companion.geometry import GlobalOrigin
-from sitl.flight.estimate import VELOCITY_WALK, WANDER_S, Estimator, GpsState
+from sitl.flight.estimate import VELOCITY_WALK, WANDER_S, Estimator, GpsQuality
 from sitl.flight.physics import FlightState, Physics
 
 TRUTH = Physics(origin=GlobalOrigin(47.4, 8.5, 0.0), start=(3.0, -2.0, -5.0)).state
 
 
 def believe(estimator: Estimator, seconds: float, dt_s: float = 0.1) -> FlightState:
-    start_s = estimator.position_lost_s
+    start_s = estimator.time_since_fix_s
     belief = estimator.step(TRUTH, start_s)
     for i in range(1, round(seconds / dt_s) + 1):
         belief = estimator.step(TRUTH, start_s + i * dt_s)
@@ -30,7 +30,7 @@ def test_good_gps_is_the_truth_itself() -> None:
 
 def test_noise_wanders_with_its_deviation_and_its_correlation() -> None:
     """A Gauss-Markov process: variance s^2, correlation exp(-t / tau)."""
-    estimator = Estimator(random.Random(3), GpsState(noise_m=0.5))
+    estimator = Estimator(random.Random(3), GpsQuality(noise_m=0.5))
     errors = []
     for i in range(100_000):  # 30 000 s are 500 correlation times
         errors.append(estimator.step(TRUTH, 0.3 * i).position[0] - TRUTH.position[0])
@@ -47,8 +47,8 @@ def test_the_step_length_does_not_matter() -> None:
     def deviation(dt_s: float) -> float:
         ends = []
         for seed in range(600):
-            estimator = Estimator(random.Random(seed), GpsState())
-            estimator.gps = GpsState(noise_m=1.0)
+            estimator = Estimator(random.Random(seed), GpsQuality())
+            estimator.gps = GpsQuality(noise_m=1.0)
             ends.append(believe(estimator, 20.0, dt_s).position[1] - TRUTH.position[1])
         return math.sqrt(fmean(e * e for e in ends))
 
@@ -61,11 +61,11 @@ def test_the_step_length_does_not_matter() -> None:
 def test_dead_reckoning_drifts_as_an_integrated_random_walk(seconds: float) -> None:
     drifts, speeds = [], []
     for seed in range(600):
-        estimator = Estimator(random.Random(seed), GpsState(is_lost=True))
+        estimator = Estimator(random.Random(seed), GpsQuality(is_lost=True))
         belief = believe(estimator, seconds)
         drifts += [b - t for b, t in zip(belief.position[:2], TRUTH.position[:2], strict=True)]
         speeds += [b - t for b, t in zip(belief.velocity[:2], TRUTH.velocity[:2], strict=True)]
-        assert estimator.position_lost_s == pytest.approx(seconds)
+        assert estimator.time_since_fix_s == pytest.approx(seconds)
     assert math.sqrt(fmean(d * d for d in drifts)) == pytest.approx(
         VELOCITY_WALK * math.sqrt(seconds**3 / 3), rel=0.1
     )
@@ -76,7 +76,7 @@ def test_dead_reckoning_drifts_as_an_integrated_random_walk(seconds: float) -> N
 
 
 def test_height_and_attitude_stay_true_without_gps() -> None:
-    estimator = Estimator(random.Random(1), GpsState(is_lost=True, noise_m=2.0))
+    estimator = Estimator(random.Random(1), GpsQuality(is_lost=True, noise_m=2.0))
     belief = believe(estimator, 30.0)
     assert math.dist(belief.position, TRUTH.position) > 0.5
     assert belief == TRUTH._replace(
@@ -88,21 +88,21 @@ def test_height_and_attitude_stay_true_without_gps() -> None:
 def test_a_fix_after_a_loss_takes_the_belief_back() -> None:
     estimator = Estimator(random.Random(1))
     assert estimator.step(TRUTH, 0.0) is TRUTH
-    estimator.gps = GpsState(is_lost=True)
+    estimator.gps = GpsQuality(is_lost=True)
     first = estimator.step(TRUTH, 0.004)
     assert math.dist(first.position, TRUTH.position) < 1e-3  # no jump at the loss
     lost = estimator.step(TRUTH, 10.0)
     assert lost.velocity != TRUTH.velocity
-    estimator.gps = GpsState()
+    estimator.gps = GpsQuality()
     assert estimator.step(TRUTH, 10.004) is TRUTH
-    assert estimator.position_lost_s == 0.0
+    assert estimator.time_since_fix_s == 0.0
 
 
 def test_noise_that_ends_fades_to_the_truth() -> None:
-    estimator = Estimator(random.Random(1), GpsState(noise_m=1.0))
+    estimator = Estimator(random.Random(1), GpsQuality(noise_m=1.0))
     estimator.step(TRUTH, 0.0)
     before = math.hypot(*estimator.error)
-    estimator.gps = GpsState()
+    estimator.gps = GpsQuality()
     estimator.step(TRUTH, WANDER_S)
     assert math.hypot(*estimator.error) == pytest.approx(before / math.e)
     assert estimator.step(TRUTH, 20 * WANDER_S) is TRUTH
@@ -110,7 +110,7 @@ def test_noise_that_ends_fades_to_the_truth() -> None:
 
 def test_the_same_seed_is_the_same_error() -> None:
     def track(seed: int) -> list[FlightState]:
-        estimator = Estimator(random.Random(seed), GpsState(noise_m=0.5))
+        estimator = Estimator(random.Random(seed), GpsQuality(noise_m=0.5))
         return [estimator.step(TRUTH, 0.1 * i) for i in range(50)]
 
     assert track(5) == track(5) != track(6)

@@ -10,7 +10,7 @@ import pytest
 from wire import Wire, gcs_heartbeat
 
 from companion.mavlink.framing import dialect
-from sitl.flight.estimate import GpsState
+from sitl.flight.estimate import GpsQuality
 from sitl.world.scenario import Scenario
 
 LAND, HOLD, RETURN = "AUTO.LAND", "AUTO.LOITER", "AUTO.RTL"
@@ -76,7 +76,7 @@ def test_with_that_failsafe_on_arming_needs_a_ground_station() -> None:
 
 
 def lose_gps(wire: Wire, is_lost: bool = True) -> None:
-    wire.simulation._estimator.gps = GpsState(is_lost, satellites=0 if is_lost else 10)
+    wire.simulation._estimator.gps = GpsQuality(is_lost, satellites=0 if is_lost else 10)
 
 
 def test_position_loss_in_offboard_descends_level_and_recovers() -> None:

@@ -6,16 +6,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sitl.autopilot.failsafe_state import FailsafeState
+from sitl.autopilot.failsafe_state import FailsafeStage, FailsafeState
 from sitl.autopilot.failsafes import (
     FAILSAFES,
-    Action,
     BatteryLevel,
-    Cause,
-    Conditions,
+    FailsafeAction,
+    FailsafeCause,
+    FailsafeInputs,
     battery_level,
 )
 from sitl.autopilot.parameters import Parameters
+from sitl.autopilot.status_texts import failsafe_texts
 
 OK, LOW, CRITICAL, EMERGENCY = BatteryLevel
 HOLD, LAND, RETURN = "AUTO.LOITER", "AUTO.LAND", "AUTO.RTL"
@@ -30,13 +31,13 @@ def conditions(
     position_age_s: float = 0.0,
     breached: bool = False,
     **parameters: float,
-) -> Conditions:
-    return Conditions(
+) -> FailsafeInputs:
+    return FailsafeInputs(
         mode, age_s, battery, Parameters(parameters), link_age_s, position_age_s, breached
     )
 
 
-def mode_after(state: FailsafeState, now: Conditions, now_s: float) -> str | None:
+def mode_after(state: FailsafeState, now: FailsafeInputs, now_s: float) -> str | None:
     state.update(now, now_s)
     return state.mode
 
@@ -123,7 +124,7 @@ def test_position_loss_acts_after_five_seconds_and_ends_with_it(
 ) -> None:
     state = FailsafeState()
 
-    def lost(age_s: float) -> Conditions:
+    def lost(age_s: float) -> FailsafeInputs:
         return conditions(mode=mode, age_s=0.0, position_age_s=age_s, COM_POSCTL_NAVL=landing)
 
     assert mode_after(state, lost(4.9), 0.0) is None
@@ -163,24 +164,57 @@ SITUATIONS = st.builds(
 
 
 @given(SITUATIONS)
-def test_the_most_severe_action_wins(now: Conditions) -> None:
+def test_the_most_severe_action_wins(now: FailsafeInputs) -> None:
     state = FailsafeState()
     state.update(now, 0.0)
     demanded = [action for f in FAILSAFES if (action := f.action(now)) is not None]
-    assert (state.active.action if state.active else None) == max(demanded, default=None)
-    assert state.stops_motors == any(action >= Action.DISARM for action in demanded)
+    assert (state.selected.action if state.selected else None) == max(demanded, default=None)
+    assert state.stops_motors == any(action >= FailsafeAction.DISARM for action in demanded)
 
 
 @given(SITUATIONS)
 def test_after_a_take_over_the_intended_mode_is_flown_in_the_same_situation(
-    now: Conditions,
+    now: FailsafeInputs,
 ) -> None:
     state = FailsafeState()
     for _ in FAILSAFES:
         state.update(now, 0.0)
         state.take_over()
     state.update(now, 0.1)
-    assert state.active is None or state.active.cause in (Cause.OFFBOARD_LOST, Cause.POSITION_LOST)
+    assert state.selected is None or state.selected.cause in (
+        FailsafeCause.OFFBOARD_LOST,
+        FailsafeCause.POSITION_LOST,
+    )
+
+
+@pytest.mark.parametrize(
+    ("parameters", "stages", "text"),
+    [
+        ({"GF_ACTION": 0}, ["INACTIVE", "INACTIVE"], None),
+        ({"GF_ACTION": 1}, ["WARNING", "WARNING"], "Failsafe warning: geofence violated"),
+        ({"GF_ACTION": 2}, ["ACTING", "ACTING"], "Failsafe activated: geofence violated"),
+        (
+            {"GF_ACTION": 3},
+            ["DELAYED", "ACTING"],
+            "Failsafe activated: entering Hold for 5 seconds",
+        ),
+        (
+            {"GF_ACTION": 4, "CBRK_FLIGHTTERM": 0},
+            ["STOPPING", "STOPPING"],
+            "Failsafe activated: geofence violated",
+        ),
+    ],
+)
+def test_stages_and_their_texts(
+    parameters: dict[str, float], stages: list[str], text: str | None
+) -> None:
+    state, outside = FailsafeState(), conditions(breached=True, **parameters)
+    state.update(outside, 0.0)
+    texts = failsafe_texts(state, outside.parameters)
+    assert [told.text for told in texts] == ([text] if text else [])
+    seen = [state.stage.name]
+    state.update(outside, 5.0)
+    assert [*seen, state.stage.name] == stages
 
 
 def test_a_taken_over_failsafe_stays_quiet_but_a_worse_one_acts() -> None:
@@ -221,3 +255,4 @@ def test_disarming_and_termination_stop_the_motors(action: int, breaker: int) ->
     )
     assert state.stops_motors
     assert state.mode is None
+    assert state.stage is FailsafeStage.STOPPING

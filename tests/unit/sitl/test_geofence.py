@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from plans import ACCEPTED, ERROR, download, place, upload
 from wire import NAN, Wire, gcs_heartbeat
 
-from sitl.autopilot.geofence import Area, Circle, Geofence, Polygon
+from sitl.autopilot.geofence import FenceArea, FenceCircle, FencePolygon, Geofence
 from sitl.autopilot.parameters import Parameters
 
 HOME = (0.0, 0.0, 0.0)
@@ -50,7 +50,7 @@ def test_a_polygon_holds_what_it_winds_round(
     corners = star(radii)
     assume(not is_near_edge(point, corners))
     fence = Geofence()
-    fence.load([Area(Polygon(tuple(corners)), is_inclusion=True)], {})
+    fence.load([FenceArea(FencePolygon(tuple(corners)), is_inclusion=True)], {})
     is_inside = round(turns(point, corners)) == 1
     assert fence.is_breached((*point, -5.0), HOME, Parameters()) is not is_inside
 
@@ -61,16 +61,16 @@ def test_a_circle_holds_what_is_nearer_than_its_radius(
 ) -> None:
     fence = Geofence()
     for is_inclusion in (True, False):
-        fence.load([Area(Circle(centre, radius_m), is_inclusion)], {})
+        fence.load([FenceArea(FenceCircle(centre, radius_m), is_inclusion)], {})
         is_inside = math.dist(centre, point) < radius_m
         assert fence.is_breached((*point, 0.0), HOME, Parameters()) is (is_inside != is_inclusion)
 
 
 def test_every_area_has_to_be_kept_to() -> None:
     fence = Geofence()
-    big, small = Circle((0.0, 0.0), 50.0), Circle((40.0, 0.0), 50.0)
-    island = Circle((20.0, 0.0), 5.0)
-    fence.load([Area(big, True), Area(small, True), Area(island, False)], {})
+    big, small = FenceCircle((0.0, 0.0), 50.0), FenceCircle((40.0, 0.0), 50.0)
+    island = FenceCircle((20.0, 0.0), 5.0)
+    fence.load([FenceArea(big, True), FenceArea(small, True), FenceArea(island, False)], {})
     breached = [fence.is_breached((n, 0.0, -5.0), HOME, Parameters()) for n in range(-60, 100, 5)]
     kept = [n for n, is_out in zip(range(-60, 100, 5), breached, strict=True) if not is_out]
     assert kept == [-5, 0, 5, 10, 15, 25, 30, 35, 40, 45]

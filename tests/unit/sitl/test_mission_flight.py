@@ -23,8 +23,8 @@ from wire import NAN, Wire, gcs_heartbeat
 
 from companion.geometry import horizontal_distance
 from companion.mavlink.framing import dialect
-from sitl.autopilot.mission import Mission
-from sitl.autopilot.mission_items import Command, Item, speed_before
+from sitl.autopilot.mission_items import MissionCommand, MissionItem, speed_before
+from sitl.autopilot.mission_plan import MissionPlan, PlanState
 from sitl.world.scenario import Scenario
 
 ACCEPTED, TEMPORARILY_REJECTED, DENIED = 0, 1, 2
@@ -175,6 +175,32 @@ def test_a_heading_that_is_asked_for_is_reached() -> None:
     assert headings[2] == pytest.approx(270.0, abs=13.0)
 
 
+def test_the_states_of_a_plan() -> None:
+    plan, waypoints = MissionPlan(), [MissionItem(MissionCommand.WAYPOINT)] * 2
+    plan.load(waypoints, None, 0.0)
+    assert plan.state is PlanState.NOT_STARTED
+    assert plan.set_current(1)
+    plan.note_disarming()
+    assert plan.state is PlanState.NOT_STARTED
+    assert plan.begin()
+    assert plan.state is PlanState.STARTED
+    plan.note_disarming()
+    assert plan.state is PlanState.ENDED_EARLY
+    assert plan.begin()
+    assert (plan.state, plan.current) == (PlanState.STARTED, 0)
+    plan.note_disarming()
+    assert plan.state is PlanState.STARTED  # not at the last item
+    assert plan.advance()
+    assert not plan.advance()
+    assert (plan.state, plan.current) == (PlanState.COMPLETE, 1)
+    assert plan.begin()  # in the air: the last item once more
+    assert not plan.advance()
+    plan.note_disarming()
+    assert plan.state is PlanState.ENDED
+    assert plan.set_current(1)
+    assert plan.state is PlanState.STARTED
+
+
 def test_a_mission_that_is_left_goes_on_where_it_was() -> None:
     wire = started(
         place(TAKEOFF, (0, 0, 5)),
@@ -273,7 +299,7 @@ def test_a_mission_changed_in_flight() -> None:
 def test_an_item_without_autocontinue_is_not_left() -> None:
     wire = started(
         place(TAKEOFF, (0, 0, 4)),
-        place(WAYPOINT, (5, 0, 4), goes_on=0),
+        place(WAYPOINT, (5, 0, 4), autocontinue=0),
         place(WAYPOINT, (10, 0, 4)),
     )
     wire.run(20.0)
@@ -282,7 +308,7 @@ def test_an_item_without_autocontinue_is_not_left() -> None:
 
 
 @pytest.mark.parametrize("value", [NAN, math.inf, 3e38, -3e38])
-@pytest.mark.parametrize("command", sorted({*map(int, Command), 2000}))
+@pytest.mark.parametrize("command", sorted({*map(int, MissionCommand), 2000}))
 def test_no_parameter_makes_an_item_fail(command: int, value: float) -> None:
     parameters = (value,) * 3
     item = (
@@ -322,13 +348,13 @@ def expanded(plan: list[tuple[int, int] | None], most: int) -> list[int]:
 @given(plan=PLANS)
 def test_the_order_of_items_with_jumps(plan: list[tuple[int, int] | None]) -> None:
     items = [
-        Item(Command.WAYPOINT)
+        MissionItem(MissionCommand.WAYPOINT)
         if step is None
-        else Item(Command.DO_JUMP, (float(step[0]), float(step[1]), None, None))
+        else MissionItem(MissionCommand.DO_JUMP, (float(step[0]), float(step[1]), None, None))
         for step in [None, *((s[0] + 1, s[1]) if s else None for s in plan)]
     ]
     rule = expanded([None, *((s[0] + 1, s[1]) if s else None for s in plan)], 200)
-    mission = Mission()
+    mission = MissionPlan()
     mission.load(items, None, 0.0)
     seen = [mission.current] if mission.begin() else []
     while len(seen) < 200 and mission.advance():
@@ -338,15 +364,15 @@ def test_the_order_of_items_with_jumps(plan: list[tuple[int, int] | None]) -> No
         assert seen == rule
     else:
         assert seen == rule[: len(seen)]
-    assert mission.is_complete or len(seen) == 200
+    assert mission.state is PlanState.COMPLETE or len(seen) == 200
 
 
 def test_the_speed_in_force_is_that_of_the_last_change_before() -> None:
     items = [
-        Item(Command.WAYPOINT),
-        Item(Command.DO_CHANGE_SPEED, (1.0, 3.0, None, None)),
-        Item(Command.WAYPOINT),
-        Item(Command.DO_CHANGE_SPEED, (1.0, -1.0, None, None)),
-        Item(Command.WAYPOINT),
+        MissionItem(MissionCommand.WAYPOINT),
+        MissionItem(MissionCommand.DO_CHANGE_SPEED, (1.0, 3.0, None, None)),
+        MissionItem(MissionCommand.WAYPOINT),
+        MissionItem(MissionCommand.DO_CHANGE_SPEED, (1.0, -1.0, None, None)),
+        MissionItem(MissionCommand.WAYPOINT),
     ]
     assert [speed_before(items, i) for i in range(5)] == [None, None, 3.0, 3.0, None]

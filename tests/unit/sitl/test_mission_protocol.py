@@ -25,35 +25,35 @@ from plans import (
 )
 from wire import NAN, Wire
 
-from companion.mavlink.framing import Endpoint, dialect
-from sitl.link.mission_items import Kind, WireItem, int_message, verdict, wire_item
-from sitl.link.missions import MOST_ITEMS, Missions
+from companion.mavlink.framing import MavlinkCodec, dialect
+from sitl.link.mission_items import MissionType, WireItem, check_item, int_message, wire_item
+from sitl.link.mission_service import MOST_ITEMS, MissionService
 from sitl.link.routing import LinkName
 
 LINK = LinkName.OFFBOARD
 A, B = (1, 191), (255, 190)
 
 
-def missions() -> Missions:
-    return Missions(lambda kind, items, current: True, lambda: 0)
+def missions() -> MissionService:
+    return MissionService(lambda kind, items, current: True, lambda: 0)
 
 
 class Client:
     """One end of a link to the stores, by its address."""
 
-    def __init__(self, stores: Missions, address: tuple[int, int] = A) -> None:
+    def __init__(self, stores: MissionService, address: tuple[int, int] = A) -> None:
         self._stores = stores
-        self._endpoint = Endpoint(*address)
+        self._codec = MavlinkCodec(*address)
 
     def send(self, message: Any, now_s: float = 0.0) -> list[Any]:
         """The answers, after all have been bytes."""
-        (arrived,) = self._endpoint.parse(self._endpoint.pack(message))
+        (arrived,) = self._codec.parse(self._codec.pack(message))
         answers = self._stores.receive(LINK, arrived, now_s)
-        return [heard for each in answers for heard in Endpoint(1, 1).parse(_packed(each))]
+        return [heard for each in answers for heard in MavlinkCodec(1, 1).parse(_packed(each))]
 
 
 def _packed(message: Any) -> bytes:
-    return Endpoint(1, 1).pack(message)
+    return MavlinkCodec(1, 1).pack(message)
 
 
 def count(number: int, kind: int = 0) -> Any:
@@ -64,7 +64,7 @@ def waypoints(number: int, up_m: float = 5.0) -> list[Any]:
     return numbered([place(WAYPOINT, (float(i), 0.0, up_m)) for i in range(number)])
 
 
-def stored(stores: Missions, kind: Kind = Kind.MISSION) -> tuple[WireItem, ...]:
+def stored(stores: MissionService, kind: MissionType = MissionType.MISSION) -> tuple[WireItem, ...]:
     return stores.items(kind)
 
 
@@ -244,26 +244,29 @@ MAVSDK_ITEMS = (1000, 1001, 2000, 2001, 2500, 2501, 205, 206, 530, 178, 93, 20)
 @pytest.mark.parametrize(
     ("kind", "item", "answer"),
     [
-        *((Kind.MISSION, in_frame(action(c), MISSION), ACCEPTED) for c in MAVSDK_ITEMS),
-        *((Kind.MISSION, wire_item(place(c, (1, 1, 1))), ACCEPTED) for c in (16, 17, 19, 21, 22)),
-        (Kind.MISSION, wire_item(place(195, (1, 1, 1))), ACCEPTED),
-        (Kind.MISSION, in_frame(place(16, (1, 1, 1)), 0), ACCEPTED),
-        (Kind.MISSION, in_frame(place(16, (1, 1, 1)), 1), UNSUPPORTED_FRAME),
-        (Kind.MISSION, in_frame(place(16, (1, 1, 1)), 10), UNSUPPORTED_FRAME),
-        (Kind.MISSION, wire_item(place(82, (1, 1, 1))), UNSUPPORTED),
-        (Kind.MISSION, in_frame(action(16), MISSION), UNSUPPORTED),
-        (Kind.MISSION, wire_item(place(178, (1, 1, 1))), UNSUPPORTED),
-        (Kind.MISSION, wire_item(place(5001, (1, 1, 1), 3.0)), UNSUPPORTED),
-        (Kind.FENCE, wire_item(place(16, (1, 1, 1))), UNSUPPORTED),
-        (Kind.FENCE, wire_item(place(5001, (1, 1, 1), 2.0)), ERROR),
-        (Kind.FENCE, wire_item(place(5001, (1, 1, 1), 3.0)), ACCEPTED),
-        (Kind.FENCE, wire_item(place(5003, (1, 1, 1), NAN)), 6),
-        (Kind.FENCE, wire_item(place(5000, (1, 1, 1))), ACCEPTED),
-        (Kind.RALLY, wire_item(place(5100, (1, 1, 1))), ACCEPTED),
+        *((MissionType.MISSION, in_frame(action(c), MISSION), ACCEPTED) for c in MAVSDK_ITEMS),
+        *(
+            (MissionType.MISSION, wire_item(place(c, (1, 1, 1))), ACCEPTED)
+            for c in (16, 17, 19, 21, 22)
+        ),
+        (MissionType.MISSION, wire_item(place(195, (1, 1, 1))), ACCEPTED),
+        (MissionType.MISSION, in_frame(place(16, (1, 1, 1)), 0), ACCEPTED),
+        (MissionType.MISSION, in_frame(place(16, (1, 1, 1)), 1), UNSUPPORTED_FRAME),
+        (MissionType.MISSION, in_frame(place(16, (1, 1, 1)), 10), UNSUPPORTED_FRAME),
+        (MissionType.MISSION, wire_item(place(82, (1, 1, 1))), UNSUPPORTED),
+        (MissionType.MISSION, in_frame(action(16), MISSION), UNSUPPORTED),
+        (MissionType.MISSION, wire_item(place(178, (1, 1, 1))), UNSUPPORTED),
+        (MissionType.MISSION, wire_item(place(5001, (1, 1, 1), 3.0)), UNSUPPORTED),
+        (MissionType.FENCE, wire_item(place(16, (1, 1, 1))), UNSUPPORTED),
+        (MissionType.FENCE, wire_item(place(5001, (1, 1, 1), 2.0)), ERROR),
+        (MissionType.FENCE, wire_item(place(5001, (1, 1, 1), 3.0)), ACCEPTED),
+        (MissionType.FENCE, wire_item(place(5003, (1, 1, 1), NAN)), 6),
+        (MissionType.FENCE, wire_item(place(5000, (1, 1, 1))), ACCEPTED),
+        (MissionType.RALLY, wire_item(place(5100, (1, 1, 1))), ACCEPTED),
     ],
 )
-def test_which_items_are_taken(kind: Kind, item: WireItem, answer: int) -> None:
-    assert verdict(kind, item) == answer
+def test_which_items_are_taken(kind: MissionType, item: WireItem, answer: int) -> None:
+    assert check_item(kind, item) == answer
 
 
 def test_an_item_that_is_refused_ends_the_upload() -> None:
@@ -300,7 +303,7 @@ def test_an_item_comes_back_bit_by_bit(
     message = dialect.MAVLink_mission_item_int_message(
         *A, 3, frame, command, 1, autocontinue, *parameters, x, y, z, 0
     )
-    back = int_message(wire_item(message), 3, A, Kind.MISSION, True)
+    back = int_message(wire_item(message), 3, A, MissionType.MISSION, True)
     for name in message.fieldnames:
         sent, got = getattr(message, name), getattr(back, name)
         assert got == sent or (math.isnan(got) and math.isnan(sent)), name
@@ -390,7 +393,7 @@ def test_set_current_is_answered_at_once_with_px4s_values() -> None:
 
 # Garbage.
 
-NAMES = sorted(Missions.HANDLERS)
+NAMES = sorted(MissionService.HANDLERS)
 FORMATS = {
     "float": st.floats(width=32),
     "uint8_t": st.integers(0, 2**8 - 1) | st.integers(0, 6),

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from companion.geometry import GlobalOrigin, euler_from_quaternion
-from sitl.flight.controllers import Cascade, Target
+from sitl.flight.controllers import Cascade, TrajectorySetpoint
 from sitl.flight.physics import STANDING_M, FlightState, Physics
 
 SEA = GlobalOrigin(47.4, 8.5, 0.0)
@@ -50,9 +50,9 @@ def battery_under(power_w: float, charge: float) -> tuple[float, float]:
 def hover(physics: Physics, seconds: float, dt_s: float = 0.004) -> FlightState:
     """Hold the present position."""
     cascade = Cascade()
-    target = Target(physics.state.position, (0.0, 0.0, 0.0))
+    setpoint = TrajectorySetpoint(physics.state.position, (0.0, 0.0, 0.0))
     for _ in range(round(seconds / dt_s)):
-        physics.step(cascade.step(physics.state, target, dt_s))
+        physics.step(cascade.step(physics.state, setpoint, dt_s))
     return physics.state
 
 
@@ -212,9 +212,9 @@ def test_hover_endurance_is_the_integral() -> None:
     """From full to 20 %; 1178 s for these coefficients."""
     physics, cascade = Physics(origin=SEA, start=(0.0, 0.0, -10.0)), Cascade()
     physics.is_draining = True
-    target = Target(physics.state.position, (0.0, 0.0, 0.0))
+    setpoint = TrajectorySetpoint(physics.state.position, (0.0, 0.0, 0.0))
     while physics.state.charge > 0.2:
-        physics.step(cascade.step(physics.state, target, 0.004))
+        physics.step(cascade.step(physics.state, setpoint, 0.004))
     charges = np.linspace(0.2, 1.0, 2000)
     current = [battery_under(HOVER_SHAFT_W / EFFICIENCY, charge)[1] for charge in charges]
     expected_s = np.trapezoid(3600 * CAPACITY_AH / np.array(current), charges)
@@ -271,10 +271,10 @@ def test_a_dropped_vehicle_comes_to_rest_on_its_legs() -> None:
 def test_position_is_the_integral_of_velocity() -> None:
     physics = Physics(origin=ALPS, start=(100.0, -50.0, -20.0), wind=(2.0, 1.0, 0.0))
     cascade = Cascade()
-    target = Target((130.0, -90.0, -25.0), (0.0, 0.0, 0.0))
+    setpoint = TrajectorySetpoint((130.0, -90.0, -25.0), (0.0, 0.0, 0.0))
     states = [physics.state]
     for _ in range(4000):
-        states.append(physics.step(cascade.step(physics.state, target, 0.004)))
+        states.append(physics.step(cascade.step(physics.state, setpoint, 0.004)))
     velocity = np.array([state.velocity for state in states])
     travelled = (velocity[1:] + velocity[:-1]).sum(axis=0) / 2 * 0.004
     assert states[0].position == pytest.approx((100.0, -50.0, -20.0), abs=1e-4)
@@ -289,11 +289,11 @@ def test_a_finer_step_gives_the_same_flight() -> None:
         track = []
         for i in range(2500):
             t = max(0.0, i * 0.004 - 4.0)  # hover, then half a circle
-            target = Target(
+            setpoint = TrajectorySetpoint(
                 (math.sin(t / 2), 1 - math.cos(t / 2), -10.0),
                 (math.cos(t / 2) / 2, math.sin(t / 2) / 2, 0.0) if t > 0 else (0.0, 0.0, 0.0),
             )
-            motors = cascade.step(physics.state, target, 0.004)
+            motors = cascade.step(physics.state, setpoint, 0.004)
             for _ in range(substeps):
                 physics.step(motors)
             track.append(physics.state.position)
@@ -335,7 +335,7 @@ def test_the_same_seed_is_the_same_flight_everywhere() -> None:
         capture_output=True,
         text=True,
         check=True,
-        timeout=60,
+        timeout=600,
     )
     # Also: JSBSim itself says nothing on either stream.
     assert (elsewhere.stdout, elsewhere.stderr) == (alone + "\n", "")

@@ -5,7 +5,7 @@ from typing import Any
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.mavlink.framing import Endpoint, dialect
+from companion.mavlink.framing import MavlinkCodec, dialect
 from sitl.link.routing import LinkName, Router, is_for
 
 GCS, OFFBOARD = LinkName.GCS, LinkName.OFFBOARD
@@ -14,7 +14,7 @@ LOCAL = [(1, 1), (1, 25)]
 
 def received(message: Any, sender: tuple[int, int]) -> Any:
     """A message as it comes out of a parser."""
-    return Endpoint(0, 0).parse(Endpoint(*sender).pack(message))[0]
+    return MavlinkCodec(0, 0).parse(MavlinkCodec(*sender).pack(message))[0]
 
 
 def command(system: int, component: int, sender: tuple[int, int] = (255, 190)) -> Any:
@@ -29,8 +29,8 @@ def heartbeat(sender: tuple[int, int], mav_type: int) -> Any:
 
 def connected() -> Router:
     router = Router(LinkName, LOCAL)
-    router.hear(OFFBOARD, heartbeat((1, 191), 18))
-    router.hear(GCS, heartbeat((255, 190), 6))
+    router.learn(OFFBOARD, heartbeat((1, 191), 18))
+    router.learn(GCS, heartbeat((255, 190), 6))
     return router
 
 
@@ -71,15 +71,15 @@ def test_nothing_ever_goes_back_where_it_came_from(
 ) -> None:
     router = Router(LinkName, LOCAL)
     for link, *sender in heard:
-        router.hear(link, heartbeat((sender[0], sender[1]), 18))
+        router.learn(link, heartbeat((sender[0], sender[1]), 18))
     assert origin not in router.destinations(command(system, component), origin)
 
 
 def test_a_ground_station_is_noticed_by_its_heartbeat_alone() -> None:
     router = Router(LinkName, LOCAL)
-    router.hear(OFFBOARD, heartbeat((1, 191), 18))
+    router.learn(OFFBOARD, heartbeat((1, 191), 18))
     assert not any(router.has_ground_station(link) for link in LinkName)
-    router.hear(GCS, heartbeat((255, 190), 6))
+    router.learn(GCS, heartbeat((255, 190), 6))
     assert all(router.has_ground_station(link) for link in LinkName)  # it is forwarded
 
 

@@ -10,13 +10,15 @@ from PIL import Image
 from companion.errors import MissionError
 from companion.geometry import GlobalOrigin
 from companion.mavlink.framing import dialect
-from sitl.results import Result
-from sitl.world.detector import Circle
-from sitl.world.happenings import AtPlace, Happening
+from companion.vehicle_profile import VehicleProfile
+from sitl.results import MavResult
 from sitl.world.lidar import LidarSpec
-from sitl.world.payload import Answer, PayloadScript, Site
+from sitl.world.payload import PayloadAnswer, PayloadScript, PayloadSite
 from sitl.world.scenario import PX4_HOME, Scenario, parse_scenario, read_scenario
+from sitl.world.scenario_events import ScenarioEvent, VisitTrigger
+from sitl.world.visits import Circle
 
+MISSIONS = Path(__file__).parents[3] / "missions"
 FULL = """\
 version: 1
 map: maps/hall.yaml
@@ -51,14 +53,16 @@ def test_every_key_is_read_into_local_ned() -> None:
         parameters={"COM_OBL_RC_ACT": 4, "MIS_TAKEOFF_ALT": 3.5},
         detector=30,
         lidar=LidarSpec(),
-        happenings=(
-            Happening(AtPlace(Circle((13.0, 5.0), 0.8), 2), (("target", "seen"),), "target: seen"),
+        events=(
+            ScenarioEvent(
+                VisitTrigger(Circle((13.0, 5.0), 0.8), 2), (("target", "seen"),), "target: seen"
+            ),
         ),
         payload=PayloadScript(
             25,
             dialect.MAV_CMD_USER_1,
-            (Site((4.0, 9.0), 1.0, Answer(Result.FAILED, 2.0)),),
-            Result.ACCEPTED,
+            (PayloadSite((4.0, 9.0), 1.0, PayloadAnswer(MavResult.FAILED, 2.0)),),
+            MavResult.ACCEPTED,
         ),
         map_path=Path("missions/maps/hall.yaml"),
     )
@@ -112,6 +116,39 @@ def test_the_map_lies_beside_the_scenario(tmp_path: Path) -> None:
 def test_a_start_in_a_wall_or_off_the_map_is_refused(tmp_path: Path, start: str) -> None:
     with pytest.raises(MissionError, match=r"hall\.sim\.yaml:3:8: the start lies in a wall"):
         read_scenario(write_hall(tmp_path, start))
+
+
+def test_the_vehicle_may_differ_from_its_profile(tmp_path: Path) -> None:
+    """What stands 40 cm from the wall with 35 cm of radius does not with 50 cm."""
+    start = "{east_m: 0.45, north_m: 2}"
+    scenario, _ = read_scenario(write_hall(tmp_path, start))
+    assert scenario.vehicle == VehicleProfile()
+    path = write_hall(tmp_path, f"{start}\nvehicle: {{radius_m: 0.5}}")
+    with pytest.raises(MissionError, match=r"hall\.sim\.yaml:3:8: (.|\n)*needs 0\.5 m around it"):
+        read_scenario(path)
+    (tmp_path / "vehicles").mkdir()
+    other = (MISSIONS / "vehicles" / "quad_35cm.yaml").read_text().replace("0.35 ", "0.25 ")
+    (tmp_path / "vehicles" / "small.yaml").write_text(other)
+    path = write_hall(tmp_path, f"{start}\nvehicle: {{profile: small, climb_mps: 1}}")
+    scenario, _ = read_scenario(path)
+    assert scenario.vehicle == VehicleProfile("small", radius_m=0.25, climb_mps=1.0)
+
+
+@pytest.mark.parametrize(
+    ("vehicle", "place", "part"),
+    [
+        ("quad_36cm", "4:10", "there is no vehicle profile quad_36cm"),
+        ("{radius: 1}", "4:11", "Did you mean radius_m?"),
+    ],
+)
+def test_mistakes_in_a_vehicle_are_placed(
+    tmp_path: Path, vehicle: str, place: str, part: str
+) -> None:
+    path = write_hall(tmp_path, f"{{east_m: 2, north_m: 2}}\nvehicle: {vehicle}")
+    with pytest.raises(MissionError) as caught:
+        read_scenario(path)
+    assert str(caught.value).startswith(f"{path}:{place}: ")
+    assert part in str(caught.value)
 
 
 def test_a_missing_file_is_an_input_error(tmp_path: Path) -> None:

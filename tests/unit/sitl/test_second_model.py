@@ -17,7 +17,7 @@ import second_model
 from second_model import SecondModel
 
 from companion.geometry import GlobalOrigin, Ned
-from sitl.flight.controllers import Cascade, Target
+from sitl.flight.controllers import Cascade, TrajectorySetpoint
 from sitl.flight.mixer import Motors
 from sitl.flight.physics import FlightState, Physics
 
@@ -35,9 +35,9 @@ STEPS = 7500
 SECOND = 250
 
 
-def target(step: int) -> Target:
+def setpoint(step: int) -> TrajectorySetpoint:
     position, yaw_rad = LEGS[int(step * DT / 6)]
-    return Target(position, (0.0, 0.0, 0.0), yaw_rad=yaw_rad)
+    return TrajectorySetpoint(position, (0.0, 0.0, 0.0), yaw_rad=yaw_rad)
 
 
 @dataclass
@@ -73,7 +73,7 @@ def mission() -> Recording:
     for i in range(STEPS):
         recording.states.append(physics.state)
         recording.rc_currents_a.append(physics.battery().mean_current_a)
-        recording.motors.append(cascade.step(physics.state, target(i), DT))
+        recording.motors.append(cascade.step(physics.state, setpoint(i), DT))
         physics.step(recording.motors[-1])
     return recording
 
@@ -90,7 +90,7 @@ def test_a_mission_is_the_same_in_both_models(mission: Recording) -> None:
     model, cascade = mission.model(0), Cascade()
     apart_m = 0.0
     for i in range(STEPS - 1):
-        model.step(cascade.step(model.state, target(i), DT), DT)
+        model.step(cascade.step(model.state, setpoint(i), DT), DT)
         apart_m = max(apart_m, math.dist(model.state.position, mission.states[i + 1].position))
     assert apart_m <= 0.005  # 10 mm to reach
     assert model.state.charge == pytest.approx(mission.states[-1].charge, abs=1e-5)

@@ -10,15 +10,15 @@ from statistics import fmean, stdev
 import pytest
 
 from companion.geometry import GlobalOrigin
-from sitl.flight.estimate import GpsState
+from sitl.flight.estimate import GpsQuality
 from sitl.flight.physics import FlightState, Physics
-from sitl.flight.sensors import Noise, Readings, Sensors, pressure_altitude_m
+from sitl.flight.sensors import SensorNoise, SensorReadings, Sensors, pressure_altitude_m
 
 PLACE = GlobalOrigin(47.4, 8.5, 488.0)
 TRUTH = Physics(origin=PLACE, start=(30.0, -20.0, -12.0)).state
-GOOD = GpsState()
-NOISE = Noise()
-SILENT = Noise(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+GOOD = GpsQuality()
+NOISE = SensorNoise()
+SILENT = SensorNoise(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 DT = 0.004
 
 
@@ -29,11 +29,11 @@ def at(time_s: float) -> FlightState:
 def sample(
     seconds: float,
     *,
-    noise: Noise = NOISE,
+    noise: SensorNoise = NOISE,
     seed: int = 1,
-    gps: GpsState = GOOD,
+    gps: GpsQuality = GOOD,
     fix_error: tuple[float, float] = (0.0, 0.0),
-) -> list[Readings]:
+) -> list[SensorReadings]:
     sensors = Sensors(PLACE, random.Random(seed), at(0.0), noise)
     readings = []
     for i in range(1, round(seconds / DT) + 1):
@@ -104,7 +104,7 @@ def test_the_receiver_shows_the_error_that_the_estimator_has() -> None:
 def test_a_lost_gps_repeats_its_last_place_without_a_fix() -> None:
     sensors = Sensors(PLACE, random.Random(1), at(0.0))
     before = sensors.readings.gps
-    sensors.step(at(1.0), GpsState(is_lost=True), (0.0, 0.0))
+    sensors.step(at(1.0), GpsQuality(is_lost=True), (0.0, 0.0))
     after = sensors.readings.gps
     assert (before.is_3d, after.is_3d, after.satellites) == (True, False, 0)
     assert (after.latitude_deg, after.longitude_deg) == (before.latitude_deg, before.longitude_deg)

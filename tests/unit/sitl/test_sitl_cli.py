@@ -1,33 +1,16 @@
-"""The simulator's door: time, options, ports."""
+"""The simulator's door: options, ports."""
 
 import socket
 from pathlib import Path
 
 import pytest
 import typer
-from hypothesis import given
-from hypothesis import strategies as st
 
 from companion.errors import LinkError
-from sitl.cli import MAX_JUMP_S, ScaledClock, default_home, main, parse_home
+from sitl.cli import default_home, main, parse_home
 from sitl.link.routing import LinkName
 from sitl.link.server import PORTS, Server
 from sitl.world.scenario import PX4_HOME
-
-
-@given(st.lists(st.floats(0, MAX_JUMP_S)), st.floats(0.01, 100))
-def test_simulated_time_is_scaled_wall_time(steps: list[float], speed: float) -> None:
-    clock, wall_s, now_s = ScaledClock(speed, 50.0), 50.0, 0.0
-    for step in steps:
-        wall_s += step
-        now_s = clock.advance(wall_s)
-    assert now_s == pytest.approx((wall_s - 50.0) * speed, abs=1e-9 * speed)
-
-
-def test_a_stalled_machine_slows_simulated_time_down() -> None:
-    clock = ScaledClock(2.0, 0.0)
-    assert clock.advance(10.0) == 2.0 * MAX_JUMP_S
-    assert clock.advance(10.05) == pytest.approx(2.0 * (MAX_JUMP_S + 0.05))
 
 
 def test_home_of_the_environment_and_of_the_option() -> None:
@@ -69,9 +52,9 @@ def test_the_server_answers_whoever_speaks_and_ignores_deaf_peers(instance: int)
     ):
         server.send([(LinkName.GCS, b"nobody")] * 3)  # ECONNREFUSED comes back to the socket
         client.bind(("127.0.0.1", 0))
-        client.settimeout(2.0)
+        client.settimeout(60.0)
         client.sendto(b"hello", ("127.0.0.1", PORTS[LinkName.OFFBOARD][0] + instance))
-        assert server.receive(2.0) == [(LinkName.OFFBOARD, b"hello")]
+        assert server.receive(60.0) == [(LinkName.OFFBOARD, b"hello")]
         server.send([(LinkName.OFFBOARD, b"answer")])
         assert client.recvfrom(100)[0] == b"answer"
 

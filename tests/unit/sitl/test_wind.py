@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from companion.geometry import GlobalOrigin, euler_from_quaternion
-from sitl.flight.controllers import Cascade, Target
+from sitl.flight.controllers import Cascade, TrajectorySetpoint
 from sitl.flight.physics import Physics
 
 DT = 0.004
@@ -36,9 +36,9 @@ def gusts() -> NDArray[np.float64]:
     )
     # No sensor of the vehicle feels the air alone, so JSBSim is asked.
     axes = [physics._node(f"atmosphere/turb-{axis}-fps") for axis in ("north", "east", "down")]
-    cascade, target, rows = Cascade(), Target(home, (0.0, 0.0, 0.0)), []
+    cascade, setpoint, rows = Cascade(), TrajectorySetpoint(home, (0.0, 0.0, 0.0)), []
     for i in range(round(1200 / DT)):
-        physics.step(cascade.step(physics.state, target, DT))
+        physics.step(cascade.step(physics.state, setpoint, DT))
         if i % SAMPLE_STEPS == 0:
             rows.append([axis.get_double_value() * M_PER_FT for axis in axes])
     assert math.dist(physics.state.position, home) < 2.0
@@ -78,9 +78,9 @@ def test_gusts_fall_off_with_the_square_of_frequency(gusts: NDArray[np.float64])
 def test_no_wind_no_gusts() -> None:
     home = (0.0, 0.0, -HEIGHT_M)
     physics = Physics(origin=SEA, start=home, turbulence_mps=1.0, seed=2)
-    cascade, target = Cascade(), Target(home, (0.0, 0.0, 0.0))
+    cascade, setpoint = Cascade(), TrajectorySetpoint(home, (0.0, 0.0, 0.0))
     for _ in range(1000):
-        physics.step(cascade.step(physics.state, target, DT))
+        physics.step(cascade.step(physics.state, setpoint, DT))
     assert math.dist(physics.state.position, home) < 0.05
 
 
@@ -88,11 +88,11 @@ def test_a_hovering_vehicle_takes_a_step_of_wind() -> None:
     """It gives way less than wind and gains allow, comes back, and leans as the drag asks."""
     home = (0.0, 0.0, -10.0)
     physics, cascade = Physics(origin=SEA, start=home), Cascade()
-    target = Target(home, (0.0, 0.0, 0.0))
+    setpoint = TrajectorySetpoint(home, (0.0, 0.0, 0.0))
     for _ in range(1500):
-        physics.step(cascade.step(physics.state, target, DT))
+        physics.step(cascade.step(physics.state, setpoint, DT))
     physics.set_wind((0.0, 8.0, 0.0))
-    track = [physics.step(cascade.step(physics.state, target, DT)) for _ in range(3000)]
+    track = [physics.step(cascade.step(physics.state, setpoint, DT)) for _ in range(3000)]
     drag_n = 4.75e-5 * 2136 * 8.0 + 0.5 * 1.225 * 0.016 * 8.0**2
     moved = [state.position[1] for state in track]
     # Without integrals the position loop would give way by acceleration / (P_velocity P_position).

@@ -6,15 +6,15 @@ from random import Random
 import pytest
 from wire import Wire, companion_heartbeat, gcs_heartbeat
 
-from companion.mavlink.framing import Endpoint, dialect
+from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mavlink.parameters import INT32, REAL32, decode, encode
 from sitl.autopilot.autopilot import Autopilot
 from sitl.autopilot.parameters import PARAMETERS, Parameters
 from sitl.flight.physics import Physics
 from sitl.flight.sensors import Sensors
-from sitl.link.messages import KINDS, MESSAGES, compose
+from sitl.link.messages import MESSAGE_CLASSES, MESSAGES, compose
 from sitl.link.routing import LinkName
-from sitl.link.vehicle import Vehicle
+from sitl.link.vehicle import SimulatedVehicle
 from sitl.simulation import Simulation
 from sitl.world.scenario import Scenario
 
@@ -90,14 +90,14 @@ def test_rates_are_those_of_px4(idle: Wire, link: LinkName) -> None:
 def test_telemetry_has_the_bytes_of_pymavlinks_own_message(name: str) -> None:
     origin, parameters = Scenario().home, Parameters()
     physics = Physics(origin=origin)
-    vehicle = Vehicle(
+    vehicle = SimulatedVehicle(
         Autopilot(parameters, physics.state),
         physics.state,
         origin,
         Sensors(origin, Random(1), physics.state),
         physics.battery,
     )
-    streamed = Endpoint(1, 1).frame(KINDS[name], MESSAGES[name](vehicle))
+    streamed = MavlinkCodec(1, 1).frame(MESSAGE_CLASSES[name], MESSAGES[name](vehicle))
     assert streamed == compose(name, vehicle).pack(dialect.MAVLink(None, 1, 1))
 
 
@@ -265,7 +265,7 @@ def test_texts_go_only_where_a_ground_station_was_heard() -> None:
 
 def test_frames_are_forwarded_unchanged_to_the_other_link_alone() -> None:
     wire = Wire()
-    frame = wire.endpoint.pack(companion_heartbeat())
+    frame = wire.codec.pack(companion_heartbeat())
     out = wire.simulation.step(0.0, [(LinkName.OFFBOARD, frame)])
     assert out == [(LinkName.GCS, frame)]
 

@@ -11,7 +11,9 @@ from wire import NAN, Wire, gcs_heartbeat
 from companion.errors import MissionError
 from companion.mavlink.framing import dialect
 from companion.motion.grid import OccupancyGrid
-from sitl.results import Result
+from companion.vehicle_profile import VehicleProfile
+from sitl.autopilot.parameters import PARAMETERS, vehicle_defaults
+from sitl.results import MavResult
 from sitl.world.obstacles import Obstacle, TrueMap
 from sitl.world.scenario import parse_scenario
 from sitl.world.schema import json_schema
@@ -31,8 +33,45 @@ def fly(text: str, grid: OccupancyGrid | None = None) -> Wire:
 def take_off(wire: Wire, up_m: float) -> None:
     altitude_m = wire.simulation._vehicle.origin.altitude_m + up_m
     wire.command(dialect.MAV_CMD_NAV_TAKEOFF, 0, 0, 0, NAN, NAN, NAN, altitude_m)
-    assert wire.arm() == [Result.ACCEPTED]
+    assert wire.arm() == [MavResult.ACCEPTED]
     wire.run_until(lambda: wire.simulation.flight.position[2] < 0.3 - up_m, 20.0)
+
+
+# -- the vehicle ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("vehicle", "collisions"), [("quad_35cm", 0), ("{radius_m: 1.2}", 1)])
+def test_a_wider_vehicle_touches_what_its_mission_passes(vehicle: str, collisions: int) -> None:
+    occupied = np.zeros((200, 200), dtype=np.bool_)
+    occupied[120:122, :] = True  # 2 m to the north
+    grid = OccupancyGrid(occupied, 0.1, (-10.0, -10.0))
+    wire = fly(f"vehicle: {vehicle}\n", grid)
+    wire.fly_offboard(0.0, 0.0, -2.0)
+    wire.run(5.0, send=lambda: wire.setpoint(1.0, 0.0, -2.0))
+    assert wire.simulation.collisions == collisions
+
+
+def test_the_vehicle_sets_defaults_of_the_autopilot() -> None:
+    vehicle = "vehicle: {speed_mps: 1, climb_mps: 0.4, max_acceleration_mps2: 2}\n"
+    wire = fly(f"{vehicle}parameters: {{MPC_Z_VEL_MAX_UP: 0.6}}\n")
+    parameters = wire.simulation._autopilot.parameters
+    names = ("MPC_XY_VEL_MAX", "MPC_Z_VEL_MAX_UP", "MPC_Z_VEL_MAX_DN", "MPC_ACC_HOR_MAX")
+    assert [parameters[name] for name in names] == [1.0, 0.6, 1.5, 2.0]
+    wire.fly_offboard(0.0, 0.0, -2.0)
+    speeds, climbs = [], []
+    for _ in range(100):
+        wire.run(0.1, send=lambda: wire.setpoint(20.0, 0.0, -8.0))
+        north_mps, _, down_mps = wire.simulation.flight.velocity
+        speeds.append(north_mps)
+        climbs.append(-down_mps)
+    assert 0.95 < max(speeds) < 1.1
+    assert 0.55 < max(climbs) < 0.7
+
+
+def test_the_default_vehicle_has_the_defaults_of_px4() -> None:
+    assert {name: PARAMETERS[name][1] for name in vehicle_defaults(VehicleProfile())} == (
+        vehicle_defaults(VehicleProfile())
+    )
 
 
 # -- battery and pads ------------------------------------------------------------------------------
@@ -82,7 +121,7 @@ def test_a_step_of_charge_calls_the_failsafe_and_a_full_battery_gives_the_vehicl
     assert wire.simulation.mode == "AUTO.LAND"
     wire.run(1.5)
     assert wire.simulation.mode == "AUTO.LAND"
-    assert wire.set_mode("AUTO.LOITER") == [Result.ACCEPTED] * 2
+    assert wire.set_mode("AUTO.LOITER") == [MavResult.ACCEPTED] * 2
     wire.run(8.0)
     assert wire.simulation.mode == "AUTO.LOITER"
     assert wire.simulation.is_armed
@@ -93,10 +132,10 @@ def test_no_current_is_sent_as_unknown() -> None:
     wire = fly("")
     for current_a in (-0.014, -0.01, -0.006):
         wire.simulation._vehicle.state = wire.simulation.flight._replace(current_a=current_a)
-        link = wire.simulation._component._links[wire.link]
+        link = wire.simulation._autopilot_component._links[wire.link]
         for number in (dialect.MAVLINK_MSG_ID_BATTERY_STATUS, dialect.MAVLINK_MSG_ID_SYS_STATUS):
             assert link.request_message(number)
-        assert [message.current_battery for message in link.later[-2:]] == [0, 0]
+        assert [message.current_battery for message in link.next_step[-2:]] == [0, 0]
 
 
 # -- GPS, arming, wind -----------------------------------------------------------------------------
@@ -125,10 +164,10 @@ def test_arming_is_refused_with_its_reason_until_it_is_allowed() -> None:
     events = "  - {at_s: 1, arming: {refused: no blades}}\n  - {at_s: 3, arming: {allowed: true}}\n"
     wire = fly("happens:\n" + events)
     wire.run(2.0)
-    assert wire.arm() == [Result.TEMPORARILY_REJECTED]
+    assert wire.arm() == [MavResult.TEMPORARILY_REJECTED]
     assert wire.texts()[-1] == "Arming denied: no blades"
     wire.run(2.0)
-    assert wire.arm() == [Result.ACCEPTED]
+    assert wire.arm() == [MavResult.ACCEPTED]
 
 
 def test_wind_from_a_command_on_leans_the_vehicle() -> None:
@@ -149,12 +188,12 @@ def test_an_obstacle_that_appears_around_the_vehicle_breaks_it_and_is_told() -> 
     wire = fly(crate + "happens:\n  - {at_s: 9, obstacle: {name: crate, present: true}}\n", grid)
     take_off(wire, 2.0)
     wire.run(10.0 - wire.now_s)
-    assert [text for _, text in wire.simulation.happened] == [
+    assert [text for _, text in wire.simulation.event_log] == [
         "obstacle: name crate, present True",
         "Collision with a wall",
     ]
     assert not wire.simulation.is_armed
-    assert wire.arm() == [Result.TEMPORARILY_REJECTED]
+    assert wire.arm() == [MavResult.TEMPORARILY_REJECTED]
 
 
 # -- obstacles and files ---------------------------------------------------------------------------

@@ -15,7 +15,12 @@ from companion.vehicle.gate import SPEED_TOLERANCE, Envelope, Verdict, admit
 from companion.vehicle.port import Mode, Setpoint, VehicleState, hold_at
 
 ENVELOPE = Envelope(
-    fence=((0.0, 0.0), (0.0, 10.0), (10.0, 10.0), (10.0, 0.0)), up_m=(0.5, 4.0), speed_mps=2.0
+    fence=((0.0, 0.0), (0.0, 10.0), (10.0, 10.0), (10.0, 0.0)),
+    up_m=(0.5, 4.0),
+    speed_mps=2.0,
+    climb_mps=1.5,
+    descent_mps=1.0,
+    carrot_m=1.5,
 )
 NOW_S = 100.0
 STATE = VehicleState(
@@ -145,6 +150,20 @@ def test_more_than_the_speed_limit_holds(velocity: tuple[float, float, float]) -
     assert verdict(replace(GOOD, velocity=velocity)) == held("2.1 m/s is too fast")
 
 
+@pytest.mark.parametrize(
+    ("down_mps", "refusal"),
+    [
+        (-1.5, ""),
+        (-1.6, "1.6 m/s up is too fast"),
+        (1.0, ""),
+        (1.1, "1.1 m/s down is too fast"),
+    ],
+)
+def test_climbs_and_descents_have_limits_of_their_own(down_mps: float, refusal: str) -> None:
+    setpoint = replace(GOOD, velocity=(0.1, 0.0, down_mps))
+    assert verdict(setpoint) == (held(refusal) if refusal else Verdict(setpoint))
+
+
 def test_rounding_at_the_limit_does_not_stop_the_vehicle() -> None:
     velocity = (ENVELOPE.speed_mps * (SPEED_TOLERANCE + 1) / 2, 0.0, 0.0)
     assert verdict(replace(GOOD, velocity=velocity)).refusal == ""
@@ -202,6 +221,8 @@ def test_what_comes_out_is_within_all_limits_or_exactly_the_hold(
     assert ENVELOPE.up_m[0] <= -sent.position[2] <= ENVELOPE.up_m[1]
     assert distance(sent.position, state.position) <= ENVELOPE.carrot_m
     assert math.hypot(*sent.velocity) <= ENVELOPE.speed_mps * SPEED_TOLERANCE
+    assert -sent.velocity[2] <= ENVELOPE.climb_mps * SPEED_TOLERANCE
+    assert sent.velocity[2] <= ENVELOPE.descent_mps * SPEED_TOLERANCE
 
 
 @given(setpoint=SETPOINTS, state=STATES)

@@ -89,7 +89,7 @@ def test_no_answer_at_all_fails_after_silence(meeting: Meeting) -> None:
 def test_a_denial_is_final_and_says_what_the_autopilot_said(meeting: Meeting) -> None:
     meeting.autopilot.results[ARM] = [dialect.MAV_RESULT_DENIED]
     text = dialect.MAVLink_statustext_message(2, b"Arming denied: check level")
-    meeting.tick(meeting.autopilot.endpoint.pack(text))
+    meeting.tick(meeting.autopilot.codec.pack(text))
     outcome = meeting.pursue(Goal.ARMED)
     assert outcome.progress is Progress.FAILED
     assert outcome.reason == "not armed: denied (autopilot: Arming denied: check level)"
@@ -177,18 +177,96 @@ def test_the_pilot_wins_while_a_goal_is_pursued(meeting: Meeting, goal: Goal) ->
     assert meeting.vehicle.lost_authority == "the pilot has control, in ALTCTL"
 
 
-def test_on_the_ground_and_disarmed_any_mode_is_welcome(meeting: Meeting) -> None:
+@pytest.mark.parametrize("mode", ["AUTO.LOITER", "OFFBOARD", "POSCTL"])
+def test_a_vehicle_that_has_landed_falls_back_to_a_mode_of_its_own(
+    meeting: Meeting, mode: str
+) -> None:
+    """To the one chosen last that it may be armed in: ours, or that in which it stood at first."""
+    meeting.autopilot.mode = "POSCTL"
     in_offboard(meeting)
     meeting.pursue(Goal.LANDED)
+    meeting.autopilot.mode = mode
+    meeting.tick()
+    assert meeting.vehicle.lost_authority == ""
+
+
+def test_a_pilot_on_the_dock_is_not_overruled(meeting: Meeting) -> None:
+    in_offboard(meeting)
+    meeting.pursue(Goal.LANDED)
+    meeting.autopilot.mode = "MANUAL"
+    sent = meeting.run(3.0, act=lambda: meeting.vehicle.pursue(Goal.ARMED))
+    assert meeting.vehicle.lost_authority == "the pilot has control, in MANUAL"
+    assert of_type(sent, "COMMAND_LONG") == []
+
+
+@pytest.mark.parametrize("mode", ["POSCTL", "MANUAL", "ALTCTL", "STABILIZED"])
+def test_the_pilot_wins_while_the_vehicle_is_armed(meeting: Meeting, mode: str) -> None:
+    """From the first command on: three refusals to arm, and then the pilot takes the sticks."""
+    meeting.autopilot.results[ARM] = [dialect.MAV_RESULT_TEMPORARILY_REJECTED] * 3 + [ACCEPTED]
+    meeting.run(2.5, act=lambda: meeting.vehicle.pursue(Goal.ARMED))
+    meeting.autopilot.mode = mode
+    sent = meeting.run(30.0, act=lambda: meeting.vehicle.pursue(Goal.ARMED))
+    assert of_type(sent, "COMMAND_LONG") == []
+    assert meeting.vehicle.lost_authority.startswith("the pilot has control, in ")
+    assert not meeting.autopilot.is_armed
+
+
+def test_before_the_first_goal_any_mode_is_welcome(meeting: Meeting) -> None:
     for mode in ("MANUAL", "POSCTL", "AUTO.LOITER"):
         meeting.autopilot.mode = mode
         meeting.tick()
     assert meeting.vehicle.lost_authority == ""
+    assert meeting.pursue(Goal.ARMED).progress is Progress.DONE
+
+
+def test_a_vehicle_that_was_disarmed_is_not_asked_to_take_off(meeting: Meeting) -> None:
+    meeting.pursue(Goal.ARMED)
+    meeting.autopilot.is_armed = False
+    meeting.tick()
+    sent = meeting.run(5.0, act=lambda: meeting.vehicle.pursue(Goal.AIRBORNE))
+    assert of_type(sent, "COMMAND_LONG") == []
+    outcome = meeting.vehicle.pursue(Goal.AIRBORNE)
+    assert (outcome.progress, outcome.reason) == (Progress.FAILED, "not airborne: disarmed")
+
+
+# -- a mode that was heard too long ago ------------------------------------------------------------
+
+
+def test_a_stale_mode_is_not_the_hold_after_the_take_off(meeting: Meeting) -> None:
+    """Heartbeats are lost while it climbs: the hold heard last is that of the ground."""
+    meeting.pursue(Goal.ARMED)
+    meeting.autopilot.is_idle = True
+    meeting.autopilot.unsent = {"HEARTBEAT"}
+    meeting.run(1.0, act=lambda: meeting.vehicle.pursue(Goal.AIRBORNE))
+    meeting.autopilot.mode, meeting.autopilot.is_landed = "AUTO.TAKEOFF", False
+    for _ in range(60):
+        meeting.tick(act=lambda: meeting.vehicle.pursue(Goal.AIRBORNE))
+        assert meeting.vehicle.pursue(Goal.AIRBORNE).progress is Progress.RUNNING
+    meeting.autopilot.unsent = set()
+    meeting.run(1.0, act=lambda: meeting.vehicle.pursue(Goal.AIRBORNE))
+    assert meeting.vehicle.lost_authority == ""
+    assert meeting.vehicle.pursue(Goal.AIRBORNE).progress is Progress.RUNNING
+    meeting.autopilot.mode = "AUTO.LOITER"
+    assert meeting.pursue(Goal.AIRBORNE).progress is Progress.DONE
+
+
+def test_no_mode_is_asked_for_while_the_mode_is_not_known(meeting: Meeting) -> None:
+    """A pilot may have taken over in the meantime."""
+    in_offboard(meeting)
+    meeting.autopilot.unsent = {"HEARTBEAT"}
+    meeting.run(2.0)
+    meeting.autopilot.mode = "POSCTL"
+    sent = meeting.run(2.0, act=lambda: meeting.vehicle.pursue(Goal.HOLDING))
+    assert of_type(sent, "COMMAND_LONG") == []
+    meeting.autopilot.unsent = set()
+    meeting.tick()
+    assert meeting.vehicle.lost_authority == "the pilot has control, in POSCTL"
 
 
 def test_a_mode_on_the_way_is_not_a_take_over(meeting: Meeting) -> None:
     meeting.pursue(Goal.ARMED)
     meeting.autopilot.is_idle = True
+    meeting.tick(act=lambda: meeting.vehicle.pursue(Goal.AIRBORNE))
     for mode in ("AUTO.TAKEOFF", "AUTO.LOITER"):
         meeting.autopilot.mode = mode
         meeting.tick(act=lambda: meeting.vehicle.pursue(Goal.AIRBORNE))

@@ -10,11 +10,11 @@ import pytest
 from autopilot import Autopilot
 
 from companion.errors import LinkError
-from companion.mavlink.framing import Endpoint as Speaker
+from companion.mavlink.framing import MavlinkCodec as Speaker
 from companion.mavlink.framing import dialect
-from companion.vehicle.link import Endpoint, ScaledClock, UdpLink, parse_url
+from companion.vehicle.link import Endpoint, UdpLink, parse_url
 
-PATIENCE_S = 2.0  # for datagrams on the loopback; they take microseconds
+PATIENCE_S = 60.0  # for datagrams on the loopback; they take microseconds
 
 
 def heartbeat(component: int = 1) -> bytes:
@@ -128,7 +128,9 @@ def deliver(peer: Peer, made: UdpLink, *datagrams: bytes) -> list[bytes]:
     return received
 
 
-def test_a_listener_answers_whoever_sends_autopilot_frames(peer: Peer, listener: UdpLink) -> None:
+def test_a_listener_answers_the_autopilot_that_sends_heartbeats(
+    peer: Peer, listener: UdpLink
+) -> None:
     assert deliver(peer, listener, heartbeat()) == [heartbeat()]
     listener.send([b"one", b"two"])
     assert [peer.socket.recv(100) for _ in range(2)] == [b"one", b"two"]
@@ -196,24 +198,6 @@ def test_the_account_of_what_was_heard(peer: Peer, listener: UdpLink) -> None:
     assert listener.account() == (
         "3 packets came from 127.0.0.1, 2 of them MAVLink 2; no autopilot was heard"
     )
-
-
-# -- clock -----------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("speed", [0.5, 1.0, 20.0])
-def test_a_scaled_clock(speed: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    wall_s = 1000.0
-    slept_s: list[float] = []
-    monkeypatch.setattr("companion.vehicle.link.time.monotonic", lambda: wall_s)
-    monkeypatch.setattr("companion.vehicle.link.time.sleep", slept_s.append)
-    clock = ScaledClock(speed)
-    assert clock.now_s() == 0.0
-    wall_s = 1002.0
-    assert clock.now_s() == 2.0 * speed
-    clock.sleep_until(3.0 * speed)
-    clock.sleep_until(1.0 * speed)
-    assert slept_s == pytest.approx([1.0, 0.0])
 
 
 def test_a_second_vehicle_does_not_divert_the_answers(listener: UdpLink) -> None:

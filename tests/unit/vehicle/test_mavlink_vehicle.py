@@ -24,11 +24,13 @@ from autopilot import (
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from companion.mavlink.framing import Endpoint, dialect
+from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mission.model import Signal
 from companion.vehicle.port import Goal, Mode, Progress, Setpoint, hold_at
 
 RETURN = dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH
+USER_1 = dialect.MAV_CMD_USER_1
+DISARM = dialect.MAV_CMD_COMPONENT_ARM_DISARM
 SETPOINT = "SET_POSITION_TARGET_LOCAL_NED"
 AHEAD = Setpoint((0.5, 0.2, -2.0), (1.0, 0.5, 0.1), (0.3, 0.2, 0.1), 0.4)
 
@@ -45,7 +47,7 @@ def test_other_systems_are_ignored(meeting: Meeting) -> None:
     state = meeting.vehicle.state
     other = Autopilot(system=2)
     other.mode, other.is_armed, other.position = "POSCTL", True, [5.0, 5.0, -1.0]
-    meeting.tick(*other.telemetry(), other.endpoint.pack(named("target", 1)))
+    meeting.tick(*other.telemetry(), other.codec.pack(named("target", 1)))
     assert meeting.vehicle.lost_authority == ""
     assert meeting.readings == [(CHARGE, 80.0)]
     assert state is not None and meeting.vehicle.state is not None
@@ -111,6 +113,15 @@ def test_setpoints_pass_the_gate(meeting: Meeting) -> None:
     assert meeting.vehicle.refusal == ""
 
 
+def test_the_gate_follows_the_speed_limit_in_force(meeting: Meeting) -> None:
+    in_offboard(meeting)
+    for limit_mps, refusal in ((1.0, "1.1 m/s is too fast"), (1.2, "")):
+        meeting.vehicle.set_speed_limit(limit_mps)
+        meeting.vehicle.fly(AHEAD)
+        meeting.tick()
+        assert meeting.vehicle.refusal == refusal
+
+
 def test_no_setpoint_leaves_in_another_mode_than_ours(meeting: Meeting) -> None:
     meeting.pursue(Goal.ARMED)
     meeting.pursue(Goal.AIRBORNE)
@@ -153,7 +164,9 @@ def test_a_position_that_is_not_a_number_is_no_position(meeting: Meeting, number
     for _ in range(12):
         meeting.autopilot.position = [number, 0.0, -2.0]
         sent = of_type(meeting.tick(), SETPOINT)
-    assert known is not None and meeting.vehicle.state == known
+    state = meeting.vehicle.state
+    assert known is not None and state is not None
+    assert (state.position, state.yaw_rad) == (known.position, known.yaw_rad)
     assert [m.vx for m in sent] == [0.0]  # old by now, so it holds
 
 
@@ -162,16 +175,16 @@ def test_a_position_that_is_not_a_number_is_no_position(meeting: Meeting, number
 
 def payload(answer: int, target: tuple[int, int] = (1, 191)) -> bytes:
     """An answer of the payload to our command."""
-    message = dialect.MAVLink_command_ack_message(RETURN, answer, 0, 0, *target)
-    return Endpoint(1, 25).pack(message)
+    message = dialect.MAVLink_command_ack_message(USER_1, answer, 0, 0, *target)
+    return MavlinkCodec(1, 25).pack(message)
 
 
 @pytest.mark.parametrize("target", [(1, 191), (0, 0)])  # to us, or by a sender that names nobody
 def test_a_command_to_a_component_and_its_answer(meeting: Meeting, target: tuple[int, int]) -> None:
     meeting.tick()
-    ticket = meeting.vehicle.send_command(25, RETURN, (1.5, -2.0))
+    ticket = meeting.vehicle.send_command(25, USER_1, (1.5, -2.0))
     (sent,) = of_type(meeting.tick(), "COMMAND_LONG")
-    assert (sent.target_system, sent.target_component, sent.command) == (1, 25, RETURN)
+    assert (sent.target_system, sent.target_component, sent.command) == (1, 25, USER_1)
     assert [sent.param1, sent.param2, sent.param3, sent.param7] == [1.5, -2.0, 0.0, 0.0]
     assert meeting.vehicle.command_outcome(ticket).progress is Progress.RUNNING
     meeting.tick(payload(ACCEPTED, target))
@@ -180,7 +193,7 @@ def test_a_command_to_a_component_and_its_answer(meeting: Meeting, target: tuple
 
 def test_a_refusal_is_handed_on_in_words(meeting: Meeting) -> None:
     meeting.tick()
-    ticket = meeting.vehicle.send_command(25, RETURN, ())
+    ticket = meeting.vehicle.send_command(25, USER_1, ())
     meeting.tick(payload(dialect.MAV_RESULT_TEMPORARILY_REJECTED))
     assert meeting.vehicle.command_outcome(ticket).progress is Progress.RUNNING
     meeting.tick(payload(dialect.MAV_RESULT_UNSUPPORTED))
@@ -190,17 +203,27 @@ def test_a_refusal_is_handed_on_in_words(meeting: Meeting) -> None:
 
 def test_an_answer_to_somebody_else_is_not_ours(meeting: Meeting) -> None:
     meeting.tick()
-    ticket = meeting.vehicle.send_command(25, RETURN, ())
-    theirs = dialect.MAVLink_command_ack_message(RETURN, ACCEPTED, 0, 0, 255, 190)
-    meeting.tick(Endpoint(1, 25).pack(theirs))
-    meeting.tick(Endpoint(2, 25).pack(theirs))
+    ticket = meeting.vehicle.send_command(25, USER_1, ())
+    theirs = dialect.MAVLink_command_ack_message(USER_1, ACCEPTED, 0, 0, 255, 190)
+    meeting.tick(MavlinkCodec(1, 25).pack(theirs))
+    meeting.tick(MavlinkCodec(2, 25).pack(theirs))
     assert meeting.vehicle.command_outcome(ticket).progress is Progress.RUNNING
 
 
 def test_a_forgotten_command_is_not_sent_again(meeting: Meeting) -> None:
     meeting.tick()
-    meeting.vehicle.forget_command(meeting.vehicle.send_command(25, RETURN, ()))
+    meeting.vehicle.forget_command(meeting.vehicle.send_command(25, USER_1, ()))
     assert of_type(meeting.run(3.0), "COMMAND_LONG") == []
+
+
+@pytest.mark.parametrize("component", [0, 1, 25])
+def test_a_command_that_moves_the_vehicle_never_leaves(component: int, meeting: Meeting) -> None:
+    meeting.tick()
+    ticket = meeting.vehicle.send_command(component, DISARM, (0.0, 21196.0))
+    assert of_type(meeting.run(1.0), "COMMAND_LONG") == []
+    outcome = meeting.vehicle.command_outcome(ticket)
+    assert outcome.progress is Progress.FAILED
+    assert outcome.reason.startswith("not sent: ")
 
 
 # -- readings --------------------------------------------------------------------------------------
@@ -209,7 +232,7 @@ def test_a_forgotten_command_is_not_sent_again(meeting: Meeting) -> None:
 def test_signals_come_in_their_order_and_instances_apart(meeting: Meeting) -> None:
     meeting.is_quiet = True
     meeting.tick(*meeting.autopilot.telemetry())
-    detector = Endpoint(1, 26)
+    detector = MavlinkCodec(1, 26)
     texts = [named("target", 3), named("other", 9), battery(42), named("target", 0)]
     meeting.tick(*(detector.pack(m) for m in texts))
     assert meeting.readings == [(TARGET, 3.0), (CHARGE, 42.0), (TARGET, 0.0)]
@@ -231,7 +254,7 @@ def test_an_unknown_charge_of_the_system_is_no_number_either() -> None:
     meeting.tick()
     for percent in (-1, 55):
         status = dialect.MAVLink_sys_status_message(0, 0, 0, 0, 0, 0, percent, *[0] * 6)
-        meeting.tick(meeting.autopilot.endpoint.pack(status))
+        meeting.tick(meeting.autopilot.codec.pack(status))
         assert meeting.readings == ([] if percent < 0 else [(charge, 55.0)])
 
 
@@ -241,7 +264,7 @@ def test_a_number_that_is_not_finite_is_not_handed_on() -> None:
     meeting.tick()
     for value in (math.nan, math.inf, 2.5):
         message = dialect.MAVLink_named_value_float_message(0, b"height", value)
-        meeting.tick(Endpoint(1, 26).pack(message))
+        meeting.tick(MavlinkCodec(1, 26).pack(message))
     assert meeting.readings == [(height, 2.5)]
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from companion.mavlink.framing import Endpoint, dialect
+from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mavlink.parameters import INT32, REAL32, encode
 from companion.vehicle.parameters import ASK_AGAIN_S, ParameterReader
 
@@ -17,7 +17,7 @@ AUTOPILOT = (1, 1)
 def answer(name: str, value: float, kind: int) -> Any:
     """A PARAM_VALUE after its way over the wire."""
     message = dialect.MAVLink_param_value_message(name.encode(), encode(value, kind), kind, 1, 0)
-    return Endpoint(0, 0).parse(Endpoint(*AUTOPILOT).pack(message))[0]
+    return MavlinkCodec(0, 0).parse(MavlinkCodec(*AUTOPILOT).pack(message))[0]
 
 
 def test_it_asks_by_name_until_it_is_answered() -> None:
@@ -58,5 +58,5 @@ def test_a_type_that_px4_does_not_use_is_no_answer() -> None:
     reader = ParameterReader()
     reader.read("COM_OF_LOSS_T")
     message = dialect.MAVLink_param_value_message(b"COM_OF_LOSS_T", math.nan, 10, 1, 0)
-    reader.take(Endpoint(0, 0).parse(Endpoint(*AUTOPILOT).pack(message))[0])
+    reader.take(MavlinkCodec(0, 0).parse(MavlinkCodec(*AUTOPILOT).pack(message))[0])
     assert reader.read("COM_OF_LOSS_T") is None

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from autopilot import ENVELOPE, Meeting, in_offboard
 
-from companion.mavlink.framing import Endpoint, dialect
+from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.motion.sensed_map import RangeScan
 
-SCANNER = Endpoint(1, 196)
+SCANNER = MavlinkCodec(1, 196)
 BODY, NORTH, UNKNOWN = dialect.MAV_FRAME_BODY_FRD, dialect.MAV_FRAME_GLOBAL, 65535
 
 
@@ -88,7 +88,7 @@ def test_what_is_not_understood_is_no_scan(datagram: bytes, meeting: Meeting) ->
 def test_only_the_scanner_of_the_vehicle_is_listened_to(meeting: Meeting) -> None:
     meeting.tick()
     body = dialect.MAVLink_obstacle_distance_message(0, 0, [100] * 72, 5, 5, 1200, 5.0, 0.0, BODY)
-    for stranger in (Endpoint(2, 196), Endpoint(1, 25), Endpoint(1, 1)):
+    for stranger in (MavlinkCodec(2, 196), MavlinkCodec(1, 25), MavlinkCodec(1, 1)):
         meeting.tick(stranger.pack(body))
         assert meeting.vehicle.scans == []
 
@@ -100,13 +100,13 @@ def test_no_scan_is_placed_before_the_place_is_known() -> None:
     assert meeting.vehicle.scans == []
 
 
-def at(time_s: float, north_m: float, yaw_rad: float, endpoint: Endpoint) -> list[bytes]:
+def at(time_s: float, north_m: float, yaw_rad: float, codec: MavlinkCodec) -> list[bytes]:
     boot_ms = round(1000 * time_s)
     messages = (
         dialect.MAVLink_attitude_message(boot_ms, 0, 0, yaw_rad, 0, 0, 0),
         dialect.MAVLink_local_position_ned_message(boot_ms, north_m, 0, -2, 2, 0, 0),
     )
-    return [endpoint.pack(message) for message in messages]
+    return [codec.pack(message) for message in messages]
 
 
 @pytest.mark.parametrize("measured_s", [10.0, 10.02, 10.05, 10.08])
@@ -116,11 +116,11 @@ def test_position_and_heading_are_those_of_the_time_of_the_scan(
     """2 m/s, and a turn of 1 rad/s through south, where headings change their sign."""
     meeting.tick()
     meeting.is_quiet = True
-    meeting.tick(*at(10.0, 4.0, math.pi - 0.02, meeting.autopilot.endpoint))
+    meeting.tick(*at(10.0, 4.0, math.pi - 0.02, meeting.autopilot.codec))
     scan = heard(
         meeting,
         obstacle_distance([100] * 72, time_s=measured_s),
-        *at(10.05, 4.1, -math.pi + 0.03, meeting.autopilot.endpoint),
+        *at(10.05, 4.1, -math.pi + 0.03, meeting.autopilot.codec),
     )
     passed_s = measured_s - 10.0
     assert scan.position[0] == pytest.approx(4.0 + 2 * passed_s, abs=1e-5)
@@ -131,8 +131,8 @@ def test_position_and_heading_are_those_of_the_time_of_the_scan(
 def test_a_scanner_with_a_clock_of_its_own_measured_at_the_last_position(meeting: Meeting) -> None:
     meeting.tick()
     meeting.is_quiet = True
-    meeting.tick(*at(10.0, 4.0, 0.1, meeting.autopilot.endpoint))
-    last = at(10.05, 4.1, 0.2, meeting.autopilot.endpoint)
+    meeting.tick(*at(10.0, 4.0, 0.1, meeting.autopilot.codec))
+    last = at(10.05, 4.1, 0.2, meeting.autopilot.codec)
     scan = heard(meeting, *last, obstacle_distance([100] * 72, time_s=1.7e9))
     assert scan.position[0] == pytest.approx(4.1) and scan.first_rad == pytest.approx(0.2)
 
@@ -140,7 +140,7 @@ def test_a_scanner_with_a_clock_of_its_own_measured_at_the_last_position(meeting
 def test_a_scan_that_has_overtaken_its_positions_waits_for_them(meeting: Meeting) -> None:
     meeting.tick()
     meeting.is_quiet = True
-    autopilot = meeting.autopilot.endpoint
+    autopilot = meeting.autopilot.codec
     meeting.tick(*at(10.0, 4.0, 0.1, autopilot), obstacle_distance([100] * 72, time_s=10.2))
     assert meeting.vehicle.scans == []
     meeting.tick(*at(10.1, 4.2, 0.2, autopilot))
@@ -153,6 +153,6 @@ def test_an_old_scan_is_placed_where_the_vehicle_was(meeting: Meeting) -> None:
     meeting.tick()
     meeting.is_quiet = True
     for time_s, north_m, yaw_rad in ((10.0, 4.0, 0.0), (10.1, 4.2, 0.0), (10.2, 4.3, 0.3)):
-        meeting.tick(*at(time_s, north_m, yaw_rad, meeting.autopilot.endpoint))
+        meeting.tick(*at(time_s, north_m, yaw_rad, meeting.autopilot.codec))
     scan = heard(meeting, obstacle_distance([100] * 72, time_s=10.05))
     assert scan.position[0] == pytest.approx(4.1) and scan.first_rad == pytest.approx(0.0)

@@ -7,11 +7,11 @@ import math
 import pytest
 from autopilot import Autopilot, battery
 
-from companion.mavlink.framing import Endpoint, dialect
+from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.vehicle.port import Mode
 from companion.vehicle.telemetry import MAX_TEXTS, Telemetry
 
-EAR = Endpoint(0, 0)
+EAR = MavlinkCodec(0, 0)
 
 
 def take(telemetry: Telemetry, datagrams: list[bytes], now_s: float = 0.0) -> None:
@@ -28,7 +28,7 @@ def heard(autopilot: Autopilot, now_s: float = 0.0) -> Telemetry:
 
 def say(telemetry: Telemetry, message: object, now_s: float = 1.0) -> None:
     """One more message, after a pause."""
-    take(telemetry, [Endpoint(1, 1).pack(message)], now_s)
+    take(telemetry, [MavlinkCodec(1, 1).pack(message)], now_s)
 
 
 @pytest.mark.parametrize("missing", range(5))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from autopilot import Autopilot, battery, named
 
-from companion.mavlink.framing import Endpoint, dialect
+from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.vehicle.telemetry import TELEMETRY
 from companion.vehicle.wire import Wire
 
@@ -20,7 +20,7 @@ def wire_of(*wanted: str, continual: frozenset[str] = frozenset()) -> Wire:
 
 def test_nothing_leaves_and_nothing_is_handed_out_before_an_autopilot_was_heard() -> None:
     wire = wire_of("NAMED_VALUE_INT")
-    assert wire.parse([Endpoint(1, 26).pack(named("target", 1))]) == []
+    assert wire.parse([MavlinkCodec(1, 26).pack(named("target", 1))]) == []
     assert wire.pack([HEARTBEAT]) == []
     assert wire.system == 0
 
@@ -48,7 +48,7 @@ def test_the_first_autopilot_stays_the_one() -> None:
 def test_only_an_autopilot_is_learned_from(component: int, autopilot: int) -> None:
     wire = wire_of()
     heartbeat = dialect.MAVLink_heartbeat_message(6, autopilot, 0, 0, 4, 3)
-    wire.parse([Endpoint(9, component).pack(heartbeat)])
+    wire.parse([MavlinkCodec(9, component).pack(heartbeat)])
     assert wire.pack([HEARTBEAT]) == []
 
 
@@ -63,9 +63,9 @@ def test_only_what_is_asked_for_is_decoded_and_only_the_newest_of_what_is_contin
     wire = wire_of(continual=frozenset({"BATTERY_STATUS"}))
     autopilot = Autopilot()
     wire.parse(autopilot.telemetry())
-    packed = [autopilot.endpoint.pack(m) for m in (battery(5), named("x", 1), battery(6))]
+    packed = [autopilot.codec.pack(m) for m in (battery(5), named("x", 1), battery(6))]
     (heard,) = wire.parse(packed)
     assert heard.battery_remaining == 6
     wire.listen(frozenset({"NAMED_VALUE_INT"}), frozenset())
-    packed = [autopilot.endpoint.pack(m) for m in (battery(5), named("x", 1), battery(6))]
+    packed = [autopilot.codec.pack(m) for m in (battery(5), named("x", 1), battery(6))]
     assert [m.get_type() for m in wire.parse(packed)] == ["NAMED_VALUE_INT"]

@@ -1,0 +1,103 @@
+"""The leaves that leave the air: landing, charging, taking off again.
+
+While the vehicle is on the ground by its own plan (`PlanProgress.is_landed_by_plan`), nothing
+interrupts the plan, and to be disarmed is no loss of control. A vehicle whose plan fails there
+takes off again before the next plan begins (`sortie.py`).
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+
+from py_trees.common import Status
+
+from companion.acting.behaviour_tree.leaf import Leaf
+from companion.acting.flight import Flight
+from companion.flight_events.event import FlightEvent
+from companion.flight_events.sortie import BatteryCharged, VehicleAirborne, VehicleLanded
+from companion.vehicle.port import Goal, Progress
+
+NO_CHARGE_S = 120.0
+"""Time without one more percent after which a charger is given up."""
+
+
+class ReachGoals(Leaf):
+    """Works towards goals of the vehicle, one after the other."""
+
+    goals: tuple[Goal, ...] = ()
+
+    def __init__(self, flight: Flight, name: str) -> None:
+        super().__init__(flight, name)
+
+    def initialise(self) -> None:
+        """Begins with the first goal."""
+        self._left = list(self.goals)
+        self._flight.progress.is_landed_by_plan = True
+
+    def update(self) -> Status:
+        """SUCCESS when the last goal is reached."""
+        flight = self._flight
+        if self._left[0] is Goal.OFFBOARD:
+            flight.hold()
+        outcome = flight.vehicle.pursue(self._left[0])
+        if outcome.progress is Progress.FAILED:
+            return self.fail(outcome.reason)
+        if outcome.progress is Progress.DONE:
+            self._left.pop(0)
+        if self._left:
+            return Status.RUNNING
+        flight.report(self.reached())
+        return Status.SUCCESS
+
+    @abstractmethod
+    def reached(self) -> FlightEvent:
+        """Takes over what the last goal means for the flight; returns what has happened."""
+
+
+class LandVehicle(ReachGoals):
+    """Lands where the vehicle is, and disarms."""
+
+    goals = (Goal.LANDED,)
+
+    def reached(self) -> FlightEvent:
+        """The last setpoint is outdated: the vehicle will hold where it takes off."""
+        self._flight.forget_setpoint()
+        return VehicleLanded()
+
+
+class TakeOffVehicle(ReachGoals):
+    """Arms, climbs, and takes the vehicle over in OFFBOARD."""
+
+    goals = (Goal.ARMED, Goal.AIRBORNE, Goal.OFFBOARD)
+
+    def reached(self) -> FlightEvent:
+        """The plan may be interrupted again."""
+        self._flight.progress.is_landed_by_plan = False
+        return VehicleAirborne()
+
+
+class ChargeBattery(Leaf):
+    """Waits until the battery has so much."""
+
+    def __init__(self, flight: Flight, percent: float) -> None:
+        super().__init__(flight, f"charge {percent:g} %")
+        self._percent = percent
+
+    def initialise(self) -> None:
+        """Starts to watch."""
+        self._most = -1
+        self._since_s = self._flight.now_s
+
+    def update(self) -> Status:
+        """SUCCESS at the percentage; FAILURE if it does not rise any longer."""
+        flight, state = self._flight, self._flight.vehicle.state
+        percent = state.battery_percent if state else None
+        if percent is not None and percent >= self._percent:
+            flight.report(BatteryCharged(percent))
+            return Status.SUCCESS
+        if percent is not None and percent > self._most:
+            self._most, self._since_s = percent, flight.now_s
+        if flight.now_s - self._since_s > NO_CHARGE_S:
+            known = "unknown" if percent is None else f"{percent} %"
+            return self.fail(f"the battery does not charge, it is at {known}")
+        return Status.RUNNING

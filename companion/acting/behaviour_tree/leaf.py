@@ -1,0 +1,45 @@
+"""The root of all leaves of the tree, and the reason why a tree has failed.
+
+A leaf that fails says why in its `feedback_message`, as is usual with py_trees. Nothing else
+carries a reason upwards: who wants to know why a node has failed asks `failure_of`.
+"""
+
+from __future__ import annotations
+
+from py_trees.behaviour import Behaviour
+from py_trees.common import Status
+from py_trees.decorators import Inverter
+
+from companion.acting.behaviour_tree.deadline import Deadline
+from companion.acting.flight import Flight
+
+
+class Leaf(Behaviour):
+    """A behaviour without children.
+
+    Args:
+        flight: what it acts on.
+        name: what it is called on the monitor page.
+    """
+
+    def __init__(self, flight: Flight, name: str) -> None:
+        super().__init__(name)
+        self._flight = flight
+
+    def fail(self, reason: str) -> Status:
+        """Returns FAILURE, with the reason for people."""
+        self.feedback_message = reason
+        return Status.FAILURE
+
+
+def failure_of(node: Behaviour) -> str:
+    """Returns why a node has failed: what the last of its leaves says that did; "" if none does."""
+    if node.status is not Status.FAILURE:
+        return ""
+    if not node.children:
+        return node.feedback_message
+    if isinstance(node, Inverter):
+        return node.decorated.feedback_message
+    failures = [failure_of(child) for child in reversed(node.children)]
+    own = node.feedback_message if isinstance(node, Deadline) else ""
+    return next(filter(None, failures), own)

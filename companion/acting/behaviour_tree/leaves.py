@@ -1,0 +1,207 @@
+"""The leaves of the tree (Figs. 5 and 6): conditions, effects, symbols, commands and rest.
+
+`initialise` runs when a leaf is entered, `update` once per tick, `terminate` when it is left;
+with status INVALID if something above has interrupted it. Time comes from the flight, never
+from a clock. The leaf that flies is in move.py, those that land in landing.py.
+"""
+
+from __future__ import annotations
+
+from py_trees.behaviour import Behaviour
+from py_trees.common import Status
+
+from companion.acting.behaviour_tree.leaf import Leaf, failure_of
+from companion.acting.behaviour_tree.move import MoveCommand
+from companion.acting.flight import Flight
+from companion.acting.replanning.assumptions import Assumptions
+from companion.flight_events.facts import BeliefWithdrawn
+from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFailed
+from companion.mission.model import Command
+from companion.planning.domain import Action
+from companion.vehicle.port import Progress
+
+
+class AssumptionsHold(Leaf):
+    """Leftmost branch: the events that matter to the plan still have their values."""
+
+    def __init__(self, flight: Flight, assumptions: Assumptions) -> None:
+        super().__init__(flight, "as predicted?")
+        self._assumptions = assumptions
+
+    def update(self) -> Status:
+        """FAILURE on the first difference, which replans."""
+        if self._flight.progress.is_landed_by_plan:
+            return Status.SUCCESS  # what was begun on the ground is finished first
+        wrong = self._assumptions.wrong
+        return self.fail(", ".join(wrong)) if wrong else Status.SUCCESS
+
+
+class Precondition(Leaf):
+    """Green block: the precondition holds, so the present position is left.
+
+    Before it, nothing of the action has begun: the moment for a better plan, if there may be one.
+
+    Args:
+        assumptions: of the plan; None for a tree written by hand, which is never replaced.
+    """
+
+    def __init__(self, flight: Flight, action: Action, assumptions: Assumptions | None) -> None:
+        super().__init__(flight, f"pre {action.name}")
+        self._action = action
+        self._assumptions = assumptions
+
+    def update(self) -> Status:
+        """FAILURE if a fact is missing, or a better plan may exist."""
+        task = self._flight.task
+        if self._assumptions is not None and self._assumptions.may_do_better:
+            return self.fail("")
+        if not self._action.is_applicable(task.all_facts):
+            missing = sorted(self._action.requires - task.all_facts)
+            wanting = ", ".join(missing) or "a forbidden fact"
+            return self.fail(f"{self._action.name} cannot begin: {wanting}")
+        task.begin(self._action)
+        return Status.SUCCESS
+
+
+class Effects(Leaf):
+    """Blue block: takes the effects over into the task's state.
+
+    Args:
+        ends_lap: whether the action is the last one of the loop.
+    """
+
+    def __init__(self, flight: Flight, action: Action, ends_lap: bool) -> None:
+        super().__init__(flight, f"eff {action.name}")
+        self._action = action
+        self._ends_lap = ends_lap
+
+    def update(self) -> Status:
+        """Always SUCCESS."""
+        flight, action = self._flight, self._action
+        flight.task.complete(action)
+        if action.destination is not None and len(action.execute) == 1:
+            flight.report(PlaceReached(action.destination, action.name))
+        elif action.assumes or action.adds:
+            flight.report(SkillCompleted(action.name))
+        flight.progress.completed += 1
+        flight.progress.laps += self._ends_lap
+        return Status.SUCCESS
+
+
+class Withdraw(Leaf):
+    """Right branch of Fig. 6: the skill has failed, so what it assumed is not believed.
+
+    A skill that has not begun, because its precondition does not hold, disproves nothing.
+
+    Args:
+        left: the left branch of the figure.
+    """
+
+    def __init__(self, flight: Flight, action: Action, left: Behaviour) -> None:
+        super().__init__(flight, f"withdraw {', '.join(sorted(action.assumes)) or 'nothing'}")
+        self._action = action
+        self._left = left
+
+    def update(self) -> Status:
+        """Always SUCCESS; the inverter above turns it into the FAILURE that replans."""
+        flight, action = self._flight, self._action
+        self.feedback_message = failure_of(self._left)
+        if flight.task.running is not action:
+            return Status.SUCCESS
+        failed = SkillFailed(action.name, self.feedback_message)
+        self.feedback_message = failed.text
+        flight.report(failed)
+        after_s = flight.belief_retry_s if action.retry_after_s is None else action.retry_after_s
+        retry_s = None if after_s is None else flight.now_s + after_s
+        flight.task.withdraw(action.assumes, retry_s)
+        for belief in sorted(action.assumes):
+            flight.report(BeliefWithdrawn(belief))
+        return Status.SUCCESS
+
+
+class UpdateParam(Leaf):
+    """update_param(c, w): grounds the symbol `w` to a waypoint that can be flown to now.
+
+    `c` is always the vehicle's present state, so there is nothing to ground for it. Asked again for
+    the same action, it takes another waypoint: a flight to the last one has failed.
+
+    Args:
+        move: flies to the waypoint; why it failed the last time says more than that no other
+            waypoint is left.
+    """
+
+    def __init__(self, flight: Flight, place: str, move: MoveCommand) -> None:
+        super().__init__(flight, f"update_param {place}")
+        self._place = place
+        self._move = move
+        self._tried_at: int | None = None
+
+    def update(self) -> Status:
+        """FAILURE if no waypoint of the place can be flown to on the map as it is known now."""
+        flight, place, state = self._flight, self._place, self._flight.vehicle.state
+        before = flight.symbols[place]
+        is_another_try = self._tried_at == flight.task.positions
+        self._tried_at = flight.task.positions
+        if is_another_try:
+            flight.symbols.refuse(place, flight.now_s)
+        if state is None or not flight.symbols.ground(place, state.position, flight.now_s):
+            last_failure = self._move.feedback_message if is_another_try else ""
+            return self.fail(last_failure or f"no waypoint of {place} can be flown to")
+        if flight.symbols[place] is not before:
+            flight.tell_symbol(place)
+        return Status.SUCCESS
+
+
+class SendCommand(Leaf):
+    """Sends a MAVLink command to a component and waits, holding, for its final answer."""
+
+    def __init__(self, flight: Flight, command: Command, timeout_s: float | None) -> None:
+        super().__init__(flight, f"command {command.name}")
+        self._command = command
+        self._timeout_s = timeout_s
+        self._ticket: int | None = None
+
+    def initialise(self) -> None:
+        """Sends it for the first time."""
+        flight, command = self._flight, self._command
+        self._start_s = flight.now_s
+        self._ticket = flight.vehicle.send_command(
+            command.component, command.command, command.parameters
+        )
+
+    def update(self) -> Status:
+        """SUCCESS if it was accepted."""
+        flight = self._flight
+        flight.hold()
+        assert self._ticket is not None
+        outcome = flight.vehicle.command_outcome(self._ticket)
+        if outcome.progress is Progress.DONE:
+            return Status.SUCCESS
+        if outcome.progress is Progress.FAILED:
+            return self.fail(outcome.reason)
+        if self._timeout_s is not None and flight.now_s - self._start_s > self._timeout_s:
+            return self.fail(f"no final answer in {self._timeout_s:.0f} s")
+        return Status.RUNNING
+
+    def terminate(self, new_status: Status) -> None:
+        """Stops asking."""
+        if self._ticket is not None and new_status is not Status.RUNNING:
+            self._flight.vehicle.forget_command(self._ticket)
+            self._ticket = None
+
+
+class Rest(Leaf):
+    """Holds position for a time."""
+
+    def __init__(self, flight: Flight, duration_s: float) -> None:
+        super().__init__(flight, "rest")
+        self._duration_s = duration_s
+
+    def initialise(self) -> None:
+        """Starts the time."""
+        self._end_s = self._flight.now_s + self._duration_s
+
+    def update(self) -> Status:
+        """SUCCESS when the time is over."""
+        self._flight.hold()
+        return Status.SUCCESS if self._flight.now_s >= self._end_s else Status.RUNNING

@@ -1,0 +1,36 @@
+"""What the executive is doing, and how the task stands then."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+
+class ExecutiveState(Enum):
+    """What the executive is doing."""
+
+    IDLE = "no plan was made yet"
+    EXECUTING = "ticks the tree of a plan"
+    LEAVING = "ticks the tree of a flight to a place, in want of a plan for the task"
+    BY_HAND = "ticks the mission's own tree"
+    GROUNDED = "has a new plan that begins in the air, while the old one has landed the vehicle"
+    REPLANNING = "a plan is due, as soon as the routes on the map are known; the vehicle holds"
+    EXPLAINING = "searches for the reason why there is no plan; the vehicle holds"
+    SATISFIED = "the task is satisfied"
+    WITHOUT_PLAN = "the task has no plan"
+
+
+class TaskStatus(Enum):
+    """How the task stands."""
+
+    RUNNING = "running"
+    NEEDS_TAKE_OFF = "goes on in the air"
+    SATISFIED = "satisfied"
+    NO_PLAN = "no plan"
+
+
+STATUS = {
+    ExecutiveState.GROUNDED: TaskStatus.NEEDS_TAKE_OFF,
+    ExecutiveState.SATISFIED: TaskStatus.SATISFIED,
+    ExecutiveState.WITHOUT_PLAN: TaskStatus.NO_PLAN,
+}
+"""How the task stands in each state; it is running in all others."""

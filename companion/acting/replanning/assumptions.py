@@ -1,0 +1,71 @@
+"""What the present plan assumes of events and beliefs, and what has turned out otherwise.
+
+Planning assumes that every event keeps its value. A change matters only if the task, or the
+precondition of an action still to come, mentions the event. It also assumes that a belief that was
+withdrawn stays so; one that comes back allows for a better plan.
+"""
+
+from __future__ import annotations
+
+from companion.acting.flight import Flight
+from companion.flight_events.facts import in_words
+from companion.planning.domain import Fact
+from companion.planning.lasso import Lasso
+from companion.planning.planner import Planner
+
+
+class Assumptions:
+    """The values of events that the present plan relies on.
+
+    Attributes:
+        may_do_better: a belief has come back since the plan was made.
+
+    Args:
+        planner: of the mission with the events.
+        flight: knows what holds now.
+    """
+
+    def __init__(self, planner: Planner, flight: Flight) -> None:
+        self._planner = planner
+        self._flight = flight
+        self._values: dict[Fact, bool] = {}
+        self.may_do_better = False
+
+    def note_restored_beliefs(self) -> None:
+        """Beliefs have come back: another plan may be better."""
+        self.may_do_better = True
+
+    def forget_restored_beliefs(self) -> None:
+        """A plan is made, or was asked for, with the beliefs that have come back."""
+        self.may_do_better = False
+
+    def renew(self) -> None:
+        """Every event keeps its present value.
+
+        On the way home after a violation none is looked at but those by which all that is violated
+        begins anew.
+        """
+        facts, violated = self._flight.task.facts, set(self._flight.task.violated)
+        self._values = {
+            name: name in facts
+            for name, event in self._planner.mission.events.items()
+            if violated <= event.restarts
+        }
+
+    def narrow(self, lasso: Lasso) -> None:
+        """Leaves out the events that matter to nothing that is left of a plan."""
+        left = (*lasso.prefix[self._flight.progress.completed :], *lasso.suffix)
+        relevant = self._planner.task_facts.union(*(a.requires | a.forbids for a in left))
+        self._values = {name: holds for name, holds in self._values.items() if name in relevant}
+
+    @property
+    def wrong(self) -> list[Fact]:
+        """The events that are not as predicted."""
+        facts = self._flight.task.facts
+        return [name for name, holds in self._values.items() if (name in facts) != holds]
+
+    @property
+    def surprise(self) -> str:
+        """The same in words, empty if there are none."""
+        facts = self._flight.task.facts
+        return "; ".join(in_words(name, name in facts) for name in self.wrong)

@@ -1,0 +1,149 @@
+"""The moves that the map leaves, as it is seen now; what only the others assume is not believed.
+
+A move without a way does not exist, so no skill can be done any more that assumes what this move
+assumes. Such a belief is given up at once, before a flight has to fail for it, and held again when
+the map shows a way again. A task may speak of it, so the rest of the plan is asked for again.
+
+Moves are instantiated on the map whenever a plan is made. In between a quick look at the map tells
+whether a place was cut off, or can be reached again; only then are they instantiated in flight. The
+place that is flown to is left to the flight itself, which goes round or stops, and fails if there
+is no way (Fig. 6 of the paper).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from companion.acting.flight import Flight
+from companion.flight_events.facts import PlacesConnected, PlacesCutOff
+from companion.planning.domain import Fact
+from companion.planning.planner import Planner
+
+CELLS_PER_TICK = 10_000
+"""Searched in about 4 ms, and setpoints leave in the same loop; only the last search of a tick may
+be one of the whole map, 10 ms for 30,000 cells."""
+SHOWN = 6
+"""So many beliefs are named at most."""
+
+
+@dataclass(frozen=True, slots=True)
+class BeliefChange:
+    """What the map has changed in the beliefs that are held.
+
+    Attributes:
+        lost: given up, as no move is left that assumes them.
+        held: held again.
+        lost_in_words: of the lost ones; "" if there are none.
+    """
+
+    lost: tuple[Fact, ...]
+    held: tuple[Fact, ...]
+    lost_in_words: str
+
+
+class Reachability:
+    """The moves of a planner on the map of a flight.
+
+    Attributes:
+        has_changed: another place is cut off, or no longer, than when moves were instantiated.
+    """
+
+    def __init__(self, planner: Planner, flight: Flight) -> None:
+        self._planner = planner
+        self._flight = flight
+        self._instantiated_on = self._looked_at = flight.routes.version
+        self._costed_at = flight.speed_limit.version
+        self._cut_off = self._unreachable()
+        self._searched_on = self._instantiated_on
+        self.has_changed = False
+
+    def look(self) -> None:
+        """Takes a quick look at the map, if that is another one than before."""
+        version = self._flight.routes.version
+        if version != self._looked_at:
+            self._looked_at = version
+            cut_off, running = self._unreachable(), self._flight.task.running
+            is_flown_to = running is not None and running.destination in cut_off
+            self.has_changed = cut_off != self._cut_off and not is_flown_to
+
+    @property
+    def is_known(self) -> bool:
+        """Whether all routes of the present map were found, so that `follow` takes no time."""
+        return self._flight.routes.version in (self._instantiated_on, self._searched_on)
+
+    def search(self) -> None:
+        """Finds some of the routes that are not known yet: a part that fits into a tick."""
+        routes = self._flight.routes
+        if not self.is_known and routes.find(CELLS_PER_TICK):
+            self._searched_on = routes.version
+
+    def follow(self) -> BeliefChange:
+        """Takes over what moves cost on the map, and at the speed limit, as they are now.
+
+        Beliefs that they cut off are given up.
+        """
+        flight, state = self._flight, self._flight.vehicle.state
+        is_map_new = self._instantiated_on != flight.routes.version
+        if state is not None and (is_map_new or self._costed_at != flight.speed_limit.version):
+            self._instantiated_on = flight.routes.version
+            self._costed_at = flight.speed_limit.version
+            for place in flight.symbols.follow_map(state.position, flight.now_s):
+                flight.tell_symbol(place)
+            self._planner.reinstantiate()
+            self._cut_off = self._unreachable()
+            self.has_changed = False
+        lost, held = flight.task.cut_off(self._planner.without_a_move)
+        if held:
+            flight.report(PlacesConnected(self._named(held), restored=tuple(held)))
+        if not lost:
+            return BeliefChange((), tuple(held), "")
+        cut_off = PlacesCutOff(self._named(lost), withdrawn=tuple(lost))
+        flight.report(cut_off)
+        return BeliefChange(cut_off.withdrawn, tuple(held), cut_off.text)
+
+    def _named(self, beliefs: list[Fact]) -> str:
+        gone, known = self._planner.without_a_move, self._planner.model.beliefs
+        alike = beliefs if gone.isdisjoint(beliefs) else gone
+        return in_words(beliefs, alike, known)
+
+    def _unreachable(self) -> frozenset[str]:
+        """The places from which walls divide the vehicle."""
+        state = self._flight.vehicle.state
+        if state is None:
+            return frozenset()
+        is_connected, here = self._flight.routes.is_connected, state.position[:2]
+        places = self._planner.mission.places
+        return frozenset(place for place in places if not is_connected(here, place))
+
+
+def in_words(beliefs: Iterable[Fact], alike: Iterable[Fact], known: Iterable[Fact]) -> str:
+    """Beliefs in few words: all that are known with the same last, or first, argument are one.
+
+    Args:
+        beliefs: to be named.
+        alike: those of which the same is true, whether they are news or not.
+        known: all there are.
+
+    >>> known = ["ok(A, B)", "ok(C, B)", "ok(A, C)", "ok(B, C)", "ok(B, A)", "safe(B)"]
+    >>> in_words(["ok(A, B)", "ok(A, C)", "ok(C, B)", "safe(B)"], known[:3] + known[5:], known)
+    'ok(*, B), ok(A, *), safe(B)'
+    """
+    members: dict[str, set[Fact]] = {}
+    for belief in known:
+        for pattern in _patterns(belief):
+            members.setdefault(pattern, set()).add(belief)
+    same = set(alike)
+    words = dict.fromkeys(
+        next((p for p in _patterns(belief) if 1 < len(members[p]) and members[p] <= same), belief)
+        for belief in beliefs
+    )
+    more = f" and {len(words) - SHOWN} more" if len(words) > SHOWN else ""
+    return ", ".join(list(words)[:SHOWN]) + more
+
+
+def _patterns(belief: Fact) -> tuple[str, ...]:
+    """A belief in two places, with any one of them; none for others."""
+    name, _, arguments = belief.removesuffix(")").partition("(")
+    places = arguments.split(", ")
+    return (f"{name}(*, {places[1]})", f"{name}({places[0]}, *)") if len(places) == 2 else ()

@@ -1,0 +1,56 @@
+"""The flight home that an operator asks for, whatever the task says.
+
+It leads to the place where the mission begins, along a clear route of the map as it is known
+now. No event is watched and nothing is planned: nobody but the operator may change this.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from py_trees.common import Status
+
+from companion.acting.behaviour_tree.builder import move_tree
+from companion.acting.behaviour_tree.leaf import failure_of
+from companion.acting.flight import Flight
+from companion.mission.model import Fly
+from companion.planning.domain import WAIT, Fact, departures
+from companion.planning.lasso import Lasso
+from companion.planning.planner import Planner
+
+TRIES = 3
+"""Waypoints of the place that are tried (MAX_TRY, Fig. 6)."""
+
+
+class ReturnHome:
+    """A flight to one place."""
+
+    def __init__(self, flight: Flight, place: str) -> None:
+        self._tree = move_tree(flight, place, TRIES, timeout_s=None)
+
+    @property
+    def failure(self) -> str:
+        """Why there was no way home; "" while there is."""
+        return failure_of(self._tree)
+
+    def tick(self) -> Status:
+        """One tick: RUNNING on the way, SUCCESS at the place, FAILURE without a clear route."""
+        self._tree.tick_once()
+        return self._tree.status
+
+    def stop(self) -> None:
+        """Holds where it is; the next tick begins anew."""
+        self._tree.stop(Status.INVALID)
+
+
+def flight_to(planner: Planner, place: str) -> Lasso | None:
+    """A plan that flies to a place from where the vehicle is, and rests; None without a route.
+
+    It asks for nothing that the skill that flies there would ask for otherwise.
+    """
+    moves = departures(planner.mission, planner.flight_time)
+    move = next((action for action in moves if action.execute == (Fly(place),)), None)
+    if move is None:
+        return None
+    nothing: frozenset[Fact] = frozenset()
+    return Lasso((replace(move, requires=nothing, forbids=nothing, assumes=nothing),), (WAIT,))

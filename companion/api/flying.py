@@ -1,0 +1,91 @@
+"""A companion on a link: PX4, or any simulator of one."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+
+from companion.api.results import FlightResult, FlownTrajectory, OnEvent, recording
+from companion.app import Companion
+from companion.clock import ScaledClock
+from companion.driving import fly
+from companion.mission.model import Mission
+from companion.vehicle.link import UdpLink, parse_url
+
+OFFBOARD_URL = "udpin://0.0.0.0:14540"
+"""Where PX4 sends its offboard stream."""
+
+
+def run(
+    mission: Mission,
+    connect: str = OFFBOARD_URL,
+    *,
+    folder: Path | str | None = None,
+    on_event: OnEvent | None = None,
+    accepts_weak_failsafes: bool = False,
+    timeout_s: float = 30.0,
+) -> FlightResult:
+    """Flies a mission on a vehicle, to its end.
+
+    The first Ctrl-C holds, lands and ends the flight; the second leaves the vehicle to its own
+    failsafe. In another thread than the main one there is no such handler.
+
+    >>> from companion import load_mission, run
+    >>> mission = load_mission("missions/surveillance.yaml")
+    >>> run(mission, "udpin://127.0.0.1:14999", timeout_s=0.1)  # nothing sends there
+    Traceback (most recent call last):
+    ...
+    companion.errors.LinkTimeout: no vehicle on udpin://127.0.0.1:14999 after 0 s: ...
+
+    Args:
+        mission: what to do.
+        connect: `udpin://HOST:PORT` to listen, `udpout://HOST:PORT` to send first.
+        folder: where to write a run folder; none by default.
+        on_event: told of each event that is news for people.
+        accepts_weak_failsafes: fly although the autopilot's own failsafes are weak.
+        timeout_s: seconds to wait for a vehicle.
+
+    Returns:
+        What happened; its trajectory is where the autopilot believed to be.
+
+    Raises:
+        LinkError: the link cannot be opened.
+        LinkTimeout: no vehicle was heard in time.
+    """
+    link = UdpLink(parse_url(connect))
+    try:
+        with recording(mission, folder, on_event) as recorder:
+            companion = Companion(mission, recorder, accepts_weak_failsafes)
+            with _stopped_by_interrupt(companion):
+                fly(companion, link, ScaledClock(1.0), timeout_s)
+    finally:
+        link.close()
+    return FlightResult(
+        mission=mission,
+        events=tuple(recorder.events),
+        trajectory=FlownTrajectory.of(recorder.positions),
+        failure=companion.failure,
+        folder=Path(folder) if folder is not None else None,
+    )
+
+
+@contextmanager
+def _stopped_by_interrupt(companion: Companion) -> Iterator[None]:
+    """Ctrl-C asks the companion to end, once."""
+
+    def stop(number: int, _: FrameType | None) -> None:
+        signal.signal(number, before)
+        companion.stop()
+
+    try:
+        before = signal.signal(signal.SIGINT, stop)
+    except ValueError:  # not the main thread
+        yield
+        return
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)

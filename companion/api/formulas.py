@@ -1,0 +1,53 @@
+"""Formulas of linear temporal logic, and their automata."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from companion.ltl.automaton import BuchiAutomaton
+    from companion.ltl.formula import Formula
+
+
+def parse_formula(text: str) -> Formula:
+    """The formula of a text.
+
+    It is made of propositions such as `targetFound` or `at(A)`, of true, false and parentheses, of
+    ! & | -> <->, of X (next), F (eventually), G (always), U (until), R (release), W (weak until),
+    and of mission patterns such as `patrolling(A, B)`.
+
+    >>> from companion import parse_formula
+    >>> parse_formula("patrolling(A, B)") is parse_formula("G F at(A) & G F at(B)")
+    True
+
+    Raises:
+        FormulaError: the text is no formula; with a caret under what cannot be read.
+    """
+    from companion.ltl.parser import parse
+
+    return parse(text)
+
+
+def translate(formula: Formula | str, *, exclusive: Iterable[str] = ()) -> BuchiAutomaton:
+    """A Büchi automaton that accepts exactly the words that satisfy a formula.
+
+    >>> from companion import to_dot, translate
+    >>> automaton = translate("G (found -> X at(Home))")
+    >>> automaton.states, automaton.propositions
+    (2, ('at(Home)', 'found'))
+    >>> to_dot(automaton).startswith("digraph")
+    True
+
+    Args:
+        formula: one of `parse_formula`, or its text.
+        exclusive: propositions of which at most one holds at a time; the automaton may be smaller.
+
+    Raises:
+        FormulaError: the text is no formula.
+        TranslationLimit: the automaton would be too large, or take too long.
+    """
+    from companion.ltl import translate as translation
+
+    made = parse_formula(formula) if isinstance(formula, str) else formula
+    return translation.translate(made, exclusive=frozenset(exclusive))

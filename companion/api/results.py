@@ -1,0 +1,135 @@
+"""What a flight leaves to the program that flew it: events, a trajectory, an outcome."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from time import time
+
+import numpy as np
+import numpy.typing as npt
+
+from companion.errors import CompanionError
+from companion.flight_events.event import Stamped
+from companion.geometry import Ned
+from companion.mission.model import Mission
+from companion.mission_run import Recorder
+from companion.record.run_folder import RunFolder
+
+OnEvent = Callable[[Stamped], None]
+"""Told of each event that is news for people, when it happens."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class FlownTrajectory:
+    """Where the vehicle was, once in each tick.
+
+    Attributes:
+        times_s: (n,) seconds since the run began.
+        positions: (n, 3) metres, local north-east-down of the home position.
+    """
+
+    times_s: npt.NDArray[np.float64]
+    positions: npt.NDArray[np.float64]
+
+    @classmethod
+    def of(cls, samples: Sequence[tuple[float, Ned]]) -> FlownTrajectory:
+        """The trajectory of times and positions."""
+        times_s = np.array([time_s for time_s, _ in samples], dtype=float)
+        positions = np.array([position for _, position in samples], dtype=float)
+        return cls(times_s, positions.reshape(-1, 3))
+
+    @property
+    def north_m(self) -> npt.NDArray[np.float64]:
+        """(n,) metres north of home."""
+        return self.positions[:, 0]
+
+    @property
+    def east_m(self) -> npt.NDArray[np.float64]:
+        """(n,) metres east of home."""
+        return self.positions[:, 1]
+
+    @property
+    def up_m(self) -> npt.NDArray[np.float64]:
+        """(n,) metres above home."""
+        return -self.positions[:, 2]
+
+
+@dataclass(frozen=True, eq=False)
+class FlightResult:
+    """A flight that is over.
+
+    Attributes:
+        mission: what was flown.
+        events: what happened, in order, with times.
+        trajectory: where the vehicle was.
+        failure: why the task was not satisfied; None if it was, or the flight was stopped as
+            asked.
+        folder: the run folder, if one was asked for.
+    """
+
+    mission: Mission
+    events: tuple[Stamped, ...]
+    trajectory: FlownTrajectory
+    failure: CompanionError | None
+    folder: Path | None
+
+    @property
+    def exit_code(self) -> int:
+        """What the command line would exit with: 0 satisfied, 3 no plan, 5 the pilot won, ..."""
+        return self.failure.exit_code if self.failure else 0
+
+
+class Recording:
+    """A recorder that keeps events and positions, and hands everything on to another one.
+
+    Args:
+        other: another recorder, e.g. of a run folder.
+        on_event: told of the events that are news for people.
+
+    Attributes:
+        events: so far.
+        positions: as the autopilot tells them, with their times.
+    """
+
+    def __init__(self, other: Recorder | None = None, on_event: OnEvent | None = None) -> None:
+        self.events: list[Stamped] = []
+        self.positions: list[tuple[float, Ned]] = []
+        self._other = other
+        self._on_event = on_event
+
+    def report(self, stamped: Stamped) -> None:
+        """Something happened."""
+        self.events.append(stamped)
+        if self._other is not None:
+            self._other.report(stamped)
+        if self._on_event is not None and stamped.event.is_told:
+            self._on_event(stamped)
+
+    def packets(self, now_s: float, datagrams: list[bytes]) -> None:
+        """Datagrams went over the link, in either direction."""
+        if self._other is not None:
+            self._other.packets(now_s, datagrams)
+
+    def position(self, now_s: float, position: Ned) -> None:
+        """Where the vehicle is, once per tick."""
+        self.positions.append((now_s, position))
+        if self._other is not None:
+            self._other.position(now_s, position)
+
+
+@contextmanager
+def recording(
+    mission: Mission, folder: Path | str | None, on_event: OnEvent | None
+) -> Iterator[Recording]:
+    """A recording, in a run folder as well if one is named."""
+    if folder is None:
+        yield Recording(on_event=on_event)
+        return
+    files = RunFolder(Path(folder), mission, time(), lambda stamped: None)
+    try:
+        yield Recording(files, on_event)
+    finally:
+        files.close()

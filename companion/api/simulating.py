@@ -1,0 +1,141 @@
+"""Flights in the bundled simulator, in lockstep in one process.
+
+The one module beside the command line that knows the simulator.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeAlias
+
+from companion.api.results import FlightResult, FlownTrajectory, OnEvent, recording
+from companion.app import Companion
+from companion.documents import Given, read_source
+from companion.errors import CompanionError
+from companion.ground.operations import MonitorPage
+from companion.mission.model import Mission
+from companion.mission_run import Recorder
+
+if TYPE_CHECKING:
+    from companion.motion.grid import OccupancyGrid
+    from sitl.harness import LockstepFlight
+    from sitl.world.scenario import Scenario
+
+World: TypeAlias = "tuple[Scenario, OccupancyGrid | None]"
+"""A scenario and its map; None is a world without walls."""
+
+
+@dataclass(frozen=True, eq=False)
+class SimulationResult(FlightResult):
+    """A simulated flight that is over; its trajectory is where the vehicle truly was.
+
+    Attributes:
+        scenario_events: time (seconds) and text of what the scenario let happen.
+        collisions: how often the vehicle hit a wall or an obstacle.
+    """
+
+    scenario_events: tuple[tuple[float, str], ...]
+    collisions: int
+
+
+def simulate(
+    mission: Mission,
+    scenario: Given | None = None,
+    *,
+    seed: int = 0,
+    folder: Path | str | None = None,
+    on_event: OnEvent | None = None,
+    timeout_s: float = 30.0,
+) -> SimulationResult:
+    """Flies a mission in the bundled simulator, as fast as the machine is; no files are needed.
+
+    Equal arguments give equal flights.
+
+    >>> from companion import load_mission, simulate
+    >>> run = simulate(load_mission("missions/surveillance.yaml"), seed=7)
+    >>> run.exit_code, run.events[-1].event
+    (0, TaskSatisfied(exit_code=0))
+    >>> run.trajectory.positions.shape == (len(run.trajectory.times_s), 3)
+    True
+
+    Args:
+        mission: what to do.
+        scenario: the world: a path, a YAML text, or data (docs/scenario.md). In a text or data the
+            map is the mission's, unless they name another one. By default NAME.sim.yaml beside
+            a mission file NAME.yaml, if there is one; else a world without wind in which nothing
+            happens.
+        seed: of wind, sensors and the estimate.
+        folder: where to write a run folder; none by default.
+        on_event: told of each event that is news for people.
+        timeout_s: simulated seconds after which a vehicle has to be heard.
+
+    Raises:
+        MissionError: the scenario cannot be read, or does not fit.
+        CompanionError: jsbsim is not installed.
+    """
+    world = world_of(mission, scenario)
+    with recording(mission, folder, on_event) as recorder:
+        flight = lockstep(mission, world, recorder, seed=seed)
+        flight.fly(timeout_s)
+    return SimulationResult(
+        mission=mission,
+        events=tuple(recorder.events),
+        trajectory=FlownTrajectory.of(flight.truth),
+        failure=flight.companion.failure,
+        folder=Path(folder) if folder is not None else None,
+        scenario_events=tuple(flight.simulation.event_log),
+        collisions=flight.simulation.collisions,
+    )
+
+
+def lockstep(
+    mission: Mission,
+    world: World,
+    recorder: Recorder,
+    *,
+    seed: int = 0,
+    instance: int = 0,
+    page: MonitorPage | None = None,
+) -> LockstepFlight:
+    """A flight of `simulate` that is still to be flown, and may be flown tick by tick.
+
+    Args:
+        mission: what to do.
+        world: of `world_of`.
+        recorder: told of everything that happens.
+        seed: as for `simulate`.
+        instance: the vehicle's system id is 1 + instance.
+        page: the monitor page, if there is one.
+    """
+    from sitl.harness import LockstepFlight
+    from sitl.link.routing import LinkName
+    from sitl.simulation import Simulation
+
+    scenario, grid = world
+    companion = Companion(mission, recorder, page=page)
+    links = frozenset({LinkName.OFFBOARD})
+    simulation = Simulation(scenario, grid, seed=seed, instance=instance, links=links)
+    return LockstepFlight(companion, simulation)
+
+
+def world_of(mission: Mission, scenario: Given | None = None) -> World:
+    """The scenario that `simulate` takes, and its map.
+
+    Raises:
+        MissionError: the scenario cannot be read, or does not fit.
+        CompanionError: jsbsim is not installed.
+    """
+    if find_spec("jsbsim") is None:
+        raise CompanionError(
+            "the simulator needs jsbsim, which has no wheel for Linux on ARM\n"
+            "    fly a simulator on another machine: companion run MISSION --connect URL"
+        )
+    from sitl.world.scenario import read_scenario
+
+    if scenario is None:
+        beside = Path(mission.path).with_suffix(".sim.yaml") if mission.path else None
+        scenario = beside if beside is not None and beside.exists() else {"version": 1}
+    source = read_source(scenario, "scenario")
+    return read_scenario(source, default_map=None if source.path else mission.grid)

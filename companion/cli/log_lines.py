@@ -1,0 +1,55 @@
+"""Log lines on standard error, for people who debug: the option `--verbose`.
+
+Each module logs by its own name (`logging.getLogger(__name__)`), at level DEBUG; nothing is shown
+unless a command is asked to. What is worth replaying is no log line but an event of events.jsonl.
+
+A log line may neither end nor delay a flight. It is dropped if standard error is closed or full, or
+if it cannot be written as it stands.
+"""
+
+from __future__ import annotations
+
+import logging
+import sys
+from typing import Annotated
+
+import typer
+
+from companion.cli.terminal import write_at_once
+
+FORMAT = "%(asctime)s.%(msecs)03d  %(name)s  %(message)s"
+TIME_FORMAT = "%H:%M:%S"
+
+
+class UnblockingHandler(logging.Handler):
+    """Writes each record to standard error as one line, or not at all."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Writes a record if that can be done at once."""
+        try:
+            write_at_once(sys.stderr, self.format(record) + "\n")
+        except Exception:  # whatever is wrong with a log line, the flight goes on
+            return
+
+
+def show_log_lines(is_verbose: bool) -> bool:
+    """Shows what our modules log from now on, or no longer."""
+    logger = logging.getLogger("companion")
+    for handler in logger.handlers[:]:
+        if isinstance(handler, UnblockingHandler):
+            logger.removeHandler(handler)
+    logger.setLevel(logging.DEBUG if is_verbose else logging.NOTSET)
+    if is_verbose:
+        handler = UnblockingHandler()
+        handler.setFormatter(logging.Formatter(FORMAT, TIME_FORMAT))
+        logger.addHandler(handler)
+    return is_verbose
+
+
+Verbose = Annotated[
+    bool,
+    typer.Option(
+        "--verbose", "-v", callback=show_log_lines, help="Write log lines to standard error."
+    ),
+]
+"""Takes effect as the command line is read; the commands need not look at it."""

@@ -1,0 +1,211 @@
+"""Diagnostics of a document in plain words: pydantic's list of errors as one of them.
+
+Of several errors the first in the file is shown, unknown keys before all others: a misspelt key
+is the reason why the right one is missing. What a person can do about it is taken from the JSON
+Schema of the model: the keys that exist there and the description of the field.
+"""
+
+from __future__ import annotations
+
+import difflib
+import json
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+Keys = tuple[str | int, ...]
+Schema = Mapping[str, Any]
+Detail = Mapping[str, Any]
+
+_SIMILAR = 0.6  # difflib's own cutoff for close matches
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnostic:
+    """What is wrong, where, and what to do.
+
+    Attributes:
+        what: in one line.
+        keys: of the place in the document.
+        hint: what to do; may be empty.
+        is_about_key: whether the key is wrong and not its value.
+    """
+
+    what: str
+    keys: Keys
+    hint: str
+    is_about_key: bool
+
+
+def did_you_mean(word: str, known: Iterable[str]) -> str:
+    """Returns a question with the most similar known word; empty if none is similar.
+
+    >>> did_you_mean("palces", ["places", "sets"])
+    'Did you mean places?'
+    """
+
+    def similarity(name: str) -> float:
+        return difflib.SequenceMatcher(None, word[:80].lower(), name.lower()).ratio()
+
+    best = max(known, key=similarity, default="")  # the first of equals
+    return f"Did you mean {best}?" if similarity(best) >= _SIMILAR else ""
+
+
+def first_diagnostic(
+    error: ValidationError,
+    model: type[BaseModel],
+    data: object,
+    position: Callable[..., tuple[int, ...]],
+) -> Diagnostic:
+    """Returns the diagnostic to show.
+
+    Args:
+        error: what pydantic found.
+        model: what was validated.
+        data: the document as plain values.
+        position: what to sort the values at some keys by.
+    """
+    details: list[tuple[Keys, Detail]] = [
+        (_existing_keys(detail["loc"], data), dict(detail))
+        for detail in error.errors(include_url=False)
+    ]
+    details.sort(key=lambda item: (item[1]["type"] != "extra_forbidden", position(*item[0])))
+    keys = details[0][0]
+    alike = [detail for where, detail in details if where == keys]  # the branches of a union
+    return _diagnostic(alike, keys, model.model_json_schema(), data)
+
+
+def _existing_keys(loc: Sequence[str | int], data: object) -> Keys:
+    """Returns the document's keys in pydantic's location, which names union branches as well."""
+    keys: list[str | int] = []
+    for part in loc:
+        if isinstance(data, dict) and part in data:
+            data = data[part]
+        elif isinstance(data, list) and isinstance(part, int) and part < len(data):
+            data = data[part]
+        else:
+            continue
+        keys.append(part)
+    return tuple(keys)
+
+
+def _diagnostic(details: list[Detail], keys: Keys, root: Schema, data: object) -> Diagnostic:
+    detail = details[0]
+    kind, name = detail["type"], detail["loc"][-1] if detail["loc"] else ""
+    if kind == "missing" and isinstance(name, str):
+        description = _schema_at(root, (*keys, name)).get("description", "")
+        hint = _sentence(name, description)
+        return Diagnostic(f"the key {name} is missing{_of(keys)}", keys, hint, True)
+    if kind == "extra_forbidden":
+        known = list(_schema_at(root, keys[:-1]).get("properties", ()))
+        hint = f"known keys are {', '.join(known)}. {did_you_mean(str(keys[-1]), known)}".strip()
+        return Diagnostic(f"unknown key {_short(keys[-1])}{_of(keys[:-1])}", keys, hint, True)
+    if name == "[key]":
+        expected = _RULES[kind](detail["ctx"]) if kind in _RULES else detail["msg"]
+        return Diagnostic(f"{_short(keys[-1])} is not a name", keys, f"expected {expected}", True)
+    return _wrong_value(details, keys, _schema_at(root, keys), _at(data, keys))
+
+
+def _wrong_value(details: list[Detail], keys: Keys, schema: Schema, value: object) -> Diagnostic:
+    subject = keys[-1] if keys and isinstance(keys[-1], str) else _subject(keys)
+    kind, message = details[0]["type"], details[0]["msg"]
+    if kind not in _RULES:  # a validator's own words
+        return Diagnostic(f"{subject}: {message.removeprefix('Value error, ')}", keys, "", False)
+    expected = dict.fromkeys(
+        _RULES[d["type"]](d.get("ctx", {})) for d in details if d["type"] in _RULES
+    )
+    hint = _sentence(str(subject), schema.get("description", ""))
+    if isinstance(value, str):
+        words = [w for phrase in expected for w in phrase.replace(" or ", ", ").split(", ")]
+        hint = f"{did_you_mean(value, words)} {hint}".strip()
+    what = f"{subject} is {_describe(value)}, expected {' or '.join(expected)}"
+    return Diagnostic(what, keys, hint, False)
+
+
+_RULES: dict[str, Callable[[Schema], str]] = {
+    **dict.fromkeys(("string_type", "string_sub_type"), lambda c: "a text"),
+    **dict.fromkeys(("int_type", "int_from_float", "int_parsing"), lambda c: "a whole number"),
+    **dict.fromkeys(("float_type", "float_parsing"), lambda c: "a number"),
+    **dict.fromkeys(("bool_type", "bool_parsing"), lambda c: "true or false"),
+    **dict.fromkeys(("list_type", "tuple_type", "set_type"), lambda c: "a list"),
+    **dict.fromkeys(("dict_type", "model_type", "dataclass_type"), lambda c: "keys with values"),
+    **dict.fromkeys(("literal_error", "enum"), lambda c: str(c["expected"]).replace("'", "")),
+    "greater_than": lambda c: f"more than {c['gt']:g}",
+    "greater_than_equal": lambda c: f"at least {c['ge']:g}",
+    "less_than": lambda c: f"less than {c['lt']:g}",
+    "less_than_equal": lambda c: f"at most {c['le']:g}",
+    "finite_number": lambda c: "a finite number",
+    "too_short": lambda c: f"at least {c['min_length']} entries",
+    "too_long": lambda c: f"at most {c['max_length']} entries",
+    "missing": lambda c: "more entries",
+    "string_too_short": lambda c: f"at least {c['min_length']} characters",
+    "string_too_long": lambda c: f"at most {c['max_length']} characters",
+    "string_pattern_mismatch": lambda c: f"a text that matches {c['pattern']}",
+}
+"""Kind of pydantic's error -> what was expected."""
+
+
+def _schema_at(root: Schema, keys: Keys) -> Schema:
+    """Returns the part of a JSON Schema that describes the value at some keys; {} without one."""
+    schema = root
+    for key in keys:
+        schema = _step(_resolved(root, schema), key)
+    resolved = _resolved(root, schema)
+    return {**resolved, **{k: v for k, v in schema.items() if k == "description"}}
+
+
+def _step(schema: Schema, key: str | int) -> Schema:
+    if isinstance(key, int):
+        listed = schema.get("prefixItems", [])
+        found = listed[key] if key < len(listed) else schema.get("items", {})
+    else:
+        by_name = schema.get("properties", {})
+        of_any_name = [*schema.get("patternProperties", {}).values()]
+        of_any_name.append(schema.get("additionalProperties", {}))
+        found = by_name.get(key, of_any_name[0])
+    return found if isinstance(found, dict) else {}
+
+
+def _resolved(root: Schema, schema: Schema) -> Schema:
+    """Follows a reference; of alternatives, to the one that is a mapping or list."""
+    for choice in schema.get("anyOf", ()):
+        if {"$ref", "items", "properties"} & choice.keys():
+            return _resolved(root, choice)
+    if "$ref" in schema:
+        found: Schema = root["$defs"][schema["$ref"].rsplit("/", 1)[1]]
+        return found
+    return schema
+
+
+def _at(data: object, keys: Keys) -> object:
+    for key in keys:
+        assert isinstance(data, dict | list)
+        data = data[key]  # type: ignore[index]
+    return data
+
+
+def _describe(value: object) -> str:
+    if value is None:
+        return "empty"
+    if isinstance(value, dict | list):
+        return "a list" if isinstance(value, list) else "a mapping"
+    return _short(value)
+
+
+def _short(value: object) -> str:
+    text = value if isinstance(value, str) else json.dumps(value)
+    return repr(text if len(text) <= 40 else f"{text[:37]}...") if isinstance(value, str) else text
+
+
+def _subject(keys: Keys) -> str:
+    return f"entry {int(keys[-1]) + 1}{_of(keys[:-1])}" if keys else "the file"
+
+
+def _of(keys: Keys) -> str:
+    return f" in {'.'.join(str(key) for key in keys)}" if keys else ""
+
+
+def _sentence(name: str, description: str) -> str:
+    return f"{name}: {description}" if description else ""

@@ -1,0 +1,64 @@
+"""Where a mission or a scenario comes from: a file, a text, or data.
+
+A door: it opens the file whose path it is given. A text that has a line break, or begins with a
+brace, is YAML itself; any other text is a path.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from companion.documents.yaml_tree import MAX_BYTES
+from companion.errors import MissionError
+
+Given = Path | str | Mapping[str, object]
+"""A path, a YAML text, or data."""
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """What was given, as far as it can be known without reading it as YAML.
+
+    Attributes:
+        content: a text, or data.
+        name: for messages: the path, or what stands for it.
+        folder: what the names of files in it are relative to.
+        path: of its file; None if it was given itself.
+    """
+
+    content: str | Mapping[str, object]
+    name: str
+    folder: Path
+    path: Path | None
+
+
+def read_source(given: Given, kind: str, folder: Path | None = None) -> Source:
+    """Reads a file, or takes what was given.
+
+    Args:
+        given: a path, a YAML text, or data.
+        kind: what it is, for messages.
+        folder: what the names of files in it are relative to; by default the file's own folder,
+            or the current one.
+
+    Raises:
+        MissionError: the file cannot be read.
+    """
+    if isinstance(given, Mapping):
+        return Source(given, kind, folder or Path(), None)
+    if isinstance(given, str) and ("\n" in given or given.lstrip().startswith("{")):
+        return Source(given, f"<{kind}>", folder or Path(), None)
+    path = Path(given)
+    return Source(_text(path, kind), str(path), folder or path.parent, path)
+
+
+def _text(path: Path, kind: str) -> str:
+    """Returns the text of a file; bytes that are not UTF-8 stay, for the YAML reader to locate."""
+    try:
+        with path.open("rb") as stream:
+            return stream.read(MAX_BYTES + 1).decode("utf-8", "surrogateescape")
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise MissionError(f"the {kind} {path} cannot be read: {reason}") from error

@@ -1,0 +1,110 @@
+"""All classes of events, in the order in which docs/run-folder.md lists them.
+
+Where classes share a kind, and the keys of their lines are the same, a line is one of the first of
+them whose text it has; so those whose text may be anything come last.
+"""
+
+from __future__ import annotations
+
+from companion.flight_events.event import FlightEvent
+from companion.flight_events.facts import (
+    BeliefRestored,
+    BeliefWithdrawn,
+    MissionEventChanged,
+    PlacesConnected,
+    PlacesCutOff,
+)
+from companion.flight_events.hosting import (
+    MissionReady,
+    MissionUnreadable,
+    RecordingFailed,
+    RunNotRecordable,
+    TerminalHungUp,
+    UploadChecked,
+)
+from companion.flight_events.plans import (
+    LapCompleted,
+    NoPlanFound,
+    PlanMade,
+    PlanReplaced,
+    WrittenTreeAdopted,
+)
+from companion.flight_events.skills import (
+    PlaceReached,
+    RouteBlocked,
+    SkillCompleted,
+    SkillFailed,
+    SymbolMoved,
+    WrittenTreeFailed,
+)
+from companion.flight_events.sortie import (
+    BatteryCharged,
+    ControlRegained,
+    ControlYielded,
+    GoalFailed,
+    PhaseEntered,
+    ReturnBegun,
+    ReturnedAsAsked,
+    ReturnFailed,
+    RunFailed,
+    SetpointRefused,
+    StoppedAsAsked,
+    StopRequested,
+    TaskSatisfied,
+    VehicleAirborne,
+    VehicleLanded,
+    WeakFailsafeAccepted,
+)
+from companion.flight_events.tree import NodesChanged, TreeBuilt, TreeStopped
+from companion.flight_events.word import ConjunctViolated, PositionLeft
+
+EVENTS: tuple[type[FlightEvent], ...] = (
+    PlanMade,
+    WrittenTreeAdopted,
+    PlanReplaced,
+    NoPlanFound,
+    LapCompleted,
+    PlaceReached,
+    SkillCompleted,
+    SkillFailed,
+    WrittenTreeFailed,
+    RouteBlocked,
+    SymbolMoved,
+    MissionEventChanged,
+    BeliefWithdrawn,
+    BeliefRestored,
+    PlacesCutOff,
+    PlacesConnected,
+    PositionLeft,
+    ConjunctViolated,
+    PhaseEntered,
+    WeakFailsafeAccepted,
+    ControlYielded,
+    ControlRegained,
+    StopRequested,
+    ReturnBegun,
+    ReturnFailed,
+    VehicleLanded,
+    VehicleAirborne,
+    BatteryCharged,
+    GoalFailed,
+    SetpointRefused,
+    UploadChecked,
+    MissionReady,
+    MissionUnreadable,
+    RunNotRecordable,
+    TerminalHungUp,
+    RecordingFailed,
+    TreeBuilt,
+    NodesChanged,
+    TreeStopped,
+    TaskSatisfied,
+    ReturnedAsAsked,
+    StoppedAsAsked,
+    RunFailed,
+)
+
+RECORDED = tuple(event for event in EVENTS if event.is_recorded)
+"""Those that events.jsonl keeps."""
+FOR_PROGRAMS = frozenset(event.kind for event in EVENTS if not event.is_told)
+"""Kinds that are no news for people."""

@@ -1,0 +1,83 @@
+"""Events about facts that the vehicle does not choose: the mission's events, and beliefs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Annotated
+
+from companion.flight_events.event import FlightEvent
+from companion.flight_events.fields import Doc, InText
+
+BeliefName = Annotated[str, Doc("as the mission spells it, e.g. `canUpload(r1)`")]
+BeliefsWithdrawn = Annotated[tuple[str, ...], Doc("a list of the beliefs that were given up")]
+BeliefsRestored = Annotated[tuple[str, ...], Doc("a list of the beliefs that are held again")]
+
+
+@dataclass(frozen=True, slots=True)
+class MissionEventChanged(FlightEvent):
+    """A fact that the vehicle cannot choose has changed."""
+
+    kind = "event"
+    template = "{words}"
+
+    event: Annotated[str, Doc("as the mission spells it, e.g. `lowBattery`")]
+    holds: Annotated[bool, Doc("whether the event's fact has become true")]
+
+    @property
+    def words(self) -> str:
+        """The change in words."""
+        return in_words(self.event, self.holds)
+
+
+@dataclass(frozen=True, slots=True)
+class BeliefWithdrawn(FlightEvent):
+    """A belief was given up."""
+
+    kind = "withdrawn"
+    template = "belief {belief} withdrawn"
+
+    belief: BeliefName
+
+
+@dataclass(frozen=True, slots=True)
+class BeliefRestored(FlightEvent):
+    """A belief is held again."""
+
+    kind = "restored"
+    template = "belief {belief} restored"
+
+    belief: BeliefName
+
+
+@dataclass(frozen=True, slots=True)
+class PlacesCutOff(FlightEvent):
+    """Beliefs were given up whose moves have no way on the map as it is seen."""
+
+    kind = "map"
+    template = "no way on the map as seen: {summary} withdrawn"
+
+    summary: InText[str]
+    withdrawn: BeliefsWithdrawn
+    restored: BeliefsRestored = field(default=(), init=False)
+
+
+@dataclass(frozen=True, slots=True)
+class PlacesConnected(FlightEvent):
+    """Beliefs are held again whose moves have a way again on the map as it is seen."""
+
+    kind = "map"
+    template = "a way again: {summary} restored"
+
+    summary: InText[str]
+    withdrawn: BeliefsWithdrawn = field(default=(), init=False)
+    restored: BeliefsRestored
+
+
+def in_words(event: str, holds: bool) -> str:
+    """An event of the mission in words.
+
+    >>> in_words("targetFound", True), in_words("lowBattery", False)
+    ('target found', 'no longer low battery')
+    """
+    words = "".join(f" {c.lower()}" if c.isupper() else c for c in event).replace("_", " ").strip()
+    return words if holds else f"no longer {words}"

@@ -1,0 +1,85 @@
+"""Events about what surrounds flights: uploaded missions, the terminal, the run folder."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Annotated
+
+from companion.flight_events.event import FlightEvent
+from companion.flight_events.fields import Doc, InText
+
+IsRefused = Annotated[bool, Doc("whether the mission may not be flown")]
+
+
+class UploadNews(FlightEvent):
+    """News about a mission that came from a ground station.
+
+    Attributes:
+        is_refused: it is not flown.
+    """
+
+    __slots__ = ()
+    kind = "upload"
+    is_refused: bool
+
+
+@dataclass(frozen=True, slots=True)
+class UploadChecked(UploadNews):
+    """A mission that came from a ground station was checked while this one was flown."""
+
+    template = "{verdict}"
+
+    verdict: InText[str]
+    is_refused: IsRefused
+
+
+@dataclass(frozen=True, slots=True)
+class MissionReady(UploadNews):
+    """A mission waits for its start."""
+
+    template = "{mission} is ready; MISSION_START flies it"
+    is_recorded = False
+
+    mission: InText[str]
+    is_refused: IsRefused = field(default=False, init=False)
+
+
+@dataclass(frozen=True, slots=True)
+class MissionUnreadable(UploadNews):
+    """A mission that was accepted cannot be read after all."""
+
+    template = "the mission cannot be read: {reason}"
+    is_recorded = False
+
+    reason: InText[str]
+    is_refused: IsRefused = field(default=True, init=False)
+
+
+@dataclass(frozen=True, slots=True)
+class RunNotRecordable(UploadNews):
+    """No run folder can be made, so nothing is flown."""
+
+    template = "no run folder, so nothing is flown: {reason}"
+    is_recorded = False
+
+    reason: InText[str]
+    is_refused: IsRefused = field(default=True, init=False)
+
+
+@dataclass(frozen=True, slots=True)
+class TerminalHungUp(FlightEvent):
+    """The terminal has hung up (SIGHUP), and the flight goes on."""
+
+    kind = "signal"
+    template = "the terminal has hung up (SIGHUP); the flight goes on"
+
+
+@dataclass(frozen=True, slots=True)
+class RecordingFailed(FlightEvent):
+    """The run folder cannot be written any more; the flight goes on."""
+
+    kind = "record"
+    template = "the run folder cannot be written, the flight goes on: {reason}"
+    is_recorded = False
+
+    reason: InText[str]

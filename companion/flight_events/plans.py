@@ -1,0 +1,107 @@
+"""Events about plans: one was made, made anew, not found, or a lap of one is done."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Annotated
+
+from companion.flight_events.event import FlightEvent
+from companion.flight_events.fields import Doc, Inline, InText
+
+PlanNumber = Annotated[int, Doc("of the plan; 0 is the first, N the one after replan N")]
+Task = Annotated[
+    Mapping[str, str],
+    Doc("each line of the task by its name: the formula, without patterns and goals"),
+]
+Cause = Annotated[str, Doc("why there was a new plan")]
+Cost = Annotated[float, Doc("seconds that it was expected to take")]
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedAction:
+    """An action of a plan."""
+
+    action: Annotated[str, Doc("as the mission spells it, e.g. `move(A, B)`")]
+    skill: Annotated[str, Doc("the skill's name")]
+    arguments: Annotated[tuple[str, ...], Doc("what the skill's parameters are bound to")]
+    cost_s: Cost
+
+
+Actions = Annotated[tuple[PlannedAction, ...], Doc("lists of `{action, skill, arguments, cost_s}`")]
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedLasso:
+    """A plan as it is told and kept: `prefix` once, then `loop` for ever.
+
+    >>> move = PlannedAction("move(A, B)", "move", ("A", "B"), 5.0)
+    >>> print(PlannedLasso((move,), (PlannedAction("wait", "wait", (), 0.1),), 5.0, 0.1))
+    move(A, B), (wait)^w
+    """
+
+    prefix: Actions
+    loop: Actions
+    prefix_cost_s: Cost
+    lap_cost_s: Cost
+
+    def __str__(self) -> str:
+        prefix = "".join(f"{step.action}, " for step in self.prefix)
+        return f"{prefix}({', '.join(step.action for step in self.loop)})^w"
+
+
+@dataclass(frozen=True, slots=True)
+class PlanMade(FlightEvent):
+    """The first plan was made."""
+
+    kind = "plan"
+    template = "plan: {plan}"
+
+    number: PlanNumber = field(default=0, init=False)
+    task: Task
+    plan: Inline[PlannedLasso]
+
+
+@dataclass(frozen=True, slots=True)
+class WrittenTreeAdopted(FlightEvent):
+    """The mission brings its own tree, and nothing is planned."""
+
+    kind = "plan"
+    template = "the mission's own tree"
+
+    number: PlanNumber = field(default=0, init=False)
+    task: Task
+
+
+@dataclass(frozen=True, slots=True)
+class PlanReplaced(FlightEvent):
+    """Another plan was made."""
+
+    kind = "replan"
+    template = "replan {number}: {reason} -> {plan}"
+
+    number: PlanNumber
+    reason: Cause
+    plan: Inline[PlannedLasso]
+
+
+@dataclass(frozen=True, slots=True)
+class NoPlanFound(FlightEvent):
+    """There is no other plan."""
+
+    kind = "replan"
+    template = "replan {number}: {reason}: {explanation}"
+
+    number: InText[int]
+    reason: Cause
+    explanation: InText[str]
+
+
+@dataclass(frozen=True, slots=True)
+class LapCompleted(FlightEvent):
+    """A lap of the plan's loop was completed."""
+
+    kind = "lap"
+    template = "lap {lap} done"
+
+    lap: Annotated[int, Doc("how many laps are done")]

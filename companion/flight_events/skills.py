@@ -1,0 +1,96 @@
+"""Events about skills: what was reached and done, what has failed, how the way has changed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import Annotated
+
+from companion.flight_events.event import FlightEvent
+from companion.flight_events.fields import Doc, InText
+from companion.geometry import Ned
+
+ActionName = Annotated[str, Doc("as the mission spells it, e.g. `move(A, B)`")]
+
+
+@dataclass(frozen=True, slots=True)
+class PlaceReached(FlightEvent):
+    """A flight has reached its place."""
+
+    kind = "at"
+    template = "at {place}"
+
+    place: InText[str]
+    action: ActionName
+
+
+@dataclass(frozen=True, slots=True)
+class SkillCompleted(FlightEvent):
+    """Another skill was completed."""
+
+    kind = "done"
+    template = "{action} done"
+
+    action: ActionName
+
+
+@dataclass(frozen=True, slots=True)
+class SkillFailed(FlightEvent):
+    """A skill has failed."""
+
+    kind = "failed"
+    template = "{action} failed: {reason}"
+
+    action: ActionName
+    reason: InText[str]
+
+
+@dataclass(frozen=True, slots=True)
+class WrittenTreeFailed(FlightEvent):
+    """The mission's own tree has failed."""
+
+    kind = "failed"
+    template = "the tree has failed: {reason}"
+
+    reason: InText[str]
+
+
+class RouteResponse(Enum):
+    """What is done about a way that is not clear."""
+
+    ANOTHER_ROUTE = "another route"
+    STOPPING = "stopping"
+    NO_ROUTE = "no route"
+
+
+@dataclass(frozen=True, slots=True)
+class RouteBlocked(FlightEvent):
+    """The flight to a place was rerouted, or stopped, by what the lidar saw."""
+
+    kind = "route"
+    template = "the way to {place} is not clear: {response}"
+
+    place: Annotated[str, Doc("where the flight leads")]
+    response: InText[RouteResponse]
+
+
+@dataclass(frozen=True, slots=True)
+class SymbolMoved(FlightEvent):
+    """A place is flown to at another waypoint."""
+
+    kind = "symbol"
+    template = "{place} is now {east_m:.1f} m east, {north_m:.1f} m north ({source})"
+
+    place: Annotated[str, Doc("where flights lead to at another waypoint")]
+    position: Annotated[Ned, Doc("the waypoint: local NED, metres")]
+    source: Annotated[str, Doc("who has proposed the waypoint")]
+
+    @property
+    def north_m(self) -> float:
+        """The waypoint, north of home."""
+        return self.position[0]
+
+    @property
+    def east_m(self) -> float:
+        """The waypoint, east of home."""
+        return self.position[1]

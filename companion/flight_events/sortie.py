@@ -1,0 +1,192 @@
+"""Events about the sortie: its phases, who has control, what the gate holds back, and its end."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Annotated
+
+from companion.flight_events.event import FlightEvent
+from companion.flight_events.fields import Doc, InText
+
+ExitCode = Annotated[int, Doc("with which the command ends")]
+
+
+class Phase(Enum):
+    """Where a sortie is; companion/acting/phases.py says where each phase leads."""
+
+    WAITING = "waiting for the vehicle"
+    CHECKING = "checking the autopilot's failsafes"
+    ARMING = "arming"
+    TAKE_OFF = "taking off"
+    OFFBOARD = "entering OFFBOARD"
+    TASK = "flying the task"
+    PAUSED = "paused"
+    RETURNING = "returning home as asked"
+    YIELDED = "yielded"
+    HOLDING = "holding"
+    PARTING = "leaving the vehicle on hold"
+    LANDING = "landing"
+    ENDED = "ended"
+
+
+@dataclass(frozen=True, slots=True)
+class PhaseEntered(FlightEvent):
+    """A phase of the sortie began."""
+
+    kind = "phase"
+    template = "{phase}"
+
+    phase: InText[Phase]
+
+
+@dataclass(frozen=True, slots=True)
+class GoalFailed(FlightEvent):
+    """A phase has not reached what it works towards."""
+
+    kind = "phase"
+    template = "{reason}"
+
+    reason: InText[str]
+
+
+@dataclass(frozen=True, slots=True)
+class WeakFailsafeAccepted(FlightEvent):
+    """The vehicle is armed although a failsafe of its autopilot is weak."""
+
+    kind = "phase"
+    template = "accepted: {weakness}"
+
+    weakness: InText[str]
+
+
+@dataclass(frozen=True, slots=True)
+class ControlYielded(FlightEvent):
+    """Somebody else flies, and may hand the vehicle back."""
+
+    kind = "phase"
+    template = "{loss}; hold, then continue, gives it back"
+
+    loss: InText[str]
+
+
+@dataclass(frozen=True, slots=True)
+class ControlRegained(FlightEvent):
+    """The operator has given control back."""
+
+    kind = "phase"
+    template = "control given back by the operator"
+
+
+@dataclass(frozen=True, slots=True)
+class StopRequested(FlightEvent):
+    """The operator has asked for a stop, which begins now."""
+
+    kind = "phase"
+    template = "stopping as asked"
+
+
+@dataclass(frozen=True, slots=True)
+class ReturnBegun(FlightEvent):
+    """The task has no plan, and the vehicle flies home."""
+
+    kind = "phase"
+    template = "returning to {place}"
+
+    place: InText[str]
+
+
+@dataclass(frozen=True, slots=True)
+class ReturnFailed(FlightEvent):
+    """A flight home that the operator has asked for has failed."""
+
+    kind = "phase"
+    template = "cannot return to {place}: {reason}"
+
+    place: InText[str]
+    reason: InText[str]
+
+
+@dataclass(frozen=True, slots=True)
+class VehicleLanded(FlightEvent):
+    """The vehicle has landed by its plan, which goes on."""
+
+    kind = "phase"
+    template = "landed on the way"
+
+
+@dataclass(frozen=True, slots=True)
+class VehicleAirborne(FlightEvent):
+    """The vehicle has taken off by its plan."""
+
+    kind = "phase"
+    template = "in the air again"
+
+
+@dataclass(frozen=True, slots=True)
+class BatteryCharged(FlightEvent):
+    """The battery has what the plan waited for."""
+
+    kind = "phase"
+    template = "charged to {percent} %"
+
+    percent: InText[int]
+
+
+@dataclass(frozen=True, slots=True)
+class SetpointRefused(FlightEvent):
+    """The gate began to hold setpoints back."""
+
+    kind = "gate"
+    template = "setpoint refused, holding: {reason}"
+
+    reason: Annotated[str, Doc("why the gate refused")]
+
+
+class RunEnded(FlightEvent):
+    """The run is over.
+
+    Attributes:
+        exit_code: with which the command ends; 0 is good.
+    """
+
+    __slots__ = ()
+    kind = "end"
+    exit_code: int
+
+
+@dataclass(frozen=True, slots=True)
+class TaskSatisfied(RunEnded):
+    """The run is over, and the task is satisfied."""
+
+    template = "task satisfied, landed"
+
+    exit_code: ExitCode = field(default=0, init=False)
+
+
+@dataclass(frozen=True, slots=True)
+class ReturnedAsAsked(RunEnded):
+    """The run is over: the operator has called the vehicle home."""
+
+    template = "returned as asked, landed"
+
+    exit_code: ExitCode = field(default=0, init=False)
+
+
+@dataclass(frozen=True, slots=True)
+class StoppedAsAsked(RunEnded):
+    """The run is over: the operator has stopped it."""
+
+    template = "stopped as asked"
+
+    exit_code: ExitCode = field(default=0, init=False)
+
+
+@dataclass(frozen=True, slots=True)
+class RunFailed(RunEnded):
+    """The run is over, and did not end well."""
+
+    template = "{reason}"
+
+    reason: InText[str]
+    exit_code: ExitCode

@@ -1,0 +1,115 @@
+"""Events about the behaviour tree: which one is ticked, and what its nodes do."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import Annotated, NamedTuple
+
+from companion.flight_events.event import FlightEvent
+from companion.flight_events.fields import Doc, InText
+
+
+class NodeType(Enum):
+    """What a node is."""
+
+    ACTION = "action"
+    SEQUENCE = "sequence"
+    SELECTOR = "selector"
+    REPEAT = "repeat"
+    DECORATOR = "decorator"
+    LEAF = "leaf"
+
+
+class NodeStatus(Enum):
+    """What a node does; py_trees' names."""
+
+    INVALID = "INVALID"
+    RUNNING = "RUNNING"
+    SUCCESS = "SUCCESS"
+    FAILURE = "FAILURE"
+
+
+@dataclass(frozen=True, slots=True)
+class TreeNode:
+    """A node of a tree."""
+
+    depth: Annotated[int, Doc("how far it stands below the root")]
+    type: Annotated[NodeType, Doc("what it is")]
+    name: Annotated[str, Doc("as people know it")]
+
+
+@dataclass(frozen=True, slots=True)
+class ActionTreeNode(TreeNode):
+    """A node with an action of the plan below it."""
+
+    destination: Annotated[str | None, Doc("the place that it flies to, or null")]
+    assumes: Annotated[tuple[str, ...], Doc("the beliefs that it relies on")]
+
+
+class NodeChange(NamedTuple):
+    """A node that has another status.
+
+    Attributes:
+        node: its place among the tree's nodes, from 0.
+        feedback: what a leaf says about it.
+    """
+
+    node: int
+    status: NodeStatus
+    feedback: str
+
+
+Changes = Annotated[
+    tuple[NodeChange, ...],
+    Doc(
+        "a list of the node's number (its place in `nodes`, from 0), its status as py_trees names "
+        "it, and what a leaf says about it"
+    ),
+]
+
+
+@dataclass(frozen=True, slots=True)
+class TreeBuilt(FlightEvent):
+    """Another behaviour tree is ticked from now on."""
+
+    kind = "tree"
+    template = "a tree of {size} nodes"
+    is_told = False
+
+    nodes: Annotated[
+        tuple[ActionTreeNode | TreeNode, ...],
+        Doc(
+            "depth first, each with `depth`, `type` and `name`; an `action` also with its "
+            "`destination` (a place, or null) and what it `assumes`"
+        ),
+    ]
+
+    @property
+    def size(self) -> int:
+        """The number of its nodes."""
+        return len(self.nodes)
+
+
+@dataclass(frozen=True, slots=True)
+class NodesChanged(FlightEvent):
+    """Nodes of the tree have another status; the text names the one that was ticked last."""
+
+    kind = "status"
+    template = "{tip}: {tip_status}"
+    is_told = False
+
+    tip: InText[str]
+    tip_status: InText[NodeStatus]
+    changed: Changes
+
+
+@dataclass(frozen=True, slots=True)
+class TreeStopped(FlightEvent):
+    """The tree is not ticked any more."""
+
+    kind = "status"
+    template = "nothing runs"
+    is_told = False
+
+    changed: Changes

@@ -1,0 +1,51 @@
+"""Events about the word of the flight: its positions, and what they violate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from companion.flight_events.event import FlightEvent
+from companion.flight_events.fields import Doc
+
+Facts = Annotated[
+    tuple[str, ...],
+    Doc("a list of the facts that held; of the beliefs those that the task mentions"),
+]
+
+
+@dataclass(frozen=True, slots=True)
+class PositionLeft(FlightEvent):
+    """A position of the word was left."""
+
+    kind = "position"
+    template = "position {number}: {listed}"
+    is_told = False
+
+    number: Annotated[int, Doc("of the position; 0 is the start")]
+    facts: Facts
+    withdrawn: Annotated[tuple[str, ...], Doc("a list of the beliefs that are not held")]
+    restarted: Annotated[
+        tuple[str, ...], Doc("a list of the lines of the task that begin anew with this position")
+    ]
+    for_ever: Annotated[
+        bool, Doc("whether the vehicle rests here, so that all positions to come are the same")
+    ]
+
+    @property
+    def listed(self) -> str:
+        """The facts in one line."""
+        return ", ".join(self.facts)
+
+
+@dataclass(frozen=True, slots=True)
+class ConjunctViolated(FlightEvent):
+    """A conjunct cannot hold any more since that position."""
+
+    kind = "violation"
+    template = "{conjunct} violated at position {position}: {formula}"
+
+    conjunct: Annotated[str, Doc("the name of the line of the task that is violated")]
+    formula: Annotated[str, Doc("what is violated")]
+    position: Annotated[int, Doc("the number of the position that violates it")]
+    facts: Facts

@@ -1,0 +1,124 @@
+"""One mission flown once, with all its parts.
+
+`Run` puts them together, the acting side and the MAVLink side, and records what happens. Messages
+and time in, messages out; who owns the link and lives longer is `app.py`.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from companion.acting.assembly import assemble
+from companion.acting.event_detector import EventDetector
+from companion.acting.sortie import Sortie
+from companion.flight_events.event import Stamped
+from companion.geometry import Ned
+from companion.mavlink.framing import Message
+from companion.mission.model import Mission, Signal
+from companion.motion.sensed_map import SensedMap
+from companion.vehicle.gate import Envelope
+from companion.vehicle.offboard import MavlinkVehicle
+from companion.vehicle.telemetry import Telemetry
+from companion.vehicle.wire import Wire
+
+
+class Recorder(Protocol):
+    """Keeps what happens in a run."""
+
+    def report(self, stamped: Stamped) -> None:
+        """Something happened."""
+
+    def packets(self, now_s: float, datagrams: list[bytes]) -> None:
+        """Datagrams went over the link, in either direction."""
+
+    def position(self, now_s: float, position: Ned) -> None:
+        """Where the vehicle is, once per tick."""
+
+
+class Run:
+    """One mission flown once, all its parts put together; its reports count time from its start.
+
+    Args:
+        mission: what to do.
+        recorder: told of everything that happens.
+        wire: whose system the vehicle is.
+        telemetry: what its autopilot says, and has said before this run.
+        start_s: when it begins.
+        accepts_weak_failsafes: fly although the autopilot's failsafes are weak.
+        may_yield: wait for the operator when somebody else has taken control in flight.
+    """
+
+    def __init__(
+        self,
+        mission: Mission,
+        recorder: Recorder,
+        wire: Wire,
+        telemetry: Telemetry,
+        start_s: float,
+        accepts_weak_failsafes: bool,
+        may_yield: bool,
+    ) -> None:
+        detector = EventDetector(mission.events)
+        home, limits, profile = mission.home, mission.limits, mission.vehicle
+        self.mission = mission
+        self.recorder = recorder
+        self.start_s = start_s
+        self.vehicle = MavlinkVehicle(
+            wire,
+            telemetry,
+            Envelope(
+                limits.fence,
+                limits.up_m,
+                mission.speed_limits.speed_mps,
+                profile.climb_mps,
+                profile.descent_mps,
+                profile.carrot_m,
+            ),
+            detector.signals,
+            takeoff_up_m=-home.position[2],
+        )
+        self.awaited = frozenset(s.field for s in detector.signals if s.message == "COMMAND")
+        acting = assemble(mission, self.vehicle, detector)
+        self.flight = acting.flight
+        self.sortie = Sortie(
+            acting.flight,
+            acting.executive,
+            home,
+            mission.otherwise,
+            accepts_weak_failsafes,
+            may_yield,
+        )
+        self._map = SensedMap(mission.grid)
+
+    def step(
+        self, now_s: float, messages: list[Message], asked: list[tuple[Signal, float]]
+    ) -> list[Stamped]:
+        """One tick: reads what arrived and acts; returns what happened."""
+        self.flight.speed_limit.advance(now_s)
+        self.vehicle.set_speed_limit(self.flight.speed_limit.now_mps)
+        readings = asked + self.vehicle.receive(now_s, messages)
+        if any([self._map.integrate(scan) for scan in self.vehicle.scans]):
+            self.flight.routes.see(self._map.grid)
+        self.sortie.step(now_s, readings)
+        reports = self.flight.reports.copy()
+        self.flight.reports.clear()
+        return reports
+
+    def record(self, now_s: float, packets: list[bytes], reports: list[Stamped]) -> None:
+        """Hands everything on to the recorder."""
+        self.recorder.packets(now_s - self.start_s, packets)
+        position = self._position()
+        if position is not None:
+            self.recorder.position(now_s - self.start_s, position)
+        for stamped in reports:
+            time_s = round(stamped.time_s - self.start_s, 3)
+            self.recorder.report(Stamped(time_s, stamped.event))
+
+    def adjust(self, speed_max_mps: float, belief_retry_s: float) -> None:
+        """Takes over the companion's parameters; a flight under way is slowed, if need be."""
+        self.flight.speed_limit.set_operator_limit(speed_max_mps)
+        self.flight.belief_retry_s = belief_retry_s if belief_retry_s >= 0.0 else None
+
+    def _position(self) -> Ned | None:
+        state = self.vehicle.state
+        return state.position if state else None

@@ -1,0 +1,154 @@
+"""The grid graph: free cells joined by 16 kinds of edges.
+
+An edge leads from a cell to one of its 8 neighbours or, as a knight moves, to one of 8 more, so
+that a path along edges is at most 2.75 % longer than a straight one (1 / cos of half the angle
+between two edges). An edge exists if every cell that it crosses or touches is free, and then in
+both directions. Some may be taken out in one direction, such as those that enter a region.
+
+The edges at a cell are the bits of one number: bit i stands for the cell at `OFFSETS[i]` from it.
+So edges are taken out, and two maps compared, by one operation for each cell.
+
+Cells are (row, column); a flat index is row * cols + col. Points are in cells
+(`line_of_sight.py`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+import numpy.typing as npt
+
+from companion.motion.line_of_sight import Points, enters_disc
+
+Cell = tuple[int, int]
+Cells = npt.NDArray[np.intp]
+"""Flat indices."""
+EdgeBits = npt.NDArray[np.uint16]
+"""(rows, cols) edges at each cell."""
+Lengths = npt.NDArray[np.float64]
+
+_QUADRANTS = ((1, 1), (1, -1), (-1, 1), (-1, -1))
+_CROSSED: dict[Cell, tuple[Cell, ...]] = {  # offset: the cells between that the edge touches
+    **{offset: () for offset in ((1, 0), (-1, 0), (0, 1), (0, -1))},
+    **{(r, c): ((r, 0), (0, c)) for r, c in _QUADRANTS},
+    **{(r, 2 * c): ((0, c), (r, c)) for r, c in _QUADRANTS},
+    **{(2 * r, c): ((r, 0), (r, c)) for r, c in _QUADRANTS},
+}
+OFFSETS = np.array(list(_CROSSED))
+_REVERSED = np.array([list(_CROSSED).index((-row, -col)) for row, col in _CROSSED])
+_REACH = 2  # cells; the longest component of an edge
+_FLAGS = (1 << np.arange(len(_CROSSED))).astype(np.uint16)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GridGraph:
+    """Edges between the cells of a map, seen from both of their ends.
+
+    Attributes:
+        outgoing: edges from each cell to the one at the offset.
+        incoming: edges to each cell from the one at the offset.
+    """
+
+    outgoing: EdgeBits
+    incoming: EdgeBits
+
+    def successors(self, cells: Cells) -> tuple[Cells, Lengths]:
+        """Where the edges from some cells (n,) lead, and how long they are.
+
+        Returns:
+            (n, 16) cells, which may lie off the map where there is no such edge.
+            (n, 16) lengths in cells, inf where there is no such edge.
+        """
+        return cells[:, None] + self.index_steps, edge_lengths(self.outgoing.ravel()[cells])
+
+    def predecessors(self, cells: Cells) -> tuple[Cells, Lengths]:
+        """Where the edges to some cells (n,) come from, and how long they are; as above."""
+        return cells[:, None] + self.index_steps, edge_lengths(self.incoming.ravel()[cells])
+
+    @property
+    def index_steps(self) -> Cells:
+        """(16,) what the edges from a cell add to its flat index."""
+        return np.asarray(OFFSETS @ (self.outgoing.shape[1], 1))
+
+    def without(self, others: GridGraph) -> GridGraph:
+        """The graph without the edges of another one."""
+        return GridGraph(self.outgoing & ~others.outgoing, self.incoming & ~others.incoming)
+
+
+def grid_graph(free: npt.NDArray[np.bool_]) -> GridGraph:
+    """The graph of all edges between free cells.
+
+    Args:
+        free: (rows, cols); everything outside is not free.
+
+    >>> graph = grid_graph(np.array([[True, True], [True, False]]))
+    >>> [int(edges).bit_count() for edges in graph.outgoing.ravel()]  # no diagonal past a corner
+    [2, 1, 1, 0]
+    """
+    rows, cols = free.shape
+    framed = np.pad(free, _REACH)
+
+    def is_free(row: int, col: int) -> npt.NDArray[np.bool_]:
+        """Whether the cell at an offset from each cell is free."""
+        return framed[_REACH + row :, _REACH + col :][:rows, :cols]
+
+    bits = np.zeros(free.shape, dtype=np.uint16)
+    for flag, (offset, crossed) in zip(_FLAGS, _CROSSED.items(), strict=True):
+        exists = free & is_free(*offset)
+        for cell in crossed:
+            exists &= is_free(*cell)
+        bits |= exists * flag
+    return GridGraph(bits, bits)
+
+
+def edges_entering(shape: Cell, centre: Points, radius: float) -> GridGraph:
+    """The edges that come into a disc from outside, whether cells are free or not.
+
+    Args:
+        shape: rows and columns of the map.
+        centre: (2,) of the disc.
+        radius: of the disc, in cells.
+    """
+    low = np.maximum(np.floor(centre - radius).astype(int) - _REACH, 0)
+    high = np.minimum(np.ceil(centre + radius).astype(int) + _REACH, shape)
+    near = low + np.argwhere(np.ones(np.maximum(high - low, 0)))
+    origin = near[:, None] + OFFSETS
+    enter = enters_disc(origin + 0.5, near[:, None] + 0.5, centre, radius)
+    cell, i = np.nonzero(enter & np.all((origin >= 0) & (origin < shape), axis=-1))
+    edges = empty_graph(shape)
+    np.bitwise_or.at(edges.incoming, tuple(near[cell].T), _FLAGS[i])
+    np.bitwise_or.at(edges.outgoing, tuple(origin[cell, i].T), _FLAGS[_REVERSED[i]])
+    return edges
+
+
+def empty_graph(shape: Cell) -> GridGraph:
+    """The graph of a map without any edges."""
+    return GridGraph(np.zeros(shape, dtype=np.uint16), np.zeros(shape, dtype=np.uint16))
+
+
+def union(graphs: Iterable[GridGraph], shape: Cell) -> GridGraph:
+    """The edges of several graphs of the same map."""
+    found = empty_graph(shape)
+    for graph in graphs:
+        np.bitwise_or(found.outgoing, graph.outgoing, out=found.outgoing)
+        np.bitwise_or(found.incoming, graph.incoming, out=found.incoming)
+    return found
+
+
+def edge_lengths(bits: EdgeBits, out: Lengths | None = None) -> Lengths:
+    """(n, 16) lengths of the edges at some cells (n,), inf where there is none."""
+    return _length_table().take(bits, axis=0, out=out, mode="clip")
+
+
+@cache
+def _length_table() -> Lengths:
+    """(65536, 16) the lengths that belong to each number.
+
+    The numbers are wide, 8 MB in between: the C library then keeps as much memory at hand when a
+    search gives it back, which makes large searches a third quicker.
+    """
+    numbers, flags = np.arange(1 << len(_CROSSED)), 1 << np.arange(len(_CROSSED))
+    return np.where(numbers[:, None] & flags, np.hypot(*OFFSETS.T), np.inf)

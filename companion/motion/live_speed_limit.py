@@ -1,0 +1,93 @@
+"""The speed limit in force: one for the costs of plans, for trajectories and for the gate.
+
+The target is what the mission and the vehicle allow, and less if an operator says so. It may change
+in flight. The limit in force goes to a new target at the vehicle's acceleration: a trajectory under
+way is flown more slowly along the same path, without a jump of its speed, and the gate, which knows
+the same limit, does not refuse it. New plans reckon with the target at once.
+
+No clock: whoever ticks says what time it is.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from companion.geometry import Ned
+from companion.motion.profile import SpeedLimits
+from companion.motion.trajectory import Sample
+
+_ROUNDING = 1e-6  # of a speed; a trajectory that is exactly at the limit is not slowed
+
+
+class LiveSpeedLimit:
+    """The speed limit of one flight.
+
+    Args:
+        limits: of the mission and its vehicle; what an operator says only lowers their speed.
+
+    Attributes:
+        target: the limits that new plans reckon with.
+        now_mps: the speed limit in force.
+        version: counts the changes of the target.
+    """
+
+    def __init__(self, limits: SpeedLimits) -> None:
+        self.target = limits
+        self.now_mps = limits.speed_mps
+        self.version = 0
+        self._limits = limits
+        self._change_mps2 = 0.0
+        self._now_s: float | None = None
+
+    @property
+    def for_trajectory(self) -> SpeedLimits:
+        """The limits of a trajectory that is made now; above the target while it slows down."""
+        return replace(self.target, speed_mps=max(self.now_mps, self.target.speed_mps))
+
+    def set_operator_limit(self, speed_mps: float) -> None:
+        """An operator allows no more than this; more than the mission allows changes nothing."""
+        speed_mps = min(speed_mps, self._limits.speed_mps)
+        if speed_mps != self.target.speed_mps:
+            self.target = replace(self.target, speed_mps=speed_mps)
+            self.version += 1
+
+    def advance(self, now_s: float) -> None:
+        """Takes the time of a tick."""
+        passed_s = 0.0 if self._now_s is None else max(0.0, now_s - self._now_s)
+        self._now_s = now_s
+        missing_mps = self.target.speed_mps - self.now_mps
+        step_mps = self.target.acceleration_mps2 * passed_s
+        if abs(missing_mps) <= step_mps:
+            self.now_mps, self._change_mps2 = self.target.speed_mps, 0.0
+        else:
+            self.now_mps += math.copysign(step_mps, missing_mps)
+            self._change_mps2 = math.copysign(self.target.acceleration_mps2, missing_mps)
+
+    def slowed(self, sample: Sample) -> tuple[Sample, float]:
+        """A moment of a trajectory as it may be flown now.
+
+        Returns:
+            The sample, no faster than the limit in force; and how fast the trajectory's time runs.
+
+        >>> limit = LiveSpeedLimit(SpeedLimits(2.0, 2.0, 8.0))
+        >>> limit.set_operator_limit(1.0)
+        >>> limit.advance(10.0), limit.advance(10.25)
+        (None, None)
+        >>> sample = Sample((0.0, 0.0, 0.0), (2.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, False)
+        >>> slowed, rate = limit.slowed(sample)
+        >>> slowed.velocity[0], slowed.acceleration[0], rate
+        (1.5, -2.0, 0.75)
+        """
+        speed_mps = math.hypot(*sample.velocity)
+        if speed_mps <= self.now_mps * (1 + _ROUNDING):
+            return sample, 1.0
+        rate = self.now_mps / speed_mps
+        velocity = _times(sample.velocity, rate)
+        acceleration = _times(sample.velocity, self._change_mps2 / speed_mps)
+        return replace(sample, velocity=velocity, acceleration=acceleration), rate
+
+
+def _times(vector: Ned, factor: float) -> Ned:
+    north, east, down = vector
+    return (north * factor, east * factor, down * factor)

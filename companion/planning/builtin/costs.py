@@ -1,0 +1,13 @@
+"""Costs of paths, as arrays of whole milliseconds."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Costs = NDArray[np.int64]
+"""Milliseconds; UNREACHABLE_MS where there is no path."""
+Marks = NDArray[np.bool_]
+"""(T, M): which acceptance marks each target has."""
+UNREACHABLE_MS = 1 << 50
+"""The cost where there is no path: above all real costs, and thousands of it can be added up."""

@@ -1,0 +1,87 @@
+"""Shortest paths between nodes of a product, by Dijkstra's algorithm.
+
+Of equally short paths the one whose first actions come first in the mission file is taken.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from scipy.sparse.csgraph import dijkstra
+
+from companion.planning.builtin.costs import UNREACHABLE_MS, Costs
+from companion.planning.builtin.product import Product
+
+
+class Edge(NamedTuple):
+    """An edge of a path: the action, its cost, and the node where it ends."""
+
+    action: int
+    cost_ms: int
+    end: int
+
+
+class ShortestPaths:
+    """The shortest paths in a product.
+
+    Attributes:
+        from_start: (nodes,) cost of the shortest path from the start to each node, or to another
+            node of the same product state, after which the same can be done.
+        state_of: `Product.state_of` as an array.
+    """
+
+    def __init__(self, product: Product) -> None:
+        self._product = product
+        self._forward = product.cost_matrix()
+        self._backward = self._forward.T.tocsr()
+        own_costs = _whole(dijkstra(self._forward, indices=product.initial, min_only=True))
+        self._own_from_start = own_costs
+        self.state_of = np.array(product.state_of)
+        least = np.full(product.nodes, UNREACHABLE_MS)
+        np.minimum.at(least, self.state_of, own_costs)
+        self.from_start = least[self.state_of]
+
+    def costs_to(self, goals: Sequence[int]) -> Costs:
+        """Cost from every node to each goal, (goals, nodes)."""
+        return _whole(dijkstra(self._backward, indices=goals))
+
+    def costs_from(self, sources: Sequence[int]) -> Costs:
+        """Cost from each source to every node, (sources, nodes)."""
+        return _whole(dijkstra(self._forward, indices=sources))
+
+    def cycle_ms(self, node: int, to_node: Costs) -> int:
+        """Cost of the shortest cycle through a node, given the costs to it, (nodes,)."""
+        return min(
+            (cost + int(to_node[end]) for _, cost, end in self._product.edges(node)),
+            default=UNREACHABLE_MS,
+        )
+
+    def path(self, start: int, goal: int, to_goal: Costs) -> list[Edge]:
+        """The shortest path from a node to another; the shortest cycle if they are the same.
+
+        Args:
+            to_goal: cost from every node to the goal, (nodes,).
+        """
+        path: list[Edge] = []
+        node = start
+        while not path or node != goal:
+            action, cost, node = min(
+                self._product.edges(node), key=lambda edge: (edge[1] + to_goal[edge[2]], edge[0])
+            )
+            path.append(Edge(action, cost, node))
+        return path
+
+    def path_from_start(self, node: int) -> list[Edge]:
+        """The shortest path from the start to a node, or to another node of its product state."""
+        alike = np.flatnonzero(self.state_of == self.state_of[node])
+        goal = int(alike[self._own_from_start[alike].argmin()])
+        (to_goal,) = self.costs_to([goal])
+        start = min(self._product.initial, key=to_goal.__getitem__)
+        return self.path(start, goal, to_goal) if start != goal else []
+
+
+def _whole(costs: np.ndarray) -> Costs:
+    """Costs as integers, UNREACHABLE_MS in place of infinity."""
+    return np.where(np.isinf(costs), UNREACHABLE_MS, costs).astype(np.int64)

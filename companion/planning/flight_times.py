@@ -1,0 +1,65 @@
+"""What a flight between two places costs: the routes of a mission, and their seconds of flight."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+
+from companion.documents import did_you_mean
+from companion.errors import MissionError
+from companion.geometry import Ned
+from companion.ltl.formula import atoms
+from companion.mission.model import Mission
+from companion.motion.profile import SpeedLimits, flight_time_s
+from companion.motion.routes import PlaceRegion, RouteMap
+from companion.planning.domain import HERE, FlightTime
+
+
+def route_map(mission: Mission) -> RouteMap:
+    """The routes of a mission: the places that its task mentions are not crossed by chance."""
+    mentioned = frozenset().union(*(atoms(f) for f in mission.task.values()))
+    sites = {
+        name: PlaceRegion(place.position, place.radius_m, is_exclusive=f"at({name})" in mentioned)
+        for name, place in mission.places.items()
+    }
+    return RouteMap(mission.grid, sites, mission.limits.fence, mission.vehicle.clearance_m)
+
+
+def flight_times(
+    mission: Mission,
+    routes: RouteMap,
+    here: Callable[[], Ned | None] = lambda: None,
+    limits: Callable[[], SpeedLimits] | None = None,
+) -> FlightTime:
+    """Seconds of flight between places.
+
+    Args:
+        mission: whose places they are.
+        routes: its routes.
+        here: says where the vehicle is, between places.
+        limits: says how fast it may fly now; without it as fast as the mission allows.
+    """
+    as_written = mission.speed_limits
+
+    def flight_time(origin: str, goal: str) -> float:
+        start = here() if origin == HERE else routes.goal(origin)
+        if start is None:
+            return math.inf
+        now = limits() if limits else as_written
+        return flight_time_s(routes.distance_m(start[:2], goal), now)
+
+    return flight_time
+
+
+def from_table(mission: Mission, table: Mapping[tuple[str, str], float]) -> FlightTime:
+    """Flight times as a table has them: seconds by origin and goal; no route between others.
+
+    Raises:
+        MissionError: the mission does not have a place of the table.
+    """
+    for pair in table:
+        for name in pair:
+            if name not in mission.places and name != HERE:
+                hint = did_you_mean(name, mission.places)
+                raise MissionError(f"no place {name}, of which a flight time is given", hint=hint)
+    return lambda origin, goal: table.get((origin, goal), math.inf)

@@ -1,0 +1,66 @@
+"""The address that an autopilot is heard from, and so is answered at.
+
+Any program can send to a port. The rules:
+
+1. An address is learned from a HEARTBEAT of an autopilot alone, whose checksum is right.
+2. The first autopilot heard decides on the system; heartbeats of other systems count for nothing.
+3. An address is kept while it lives: another one takes its place only after `SILENT_S` without a
+   heartbeat from it, as after a restart of the autopilot on another port.
+
+Source: https://mavlink.io/en/services/heartbeat.html. No I/O.
+"""
+
+from __future__ import annotations
+
+import logging
+
+from companion.mavlink.framing import MavlinkCodec, choose, dialect, source
+from companion.vehicle.wire import is_autopilot
+
+SILENT_S = 3.0
+"""Three heartbeats were missed: the autopilot is no longer at its address."""
+
+Address = tuple[str, int]
+"""Host and port."""
+
+_HEARTBEAT = frozenset({dialect.MAVLINK_MSG_ID_HEARTBEAT})
+
+log = logging.getLogger(__name__)
+
+
+class AutopilotAddress:
+    """Learns where the autopilot is.
+
+    Attributes:
+        system: its system id; None until it was heard.
+        address: where it is; None until it was heard.
+    """
+
+    def __init__(self) -> None:
+        self.system: int | None = None
+        self.address: Address | None = None
+        self._heard_s = 0.0
+        self._ear = MavlinkCodec(0, 0)
+
+    def hear(self, now_s: float, sender: Address, datagram: bytes) -> None:
+        """Takes a datagram into account.
+
+        Args:
+            now_s: wall-clock time of its arrival, from any zero.
+            sender: where it came from.
+            datagram: what came.
+        """
+        for frame in choose([datagram], _HEARTBEAT, frozenset()):
+            for message in self._ear.parse(frame):
+                if is_autopilot(message):
+                    self._learn(now_s, sender, source(message)[0])
+
+    def _learn(self, now_s: float, sender: Address, system: int) -> None:
+        if self.system is None:
+            self.system = system
+        if system != self.system:
+            return
+        if self.address in (None, sender) or now_s - self._heard_s > SILENT_S:
+            if self.address != sender:
+                log.debug("answers go to %s:%d, the autopilot of system %d", *sender, system)
+            self.address, self._heard_s = sender, now_s

@@ -1,0 +1,115 @@
+"""Draws state diagrams into the documentation, from the tables that the program runs by.
+
+Each diagram stands between two lines of a page, and is replaced as a whole:
+
+    <!-- diagram: NAME -->
+    <!-- end of diagram: NAME -->
+
+Run it after a change of a table; a test compares the pages with the tables. To draw one more
+table, add it to DIAGRAMS and the two lines to its page. What is drawn is a sequence of rows with
+the attributes of `companion.transitions.StateTransition`: state, event, then, effect.
+
+Usage: python scripts/make_diagrams.py
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from companion.acting import phases
+from companion.ground import ftp_sessions, upload_states
+from companion.transitions import StateTransition
+
+DOCS = Path(__file__).parent.parent / "docs"
+Rows = Iterable[StateTransition[Any, Any]]
+
+
+class Diagram(NamedTuple):
+    """A table, and the page that shows it."""
+
+    name: str
+    page: str
+    rows: Rows
+
+
+DIAGRAMS = (
+    Diagram("sortie", "sortie.md", phases.TRANSITIONS),
+    Diagram("upload", "uploads.md", upload_states.TRANSITIONS),
+    Diagram("FTP session", "uploads.md", ftp_sessions.TRANSITIONS),
+)
+
+
+def mermaid(rows: Rows) -> str:
+    """A Mermaid state diagram (https://mermaid.js.org/syntax/stateDiagram.html).
+
+    States without a row of their own are final. A table that has no rows for its beginning begins
+    in the state of its first row.
+    """
+    rows = list(rows)
+    begun = {row.state for row in rows}
+    first = [] if None in begun else [_identifier(row.state.value) for row in rows[:1] if row.state]
+    final = dict.fromkeys(row.then for row in rows if row.then not in begun)
+    arrows: dict[tuple[str, str], list[str]] = {}
+    for row in rows:
+        before = "[*]" if row.state is None else _identifier(row.state.value)
+        arrows.setdefault((before, _identifier(row.then.value)), []).append(row.event.value)
+    names = dict.fromkeys(s for row in rows for s in (row.state, row.then) if s is not None)
+    titles = [s.value for s in names if _identifier(s.value) != s.value]
+    lines = [
+        "stateDiagram-v2",
+        *(f"    {_identifier(title)}: {title}" for title in titles),
+        *(f"    [*] --> {title}" for title in first),
+        *(f"    {a} --> {b}: {'<br/>'.join(events)}" for (a, b), events in arrows.items()),
+        *(f"    {_identifier(state.value)} --> [*]" for state in final),
+    ]
+    return "\n".join(["```mermaid", *lines, "```"])
+
+
+def table(rows: Rows) -> str:
+    """The rows as a table of Markdown."""
+    lines = [
+        f"| {row.state.value if row.state else 'none yet'} | {row.event.value} | {row.then.value} "
+        f"| {row.effect} |"
+        for row in rows
+    ]
+    return "\n".join(["| state | event | next state | what happens |", "|---|---|---|---|", *lines])
+
+
+def drawn(page: str, diagrams: Mapping[str, Rows]) -> str:
+    """The text of a page with its diagrams drawn anew.
+
+    Raises:
+        ValueError: a diagram has no place in the page.
+    """
+    for name, rows in diagrams.items():
+        begin, end = f"<!-- diagram: {name} -->", f"<!-- end of diagram: {name} -->"
+        place = re.compile(f"{re.escape(begin)}\n.*?{re.escape(end)}", re.DOTALL)
+        if len(place.findall(page)) != 1:
+            raise ValueError(f"the page has not one place for the diagram {name}")
+        text = "\n\n".join([begin, mermaid(rows), table(rows), end])
+        page = place.sub(lambda _, text=text: text, page)  # type: ignore[misc]
+    return page
+
+
+def pages() -> dict[Path, str]:
+    """Each page that has diagrams, as it should be."""
+    wanted: dict[Path, dict[str, Rows]] = {}
+    for diagram in DIAGRAMS:
+        wanted.setdefault(DOCS / diagram.page, {})[diagram.name] = diagram.rows
+    return {
+        page: drawn(page.read_text(encoding="utf-8"), diagrams) for page, diagrams in wanted.items()
+    }
+
+
+def _identifier(title: str) -> str:
+    """A state's title as Mermaid lets it be named: one word."""
+    return re.sub(r"\W+", "_", title)
+
+
+if __name__ == "__main__":
+    for page, text in pages().items():
+        page.write_text(text, encoding="utf-8")
+        print(f"wrote {page}")

@@ -1,0 +1,261 @@
+"""The autopilot as a MAVLink component: messages in, frames out; component 1 of its system.
+
+`SERVICES` maps a message to what answers it; what is not listed is not for the autopilot. Per step
+the component also sends what is due on each link: streams, HEARTBEAT at once when armed, mode or
+system status changed, the second answer to DO_SET_MODE, and notices as STATUSTEXT.
+
+Sources: the services of https://mavlink.io/en/services/; PX4's answers as they were seen.
+Left out so far: MAVLink FTP, events.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import ClassVar
+
+from companion.mavlink import ftp
+from companion.mavlink.framing import MavlinkCodec, Message, dialect, source
+from companion.mavlink.px4_modes import mode_name
+from companion.mavlink.statustext import chunks
+from sitl.autopilot.modes import FLIGHT_MODES
+from sitl.autopilot.situation import heading
+from sitl.link import parameters, setpoints
+from sitl.link.commands import ACCEPTED_FIRST, execute, request_from
+from sitl.link.messages import MESSAGE_CLASSES, MESSAGES, compose, message_name
+from sitl.link.mission_items import MissionType, WireItem, areas_from, item_from
+from sitl.link.mission_progress import MissionProgressReporter
+from sitl.link.mission_service import MissionService
+from sitl.link.routing import MAV_TYPE_GCS, LinkName, Router, is_for
+from sitl.link.streams import Streams
+from sitl.link.telemetry.system import status
+from sitl.link.vehicle import SimulatedVehicle
+from sitl.results import MavResult
+
+AUTOPILOT = 1  # MAV_COMP_ID_AUTOPILOT1
+LISTED_PER_STEP = 5  # of a parameter list: 140 take 0.1 s
+Outgoing = list[tuple[LinkName, bytes]]
+
+
+class AutopilotLink:
+    """The autopilot's end of one link: its sequence numbers and its streams."""
+
+    def __init__(
+        self, name: LinkName, system: int, vehicle: SimulatedVehicle, out: Outgoing
+    ) -> None:
+        self.name = name
+        self.vehicle = vehicle
+        self._out = out
+        self.streams = Streams(name, vehicle.state.time_s)
+        self.next_step: list[Message] = []
+        self.listing: list[str] = []
+        self._codec = MavlinkCodec(system, AUTOPILOT)
+
+    def send(self, message: Message) -> None:
+        """Packs a message for this link."""
+        self._out.append((self.name, self._codec.pack(message)))
+
+    def stream(self, name: str) -> None:
+        """Packs a message of the telemetry for this link."""
+        frame = self._codec.frame(MESSAGE_CLASSES[name], MESSAGES[name](self.vehicle))
+        self._out.append((self.name, frame))
+
+    def send_if(self, message: Message | None) -> None:
+        """Packs a message, if there is one."""
+        if message is not None:
+            self.send(message)
+
+    def request_message(self, message_id: int) -> bool:
+        """Sends a message once; False if there is none with that id."""
+        if (name := message_name(message_id)) is None:
+            return False
+        self.next_step.append(compose(name, self.vehicle))
+        return True
+
+    def interval_us(self, message_id: int) -> int:
+        """Interval of a stream, 0 for what is not sent by itself."""
+        name = message_name(message_id)
+        return self.streams.interval_us(name) if name else 0
+
+    def set_interval(self, message_id: int, interval_us: float) -> bool:
+        """Changes a stream's interval; False if it is not streamed."""
+        name = message_name(message_id)
+        now_s = self.vehicle.state.time_s
+        return name is not None and self.streams.set_interval(name, interval_us, now_s)
+
+
+class AutopilotComponent:
+    """Component 1/1 on all its links.
+
+    Args:
+        system: system id.
+        vehicle: the owner keeps `vehicle.state` current.
+        links: those with somebody at the other end.
+        router: knows where a ground station listens.
+    """
+
+    def __init__(
+        self, system: int, vehicle: SimulatedVehicle, links: frozenset[LinkName], router: Router
+    ) -> None:
+        self.address = (system, AUTOPILOT)
+        self._vehicle = vehicle
+        self._router = router
+        self._out: Outgoing = []
+        self._links = {
+            name: AutopilotLink(name, system, vehicle, self._out)
+            for name in LinkName
+            if name in links
+        }
+        self._reported_status = status(vehicle.autopilot)
+        self._text_count = 0
+        self._progress = MissionProgressReporter()
+        self._missions: MissionService = MissionService(
+            self._accept_plan, lambda: vehicle.autopilot.mission.current
+        )
+
+    def receive(self, name: LinkName, message: Message) -> None:
+        """Handles a message that came in on a link."""
+        service = self.SERVICES.get(message.get_type())
+        link = self._links.get(name)
+        if service and link and is_for(self.address, message):
+            service(self, link, message)
+
+    def step(self) -> Outgoing:
+        """The frames that leave now."""
+        vehicle, now_s = self._vehicle, self._vehicle.state.time_s
+        now = status(vehicle.autopilot)
+        for origin, message in self._missions.due(now_s):
+            self._links[origin].send(message)
+        common = self._progress.due(vehicle)
+        if now != self._reported_status:
+            common.append(compose("HEARTBEAT", vehicle))
+            self._reported_status = now
+        for link in self._links.values():
+            for message in (*link.next_step, *common):
+                link.send(message)
+            link.next_step.clear()
+            if link.listing:
+                self._list_parameters(link)
+            for name in link.streams.due(now_s):
+                link.stream(name)
+        self._send_status_texts()
+        return self.flush()
+
+    def _list_parameters(self, link: AutopilotLink) -> None:
+        known = self._vehicle.autopilot.parameters
+        for name in link.listing[:LISTED_PER_STEP]:
+            link.send(parameters.value_of(name, known))
+        del link.listing[:LISTED_PER_STEP]
+
+    def flush(self) -> Outgoing:
+        """Takes what has been packed since the last time."""
+        out = self._out.copy()
+        self._out.clear()
+        return out
+
+    def _send_status_texts(self) -> None:
+        status_texts = self._vehicle.autopilot.status_texts
+        if not status_texts:
+            return
+        for text in status_texts:
+            self._text_count += 1
+            for message in chunks(text.severity, text.text, self._text_count):
+                for link in self._links.values():
+                    if self._router.has_ground_station(link.name):
+                        link.send(message)
+        status_texts.clear()
+
+    def _command(self, link: AutopilotLink, message: Message) -> None:
+        request = request_from(message)
+        result = execute(link, request)
+        system, component = source(message)
+
+        def answer(value: MavResult) -> Message:
+            return dialect.MAVLink_command_ack_message(
+                request.command, value, 0, 0, system, component
+            )
+
+        if request.command in ACCEPTED_FIRST:
+            link.send(answer(MavResult.ACCEPTED))
+            link.next_step.append(answer(result))
+        else:
+            link.send(answer(result))
+
+    def _set_mode(self, link: AutopilotLink, message: Message) -> None:
+        """SET_MODE, QGroundControl's way; the HEARTBEAT is the answer."""
+        mode = mode_name(message.custom_mode)
+        if mode in FLIGHT_MODES:
+            self._vehicle.autopilot.set_mode(mode)
+
+    def _setpoint(self, link: AutopilotLink, message: Message) -> None:
+        vehicle = self._vehicle
+        setpoint = setpoints.setpoint_from(
+            message, heading(vehicle.state), vehicle.origin, vehicle.autopilot.home[2]
+        )
+        if setpoint is not None:
+            self._vehicle.autopilot.accept_setpoint(setpoint)
+
+    def _ping(self, link: AutopilotLink, message: Message) -> None:
+        if message.target_system == 0 and message.target_component == 0:
+            link.send(
+                dialect.MAVLink_ping_message(message.time_usec, message.seq, *source(message))
+            )
+
+    def _timesync(self, link: AutopilotLink, message: Message) -> None:
+        if message.tc1 == 0:
+            link.send(dialect.MAVLink_timesync_message(self._vehicle.boot_us * 1000, message.ts1))
+
+    def _ftp(self, link: AutopilotLink, message: Message) -> None:
+        link.send_if(ftp.refusal(message))
+
+    def _heartbeat(self, link: AutopilotLink, message: Message) -> None:
+        if message.type == MAV_TYPE_GCS:
+            self._vehicle.autopilot.note_ground_station()
+
+    def _param_list(self, link: AutopilotLink, message: Message) -> None:
+        link.listing = list(parameters.LISTED)
+
+    def _param_read(self, link: AutopilotLink, message: Message) -> None:
+        link.send_if(parameters.read(message, self._vehicle.autopilot.parameters))
+
+    def _param_set(self, link: AutopilotLink, message: Message) -> None:
+        link.send_if(parameters.write(message, self._vehicle.autopilot.parameters))
+
+    def _mission(self, link: AutopilotLink, message: Message) -> None:
+        for answer in self._missions.receive(link.name, message, self._vehicle.state.time_s):
+            link.send(answer)
+
+    def _mission_set_current(self, link: AutopilotLink, message: Message) -> None:
+        vehicle = self._vehicle
+        if not self._missions.is_busy and vehicle.autopilot.mission.set_current(message.seq):
+            link.send(compose("MISSION_CURRENT", vehicle))
+
+    def _accept_plan(
+        self, kind: MissionType, items: tuple[WireItem, ...], current: int | None
+    ) -> bool:
+        autopilot, origin = self._vehicle.autopilot, self._vehicle.origin
+        if kind is MissionType.MISSION:
+            autopilot.load_mission([item_from(item, origin) for item in items], current)
+        elif kind is MissionType.FENCE:
+            areas = areas_from(items, origin)
+            if areas is None:
+                return False
+            autopilot.load_fence(areas)
+        return True
+
+    SERVICES: ClassVar[dict[str, Callable[[AutopilotComponent, AutopilotLink, Message], None]]] = {
+        "HEARTBEAT": _heartbeat,
+        "COMMAND_LONG": _command,
+        "COMMAND_INT": _command,
+        "SET_MODE": _set_mode,
+        "SET_POSITION_TARGET_LOCAL_NED": _setpoint,
+        "SET_POSITION_TARGET_GLOBAL_INT": _setpoint,
+        "FILE_TRANSFER_PROTOCOL": _ftp,
+        "PING": _ping,
+        "TIMESYNC": _timesync,
+        "PARAM_REQUEST_LIST": _param_list,
+        "PARAM_REQUEST_READ": _param_read,
+        "PARAM_SET": _param_set,
+        "MISSION_SET_CURRENT": _mission_set_current,
+        **dict.fromkeys(MissionService.HANDLERS, _mission),
+    }
+    """Message -> what answers it."""

@@ -1,0 +1,163 @@
+"""The events of a scenario: their triggers, their effects, and which are due.
+
+An event has one trigger (a time, the n-th visit to a circle, the n-th command of a kind to a
+component on board), perhaps a delay after it, and one or more effects. It happens once, in the
+step in which it is due; several at once happen in the order of the file.
+
+`EFFECTS` is the table of effects: key of the scenario -> what is done to the world.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from companion.geometry import Ned, ned_from_enu
+from sitl.results import MavResult
+from sitl.world.payload import PayloadAnswer
+from sitl.world.visits import Circle, VisitCounter
+
+TIME_ROUNDING_S = 1e-9
+
+
+class EffectReceiver(Protocol):
+    """The world as far as events can change it."""
+
+    def show_target(self, is_seen: bool) -> None:
+        """The detector sees the target from now on, or does not."""
+
+    def set_payload_answer(self, answer: PayloadAnswer) -> None:
+        """The payload's answer from now on, everywhere."""
+
+    def set_wind(self, wind: Ned) -> None:
+        """The air's mean velocity, NED."""
+
+    def place_obstacle(self, name: str, is_present: bool) -> None:
+        """Puts an obstacle there or takes it away."""
+
+    def set_charge(self, charge: float) -> None:
+        """The battery's state of charge, 0 to 1."""
+
+    def set_gps(self, is_lost: bool | None, noise_m: float | None) -> None:
+        """The quality of GPS; None leaves it as it is."""
+
+    def refuse_arming(self, reason: str | None) -> None:
+        """Arming is refused for this reason; None allows it."""
+
+    def send_operator_command(self, command: str) -> None:
+        """The operator sends the companion a MAV_CMD."""
+
+
+EFFECTS: Mapping[str, Callable[[EffectReceiver, Any], None]] = {
+    "target": lambda world, value: world.show_target(value == "seen"),
+    "payload": lambda world, value: world.set_payload_answer(
+        PayloadAnswer(MavResult[value.result], value.after_s, value.silent, value.progress)
+    ),
+    "wind": lambda world, value: world.set_wind(ned_from_enu(value.east_mps, value.north_mps, 0.0)),
+    "obstacle": lambda world, value: world.place_obstacle(value.name, value.present),
+    "battery": lambda world, value: world.set_charge(value.charge),
+    "gps": lambda world, value: world.set_gps(value.lost, value.noise_m),
+    "arming": lambda world, value: world.refuse_arming(value.refused),
+    "operator": lambda world, value: world.send_operator_command(value),
+}
+"""Key in the scenario -> what it does with the key's value."""
+
+
+@dataclass(frozen=True, slots=True)
+class TimeTrigger:
+    """Simulated seconds since the start."""
+
+    at_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class VisitTrigger:
+    """The n-th visit to a circle, from 1."""
+
+    circle: Circle
+    visit: int
+
+
+@dataclass(frozen=True, slots=True)
+class CommandTrigger:
+    """The n-th command of a kind, from 1; repetitions are the same command.
+
+    Attributes:
+        component: to whom; None is any component on board.
+    """
+
+    command: int
+    nth: int
+    component: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class ScenarioEvent:
+    """A trigger and its effects.
+
+    Attributes:
+        effects: key of `EFFECTS` and the key's value, as the scenario has it.
+        text: the effects in plain words.
+        after_s: delay after the trigger.
+    """
+
+    trigger: TimeTrigger | VisitTrigger | CommandTrigger
+    effects: tuple[tuple[str, Any], ...]
+    text: str
+    after_s: float = 0.0
+
+
+@dataclass(slots=True)
+class _PendingEvent:
+    event: ScenarioEvent
+    visits: VisitCounter | None
+    commands: int = 0
+    due_s: float | None = None
+
+
+class EventSchedule:
+    """The events that have not happened yet.
+
+    Args:
+        events: in the order of the file.
+        start: where the vehicle is at first.
+    """
+
+    def __init__(self, events: tuple[ScenarioEvent, ...], start: Ned) -> None:
+        self._pending: list[_PendingEvent] = []
+        for event in events:
+            trigger = event.trigger
+            pending = _PendingEvent(event, None)
+            if isinstance(trigger, VisitTrigger):
+                pending.visits = VisitCounter(trigger.circle, start)
+            elif isinstance(trigger, TimeTrigger):
+                pending.due_s = trigger.at_s + event.after_s
+            self._pending.append(pending)
+
+    def note_command(self, command: int, component: int, now_s: float) -> None:
+        """A command has arrived for a component on board; 0 is for all."""
+        for pending in self._pending:
+            trigger = pending.event.trigger
+            if pending.due_s is None and isinstance(trigger, CommandTrigger):
+                is_meant = component == 0 or trigger.component in (None, component)
+                pending.commands += is_meant and command == trigger.command
+                if pending.commands == trigger.nth:
+                    pending.due_s = now_s + pending.event.after_s
+
+    def step(self, position: Ned, now_s: float) -> list[ScenarioEvent]:
+        """The events that happen now."""
+        if not self._pending:
+            return []
+        due = []
+        for pending in self._pending:
+            trigger = pending.event.trigger
+            if pending.visits and pending.due_s is None and isinstance(trigger, VisitTrigger):
+                pending.visits.update(position)
+                if pending.visits.count == trigger.visit:
+                    pending.due_s = now_s + pending.event.after_s
+            if pending.due_s is not None and now_s >= pending.due_s - TIME_ROUNDING_S:
+                due.append(pending)
+        for pending in due:
+            self._pending.remove(pending)
+        return [pending.event for pending in due]

@@ -1,0 +1,84 @@
+"""A Python program flies a vehicle on a link, by `companion.run`."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from ports import free_instance
+
+from companion import FlightResult, LinkError, audit, load_mission, run
+from companion.acting.report import Report
+
+pytestmark = pytest.mark.sockets
+
+MISSION: dict[str, Any] = {
+    "version": 1,
+    "name": "there",
+    "map": {"east_m": [-2, 6], "north_m": [-2, 6]},
+    "limits": {"speed_mps": 3, "up_m": [0.5, 4], "fence": [[-2, -2], [6, -2], [6, 6], [-2, 6]]},
+    "places": {
+        "Home": {"east_m": 0, "north_m": 0, "up_m": 2},
+        "A": {"east_m": 3, "north_m": 3, "up_m": 2},
+    },
+    "sets": {"Place": ["Home", "A"]},
+    "skills": {
+        "move": {
+            "parameters": {"from": "Place", "to": "Place"},
+            "precondition": "at(from)",
+            "effect": "at(to) & !at(from)",
+            "execute": "fly(to)",
+        }
+    },
+    "initially": ["at(Home)"],
+    "goal": "at(A)",
+}
+PATROL = {key: MISSION[key] for key in MISSION if key != "goal"} | {
+    "task": {"patrol": "G F at(A) & G F at(Home)"}
+}
+
+
+@pytest.fixture
+def vehicle() -> Iterator[str]:
+    """A simulator in a process of its own; the URL on which it is heard."""
+    instance = free_instance()
+    command = [sys.executable, "-m", "sitl", "-i", str(instance), "--quiet"]
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL) as sitl:
+        yield f"udpin://127.0.0.1:{14540 + instance}"
+        sitl.send_signal(signal.SIGINT)
+
+
+def test_a_mission_is_flown_to_its_end(vehicle: str, tmp_path: Path) -> None:
+    told: list[Report] = []
+    flight = run(
+        load_mission(MISSION), vehicle, folder=tmp_path, on_event=told.append, timeout_s=300.0
+    )
+    assert isinstance(flight, FlightResult)
+    assert (flight.exit_code, flight.failure) == (0, None)
+    assert told == [event for event in flight.events if event.is_told]
+    assert "at A" in [event.text for event in told]
+    assert flight.trajectory.north_m[-1] == pytest.approx(3.0, abs=0.6)
+    assert audit(flight) == audit(tmp_path)
+
+
+def test_ctrl_c_lands_and_returns(vehicle: str) -> None:
+    def interrupt(event: Report) -> None:
+        if event.text == "at A":
+            os.kill(os.getpid(), signal.SIGINT)
+
+    before = signal.getsignal(signal.SIGINT)
+    flight = run(load_mission(PATROL), vehicle, on_event=interrupt, timeout_s=300.0)
+    assert flight.exit_code == 0
+    assert flight.events[-1].text == "stopped as asked"
+    assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_no_vehicle_is_an_error() -> None:
+    with pytest.raises(LinkError, match="no vehicle on"):
+        run(load_mission(MISSION), f"udpin://127.0.0.1:{14540 + free_instance()}", timeout_s=0.2)

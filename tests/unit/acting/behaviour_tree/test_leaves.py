@@ -1,0 +1,210 @@
+"""Each leaf by itself: what it asks of the vehicle, when it ends, and what it says then."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from fakes import DONE, RUNNING, FakeVehicle, failed
+from leaves import a_rig, later, run, tick
+from py_trees.common import Status
+from rig import Rig
+from synthetic import PAYLOAD, POSITIONS, USER_1, command, event, mission
+
+from companion.acting.behaviour_tree.leaves import (
+    AssumptionsHold,
+    Effects,
+    Precondition,
+    Rest,
+    SendCommand,
+    UpdateParam,
+    Withdraw,
+)
+from companion.acting.behaviour_tree.move import MoveCommand
+from companion.acting.flight import TICK_S
+from companion.acting.replanning.assumptions import Assumptions
+from companion.flight_events.event import FlightEvent
+from companion.flight_events.facts import BeliefWithdrawn
+from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFailed
+from companion.mission.model import Command
+from companion.motion.grid import OccupancyGrid
+from companion.planning.domain import WAIT, Action
+from companion.vehicle.port import hold_at
+
+ASK = Command(PAYLOAD, USER_1, "MAV_CMD_USER_1", (1.5, -2.0))
+
+
+def reported(rig: Rig) -> list[FlightEvent]:
+    return [stamped.event for stamped in rig.flight.reports]
+
+
+def action(rig: Rig, name: str) -> Action:
+    return next(a for a in rig.planner.model.actions if a.name == name)
+
+
+# -- conditions and effects ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("predicted", [True, False])
+@pytest.mark.parametrize("present", [True, False])
+def test_as_predicted_compares_each_event(predicted: bool, present: bool) -> None:
+    rig = a_rig()
+    assumptions = Assumptions(rig.planner, rig.flight)
+    rig.task.take(event("found"), predicted)
+    assumptions.renew()
+    rig.task.take(event("found"), present)
+    leaf = AssumptionsHold(rig.flight, assumptions)
+    expected = Status.SUCCESS if predicted == present else Status.FAILURE
+    assert tick(rig, leaf) is expected
+    assert leaf.feedback_message == ("" if predicted == present else "found")
+
+
+def test_a_precondition_that_holds_leaves_the_position() -> None:
+    rig = a_rig()
+    assert tick(rig, Precondition(rig.flight, action(rig, "do"), None)) is Status.SUCCESS
+    assert rig.task.positions == 1
+    assert rig.task.running is action(rig, "do")
+
+
+def test_a_precondition_that_does_not_hold_names_what_is_missing() -> None:
+    rig = a_rig()
+    rig.task.withdraw(frozenset({"trans_ok(A, B)"}))
+    leaf = Precondition(rig.flight, action(rig, "move(A, B)"), None)
+    assert tick(rig, leaf) is Status.FAILURE
+    assert leaf.feedback_message == "move(A, B) cannot begin: at(A), trans_ok(A, B)"
+    assert rig.task.positions == 0
+
+
+def test_a_forbidden_fact_does_not_allow_it() -> None:
+    rig = Rig(mission("F done", skills=[command("do", "!at(H)", "done")]))
+    leaf = Precondition(rig.flight, action(rig, "do"), None)
+    assert tick(rig, leaf) is Status.FAILURE
+    assert leaf.feedback_message == "do cannot begin: a forbidden fact"
+
+
+@pytest.mark.parametrize(
+    ("name", "events"),
+    [
+        ("move(H, A)", [PlaceReached("A", "move(H, A)")]),
+        ("do", [SkillCompleted("do")]),
+        ("wait", []),
+    ],
+)
+def test_effects_are_taken_over_and_reported(name: str, events: list[FlightEvent]) -> None:
+    rig = a_rig()
+    done = action(rig, name)
+    rig.task.begin(done)
+    assert tick(rig, Effects(rig.flight, done, ends_lap=False)) is Status.SUCCESS
+    assert rig.task.facts == done.apply(frozenset({"at(H)"}))
+    assert reported(rig) == events
+    assert rig.flight.progress.laps == 0
+
+
+def test_the_last_effects_of_a_lap_count_it_and_rest_is_not_worth_a_word() -> None:
+    rig = a_rig()
+    tick(rig, Effects(rig.flight, action(rig, "do"), ends_lap=False))
+    tick(rig, Effects(rig.flight, WAIT, ends_lap=True))
+    assert rig.flight.progress.laps == 1
+    assert rig.flight.progress.completed == 2
+    assert reported(rig) == [SkillCompleted("do")]
+
+
+def test_withdraw_gives_up_what_was_assumed_and_says_why() -> None:
+    rig = a_rig()
+    rig.task.begin(action(rig, "do"))
+    rig.vehicle.answers = [(0.0, failed("denied"))]
+    left = SendCommand(rig.flight, ASK, None)
+    run(rig, left)
+    leaf = Withdraw(rig.flight, action(rig, "do"), left)
+    assert tick(rig, leaf) is Status.SUCCESS
+    assert rig.task.withdrawn == {"can_do"}
+    assert reported(rig) == [SkillFailed("do", "denied"), BeliefWithdrawn("can_do")]
+    assert leaf.feedback_message == "do failed: denied"
+
+
+def test_a_skill_that_has_not_begun_disproves_nothing() -> None:
+    rig = a_rig()
+    leaf = Withdraw(rig.flight, action(rig, "do"), Rest(rig.flight, 1.0))
+    assert tick(rig, leaf) is Status.SUCCESS
+    assert (rig.task.withdrawn, rig.flight.reports) == (frozenset(), [])
+
+
+# -- update_param and move_cmd ---------------------------------------------------------------------
+
+
+def update_param(rig: Rig) -> UpdateParam:
+    return UpdateParam(rig.flight, "A", MoveCommand(rig.flight, "A", None))
+
+
+def test_a_place_that_is_free_grounds_its_symbol() -> None:
+    rig = a_rig()
+    assert tick(rig, update_param(rig)) is Status.SUCCESS
+
+
+def test_a_place_that_is_not_free_does_not() -> None:
+    rig = a_rig()
+    occupied = np.zeros((20, 20), dtype=np.bool_)
+    occupied[14:19, 2:7] = True  # the cells around A
+    rig.flight.routes.see(OccupancyGrid(occupied, 0.5, (-2.0, -2.0)))
+    leaf = update_param(rig)
+    assert tick(rig, leaf) is Status.FAILURE
+    assert leaf.feedback_message == "no waypoint of A can be flown to"
+
+
+# -- commands and rest -----------------------------------------------------------------------------
+
+
+def test_a_command_is_sent_once_and_waited_for_on_hold() -> None:
+    rig = a_rig()
+    rig.vehicle.answers = [(1.0, DONE)]
+    leaf = SendCommand(rig.flight, ASK, None)
+    assert run(rig, leaf) is Status.SUCCESS
+    assert rig.vehicle.sent == [(PAYLOAD, USER_1, (1.5, -2.0))]
+    assert rig.vehicle.forgotten == [1]
+    at_home = hold_at(POSITIONS["H"], 0.0)
+    assert set(rig.vehicle.flown) == {at_home}
+    assert rig.flight.now_s == pytest.approx(1.0, abs=1.5 * TICK_S)
+
+
+def test_a_refused_command_fails_with_the_answer() -> None:
+    rig = a_rig()
+    rig.vehicle.answers = [(0.0, failed("denied"))]
+    leaf = SendCommand(rig.flight, ASK, None)
+    assert tick(rig, leaf) is Status.FAILURE
+    assert leaf.feedback_message == "denied"
+
+
+def test_a_command_without_a_final_answer_fails_at_its_timeout() -> None:
+    rig = a_rig()
+    rig.vehicle.answers = [(0.0, RUNNING)]
+    start_s = later(rig)
+    leaf = SendCommand(rig.flight, ASK, timeout_s=3.0)
+    assert run(rig, leaf) is Status.FAILURE
+    assert leaf.feedback_message == "no final answer in 3 s"
+    assert rig.flight.now_s - start_s == pytest.approx(3.0, abs=3 * TICK_S)
+    assert rig.vehicle.forgotten == [1]
+
+
+def test_an_interrupted_command_is_not_asked_for_any_longer() -> None:
+    rig = a_rig()
+    rig.vehicle.answers = [(9.0, DONE)]
+    leaf = SendCommand(rig.flight, ASK, None)
+    assert tick(rig, leaf) is Status.RUNNING
+    leaf.stop(Status.INVALID)
+    leaf.stop(Status.INVALID)
+    assert rig.vehicle.forgotten == [1]
+
+
+def test_rest_holds_for_its_time() -> None:
+    rig = a_rig()
+    start_s = later(rig)
+    assert run(rig, Rest(rig.flight, 2.0)) is Status.SUCCESS
+    assert rig.flight.now_s - start_s == pytest.approx(2.0, abs=2 * TICK_S)
+    assert set(rig.vehicle.flown) == {hold_at(POSITIONS["H"], 0.0)}
+
+
+def test_nothing_is_flown_while_no_position_is_known() -> None:
+    vehicle = FakeVehicle()
+    vehicle.state = None
+    rig = Rig(mission("F at(A)"), vehicle=vehicle)
+    rig.flight.hold()
+    assert vehicle.flown == []

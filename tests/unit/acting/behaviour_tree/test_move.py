@@ -1,0 +1,263 @@
+"""The leaf that flies, by itself: when it sends what, when it ends, and what it goes round."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from leaves import a_rig, later, run, tick, walled_in
+from py_trees.behaviour import Behaviour
+from py_trees.common import Status
+from rig import Rig
+from synthetic import POSITIONS
+
+from companion.acting.behaviour_tree.move import (
+    ARRIVAL_M,
+    ARRIVAL_TIMEOUT_S,
+    LAG_SHARE,
+    MoveCommand,
+)
+from companion.acting.flight import TICK_S
+from companion.flight_events.skills import RouteBlocked, RouteResponse
+from companion.geometry import distance
+from companion.motion.grid import OccupancyGrid
+from companion.planning.flight_times import route_map
+from companion.vehicle.port import Setpoint, hold_at
+from companion.vehicle_profile import VehicleProfile
+
+QUAD = VehicleProfile()
+LAG_M = LAG_SHARE * QUAD.carrot_m
+
+
+def test_a_move_starts_where_the_vehicle_is_and_ends_at_the_place() -> None:
+    """`c` of move_cmd(c, w) is always the present state, also off the place it is said to be."""
+    rig = a_rig()
+    rig.vehicle.change(position=(2.0, 1.0, -1.5))
+    assert run(rig, MoveCommand(rig.flight, "A", None)) is Status.SUCCESS
+    first, last = rig.vehicle.flown[0], rig.vehicle.flown[-1]
+    assert first is not None and distance(first.position, (2.0, 1.0, -1.5)) < 1e-9
+    assert last is not None and last.position == POSITIONS["A"]
+    assert rig.vehicle.state is not None
+    assert distance(rig.vehicle.state.position, POSITIONS["A"]) < ARRIVAL_M
+
+
+def test_a_move_sends_one_setpoint_per_tick_within_the_speed_limit() -> None:
+    rig = a_rig()
+    leaf = MoveCommand(rig.flight, "A", None)
+    ticks = 0
+    while tick(rig, leaf) is Status.RUNNING:
+        ticks += 1
+        assert len(rig.vehicle.flown) == ticks
+    for setpoint in rig.vehicle.flown:
+        assert setpoint is not None
+        assert np.linalg.norm(setpoint.velocity) <= rig.mission.limits.speed_mps + 1e-9
+
+
+def test_a_move_without_a_profile_holds_and_fails(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ruckig may find none; the loop that sends setpoints must not end by it."""
+
+    def find_none(*_: object) -> None:
+        raise ArithmeticError("no profile")
+
+    monkeypatch.setattr("companion.motion.trajectory.quickest", find_none)
+    rig = a_rig()
+    assert tick(rig, MoveCommand(rig.flight, "A", None)) is Status.FAILURE
+    assert rig.vehicle.flown[-1] is not None and rig.vehicle.flown[-1].velocity == (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("why", ["no way", "no state"])
+def test_without_a_route_a_move_fails(why: str) -> None:
+    rig = a_rig()
+    if why == "no way":
+        rig.flight.routes = route_map(replace(rig.mission, grid=walled_in("A")))
+    else:
+        rig.vehicle.state = None
+    leaf = MoveCommand(rig.flight, "A", None)
+    assert tick(rig, leaf) is Status.FAILURE
+    assert leaf.feedback_message == "no clear route to A"
+
+
+def test_the_setpoint_waits_for_a_vehicle_that_falls_behind() -> None:
+    """Otherwise it would run out of the gate's reach, and the gate would hold."""
+    rig = a_rig()
+    rig.vehicle.is_stuck = True
+    leaf = MoveCommand(rig.flight, "A", None)
+    for _ in range(200):
+        assert tick(rig, leaf) is Status.RUNNING
+    assert rig.vehicle.setpoint is not None and rig.vehicle.state is not None
+    gap_m = distance(rig.vehicle.setpoint.position, rig.vehicle.state.position)
+    assert LAG_M <= gap_m <= LAG_M + rig.mission.limits.speed_mps * TICK_S
+    rig.vehicle.is_stuck = False
+    assert run(rig, leaf) is Status.SUCCESS
+
+
+def test_a_vehicle_that_came_to_rest_far_away_begins_again_from_there() -> None:
+    """The gate holds it where it is, so that waiting for it would be in vain."""
+    rig = a_rig()
+    leaf = MoveCommand(rig.flight, "A", None)
+    for _ in range(20):
+        tick(rig, leaf)
+    assert rig.vehicle.state is not None
+    north, east, down = rig.vehicle.state.position
+    rig.vehicle.is_stuck = True
+    rig.vehicle.change(position=(north, east + 2.0, down))
+    tick(rig, leaf)
+    tick(rig, leaf)
+    assert rig.vehicle.setpoint is not None
+    assert distance(rig.vehicle.setpoint.position, rig.vehicle.state.position) < LAG_M
+    rig.vehicle.is_stuck = False
+    assert run(rig, leaf) is Status.SUCCESS
+
+
+def test_a_vehicle_that_settles_beside_the_place_has_not_arrived() -> None:
+    rig = a_rig()
+    rig.vehicle.drift = (0.0, 0.5, 0.0)
+    leaf = MoveCommand(rig.flight, "A", None)
+    assert run(rig, leaf) is Status.FAILURE
+    assert leaf.feedback_message == "still 0.5 m from A"
+    flown_s = len(rig.vehicle.flown) * TICK_S
+    assert ARRIVAL_TIMEOUT_S < flown_s < ARRIVAL_TIMEOUT_S + 6.0
+
+
+def test_a_vehicle_that_settles_near_enough_has() -> None:
+    rig = a_rig()
+    rig.vehicle.drift = (0.0, 0.9 * ARRIVAL_M, 0.0)
+    assert run(rig, MoveCommand(rig.flight, "A", None)) is Status.SUCCESS
+
+
+def test_a_move_ends_at_its_timeout_and_holds() -> None:
+    rig = a_rig()
+    start_s = later(rig)
+    leaf = MoveCommand(rig.flight, "A", timeout_s=1.0)
+    assert run(rig, leaf) is Status.FAILURE
+    assert leaf.feedback_message == "not there after 1 s"
+    assert rig.flight.now_s - start_s == pytest.approx(1.0, abs=3 * TICK_S)
+    assert rig.vehicle.setpoint is not None
+    assert rig.vehicle.setpoint.velocity == (0.0, 0.0, 0.0)
+
+
+def test_an_interrupted_move_holds_where_its_setpoint_was() -> None:
+    rig = a_rig()
+    leaf = MoveCommand(rig.flight, "A", None)
+    for _ in range(40):
+        tick(rig, leaf)
+    moving = rig.vehicle.setpoint
+    assert moving is not None and moving.velocity != (0.0, 0.0, 0.0)
+    leaf.stop(Status.INVALID)
+    assert rig.vehicle.setpoint == hold_at(moving.position, moving.yaw_rad)
+
+
+def test_a_move_that_has_ended_is_not_held_again() -> None:
+    rig = a_rig()
+    leaf = MoveCommand(rig.flight, "A", None)
+    run(rig, leaf)
+    flown = len(rig.vehicle.flown)
+    leaf.stop(Status.INVALID)
+    assert len(rig.vehicle.flown) == flown
+
+
+# -- a map that changes on the way -----------------------------------------------------------------
+
+
+def crate(south: float, west: float, north: float, east: float) -> OccupancyGrid:
+    """The room, 10 m x 10 m from (-2, -2) on, with a box in it; metres north and east."""
+    edges = -2.0 + 0.1 * (np.arange(100) + 0.5)
+    rows, cols = (edges > south) & (edges < north), (edges > west) & (edges < east)
+    return OccupancyGrid(np.outer(rows, cols), 0.1, (-2.0, -2.0))
+
+
+NOTHING = crate(0, 0, 0, 0)
+
+
+def a_finer_rig() -> Rig:
+    return a_rig(grid=NOTHING)
+
+
+def fly_until(rig: Rig, leaf: Behaviour, north_m: float) -> None:
+    """Ticks until the vehicle has come so far north, on its way from H to A."""
+    assert rig.vehicle.state is not None
+    while rig.vehicle.state.position[0] < north_m:
+        assert tick(rig, leaf) is Status.RUNNING
+
+
+def setpoints_since(rig: Rig, flown: int) -> list[Setpoint]:
+    return [s for s in rig.vehicle.flown[flown:] if s is not None]
+
+
+def responses(rig: Rig) -> list[RouteResponse]:
+    """What was done about blocked ways to A; nothing else was reported."""
+    blocked = [stamped.event for stamped in rig.flight.reports]
+    assert all(isinstance(event, RouteBlocked) and event.place == "A" for event in blocked)
+    return [event.response for event in blocked]  # type: ignore[attr-defined]
+
+
+def greatest_jerk_mps3(setpoints: list[Setpoint]) -> float:
+    changes = np.diff([s.acceleration for s in setpoints], axis=0)
+    return float(np.linalg.norm(changes, axis=1).max()) / TICK_S
+
+
+@pytest.mark.parametrize("so_far_m", [1.0, 2.0, 3.0])
+def test_a_crate_on_the_way_is_flown_round_without_a_stop(so_far_m: float) -> None:
+    rig = a_finer_rig()
+    leaf = MoveCommand(rig.flight, "A", None)
+    fly_until(rig, leaf, so_far_m)
+    flown = len(rig.vehicle.flown)
+    grid = crate(so_far_m + 2.2, -0.3, so_far_m + 2.5, 0.3)
+    rig.flight.routes.see(grid)
+    assert run(rig, leaf) is Status.SUCCESS
+    assert responses(rig) == [RouteResponse.ANOTHER_ROUTE]
+    since = setpoints_since(rig, flown)
+    assert min(grid.clearance_m(s.position[:2]) for s in since) >= 0.6 - 0.1  # a cell's diagonal
+    assert min(np.linalg.norm(s.velocity) for s in since[:10]) > 0.2
+    gaps = [distance(a.position, b.position) for a, b in pairwise(rig.vehicle.flown)]  # type: ignore[union-attr]
+    assert max(gaps) <= rig.mission.limits.speed_mps * TICK_S + 1e-9  # no jump, also not there
+    assert greatest_jerk_mps3(setpoints_since(rig, 0)) <= QUAD.jerk_mps3 + 1e-6
+
+
+def test_without_a_way_it_comes_to_a_stop_before_the_wall_and_fails_there() -> None:
+    """It takes v^2 / 2a + v a / 2j, and no setpoint is nearer to the wall than its end."""
+    rig = a_finer_rig()
+    leaf = MoveCommand(rig.flight, "A", None)
+    fly_until(rig, leaf, 3.0)
+    last = rig.vehicle.setpoint
+    assert last is not None
+    flown = len(rig.vehicle.flown)
+    grid = crate(4.6, -2.0, 4.8, 8.0)
+    rig.flight.routes.see(grid)
+    assert run(rig, leaf) is Status.FAILURE
+    assert leaf.feedback_message == "no clear route to A"
+    assert responses(rig) == [RouteResponse.STOPPING, RouteResponse.NO_ROUTE]
+    since = setpoints_since(rig, flown)
+    speed_mps = float(np.linalg.norm(last.velocity))
+    braking_m = speed_mps**2 / (2 * QUAD.braking_mps2) + speed_mps * QUAD.braking_mps2 / (
+        2 * QUAD.jerk_mps3
+    )
+    way_m = max(s.position[0] for s in since) - last.position[0]
+    assert braking_m <= way_m <= braking_m + 2 * speed_mps * TICK_S
+    assert since[-1].velocity == (0.0, 0.0, 0.0)
+    assert greatest_jerk_mps3(setpoints_since(rig, 0)) <= QUAD.jerk_mps3 + 1e-6
+    assert grid.clearance_m(since[-1].position[:2]) > 0.35
+
+
+def test_from_a_stop_it_goes_on_where_another_way_is_left() -> None:
+    """A wall so near that no turn at speed leads round it."""
+    rig = a_finer_rig()
+    leaf = MoveCommand(rig.flight, "A", None)
+    fly_until(rig, leaf, 3.0)
+    rig.flight.routes.see(crate(4.6, -2.0, 4.8, 3.0))
+    assert run(rig, leaf) is Status.SUCCESS
+    assert responses(rig) == [RouteResponse.STOPPING, RouteResponse.ANOTHER_ROUTE]
+
+
+def test_a_change_elsewhere_leaves_the_trajectory_as_it_is() -> None:
+    changed, left = a_finer_rig(), a_finer_rig()
+    for rig in (changed, left):
+        leaf = MoveCommand(rig.flight, "A", None)
+        fly_until(rig, leaf, 2.0)
+        if rig is changed:
+            rig.flight.routes.see(crate(3.0, 1.0, 4.0, 2.0))
+        assert run(rig, leaf) is Status.SUCCESS
+    assert changed.vehicle.flown == left.vehicle.flown
+    assert changed.flight.reports == []

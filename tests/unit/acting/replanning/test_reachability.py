@@ -1,0 +1,146 @@
+"""What the map takes away is not believed, before a flight fails for it; and it comes back."""
+
+from __future__ import annotations
+
+import numpy as np
+from fakes import failed
+from rig import Rig
+from synthetic import command, mission, skill
+
+from companion.acting.executive_states import TaskStatus
+from companion.flight_events.facts import BeliefWithdrawn, PlacesConnected, PlacesCutOff
+from companion.flight_events.plans import PlanReplaced
+from companion.flight_events.skills import SkillFailed
+from companion.mission.model import Fly
+from companion.motion.grid import OccupancyGrid
+
+INSPECT = skill(
+    "inspect",
+    Fly("s"),
+    "from s",
+    "at(from)",
+    ["accessible(s)"],
+    "at(s) & !at(from) & seen(s)",
+    cost_s=None,
+    tries=3,
+)
+TO_AND_FROM_B = ("trans_ok(A, B)", "trans_ok(B, A)", "trans_ok(B, H)", "trans_ok(H, B)")
+ALL_OF_B = "accessible(B), trans_ok(*, B), trans_ok(B, *)"
+"""The same in few words."""
+
+
+def inspection() -> Rig:
+    """Look at A and then at B, as far as they are believed to be accessible."""
+    task = {
+        "A": "F (seen(A) | !accessible(A))",
+        "B": "F (seen(B) | !accessible(B))",
+        "order": "!seen(B) W (seen(A) | !accessible(A))",
+        "home": "F G at(H)",
+    }
+    rig = Rig(mission(task, skills=[INSPECT])).begin()
+    rig.tick()
+    return rig
+
+
+def show(rig: Rig, *walled_in: str) -> None:
+    """The vehicle sees these corners of the room as solid, and nothing else."""
+    occupied = np.zeros((20, 20), dtype=np.bool_)
+    corners = {"A": np.s_[12:, :8], "B": np.s_[12:, 12:], "C": np.s_[:8, 12:]}
+    for place in walled_in:
+        occupied[corners[place]] = True
+    rig.flight.routes.see(OccupancyGrid(occupied, 0.5, (-2.0, -2.0)))
+
+
+def until_known(rig: Rig) -> None:
+    """Up to the tick that begins with all ways known; each before it finds a few."""
+    while not rig.flight.routes.find(0):
+        rig.tick()
+    rig.tick()
+
+
+def test_a_task_that_speaks_of_a_belief_hears_at_once_that_the_map_contradicts_it() -> None:
+    rig = inspection()
+    assert rig.plans[-1].names(2) == ["inspect(H, A)", "inspect(A, B)"]
+    show(rig, "B")
+    until_known(rig)
+    cut_off = rig.one(PlacesCutOff)
+    assert cut_off == PlacesCutOff(ALL_OF_B, withdrawn=("accessible(B)", *TO_AND_FROM_B))
+    replaced = rig.one(PlanReplaced)
+    assert (replaced.number, replaced.reason) == (1, cut_off.text)
+    assert str(replaced.plan) == "inspect(here, A), move(A, H), (wait)^w"
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED
+    assert rig.of(SkillFailed) == rig.of(BeliefWithdrawn) == []
+    assert rig.executive.replans == 1
+    assert "accessible(B)" in rig.positions[-1].withdrawn
+
+
+def test_a_way_that_is_seen_again_is_used_from_the_next_completed_skill_on() -> None:
+    rig = inspection()
+    show(rig, "B")
+    until_known(rig)
+    show(rig)
+    until_known(rig)
+    connected = PlacesConnected(ALL_OF_B, restored=("accessible(B)", *TO_AND_FROM_B))
+    assert rig.of(PlacesConnected) == [connected]
+    assert rig.task.withdrawn == frozenset()
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED
+    assert rig.places == ["A", "B", "H"]
+
+
+def test_a_place_of_no_concern_that_is_cut_off_leaves_the_plan_as_it_is() -> None:
+    rig = Rig(mission("F at(A) & F at(B)", places="HABC")).begin()
+    rig.tick()
+    show(rig, "C")
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED
+    assert rig.one(PlacesCutOff).summary == "trans_ok(*, C), trans_ok(C, *)"
+    assert rig.executive.replans == 0
+
+
+def test_the_flight_under_way_finds_out_itself_and_the_rest_is_told_once() -> None:
+    """Fig. 6 withdraws what has failed; and that too is believed again with the way."""
+    rig = Rig(mission("F at(B)")).begin()
+    rig.tick()
+    show(rig, "B")
+    assert rig.run_to_the_end() is TaskStatus.NO_PLAN
+    assert rig.of(BeliefWithdrawn) == [BeliefWithdrawn("trans_ok(H, B)")]
+    assert rig.one(PlacesCutOff).summary == "trans_ok(*, B), trans_ok(B, *)"
+    assert rig.executive.replans == 1
+    assert rig.executive.go_to("H")
+    show(rig)
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED
+    assert rig.places == ["B"]
+    assert rig.task.withdrawn == frozenset()
+
+
+def test_on_the_way_home_a_way_that_helps_nothing_is_no_reason_to_stop() -> None:
+    rig = Rig(mission("F at(B)", places="HABC")).begin()
+    rig.tick()
+    show(rig, "B", "C")
+    assert rig.run_to_the_end() is TaskStatus.NO_PLAN
+    assert rig.executive.go_to("H")
+    show(rig, "B")
+    until_known(rig)
+    assert rig.of(PlacesConnected)[-1].restored[0] == "trans_ok(A, C)"
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED  # it is home
+    assert rig.executive.is_leaving and rig.executive.replans == 1
+
+
+def test_what_was_refused_is_not_believed_again_because_of_a_way() -> None:
+    rig = Rig(mission("F did", skills=[command("do", "at(A)", "did")])).begin()
+    rig.vehicle.answers = [(0.0, failed("denied"))]
+    rig.run_until(BeliefWithdrawn, belief="can_do")
+    before = rig.task.withdrawn
+    for walled_in in (("B",), ()):
+        show(rig, *walled_in)
+        rig.executive._replanner.reachability.follow()
+    assert rig.task.withdrawn == before == {"can_do"}
+
+
+def test_a_new_plan_reckons_with_the_speed_limit_as_it_is_now() -> None:
+    rig = inspection()
+    before = {action.name: action.cost_ms for action in rig.planner.model.actions}
+    rig.speed_limit.set_operator_limit(0.5)
+    assert rig.executive.resume() is TaskStatus.RUNNING
+    after = {action.name: action.cost_ms for action in rig.planner.model.actions}
+    assert after.keys() == before.keys()
+    assert all(after[name] > 2 * before[name] for name in before if "move" in name)

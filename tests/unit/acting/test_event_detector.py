@@ -1,0 +1,142 @@
+"""Readings become facts: comparison, latch, hysteresis and time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from companion.acting.event_detector import EventDetector
+from companion.mission.conditions import parse_condition
+from companion.mission.model import Event, Signal
+
+LEVEL = Signal("BATTERY_STATUS", "", "battery_remaining")
+Changes = list[tuple[float, bool]]
+
+
+def event(
+    name: str = "e",
+    when: str = "BATTERY_STATUS.battery_remaining < 30",
+    until: str | None = None,
+    latch: bool = False,
+    for_s: float = 0.0,
+) -> Event:
+    condition = parse_condition(until) if until else None
+    return Event(name, parse_condition(when), condition, latch, for_s, frozenset())
+
+
+def changes(watched: Event, readings: Sequence[tuple[float, float]]) -> Changes:
+    """When the event changed and to what, for (time, value) readings of LEVEL."""
+    detector = EventDetector({watched.name: watched})
+    return [
+        (now_s, holds)
+        for now_s, value in readings
+        for _, holds in detector.update(now_s, [(LEVEL, value)])
+    ]
+
+
+@pytest.mark.parametrize(
+    ("comparison", "true_for"),
+    [
+        ("<", {29}),
+        ("<=", {29, 30}),
+        (">", {31}),
+        (">=", {30, 31}),
+        ("==", {30}),
+        ("!=", {29, 31}),
+    ],
+)
+def test_each_comparison_is_the_one_it_is_called(comparison: str, true_for: set[int]) -> None:
+    watched = event(when=f"BATTERY_STATUS.battery_remaining {comparison} 30")
+    assert {v for v in (29, 30, 31) if changes(watched, [(0.0, v)])} == true_for
+
+
+@pytest.mark.parametrize("comparison", ["<", "!=", ">="])
+def test_a_signal_that_was_never_heard_meets_no_condition(comparison: str) -> None:
+    watched = event(when=f"BATTERY_STATUS.battery_remaining {comparison} 0")
+    assert EventDetector({"e": watched}).update(5.0, []) == []
+
+
+def test_without_until_the_opposite_ends_it() -> None:
+    assert changes(event(), [(0, 20), (1, 29), (2, 30), (3, 20)]) == [
+        (0, True),
+        (2, False),
+        (3, True),
+    ]
+
+
+def test_a_latched_event_stays() -> None:
+    assert changes(event(latch=True), [(0, 20), (1, 90), (2, 20), (3, 90)]) == [(0, True)]
+
+
+def test_until_has_the_last_word() -> None:
+    watched = event(until="BATTERY_STATUS.battery_remaining > 80")
+    assert changes(watched, [(0, 29), (1, 50), (2, 80), (3, 81), (4, 50)]) == [
+        (0, True),
+        (3, False),
+    ]
+
+
+@given(start=st.sampled_from([20, 90]), between=st.lists(st.integers(30, 80), max_size=20))
+def test_between_the_thresholds_nothing_changes(start: int, between: list[int]) -> None:
+    watched = event(until="BATTERY_STATUS.battery_remaining > 80")
+    readings = [(float(t), float(v)) for t, v in enumerate([start, *between])]
+    assert changes(watched, readings) == ([(0.0, True)] if start == 20 else [])
+
+
+def test_a_condition_has_to_hold_for_its_time_without_a_break() -> None:
+    readings = [(0, 20), (1.5, 20), (1.9, 40), (2.0, 20), (3.9, 20), (4.0, 20)]
+    assert changes(event(for_s=2.0), readings) == [(4.0, True)]
+
+
+def test_a_change_back_takes_as_long() -> None:
+    readings = [(0, 20), (2, 20), (3, 40), (4.9, 40), (5, 40)]
+    assert changes(event(for_s=2.0), readings) == [(2, True), (5, False)]
+
+
+def test_time_passes_without_readings() -> None:
+    detector = EventDetector({"e": event(for_s=2.0)})
+    assert detector.update(0.0, [(LEVEL, 20.0)]) == []
+    assert detector.update(1.9, []) == []
+    assert detector.update(2.0, []) == [("e", True)]
+
+
+@given(st.lists(st.tuples(st.floats(0.01, 3.0), st.sampled_from([20.0, 40.0])), max_size=40))
+def test_the_fact_flaps_no_faster_than_its_time(steps: list[tuple[float, float]]) -> None:
+    now_s, readings = 0.0, []
+    for dt_s, value in steps:
+        now_s += dt_s
+        readings.append((now_s, value))
+    found = changes(event(for_s=2.0), readings)
+    assert [holds for _, holds in found] == [i % 2 == 0 for i in range(len(found))]
+    assert all(later - earlier >= 2.0 for (earlier, _), (later, _) in pairwise(found))
+
+
+def test_a_pulse_between_two_ticks_is_not_lost() -> None:
+    detector = EventDetector({"e": event(latch=True)})
+    assert detector.update(0.0, [(LEVEL, 90.0), (LEVEL, 20.0), (LEVEL, 90.0)]) == [("e", True)]
+
+
+def test_only_the_signal_of_an_event_counts() -> None:
+    other = Signal("SYS_STATUS", "", "battery_remaining")
+    assert EventDetector({"e": event()}).update(0.0, [(other, 20.0)]) == []
+
+
+def test_signals_are_those_of_all_conditions() -> None:
+    watched = [
+        event("low", until="SYS_STATUS.battery_remaining > 80"),
+        event("home", when="COMMAND.MAV_CMD_NAV_RETURN_TO_LAUNCH"),
+    ]
+    assert EventDetector({e.name: e for e in watched}).signals == {
+        LEVEL,
+        Signal("SYS_STATUS", "", "battery_remaining"),
+        Signal("COMMAND", "", "MAV_CMD_NAV_RETURN_TO_LAUNCH"),
+    }
+
+
+def test_a_pulse_within_one_tick_is_no_change() -> None:
+    detector = EventDetector({"e": event()})
+    assert detector.update(0.0, [(LEVEL, 20.0), (LEVEL, 40.0)]) == []

@@ -1,0 +1,136 @@
+"""Symbols: which waypoint stands for a place, who said so, and what is tried after a failure."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from rig import Rig
+from synthetic import POSITIONS, mission
+
+from companion.acting.symbols import INSIDE_M, REFUSED_S, SAME_M, SAMPLES, Symbols, Value, around
+from companion.flight_events.skills import PlaceReached, SymbolMoved
+from companion.geometry import Ned, distance, horizontal_distance
+from companion.mission.model import Place
+from companion.motion.grid import OccupancyGrid
+from companion.motion.routes import PlaceRegion, RouteMap
+
+HOME: Ned = (0.0, 0.0, -2.0)
+WIDE = Place("A", (5.0, 0.0, -2.0), 2.0)
+FENCE = ((-9.0, -9.0), (-9.0, 9.0), (9.0, 9.0), (9.0, -9.0))
+
+
+def world(*blocked: tuple[float, float]) -> tuple[Symbols, RouteMap]:
+    """20 m by 20 m with 0.4 m boxes, and one wide place."""
+    routes = RouteMap(
+        grid(*blocked), {"A": PlaceRegion(WIDE.position, WIDE.radius_m, False)}, FENCE, 0.6
+    )
+    return Symbols({"A": WIDE}, routes), routes
+
+
+def grid(*blocked: tuple[float, float]) -> OccupancyGrid:
+    occupied = np.zeros((100, 100), dtype=np.bool_)
+    for north, east in blocked:
+        row, col = int((north + 10) / 0.2), int((east + 10) / 0.2)
+        occupied[row - 1 : row + 1, col - 1 : col + 1] = True
+    return OccupancyGrid(occupied, 0.2, (-10.0, -10.0))
+
+
+@given(st.floats(0.31, 20.0))
+def test_samples_lie_in_the_region_and_apart(radius_m: float) -> None:
+    place = Place("A", WIDE.position, radius_m)
+    samples = list(around(place, Value(place.position, "", 0.0)))
+    away = [horizontal_distance(sample, place.position) for sample in samples]
+    assert len(samples) == SAMPLES
+    assert max(away) <= radius_m - INSIDE_M + 1e-9
+    assert away == sorted(away)
+    gaps = [distance(a, b) for i, a in enumerate(samples) for b in samples[:i]]
+    assert min(gaps) > 0.5 * max(away) / math.sqrt(SAMPLES)
+
+
+def test_what_can_be_flown_to_stays_as_it_is() -> None:
+    symbols, _ = world()
+    before = symbols["A"]
+    assert symbols.ground("A", HOME, 3.0)
+    assert symbols["A"] is before == Value(WIDE.position, "the mission", 0.0)
+
+
+def test_an_obstacle_in_the_place_moves_its_waypoint_within_the_region() -> None:
+    symbols, routes = world((5.0, 0.0))
+    assert symbols.ground("A", HOME, 3.0)
+    value = symbols["A"]
+    assert (value.source, value.stamp_s) == ("samples of the region", 3.0)
+    assert horizontal_distance(value.position, WIDE.position) <= WIDE.radius_m - INSIDE_M
+    assert routes.is_free(value.position[:2])
+    route = routes.route(HOME, "A")
+    assert route is not None and tuple(route.waypoints[-1]) == value.position
+
+
+def test_after_a_failure_another_waypoint_is_taken_and_the_first_one_again_later() -> None:
+    symbols, _ = world()
+    symbols.refuse("A", 1.0)
+    assert symbols.ground("A", HOME, 2.0)
+    second = symbols["A"].position
+    assert distance(second, WIDE.position) >= SAME_M
+    symbols.refuse("A", 3.0)
+    assert symbols.ground("A", HOME, 4.0)
+    assert min(distance(symbols["A"].position, p) for p in (second, WIDE.position)) >= SAME_M
+    symbols.refuse("A", 5.0)
+    assert symbols.ground("A", HOME, 5.0 + REFUSED_S - 1.0)
+    assert symbols["A"].position == WIDE.position  # its refusal is over, the others' are not
+
+
+def test_a_region_without_a_free_waypoint_cannot_be_grounded_and_stays() -> None:
+    everywhere = [(n / 2, e / 2) for n in range(4, 17) for e in range(-6, 7)]
+    symbols, routes = world(*everywhere)
+    before = symbols["A"]
+    assert not symbols.ground("A", HOME, 1.0)
+    assert symbols["A"] is before
+    assert routes.distance_m(HOME[:2], "A") == math.inf
+
+
+def test_a_waypoint_beyond_a_wall_is_not_taken() -> None:
+    """Free, but no way leads there: the test of reachability refuses what the other one lets by."""
+    wall = [(7.0, e / 5) for e in range(-50, 50)]
+    place = Place("A", (7.0, 0.0, -2.0), 2.5)
+    routes = RouteMap(grid(*wall), {"A": PlaceRegion(place.position, 2.5, False)}, FENCE, 0.6)
+    symbols = Symbols({"A": place}, routes)
+    assert symbols.ground("A", HOME, 1.0)
+    assert symbols["A"].position[0] < 7.0
+
+
+def test_a_map_that_changes_moves_only_what_it_takes_away() -> None:
+    symbols, routes = world()
+    assert symbols.follow_map(HOME, 1.0) == []
+    routes.see(grid((5.0, 0.0)))
+    assert symbols.follow_map(HOME, 2.0) == ["A"]
+    routes.see(grid())
+    assert symbols.follow_map(HOME, 3.0) == []  # it stays where it is now
+
+
+# -- in flight -------------------------------------------------------------------------------------
+
+
+def test_a_try_that_fails_is_followed_by_another_waypoint() -> None:
+    rig = Rig(mission("F at(A)")).begin()
+    rig.tick()
+    rig.vehicle.is_stuck = True
+    rig.run(lambda: bool(rig.of(SymbolMoved, place="A")), 200.0)
+    rig.vehicle.is_stuck = False
+    rig.run_until(PlaceReached, place="A")
+    assert rig.vehicle.state is not None
+    gap_m = horizontal_distance(rig.vehicle.state.position, POSITIONS["A"])
+    assert 0.0 < gap_m <= rig.mission.places["A"].radius_m
+    assert rig.executive.replans == 0
+
+
+@pytest.mark.parametrize("name", ["A", "B"])
+def test_the_planner_s_costs_follow_the_waypoint(name: str) -> None:
+    rig = Rig(mission("F at(A) & F at(B)"))
+    far: Ned = (*(c + 0.75 for c in POSITIONS[name][:2]), -2.0)  # type: ignore[assignment]
+    before = rig.flight.routes.distance_m((0.0, 0.0), name)
+    rig.flight.routes.aim(name, far)
+    assert rig.flight.routes.distance_m((0.0, 0.0), name) > before

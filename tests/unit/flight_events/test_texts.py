@@ -1,0 +1,177 @@
+"""The texts that people read: of every class of events, in the terminal, on the page and by radio.
+
+All other tests assert fields of events. tests/data/surveillance.events.txt has the texts of a whole
+flight.
+"""
+
+from __future__ import annotations
+
+import pytest
+
+from companion.flight_events.catalogue import EVENTS
+from companion.flight_events.event import FlightEvent
+from companion.flight_events.facts import (
+    BeliefRestored,
+    BeliefWithdrawn,
+    MissionEventChanged,
+    PlacesConnected,
+    PlacesCutOff,
+)
+from companion.flight_events.hosting import (
+    MissionReady,
+    MissionUnreadable,
+    RecordingFailed,
+    RunNotRecordable,
+    TerminalHungUp,
+    UploadChecked,
+)
+from companion.flight_events.plans import (
+    LapCompleted,
+    NoPlanFound,
+    PlanMade,
+    PlannedAction,
+    PlannedLasso,
+    PlanReplaced,
+    WrittenTreeAdopted,
+)
+from companion.flight_events.skills import (
+    PlaceReached,
+    RouteBlocked,
+    RouteResponse,
+    SkillCompleted,
+    SkillFailed,
+    SymbolMoved,
+    WrittenTreeFailed,
+)
+from companion.flight_events.sortie import (
+    BatteryCharged,
+    ControlRegained,
+    ControlYielded,
+    GoalFailed,
+    Phase,
+    PhaseEntered,
+    ReturnBegun,
+    ReturnedAsAsked,
+    ReturnFailed,
+    RunFailed,
+    SetpointRefused,
+    StoppedAsAsked,
+    StopRequested,
+    TaskSatisfied,
+    VehicleAirborne,
+    VehicleLanded,
+    WeakFailsafeAccepted,
+)
+from companion.flight_events.tree import (
+    NodesChanged,
+    NodeStatus,
+    NodeType,
+    TreeBuilt,
+    TreeNode,
+    TreeStopped,
+)
+from companion.flight_events.word import ConjunctViolated, PositionLeft
+
+MOVE = PlannedAction("move(Home, A)", "move", ("Home", "A"), 5.8)
+WAIT = PlannedAction("wait", "wait", (), 0.1)
+LASSO = PlannedLasso((MOVE,), (WAIT,), 5.8, 0.1)
+LOST = "the pilot has control, in POSCTL"
+
+TEXTS: list[tuple[FlightEvent, str]] = [
+    (PlanMade({"visit": "F at(A)"}, LASSO), "plan: move(Home, A), (wait)^w"),
+    (WrittenTreeAdopted({}), "the mission's own tree"),
+    (
+        PlanReplaced(2, "target found", PlannedLasso((), (MOVE, WAIT), 0.0, 5.9)),
+        "replan 2: target found -> (move(Home, A), wait)^w",
+    ),
+    (NoPlanFound(3, "low battery", "no plan: why"), "replan 3: low battery: no plan: why"),
+    (LapCompleted(1), "lap 1 done"),
+    (PlaceReached("A", "move(Home, A)"), "at A"),
+    (SkillCompleted("upload(r1)"), "upload(r1) done"),
+    (SkillFailed("upload(r1)", "denied"), "upload(r1) failed: denied"),
+    (
+        WrittenTreeFailed("upload(r1) failed: denied"),
+        "the tree has failed: upload(r1) failed: denied",
+    ),
+    (RouteBlocked("A", RouteResponse.ANOTHER_ROUTE), "the way to A is not clear: another route"),
+    (RouteBlocked("A", RouteResponse.STOPPING), "the way to A is not clear: stopping"),
+    (RouteBlocked("A", RouteResponse.NO_ROUTE), "the way to A is not clear: no route"),
+    (
+        SymbolMoved("A", (10.758, 3.337, -2.0), "samples of the region"),
+        "A is now 3.3 m east, 10.8 m north (samples of the region)",
+    ),
+    (MissionEventChanged("targetFound", holds=True), "target found"),
+    (MissionEventChanged("lowBattery", holds=False), "no longer low battery"),
+    (MissionEventChanged("siteIsWet", holds=True), "site is wet"),
+    (MissionEventChanged("site_is_wet", holds=True), "site is wet"),
+    (BeliefWithdrawn("canUpload(r1)"), "belief canUpload(r1) withdrawn"),
+    (BeliefRestored("canUpload(r1)"), "belief canUpload(r1) restored"),
+    (
+        PlacesCutOff("trans_ok(*, B)", ("trans_ok(A, B)",)),
+        "no way on the map as seen: trans_ok(*, B) withdrawn",
+    ),
+    (
+        PlacesConnected("trans_ok(*, B)", ("trans_ok(A, B)",)),
+        "a way again: trans_ok(*, B) restored",
+    ),
+    (PositionLeft(4, ("at(A)", "low"), (), (), for_ever=False), "position 4: at(A), low"),
+    (
+        ConjunctViolated("calm", "G !low", position=4, facts=("at(A)", "low")),
+        "calm violated at position 4: G !low",
+    ),
+    *((PhaseEntered(phase), phase.value) for phase in Phase),
+    (WeakFailsafeAccepted("COM_LOW_BAT_ACT is 0"), "accepted: COM_LOW_BAT_ACT is 0"),
+    (ControlYielded(LOST), f"{LOST}; hold, then continue, gives it back"),
+    (ControlRegained(), "control given back by the operator"),
+    (StopRequested(), "stopping as asked"),
+    (ReturnBegun("Home"), "returning to Home"),
+    (ReturnFailed("Home", "no clear route"), "cannot return to Home: no clear route"),
+    (VehicleLanded(), "landed on the way"),
+    (VehicleAirborne(), "in the air again"),
+    (BatteryCharged(90), "charged to 90 %"),
+    (GoalFailed("not armed: denied"), "not armed: denied"),
+    (SetpointRefused("outside the fence"), "setpoint refused, holding: outside the fence"),
+    (UploadChecked("a.yaml accepted", is_refused=False), "a.yaml accepted"),
+    (MissionReady("hop"), "hop is ready; MISSION_START flies it"),
+    (MissionUnreadable("no such file"), "the mission cannot be read: no such file"),
+    (RunNotRecordable("disk full"), "no run folder, so nothing is flown: disk full"),
+    (TerminalHungUp(), "the terminal has hung up (SIGHUP); the flight goes on"),
+    (
+        RecordingFailed("No space left on device"),
+        "the run folder cannot be written, the flight goes on: No space left on device",
+    ),
+    (TreeBuilt((TreeNode(0, NodeType.SEQUENCE, "root"),)), "a tree of 1 nodes"),
+    (NodesChanged("move_cmd A", NodeStatus.RUNNING, ()), "move_cmd A: RUNNING"),
+    (TreeStopped(()), "nothing runs"),
+    (TaskSatisfied(), "task satisfied, landed"),
+    (ReturnedAsAsked(), "returned as asked, landed"),
+    (StoppedAsAsked(), "stopped as asked"),
+    (RunFailed(LOST, exit_code=5), LOST),
+]
+
+
+@pytest.mark.parametrize(("event", "text"), TEXTS, ids=lambda value: type(value).__name__)
+def test_the_text_of_an_event(event: FlightEvent, text: str) -> None:
+    assert event.text == text
+
+
+def test_every_class_of_events_has_its_text_here() -> None:
+    assert list(dict.fromkeys(type(event) for event, _ in TEXTS)) == list(EVENTS)
+
+
+def test_phases_are_named_as_people_read_them() -> None:
+    assert [phase.value for phase in Phase] == [
+        "waiting for the vehicle",
+        "checking the autopilot's failsafes",
+        "arming",
+        "taking off",
+        "entering OFFBOARD",
+        "flying the task",
+        "paused",
+        "returning home as asked",
+        "yielded",
+        "holding",
+        "leaving the vehicle on hold",
+        "landing",
+        "ended",
+    ]

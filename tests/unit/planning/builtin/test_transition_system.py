@@ -1,0 +1,169 @@
+"""The transition system over bits does what the actions do to sets, and knows what is constant."""
+
+from __future__ import annotations
+
+import itertools
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from problems import action, move
+
+from companion.errors import SearchLimit
+from companion.planning.builtin.transition_system import FactBits, TransitionSystem
+from companion.planning.domain import WAIT, Action, ConditionalEffect
+
+FACTS = ("p", "q", "r", "s", "t")
+SOME = st.frozensets(st.sampled_from(FACTS), max_size=2)
+EFFECTS = st.builds(ConditionalEffect, SOME, SOME, SOME, SOME)
+
+
+@st.composite
+def actions(draw: st.DrawFn) -> list[Action]:
+    made = []
+    for i in range(draw(st.integers(0, 5))):
+        requires, forbids, adds, deletes = (draw(SOME) for _ in range(4))
+        effects = tuple(draw(st.lists(EFFECTS, max_size=2)))
+        cost_ms = draw(st.integers(1, 9)) * 100
+        made.append(
+            Action(
+                f"a{i}",
+                "a",
+                requires,
+                forbids,
+                frozenset(),
+                adds,
+                deletes,
+                cost_ms,
+                WAIT.execute,
+                1,
+                None,
+                effects,
+            )
+        )
+    return made
+
+
+def system(made: list[Action], facts: frozenset[str]) -> tuple[FactBits, TransitionSystem]:
+    bits = FactBits(made)
+    return bits, TransitionSystem(made, facts, bits)
+
+
+def reachable(made: list[Action], facts: frozenset[str]) -> set[frozenset[str]]:
+    seen, todo = {facts}, [facts]
+    while todo:
+        here = todo.pop()
+        after = {a.apply(here) for a in made if a.is_applicable(here)} - seen
+        seen |= after
+        todo += after
+    return seen
+
+
+@given(actions(), st.frozensets(st.sampled_from(FACTS)))
+def test_successors_are_what_the_actions_do_in_every_reachable_state(
+    made: list[Action], start: frozenset[str]
+) -> None:
+    bits, found = system(made, start)
+    assert found.start == bits.mask(start) & found.changing
+    for facts in reachable(made, start):
+        expected = [
+            (bits.mask(a.apply(facts)) & found.changing, i, a.cost_ms)
+            for i, a in enumerate(made)
+            if a.is_applicable(facts)
+        ]
+        successors = found.successors(bits.mask(facts) & found.changing)
+        assert [tuple(successor) for successor in successors] == expected
+
+
+@given(actions(), st.frozensets(st.sampled_from(FACTS)))
+def test_its_graph_has_every_reachable_state_and_every_action_there(
+    made: list[Action], start: frozenset[str]
+) -> None:
+    _, found = system(made, start)
+    graph = found.to_networkx()
+    constant = graph.graph["constant"]
+    facts = {node: held | constant for node, held in graph.nodes(data="facts")}
+    assert facts[0] == start
+    assert sorted(map(sorted, facts.values())) == sorted(map(sorted, reachable(made, start)))
+    expected = {
+        (before, action.apply(before), action.name, action.cost_ms)
+        for before in facts.values()
+        for action in made
+        if action.is_applicable(before)
+    }
+    edges = [
+        (facts[a], facts[b], data["action"], data["cost_ms"])
+        for a, b, data in graph.edges(data=True)
+    ]
+    assert len(edges) == len(expected) and set(edges) == expected
+    assert all(key == data["action"] for *_, key, data in graph.edges(keys=True, data=True))
+
+
+def test_a_graph_of_too_many_states_is_refused() -> None:
+    toggles = [action(f"set_{i}", "", f"x{i}") for i in range(10)]
+    _, found = system(toggles, frozenset())
+    assert len(found.to_networkx()) == 1024
+    with pytest.raises(SearchLimit, match="1,000 states of the transition system"):
+        found.to_networkx(max_states=1000)
+
+
+@given(actions(), st.frozensets(st.sampled_from(FACTS)))
+def test_what_is_said_never_to_change_never_does(made: list[Action], start: frozenset[str]) -> None:
+    bits, found = system(made, start)
+    assert not found.changing & found.constant
+    for facts in reachable(made, start):
+        assert bits.mask(facts) & ~found.changing == found.constant
+
+
+@given(st.lists(st.frozensets(st.sampled_from(FACTS)), min_size=2))
+def test_different_facts_have_different_bits(several: list[frozenset[str]]) -> None:
+    bits = FactBits(())
+    masks = [bits.mask(facts) for facts in several]
+    assert [mask.bit_count() for mask in masks] == [len(facts) for facts in several]
+    for (a, mask_a), (b, mask_b) in itertools.pairwise(zip(several, masks, strict=True)):
+        assert bits.mask(a | b) == mask_a | mask_b
+        assert bits.mask(a & b) == mask_a & mask_b
+
+
+def test_events_and_beliefs_are_constant_and_places_are_not() -> None:
+    made = [
+        move("H", "A", 1.0),
+        move("A", "H", 1.0),
+        action("upload", "at(A) & found & can", "reported"),
+        action("report", "at(A) & can", "reported"),
+    ]
+    bits, found = system(made, frozenset({"at(H)", "can"}))
+    assert found.changing == bits.mask({"at(H)", "at(A)", "reported"})
+    assert found.constant == bits.mask({"can"})
+
+
+def test_an_action_that_forbids_what_always_holds_does_not_exist() -> None:
+    """And so what it alone could delete is constant as well, in as many passes as that takes."""
+    made = [
+        action("end_day", "!day_is_long", "!sun"),
+        action("set_lamp", "!sun", "lamp"),
+        action("break_lamp", "", "", conditional=[("!sun", "broken"), ("broken", "!lamp")]),
+    ]
+    bits, found = system(made, frozenset({"sun", "day_is_long"}))
+    assert found.constant == bits.mask({"sun", "day_is_long"})
+    assert not found.changing & bits.mask({"sun", "lamp"})
+
+
+def test_what_is_added_and_deleted_at_once_is_added() -> None:
+    made = [action("both", "", "q", conditional=[("", "!q"), ("q", "!q")])]
+    bits, found = system(made, frozenset())
+    q = bits.bit("q")
+    assert found.successors(found.start)[0].state == q
+    assert found.successors(q)[0].state == q
+
+
+@pytest.mark.parametrize("kept", [0, 1, 2])
+def test_actions_that_come_later_or_elsewhere_are_the_same_over_bits(kept: int) -> None:
+    """En route some come in addition, and a problem may leave others out."""
+    made = [move("H", "A", 1.0), move("A", "H", 2.0)]
+    bits = FactBits(made)
+    asked = [*made[:kept], move("here", "A", 3.0), *made[kept:]]
+    masked = bits.masked(asked)
+    assert [each.number for each in masked] == [0, 1, 2]
+    assert [each.cost_ms for each in masked] == [a.cost_ms for a in asked]
+    assert [each.requires for each in masked] == [bits.mask(a.requires) for a in asked]

@@ -1,0 +1,55 @@
+"""Routes of a mission, and what a flight between two places costs."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+from synthetic import POSITIONS, mission
+
+from companion.errors import MissionError
+from companion.geometry import Ned
+from companion.mission.model import Place
+from companion.planning.flight_times import flight_times, from_table, route_map
+from companion.vehicle_profile import VehicleProfile
+
+QUAD = VehicleProfile()
+
+
+def test_home_is_where_the_mission_begins() -> None:
+    asked = mission("F at(H)", initially=["at(B)", "loaded"])
+    assert asked.home.name == "B"
+
+
+def test_only_places_of_the_task_are_not_crossed_by_chance() -> None:
+    """C, A and the middle of the room: M is in the way only if the task mentions it."""
+    straight = math.hypot(6.0, 6.0)
+    for task, is_in_the_way in (("F at(A)", False), ("F at(A) & G !at(M)", True)):
+        asked = mission(task, places="HAC")
+        middle = Place("M", (3.0, 3.0, -2.0), 1.0)
+        routes = route_map(replace(asked, places={**asked.places, "M": middle}))
+        route = routes.route(POSITIONS["C"], "A")
+        assert route is not None
+        assert (route.length_m > straight + 0.1) is is_in_the_way
+
+
+def test_flight_times_are_those_of_the_map() -> None:
+    """At rest at both ends: d/v + v/a + a/j; a way along cells is a little longer."""
+    asked = mission("F at(A)")
+    here: Ned | None = None
+    seconds = flight_times(asked, route_map(asked), lambda: here)
+    change_s = 2.0 / 2.0 + 2.0 / QUAD.jerk_mps3
+    assert seconds("H", "A") == pytest.approx(6.0 / 2.0 + change_s, abs=0.4)
+    assert seconds("here", "A") == math.inf
+    here = (3.0, 0.0, -2.0)
+    assert seconds("here", "A") == pytest.approx(3.0 / 2.0 + change_s, abs=0.4)
+
+
+def test_a_table_has_the_ways_that_it_has() -> None:
+    asked = mission("F at(A)")
+    seconds = from_table(asked, {("H", "A"): 4.0, ("here", "A"): 1.5})
+    assert (seconds("H", "A"), seconds("here", "A")) == (4.0, 1.5)
+    assert seconds("A", "H") == math.inf
+    with pytest.raises(MissionError, match="no place a, of which"):
+        from_table(asked, {("H", "a"): 4.0})

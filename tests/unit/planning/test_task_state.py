@@ -1,0 +1,216 @@
+"""The word of a flight: which positions there are, and when the automata read them."""
+
+from __future__ import annotations
+
+import pytest
+from synthetic import command, event, mission
+
+from companion.ltl.automaton import successors
+from companion.mission.model import Mission
+from companion.planning.domain import WAIT, Action, departures
+from companion.planning.planner import Planner
+from companion.planning.task_state import TaskState
+
+BELIEFS = {f"trans_ok({a}, {b})" for a in "HAB" for b in "HAB" if a != b}
+
+
+def state(asked: Mission) -> TaskState:
+    return TaskState(Planner(asked, lambda origin, goal: 4.0))
+
+
+def action(task: TaskState, name: str) -> Action:
+    """An action that is known at present, by its name."""
+    return next(a for a in task.problem()[0].actions if a.name == name)
+
+
+def perform(task: TaskState, name: str) -> None:
+    performed = action(task, name)
+    task.begin(performed)
+    task.complete(performed)
+
+
+def letters(task: TaskState, conjunct: int = 0) -> list[set[str]]:
+    """What a conjunct has read, the present position included; without the beliefs."""
+    return [set(letter) - BELIEFS for letter in task.problem()[1][conjunct]]
+
+
+def test_position_0_is_the_state_at_the_start() -> None:
+    task = state(mission("F at(A)"))
+    assert letters(task) == [{"at(H)"}]
+    assert task.positions == 0
+
+
+def test_a_letter_holds_the_beliefs() -> None:
+    task = state(mission("F at(A)"))
+    task.withdraw(frozenset({"trans_ok(H, A)"}))
+    assert task.problem()[1][0] == [{"at(H)"} | BELIEFS - {"trans_ok(H, A)"}]
+
+
+def test_each_completed_skill_and_each_rest_appends_a_position() -> None:
+    task = state(mission("F at(A)"))
+    for name in ("move(H, A)", "wait", "move(A, B)"):
+        perform(task, name)
+    assert letters(task) == [{"at(H)"}, {"at(A)"}, {"at(A)"}, {"at(B)"}]
+    assert task.positions == 3
+
+
+def test_an_interrupted_skill_appends_none() -> None:
+    task = state(mission("F at(A)"))
+    task.begin(action(task, "move(H, A)"))
+    task.interrupt()
+    assert letters(task) == [{"at(H)"}]
+    perform(task, "move(here, B)")
+    assert letters(task) == [{"at(H)"}, {"at(B)"}]
+    assert task.positions == 1
+
+
+def test_a_position_is_read_when_it_is_left_and_an_event_may_change_it_until_then() -> None:
+    found = event("found")
+    task = state(mission("F found", events=[found]))
+    task.take(found, True)
+    assert letters(task) == [{"at(H)", "found"}]
+    task.begin(WAIT)
+    task.take(found, False)
+    assert letters(task) == [{"at(H)", "found"}]
+    task.complete(WAIT)
+    assert letters(task) == [{"at(H)", "found"}, {"at(H)"}]
+
+
+@pytest.mark.parametrize("formula", ["F at(A)", "X at(A)", "at(H) U at(B)", "G F at(A)"])
+def test_a_plan_is_made_as_if_the_present_position_were_read(formula: str) -> None:
+    """Leaving a position changes nothing in the problem: it was anticipated."""
+    task = state(mission(formula))
+    before = task.problem()
+    task.begin(action(task, "move(H, A)"))
+    assert task.problem() == before
+
+
+def test_the_automata_advance_with_the_word() -> None:
+    task = state(mission({"one": "F at(A)", "two": "X X at(B)"}))
+    perform(task, "move(H, A)")
+    perform(task, "move(A, B)")
+    problem, histories = task.problem()
+    for conjunct, states, history in zip(
+        problem.conjuncts, problem.automaton_states, histories, strict=True
+    ):
+        expected = conjunct.automaton.initial
+        for letter in history:
+            expected = successors(conjunct.automaton, expected, letter)
+        assert states == expected
+
+
+def test_an_interrupted_flight_leaves_the_vehicle_at_no_place() -> None:
+    task = state(mission("F at(A)"))
+    task.begin(action(task, "move(H, A)"))
+    task.interrupt()
+    assert task.facts == {"at(here)"}
+    assert {"trans_ok(here, A)", "trans_ok(here, B)", "trans_ok(here, H)"} <= task.all_facts
+    assert {a.name for a in task.problem()[0].actions} >= {"move(here, A)", "move(here, H)"}
+
+
+def test_an_interrupted_command_or_rest_leaves_it_where_it_is() -> None:
+    task = state(mission("F done", skills=[command("do", "at(H)", "done")]))
+    for name in ("do", "wait"):
+        task.begin(action(task, name))
+        task.interrupt()
+        assert task.facts == {"at(H)"}
+        assert task.running is None
+
+
+def test_between_skills_there_is_nothing_to_interrupt() -> None:
+    task = state(mission("F at(A)"))
+    perform(task, "move(H, A)")
+    task.interrupt()
+    assert task.facts == {"at(A)"}
+
+
+def test_beliefs_about_here_end_where_the_next_place_is_reached() -> None:
+    """`here` is another place each time; what is known of a real place stays known."""
+    task = state(mission("F at(A)"))
+    task.depart()
+    task.withdraw(frozenset({"trans_ok(here, A)", "trans_ok(H, A)"}))
+    assert "trans_ok(here, A)" not in task.all_facts
+    perform(task, "move(here, B)")
+    assert task.withdrawn == {"trans_ok(H, A)"}
+
+
+def test_a_belief_about_a_place_whose_name_contains_here_is_kept() -> None:
+    task = state(mission("F at(A)"))
+    task.withdraw(frozenset({"can_use(there)"}))
+    perform(task, "wait")
+    assert task.withdrawn == {"can_use(there)"}
+
+
+def test_an_event_sets_and_clears_its_fact() -> None:
+    found = event("found")
+    task = state(mission("F at(A)", events=[found]))
+    task.take(found, True)
+    assert task.facts == {"at(H)", "found"}
+    task.take(found, False)
+    assert task.facts == {"at(H)"}
+
+
+def test_an_event_restarts_the_conjuncts_that_it_names_and_no_other() -> None:
+    found = event("found", restarts=["one"])
+    task = state(mission({"one": "F at(A)", "two": "F at(B)"}, events=[found]))
+    perform(task, "move(H, A)")
+    task.take(found, True)
+    assert letters(task, 0) == [{"at(A)", "found"}]
+    assert letters(task, 1) == [{"at(H)"}, {"at(A)", "found"}]
+
+
+def test_the_end_of_an_event_restarts_nothing() -> None:
+    found = event("found", restarts=["one"])
+    task = state(mission({"one": "F at(A)"}, events=[found]))
+    task.take(found, True)
+    perform(task, "move(H, A)")
+    task.take(found, False)
+    assert len(letters(task)) == 2
+
+
+def test_departures_carry_what_a_move_carries() -> None:
+    """A move from `here` differs from one from a place by its origin alone."""
+    asked = mission("F at(A)")
+    planner = Planner(asked, lambda origin, goal: 4.0)
+    from_here = {a.name: a for a in departures(asked, planner.flight_time)}
+    assert set(from_here) == {"move(here, H)", "move(here, A)", "move(here, B)"}
+    move = from_here["move(here, A)"]
+    assert move.requires == {"at(here)", "trans_ok(here, A)"}
+    assert move.adds == {"at(A)"}
+    assert move.deletes == {"at(here)"}
+
+
+def test_each_position_is_kept_as_it_was_left() -> None:
+    found = event("found", restarts=["one"])
+    task = state(mission({"one": "F at(A)", "two": "F trans_ok(H, A)"}, events=[found]))
+    task.withdraw(frozenset({"trans_ok(A, B)"}))
+    perform(task, "move(H, A)")
+    task.take(found, True)
+    task.begin(WAIT)
+    task.interrupt()
+    task.begin(action(task, "wait"))
+    first, second = task.left
+    mentioned = "trans_ok(H, A)"  # all other beliefs would say nothing to a reader of the task
+    assert (first.number, first.facts, first.restarted) == (0, {"at(H)", mentioned}, ())
+    assert (second.number, second.restarted) == (1, ("one",))
+    assert second.facts == {"at(A)", "found", mentioned}
+    assert first.withdrawn == second.withdrawn == {"trans_ok(A, B)"}
+
+
+def test_a_violation_is_noticed_once_and_again_after_a_restart() -> None:
+    low, calm = event("low"), event("calm", restarts=["safe"])
+    task = state(mission({"safe": "G !low", "goal": "F at(A)"}, events=[low, calm]))
+    perform(task, "wait")
+    task.take(low, True)
+    perform(task, "wait")
+    perform(task, "move(H, A)")
+    task.take(calm, True)
+    perform(task, "wait")
+    assert [[c.name for c in p.violated] for p in task.left] == [[], ["safe"], [], ["safe"]]
+
+
+def test_who_departs_leaves_the_position_as_it_was() -> None:
+    task = state(mission("F at(A)"))
+    task.depart()
+    assert [set(position.facts) for position in task.left] == [{"at(H)"}]
+    assert task.facts == {"at(here)"}
