@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from companion.acting.report import Report
 from ports import free_instance
 
 from companion import FlightResult, LinkError, audit, load_mission, run
-from companion.acting.report import Report
 
 pytestmark = pytest.mark.sockets
 
