@@ -78,7 +78,7 @@ class Budget:
 
     @classmethod
     def unlimited(cls) -> Budget:
-        """For what is small already."""
+        """A budget that no formula spends."""
         return cls(sys.maxsize, sys.maxsize)
 
     def spend(self, passes: int, width: int = 0) -> None:

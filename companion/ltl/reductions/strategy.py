@@ -51,20 +51,23 @@ def reduced(graph: LabelledGraph[LetterSet], budget: Budget) -> LabelledGraph[Le
 def _merged_in_turn(
     graph: LabelledGraph[LetterSet], departures_marked: bool, budget: Budget
 ) -> LabelledGraph[LetterSet]:
-    trim = partial(trimmed, departures_marked=departures_marked)
-    best = trim(graph)
+    best = trimmed(graph, departures_marked)
     try:
         for relation in _relations(budget):
-
-            def step(
-                graph: LabelledGraph[LetterSet], relation: Relation = relation
-            ) -> LabelledGraph[LetterSet]:
-                return trim(merged_backwards(trim(merged(graph, relation)), (), relation))
-
-            best = _repeated(step, best)
+            merge = partial(
+                _merged_both_ways, relation=relation, departures_marked=departures_marked
+            )
+            best = _repeated(merge, best)
     except TranslationLimit:
         pass  # what was found so far is right as well
     return best
+
+
+def _merged_both_ways(
+    graph: LabelledGraph[LetterSet], relation: Relation, departures_marked: bool
+) -> LabelledGraph[LetterSet]:
+    smaller = trimmed(merged(graph, relation), departures_marked)
+    return trimmed(merged_backwards(smaller, (), relation), departures_marked)
 
 
 def _relations(budget: Budget) -> tuple[Relation, Relation]:

@@ -13,6 +13,7 @@ from companion.ltl.budget import Budget, TranslationLimit
 from companion.ltl.graph import LabelledEdge, LabelledGraph
 from companion.ltl.labels import Cube, L, LetterSet
 from companion.ltl.reductions.bisimulation import bisimilar
+from companion.ltl.reductions.quotient import merged_cubes_and_simulators
 from companion.ltl.reductions.simulation import cube_simulators, simulators
 
 Pairs = set[tuple[int, int]]
@@ -94,6 +95,12 @@ def test_bisimilar_nodes_do_the_same_in_each_step(drawn: LabelledGraph[Cube]) ->
         equal = finer
         finer = {(one, other) for one, other in equal if steps(one, equal) == steps(other, equal)}
     assert as_pairs(bisimilar(edges, [0] * len(edges), Budget())) == equal
+
+
+@given(graphs_of_cubes())
+def test_a_quotient_keeps_the_relation(graph: LabelledGraph[Cube]) -> None:
+    smaller, above = merged_cubes_and_simulators(graph)
+    assert above == cube_simulators(smaller)
 
 
 def test_a_spent_budget_ends_the_comparison() -> None:
