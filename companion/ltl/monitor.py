@@ -30,7 +30,7 @@ class TruthValue(Enum):
 
     TRUE = "true"
     FALSE = "false"
-    INCONCLUSIVE = "inconclusive"
+    INCONCLUSIVE = "open"
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +67,7 @@ class Monitor:
     >>> monitor = Monitor.of(parse("!q U p"))
     >>> q, p = frozenset({"q"}), frozenset({"p"})
     >>> [m.truth_value.value for m in (monitor, monitor.after(p), monitor.after(q).after(p))]
-    ['inconclusive', 'true', 'false']
+    ['open', 'true', 'false']
 
     Attributes:
         holding: the runs of the formula's automaton.
