@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from companion.errors import LinkError as LinkError
     from companion.errors import MissionError as MissionError
     from companion.errors import NoPlanError as NoPlanError
+    from companion.errors import SearchLimit as SearchLimit
     from companion.ltl.automaton import BuchiAutomaton as BuchiAutomaton
     from companion.ltl.dot import to_dot as to_dot
     from companion.ltl.formula import Formula as Formula
@@ -49,7 +50,8 @@ _EXPORTS = {
     "companion.api.formulas": "parse_formula translate",
     "companion.api.results": "FlightResult FlownTrajectory",
     "companion.api.simulating": "SimulationResult simulate",
-    "companion.errors": "CompanionError FormulaError LinkError MissionError NoPlanError",
+    "companion.errors": "CompanionError FormulaError LinkError MissionError NoPlanError "
+    "SearchLimit",
     "companion.ltl.automaton": "BuchiAutomaton",
     "companion.ltl.dot": "to_dot",
     "companion.ltl.formula": "Formula",

@@ -1,4 +1,4 @@
-"""How is a companion driven by the clock, over a link?
+"""Drives a companion by the clock, over a link.
 
 In real or scaled time, at 20 Hz, in one loop with no thread beside it.
 """

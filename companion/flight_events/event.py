@@ -48,11 +48,6 @@ class Stamped:
     time_s: float
     event: FlightEvent
 
-    @property
-    def text(self) -> str:
-        """The event in words, for people."""
-        return self.event.text
-
 
 class _Attributes:
     """The attributes of an object by name; of an enum its value."""

@@ -1,4 +1,4 @@
-"""The gate: may this setpoint leave? Every setpoint passes here, and nothing else sends one.
+"""The gate that every setpoint passes; nothing else sends one.
 
 Rules, in this order; the first that applies decides:
 1. No position known, or none for `lost_s`, or the mode is not ours: nothing is sent.
