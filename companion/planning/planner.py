@@ -1,6 +1,6 @@
 """The planner of one mission: everything that is made once, and the verbs that plan.
 
-On the ground one asks `plan` and `explain`, from the mission's first state or from another one.
+`plan` and `explain` answer before a flight, from the mission's first state or from another one.
 What flies keeps the state itself (task_state.py) and asks `solve` and `replan` for a problem.
 
 Formulas are translated and skills are instantiated when the planner is made. In flight only the
@@ -156,6 +156,11 @@ class Planner:
         timeout_s: float = 60.0,
     ) -> Solution:
         """The best plan from the mission's first state, or from one that differs from it.
+
+        >>> from companion import Planner, load_mission
+        >>> planner = Planner(load_mission("missions/surveillance.yaml"))
+        >>> print(planner.plan(at="r1", facts={"targetFound"}, without={"canUpload(r1)"}))
+        move(r1, r2), upload(r2), move(r2, Home), (wait)^w
 
         Args:
             at: the place where the vehicle is; without it, where the mission begins.

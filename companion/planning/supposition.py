@@ -1,4 +1,4 @@
-"""A state other than the mission's first one, to plan from on the ground.
+"""A state other than the mission's first one, to plan from before a flight.
 
 Facts and beliefs are named as the mission names them; a name that the mission does not know is a
 mistake and not a new fact.
