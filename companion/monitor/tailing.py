@@ -43,8 +43,8 @@ class TlogFrames:
         self._is_damaged = False
 
     def news(self) -> tuple[list[tuple[float, list[bytes]]], bool]:
-        """Frames since the last call, as (seconds since 1970, those of one time), and: is there
-        more that can be read at once?
+        """Frames since the last call, as (seconds since 1970, those of one time), and whether more
+        can be read at once.
 
         The newest time waits until a later one has begun: not all of its frames may be there yet.
         Nothing is read behind a damaged record.
