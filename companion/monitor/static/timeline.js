@@ -19,6 +19,7 @@ export class Timeline {
     this.isFollowing = history.mission.is_live;
     this.isPlaying = !this.isFollowing;
     this.time_s = 0;
+    this.hasJumped = false;
     this.listed = 0;
     this.lines = [];
     this.marks = [];
@@ -41,6 +42,7 @@ export class Timeline {
   seek(time_s) {
     this.time_s = Math.min(Math.max(time_s, this.history.start_s), this.history.end_s);
     this.isFollowing = false;
+    this.hasJumped = true; // also by less than the clock shows
   }
 
   toggle() {
@@ -91,7 +93,8 @@ export class Timeline {
     const { start_s, end_s } = this.history;
     const slider = byId("time");
     const clock = `${minutes(this.time_s)} / ${minutes(end_s)}`;
-    if (clock !== byId("clock").textContent) {
+    if (this.hasJumped || clock !== byId("clock").textContent) {
+      this.hasJumped = false;
       [slider.min, slider.max, slider.value] = [start_s, end_s, this.time_s];
       slider.setAttribute("aria-valuetext", minutes(this.time_s));
     }
