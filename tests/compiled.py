@@ -15,6 +15,7 @@ from companion.ltl.automaton import successors
 from companion.ltl.formula import conjuncts
 from companion.ltl.parser import parse
 from companion.ltl.translate import translate
+from companion.mission.facts import Atom, Fact, at
 from companion.mission.model import Wait
 from companion.planning.check import fault
 from companion.planning.compilation.classical import ClassicalProblem
@@ -29,17 +30,18 @@ def action(
     adds: Iterable[str] = (),
     deletes: Iterable[str] = (),
     cost_s: float = 1.0,
-    conditional: tuple[ConditionalEffect, ...] = (),
+    conditional: tuple[ConditionalEffect[Fact], ...] = (),
 ) -> Action:
     """An action by its facts."""
+    called = Atom.parse(name)
     return Action(
-        name=name,
-        skill=name.partition("(")[0],
-        requires=frozenset(requires),
+        skill=called.predicate,
+        arguments=called.arguments,
+        requires=_facts(requires),
         forbids=frozenset(),
         assumes=frozenset(),
-        adds=frozenset(adds),
-        deletes=frozenset(deletes),
+        adds=_facts(adds),
+        deletes=_facts(deletes),
         cost_ms=round(1000 * cost_s),
         execute=(Wait(cost_s),),
         tries=1,
@@ -68,13 +70,17 @@ def problem(
     return Problem((*moves, *extra, WAIT), tuple(parts), letters[-1], tuple(states))
 
 
+def _facts(names: Iterable[str]) -> frozenset[Fact]:
+    return frozenset(map(Fact.parse, names))
+
+
 def history(asked: Problem, past: str = "") -> list[list[Letter]]:
     """What each conjunct has read: the past, or the present position alone."""
     return [_letters(past) or [asked.facts] for _ in asked.conjuncts]
 
 
 def _letters(places: str) -> list[Letter]:
-    return [frozenset({f"at({place})"}) for place in places]
+    return [frozenset({at(place)}) for place in places]
 
 
 def unit_costs(places: str) -> dict[tuple[str, str], float]:

@@ -12,10 +12,11 @@ from companion.ltl.automaton import successors
 from companion.ltl.formula import Formula, conjuncts
 from companion.ltl.parser import parse
 from companion.ltl.translate import translate
+from companion.mission.facts import Atom, Fact, at
 from companion.mission.literals import parse_literals
 from companion.mission.model import Fly, Wait
 from companion.planning.builtin.search import Search
-from companion.planning.domain import WAIT, Action, ConditionalEffect, Fact
+from companion.planning.domain import WAIT, Action, ConditionalEffect
 from companion.planning.lasso import Conjunct, Lasso, Letter, Problem
 from companion.planning.objective import Objective
 
@@ -35,11 +36,12 @@ def action(
     Args:
         conditional: pairs of a condition and an effect.
     """
+    called = Atom.parse(name)
     requires, forbids = _facts(when)
     adds, deletes = _facts(effect)
     return Action(
-        name=name,
-        skill=name.partition("(")[0],
+        skill=called.predicate,
+        arguments=called.arguments,
         requires=requires,
         forbids=forbids,
         assumes=frozenset(),
@@ -67,13 +69,13 @@ def _facts(text: str) -> tuple[frozenset[Fact], frozenset[Fact]]:
 def move(origin: str, goal: str, cost_s: float) -> Action:
     """A flight between two places."""
     return Action(
-        name=f"move({origin}, {goal})",
         skill="move",
-        requires=frozenset({f"at({origin})"}),
+        arguments=(origin, goal),
+        requires=frozenset({at(origin)}),
         forbids=frozenset(),
         assumes=frozenset(),
-        adds=frozenset({f"at({goal})"}),
-        deletes=frozenset({f"at({origin})"}),
+        adds=frozenset({at(goal)}),
+        deletes=frozenset({at(origin)}),
         cost_ms=round(1000 * cost_s),
         execute=(Fly(goal),),
         tries=1,
@@ -81,10 +83,10 @@ def move(origin: str, goal: str, cost_s: float) -> Action:
     )
 
 
-def asking(task: str, actions: Iterable[Action], letters: Sequence[Iterable[Fact]]) -> Problem:
+def asking(task: str, actions: Iterable[Action], letters: Sequence[Iterable[str]]) -> Problem:
     """The problem after a history, whose last letter is the present position."""
     parts = tuple(_conjunct(formula) for formula in conjuncts(parse(task)))
-    history = [frozenset(letter) for letter in letters]
+    history = [frozenset(map(Fact.parse, letter)) for letter in letters]
     return Problem((*actions,), parts, history[-1], tuple(_read(part, history) for part in parts))
 
 
@@ -103,7 +105,7 @@ def _read(conjunct: Conjunct, history: Iterable[Letter]) -> frozenset[int]:
 def problem(places: Sequence[str], legs: Legs, task: str, extra: Iterable[Action] = ()) -> Problem:
     """A task on a map, from the first of the places."""
     moves = [move(a, b, legs[a, b]) for a, b in itertools.permutations(places, 2) if (a, b) in legs]
-    return asking(task, (*moves, *extra, WAIT), [{f"at({places[0]})"}])
+    return asking(task, (*moves, *extra, WAIT), [{at(places[0])}])
 
 
 def unit_legs(places: Sequence[str]) -> Legs:

@@ -14,6 +14,7 @@ import numpy as np
 from companion.geometry import Ned
 from companion.ltl.parser import parse
 from companion.mission.conditions import parse_condition
+from companion.mission.facts import Fact
 from companion.mission.literals import parse_fact, parse_literals
 from companion.mission.model import (
     Command,
@@ -99,6 +100,11 @@ def reading(name: str, value: float = 1.0) -> tuple[Signal, float]:
     return (Signal("NAMED_VALUE_INT", name, "value"), value)
 
 
+def facts_of(*spellings: str) -> frozenset[Fact]:
+    """Facts, spelled as in a mission file."""
+    return frozenset(map(Fact.parse, spellings))
+
+
 def mission(
     task: str | Mapping[str, str],
     places: str = "HAB",
@@ -121,7 +127,7 @@ def mission(
         sets={"Place": tuple(places)},
         events={e.name: e for e in events},
         skills={s.name: s for s in (*own_move, *skills)},
-        initially=frozenset(initially),
+        initially=frozenset(map(Fact.parse, initially)),
         task={name: parse(text) for name, text in lines.items()},
         otherwise=otherwise,
     )

@@ -13,8 +13,9 @@ from py_trees.common import Status
 from companion.acting.behaviour_tree.builder import move_tree
 from companion.acting.behaviour_tree.leaf import failure_of
 from companion.acting.flight import Flight
+from companion.mission.facts import Fact
 from companion.mission.model import Fly
-from companion.planning.domain import WAIT, Fact, departures
+from companion.planning.domain import WAIT, departures
 from companion.planning.lasso import Lasso
 from companion.planning.planner import Planner
 

@@ -9,13 +9,14 @@ from __future__ import annotations
 from companion.errors import FormulaError
 from companion.ltl.formula import Formula, Operator, conjuncts
 from companion.ltl.parser import parse
-from companion.mission.model import Atom, ConditionalEffectTemplate, Literal
+from companion.mission.facts import Atom
+from companion.mission.model import ConditionalEffectTemplate, Literal
 
 
 def parse_literals(text: str) -> tuple[Literal, ...]:
     """Reads a conjunction of facts and negated facts.
 
-    >>> [str(literal.atom.name) for literal in parse_literals("at(to) & !at(from)")]
+    >>> [str(literal.atom.predicate) for literal in parse_literals("at(to) & !at(from)")]
     ['at', 'at']
 
     Raises:
@@ -63,17 +64,7 @@ def parse_fact(text: str) -> Atom:
     formula = parse(text)
     if formula.operator is not Operator.ATOM:
         raise FormulaError("not a fact", text, 0, len(text), "a fact looks like at(A)")
-    return atom_of(formula.atom)
-
-
-def atom_of(canonical: str) -> Atom:
-    """Returns the name and arguments of a fact in the formula language's canonical text.
-
-    >>> atom_of("trans_ok(A, B)")
-    Atom(name='trans_ok', arguments=('A', 'B'))
-    """
-    name, _, arguments = canonical.removesuffix(")").partition("(")
-    return Atom(name, tuple(arguments.split(", ")) if arguments else ())
+    return Atom.parse(formula.atom)
 
 
 def _literal(part: Formula, text: str) -> Literal:
@@ -87,4 +78,4 @@ def _literal(part: Formula, text: str) -> Literal:
             len(text.strip()),
             "write facts joined by &, each with ! for not",
         )
-    return Literal(atom_of(fact.atom), is_positive)
+    return Literal(Atom.parse(fact.atom), is_positive)

@@ -22,8 +22,9 @@ from companion.ltl.formula import Formula, Operator, eventually
 from companion.ltl.parser import parse
 from companion.maps import map_of_boxes, read_map
 from companion.mission.conditions import parse_condition
+from companion.mission.facts import AT, HERE, Fact
 from companion.mission.literals import parse_fact, parse_literals
-from companion.mission.model import Atom, Event, Limits, Mission, Otherwise, Place, Skill
+from companion.mission.model import Event, Limits, Mission, Otherwise, Place, Skill
 from companion.mission.pddl_domain import with_domain
 from companion.mission.schema import MapEntry, MissionFile
 from companion.mission.sites import check_limits, check_places
@@ -36,7 +37,6 @@ from companion.vehicle_files import read_vehicle
 GOAL = "goal"  # name of the conjunct that a plain goal makes
 _TASK_HINT = "add task: {NAME: FORMULA}, what must hold, or goal: FACTS, what must hold once"
 _SHOWN = 20  # names listed in a message
-RESERVED_PLACE = "here"  # the planner's name for where an interrupted move leaves the vehicle
 
 
 def load_mission(source: Given, folder: Path | None = None) -> Mission:
@@ -75,8 +75,9 @@ def load_mission(source: Given, folder: Path | None = None) -> Mission:
     vocabulary = Vocabulary(places, events, file.objects, declared)
     skills = build_skills(file, document, vocabulary)
     _check_restored(file, skills, document)
-    facts = _initially(file, document, vocabulary)
-    _check_reachable_names(skills, {*events, *declared, *(f.name for f in facts)}, document)
+    initially = _initially(file, document, vocabulary)
+    given = {*events, *declared, *(fact.predicate for fact in initially)}
+    _check_reachable_names(skills, given, document)
     sets = {name: tuple(members) for name, members in file.sets.items()}
     return Mission(
         name=file.name,
@@ -89,7 +90,7 @@ def load_mission(source: Given, folder: Path | None = None) -> Mission:
         sets=sets,
         events=events,
         skills=skills,
-        initially=frozenset(fact.instantiate({}) for fact in facts),
+        initially=initially,
         task=_task(file, document, vocabulary),
         otherwise=Otherwise(file.otherwise),
         tree=read_tree(file.tree, document, skills, sets, vocabulary) if file.tree else None,
@@ -125,14 +126,14 @@ def _grid(map_: str | MapEntry, folder: Path, document: Document) -> OccupancyGr
 
 def _check_names(file: MissionFile, document: Document) -> None:
     """Refuses names that formulas cannot use or that mean two things, and wrong members of sets."""
-    if RESERVED_PLACE in file.places:
+    if HERE in file.places:
         raise MissionError(
-            f"a place cannot be called {RESERVED_PLACE}",
-            document.key_at("places", RESERVED_PLACE),
+            f"a place cannot be called {HERE}",
+            document.key_at("places", HERE),
             "the planner uses this name for the vehicle's present position",
         )
     for name in file.events:
-        if _operator(name) is not Operator.ATOM or name == "at":
+        if _operator(name) is not Operator.ATOM or name == AT:
             raise MissionError(
                 f"an event cannot be called {name}",
                 document.key_at("events", name),
@@ -206,7 +207,7 @@ def _events(file: MissionFile, document: Document) -> dict[str, Event]:
 
 
 def _check_restored(file: MissionFile, skills: Mapping[str, Skill], document: Document) -> None:
-    beliefs = sorted({atom.name for skill in skills.values() for atom in skill.assumes})
+    beliefs = sorted({atom.predicate for skill in skills.values() for atom in skill.assumes})
     for name, entry in file.events.items():
         for index, belief in enumerate(entry.restores):
             if belief not in beliefs:
@@ -218,24 +219,24 @@ def _check_restored(file: MissionFile, skills: Mapping[str, Skill], document: Do
                 )
 
 
-def _initially(file: MissionFile, document: Document, vocabulary: Vocabulary) -> list[Atom]:
+def _initially(file: MissionFile, document: Document, vocabulary: Vocabulary) -> frozenset[Fact]:
     """Returns the facts that are listed; exactly one of them says where the vehicle is."""
-    facts: list[Atom] = []
+    facts: set[Fact] = set()
     for index, text in enumerate(file.initially):
         with document.locating("initially", index):
-            fact = parse_fact(text)
+            fact = parse_fact(text).instantiate({})
             vocabulary.check(text)
-        if fact.name == "at" and any(other.name == "at" for other in facts):
+        if fact.predicate == AT and any(other.predicate == AT for other in facts):
             raise MissionError(
                 "the vehicle cannot be at two places",
                 document.where("initially", index),
                 "keep one fact at(PLACE)",
             )
-        facts.append(fact)
-    if not any(fact.name == "at" for fact in facts):
+        facts.add(fact)
+    if not any(fact.predicate == AT for fact in facts):
         hint = f"add to initially the place where it starts, e.g. at({next(iter(file.places))})"
         raise MissionError("no fact says where the vehicle is", document.where("initially"), hint)
-    return facts
+    return frozenset(facts)
 
 
 def _check_reachable_names(
@@ -249,14 +250,14 @@ def _check_reachable_names(
     """
     sources = {*given}
     for skill in skills.values():
-        sources |= {atom.name for atom in skill.assumes}
+        sources |= {atom.predicate for atom in skill.assumes}
         effects = (skill.effect, *(when.effect for when in skill.conditional))
-        sources |= {x.atom.name for effect in effects for x in effect if x.is_positive}
+        sources |= {x.atom.predicate for effect in effects for x in effect if x.is_positive}
     for skill in skills.values():
         conditions = [(literal, "precondition") for literal in skill.precondition]
         conditions += [(x, "effect") for when in skill.conditional for x in when.condition]
         for literal, key in conditions:
-            name = literal.atom.name
+            name = literal.atom.predicate
             if name not in sources:
                 raise MissionError(
                     f"nothing ever makes {name} true",

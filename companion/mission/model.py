@@ -2,8 +2,6 @@
 
 `loader.py` makes it from YAML. Nothing here knows about files or YAML. Names (places, skills,
 events, components) are the mission's own and are the same in logs, messages and tests.
-
-Facts are written as the formula language writes them: `at(A)`, `targetFound`, `canUpload(r1)`.
 """
 
 from __future__ import annotations
@@ -13,7 +11,8 @@ from dataclasses import dataclass, field
 from enum import Enum
 
 from companion.geometry import Ned, NorthEast
-from companion.ltl.formula import Formula
+from companion.ltl.formula import Formula, atoms
+from companion.mission.facts import Atom, Fact, at
 from companion.mission.tree_nodes import Tree
 from companion.motion.grid import OccupancyGrid
 from companion.motion.profile import SpeedLimits
@@ -86,23 +85,10 @@ class Event:
     restarts: frozenset[str]
     restores: frozenset[str] = frozenset()
 
-
-@dataclass(frozen=True, slots=True)
-class Atom:
-    """A predicate over skill parameters or constants, e.g. trans_ok(from, to)."""
-
-    name: str
-    arguments: tuple[str, ...]
-
-    def instantiate(self, binding: Mapping[str, str]) -> str:
-        """Returns the fact under a binding; names without a binding stand for themselves.
-
-        >>> Atom("at", ("from",)).instantiate({"from": "A"})
-        'at(A)'
-        """
-        if not self.arguments:
-            return self.name
-        return f"{self.name}({', '.join(binding.get(a, a) for a in self.arguments)})"
+    @property
+    def fact(self) -> Fact:
+        """What holds when it has become true."""
+        return Fact(self.name)
 
 
 @dataclass(frozen=True, slots=True)
@@ -245,7 +231,7 @@ class Mission:
     sets: Mapping[str, tuple[str, ...]]
     events: Mapping[str, Event]
     skills: Mapping[str, Skill]
-    initially: frozenset[str]
+    initially: frozenset[Fact]
     task: Mapping[str, Formula]
     otherwise: Otherwise
     tree: Tree | None = None
@@ -266,4 +252,9 @@ class Mission:
     @property
     def home(self) -> Place:
         """The place where the mission begins."""
-        return next(p for name, p in self.places.items() if f"at({name})" in self.initially)
+        return next(p for name, p in self.places.items() if at(name) in self.initially)
+
+    @property
+    def task_facts(self) -> frozenset[Fact]:
+        """The facts that the task speaks of."""
+        return frozenset(Fact.parse(p) for part in self.task.values() for p in atoms(part))

@@ -14,8 +14,9 @@ from typing import TypeVar
 from companion.documents import Document, did_you_mean
 from companion.errors import MissionError
 from companion.mission.execution import parse_execution
+from companion.mission.facts import Atom, spelled
 from companion.mission.literals import parse_effect, parse_fact, parse_literals
-from companion.mission.model import Atom, Do, Execution, Fly, Skill
+from companion.mission.model import Do, Execution, Fly, Skill
 from companion.mission.schema import MissionFile, SkillEntry
 from companion.mission.vocabulary import Domain, Vocabulary
 
@@ -70,7 +71,7 @@ def _check_calls(
             raise MissionError(
                 f"{step.skill} is called with {len(step.arguments)} arguments",
                 where,
-                f"write {Atom(step.skill, tuple(wanted)).instantiate({})}",
+                f"write {spelled(step.skill, tuple(wanted))}",
             )
         known = {parameter for parameter, _ in skills[name].parameters} | constants
         for argument in step.arguments:
@@ -226,12 +227,12 @@ class _SkillBuilder:
 
     def _refuse_events(self, atoms: list[Atom], *keys: str | int) -> None:
         for atom in atoms:
-            if atom.name in self.file.events:
+            if atom.predicate in self.file.events:
                 raise MissionError(
-                    f"{atom.name} is an event, so the skill {self.name} cannot set it",
+                    f"{atom.predicate} is an event, so the skill {self.name} cannot set it",
                     self.document.where("skills", self.name, *keys),
                     "an event is read off MAVLink; use another fact, or remove the event in "
-                    f"{self.document.key_at('events', atom.name).inside}",
+                    f"{self.document.key_at('events', atom.predicate).inside}",
                 )
 
     def _refuse_unused(self, atoms: list[Atom], execute: tuple[Execution, ...]) -> None:

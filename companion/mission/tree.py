@@ -17,12 +17,12 @@ from dataclasses import dataclass
 
 from companion.documents import Document, did_you_mean
 from companion.errors import MissionError
-from companion.mission.literals import atom_of, parse_literals
+from companion.mission.facts import HERE, Atom, Fact
+from companion.mission.literals import parse_literals
 from companion.mission.model import Fly, Skill
 from companion.mission.tree_nodes import Act, Check, Fallback, Repeat, Retry, Steps, Tree, Watch
 from companion.mission.vocabulary import Vocabulary
 
-HERE = "here"
 FORMS = {"fallback": {"fallback"}, "repeat": {"repeat", "times"}, "retry": {"retry", "times"}}
 FORMS["watch"] = {"watch", "do"}
 _HINT = "a node is a text, a list, or one of fallback, repeat, retry and watch"
@@ -96,19 +96,19 @@ class _WrittenTreeReader:
         with self.document.locating(*keys):
             literals = parse_literals(text)
             self.vocabulary.check(text)
-        facts = {True: set[str](), False: set[str]()}
+        facts = {True: set[Fact](), False: set[Fact]()}
         for literal in literals:
             facts[literal.is_positive].add(literal.atom.instantiate({}))
         return Check(text, frozenset(facts[True]), frozenset(facts[False]))
 
     def _act(self, text: str, keys: tuple[str | int, ...]) -> Act:
-        atom = atom_of(text.replace(" ", "").replace(",", ", "))
-        skill = self.skills[atom.name]
+        atom = Atom.parse(text.replace(" ", "").replace(",", ", "))
+        skill = self.skills[atom.predicate]
         wanted = ", ".join(parameter for parameter, _ in skill.parameters)
         if not skill.is_planned:
-            raise self._error(f"{atom.name} only refines other skills", keys)
+            raise self._error(f"{atom.predicate} only refines other skills", keys)
         if len(atom.arguments) != len(skill.parameters):
-            raise self._error(f"{text} has not the arguments of {atom.name}({wanted})", keys)
+            raise self._error(f"{text} has not the arguments of {atom.predicate}({wanted})", keys)
         for argument, (parameter, name) in zip(atom.arguments, skill.parameters, strict=True):
             is_departure = argument == HERE and any(isinstance(s, Fly) for s in skill.execute)
             if argument not in self.sets[name] and not is_departure:
@@ -116,7 +116,7 @@ class _WrittenTreeReader:
                 hint = f"{parameter} is one of {members}. {did_you_mean(argument, self.sets[name])}"
                 where = self.document.where(*keys)
                 raise MissionError(f"{argument} is not in {name}", where, hint.rstrip())
-        return Act(atom.instantiate({}))
+        return Act(str(atom))
 
     def _error(self, what: str, keys: tuple[str | int, ...]) -> MissionError:
         return MissionError(what, self.document.where(*keys), _HINT)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from companion.mission.facts import Fact
+
 
 @dataclass(frozen=True, slots=True)
 class Act:
@@ -17,8 +19,8 @@ class Check:
     """Facts that have to hold, and facts that must not; `text` as it was written."""
 
     text: str
-    requires: frozenset[str]
-    forbids: frozenset[str]
+    requires: frozenset[Fact]
+    forbids: frozenset[Fact]
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,8 +13,7 @@ from collections.abc import Iterable, Mapping
 from companion.documents import did_you_mean
 from companion.errors import FormulaError
 from companion.ltl.parser import occurrences
-from companion.mission.literals import atom_of
-from companion.mission.model import Atom
+from companion.mission.facts import AT, Atom, spelled
 
 Domain = tuple[str, ...]
 """The places or objects that one argument of a predicate may be."""
@@ -41,7 +40,7 @@ class Vocabulary:
     ) -> None:
         self._places = tuple(places)
         self._objects = tuple(objects)
-        self._uses: dict[str, list[tuple[Domain, ...]]] = {"at": [(self._places,)]}
+        self._uses: dict[str, list[tuple[Domain, ...]]] = {AT: [(self._places,)]}
         self._uses |= {event: [()] for event in events}
         for name, domains in (declared or {}).items():
             self._uses.setdefault(name, [domains])
@@ -58,7 +57,7 @@ class Vocabulary:
                 predicate has another number of arguments, or `at` one that is no place.
         """
         for fact, offset, length in occurrences(text):
-            atom = atom_of(fact)
+            atom = Atom.parse(fact)
             for argument in atom.arguments:
                 known = [*domains, *self._places, *self._objects]
                 if argument not in known:
@@ -68,15 +67,15 @@ class Vocabulary:
                     what = f"{argument} in {fact} is neither a parameter nor a place"
                     hint = f"{kinds} are {_listing(known)}. {did_you_mean(argument, known)}"
                     raise FormulaError(what, text, offset, length, hint.rstrip())
-            if atom.name in self._uses:
+            if atom.predicate in self._uses:
                 self._check_arity(atom, text, offset, length)
             use = tuple(domains.get(argument, (argument,)) for argument in atom.arguments)
             strange = [m for domain in use for m in domain if m not in self._places]
-            if atom.name == "at" and strange:
+            if atom.predicate == AT and strange:
                 hint = f"the vehicle can be at {_listing(self._places)}"
                 what = f"{fact} speaks of {strange[0]}, which is no place"
                 raise FormulaError(what, text, offset, length, hint)
-            self._uses.setdefault(atom.name, []).append(use)
+            self._uses.setdefault(atom.predicate, []).append(use)
 
     def check(self, text: str) -> None:
         """Checks every fact of a formula.
@@ -85,13 +84,13 @@ class Vocabulary:
             FormulaError: at the first that does not exist.
         """
         for fact, offset, length in occurrences(text):
-            atom = atom_of(fact)
-            if atom.name not in self._uses:
+            atom = Atom.parse(fact)
+            if atom.predicate not in self._uses:
                 names = [self._example(name) for name in self._uses]
                 hint = f"facts are {_listing(names)}. {self._similar(atom)}".rstrip()
                 raise FormulaError(f"unknown fact {fact}", text, offset, length, hint)
             self._check_arity(atom, text, offset, length)
-            uses = self._uses[atom.name]
+            uses = self._uses[atom.predicate]
             if not any(
                 all(a in d for a, d in zip(atom.arguments, use, strict=True)) for use in uses
             ):
@@ -99,31 +98,31 @@ class Vocabulary:
                 raise FormulaError(f"unknown fact {fact}", text, offset, length, hint)
 
     def _check_arity(self, atom: Atom, text: str, offset: int, length: int) -> None:
-        arity = len(self._uses[atom.name][0])
+        arity = len(self._uses[atom.predicate][0])
         if len(atom.arguments) != arity:
             count = {0: "no arguments", 1: "1 argument"}.get(arity, f"{arity} arguments")
-            hint = f"write {self._example(atom.name)}"
-            raise FormulaError(f"{atom.name} has {count}", text, offset, length, hint)
+            hint = f"write {self._example(atom.predicate)}"
+            raise FormulaError(f"{atom.predicate} has {count}", text, offset, length, hint)
 
     def _example(self, name: str) -> str:
-        return Atom(name, tuple(domain[0] for domain in self._uses[name][0])).instantiate({})
+        return spelled(name, tuple(domain[0] for domain in self._uses[name][0]))
 
     def _similar(self, atom: Atom) -> str:
         """Returns the most similar fact, with one argument or the name replaced."""
         facts = [
-            Atom(atom.name, (*atom.arguments[:i], place, *atom.arguments[i + 1 :])).instantiate({})
-            for use in self._uses.get(atom.name, [])[:1]
+            spelled(atom.predicate, (*atom.arguments[:i], place, *atom.arguments[i + 1 :]))
+            for use in self._uses.get(atom.predicate, [])[:1]
             for i, domain in enumerate(use)
             for place in domain
             if atom.arguments[i] not in domain
         ]
-        if atom.name not in self._uses:
+        if atom.predicate not in self._uses:
             facts = [
-                Atom(name, atom.arguments).instantiate({})
+                spelled(name, atom.arguments)
                 for name, uses in self._uses.items()
                 if len(uses[0]) == len(atom.arguments)
             ]
-        return did_you_mean(atom.instantiate({}), facts)
+        return did_you_mean(str(atom), facts)
 
     def _domain_listing(self, atom: Atom) -> str:
         things = (*self._places, *self._objects)
@@ -131,11 +130,11 @@ class Vocabulary:
             listing = f"places are {_listing(self._places)}"
             return listing + (f"; objects are {_listing(self._objects)}" if self._objects else "")
         allowed = (
-            dict.fromkeys(p for use in self._uses[atom.name] for p in use[i])
+            dict.fromkeys(p for use in self._uses[atom.predicate] for p in use[i])
             for i in range(len(atom.arguments))
         )
         return "; ".join(
-            f"argument {i} of {atom.name} is one of {_listing(places)}"
+            f"argument {i} of {atom.predicate} is one of {_listing(places)}"
             for i, places in enumerate(allowed, start=1)
         )
 

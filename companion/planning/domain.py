@@ -20,16 +20,14 @@ import itertools
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Generic, TypeVar
 
-from companion.mission.model import Atom, Do, Fly, Literal, Mission, Primitive, Skill, Wait
-
-Fact = str
-"""An atom without variables in the formula language's spelling, e.g. "at(A)"."""
+from companion.mission.facts import AT, HERE, Fact, spelled
+from companion.mission.model import Do, Fly, Literal, Mission, Primitive, Skill, Wait
 
 FlightTime = Callable[[str, str], float]
 """Seconds of flight from one place to another; inf where no route exists."""
 
-HERE = "here"
 REST_S = 1.0
 """Length of one step of rest."""
 UNIT_MS = 100
@@ -37,16 +35,20 @@ UNIT_MS = 100
 no skill is repeated for ever in place of rest."""
 
 
+P = TypeVar("P", bound=str, covariant=True)
+"""The propositions of an effect: facts, or the fluents of a classical problem."""
+
+
 @dataclass(frozen=True, slots=True)
-class ConditionalEffect:
+class ConditionalEffect(Generic[P]):
     """What an action does besides, if a condition holds before it."""
 
-    requires: frozenset[Fact]
-    forbids: frozenset[Fact]
-    adds: frozenset[Fact]
-    deletes: frozenset[Fact]
+    requires: frozenset[P]
+    forbids: frozenset[P]
+    adds: frozenset[P]
+    deletes: frozenset[P]
 
-    def is_met(self, facts: frozenset[Fact]) -> bool:
+    def is_met(self, facts: frozenset[str]) -> bool:
         """Whether the condition holds."""
         return self.requires <= facts and not self.forbids & facts
 
@@ -69,7 +71,8 @@ class Action:
     """An instance of a skill: all its parameters are bound.
 
     Attributes:
-        name: e.g. "move(A, B)".
+        skill: its name.
+        arguments: what its parameters are bound to.
         requires: facts that must hold, beliefs included.
         forbids: facts that must not hold.
         assumes: the beliefs among `requires`; withdrawn when the action fails.
@@ -79,8 +82,8 @@ class Action:
         retry_after_s: time after which what it assumes is believed again; None is never.
     """
 
-    name: str
     skill: str
+    arguments: tuple[str, ...]
     requires: frozenset[Fact]
     forbids: frozenset[Fact]
     assumes: frozenset[Fact]
@@ -90,8 +93,13 @@ class Action:
     execute: tuple[Step, ...]
     tries: int
     timeout_s: float | None
-    conditional: tuple[ConditionalEffect, ...] = ()
+    conditional: tuple[ConditionalEffect[Fact], ...] = ()
     retry_after_s: float | None = None
+
+    @property
+    def name(self) -> str:
+        """Skill and arguments, e.g. "move(A, B)"."""
+        return spelled(self.skill, self.arguments)
 
     @property
     def destination(self) -> str | None:
@@ -112,8 +120,8 @@ class Action:
 
 
 WAIT = Action(
-    name="wait",
     skill="wait",
+    arguments=(),
     requires=frozenset(),
     forbids=frozenset(),
     assumes=frozenset(),
@@ -173,7 +181,7 @@ def origin_parameter(skill: Skill) -> str | None:
     names = [name for name, _ in skill.parameters]
     for literal in skill.precondition:
         atom = literal.atom
-        if literal.is_positive and atom.name == "at" and atom.arguments[0] in names:
+        if literal.is_positive and atom.predicate == AT and atom.arguments[0] in names:
             return atom.arguments[0]
     return None
 
@@ -229,7 +237,7 @@ def _refined(mission: Mission, skill: Skill, binding: dict[str, str]) -> tuple[S
         elif isinstance(step, Do):
             inner = mission.skills[step.skill]
             own = _own(inner, step, binding)
-            name = Atom(inner.name, tuple(own)).instantiate(own)
+            name = spelled(inner.name, tuple(own.values()))
             below = _refined(mission, inner, own)
             steps.append(Refinement(name, below, inner.tries, inner.timeout_s))
         else:
@@ -265,8 +273,8 @@ def _instance(
     if requires & forbids:
         return None
     return Action(
-        name=Atom(skill.name, tuple(name for name, _ in skill.parameters)).instantiate(binding),
         skill=skill.name,
+        arguments=tuple(binding.values()),
         requires=requires | assumes,
         forbids=forbids,
         assumes=assumes,

@@ -15,8 +15,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 from companion.errors import NoPlanError
-from companion.ltl.formula import atoms
-from companion.planning.domain import Action, Fact
+from companion.mission.facts import Fact
+from companion.planning.domain import Action
 from companion.planning.lasso import Conjunct, Problem
 
 IsSolvable = Callable[[Problem], bool | None]
@@ -130,7 +130,7 @@ def _with(problem: Problem, belief: Fact) -> Problem:
 def _unreachable(problem: Problem, conflict: tuple[Conjunct, ...]) -> tuple[Unreachable, ...]:
     """Facts of some conjuncts that skills make true in principle, but not from here."""
     reached = _relaxed_reach(problem)
-    mentioned: frozenset[Fact] = frozenset().union(*(atoms(c.formula) for c in conflict))
+    mentioned = frozenset[Fact]().union(*(conjunct.facts for conjunct in conflict))
     found = []
     for fact in sorted(mentioned - reached):
         makers = [action for action in problem.actions if fact in _added(action)]

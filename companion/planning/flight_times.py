@@ -8,18 +8,18 @@ from collections.abc import Callable, Mapping
 from companion.documents import did_you_mean
 from companion.errors import MissionError
 from companion.geometry import Ned
-from companion.ltl.formula import atoms
+from companion.mission.facts import HERE, at
 from companion.mission.model import Mission
 from companion.motion.profile import SpeedLimits, flight_time_s
 from companion.motion.routes import PlaceRegion, RouteMap
-from companion.planning.domain import HERE, FlightTime
+from companion.planning.domain import FlightTime
 
 
 def route_map(mission: Mission) -> RouteMap:
     """The routes of a mission: the places that its task mentions are not crossed by chance."""
-    mentioned = frozenset().union(*(atoms(f) for f in mission.task.values()))
+    mentioned = mission.task_facts
     sites = {
-        name: PlaceRegion(place.position, place.radius_m, is_exclusive=f"at({name})" in mentioned)
+        name: PlaceRegion(place.position, place.radius_m, is_exclusive=at(name) in mentioned)
         for name, place in mission.places.items()
     }
     return RouteMap(mission.grid, sites, mission.limits.fence, mission.vehicle.clearance_m)

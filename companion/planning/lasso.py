@@ -17,8 +17,9 @@ from dataclasses import dataclass
 from companion.flight_events.plans import PlannedAction, PlannedLasso
 from companion.flight_events.writing import json_of
 from companion.ltl.automaton import BuchiAutomaton
-from companion.ltl.formula import Formula
-from companion.planning.domain import WAIT, Action, Fact
+from companion.ltl.formula import Formula, atoms
+from companion.mission.facts import Fact
+from companion.planning.domain import WAIT, Action
 from companion.planning.objective import Objective
 
 Letter = frozenset[Fact]
@@ -32,6 +33,11 @@ class Conjunct:
     name: str
     formula: Formula
     automaton: BuchiAutomaton
+
+    @property
+    def facts(self) -> frozenset[Fact]:
+        """The facts that it speaks of."""
+        return frozenset(map(Fact.parse, atoms(self.formula)))
 
 
 @dataclass(frozen=True)
@@ -103,9 +109,7 @@ class Lasso:
 
 
 def _planned(action: Action) -> PlannedAction:
-    text = action.name.removeprefix(action.skill).strip("()")
-    arguments = tuple(text.split(", ")) if text else ()
-    return PlannedAction(action.name, action.skill, arguments, action.cost_ms / 1000)
+    return PlannedAction(action.name, action.skill, action.arguments, action.cost_ms / 1000)
 
 
 @dataclass(frozen=True)

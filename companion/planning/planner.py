@@ -15,16 +15,17 @@ import logging
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 from companion.errors import CompanionError
-from companion.ltl.formula import atoms, conjuncts
+from companion.ltl.formula import conjuncts
 from companion.ltl.monitor import Runs
 from companion.ltl.translate import translate
+from companion.mission.facts import Fact
 from companion.mission.model import Mission
 from companion.mission.tree_nodes import Tree, actions
 from companion.planning.builtin.product import Product
 from companion.planning.builtin.search import Search
 from companion.planning.builtin.transition_system import FactBits, TransitionSystem
 from companion.planning.check import fault
-from companion.planning.domain import Action, Fact, FlightTime, TaskModel, departures, instantiate
+from companion.planning.domain import Action, FlightTime, TaskModel, departures, instantiate
 from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT, Effort
 from companion.planning.explain import Explanation, NoPlan, explaining, why_no_plan
 from companion.planning.flight_times import flight_times, from_table, route_map
@@ -79,7 +80,7 @@ class Planner:
             for part in conjuncts(formula)
         )
         self.translating_s = clock() - start_s - self.instantiating_s
-        self.task_facts = frozenset().union(*(atoms(c.formula) for c in self.conjuncts))
+        self.task_facts = mission.task_facts
         self.flight_time = flight_time
         self.without_a_move: frozenset[Fact] = frozenset()
         self._search = Search(self.model.actions)
@@ -257,7 +258,7 @@ class Planner:
         Raises:
             MissionError: the mission does not know one of the names.
         """
-        state = supposed_facts(self.mission, self.model, self.task_facts, at, facts)
+        state = supposed_facts(self.mission, self.model, at, facts)
         withdrawn = supposed_withdrawn(self.model, without)
         letter = state | (self.model.beliefs - withdrawn)
         runs = (Runs.begin(conjunct.automaton).after(letter) for conjunct in self.conjuncts)

@@ -20,12 +20,13 @@ import math
 from dataclasses import dataclass
 
 from companion.ltl.monitor import Runs
+from companion.mission.facts import AT, HERE, Fact, at
 from companion.mission.model import Event
-from companion.planning.domain import HERE, Action, Fact
+from companion.planning.domain import Action
 from companion.planning.lasso import Conjunct, Letter, Problem
 from companion.planning.planner import Planner
 
-AT_HERE = f"at({HERE})"
+AT_HERE = at(HERE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,7 +138,7 @@ class TaskState:
     def complete(self, action: Action) -> None:
         """Appends the position that an action leads to."""
         self.facts = action.apply(self.facts)
-        self.withdrawn = frozenset(b for b in self.withdrawn if not _is_about_here(b))
+        self.withdrawn = frozenset(b for b in self.withdrawn if HERE not in b.arguments)
         self._is_read = False
         self.running = None
 
@@ -150,7 +151,7 @@ class TaskState:
     def depart(self) -> None:
         """The vehicle is at no place, and leaves the one where it is."""
         self.leave()
-        self.facts = frozenset(f for f in self.facts if not f.startswith("at(")) | {AT_HERE}
+        self.facts = frozenset(f for f in self.facts if f.predicate != AT) | {AT_HERE}
 
     def withdraw(self, beliefs: frozenset[Fact], retry_s: float | None = None) -> None:
         """Gives up beliefs; from `retry_s` on, if given, they may be held again."""
@@ -186,15 +187,14 @@ class TaskState:
         restored = sorted(
             belief
             for belief in self.withdrawn - self._cut_off
-            if belief.partition("(")[0] in predicates
-            or self._returns_s.get(belief, math.inf) <= now_s
+            if belief.predicate in predicates or self._returns_s.get(belief, math.inf) <= now_s
         )
         self.withdrawn -= set(restored)
         return restored
 
     def take(self, event: Event, holds: bool) -> None:
         """Takes over an event that has changed."""
-        self.facts = self.facts | {event.name} if holds else self.facts - {event.name}
+        self.facts = self.facts | {event.fact} if holds else self.facts - {event.fact}
         for reading in self._readings:
             name = reading.conjunct.name
             if holds and name in event.restarts:
@@ -204,8 +204,3 @@ class TaskState:
     def _letter(self) -> Letter:
         """What the automata read at the present position."""
         return self.facts | (self._planner.model.beliefs - self.withdrawn)
-
-
-def _is_about_here(belief: Fact) -> bool:
-    """Whether a belief speaks of `here`, a place that is another one each time."""
-    return HERE in belief.removesuffix(")").partition("(")[2].split(", ")

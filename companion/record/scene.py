@@ -12,7 +12,7 @@ import zlib
 import numpy as np
 
 from companion.geometry import enu_from_ned
-from companion.ltl.formula import atoms
+from companion.mission.facts import at
 from companion.mission.model import Mission
 
 
@@ -22,7 +22,7 @@ def scene(mission: Mission, start_unix_s: float) -> dict[str, object]:
     Args:
         start_unix_s: when the run began; flight.tlog has the same clock.
     """
-    mentioned = frozenset().union(*(atoms(f) for f in mission.task.values()))
+    mentioned = mission.task_facts
     grid = mission.grid
     cells = np.packbits(grid.occupied).tobytes()
     return {
@@ -43,7 +43,7 @@ def scene(mission: Mission, start_unix_s: float) -> dict[str, object]:
                 "name": place.name,
                 "enu": enu_from_ned(place.position),
                 "radius_m": place.radius_m,
-                "in_task": f"at({place.name})" in mentioned,
+                "in_task": at(place.name) in mentioned,
             }
             for place in mission.places.values()
         ],

@@ -14,7 +14,7 @@ import pytest
 from fakes import DONE, failed
 from happened import Replan
 from rig import Rig
-from synthetic import command, event, mission, reading
+from synthetic import command, event, facts_of, mission, reading
 
 from companion.acting.executive_states import TaskStatus
 from companion.flight_events.facts import BeliefWithdrawn, MissionEventChanged
@@ -86,7 +86,7 @@ def test_the_task_is_the_paper_s_formula(surveillance: Mission) -> None:
     whole = parse(PHI)
     lines = list(surveillance.task.values())
     facts = ["at(A)", "at(B)", "at(C)", "at(Home)", "targetFound", "targetReported"]
-    letters = [frozenset({f}) for f in facts] + [frozenset({"targetReported", "at(Home)"})]
+    letters = [frozenset({f}) for f in facts] + [facts_of("targetReported", "at(Home)")]
     for first, second, third in itertools.product(letters, repeat=3):
         prefix, loop = [first], [second, third]
         assert holds(whole, prefix, loop) == all(holds(line, prefix, loop) for line in lines)
@@ -259,7 +259,7 @@ def test_without_its_history_the_planner_would_visit_it_again() -> None:
     rig = Rig(mission("F (at(A) & F at(B))")).begin()
     rig.run_until(PlaceReached, place="B")
     forgetful = TaskState(rig.planner)
-    forgetful.facts = frozenset({"at(B)"})
+    forgetful.facts = facts_of("at(B)")
     assert str(rig.planner.solve(*rig.task.problem())) == "(wait)^w"
     again = "move(B, A), move(A, B), (wait)^w"
     assert str(rig.planner.solve(*forgetful.problem())) == again

@@ -23,6 +23,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from problems import action, asking, histories, problem, random_legs, surveillance
 from reference_search import best_bottleneck, best_lap_and_prefix, best_sum, shortest_tour
+from synthetic import facts_of
 from yardstick import Stopwatch
 
 from companion.planning.builtin.search import Search
@@ -422,5 +423,5 @@ def test_the_plan_does_not_depend_on_the_order_of_hashes() -> None:
 def test_a_search_that_has_planned_before_plans_the_same(asked: Problem) -> None:
     search = Search(asked.actions)
     first = list(search.solutions(asked))
-    list(search.solutions(replace(asked, facts=frozenset({"at(B)", "lamp"}))))
+    list(search.solutions(replace(asked, facts=facts_of("at(B)", "lamp"))))
     assert list(search.solutions(asked)) == first

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from companion.acting.flight import Flight
 from companion.flight_events.facts import in_words
-from companion.planning.domain import Fact
+from companion.mission.facts import Fact
 from companion.planning.lasso import Lasso
 from companion.planning.planner import Planner
 
@@ -47,8 +47,8 @@ class Assumptions:
         """
         facts, violated = self._flight.task.facts, set(self._flight.task.violated)
         self._values = {
-            name: name in facts
-            for name, event in self._planner.mission.events.items()
+            event.fact: event.fact in facts
+            for event in self._planner.mission.events.values()
             if violated <= event.restarts
         }
 
@@ -56,13 +56,13 @@ class Assumptions:
         """Leaves out the events that matter to nothing that is left of a plan."""
         left = (*lasso.prefix[self._flight.progress.completed :], *lasso.suffix)
         relevant = self._planner.task_facts.union(*(a.requires | a.forbids for a in left))
-        self._values = {name: holds for name, holds in self._values.items() if name in relevant}
+        self._values = {fact: holds for fact, holds in self._values.items() if fact in relevant}
 
     @property
     def wrong(self) -> list[Fact]:
         """The events that are not as predicted."""
         facts = self._flight.task.facts
-        return [name for name, holds in self._values.items() if (name in facts) != holds]
+        return [fact for fact, holds in self._values.items() if (fact in facts) != holds]
 
     @property
     def surprise(self) -> str:

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 from companion.acting.flight import Flight
 from companion.flight_events.facts import PlacesConnected, PlacesCutOff
-from companion.planning.domain import Fact
+from companion.mission.facts import Fact, spelled
 from companion.planning.planner import Planner
 
 CELLS_PER_TICK = 10_000
@@ -100,7 +100,7 @@ class Reachability:
             return BeliefChange((), tuple(held), "")
         cut_off = PlacesCutOff(self._named(lost), withdrawn=tuple(lost))
         flight.report(cut_off)
-        return BeliefChange(cut_off.withdrawn, tuple(held), cut_off.text)
+        return BeliefChange(tuple(lost), tuple(held), cut_off.text)
 
     def _named(self, beliefs: list[Fact]) -> str:
         gone, known = self._planner.without_a_move, self._planner.model.beliefs
@@ -125,8 +125,9 @@ def in_words(beliefs: Iterable[Fact], alike: Iterable[Fact], known: Iterable[Fac
         alike: those of which the same is true, whether they are news or not.
         known: all there are.
 
-    >>> known = ["ok(A, B)", "ok(C, B)", "ok(A, C)", "ok(B, C)", "ok(B, A)", "safe(B)"]
-    >>> in_words(["ok(A, B)", "ok(A, C)", "ok(C, B)", "safe(B)"], known[:3] + known[5:], known)
+    >>> names = ["ok(A, B)", "ok(C, B)", "ok(A, C)", "ok(B, C)", "ok(B, A)", "safe(B)"]
+    >>> known = [Fact.parse(name) for name in names]
+    >>> in_words([known[0], known[2], known[1], known[5]], known[:3] + known[5:], known)
     'ok(*, B), ok(A, *), safe(B)'
     """
     members: dict[str, set[Fact]] = {}
@@ -144,6 +145,7 @@ def in_words(beliefs: Iterable[Fact], alike: Iterable[Fact], known: Iterable[Fac
 
 def _patterns(belief: Fact) -> tuple[str, ...]:
     """A belief in two places, with any one of them; none for others."""
-    name, _, arguments = belief.removesuffix(")").partition("(")
-    places = arguments.split(", ")
-    return (f"{name}(*, {places[1]})", f"{name}({places[0]}, *)") if len(places) == 2 else ()
+    if len(belief.arguments) != 2:
+        return ()
+    first, second = belief.arguments
+    return spelled(belief.predicate, ("*", second)), spelled(belief.predicate, (first, "*"))

@@ -13,7 +13,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from companion.errors import SearchLimit
-from companion.planning.domain import Action, ConditionalEffect, Fact
+from companion.mission.facts import Fact
+from companion.planning.domain import Action, ConditionalEffect
 
 if TYPE_CHECKING:
     import networkx
@@ -65,29 +66,29 @@ class FactBits:
     """
 
     def __init__(self, actions: Sequence[Action]) -> None:
-        self._bit: dict[Fact, int] = {}
+        self._bit: dict[str, int] = {}  # by proposition
         self._actions = actions  # keeps the identities below their own
         self._masked: dict[int, MaskedAction] = {}
         for number, action in enumerate(actions):
             self._masked[id(action)] = self._mask_action(number, action)
 
-    def mask(self, facts: Iterable[Fact]) -> int:
-        """The bits of some facts."""
+    def mask(self, propositions: Iterable[str]) -> int:
+        """The bits of some facts, or of the propositions of an automaton's label."""
         bits = 0
-        for fact in sorted(facts):  # sets have no order of their own
-            bits |= self.bit(fact)
+        for proposition in sorted(propositions):  # sets have no order of their own
+            bits |= self.bit(proposition)
         return bits
 
-    def bit(self, fact: Fact) -> int:
-        """The bit of a fact."""
-        bit = self._bit.get(fact)
+    def bit(self, proposition: str) -> int:
+        """The bit of a fact, which may be given as a proposition."""
+        bit = self._bit.get(proposition)
         if bit is None:
-            bit = self._bit[fact] = 1 << len(self._bit)
+            bit = self._bit[proposition] = 1 << len(self._bit)
         return bit
 
     def facts(self, mask: int) -> frozenset[Fact]:
         """The facts whose bits are in a mask."""
-        return frozenset(fact for fact, bit in self._bit.items() if bit & mask)
+        return frozenset(Fact.parse(p) for p, bit in self._bit.items() if bit & mask)
 
     def masked(self, actions: Sequence[Action]) -> list[MaskedAction]:
         """The actions over bits, in their order."""
@@ -110,7 +111,7 @@ class FactBits:
             conditional=tuple(map(self._mask_effect, action.conditional)),
         )
 
-    def _mask_effect(self, effect: ConditionalEffect) -> MaskedEffect:
+    def _mask_effect(self, effect: ConditionalEffect[Fact]) -> MaskedEffect:
         return MaskedEffect(
             self.mask(effect.requires),
             self.mask(effect.forbids),

@@ -29,7 +29,7 @@ class ClassicalAction:
     forbids: frozenset[Fluent] = frozenset()
     adds: frozenset[Fluent] = frozenset()
     deletes: frozenset[Fluent] = frozenset()
-    conditional: tuple[ConditionalEffect, ...] = ()
+    conditional: tuple[ConditionalEffect[Fluent], ...] = ()
     cost: int = 0
     stands_for: Action | None = None
 

@@ -23,7 +23,7 @@ from companion.planning.compilation.decomposed import (
     Part,
     passing,
 )
-from companion.planning.domain import ConditionalEffect, Fact
+from companion.planning.domain import ConditionalEffect
 from companion.planning.objective import Encoding
 
 DEAD = "deadBA"
@@ -65,10 +65,11 @@ class ConditionalEncoding(DecomposedEncoding):
         begin, end, ends = [], [], set()
         for name, values in self.remembered():
             ends.add(name)
-            for value, memory in values:
-                requires, forbids = _literal(value)
-                begin.append(_when(requires, forbids, memory))
-                end.append(_when(requires | {memory}, forbids, name))
+            for value in values:
+                this = frozenset({value.fluent})
+                requires, forbids = (this, NOTHING) if value.holds else (NOTHING, this)
+                begin.append(_when(requires, forbids, value.memory))
+                end.append(_when(requires | {value.memory}, forbids, name))
         loop = ClassicalAction(
             "actLoop",
             requires=frozenset({ACT, BEFORE}),
@@ -86,7 +87,7 @@ class ConditionalEncoding(DecomposedEncoding):
         return frozenset({END_DONE, *ends}), [self.condition(loop), self.condition(close)]
 
 
-def _moves_of(part: Part) -> Iterator[ConditionalEffect]:
+def _moves_of(part: Part) -> Iterator[ConditionalEffect[Fluent]]:
     """The moves of a deterministic automaton. Only the state that is left is deleted."""
     for state, leaving in enumerate(part.automaton.outgoing):
         here = frozenset({part.at(state)})
@@ -129,12 +130,5 @@ def unread(labels: Sequence[Label]) -> list[Label]:
 
 def _when(
     requires: frozenset[Fluent], forbids: frozenset[Fluent], added: Fluent
-) -> ConditionalEffect:
+) -> ConditionalEffect[Fluent]:
     return ConditionalEffect(requires, forbids, frozenset({added}), NOTHING)
-
-
-def _literal(value: Fact) -> tuple[frozenset[Fluent], frozenset[Fluent]]:
-    """A value of a variable as a condition: the facts that must hold, and those that must not."""
-    if value.startswith("not("):
-        return NOTHING, frozenset({value[len("not(") : -1]})
-    return frozenset({value}), NOTHING

@@ -88,6 +88,29 @@ class Part:
         return frozenset(map(self.seen, range(self.automaton.marks)))
 
 
+@dataclass(frozen=True, slots=True)
+class VariableValue:
+    """A value of a variable: that a fluent holds, or that it does not.
+
+    Attributes:
+        memory: the fluent for it at the beginning of the loop.
+    """
+
+    fluent: Fluent
+    holds: bool
+    memory: Fluent
+
+    @property
+    def positive(self) -> Fluent:
+        """The fluent that holds with it, where each has its complement."""
+        return self.fluent if self.holds else complement(self.fluent)
+
+
+def complement(fluent: Fluent) -> Fluent:
+    """The fluent that holds where another one does not."""
+    return f"not({fluent})"
+
+
 def parts(problem: Problem, task: ReducedTask) -> Iterator[Part]:
     """The automata that are left under the constants; those that accept anything are not."""
     found = zip(problem.conjuncts, problem.automaton_states, strict=True)
@@ -234,18 +257,20 @@ class DecomposedEncoding(ABC):
     def closing(self) -> tuple[frozenset[Fluent], list[ClassicalAction]]:
         """The goal, and the actions that remember where the loop begins and compare at its end."""
 
-    def remembered(self) -> Iterator[tuple[Fluent, tuple[tuple[Fluent, Fluent], ...]]]:
-        """The variables that a loop restores: a name, and its values with the fluents for them.
+    def remembered(self) -> Iterator[tuple[Fluent, tuple[VariableValue, ...]]]:
+        """The variables that a loop restores: a name, and the values.
 
-        A fact that is alone either holds or not; `not(p)` stands for the latter.
+        A fact that is alone either holds or not.
         """
         for facts in self.task.variables:
-            values = facts if len(facts) > 1 else (*facts, f"not({facts[0]})")
-            yield f"end({facts[0]})", tuple((value, f"req({value})") for value in values)
+            values = [VariableValue(fact, True, f"req({fact})") for fact in facts]
+            if len(facts) == 1:
+                values.append(VariableValue(facts[0], False, f"req({complement(facts[0])})"))
+            yield f"end({facts[0]})", tuple(values)
         for part in self.parts:
             if part.automaton.states > 1:
                 states = range(part.automaton.states)
-                yield part.end, tuple((part.at(z), part.req(z)) for z in states)
+                yield part.end, tuple(VariableValue(part.at(z), True, part.req(z)) for z in states)
 
 
 def passing(action: ClassicalAction, now: Fluent, after: Fluent) -> ClassicalAction:

@@ -55,7 +55,7 @@ def _check_names(problem: Problem) -> None:
     facts = problem.facts.union(*(a.adds | a.requires | a.forbids for a in problem.actions))
     skills = frozenset(action.skill for action in problem.actions)
     clashes = [
-        *(fact for fact in sorted(facts) if fact.partition("(")[0] in AUXILIARY_FACTS),
+        *(fact for fact in sorted(facts) if fact.predicate in AUXILIARY_FACTS),
         *sorted(skills & AUXILIARY_ACTIONS),
     ]
     if clashes:

@@ -150,7 +150,7 @@ def _act_loop(task: ReducedTask, states: range, z: int) -> ClassicalAction:
     )
 
 
-def _remember(task: ReducedTask) -> Iterator[ConditionalEffect]:
+def _remember(task: ReducedTask) -> Iterator[ConditionalEffect[Fluent]]:
     for fact in task.changing:
         this = frozenset({fact})
         yield ConditionalEffect(this, NOTHING, frozenset({f"req({fact})"}), NOTHING)

@@ -14,8 +14,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from companion.ltl.automaton import BuchiAutomaton
+from companion.mission.facts import Fact
 from companion.planning.builtin.transition_system import FactBits, TransitionSystem
-from companion.planning.domain import Action, ConditionalEffect, Fact
+from companion.planning.domain import Action, ConditionalEffect
 from companion.planning.lasso import Conjunct, Problem
 
 LARGEST_COST = 2**31 - 1
@@ -64,7 +65,7 @@ class ReducedTask:
         """Groups of facts of which exactly one holds at a time; other facts are groups of one."""
         groups: dict[str, list[Fact]] = {}
         for fact in self.changing:
-            groups.setdefault(fact.partition("(")[0], []).append(fact)
+            groups.setdefault(fact.predicate, []).append(fact)
         return tuple(
             values
             for group in groups.values()

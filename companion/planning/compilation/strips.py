@@ -20,6 +20,7 @@ from companion.planning.compilation.decomposed import (
     NOTHING,
     DecomposedEncoding,
     Part,
+    complement,
     passing,
 )
 from companion.planning.compilation.reduced_task import ReducedTask
@@ -54,17 +55,17 @@ class StripsEncoding(DecomposedEncoding):
 
     def all_facts(self, facts: frozenset[Fluent]) -> frozenset[Fluent]:
         """Facts with the complements of those that do not hold."""
-        return facts | {f"not({p})" for p in self.complemented - facts}
+        return facts | frozenset(map(complement, self.complemented - facts))
 
     def condition(self, action: ClassicalAction) -> ClassicalAction:
         """The action with complements in place of negations, and with effects that keep them."""
         gone, come = self.complemented & action.deletes, self.complemented & action.adds
         return replace(
             action,
-            requires=action.requires.union(f"not({p})" for p in action.forbids),
+            requires=action.requires.union(map(complement, action.forbids)),
             forbids=NOTHING,
-            adds=action.adds.union(f"not({p})" for p in gone),
-            deletes=action.deletes.union(f"not({p})" for p in come),
+            adds=action.adds.union(map(complement, gone)),
+            deletes=action.deletes.union(map(complement, come)),
         )
 
     def closing(self) -> tuple[frozenset[Fluent], list[ClassicalAction]]:
@@ -82,14 +83,15 @@ class StripsEncoding(DecomposedEncoding):
         ]
         afterwards = zip((*keeping[1:], ACT), (*matching[1:], END_DONE), strict=True)
         for index, (after_keeping, after_matching) in enumerate(afterwards if remembered else ()):
-            for value, memory in remembered[index][1]:
+            for value in remembered[index][1]:
                 keep = ClassicalAction(
-                    f"keep {value}",
-                    requires=frozenset({keeping[index], value}),
-                    adds=frozenset({memory}),
+                    f"keep {value.positive}",
+                    requires=frozenset({keeping[index], value.positive}),
+                    adds=frozenset({value.memory}),
                 )
                 match = ClassicalAction(
-                    f"match {value}", requires=frozenset({matching[index], value, memory})
+                    f"match {value.positive}",
+                    requires=frozenset({matching[index], value.positive, value.memory}),
                 )
                 actions.append(passing(keep, keeping[index], after_keeping))
                 actions.append(passing(match, matching[index], after_matching))

@@ -11,7 +11,7 @@ import pytest
 from fakes import DONE, RUNNING, failed
 from happened import Replan
 from rig import Rig
-from synthetic import POSITIONS, command, event, mission, move, reading
+from synthetic import POSITIONS, command, event, facts_of, mission, move, reading
 
 from companion.acting.executive import REPLAN_TRIGGERS
 from companion.acting.executive_states import TaskStatus
@@ -248,7 +248,7 @@ def test_a_last_resort_flies_to_a_place_and_rests() -> None:
 
 def test_a_last_resort_does_not_ask_for_beliefs() -> None:
     rig = Rig(mission("F at(A)")).begin()
-    rig.task.withdraw(frozenset({"trans_ok(here, B)"}))
+    rig.task.withdraw(facts_of("trans_ok(here, B)"))
     assert rig.executive.go_to("B")
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
 
@@ -304,7 +304,7 @@ def test_a_belief_about_here_can_be_to_blame() -> None:
     rig = Rig(mission("F at(A)", places="HA")).begin()
     rig.tick()
     rig.task.interrupt()
-    rig.task.withdraw(frozenset({"trans_ok(here, A)", "trans_ok(H, A)"}))
+    rig.task.withdraw(facts_of("trans_ok(here, A)", "trans_ok(H, A)"))
     with pytest.raises(NoPlanError, match=r"or trans_ok\(here, A\) there would be a plan"):
         rig.planner.solve(*rig.task.problem())
 

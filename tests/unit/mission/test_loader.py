@@ -16,9 +16,9 @@ from hypothesis import strategies as st
 
 from companion.errors import FormulaError, MissionError
 from companion.ltl.parser import parse
+from companion.mission.facts import Atom
 from companion.mission.loader import load_mission
 from companion.mission.model import (
-    Atom,
     Charge,
     Command,
     Condition,

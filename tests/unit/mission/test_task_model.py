@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
+from synthetic import facts_of
 
 from companion.errors import MissionError
 from companion.ltl.parser import parse
@@ -51,7 +52,7 @@ def test_parameters_range_over_objects(load: Load, parcels: str) -> None:
 
 def test_an_effect_under_a_condition(load: Load, parcels: str) -> None:
     action = actions(load(parcels))["load(p1, A)"]
-    before = frozenset({"at(A)", "in(p1, A)", "fragile(p1)"})
+    before = facts_of("at(A)", "in(p1, A)", "fragile(p1)")
     assert action.apply(before) == {"at(A)", "has(p1)", "shaken(p1)"}
     assert action.apply(before | {"low"}) == {"at(A)", "has(p1)", "fragile(p1)", "low"}
     assert action.apply(before - {"fragile(p1)"}) == {"at(A)", "has(p1)"}

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
+from synthetic import facts_of
 
 from companion.errors import MissionError
 from companion.mission.model import Mission
 from companion.mission.tree_nodes import Act, Check, Fallback, Repeat, Retry, Steps, Watch
 
 Load = Callable[[str | bytes], Mission]
-FOUND = Check("found & !low", frozenset({"found"}), frozenset({"low"}))
+FOUND = Check("found & !low", facts_of("found"), facts_of("low"))
 
 
 def with_tree(good: str, tree: str) -> str:

@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from synthetic import command, mission, move, skill
+from synthetic import command, facts_of, mission, move, skill
 
 from companion.mission.model import Command, Fly, Mission, Wait
 from companion.planning.domain import (
@@ -44,13 +44,13 @@ def test_a_move_exists_for_every_pair_of_places_and_none_to_where_it_is() -> Non
 def test_an_action_is_its_skill_with_the_parameters_filled_in() -> None:
     found = actions(mission("F at(A)", skills=[move(tries=5, timeout_s=30.0)]))["move(H, A)"]
     assert found == Action(
-        name="move(H, A)",
         skill="move",
-        requires=frozenset({"at(H)", "trans_ok(H, A)"}),
+        arguments=("H", "A"),
+        requires=facts_of("at(H)", "trans_ok(H, A)"),
         forbids=frozenset(),
-        assumes=frozenset({"trans_ok(H, A)"}),
-        adds=frozenset({"at(A)"}),
-        deletes=frozenset({"at(H)"}),
+        assumes=facts_of("trans_ok(H, A)"),
+        adds=facts_of("at(A)"),
+        deletes=facts_of("at(H)"),
         cost_ms=4000,
         execute=(Fly("A"),),
         tries=5,
@@ -91,7 +91,7 @@ def test_what_is_required_and_forbidden_at_once_does_not_exist() -> None:
 def test_what_is_added_and_deleted_is_added() -> None:
     stay = skill("stay", Wait(1.0), "p q", "at(p)", effect="at(q) & !at(p)")
     found = actions(mission("F at(A)", skills=[stay]))["stay(A, A)"]
-    assert found.apply(frozenset({"at(A)"})) == {"at(A)"}
+    assert found.apply(facts_of("at(A)")) == {"at(A)"}
 
 
 def test_a_flight_without_a_way_does_not_exist() -> None:
@@ -126,7 +126,7 @@ def test_a_command_keeps_its_numbers() -> None:
 def test_wait_is_an_action_that_is_always_there_and_changes_nothing() -> None:
     model = instantiate(mission("F at(A)"), four_seconds)
     assert model.actions[-1] is WAIT
-    facts = frozenset({"at(A)", "found"})
+    facts = facts_of("at(A)", "found")
     assert WAIT.is_applicable(frozenset()) and WAIT.apply(facts) == facts
 
 

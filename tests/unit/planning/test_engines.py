@@ -13,6 +13,7 @@ import pytest
 from compiled import action, history, problem, unit_costs
 from fakes import DONE, failed
 from rig import Rig
+from synthetic import facts_of
 
 from companion.errors import CompanionError
 from companion.flight_events.skills import PlaceReached
@@ -214,7 +215,7 @@ def test_nothing_is_printed(capfd: pytest.CaptureFixture[str]) -> None:
 
 @pytest.mark.parametrize("encoding", [V1, V4])
 def test_conditional_effects_of_skills_reach_the_planner(encoding: Encoding) -> None:
-    lamp, none = frozenset({"lamp"}), frozenset[str]()
+    lamp, none = facts_of("lamp"), frozenset[str]()
     flips = (ConditionalEffect(lamp, none, none, lamp), ConditionalEffect(none, lamp, lamp, none))
     asked = problem(
         "HA",

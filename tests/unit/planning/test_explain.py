@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import pytest
 from problems import find_lasso
-from synthetic import command, event, mission, planner
+from synthetic import command, event, facts_of, mission, planner
 
 from companion.planning.builtin.search import Search
 from companion.planning.explain import Explanation, NoPlan, why_no_plan
@@ -84,7 +84,7 @@ def test_the_named_conjuncts_conflict_and_every_smaller_set_has_a_plan(
 
 def test_the_belief_that_would_help_is_named_and_the_other_is_not() -> None:
     made = planner(mission("F done", skills=[command("do", "at(H)", "done")]))
-    withdrawn = frozenset({"can_do", "trans_ok(A, B)"})
+    withdrawn = facts_of("can_do", "trans_ok(A, B)")
     assert why(made, withdrawn).splitlines()[2:] == [
         "  done can never become true: that needs can_do",
         "  withdrawn: can_do, trans_ok(A, B)",
@@ -95,13 +95,13 @@ def test_the_belief_that_would_help_is_named_and_the_other_is_not() -> None:
 def test_each_belief_that_would_help_by_itself_is_named() -> None:
     skills = [command("one", "at(H)", "done"), command("two", "at(H)", "done")]
     made = planner(mission("F done", skills=skills))
-    text = why(made, frozenset({"can_one", "can_two"}))
+    text = why(made, facts_of("can_one", "can_two"))
     assert text.endswith("  with can_one or can_two there would be a plan")
 
 
 def test_no_belief_is_blamed_where_it_takes_two() -> None:
     made = planner(mission("F done", skills=[command("do", "at(A)", "done")], places="HA"))
-    text = why(made, frozenset({"can_do", "trans_ok(H, A)"}))
+    text = why(made, facts_of("can_do", "trans_ok(H, A)"))
     assert text.endswith("  withdrawn: can_do, trans_ok(H, A)")
 
 
@@ -134,9 +134,9 @@ def test_a_fact_is_out_of_reach_for_what_its_skill_needs() -> None:
     skills = [command("upload", "at(A) & found", "reported")]
     made = planner(mission("F reported", skills=skills, events=[event("found")]))
     (fact,) = explained(made).unreachable
-    assert (fact.fact, fact.needs) == ("reported", (frozenset({"found"}),))
+    assert (fact.fact, fact.needs) == ("reported", (facts_of("found"),))
     assert str(fact) == "reported can never become true: that needs found"
-    (fact,) = explained(made, frozenset({"can_upload"})).unreachable
+    (fact,) = explained(made, facts_of("can_upload")).unreachable
     assert str(fact) == "reported can never become true: that needs can_upload and found"
 
 
@@ -148,7 +148,7 @@ def test_every_way_to_make_a_fact_true_is_told_with_what_it_lacks() -> None:
     ]
     events = [event("hand"), event("foot")]
     (fact,) = explained(planner(mission("F done", skills=skills, events=events))).unreachable
-    assert fact.needs == (frozenset({"hand"}), frozenset({"foot"}))
+    assert fact.needs == (facts_of("hand"), facts_of("foot"))
     assert str(fact).endswith("that needs hand or foot")
 
 
@@ -162,7 +162,7 @@ def test_of_many_ways_some_are_listed_and_all_are_kept() -> None:
 
 def test_a_place_that_no_way_leads_to_is_out_of_reach() -> None:
     made = planner(mission({"go": "F at(A)", "stay": "G !at(C)"}, places="HA"))
-    found = explained(made, frozenset({"trans_ok(H, A)"}))
+    found = explained(made, facts_of("trans_ok(H, A)"))
     assert [str(fact) for fact in found.unreachable] == [
         "at(A) can never become true: that needs trans_ok(H, A)"
     ]
@@ -192,7 +192,7 @@ def test_as_json_has_all_of_it() -> None:
     skills = [command("upload", "at(A) & found", "reported")]
     task = {"report": "F reported", "go": "F at(B)"}
     made = planner(mission(task, skills=skills, events=[event("found")]))
-    found = explained(made, frozenset({"can_upload"})).as_json()
+    found = explained(made, facts_of("can_upload")).as_json()
     assert found == {
         "conflict": [{"name": "report", "formula": "F reported"}],
         "unreachable": [{"fact": "reported", "needs": [["can_upload", "found"]]}],

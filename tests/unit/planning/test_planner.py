@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 from reference_search import best_lap_and_prefix
-from synthetic import command, event, mission, move, planner
+from synthetic import command, event, facts_of, mission, move, planner
 
 from companion.errors import CompanionError, NoPlanError
 from companion.ltl.automaton import successors
@@ -19,7 +19,7 @@ from companion.planning.lasso import Lasso, Problem, Solution
 from companion.planning.objective import Objective
 from companion.planning.planner import Planner
 
-AT_H = frozenset({"at(H)"})
+AT_H = facts_of("at(H)")
 
 
 def test_a_line_of_the_task_is_split_into_conjuncts_of_its_name() -> None:
@@ -38,14 +38,14 @@ def test_task_facts_are_what_the_formulas_mention() -> None:
 
 def test_beliefs_hold_but_for_those_that_were_withdrawn() -> None:
     made = planner(mission("F at(A)"))
-    problem = made.problem(AT_H, (), frozenset({"trans_ok(H, A)"}))
+    problem = made.problem(AT_H, (), facts_of("trans_ok(H, A)"))
     assert problem.facts == AT_H | made.model.beliefs - {"trans_ok(H, A)"}
 
 
 def test_between_two_problems_only_the_initial_state_differs() -> None:
     made = planner(mission("F at(A)"))
     first, _ = made.initial_problem()
-    later = made.problem(frozenset({"at(B)"}), (frozenset({0}),))
+    later = made.problem(facts_of("at(B)"), (frozenset({0}),))
     assert later.actions is first.actions
     assert later.conjuncts is first.conjuncts
 
@@ -53,7 +53,7 @@ def test_between_two_problems_only_the_initial_state_differs() -> None:
 def test_en_route_the_departures_come_last_with_their_beliefs() -> None:
     """So the mission's own actions keep their places from plan to plan."""
     made = planner(mission("F at(A)"))
-    problem = made.problem(frozenset({"at(here)"}), (), is_en_route=True)
+    problem = made.problem(facts_of("at(here)"), (), is_en_route=True)
     own = len(made.model.actions)
     assert problem.actions[:own] == made.model.actions
     assert [a.name for a in problem.actions[own:]] == [
@@ -66,9 +66,9 @@ def test_en_route_the_departures_come_last_with_their_beliefs() -> None:
 
 def test_a_withdrawn_belief_about_here_is_not_held() -> None:
     made = planner(mission("F at(A)"))
-    withdrawn = frozenset({"trans_ok(here, A)", "trans_ok(H, A)"})
+    withdrawn = facts_of("trans_ok(here, A)", "trans_ok(H, A)")
     assert made.problem(AT_H, (), withdrawn).withdrawn == {"trans_ok(H, A)"}
-    problem = made.problem(frozenset({"at(here)"}), (), withdrawn, is_en_route=True)
+    problem = made.problem(facts_of("at(here)"), (), withdrawn, is_en_route=True)
     assert problem.withdrawn == withdrawn
     assert not problem.facts & withdrawn
 
@@ -103,7 +103,7 @@ def test_interrupted_on_the_way_it_plans_from_there_and_forgets_nothing(
         states = [
             successors(c.automaton, s, letter) for c, s in zip(made.conjuncts, states, strict=True)
         ]
-    here = frozenset({"at(here)"}) | events
+    here = facts_of("at(here)") | events
     problem = made.problem(here, tuple(states), is_en_route=True)
     histories = [letters for _ in made.conjuncts]
     best = made.solve(problem, histories).lasso

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from synthetic import command, event, mission
+from synthetic import command, event, facts_of, mission
 
 from companion.ltl.automaton import successors
 from companion.mission.model import Mission
@@ -42,7 +42,7 @@ def test_position_0_is_the_state_at_the_start() -> None:
 
 def test_a_letter_holds_the_beliefs() -> None:
     task = state(mission("F at(A)"))
-    task.withdraw(frozenset({"trans_ok(H, A)"}))
+    task.withdraw(facts_of("trans_ok(H, A)"))
     assert task.problem()[1][0] == [{"at(H)"} | BELIEFS - {"trans_ok(H, A)"}]
 
 
@@ -128,7 +128,7 @@ def test_beliefs_about_here_end_where_the_next_place_is_reached() -> None:
     """`here` is another place each time; what is known of a real place stays known."""
     task = state(mission("F at(A)"))
     task.depart()
-    task.withdraw(frozenset({"trans_ok(here, A)", "trans_ok(H, A)"}))
+    task.withdraw(facts_of("trans_ok(here, A)", "trans_ok(H, A)"))
     assert "trans_ok(here, A)" not in task.all_facts
     perform(task, "move(here, B)")
     assert task.withdrawn == {"trans_ok(H, A)"}
@@ -136,7 +136,7 @@ def test_beliefs_about_here_end_where_the_next_place_is_reached() -> None:
 
 def test_a_belief_about_a_place_whose_name_contains_here_is_kept() -> None:
     task = state(mission("F at(A)"))
-    task.withdraw(frozenset({"can_use(there)"}))
+    task.withdraw(facts_of("can_use(there)"))
     perform(task, "wait")
     assert task.withdrawn == {"can_use(there)"}
 
@@ -183,7 +183,7 @@ def test_departures_carry_what_a_move_carries() -> None:
 def test_each_position_is_kept_as_it_was_left() -> None:
     found = event("found", restarts=["one"])
     task = state(mission({"one": "F at(A)", "two": "F trans_ok(H, A)"}, events=[found]))
-    task.withdraw(frozenset({"trans_ok(A, B)"}))
+    task.withdraw(facts_of("trans_ok(A, B)"))
     perform(task, "move(H, A)")
     task.take(found, True)
     task.begin(WAIT)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from fakes import DONE, failed
 from rig import Rig
-from synthetic import command, event, mission, reading
+from synthetic import command, event, facts_of, mission, reading
 
 from companion.acting.executive_states import TaskStatus
 from companion.errors import CompanionError
@@ -31,8 +31,8 @@ from companion.mission.tree_nodes import (
     Watch,
 )
 
-SEEN = Check("seen", frozenset({"seen"}), frozenset())
-UNSEEN = Check("!seen", frozenset(), frozenset({"seen"}))
+SEEN = Check("seen", facts_of("seen"), frozenset())
+UNSEEN = Check("!seen", frozenset(), facts_of("seen"))
 
 
 def fly(*nodes: Tree) -> Rig:

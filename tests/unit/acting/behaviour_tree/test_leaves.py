@@ -8,7 +8,7 @@ from fakes import DONE, RUNNING, FakeVehicle, failed
 from leaves import a_rig, later, run, tick
 from py_trees.common import Status
 from rig import Rig
-from synthetic import PAYLOAD, POSITIONS, USER_1, command, event, mission
+from synthetic import PAYLOAD, POSITIONS, USER_1, command, event, facts_of, mission
 
 from companion.acting.behaviour_tree.leaves import (
     AssumptionsHold,
@@ -67,7 +67,7 @@ def test_a_precondition_that_holds_leaves_the_position() -> None:
 
 def test_a_precondition_that_does_not_hold_names_what_is_missing() -> None:
     rig = a_rig()
-    rig.task.withdraw(frozenset({"trans_ok(A, B)"}))
+    rig.task.withdraw(facts_of("trans_ok(A, B)"))
     leaf = Precondition(rig.flight, action(rig, "move(A, B)"), None)
     assert tick(rig, leaf) is Status.FAILURE
     assert leaf.feedback_message == "move(A, B) cannot begin: at(A), trans_ok(A, B)"
@@ -94,7 +94,7 @@ def test_effects_are_taken_over_and_reported(name: str, events: list[FlightEvent
     done = action(rig, name)
     rig.task.begin(done)
     assert tick(rig, Effects(rig.flight, done, ends_lap=False)) is Status.SUCCESS
-    assert rig.task.facts == done.apply(frozenset({"at(H)"}))
+    assert rig.task.facts == done.apply(facts_of("at(H)"))
     assert reported(rig) == events
     assert rig.flight.progress.laps == 0
 

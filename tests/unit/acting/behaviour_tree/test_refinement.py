@@ -8,7 +8,7 @@ import py_trees
 import pytest
 from fakes import DONE, failed
 from rig import Rig
-from synthetic import command, event, mission, reading, skill
+from synthetic import command, event, facts_of, mission, reading, skill
 
 from companion.acting.behaviour_tree.builder import build
 from companion.acting.behaviour_tree.landing import NO_CHARGE_S
@@ -209,7 +209,7 @@ def test_a_belief_that_makes_no_better_plan_leaves_the_plan_as_it_is() -> None:
     again = replace(event("again"), restores=frozenset({"trans_ok"}))
     rig = Rig(mission("G F at(A) & G F at(B)", events=[again])).begin()
     rig.run_until(PlaceReached, place="A")
-    rig.task.withdraw(frozenset({"trans_ok(A, H)"}))
+    rig.task.withdraw(facts_of("trans_ok(A, H)"))
     plans = len(rig.plans)
     rig.tick(reading("again"))
     rig.run_until(LapCompleted, lap=2)

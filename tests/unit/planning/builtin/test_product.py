@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import reference_search as reference
 from problems import action, asking, find_lasso, problem, unit_legs
-from synthetic import command, event, mission, planner
+from synthetic import command, event, facts_of, mission, planner
 
 from companion.errors import SearchLimit
 from companion.planning.builtin.product import MIN_ONE_SHOT_GOALS, Product, Restrictions
@@ -19,7 +19,7 @@ from companion.planning.domain import WAIT
 from companion.planning.lasso import Problem
 
 FORMULAS = ["F at(A)", "G F at(A) & G F at(B)", "X at(A)", "at(H) U at(B)", "F G at(A)"]
-AT_H = frozenset({"at(H)"})
+AT_H = facts_of("at(H)")
 
 
 def on_the_map(task: str) -> Problem:
@@ -176,7 +176,7 @@ def test_a_one_shot_goal_that_is_met_is_not_asked_for_again() -> None:
 def test_a_history_that_no_automaton_can_have_leaves_no_initial_node() -> None:
     """When an event has broken the task, nothing can mend it."""
     made = planner(mission("G !found", events=[event("found")]))
-    asked = made.problem(frozenset({"at(H)", "found"}), (frozenset(),))
+    asked = made.problem(facts_of("at(H)", "found"), (frozenset(),))
     assert product(asked).initial == []
     assert find_lasso(asked) is None
 

@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from problems import action, asking, find_lasso, histories, names, problem, unit_legs
+from synthetic import facts_of
 
 from companion.errors import SearchLimit
 from companion.planning.builtin.search import Search
@@ -78,7 +79,7 @@ def test_the_history_is_kept() -> None:
     """What was visited before is not visited again; a plan from scratch would."""
     task = "F at(A) & F at(B)"
     asked = problem("HAB", unit_legs("HAB"), task)
-    gone = [frozenset({"at(H)"}), frozenset({"at(A)"})]
+    gone = [facts_of("at(H)"), facts_of("at(A)")]
     later = asking(task, asked.actions, gone)
     found = find_lasso(later)
     assert names(found) == (["move(A, B)"], ["wait"])

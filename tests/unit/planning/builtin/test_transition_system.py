@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from problems import action, move
+from synthetic import facts_of
 
 from companion.errors import SearchLimit
 from companion.planning.builtin.transition_system import FactBits, TransitionSystem
@@ -132,7 +133,7 @@ def test_events_and_beliefs_are_constant_and_places_are_not() -> None:
         action("upload", "at(A) & found & can", "reported"),
         action("report", "at(A) & can", "reported"),
     ]
-    bits, found = system(made, frozenset({"at(H)", "can"}))
+    bits, found = system(made, facts_of("at(H)", "can"))
     assert found.changing == bits.mask({"at(H)", "at(A)", "reported"})
     assert found.constant == bits.mask({"can"})
 
@@ -144,7 +145,7 @@ def test_an_action_that_forbids_what_always_holds_does_not_exist() -> None:
         action("set_lamp", "!sun", "lamp"),
         action("break_lamp", "", "", conditional=[("!sun", "broken"), ("broken", "!lamp")]),
     ]
-    bits, found = system(made, frozenset({"sun", "day_is_long"}))
+    bits, found = system(made, facts_of("sun", "day_is_long"))
     assert found.constant == bits.mask({"sun", "day_is_long"})
     assert not found.changing & bits.mask({"sun", "lamp"})
 

@@ -13,6 +13,7 @@ import pytest
 from compiled import Outcome, action, cheapest_plan, history, outcome, problem, unit_costs
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from synthetic import facts_of
 
 from companion.errors import CompanionError
 from companion.ltl.automaton import BuchiAutomaton, Label, Transition, statistics
@@ -168,7 +169,7 @@ def test_histories_may_differ() -> None:
 def test_what_cannot_change_is_left_out() -> None:
     never = action("upload", requires={"found"}, adds={"reported"})
     asked = problem("HA", unit_costs("HA"), "G (found -> F reported) & G F at(A)", extra=(never,))
-    asked = replace(asked, facts=asked.facts | {"belief"})
+    asked = replace(asked, facts=asked.facts | facts_of("belief"))
     task = reduced_task(asked)
     assert task.changing == ("at(A)", "at(H)")
     assert task.variables == (("at(A)", "at(H)"),)
@@ -206,7 +207,7 @@ def test_unread_labels_match_what_is_left_once(
 
 def lamp_task() -> Problem:
     """A switch turns the lamp on if it is off, and off if it is on."""
-    lamp, none = frozenset({"lamp"}), NOTHING
+    lamp, none = facts_of("lamp"), NOTHING
     switch = action(
         "switch",
         conditional=(
