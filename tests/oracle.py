@@ -1,4 +1,4 @@
-"""Which of many words does a formula, and an automaton, accept? A second opinion, for tests.
+"""The words that a formula, or an automaton, accepts, of many: a second opinion, for tests.
 
 Shares no code with `companion/ltl/semantics.py`, and works the other way round: there one word
 is packed into an int, here one int holds the verdicts of all words at one position (bit w is

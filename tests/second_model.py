@@ -1,4 +1,4 @@
-"""Does the vehicle fly as its equations say? A second, independent model of the same airframe.
+"""A second, independent model of the airframe: the vehicle flies as its equations say.
 
 An oracle for `sitl.flight.physics`: the equations of quadrotor.xml written once more, in numpy,
 integrated by Runge-Kutta 4 instead of JSBSim's Adams-Bashforth. A command changes linearly through

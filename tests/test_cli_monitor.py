@@ -1,4 +1,4 @@
-"""The monitor page as a ground station switches it: what becomes of the page, and of the flight?
+"""The monitor page as a ground station switches it: what becomes of the page, and of the flight.
 
 Everything is said and heard over MAVLink; the page is asked over HTTP.
 """

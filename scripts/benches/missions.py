@@ -1,4 +1,4 @@
-"""How well are the shipped missions planned and flown? One flight each, seed 0."""
+"""The quality of plans and flights of the shipped missions, one flight each, seed 0."""
 
 from __future__ import annotations
 

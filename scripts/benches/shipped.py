@@ -1,4 +1,4 @@
-"""Which missions are shipped, and in which worlds? Each is flown in lockstep from here."""
+"""The shipped missions and their worlds; each is flown in lockstep from here."""
 
 from __future__ import annotations
 

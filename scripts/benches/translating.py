@@ -1,4 +1,4 @@
-"""How small are automata, and how fast are they made?
+"""The size of automata, and the time that it takes to make them.
 
 The peer is Spot, with the figures that `ltl2tgba` had for the formulas of tests/data/formulas.tsv:
 its state-based and its generalized transition-based automata.

@@ -1,4 +1,4 @@
-"""What if? States that the mission does not begin in, and names that it does not know."""
+"""States that the mission does not begin in, and names that it does not know."""
 
 from __future__ import annotations
 
