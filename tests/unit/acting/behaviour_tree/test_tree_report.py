@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from fakes import failed
 from py_trees.behaviour import Behaviour
 from rig import Rig
 from synthetic import command, mission, move
@@ -20,6 +19,7 @@ from companion.flight_events.tree import (
     TreeNode,
     TreeStopped,
 )
+from companion.vehicle.port import Failed
 
 
 class Reader:
@@ -101,7 +101,7 @@ def test_an_executive_that_is_stopped_has_a_tree_that_does_nothing() -> None:
 
 def test_a_leaf_that_fails_says_why() -> None:
     rig = Rig(mission("F done", skills=[move(), command("do", "at(H)", "done")]))
-    rig.vehicle.answers = [(0.0, failed("denied"))]
+    rig.vehicle.answers = [(0.0, Failed("denied"))]
     rig.executive.plan()
     for _ in range(3):
         rig.pass_time()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from fakes import failed
 from rig import Rig
 from synthetic import command, mission, skill
 
@@ -13,6 +12,7 @@ from companion.flight_events.plans import PlanReplaced
 from companion.flight_events.skills import SkillFailed
 from companion.mission.model import Fly
 from companion.motion.grid import OccupancyGrid
+from companion.vehicle.port import Failed
 
 INSPECT = skill(
     "inspect",
@@ -127,7 +127,7 @@ def test_on_the_way_home_a_way_that_helps_nothing_is_no_reason_to_stop() -> None
 
 def test_what_was_refused_is_not_believed_again_because_of_a_way() -> None:
     rig = Rig(mission("F did", skills=[command("do", "at(A)", "did")])).begin()
-    rig.vehicle.answers = [(0.0, failed("denied"))]
+    rig.vehicle.answers = [(0.0, Failed("denied"))]
     rig.run_until(BeliefWithdrawn, belief="can_do")
     before = rig.task.withdrawn
     for walled_in in (("B",), ()):
