@@ -52,7 +52,8 @@ class Rig(Happened):
 
     def begin(self) -> Rig:
         """Makes the first plan."""
-        self.executive.plan()
+        failure = self.executive.plan()
+        assert failure is None, str(failure)
         self._collect()
         return self
 

@@ -13,9 +13,6 @@ Whose the vehicle is, and when it is handed over again, is asked in authority.py
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import suppress
-
-from py_trees.common import Status
 
 from companion.acting.authority import loss_of_control, loss_of_link, not_handed_over
 from companion.acting.ending import ending
@@ -24,7 +21,7 @@ from companion.acting.executive_states import TaskStatus
 from companion.acting.flight import Flight
 from companion.acting.phases import GOALS, ON_THE_GROUND, TRANSITIONS, UNDER_TASK, SortieEvent
 from companion.acting.return_home import ReturnHome
-from companion.errors import Aborted, CompanionError, NoPlanError, SearchLimit
+from companion.errors import Aborted, CompanionError
 from companion.flight_events.event import FlightEvent
 from companion.flight_events.sortie import (
     ControlRegained,
@@ -118,8 +115,7 @@ class Sortie:
 
         A plan that does not exist, or is not found, is told at the start.
         """
-        with suppress(NoPlanError, SearchLimit):
-            self._executive.rehearse()
+        self._executive.rehearse()
 
     # -- the operator --------------------------------------------------------------------------
 
@@ -235,10 +231,8 @@ class Sortie:
             what = f"the vehicle stands {gap_m:.1f} m from {self._home.name}"
             self._give_up(Aborted(f"{what}, where the mission begins; put it there"))
             return
-        try:
-            self._executive.plan()
-        except (NoPlanError, SearchLimit) as error:
-            self._give_up(error)
+        if failure := self._executive.plan():
+            self._give_up(failure)
             return
         self._on(SortieEvent.PLANNED)
 
@@ -304,11 +298,11 @@ class Sortie:
 
     def _fly_home(self, _: VehicleState) -> None:
         assert self._return_home is not None
-        status = self._return_home.tick()
-        if status is Status.SUCCESS:
+        outcome = self._return_home.tick()
+        if outcome is Progress.DONE:
             self._on(SortieEvent.SATISFIED)
-        elif status is Status.FAILURE:
-            failed = ReturnFailed(self._home.name, self._return_home.failure)
+        elif isinstance(outcome, Failed):
+            failed = ReturnFailed(self._home.name, outcome.reason)
             self.failure = Aborted(failed.text)
             self._flight.report(failed)
             self._on(SortieEvent.NO_WAY_HOME)

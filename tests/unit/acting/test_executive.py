@@ -32,8 +32,8 @@ from companion.geometry import distance
 from companion.mission.model import Event, Execution, Land, Mission, Skill, TakeOff, Wait
 from companion.motion.grid import OccupancyGrid
 from companion.planning.builtin.search import Search
-from companion.planning.effort import IN_FLIGHT
-from companion.planning.explain import why_no_plan
+from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT
+from companion.planning.explain import NoPlan, why_no_plan
 from companion.vehicle.port import Failed, Progress, hold_at
 
 FOUND, LOW = event("found"), event("low")
@@ -62,9 +62,20 @@ def test_the_first_plan_is_reported_with_its_number() -> None:
     assert made.plan.loop == (PlannedAction("wait", "wait", (), 0.1),)
 
 
-def test_no_first_plan_is_an_error() -> None:
-    with pytest.raises(NoPlanError, match="task cannot hold"):
-        Rig(mission("G at(H) & X at(A)")).begin()
+def test_without_a_first_plan_the_reason_is_the_answer() -> None:
+    rig = Rig(mission("G at(H) & X at(A)"))
+    failure = rig.executive.plan()
+    assert isinstance(failure, NoPlan)
+    assert {conjunct.name for conjunct in failure.explanation.conflict} == {"task"}
+    assert rig.executive.lasso is None
+
+
+def test_a_first_search_that_is_given_up_names_its_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+    tiny = replace(BEFORE_FLIGHT, product_edges=3)
+    monkeypatch.setattr("companion.planning.planner.BEFORE_FLIGHT", tiny)
+    failure = Rig(search_and_report()).executive.plan()
+    assert isinstance(failure, SearchLimit)
+    assert failure.limit == "3 edges of the product"
 
 
 def test_a_plan_that_ends_at_rest_satisfies_the_task_when_the_rest_is_reached() -> None:

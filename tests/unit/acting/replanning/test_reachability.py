@@ -7,6 +7,7 @@ from rig import Rig
 from synthetic import command, mission, skill
 
 from companion.acting.executive_states import TaskStatus
+from companion.acting.replanning.reachability import BeliefChange
 from companion.flight_events.facts import BeliefWithdrawn, PlacesConnected, PlacesCutOff
 from companion.flight_events.plans import PlanReplaced
 from companion.flight_events.skills import SkillFailed
@@ -123,6 +124,18 @@ def test_on_the_way_home_a_way_that_helps_nothing_is_no_reason_to_stop() -> None
     assert rig.of(PlacesConnected)[-1].restored[0] == "trans_ok(A, C)"
     assert rig.run_to_the_end() is TaskStatus.SATISFIED  # it is home
     assert rig.executive.is_leaving and rig.executive.replans == 1
+
+
+def test_what_the_map_changes_in_beliefs_is_handed_on_as_it_is_reported() -> None:
+    rig = inspection()
+    reachability = rig.executive._replanner.reachability
+    assert reachability.follow() == BeliefChange(cut_off=None, connected=None)
+    show(rig, "B")
+    cut_off = PlacesCutOff(ALL_OF_B, withdrawn=("accessible(B)", *TO_AND_FROM_B))
+    assert reachability.follow() == BeliefChange(cut_off, connected=None)
+    show(rig)
+    connected = PlacesConnected(ALL_OF_B, restored=("accessible(B)", *TO_AND_FROM_B))
+    assert reachability.follow() == BeliefChange(None, connected)
 
 
 def test_what_was_refused_is_not_believed_again_because_of_a_way() -> None:
