@@ -62,8 +62,7 @@ def test_what_was_told_is_the_tree_at_every_tick() -> None:
         rig.pass_time()
         root.tick_once()
         report.tell()
-        quiet += reader.read(rig.flight.reports) == 0
-        rig.flight.reports.clear()
+        quiet += reader.read(rig.flight.collect_reports()) == 0
         assert [s.value for s in reader.statuses] == [n.status.value for n in nodes_of(root)]
         seen |= set(reader.statuses)
     assert rig.flight.progress.laps >= 1
