@@ -120,7 +120,7 @@ def test_a_return_that_finds_no_way_lands_where_it_is(flown: Stepping) -> None:
     flown.until(Phase.ENDED)
     assert flown.vehicle.pursued[-2:] == [Goal.HOLDING, Goal.LANDED]
     failed = flown.one(ReturnFailed)
-    assert failed.place == "H"
+    assert (failed.place, failed.reason) == ("H", "stuck on the way to H")
     assert flown.events[-1] == RunFailed(failed.text, Aborted.exit_code)
     assert flown.sortie.failure is not None and flown.sortie.failure.exit_code == 5
 
