@@ -275,7 +275,7 @@ class Companion:
         """Reports what is not of the flight; in its records if there is one."""
         stamped = Stamped(round(self._now_s, 3), event)
         if self._run is not None:
-            self._run.flight.reports.append(stamped)
+            self._run.flight.add_report(stamped)
         elif self._host is not None:
             self._host.tell(stamped)
             self._component.tell(self._now_s, event)

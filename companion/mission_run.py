@@ -100,9 +100,7 @@ class Run:
         if any([self._map.integrate(scan) for scan in self.vehicle.scans]):
             self.flight.routes.see(self._map.grid)
         self.sortie.step(now_s, readings)
-        reports = self.flight.reports.copy()
-        self.flight.reports.clear()
-        return reports
+        return self.flight.collect_reports()
 
     def record(self, now_s: float, packets: list[bytes], reports: list[Stamped]) -> None:
         """Hands everything on to the recorder."""

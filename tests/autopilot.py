@@ -176,7 +176,7 @@ class Meeting:
 
     def pursue(self, goal: Goal, limit_s: float = 200.0) -> Outcome:
         """Pursues a goal until it is reached or has failed."""
-        outcome = Outcome(Progress.RUNNING)
+        outcome: Outcome = Progress.RUNNING
 
         def act() -> None:
             nonlocal outcome
@@ -184,7 +184,7 @@ class Meeting:
 
         for _ in range(round(limit_s / TICK_S)):
             self.tick(act=act)
-            if outcome.progress is not Progress.RUNNING:
+            if outcome is not Progress.RUNNING:
                 return outcome
         raise AssertionError(f"{goal} is still pursued after {limit_s:.0f} s")
 
@@ -219,5 +219,5 @@ def is_close(a: Any, b: tuple[float, ...]) -> bool:
 def in_offboard(meeting: Meeting) -> Meeting:
     """In the air in OFFBOARD, at the altitude of take-off, with the goal reached."""
     for goal in (Goal.ARMED, Goal.AIRBORNE, Goal.OFFBOARD):
-        assert meeting.pursue(goal).progress is Progress.DONE
+        assert meeting.pursue(goal) is Progress.DONE
     return meeting

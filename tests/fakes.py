@@ -11,23 +11,19 @@ from dataclasses import replace
 
 from companion.geometry import Ned
 from companion.motion.sensed_map import RangeScan
+from companion.outcomes import Refusal
 from companion.vehicle.port import (
     Goal,
     Mode,
     Outcome,
     Progress,
     Setpoint,
+    Takeover,
     VehicleState,
 )
 
-RUNNING = Outcome(Progress.RUNNING)
-DONE = Outcome(Progress.DONE)
 CLOSING_MPS = 1.0
 """How much faster than its setpoint the point may be, to close a gap."""
-
-
-def failed(reason: str) -> Outcome:
-    return Outcome(Progress.FAILED, reason)
 
 
 class FakeVehicle:
@@ -51,8 +47,8 @@ class FakeVehicle:
             0.0, position, at_rest, 0.0, Mode.LOITER, False, True, False, 100
         )
         self.scans: list[RangeScan] = []
-        self.lost_authority = ""
-        self.refusal = ""
+        self.takeover: Takeover | None = None
+        self.refusal: Refusal | None = None
         self.script: dict[Goal, tuple[float, Outcome]] = {}
         self.answers: list[tuple[float, Outcome]] = []
         self.drift: Ned = (0.0, 0.0, 0.0)
@@ -106,10 +102,10 @@ class FakeVehicle:
         if not self.pursued or self.pursued[-1] is not goal:
             self.pursued.append(goal)
             self._since_s = self._now_s
-        delay_s, outcome = self.script.get(goal, (0.0, DONE))
+        delay_s, outcome = self.script.get(goal, (0.0, Progress.DONE))
         if self._now_s - self._since_s < delay_s:
-            return RUNNING
-        if outcome is DONE:
+            return Progress.RUNNING
+        if outcome is Progress.DONE:
             self.change(**AFTER[goal])
         return outcome
 
@@ -120,17 +116,17 @@ class FakeVehicle:
         self.flown.append(None)
 
     def regain(self) -> None:
-        self.lost_authority = ""
+        self.takeover = None
 
     def send_command(self, component: int, command: int, parameters: tuple[float, ...]) -> int:
         self.sent.append((component, command, parameters))
-        delay_s, outcome = self.answers.pop(0) if self.answers else (0.0, DONE)
+        delay_s, outcome = self.answers.pop(0) if self.answers else (0.0, Progress.DONE)
         self._due[len(self.sent)] = (self._now_s + delay_s, outcome)
         return len(self.sent)
 
     def command_outcome(self, ticket: int) -> Outcome:
         due_s, outcome = self._due[ticket]
-        return outcome if self._now_s >= due_s else RUNNING
+        return outcome if self._now_s >= due_s else Progress.RUNNING
 
     def forget_command(self, ticket: int) -> None:
         self.forgotten.append(ticket)

@@ -52,7 +52,8 @@ class Rig(Happened):
 
     def begin(self) -> Rig:
         """Makes the first plan."""
-        self.executive.plan()
+        failure = self.executive.plan()
+        assert failure is None, str(failure)
         self._collect()
         return self
 
@@ -93,9 +94,8 @@ class Rig(Happened):
         lasso = self.executive.lasso
         if lasso is not None and (not self.plans or lasso is not self.plans[-1]):
             self.plans.append(lasso)
-        for stamped in self.flight.reports:
+        for stamped in self.flight.collect_reports():
             if stamped.event.is_told:
                 self.reports.append(stamped)
             if isinstance(stamped.event, PositionLeft):
                 self.positions.append(stamped.event)
-        self.flight.reports.clear()

@@ -32,8 +32,8 @@ def loss_of_control(phase: Phase, state: VehicleState, flight: Flight) -> Compan
     """Why the sortie is no longer ours to fly, or never was."""
     if silence := loss_of_link(state, flight.now_s):
         return silence
-    if flight.vehicle.lost_authority:
-        return Aborted(flight.vehicle.lost_authority)
+    if takeover := flight.vehicle.takeover:
+        return Aborted(str(takeover))
     if phase in ON_THE_GROUND and (state.is_armed or not state.is_landed):
         return Aborted("the vehicle is armed or flying already; it is left alone")
     is_flying = phase in (Phase.OFFBOARD, *UNDER_TASK, Phase.HOLDING)

@@ -30,7 +30,7 @@ from companion.acting.executive_states import STATUS, ExecutiveState, TaskStatus
 from companion.acting.flight import Flight, PlanProgress
 from companion.acting.positions import tell_positions
 from companion.acting.replanning.assumptions import Assumptions
-from companion.acting.replanning.replanner import PlanFailure, Replanner
+from companion.acting.replanning.replanner import DueReplan, PlanFailure, Replanner
 from companion.acting.replanning.trigger import ReplanTrigger
 from companion.acting.return_home import flight_to
 from companion.errors import NoPlanError
@@ -46,6 +46,9 @@ from companion.flight_events.skills import WrittenTreeFailed
 from companion.mission.model import Signal
 from companion.planning.lasso import Lasso
 from companion.planning.planner import Planner
+
+BELIEF_CAME_BACK = "a belief came back"
+"""Why a plan is due that nothing has gone wrong with."""
 
 
 class Executive:
@@ -68,6 +71,7 @@ class Executive:
         self.replans = 0
         self.lasso: Lasso | None = None
         self.failure: PlanFailure | None = None
+        self._due: DueReplan | None = None
         self._planner = planner
         self._flight = flight
         self._detector = detector
@@ -95,22 +99,12 @@ class Executive:
             self._assumptions.note_restored_beliefs()
 
     def rehearse(self) -> None:
-        """Searches the first plan and forgets it; what the search has learned is kept.
-
-        Raises:
-            NoPlanError: there is none.
-            SearchLimit: none was found within the limits of the search.
-        """
+        """Searches the first plan and forgets it; what the search has learned is kept."""
         if self._planner.mission.tree is None:
-            self._planner.solve(*self._flight.task.problem())
+            self._replanner.plan_before_flight()
 
-    def plan(self) -> None:
-        """Makes the first plan.
-
-        Raises:
-            NoPlanError: there is none.
-            SearchLimit: none was found within the limits of the search.
-        """
+    def plan(self) -> PlanFailure | None:
+        """Makes the first plan; returns why there is none, None if there is one."""
         flight, mission = self._flight, self._planner.mission
         task = {name: str(formula) for name, formula in mission.task.items()}
         if mission.tree is not None:
@@ -119,10 +113,13 @@ class Executive:
             self._take_tree(root, ExecutiveState.BY_HAND)
         else:
             self._replanner.follow_map()
-            lasso = self._planner.solve(*flight.task.problem()).lasso
-            self._adopt(lasso, ExecutiveState.EXECUTING)
-            flight.report(PlanMade(task, lasso.planned))
+            found = self._replanner.plan_before_flight()
+            if not isinstance(found, Lasso):
+                return found
+            self._adopt(found, ExecutiveState.EXECUTING)
+            flight.report(PlanMade(task, found.planned))
         self._tell_tree()
+        return None
 
     def tick(self) -> TaskStatus:
         """One tick of what it is doing; returns how the task stands then."""
@@ -136,7 +133,8 @@ class Executive:
                 assert self._root is not None
                 self._tick_by_hand(self._root)
             case ExecutiveState.REPLANNING | ExecutiveState.EXPLAINING:
-                self._plan_again()
+                assert self._due is not None
+                self._plan_again(self._due)
         return self.status
 
     def go_to(self, place: str) -> bool:
@@ -236,17 +234,18 @@ class Executive:
         reachability.search()
         if not reachability.is_known:
             return None
-        lost = self._replanner.follow_map()
-        is_needed = lost and not self.is_leaving
+        cut_off = self._replanner.follow_map()
         assert self.lasso is not None
-        return lost if is_needed and not self._replanner.is_still_best(self.lasso) else None
+        if cut_off is None or self.is_leaving or self._replanner.is_still_best(self.lasso):
+            return None
+        return cut_off.text
 
     def _possible_again(self) -> str | None:
         """On the way to a place in want of a plan, the task has one again."""
         if not self.is_leaving or not self._assumptions.may_do_better:
             return None
         if not self._flight.task.violated and self._replanner.plan_now() is not None:
-            return self._surprise("")
+            return self._assumptions.surprise or BELIEF_CAME_BACK
         self._assumptions.forget_restored_beliefs()
         return None
 
@@ -255,7 +254,8 @@ class Executive:
         assert self._root is not None
         if self._root.status is not Status.FAILURE:
             return None
-        return self._surprise(failure_of(self._root))
+        unexpected = self._assumptions.surprise or failure_of(self._root)
+        return unexpected or self._violation or BELIEF_CAME_BACK
 
     def _in_vain(self) -> str | None:
         """The task is violated; a plan that has landed the vehicle ends first."""
@@ -265,49 +265,49 @@ class Executive:
         may_end = is_over or not progress.is_landed_by_plan
         if not violated or not may_end or self.is_leaving:
             return None
-        return self._surprise("")
+        return self._assumptions.surprise or self._violation
 
-    def _surprise(self, failure: str) -> str:
-        """What was not expected, in words."""
-        violated = ", ".join(self._flight.task.violated)
-        lines = (self._assumptions.surprise, failure, violated and f"{violated} violated")
-        return next(filter(None, lines), "a belief came back")
+    @property
+    def _violation(self) -> str | None:
+        """What is violated, in words; None if nothing is."""
+        violated = self._flight.task.violated
+        return f"{', '.join(violated)} violated" if violated else None
 
     # -- planning again ------------------------------------------------------------------------
 
     def _replan(self, reason: str) -> None:
         self.stop()
         self._flight.task.interrupt()
-        self._replanner.begin(reason)
-        self._plan_again()
+        self._due = self._replanner.begin(reason)
+        self._plan_again(self._due)
 
-    def _plan_again(self) -> None:
+    def _plan_again(self, due: DueReplan) -> None:
         """A part of making the plan that is due."""
-        match self._replanner.step():
+        match self._replanner.step(due):
             case None:
                 is_explaining = self._replanner.is_explaining
                 explaining, replanning = ExecutiveState.EXPLAINING, ExecutiveState.REPLANNING
                 self.state = explaining if is_explaining else replanning
             case Lasso() as lasso:
-                self._fly_on(lasso)
+                self._fly_on(lasso, due.reason)
             case failure:
-                self._give_up(failure)
+                self._give_up(failure, due.reason)
 
-    def _fly_on(self, lasso: Lasso) -> None:
+    def _fly_on(self, lasso: Lasso, reason: str) -> None:
         """Adopts a new plan; one that is the rest of the old plan is no news."""
         is_kept = self.lasso is not None and self._replanner.is_rest_of(self.lasso, lasso)
-        reason, self.failure = self._replanner.reason, None
+        self.failure = None
         self._adopt(lasso, ExecutiveState.EXECUTING)
         if not is_kept:
             self.replans += 1
             self._flight.report(PlanReplaced(self.replans, reason, lasso.planned))
         self._tell_tree()
 
-    def _give_up(self, error: PlanFailure) -> None:
+    def _give_up(self, failure: PlanFailure, reason: str) -> None:
         self.replans += 1
         self.state = ExecutiveState.WITHOUT_PLAN
-        self.failure = error
-        self._flight.report(NoPlanFound(self.replans, self._replanner.reason, str(error)))
+        self.failure = failure
+        self._flight.report(NoPlanFound(self.replans, reason, str(failure)))
 
     def _adopt(self, lasso: Lasso, state: ExecutiveState) -> None:
         """Ticks the tree of a plan from now on, in the air."""

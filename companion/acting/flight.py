@@ -19,12 +19,13 @@ TICK_S = 0.05
 
 @dataclass
 class PlanProgress:
-    """How far a plan has come. Each plan has its own; its leaves alone write it.
+    """How far a plan has come. Each plan has its own; leaves of its tree alone write it.
 
     Attributes:
-        completed: skills that were completed.
-        laps: laps of the loop.
-        is_landed_by_plan: the plan has landed the vehicle, and has not taken off again.
+        completed: skills that were completed; `Effects` counts them.
+        laps: laps of the loop; `Effects` counts them.
+        is_landed_by_plan: the plan has landed the vehicle, and has not taken off again; the leaves
+            that land and take off write it.
     """
 
     completed: int = 0
@@ -36,15 +37,17 @@ class PlanProgress:
 class Flight:
     """One flight of one mission, shared by all behaviours of its tree.
 
+    Its parts are given once. Each other field has one writer.
+
     Attributes:
         speed_limit: of all that is flown.
         profile: of the vehicle that the mission is written for.
         symbols: where each place is to be flown to; read late, so that it may change in flight.
-        now_s: time of the tick, set before each tick.
-        progress: of the present plan.
+        now_s: time of the tick; the sortie writes it before all else.
+        progress: of the present plan; the executive gives each plan its own.
         belief_retry_s: time after which a belief that a failure withdrew is held again, where the
-            mission does not say; None is never.
-        reports: what happened and has not been collected yet.
+            mission does not say; None is never. The run writes it, as the operator sets it.
+        reports: what happened and has not been collected yet; the flight's own methods write it.
     """
 
     vehicle: Vehicle
@@ -57,11 +60,20 @@ class Flight:
     progress: PlanProgress = field(default_factory=PlanProgress)
     belief_retry_s: float | None = None
     reports: list[Stamped] = field(default_factory=list)
-    setpoint: Setpoint | None = None
+    _setpoint: Setpoint | None = field(default=None, init=False)
 
     def report(self, event: FlightEvent) -> None:
         """Notes something that happened now."""
-        self.reports.append(Stamped(round(self.now_s, 3), event))
+        self.add_report(Stamped(round(self.now_s, 3), event))
+
+    def add_report(self, stamped: Stamped) -> None:
+        """Notes something that happened beside the flight, at its own time."""
+        self.reports.append(stamped)
+
+    def collect_reports(self) -> list[Stamped]:
+        """Hands out what has happened since the last call."""
+        collected, self.reports = self.reports, []
+        return collected
 
     def tell_symbol(self, place: str) -> None:
         """Notes that a place is flown to at another waypoint."""
@@ -70,17 +82,17 @@ class Flight:
 
     def fly(self, setpoint: Setpoint) -> None:
         """Streams a setpoint from now on."""
-        self.setpoint = setpoint
+        self._setpoint = setpoint
         self.vehicle.fly(setpoint)
 
     def forget_setpoint(self) -> None:
         """Holds from now on where the vehicle is, not where its last setpoint was."""
-        self.setpoint = None
+        self._setpoint = None
 
     def hold(self) -> None:
         """Stays where the last setpoint was, or where the vehicle is in the air."""
         state = self.vehicle.state
-        if self.setpoint is not None:
-            self.fly(hold_at(self.setpoint.position, self.setpoint.yaw_rad))
+        if self._setpoint is not None:
+            self.fly(hold_at(self._setpoint.position, self._setpoint.yaw_rad))
         elif state is not None and not state.is_landed:
             self.fly(hold_at(state.position, state.yaw_rad))

@@ -18,6 +18,7 @@ from companion.mission.model import Fly
 from companion.planning.domain import WAIT, departures
 from companion.planning.lasso import Lasso
 from companion.planning.planner import Planner
+from companion.vehicle.port import Failed, Outcome, Progress
 
 TRIES = 3
 """Waypoints of the place that are tried (MAX_TRY, Fig. 6)."""
@@ -29,15 +30,12 @@ class ReturnHome:
     def __init__(self, flight: Flight, place: str) -> None:
         self._tree = move_tree(flight, place, TRIES, timeout_s=None)
 
-    @property
-    def failure(self) -> str:
-        """Why there was no way home; "" while there is."""
-        return failure_of(self._tree)
-
-    def tick(self) -> Status:
-        """One tick: RUNNING on the way, SUCCESS at the place, FAILURE without a clear route."""
+    def tick(self) -> Outcome:
+        """One tick: RUNNING on the way, DONE at the place, Failed without a clear route."""
         self._tree.tick_once()
-        return self._tree.status
+        if self._tree.status is Status.FAILURE:
+            return Failed(failure_of(self._tree))
+        return Progress.DONE if self._tree.status is Status.SUCCESS else Progress.RUNNING
 
     def stop(self) -> None:
         """Holds where it is; the next tick begins anew."""

@@ -13,9 +13,6 @@ Whose the vehicle is, and when it is handed over again, is asked in authority.py
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import suppress
-
-from py_trees.common import Status
 
 from companion.acting.authority import loss_of_control, loss_of_link, not_handed_over
 from companion.acting.ending import ending
@@ -24,7 +21,7 @@ from companion.acting.executive_states import TaskStatus
 from companion.acting.flight import Flight
 from companion.acting.phases import GOALS, ON_THE_GROUND, TRANSITIONS, UNDER_TASK, SortieEvent
 from companion.acting.return_home import ReturnHome
-from companion.errors import Aborted, CompanionError, NoPlanError, SearchLimit
+from companion.errors import Aborted, CompanionError
 from companion.flight_events.event import FlightEvent
 from companion.flight_events.sortie import (
     ControlRegained,
@@ -42,7 +39,7 @@ from companion.geometry import horizontal_distance
 from companion.mission.model import Otherwise, Place, Signal
 from companion.outcomes import Refusal
 from companion.vehicle.failsafes import REQUIREMENTS, weaknesses
-from companion.vehicle.port import Progress, VehicleState
+from companion.vehicle.port import Failed, Progress, VehicleState
 
 ANSWER_TIMEOUT_S = 5.0
 """How long the autopilot may take to answer for its parameters."""
@@ -118,8 +115,7 @@ class Sortie:
 
         A plan that does not exist, or is not found, is told at the start.
         """
-        with suppress(NoPlanError, SearchLimit):
-            self._executive.rehearse()
+        self._executive.rehearse()
 
     # -- the operator --------------------------------------------------------------------------
 
@@ -191,14 +187,14 @@ class Sortie:
     def _watch_gate(self) -> None:
         """Reports when the gate begins to hold back setpoints."""
         refusal = self._flight.vehicle.refusal
-        if refusal and not self._was_refused:
-            self._flight.report(SetpointRefused(refusal))
-        self._was_refused = bool(refusal)
+        if refusal is not None and not self._was_refused:
+            self._flight.report(SetpointRefused(refusal.reason))
+        self._was_refused = refusal is not None
 
     def _lose(self, loss: CompanionError, state: VehicleState) -> None:
         """Yields to whoever has taken the vehicle in the air, or ends."""
-        has_yielded = self.phase in UNDER_TASK and bool(self._flight.vehicle.lost_authority)
-        if not (has_yielded and self._may_yield and state.is_armed) or state.is_landed:
+        is_taken = self.phase in UNDER_TASK and self._flight.vehicle.takeover is not None
+        if not (is_taken and self._may_yield and state.is_armed) or state.is_landed:
             self._give_up(loss)
             return
         self._freeze()
@@ -223,10 +219,11 @@ class Sortie:
 
     def _await_operator(self, state: VehicleState) -> None:
         """Nothing is sent; ends when the vehicle has landed, or is heard no longer."""
+        takeover = self._flight.vehicle.takeover
         if silence := loss_of_link(state, self._flight.now_s):
             self._give_up(silence)
-        elif state.is_landed and not state.is_armed:
-            self._give_up(Aborted(self._flight.vehicle.lost_authority))
+        elif takeover is not None and state.is_landed and not state.is_armed:
+            self._give_up(Aborted(str(takeover)))
 
     def _begin(self, state: VehicleState) -> None:
         gap_m = horizontal_distance(state.position, self._home.position)
@@ -234,10 +231,8 @@ class Sortie:
             what = f"the vehicle stands {gap_m:.1f} m from {self._home.name}"
             self._give_up(Aborted(f"{what}, where the mission begins; put it there"))
             return
-        try:
-            self._executive.plan()
-        except (NoPlanError, SearchLimit) as error:
-            self._give_up(error)
+        if failure := self._executive.plan():
+            self._give_up(failure)
             return
         self._on(SortieEvent.PLANNED)
 
@@ -269,10 +264,10 @@ class Sortie:
         outcome = self._flight.vehicle.pursue(GOALS[self.phase])
         if self.phase is Phase.OFFBOARD:
             self._flight.hold()
-        if outcome.progress is Progress.DONE:
+        if outcome is Progress.DONE:
             is_entered = self.phase is Phase.OFFBOARD
             self._on(self._goes_on if is_entered else SortieEvent.REACHED)
-        elif outcome.progress is Progress.FAILED:
+        elif isinstance(outcome, Failed):
             if self.failure is None:
                 self.failure = Aborted(outcome.reason)
             self._flight.report(GoalFailed(outcome.reason))
@@ -303,11 +298,11 @@ class Sortie:
 
     def _fly_home(self, _: VehicleState) -> None:
         assert self._return_home is not None
-        status = self._return_home.tick()
-        if status is Status.SUCCESS:
+        outcome = self._return_home.tick()
+        if outcome is Progress.DONE:
             self._on(SortieEvent.SATISFIED)
-        elif status is Status.FAILURE:
-            failed = ReturnFailed(self._home.name, self._return_home.failure)
+        elif isinstance(outcome, Failed):
+            failed = ReturnFailed(self._home.name, outcome.reason)
             self.failure = Aborted(failed.text)
             self._flight.report(failed)
             self._on(SortieEvent.NO_WAY_HOME)

@@ -21,6 +21,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from companion.geometry import NorthEast, distance, is_in_polygon
+from companion.outcomes import Refusal
 from companion.vehicle.port import Setpoint, VehicleState, hold_at
 
 SPEED_TOLERANCE = 1.01
@@ -54,10 +55,10 @@ class Envelope:
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """What may be sent, and why it is not what was asked for ("" if it is)."""
+    """What may be sent, and why it is not what was asked for; without a refusal it is."""
 
     setpoint: Setpoint | None
-    refusal: str = ""
+    refusal: Refusal | None = None
 
 
 def admit(
@@ -69,58 +70,73 @@ def admit(
 ) -> Verdict:
     """The setpoint itself, a hold in its place, or nothing."""
     if state is None or not all(map(math.isfinite, (*state.position, state.yaw_rad))):
-        return Verdict(None, "the position is unknown")
+        return Verdict(None, Refusal("the position is unknown"))
     age_s = now_s - state.stamp_s
     if age_s > envelope.lost_s:
-        return Verdict(None, f"no position for {age_s:.1f} s")
+        return Verdict(None, Refusal(f"no position for {age_s:.1f} s"))
     if not is_our_mode:
-        return Verdict(None, f"the mode is {state.mode.value}")
+        return Verdict(None, Refusal(f"the mode is {state.mode.value}"))
+    asked = _Asked(setpoint, state, age_s, envelope)
     for rule in _RULES:
-        refusal = rule(setpoint, state, age_s, envelope)
-        if refusal:
+        if refusal := rule(asked):
             return Verdict(hold_at(state.position, state.yaw_rad), refusal)
     return Verdict(setpoint)
 
 
-def _stale(_: Setpoint, __: VehicleState, age_s: float, envelope: Envelope) -> str:
-    return f"the position is {age_s:.1f} s old" if age_s > envelope.max_age_s else ""
+@dataclass(frozen=True, slots=True)
+class _Asked:
+    """What rules 2 to 7 judge: a setpoint for a vehicle whose state is so old."""
+
+    setpoint: Setpoint
+    state: VehicleState
+    age_s: float
+    envelope: Envelope
 
 
-def _not_finite(setpoint: Setpoint, _: VehicleState, __: float, ___: Envelope) -> str:
+def _stale(asked: _Asked) -> Refusal | None:
+    is_fresh = asked.age_s <= asked.envelope.max_age_s
+    return None if is_fresh else Refusal(f"the position is {asked.age_s:.1f} s old")
+
+
+def _not_finite(asked: _Asked) -> Refusal | None:
+    setpoint = asked.setpoint
     vectors = (*setpoint.position, *setpoint.velocity, *setpoint.acceleration)
-    numbers = (*vectors, setpoint.yaw_rad)
-    return "" if all(map(math.isfinite, numbers)) else "the setpoint is not finite"
+    is_finite = all(map(math.isfinite, (*vectors, setpoint.yaw_rad)))
+    return None if is_finite else Refusal("the setpoint is not finite")
 
 
-def _outside_fence(setpoint: Setpoint, _: VehicleState, __: float, envelope: Envelope) -> str:
-    return "" if is_in_polygon(setpoint.position, envelope.fence) else "outside the fence"
+def _outside_fence(asked: _Asked) -> Refusal | None:
+    is_inside = is_in_polygon(asked.setpoint.position, asked.envelope.fence)
+    return None if is_inside else Refusal("outside the fence")
 
 
-def _outside_band(setpoint: Setpoint, _: VehicleState, __: float, envelope: Envelope) -> str:
-    low, high = envelope.up_m
-    return "" if low <= -setpoint.position[2] <= high else "outside the altitude band"
+def _outside_band(asked: _Asked) -> Refusal | None:
+    low, high = asked.envelope.up_m
+    is_inside = low <= -asked.setpoint.position[2] <= high
+    return None if is_inside else Refusal("outside the altitude band")
 
 
-def _too_far(setpoint: Setpoint, state: VehicleState, _: float, envelope: Envelope) -> str:
-    gap_m = distance(setpoint.position, state.position)
-    return f"{gap_m:.1f} m from the vehicle" if gap_m > envelope.carrot_m else ""
+def _too_far(asked: _Asked) -> Refusal | None:
+    gap_m = distance(asked.setpoint.position, asked.state.position)
+    is_near = gap_m <= asked.envelope.carrot_m
+    return None if is_near else Refusal(f"{gap_m:.1f} m from the vehicle")
 
 
-def _too_fast(setpoint: Setpoint, _: VehicleState, __: float, envelope: Envelope) -> str:
-    speed_mps = math.hypot(*setpoint.velocity)
-    is_within = speed_mps <= envelope.speed_mps * SPEED_TOLERANCE
-    return "" if is_within else f"{speed_mps:.1f} m/s is too fast"
+def _too_fast(asked: _Asked) -> Refusal | None:
+    speed_mps = math.hypot(*asked.setpoint.velocity)
+    is_within = speed_mps <= asked.envelope.speed_mps * SPEED_TOLERANCE
+    return None if is_within else Refusal(f"{speed_mps:.1f} m/s is too fast")
 
 
-def _too_steep(setpoint: Setpoint, _: VehicleState, __: float, envelope: Envelope) -> str:
-    down_mps = setpoint.velocity[2]
-    most_mps = envelope.descent_mps if down_mps > 0 else envelope.climb_mps
-    if abs(down_mps) <= most_mps * SPEED_TOLERANCE:
-        return ""
-    return f"{abs(down_mps):.1f} m/s {'down' if down_mps > 0 else 'up'} is too fast"
+def _too_steep(asked: _Asked) -> Refusal | None:
+    down_mps, envelope = asked.setpoint.velocity[2], asked.envelope
+    down, up = ("down", envelope.descent_mps), ("up", envelope.climb_mps)
+    direction, most_mps = down if down_mps > 0 else up
+    is_within = abs(down_mps) <= most_mps * SPEED_TOLERANCE
+    return None if is_within else Refusal(f"{abs(down_mps):.1f} m/s {direction} is too fast")
 
 
-_RULES: Sequence[Callable[[Setpoint, VehicleState, float, Envelope], str]] = (
+_RULES: Sequence[Callable[[_Asked], Refusal | None]] = (
     _stale,
     _not_finite,
     _outside_fence,

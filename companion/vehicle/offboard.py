@@ -32,7 +32,16 @@ from companion.outcomes import Refusal
 from companion.vehicle.gate import Envelope, admit
 from companion.vehicle.goals import APPROACHES
 from companion.vehicle.parameters import ParameterReader
-from companion.vehicle.port import Goal, Mode, Outcome, Progress, Setpoint, VehicleState
+from companion.vehicle.port import (
+    Failed,
+    Goal,
+    Mode,
+    Outcome,
+    Progress,
+    Setpoint,
+    Takeover,
+    VehicleState,
+)
 from companion.vehicle.ranging import Ranging
 from companion.vehicle.telemetry import TELEMETRY, Telemetry
 from companion.vehicle.wire import AUTOPILOT, COMPONENT, Wire
@@ -83,8 +92,8 @@ class MavlinkVehicle:
 
     Attributes:
         scans: what was heard of the surroundings since the tick before, in order.
-        lost_authority: why control is lost; "" while it is not.
-        refusal: why a hold is sent in place of the setpoint; "" while it is not.
+        takeover: who has taken control; None while it is ours.
+        refusal: why a hold is sent in place of the setpoint; None while it is not.
     """
 
     def __init__(
@@ -96,8 +105,8 @@ class MavlinkVehicle:
         takeoff_up_m: float,
     ) -> None:
         self.scans: list[RangeScan] = []
-        self.lost_authority = ""
-        self.refusal = ""
+        self.takeover: Takeover | None = None
+        self.refusal: Refusal | None = None
         self._wire = wire
         self._telemetry = telemetry
         self._envelope = envelope
@@ -139,7 +148,7 @@ class MavlinkVehicle:
     def transmit(self, now_s: float) -> list[Message]:
         """What has to leave now: commands, questions, and at most one setpoint."""
         self._now_s = now_s
-        if self.lost_authority:
+        if self.takeover is not None:
             return []
         return [
             *self._commands.due(now_s),
@@ -171,15 +180,15 @@ class MavlinkVehicle:
 
     def regain(self) -> None:
         """Takes back control that was lost; the operator has given it."""
-        self.lost_authority = ""
+        self.takeover = None
 
     def pursue(self, goal: Goal) -> Outcome:
         """Works towards a goal; the caller asks in every tick until it is reached or has failed."""
         state, approach = self.state, APPROACHES[goal]
-        if self.lost_authority:
-            return Outcome(Progress.FAILED, self.lost_authority)
+        if self.takeover is not None:
+            return Failed(str(self.takeover))
         if state is None:
-            return Outcome(Progress.RUNNING)
+            return Progress.RUNNING
         pursuit = self._pursuit
         if pursuit is None or pursuit.goal is not goal:
             self._end_command()
@@ -191,9 +200,8 @@ class MavlinkVehicle:
             self._end_command()
             if approach.keeps is not None:
                 pursuit.allowed = approach.keeps
-            return Outcome(Progress.DONE)
-        failure = self._ask(pursuit, state)
-        return Outcome(Progress.FAILED, failure) if failure else Outcome(Progress.RUNNING)
+            return Progress.DONE
+        return self._ask(pursuit, state) or Progress.RUNNING
 
     def send_command(self, component: int, command: int, parameters: tuple[float, ...]) -> int:
         """Starts a skill's command if payloads take it; returns its ticket."""
@@ -207,8 +215,8 @@ class MavlinkVehicle:
         """How far the command of a ticket has come."""
         exchange = self._commands[ticket]
         if exchange.has_failed:
-            return Outcome(Progress.FAILED, exchange.in_words)
-        return Outcome(Progress.DONE if exchange.result else Progress.RUNNING)
+            return Failed(exchange.in_words)
+        return Progress.DONE if exchange.result else Progress.RUNNING
 
     def forget_command(self, ticket: int) -> None:
         """Asks for a command no longer."""
@@ -220,34 +228,34 @@ class MavlinkVehicle:
 
     # -- goals ---------------------------------------------------------------------------------
 
-    def _ask(self, pursuit: _Pursuit, state: VehicleState) -> str:
-        """Sends the goal's command when it is time to; returns why the goal has failed, or ""."""
+    def _ask(self, pursuit: _Pursuit, state: VehicleState) -> Failed | None:
+        """Sends the goal's command when it is time to, unless the goal has failed."""
         approach = APPROACHES[pursuit.goal]
         elapsed_s = self._now_s - pursuit.start_s
         if elapsed_s >= approach.timeout_s:
-            return self._because(f"not {pursuit.goal.value} after {approach.timeout_s:.0f} s")
+            return self._failed(f"not {pursuit.goal.value} after {approach.timeout_s:.0f} s")
         if not state.is_mode_known(self._now_s):
-            return ""
+            return None
         if approach.needs_arming and not state.is_armed:
-            return self._because(f"not {pursuit.goal.value}: disarmed")
+            return self._failed(f"not {pursuit.goal.value}: disarmed")
         if elapsed_s < approach.lead_s or state.mode in approach.underway:
-            return ""
+            return None
         if pursuit.ticket is not None:
             exchange = self._commands[pursuit.ticket]
             if exchange.has_failed:
-                return self._because(f"not {pursuit.goal.value}: {exchange.in_words}")
+                return self._failed(f"not {pursuit.goal.value}: {exchange.in_words}")
             if not exchange.result or self._now_s < exchange.next_send_s + ASK_AGAIN_S:
-                return ""
+                return None
             self._end_command()
         takeoff_altitude_m = self._telemetry.home_altitude_m + self._takeoff_up_m
         parameters = approach.parameters(takeoff_altitude_m)
         pursuit.ticket = self._start(AUTOPILOT, approach.command, parameters)
-        return ""
+        return None
 
-    def _because(self, what: str) -> str:
+    def _failed(self, what: str) -> Failed:
         """A failure with what the autopilot said lately."""
         texts = "; ".join(self._telemetry.texts)
-        return f"{what} (autopilot: {texts})" if texts else what
+        return Failed(f"{what} (autopilot: {texts})" if texts else what)
 
     def _start(self, component: int, command: int, parameters: Parameters) -> int:
         target = (self._wire.system, component)
@@ -262,7 +270,7 @@ class MavlinkVehicle:
 
     def _admitted_setpoint(self) -> list[Message]:
         """The setpoint that the gate lets out, as a message; at most one."""
-        self.refusal = ""
+        self.refusal = None
         if self._setpoint is None:
             return []
         is_entering = self._pursuit is not None and self._pursuit.goal is Goal.OFFBOARD
@@ -325,8 +333,7 @@ class MavlinkVehicle:
         elif heard.mode not in pursuit.allowed and not (
             has_landed and heard.mode in (Mode.LOITER, Mode.OFFBOARD, self._first_mode)
         ):
-            who = "a failsafe of the autopilot" if heard.is_failsafe else "the pilot"
-            self.lost_authority = f"{who} has control, in {heard.mode.value}"
+            self.takeover = Takeover(heard.mode, heard.is_failsafe)
 
     def _read(self, signal: Signal, message: Message) -> None:
         if signal.instance and message.name != signal.instance:

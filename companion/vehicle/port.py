@@ -14,6 +14,7 @@ from typing import Protocol
 
 from companion.geometry import Ned
 from companion.motion.sensed_map import RangeScan
+from companion.outcomes import Refusal
 
 MODE_KNOWN_S = 1.5
 """Age of the newest heartbeat, sent once a second, up to which its mode is taken for the present
@@ -98,19 +99,41 @@ class Goal(StrEnum):
 
 
 class Progress(Enum):
-    """How far a goal or a command has come."""
+    """How far a goal or a command has come that has not failed."""
 
     RUNNING = "running"
     DONE = "done"
-    FAILED = "failed"
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
-    """Progress and, for a failure, the reason in words."""
+class Failed:
+    """A goal is not reached, or a command not done, for a reason in words."""
 
-    progress: Progress
-    reason: str = ""
+    reason: str
+
+
+Outcome = Progress | Failed
+"""What has become of a goal or a command."""
+
+
+@dataclass(frozen=True, slots=True)
+class Takeover:
+    """Somebody else controls the vehicle.
+
+    Attributes:
+        mode: the mode that was chosen.
+        is_failsafe: a failsafe of the autopilot has chosen it; else it was the pilot.
+
+    >>> print(Takeover(Mode.POSCTL, is_failsafe=False))
+    the pilot has control, in POSCTL
+    """
+
+    mode: Mode
+    is_failsafe: bool
+
+    def __str__(self) -> str:
+        who = "a failsafe of the autopilot" if self.is_failsafe else "the pilot"
+        return f"{who} has control, in {self.mode.value}"
 
 
 class Vehicle(Protocol):
@@ -125,18 +148,18 @@ class Vehicle(Protocol):
         """What was heard of the surroundings since the tick before, in order."""
 
     @property
-    def lost_authority(self) -> str:
-        """Why we may no longer control the vehicle (the pilot wins); "" while we may."""
+    def takeover(self) -> Takeover | None:
+        """Who has taken control from us (the pilot wins); None while it is ours."""
 
     @property
-    def refusal(self) -> str:
-        """Why the vehicle is sent a hold in place of the setpoint; "" while it is not."""
+    def refusal(self) -> Refusal | None:
+        """Why the vehicle is sent a hold in place of the setpoint; None while it is not."""
 
     def parameter(self, name: str) -> float | None:
         """A parameter of the autopilot; asks for it, and is None until it was answered."""
 
     def pursue(self, goal: Goal) -> Outcome:
-        """Work towards a goal; call it every tick until it is no longer RUNNING."""
+        """Work towards a goal; call it every tick while the outcome is RUNNING."""
 
     def fly(self, setpoint: Setpoint) -> None:
         """The setpoint to stream from now on."""

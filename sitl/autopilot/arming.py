@@ -19,13 +19,13 @@ class PreflightState:
     """The inputs of the checks.
 
     Attributes:
-        missing: the requirement that the mode lacks, empty if none.
+        missing: the requirement that the mode lacks, None if none.
         is_crashed: the vehicle has hit something.
         refusal: the reason of a scenario that refuses, None without one.
     """
 
     mode: str
-    missing: str
+    missing: str | None
     inputs: FailsafeInputs
     is_crashed: bool
     refusal: str | None
@@ -42,7 +42,7 @@ ArmingCheck = tuple[Callable[[PreflightState], bool], Callable[[PreflightState],
 ARMING_CHECKS: tuple[ArmingCheck, ...] = (
     (lambda now: not now.is_crashed, lambda now: "vehicle crashed"),
     (lambda now: FLIGHT_MODES[now.mode].may_arm, lambda now: f"not in {now.mode}"),
-    (lambda now: not now.missing, lambda now: now.missing),
+    (lambda now: now.missing is None, lambda now: str(now.missing)),
     (lambda now: now.inputs.battery < BatteryLevel.CRITICAL, lambda now: "low battery"),
     (lambda now: not now.inputs.is_position_lost, lambda now: "GPS fix too low"),
     (lambda now: not now.inputs.is_fence_breached, lambda now: "geofence violation"),

@@ -144,7 +144,7 @@ class Autopilot:
     def set_mode(self, mode: str) -> bool:
         """Intends a mode of `FLIGHT_MODES`; during a failsafe this takes the vehicle over."""
         missing = self._missing(mode)
-        if self.is_armed and missing:
+        if self.is_armed and missing is not None:
             self._tell(Severity.CRITICAL, f"{mode} refused: {missing}")
             return False
         if mode == "AUTO.TAKEOFF":
@@ -282,7 +282,7 @@ class Autopilot:
         elif change := self._active_mode.mode_change(self._situation()):
             self.mode = self.intended_mode = change.mode
             self._active_mode = change.flying
-            if change.text:
+            if change.text is not None:
                 self._tell(Severity.INFO, change.text)
         if self.is_landed and (
             reason := self.flights.disarming_reason(self._state.time_s, self.parameters)
@@ -313,7 +313,7 @@ class Autopilot:
         self.mode = mode
         self._active_mode = FLIGHT_MODES[mode].start(self._situation())
 
-    def _missing(self, mode: str) -> str:
+    def _missing(self, mode: str) -> str | None:
         now_s = self._state.time_s
         return missing_requirement(
             mode,

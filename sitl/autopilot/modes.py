@@ -35,9 +35,8 @@ from sitl.autopilot.situation import FlightMode, Situation
 
 
 class ModeRequirement(Enum):
-    """The requirement of a mode before it may be flown; the value says what is missing."""
+    """What a mode may need besides a position; the value says what is missing."""
 
-    NOTHING = ""
     SETPOINTS = "no offboard signal"
     PILOT = "no manual control input"
     MISSION = "no valid mission available"
@@ -48,43 +47,43 @@ class ModeDefinition:
     """A line of `FLIGHT_MODES`.
 
     Attributes:
-        requirement: without it the mode is refused in the air, and arming in it.
+        requirement: without it the mode is refused in the air, and arming in it; None if it needs
+            nothing besides a position.
         start: the mode in flight; a mode that cannot be flown here yet sinks.
         may_arm: PX4 refuses arming in modes that would land at once.
     """
 
-    requirement: ModeRequirement
+    requirement: ModeRequirement | None
     start: Callable[[Situation], FlightMode]
     may_arm: bool = True
 
 
 FLIGHT_MODES: dict[str, ModeDefinition] = {
     "OFFBOARD": ModeDefinition(ModeRequirement.SETPOINTS, lambda now: OffboardMode()),
-    "AUTO.TAKEOFF": ModeDefinition(ModeRequirement.NOTHING, TakeoffMode.start),
-    "AUTO.LOITER": ModeDefinition(ModeRequirement.NOTHING, HoldMode.start),
-    "AUTO.RTL": ModeDefinition(ModeRequirement.NOTHING, ReturnMode.start, may_arm=False),
-    "AUTO.LAND": ModeDefinition(ModeRequirement.NOTHING, LandMode.start, may_arm=False),
+    "AUTO.TAKEOFF": ModeDefinition(None, TakeoffMode.start),
+    "AUTO.LOITER": ModeDefinition(None, HoldMode.start),
+    "AUTO.RTL": ModeDefinition(None, ReturnMode.start, may_arm=False),
+    "AUTO.LAND": ModeDefinition(None, LandMode.start, may_arm=False),
     "AUTO.MISSION": ModeDefinition(ModeRequirement.MISSION, lambda now: now.mission.start(now)),
     "POSCTL": ModeDefinition(ModeRequirement.PILOT, PositionMode.start),
     "ALTCTL": ModeDefinition(ModeRequirement.PILOT, DescendMode.without_sticks),
     "MANUAL": ModeDefinition(ModeRequirement.PILOT, DescendMode.without_sticks),
     "STABILIZED": ModeDefinition(ModeRequirement.PILOT, DescendMode.without_sticks),
     "ACRO": ModeDefinition(ModeRequirement.PILOT, DescendMode.without_sticks),
-    "DESCEND": ModeDefinition(ModeRequirement.NOTHING, DescendMode.to_land, may_arm=False),
+    "DESCEND": ModeDefinition(None, DescendMode.to_land, may_arm=False),
 }
 
 
 def missing_requirement(
     mode: str, *, has_setpoints: bool, has_mission: bool, has_position: bool
-) -> str:
-    """The requirement that a mode lacks, in words; empty if none."""
+) -> str | None:
+    """The requirement that a mode lacks, in words; None if none."""
     requirement = FLIGHT_MODES[mode].requirement
     is_met = {
-        ModeRequirement.NOTHING: True,
         ModeRequirement.SETPOINTS: has_setpoints,
         ModeRequirement.MISSION: has_mission,
         ModeRequirement.PILOT: False,
     }
-    if not is_met[requirement]:
+    if requirement is not None and not is_met[requirement]:
         return str(requirement.value)
-    return "" if has_position else "GPS fix too low"
+    return None if has_position else "GPS fix too low"

@@ -57,11 +57,11 @@ class FlightMode(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class ModeChange:
-    """A mode that follows by itself, and its status text for people."""
+    """A mode that follows by itself, and its status text for people if it has one."""
 
     mode: str
     flying: FlightMode
-    text: str = ""
+    text: str | None = None
 
 
 def heading(state: FlightState) -> float:

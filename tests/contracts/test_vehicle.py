@@ -74,8 +74,8 @@ def world(request: pytest.FixtureRequest) -> Iterator[World]:
     world: World = request.param()
     until(world, lambda: world.vehicle.state is not None, 5.0)
     yield world
-    assert world.vehicle.lost_authority == ""
-    assert world.vehicle.refusal == ""
+    assert world.vehicle.takeover is None
+    assert world.vehicle.refusal is None
 
 
 def until(world: World, condition: Callable[[], bool], limit_s: float) -> None:
@@ -91,7 +91,7 @@ def reach(world: World, goal: Goal) -> None:
         state = world.vehicle.state
         if goal is Goal.OFFBOARD and state is not None:
             world.vehicle.fly(hold_at(state.position, state.yaw_rad))
-        return world.vehicle.pursue(goal).progress is Progress.DONE
+        return world.vehicle.pursue(goal) is Progress.DONE
 
     until(world, is_reached, 60.0)
 
@@ -134,7 +134,7 @@ class TestVehicle:
         ticket = world.vehicle.send_command(PAYLOAD, USER_1, (1.0,))
         until(
             world,
-            lambda: world.vehicle.command_outcome(ticket).progress is Progress.DONE,
+            lambda: world.vehicle.command_outcome(ticket) is Progress.DONE,
             10.0,
         )
         world.vehicle.forget_command(ticket)

@@ -11,7 +11,6 @@ from dataclasses import replace
 from unittest.mock import Mock
 
 import pytest
-from fakes import DONE, failed
 from happened import Replan
 from rig import Rig
 from synthetic import command, event, facts_of, mission, reading
@@ -28,6 +27,7 @@ from companion.motion.routes import RouteMap
 from companion.planning.domain import instantiate
 from companion.planning.lasso import Problem, word
 from companion.planning.task_state import TaskState
+from companion.vehicle.port import Failed, Progress
 
 TARGET = (Signal("NAMED_VALUE_INT", "target", "value"), 1.0)
 SITES = ("Home", "A", "B", "C", "r1", "r2", "r3")
@@ -47,7 +47,7 @@ def rig(surveillance: Mission, surveillance_routes: RouteMap) -> Rig:
 def fly_section_5(rig: Rig) -> Rig:
     """The flight of Fig. 7: a target on the way to B for the second time, r1 refuses."""
     rig.begin()
-    rig.vehicle.answers = [(2.0, failed("denied")), (1.0, DONE)]
+    rig.vehicle.answers = [(2.0, Failed("denied")), (1.0, Progress.DONE)]
     rig.run_until(PlaceReached, place="A", times=2)
     for _ in range(60):
         rig.tick()
@@ -149,7 +149,7 @@ def test_the_word_that_was_flown_satisfies_what_was_never_restarted(rig: Rig) ->
 
 def test_a_refused_site_is_not_tried_again(rig: Rig) -> None:
     rig.begin()
-    rig.vehicle.answers = [(1.0, failed("denied")), (1.0, failed("denied")), (1.0, DONE)]
+    rig.vehicle.answers = [(1.0, Failed("denied")), (1.0, Failed("denied")), (1.0, Progress.DONE)]
     rig.run_until(PlaceReached, place="A")
     rig.tick(TARGET)
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
@@ -161,7 +161,7 @@ def test_a_refused_site_is_not_tried_again(rig: Rig) -> None:
 
 def test_when_all_sites_refuse_there_is_no_plan_and_each_is_to_blame(rig: Rig) -> None:
     rig.begin()
-    rig.vehicle.answers = [(1.0, failed("denied"))] * 3
+    rig.vehicle.answers = [(1.0, Failed("denied"))] * 3
     rig.tick(TARGET)
     assert rig.run_to_the_end() is TaskStatus.NO_PLAN
     last = rig.one(NoPlanFound).explanation
@@ -248,7 +248,7 @@ def test_what_was_visited_is_not_visited_again() -> None:
     ]
     task = {"visit": "F (at(A) & F at(B))", "report": "F done"}
     rig = Rig(mission(task, skills=skills)).begin()
-    rig.vehicle.answers = [(1.0, failed("denied")), (1.0, DONE)]
+    rig.vehicle.answers = [(1.0, Failed("denied")), (1.0, Progress.DONE)]
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
     assert rig.executive.replans == 1
     assert rig.places == ["A", "B", "H"]

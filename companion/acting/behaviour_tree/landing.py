@@ -15,7 +15,7 @@ from companion.acting.behaviour_tree.leaf import Leaf
 from companion.acting.flight import Flight
 from companion.flight_events.event import FlightEvent
 from companion.flight_events.sortie import BatteryCharged, VehicleAirborne, VehicleLanded
-from companion.vehicle.port import Goal, Progress
+from companion.vehicle.port import Failed, Goal, Progress
 
 NO_CHARGE_S = 120.0
 """Time without one more percent after which a charger is given up."""
@@ -40,9 +40,9 @@ class ReachGoals(Leaf):
         if self._left[0] is Goal.OFFBOARD:
             flight.hold()
         outcome = flight.vehicle.pursue(self._left[0])
-        if outcome.progress is Progress.FAILED:
+        if isinstance(outcome, Failed):
             return self.fail(outcome.reason)
-        if outcome.progress is Progress.DONE:
+        if outcome is Progress.DONE:
             self._left.pop(0)
         if self._left:
             return Status.RUNNING

@@ -18,7 +18,7 @@ from companion.flight_events.facts import BeliefWithdrawn
 from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFailed
 from companion.mission.model import Command
 from companion.planning.domain import Action
-from companion.vehicle.port import Progress
+from companion.vehicle.port import Failed, Progress
 
 
 class AssumptionsHold(Leaf):
@@ -175,9 +175,9 @@ class SendCommand(Leaf):
         flight.hold()
         assert self._ticket is not None
         outcome = flight.vehicle.command_outcome(self._ticket)
-        if outcome.progress is Progress.DONE:
+        if outcome is Progress.DONE:
             return Status.SUCCESS
-        if outcome.progress is Progress.FAILED:
+        if isinstance(outcome, Failed):
             return self.fail(outcome.reason)
         if self._timeout_s is not None and flight.now_s - self._start_s > self._timeout_s:
             return self.fail(f"no final answer in {self._timeout_s:.0f} s")

@@ -65,7 +65,7 @@ class Assumptions:
         return [fact for fact, holds in self._values.items() if (fact in facts) != holds]
 
     @property
-    def surprise(self) -> str:
-        """The same in words, empty if there are none."""
+    def surprise(self) -> str | None:
+        """The same in words; None if there are none."""
         facts = self._flight.task.facts
-        return "; ".join(in_words(name, name in facts) for name in self.wrong)
+        return "; ".join(in_words(name, name in facts) for name in self.wrong) or None

@@ -29,17 +29,15 @@ SHOWN = 6
 
 @dataclass(frozen=True, slots=True)
 class BeliefChange:
-    """What the map has changed in the beliefs that are held.
+    """What the map has changed in the beliefs that are held, as it is reported.
 
     Attributes:
-        lost: given up, as no move is left that assumes them.
-        held: held again.
-        lost_in_words: of the lost ones; "" if there are none.
+        cut_off: the beliefs given up, as no move is left that assumes them; None without any.
+        connected: the beliefs held again; None without any.
     """
 
-    lost: tuple[Fact, ...]
-    held: tuple[Fact, ...]
-    lost_in_words: str
+    cut_off: PlacesCutOff | None
+    connected: PlacesConnected | None
 
 
 class Reachability:
@@ -94,13 +92,11 @@ class Reachability:
             self._cut_off = self._unreachable()
             self.has_changed = False
         lost, held = flight.task.cut_off(self._planner.without_a_move)
-        if held:
-            flight.report(PlacesConnected(self._named(held), restored=tuple(held)))
-        if not lost:
-            return BeliefChange((), tuple(held), "")
-        cut_off = PlacesCutOff(self._named(lost), withdrawn=tuple(lost))
-        flight.report(cut_off)
-        return BeliefChange(tuple(lost), tuple(held), cut_off.text)
+        connected = PlacesConnected(self._named(held), restored=tuple(held)) if held else None
+        cut_off = PlacesCutOff(self._named(lost), withdrawn=tuple(lost)) if lost else None
+        for event in filter(None, (connected, cut_off)):
+            flight.report(event)
+        return BeliefChange(cut_off, connected)
 
     def _named(self, beliefs: list[Fact]) -> str:
         gone, known = self._planner.without_a_move, self._planner.model.beliefs

@@ -8,12 +8,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 from companion.acting.flight import Flight
 from companion.acting.replanning.assumptions import Assumptions
 from companion.acting.replanning.explanation import ExplanationSearch
 from companion.acting.replanning.reachability import Reachability
 from companion.errors import NoPlanError, SearchLimit
-from companion.planning.lasso import Lasso
+from companion.flight_events.facts import PlacesCutOff
+from companion.planning.lasso import Lasso, Letter, Problem
 from companion.planning.planner import Planner
 
 COMPARED = 1000
@@ -24,7 +28,21 @@ PATIENCE_S = 5.0
 """How long a replan waits for a map that goes on changing while the vehicle holds."""
 
 PlanFailure = NoPlanError | SearchLimit
-"""There is no plan, or none was found within the limits of the search."""
+"""There is no plan, or none was found within the limits of the search: a value here, which the
+sortie hands out as its failure."""
+
+
+@dataclass(frozen=True, slots=True)
+class DueReplan:
+    """A plan that is due in flight.
+
+    Attributes:
+        reason: why, in words for people.
+        since_s: from when on.
+    """
+
+    reason: str
+    since_s: float
 
 
 class Replanner:
@@ -32,7 +50,6 @@ class Replanner:
 
     Attributes:
         reachability: the moves that the map leaves.
-        reason: why the last plan was, or is, due.
 
     Args:
         planner: the mission's planner.
@@ -42,11 +59,9 @@ class Replanner:
 
     def __init__(self, planner: Planner, flight: Flight, assumptions: Assumptions) -> None:
         self.reachability = Reachability(planner, flight)
-        self.reason = ""
         self._planner = planner
         self._flight = flight
         self._assumptions = assumptions
-        self._due_s = 0.0
         self._explanation: ExplanationSearch | None = None
         self._idle_replans = 0
         self._positions = 0
@@ -56,21 +71,28 @@ class Replanner:
         """Whether there is no plan, and the reason is being searched for."""
         return self._explanation is not None
 
-    def begin(self, reason: str) -> None:
-        """A plan is due from now on."""
-        self.reason, self._due_s = reason, self._flight.now_s
+    def plan_before_flight(self) -> Lasso | PlanFailure:
+        """The best plan that is found without haste, or why there is none."""
+        try:
+            return self._planner.solve(*self._flight.task.problem()).lasso
+        except (NoPlanError, SearchLimit) as failure:
+            return failure
+
+    def begin(self, reason: str) -> DueReplan:
+        """Another plan is due from now on."""
         self._explanation = None
         self._count_idle()
+        return DueReplan(reason, self._flight.now_s)
 
     def forgive(self) -> None:
         """Plans that led nowhere do not count any more: the operator wants to go on."""
         self._idle_replans = 0
 
-    def step(self) -> Lasso | PlanFailure | None:
+    def step(self, due: DueReplan) -> Lasso | PlanFailure | None:
         """The part of a tick; the plan, or why there is none, when that is known."""
         reachability, flight = self.reachability, self._flight
         reachability.search()
-        if not reachability.is_known and flight.now_s < self._due_s + PATIENCE_S:
+        if not reachability.is_known and flight.now_s < due.since_s + PATIENCE_S:
             return None
         self.follow_map()
         problem, histories = flight.task.problem()
@@ -83,28 +105,23 @@ class Replanner:
             return NoPlanError("no plan: the mission has a tree of its own")
         if self._idle_replans > MAX_IDLE_REPLANS:
             return NoPlanError(f"no plan: {MAX_IDLE_REPLANS} plans in a row led nowhere")
-        try:
-            lasso = self._planner.replan(problem, histories)
-        except (NoPlanError, SearchLimit) as error:
-            return error
-        if lasso is not None:
-            return lasso
+        found = self._search(problem, histories)
+        if found is not None:
+            return found
         self._explanation = ExplanationSearch(self._planner, problem)
         return self._explanation.step()
 
-    def follow_map(self) -> str:
-        """Takes the map over into moves and beliefs; returns what was given up, in words."""
+    def follow_map(self) -> PlacesCutOff | None:
+        """Takes the map over into moves and beliefs; returns what was given up, if anything."""
         change = self.reachability.follow()
-        if change.held:
+        if change.connected is not None:
             self._assumptions.note_restored_beliefs()
-        return change.lost_in_words
+        return change.cut_off
 
     def plan_now(self) -> Lasso | None:
         """The plan that would be made now; None if none is found."""
-        try:
-            return self._planner.replan(*self._flight.task.problem())
-        except (NoPlanError, SearchLimit):
-            return None
+        found = self._search(*self._flight.task.problem())
+        return found if isinstance(found, Lasso) else None
 
     def is_still_best(self, lasso: Lasso) -> bool:
         """Whether a plan made now, as from the place left last, is the rest of the present one."""
@@ -114,6 +131,15 @@ class Replanner:
     def is_rest_of(self, lasso: Lasso, new: Lasso) -> bool:
         """Whether a new plan is what is left of the present one."""
         return new.names(COMPARED) == lasso.names(COMPARED, self._flight.progress.completed)
+
+    def _search(
+        self, problem: Problem, histories: Sequence[Sequence[Letter]]
+    ) -> Lasso | SearchLimit | None:
+        """The first plan that is found, the limit at which it was given up, or None for no plan."""
+        try:
+            return self._planner.replan(problem, histories)
+        except SearchLimit as limit:
+            return limit
 
     def _count_idle(self) -> None:
         """Counts replans between which the task's word has not grown."""

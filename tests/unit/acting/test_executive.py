@@ -8,7 +8,6 @@ from unittest.mock import Mock
 
 import numpy as np
 import pytest
-from fakes import DONE, RUNNING, failed
 from happened import Replan
 from rig import Rig
 from synthetic import POSITIONS, command, event, facts_of, mission, move, reading
@@ -33,9 +32,9 @@ from companion.geometry import distance
 from companion.mission.model import Event, Execution, Land, Mission, Skill, TakeOff, Wait
 from companion.motion.grid import OccupancyGrid
 from companion.planning.builtin.search import Search
-from companion.planning.effort import IN_FLIGHT
-from companion.planning.explain import why_no_plan
-from companion.vehicle.port import hold_at
+from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT
+from companion.planning.explain import NoPlan, why_no_plan
+from companion.vehicle.port import Failed, Progress, hold_at
 
 FOUND, LOW = event("found"), event("low")
 DO = command("do", "at(H)", "done")
@@ -63,9 +62,20 @@ def test_the_first_plan_is_reported_with_its_number() -> None:
     assert made.plan.loop == (PlannedAction("wait", "wait", (), 0.1),)
 
 
-def test_no_first_plan_is_an_error() -> None:
-    with pytest.raises(NoPlanError, match="task cannot hold"):
-        Rig(mission("G at(H) & X at(A)")).begin()
+def test_without_a_first_plan_the_reason_is_the_answer() -> None:
+    rig = Rig(mission("G at(H) & X at(A)"))
+    failure = rig.executive.plan()
+    assert isinstance(failure, NoPlan)
+    assert {conjunct.name for conjunct in failure.explanation.conflict} == {"task"}
+    assert rig.executive.lasso is None
+
+
+def test_a_first_search_that_is_given_up_names_its_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+    tiny = replace(BEFORE_FLIGHT, product_edges=3)
+    monkeypatch.setattr("companion.planning.planner.BEFORE_FLIGHT", tiny)
+    failure = Rig(search_and_report()).executive.plan()
+    assert isinstance(failure, SearchLimit)
+    assert failure.limit == "3 edges of the product"
 
 
 def test_a_plan_that_ends_at_rest_satisfies_the_task_when_the_rest_is_reached() -> None:
@@ -113,7 +123,7 @@ def test_an_interrupted_flight_goes_on_from_where_the_vehicle_is() -> None:
 def test_an_event_that_only_a_precondition_mentions_replans() -> None:
     careful = command("report", "!low", "reported")
     rig = Rig(mission("F reported", skills=[careful], events=[LOW])).begin()
-    rig.vehicle.answers = [(5.0, DONE)]
+    rig.vehicle.answers = [(5.0, Progress.DONE)]
     rig.tick()
     rig.tick(reading("low"))
     rig.run(lambda: rig.executive.status is TaskStatus.NO_PLAN, limit_s=0.5)
@@ -142,7 +152,7 @@ def test_a_failed_skill_replans_without_its_belief() -> None:
         command("dear", "at(H)", "done", cost_s=9.0),
     ]
     rig = Rig(mission("F done", skills=skills)).begin()
-    rig.vehicle.answers = [(1.0, failed("denied")), (1.0, DONE)]
+    rig.vehicle.answers = [(1.0, Failed("denied")), (1.0, Progress.DONE)]
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
     assert rig.story == [
         "cheap, (wait)^w",
@@ -155,14 +165,14 @@ def test_a_failed_skill_replans_without_its_belief() -> None:
 
 def test_no_plan_says_which_belief_is_to_blame() -> None:
     rig = Rig(mission("F done", skills=[command("do", "at(H)", "done")])).begin()
-    rig.vehicle.answers = [(0.0, failed("denied"))]
+    rig.vehicle.answers = [(0.0, Failed("denied"))]
     assert rig.run_to_the_end() is TaskStatus.NO_PLAN
     assert "with can_do there would be a plan" in rig.one(NoPlanFound).explanation
 
 
 def test_the_vehicle_holds_where_no_plan_is_left() -> None:
     rig = Rig(mission("F done", skills=[command("do", "at(H)", "done")])).begin()
-    rig.vehicle.answers = [(0.0, failed("denied"))]
+    rig.vehicle.answers = [(0.0, Failed("denied"))]
     rig.run_to_the_end()
     assert rig.vehicle.setpoint == hold_at(POSITIONS["H"], 0.0)
 
@@ -175,7 +185,7 @@ def test_the_reason_is_found_in_parts_while_the_vehicle_holds(
     rig = Rig(mission({"do": "F done", **conjuncts}, skills=[DO])).begin()
     searches = Mock(wraps=rig.planner.reasons)
     monkeypatch.setattr(rig.planner, "reasons", searches)
-    rig.vehicle.answers = [(0.0, failed("denied"))]
+    rig.vehicle.answers = [(0.0, Failed("denied"))]
     rig.run(lambda: rig.executive.status is TaskStatus.NO_PLAN, limit_s=2.0)
     taken_s = rig.time_of(NoPlanFound) - rig.time_of(BeliefWithdrawn)
     searched = len(conjuncts) + 1 + 1  # a search per conjunct and per belief
@@ -190,7 +200,7 @@ def test_a_belief_that_comes_back_meanwhile_gives_a_plan() -> None:
     again = replace(event("again"), restores=frozenset({"can_do"}))
     conjuncts = {f"c{i}": f"F at({name}) | F done" for i, name in enumerate("AB" * 5)}
     rig = Rig(mission({"do": "F done", **conjuncts}, skills=[DO], events=[again])).begin()
-    rig.vehicle.answers = [(0.0, failed("denied")), (0.0, DONE)]
+    rig.vehicle.answers = [(0.0, Failed("denied")), (0.0, Progress.DONE)]
     rig.run(lambda: bool(rig.of(BeliefWithdrawn)), limit_s=2.0)
     rig.tick(reading("again"))
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
@@ -200,7 +210,7 @@ def test_a_belief_that_comes_back_meanwhile_gives_a_plan() -> None:
 def test_what_flaps_while_the_reason_is_looked_for_does_not_hold_the_vehicle_for_ever() -> None:
     conjuncts = {f"c{i}": f"F at({name}) | F done" for i, name in enumerate("AB" * 5)}
     rig = Rig(mission({"do": "F done", **conjuncts}, skills=[DO], events=[FOUND])).begin()
-    rig.vehicle.answers = [(0.0, failed("denied"))]
+    rig.vehicle.answers = [(0.0, Failed("denied"))]
     rig.run(lambda: bool(rig.of(BeliefWithdrawn)), limit_s=2.0)
     for i in range(10):
         rig.tick(reading("found", float(i % 2 == 0)))
@@ -238,7 +248,7 @@ def test_a_position_between_two_replans_shows_that_they_led_somewhere() -> None:
 
 def test_a_last_resort_flies_to_a_place_and_rests() -> None:
     rig = Rig(mission("F done", skills=[command("do", "at(A)", "done")])).begin()
-    rig.vehicle.answers = [(0.0, failed("denied"))]
+    rig.vehicle.answers = [(0.0, Failed("denied"))]
     assert rig.run_to_the_end() is TaskStatus.NO_PLAN
     assert rig.executive.go_to("H")
     assert str(rig.executive.lasso) == "move(here, H), (wait)^w"
@@ -260,7 +270,7 @@ def test_a_last_resort_needs_a_skill_that_flies_there() -> None:
 
 def test_stop_interrupts_the_skill_under_way() -> None:
     rig = Rig(mission("F done", skills=[command("do", "at(H)", "done")])).begin()
-    rig.vehicle.answers = [(0.0, RUNNING)]
+    rig.vehicle.answers = [(0.0, Progress.RUNNING)]
     rig.tick()
     rig.executive.stop()
     assert rig.vehicle.forgotten == [1]
@@ -292,7 +302,7 @@ def test_what_is_done_needs_no_precondition() -> None:
 def test_an_event_that_does_not_matter_is_no_reason() -> None:
     skills = [command("a", "at(H)", "done"), command("b", "at(H)", "done", cost_s=9.0)]
     rig = Rig(mission("F done", skills=skills, events=[event("lamp")])).begin()
-    rig.vehicle.answers = [(1.0, failed("denied"))]
+    rig.vehicle.answers = [(1.0, Failed("denied"))]
     rig.tick(reading("lamp"))
     rig.run(lambda: rig.executive.replans == 1)
     replaced = rig.one(PlanReplaced)
@@ -446,7 +456,7 @@ def test_a_task_that_is_violated_on_the_ground_is_not_satisfied_in_the_end(
 def test_the_state_says_what_is_done() -> None:
     rig = Rig(mission("F done", skills=[DO], events=[FOUND]))
     states = [rig.executive.state]
-    rig.vehicle.answers = [(0.0, failed("denied"))]
+    rig.vehicle.answers = [(0.0, Failed("denied"))]
     rig.begin()
     states.append(rig.executive.state)
     while rig.executive.status is TaskStatus.RUNNING:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from fakes import RUNNING, FakeVehicle, failed
+from fakes import FakeVehicle
 from happened import Happened
 from rig import Rig
 from synthetic import command, event, mission, reading
@@ -28,10 +28,11 @@ from companion.flight_events.sortie import (
     WeakFailsafeAccepted,
 )
 from companion.mission.model import Mission, Otherwise, Signal
+from companion.outcomes import Refusal
 from companion.planning.effort import Effort
-from companion.vehicle.port import Goal, Mode
+from companion.vehicle.port import Failed, Goal, Mode, Progress, Takeover
 
-NEVER = (1e9, RUNNING)
+NEVER = (1e9, Progress.RUNNING)
 OTHERWISE = {
     Otherwise.LAND: Goal.LANDED,
     Otherwise.HOLD: Goal.HOLDING,
@@ -114,7 +115,7 @@ def test_a_sortie_that_goes_well() -> None:
 def test_setpoints_are_streamed_before_offboard_is_entered() -> None:
     """PX4 refuses OFFBOARD without them; and they hold the vehicle where it is."""
     run = Run()
-    run.vehicle.script[Goal.OFFBOARD] = (2.0, failed("denied"))
+    run.vehicle.script[Goal.OFFBOARD] = (2.0, Failed("denied"))
     run.until(Phase.OFFBOARD)
     assert run.vehicle.flown == []
     for _ in range(10):
@@ -127,7 +128,7 @@ def test_setpoints_are_streamed_before_offboard_is_entered() -> None:
 @pytest.mark.parametrize("phase", [Phase.ARMING, Phase.TAKE_OFF, Phase.OFFBOARD])
 def test_a_goal_that_fails_is_followed_by_what_the_table_says(phase: Phase) -> None:
     run = Run()
-    run.vehicle.script[GOALS[phase]] = (1.0, failed("not there: denied"))
+    run.vehicle.script[GOALS[phase]] = (1.0, Failed("not there: denied"))
     run.until(phase)
     run.until(TRANSITIONS.next(phase, SortieEvent.FAILED))
     assert GoalFailed("not there: denied") in run.events
@@ -138,15 +139,15 @@ def test_a_goal_that_fails_is_followed_by_what_the_table_says(phase: Phase) -> N
 
 def test_a_landing_that_fails_leaves_the_failure_and_ends() -> None:
     run = Run()
-    run.vehicle.script[Goal.LANDED] = (1.0, failed("not landed"))
+    run.vehicle.script[Goal.LANDED] = (1.0, Failed("not landed"))
     run.until(Phase.ENDED)
     assert run.end == aborted("not landed")
 
 
 def test_the_first_failure_is_the_one_that_counts() -> None:
     run = Run()
-    run.vehicle.script[Goal.OFFBOARD] = (0.0, failed("first"))
-    run.vehicle.script[Goal.LANDED] = (0.0, failed("second"))
+    run.vehicle.script[Goal.OFFBOARD] = (0.0, Failed("first"))
+    run.vehicle.script[Goal.LANDED] = (0.0, Failed("second"))
     run.until(Phase.ENDED)
     assert run.end == aborted("first")
 
@@ -286,7 +287,7 @@ def test_the_pilot_wins_in_every_phase(phase: Phase) -> None:
         run.vehicle.script[GOALS[phase]] = NEVER
     run.until(phase)
     run.step()
-    run.vehicle.lost_authority = "the pilot has control, in POSCTL"
+    run.vehicle.takeover = Takeover(Mode.POSCTL, is_failsafe=False)
     asked = len(run.vehicle.pursued)
     run.step()
     assert run.end == aborted("the pilot has control, in POSCTL")
@@ -369,7 +370,7 @@ def test_the_vehicle_does_not_fly_on_after_a_stop() -> None:
 
 def test_a_stop_while_landing_changes_nothing() -> None:
     run = Run()
-    run.vehicle.script[Goal.LANDED] = (3.0, failed("not landed"))
+    run.vehicle.script[Goal.LANDED] = (3.0, Failed("not landed"))
     run.until(Phase.LANDING)
     run.sortie.stop()
     run.step()
@@ -383,7 +384,7 @@ def test_a_stop_while_landing_changes_nothing() -> None:
 def without_plan(otherwise: Otherwise) -> Run:
     """In the air at A when the only way to do the task is refused."""
     run = Run(mission("F done", skills=[NO_WAY_OUT], otherwise=otherwise))
-    run.vehicle.answers = [(0.0, failed("denied"))]
+    run.vehicle.answers = [(0.0, Failed("denied"))]
     run.until(Phase.ENDED)
     assert run.end.exit_code == NoPlanError.exit_code
     assert run.failure.reason.startswith("no plan: task cannot hold from here.")
@@ -415,7 +416,7 @@ def test_otherwise_return_home_flies_home_and_lands_there() -> None:
 def test_when_the_way_home_fails_as_well_it_lands_where_it_is() -> None:
     asked = mission("F done", skills=[NO_WAY_OUT], otherwise=Otherwise.RETURN_HOME)
     run = Run(asked)
-    run.vehicle.answers = [(0.0, failed("denied"))]
+    run.vehicle.answers = [(0.0, Failed("denied"))]
     run.until(Phase.TASK)
     while ReturnBegun("H") not in run.events:
         run.step()
@@ -433,7 +434,7 @@ def test_a_search_that_is_given_up_in_flight_leads_to_otherwise(
     """At A it is refused, and the other skill that would do is not found."""
     other = command("other", "at(H)", "done", cost_s=99.0)
     run = Run(mission("F done", skills=[NO_WAY_OUT, other], otherwise=otherwise))
-    run.vehicle.answers = [(0.0, failed("denied"))]
+    run.vehicle.answers = [(0.0, Failed("denied"))]
     run.until(Phase.TASK)
     give_up_searches(monkeypatch, "IN_FLIGHT")
     run.until(Phase.ENDED)
@@ -460,7 +461,8 @@ def test_a_first_search_that_is_given_up_ends_the_sortie_on_the_ground(
 
 def test_the_gate_is_reported_when_it_begins_to_refuse_and_not_at_every_tick() -> None:
     run = Run(mission("G F at(A) & G F at(B)")).until(Phase.TASK)
-    for refusal in ("outside the fence", "outside the fence", "", "too fast", ""):
+    fence, speed = Refusal("outside the fence"), Refusal("too fast")
+    for refusal in (fence, fence, None, speed, None):
         run.vehicle.refusal = refusal
         run.step()
     refused = [SetpointRefused("outside the fence"), SetpointRefused("too fast")]

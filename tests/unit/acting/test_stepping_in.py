@@ -26,7 +26,7 @@ from companion.flight_events.sortie import (
     RunFailed,
 )
 from companion.outcomes import Refusal
-from companion.vehicle.port import MODE_KNOWN_S, Goal, Mode, VehicleState
+from companion.vehicle.port import MODE_KNOWN_S, Goal, Mode, Takeover, VehicleState
 
 PATROL = "G F at(A) & G F at(B)"
 
@@ -120,7 +120,7 @@ def test_a_return_that_finds_no_way_lands_where_it_is(flown: Stepping) -> None:
     flown.until(Phase.ENDED)
     assert flown.vehicle.pursued[-2:] == [Goal.HOLDING, Goal.LANDED]
     failed = flown.one(ReturnFailed)
-    assert failed.place == "H"
+    assert (failed.place, failed.reason) == ("H", "stuck on the way to H")
     assert flown.events[-1] == RunFailed(failed.text, Aborted.exit_code)
     assert flown.sortie.failure is not None and flown.sortie.failure.exit_code == 5
 
@@ -138,7 +138,7 @@ def test_a_return_is_not_left_for_the_task(flown: Stepping) -> None:
 
 def take_over(flown: Stepping, mode: Mode) -> None:
     flown.vehicle.change(mode=mode)
-    flown.vehicle.lost_authority = f"the pilot has control, in {mode.value}"
+    flown.vehicle.takeover = Takeover(mode, is_failsafe=False)
     flown.run(TICK_S)
 
 

@@ -11,7 +11,6 @@ from typing import NamedTuple
 
 import pytest
 from compiled import action, history, problem, unit_costs
-from fakes import DONE, failed
 from rig import Rig
 from synthetic import facts_of
 
@@ -26,6 +25,7 @@ from companion.planning.domain import ConditionalEffect
 from companion.planning.engines import EngineError, solve, solve_with
 from companion.planning.lasso import Lasso, Letter, Problem, Solution
 from companion.planning.objective import Encoding, Objective
+from companion.vehicle.port import Failed, Progress
 
 pytest.importorskip("up_fast_downward")
 
@@ -73,7 +73,7 @@ def phases(surveillance: Mission, surveillance_routes: RouteMap) -> list[Asked]:
 
     rig.planner.solve, rig.planner.replan = noting_solve, noting_replan  # type: ignore[method-assign]
     rig.begin()
-    rig.vehicle.answers = [(2.0, failed("denied")), (1.0, DONE)]
+    rig.vehicle.answers = [(2.0, Failed("denied")), (1.0, Progress.DONE)]
     rig.run_until(PlaceReached, place="A", times=2)
     for _ in range(60):
         rig.tick()

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from companion.mavlink.px4_modes import MODES
 from sitl.autopilot.basic_modes import descent_mps
-from sitl.autopilot.modes import FLIGHT_MODES
+from sitl.autopilot.modes import FLIGHT_MODES, missing_requirement
 from sitl.autopilot.parameters import Parameters
 from sitl.autopilot.return_mode import return_height_m
 
@@ -44,3 +44,18 @@ def test_descent_is_never_slower_higher_up(a: float, b: float) -> None:
 
 def test_every_mode_has_a_name_that_px4_knows() -> None:
     assert set(FLIGHT_MODES) - set(MODES) == {"DESCEND"}  # a failsafe's, shown as AUTO.LAND
+
+
+@pytest.mark.parametrize(
+    ("mode", "lacking", "expected"),
+    [
+        ("OFFBOARD", "has_setpoints", "no offboard signal"),
+        ("AUTO.MISSION", "has_mission", "no valid mission available"),
+        ("AUTO.LOITER", "has_position", "GPS fix too low"),
+        ("AUTO.LOITER", "has_mission", None),
+        ("POSCTL", "has_mission", "no manual control input"),
+    ],
+)
+def test_what_a_mode_lacks(mode: str, lacking: str, expected: str | None) -> None:
+    has = dict.fromkeys(("has_setpoints", "has_mission", "has_position"), True)
+    assert missing_requirement(mode, **{**has, lacking: False}) == expected

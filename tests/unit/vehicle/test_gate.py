@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.geometry import Ned, distance, is_in_polygon
+from companion.outcomes import Refusal
 from companion.vehicle.gate import SPEED_TOLERANCE, Envelope, Verdict, admit
 from companion.vehicle.port import Mode, Setpoint, VehicleState, hold_at
 
@@ -46,37 +47,37 @@ def changed(vector: Ned, axis: int, number: float) -> Ned:
 
 
 def held(refusal: str) -> Verdict:
-    return Verdict(HOLD, refusal)
+    return Verdict(HOLD, Refusal(refusal))
 
 
 def test_a_good_setpoint_passes_as_it_is() -> None:
-    assert verdict() == Verdict(GOOD, "")
+    assert verdict() == Verdict(GOOD)
 
 
 # -- nothing is sent -------------------------------------------------------------------------------
 
 
 def test_without_a_position_nothing_is_sent() -> None:
-    assert verdict(state=None) == Verdict(None, "the position is unknown")
+    assert verdict(state=None) == Verdict(None, Refusal("the position is unknown"))
 
 
 @pytest.mark.parametrize("axis", range(3))
 @pytest.mark.parametrize("number", NOT_FINITE)
 def test_a_position_that_is_not_finite_is_unknown(axis: int, number: float) -> None:
     state = replace(STATE, position=changed(STATE.position, axis, number))
-    assert verdict(state=state) == Verdict(None, "the position is unknown")
+    assert verdict(state=state) == Verdict(None, Refusal("the position is unknown"))
 
 
 def test_when_the_position_was_lost_nothing_is_sent() -> None:
     """Only silence lets the autopilot's own failsafe begin."""
     stamp_s = STATE.stamp_s
-    assert verdict(now_s=stamp_s + 3.1) == Verdict(None, "no position for 3.1 s")
+    assert verdict(now_s=stamp_s + 3.1) == Verdict(None, Refusal("no position for 3.1 s"))
     assert verdict(now_s=stamp_s + 2.9).setpoint == HOLD
 
 
 def test_in_a_mode_that_is_not_ours_nothing_is_sent() -> None:
     state = replace(STATE, mode=Mode.POSCTL)
-    assert verdict(state=state, is_our_mode=False) == Verdict(None, "the mode is POSCTL")
+    assert verdict(state=state, is_our_mode=False) == Verdict(None, Refusal("the mode is POSCTL"))
 
 
 # -- hold ------------------------------------------------------------------------------------------
@@ -114,7 +115,7 @@ def test_each_side_of_the_fence_holds(edge: tuple[float, float], step: tuple[flo
     inside = replace(GOOD, position=(*edge, -2.0))
     outside = replace(GOOD, position=(edge[0] + step[0], edge[1] + step[1], -2.0))
     assert verdict(inside, state) == Verdict(inside)
-    expected = Verdict(hold_at(state.position, state.yaw_rad), "outside the fence")
+    expected = Verdict(hold_at(state.position, state.yaw_rad), Refusal("outside the fence"))
     assert verdict(outside, state) == expected
 
 
@@ -126,7 +127,7 @@ def test_the_altitude_band_has_two_ends(up_m: float, is_within: bool) -> None:
     setpoint = replace(GOOD, position=(5.0, 5.0, -up_m))
     found = verdict(setpoint, state)
     assert (found.setpoint == setpoint) is is_within
-    assert found.refusal == ("" if is_within else "outside the altitude band")
+    assert found.refusal == (None if is_within else Refusal("outside the altitude band"))
 
 
 @pytest.mark.parametrize("axis", range(3))
@@ -136,7 +137,7 @@ def test_the_carrot_reaches_equally_far_in_every_direction(axis: int, sign: int)
         along = STATE.position[axis] + sign * gap_m
         return replace(GOOD, position=changed(STATE.position, axis, along))
 
-    assert verdict(beside(1.45)).refusal == ""
+    assert verdict(beside(1.45)).refusal is None
     assert verdict(beside(1.61)) == held("1.6 m from the vehicle")
 
 
@@ -153,20 +154,20 @@ def test_more_than_the_speed_limit_holds(velocity: tuple[float, float, float]) -
 @pytest.mark.parametrize(
     ("down_mps", "refusal"),
     [
-        (-1.5, ""),
+        (-1.5, None),
         (-1.6, "1.6 m/s up is too fast"),
-        (1.0, ""),
+        (1.0, None),
         (1.1, "1.1 m/s down is too fast"),
     ],
 )
-def test_climbs_and_descents_have_limits_of_their_own(down_mps: float, refusal: str) -> None:
+def test_climbs_and_descents_have_limits_of_their_own(down_mps: float, refusal: str | None) -> None:
     setpoint = replace(GOOD, velocity=(0.1, 0.0, down_mps))
     assert verdict(setpoint) == (held(refusal) if refusal else Verdict(setpoint))
 
 
 def test_rounding_at_the_limit_does_not_stop_the_vehicle() -> None:
     velocity = (ENVELOPE.speed_mps * (SPEED_TOLERANCE + 1) / 2, 0.0, 0.0)
-    assert verdict(replace(GOOD, velocity=velocity)).refusal == ""
+    assert verdict(replace(GOOD, velocity=velocity)).refusal is None
 
 
 def test_what_is_exactly_at_a_limit_is_within_it() -> None:
@@ -175,13 +176,13 @@ def test_what_is_exactly_at_a_limit_is_within_it() -> None:
     assert verdict(state=state, now_s=NOW_S + 0.5).setpoint == GOOD
     assert verdict(state=state, now_s=NOW_S + 3.0).setpoint is not None
     at_the_carrot = replace(GOOD, position=(6.5, 5.0, -2.0))
-    assert verdict(at_the_carrot, state).refusal == ""
+    assert verdict(at_the_carrot, state).refusal is None
     for down in (-0.5, -4.0):
         at_the_band = replace(GOOD, position=(5.0, 5.0, down))
         near = replace(state, position=(5.0, 5.0, (down - 2.0) / 2))
-        assert verdict(at_the_band, near).refusal == ""
+        assert verdict(at_the_band, near).refusal is None
     fastest = replace(GOOD, velocity=(ENVELOPE.speed_mps * SPEED_TOLERANCE, 0.0, 0.0))
-    assert verdict(fastest).refusal == ""
+    assert verdict(fastest).refusal is None
 
 
 # -- whatever comes --------------------------------------------------------------------------------
@@ -235,4 +236,8 @@ def test_a_hold_is_never_refused_for_where_the_vehicle_is_going(
         return
     again = verdict(found.setpoint, state)
     assert again.setpoint == found.setpoint
-    assert again.refusal in ("", "outside the fence", "outside the altitude band")
+    assert again.refusal in (
+        None,
+        Refusal("outside the fence"),
+        Refusal("outside the altitude band"),
+    )

@@ -19,7 +19,7 @@ from autopilot import (
 
 from companion.mavlink.framing import dialect
 from companion.vehicle.offboard import ASK_AGAIN_S
-from companion.vehicle.port import Goal, Progress, Setpoint
+from companion.vehicle.port import Failed, Goal, Mode, Progress, Setpoint, Takeover
 
 SETPOINT = "SET_POSITION_TARGET_LOCAL_NED"
 AHEAD = Setpoint((0.5, 0.2, -2.0), (1.0, 0.5, 0.1), (0.3, 0.2, 0.1), 0.4)
@@ -30,8 +30,8 @@ AHEAD = Setpoint((0.5, 0.2, -2.0), (1.0, 0.5, 0.1), (0.3, 0.2, 0.1), 0.4)
 
 def test_the_goals_of_a_flight_and_their_commands(meeting: Meeting) -> None:
     in_offboard(meeting)
-    assert meeting.pursue(Goal.HOLDING).progress is Progress.DONE
-    assert meeting.pursue(Goal.LANDED).progress is Progress.DONE
+    assert meeting.pursue(Goal.HOLDING) is Progress.DONE
+    assert meeting.pursue(Goal.LANDED) is Progress.DONE
     commands = of_type(meeting.autopilot.heard, "COMMAND_LONG")
     assert [c.command for c in commands] == [ARM, TAKE_OFF, SET_MODE, SET_MODE, LAND]
     assert {(c.target_system, c.target_component) for c in commands} == {(1, 1)}
@@ -46,12 +46,12 @@ def test_the_goals_of_a_flight_and_their_commands(meeting: Meeting) -> None:
 
 def test_a_goal_that_is_reached_already_sends_nothing(meeting: Meeting) -> None:
     meeting.autopilot.is_armed = True
-    assert meeting.pursue(Goal.ARMED).progress is Progress.DONE
+    assert meeting.pursue(Goal.ARMED) is Progress.DONE
     assert of_type(meeting.autopilot.heard, "COMMAND_LONG") == []
 
 
 def test_without_a_state_a_goal_waits(meeting: Meeting) -> None:
-    assert meeting.vehicle.pursue(Goal.ARMED).progress is Progress.RUNNING
+    assert meeting.vehicle.pursue(Goal.ARMED) is Progress.RUNNING
     assert meeting.vehicle.transmit(0.0) == []
 
 
@@ -67,20 +67,20 @@ def test_a_goal_is_reached_when_it_is_observed_and_not_when_it_is_accepted(
         later.left_s - earlier.left_s >= ASK_AGAIN_S for earlier, later in pairwise(commands)
     )
     meeting.autopilot.is_idle = False
-    assert meeting.pursue(Goal.ARMED).progress is Progress.DONE
+    assert meeting.pursue(Goal.ARMED) is Progress.DONE
 
 
 def test_a_goal_that_is_never_observed_fails_in_its_time(meeting: Meeting) -> None:
     meeting.autopilot.is_idle = True
     outcome = meeting.pursue(Goal.ARMED)
-    assert (outcome.progress, outcome.reason) == (Progress.FAILED, "not armed after 20 s")
+    assert outcome == Failed("not armed after 20 s")
     assert meeting.now_s == pytest.approx(20.0, abs=0.2)
 
 
 def test_no_answer_at_all_fails_after_silence(meeting: Meeting) -> None:
     meeting.autopilot.results[ARM] = [None]
     outcome = meeting.pursue(Goal.ARMED)
-    assert outcome.reason == "not armed: no answer"
+    assert outcome == Failed("not armed: no answer")
     assert meeting.now_s == pytest.approx(5.0, abs=0.2)
     commands = of_type(meeting.autopilot.heard, "COMMAND_LONG")
     assert [c.confirmation for c in commands] == list(range(10))
@@ -91,8 +91,7 @@ def test_a_denial_is_final_and_says_what_the_autopilot_said(meeting: Meeting) ->
     text = dialect.MAVLink_statustext_message(2, b"Arming denied: check level")
     meeting.tick(meeting.autopilot.codec.pack(text))
     outcome = meeting.pursue(Goal.ARMED)
-    assert outcome.progress is Progress.FAILED
-    assert outcome.reason == "not armed: denied (autopilot: Arming denied: check level)"
+    assert outcome == Failed("not armed: denied (autopilot: Arming denied: check level)")
     assert len(of_type(meeting.autopilot.heard, "COMMAND_LONG")) == 1
 
 
@@ -114,7 +113,7 @@ def test_a_vehicle_on_its_way_is_not_asked_again(meeting: Meeting) -> None:
     meeting.autopilot.mode = "AUTO.TAKEOFF"
     assert of_type(meeting.run(20.0, act=act), "COMMAND_LONG") == []
     meeting.autopilot.mode, meeting.autopilot.is_landed = "AUTO.LOITER", False
-    assert meeting.pursue(Goal.AIRBORNE).progress is Progress.DONE
+    assert meeting.pursue(Goal.AIRBORNE) is Progress.DONE
 
 
 def test_a_new_goal_ends_the_command_of_the_old_one(meeting: Meeting) -> None:
@@ -134,17 +133,13 @@ def test_a_mode_that_we_did_not_ask_for_ends_all_at_once_and_for_good(meeting: M
     meeting.autopilot.mode = "POSCTL"
     meeting.autopilot.is_idle = True
     sent = meeting.run(3.0)
-    assert meeting.vehicle.lost_authority == "the pilot has control, in POSCTL"
+    assert meeting.vehicle.takeover == Takeover(Mode.POSCTL, is_failsafe=False)
     assert sent == []
-    outcome = meeting.vehicle.pursue(Goal.OFFBOARD)
-    assert (outcome.progress, outcome.reason) == (
-        Progress.FAILED,
-        "the pilot has control, in POSCTL",
-    )
+    assert meeting.vehicle.pursue(Goal.OFFBOARD) == Failed("the pilot has control, in POSCTL")
     meeting.autopilot.mode = "OFFBOARD"
     sent = meeting.run(3.0, act=lambda: meeting.vehicle.pursue(Goal.OFFBOARD))
     assert sent == []
-    assert meeting.vehicle.lost_authority
+    assert meeting.vehicle.takeover is not None
 
 
 def test_a_failsafe_is_not_called_a_pilot(meeting: Meeting) -> None:
@@ -152,15 +147,14 @@ def test_a_failsafe_is_not_called_a_pilot(meeting: Meeting) -> None:
     meeting.autopilot.mode = "AUTO.RTL"
     meeting.autopilot.system_status = dialect.MAV_STATE_CRITICAL
     meeting.tick()
-    expected = "a failsafe of the autopilot has control, in AUTO.RTL"
-    assert meeting.vehicle.lost_authority == expected
+    assert meeting.vehicle.takeover == Takeover(Mode.RTL, is_failsafe=True)
 
 
 def test_a_mode_that_nobody_knows_was_chosen_by_somebody_else(meeting: Meeting) -> None:
     in_offboard(meeting)
     meeting.autopilot.mode = "STABILIZED"
     meeting.tick()
-    assert meeting.vehicle.lost_authority == "the pilot has control, in OTHER"
+    assert meeting.vehicle.takeover == Takeover(Mode.OTHER, is_failsafe=False)
 
 
 @pytest.mark.parametrize("goal", [Goal.AIRBORNE, Goal.OFFBOARD, Goal.HOLDING, Goal.LANDED])
@@ -171,10 +165,10 @@ def test_the_pilot_wins_while_a_goal_is_pursued(meeting: Meeting, goal: Goal) ->
         meeting.pursue(Goal.ARMED)
     meeting.autopilot.is_idle = True
     meeting.run(0.5, act=lambda: meeting.vehicle.pursue(goal))
-    assert meeting.vehicle.lost_authority == ""
+    assert meeting.vehicle.takeover is None
     meeting.autopilot.mode = "ALTCTL"
     meeting.tick()
-    assert meeting.vehicle.lost_authority == "the pilot has control, in ALTCTL"
+    assert meeting.vehicle.takeover == Takeover(Mode.ALTCTL, is_failsafe=False)
 
 
 @pytest.mark.parametrize("mode", ["AUTO.LOITER", "OFFBOARD", "POSCTL"])
@@ -187,7 +181,7 @@ def test_a_vehicle_that_has_landed_falls_back_to_a_mode_of_its_own(
     meeting.pursue(Goal.LANDED)
     meeting.autopilot.mode = mode
     meeting.tick()
-    assert meeting.vehicle.lost_authority == ""
+    assert meeting.vehicle.takeover is None
 
 
 def test_a_pilot_on_the_dock_is_not_overruled(meeting: Meeting) -> None:
@@ -195,7 +189,7 @@ def test_a_pilot_on_the_dock_is_not_overruled(meeting: Meeting) -> None:
     meeting.pursue(Goal.LANDED)
     meeting.autopilot.mode = "MANUAL"
     sent = meeting.run(3.0, act=lambda: meeting.vehicle.pursue(Goal.ARMED))
-    assert meeting.vehicle.lost_authority == "the pilot has control, in MANUAL"
+    assert meeting.vehicle.takeover == Takeover(Mode.MANUAL, is_failsafe=False)
     assert of_type(sent, "COMMAND_LONG") == []
 
 
@@ -207,7 +201,7 @@ def test_the_pilot_wins_while_the_vehicle_is_armed(meeting: Meeting, mode: str) 
     meeting.autopilot.mode = mode
     sent = meeting.run(30.0, act=lambda: meeting.vehicle.pursue(Goal.ARMED))
     assert of_type(sent, "COMMAND_LONG") == []
-    assert meeting.vehicle.lost_authority.startswith("the pilot has control, in ")
+    assert meeting.vehicle.takeover is not None and not meeting.vehicle.takeover.is_failsafe
     assert not meeting.autopilot.is_armed
 
 
@@ -215,8 +209,8 @@ def test_before_the_first_goal_any_mode_is_welcome(meeting: Meeting) -> None:
     for mode in ("MANUAL", "POSCTL", "AUTO.LOITER"):
         meeting.autopilot.mode = mode
         meeting.tick()
-    assert meeting.vehicle.lost_authority == ""
-    assert meeting.pursue(Goal.ARMED).progress is Progress.DONE
+    assert meeting.vehicle.takeover is None
+    assert meeting.pursue(Goal.ARMED) is Progress.DONE
 
 
 def test_a_vehicle_that_was_disarmed_is_not_asked_to_take_off(meeting: Meeting) -> None:
@@ -226,7 +220,7 @@ def test_a_vehicle_that_was_disarmed_is_not_asked_to_take_off(meeting: Meeting) 
     sent = meeting.run(5.0, act=lambda: meeting.vehicle.pursue(Goal.AIRBORNE))
     assert of_type(sent, "COMMAND_LONG") == []
     outcome = meeting.vehicle.pursue(Goal.AIRBORNE)
-    assert (outcome.progress, outcome.reason) == (Progress.FAILED, "not airborne: disarmed")
+    assert outcome == Failed("not airborne: disarmed")
 
 
 # -- a mode that was heard too long ago ------------------------------------------------------------
@@ -241,13 +235,13 @@ def test_a_stale_mode_is_not_the_hold_after_the_take_off(meeting: Meeting) -> No
     meeting.autopilot.mode, meeting.autopilot.is_landed = "AUTO.TAKEOFF", False
     for _ in range(60):
         meeting.tick(act=lambda: meeting.vehicle.pursue(Goal.AIRBORNE))
-        assert meeting.vehicle.pursue(Goal.AIRBORNE).progress is Progress.RUNNING
+        assert meeting.vehicle.pursue(Goal.AIRBORNE) is Progress.RUNNING
     meeting.autopilot.unsent = set()
     meeting.run(1.0, act=lambda: meeting.vehicle.pursue(Goal.AIRBORNE))
-    assert meeting.vehicle.lost_authority == ""
-    assert meeting.vehicle.pursue(Goal.AIRBORNE).progress is Progress.RUNNING
+    assert meeting.vehicle.takeover is None
+    assert meeting.vehicle.pursue(Goal.AIRBORNE) is Progress.RUNNING
     meeting.autopilot.mode = "AUTO.LOITER"
-    assert meeting.pursue(Goal.AIRBORNE).progress is Progress.DONE
+    assert meeting.pursue(Goal.AIRBORNE) is Progress.DONE
 
 
 def test_no_mode_is_asked_for_while_the_mode_is_not_known(meeting: Meeting) -> None:
@@ -260,7 +254,7 @@ def test_no_mode_is_asked_for_while_the_mode_is_not_known(meeting: Meeting) -> N
     assert of_type(sent, "COMMAND_LONG") == []
     meeting.autopilot.unsent = set()
     meeting.tick()
-    assert meeting.vehicle.lost_authority == "the pilot has control, in POSCTL"
+    assert meeting.vehicle.takeover == Takeover(Mode.POSCTL, is_failsafe=False)
 
 
 def test_a_mode_on_the_way_is_not_a_take_over(meeting: Meeting) -> None:
@@ -270,7 +264,7 @@ def test_a_mode_on_the_way_is_not_a_take_over(meeting: Meeting) -> None:
     for mode in ("AUTO.TAKEOFF", "AUTO.LOITER"):
         meeting.autopilot.mode = mode
         meeting.tick(act=lambda: meeting.vehicle.pursue(Goal.AIRBORNE))
-    assert meeting.vehicle.lost_authority == ""
+    assert meeting.vehicle.takeover is None
 
 
 def test_a_parameter_is_asked_for_until_it_is_answered(meeting: Meeting) -> None:
@@ -301,4 +295,4 @@ def test_the_mode_of_the_start_is_the_pilots_once_it_was_left(meeting: Meeting) 
     meeting.autopilot.mode = "POSCTL"
     sent = meeting.run(5.0, act=act)
     assert of_type(sent, "COMMAND_LONG") == []
-    assert meeting.vehicle.lost_authority == "the pilot has control, in POSCTL"
+    assert meeting.vehicle.takeover == Takeover(Mode.POSCTL, is_failsafe=False)

@@ -26,7 +26,8 @@ from hypothesis import strategies as st
 
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mission.model import Signal
-from companion.vehicle.port import Goal, Mode, Progress, Setpoint, hold_at
+from companion.outcomes import Refusal
+from companion.vehicle.port import Failed, Goal, Mode, Progress, Setpoint, hold_at
 
 RETURN = dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH
 USER_1 = dialect.MAV_CMD_USER_1
@@ -48,7 +49,7 @@ def test_other_systems_are_ignored(meeting: Meeting) -> None:
     other = Autopilot(system=2)
     other.mode, other.is_armed, other.position = "POSCTL", True, [5.0, 5.0, -1.0]
     meeting.tick(*other.telemetry(), other.codec.pack(named("target", 1)))
-    assert meeting.vehicle.lost_authority == ""
+    assert meeting.vehicle.takeover is None
     assert meeting.readings == [(CHARGE, 80.0)]
     assert state is not None and meeting.vehicle.state is not None
     assert meeting.vehicle.state.position == state.position
@@ -107,15 +108,15 @@ def test_setpoints_pass_the_gate(meeting: Meeting) -> None:
     meeting.vehicle.fly(Setpoint((50.0, 0.0, -2.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0))
     (sent,) = of_type(meeting.tick(), SETPOINT)
     assert is_close((sent.x, sent.y, sent.z), (0.0, 0.0, -2.0))
-    assert meeting.vehicle.refusal == "outside the fence"
+    assert meeting.vehicle.refusal == Refusal("outside the fence")
     meeting.vehicle.fly(AHEAD)
     meeting.tick()
-    assert meeting.vehicle.refusal == ""
+    assert meeting.vehicle.refusal is None
 
 
 def test_the_gate_follows_the_speed_limit_in_force(meeting: Meeting) -> None:
     in_offboard(meeting)
-    for limit_mps, refusal in ((1.0, "1.1 m/s is too fast"), (1.2, "")):
+    for limit_mps, refusal in ((1.0, Refusal("1.1 m/s is too fast")), (1.2, None)):
         meeting.vehicle.set_speed_limit(limit_mps)
         meeting.vehicle.fly(AHEAD)
         meeting.tick()
@@ -186,19 +187,19 @@ def test_a_command_to_a_component_and_its_answer(meeting: Meeting, target: tuple
     (sent,) = of_type(meeting.tick(), "COMMAND_LONG")
     assert (sent.target_system, sent.target_component, sent.command) == (1, 25, USER_1)
     assert [sent.param1, sent.param2, sent.param3, sent.param7] == [1.5, -2.0, 0.0, 0.0]
-    assert meeting.vehicle.command_outcome(ticket).progress is Progress.RUNNING
+    assert meeting.vehicle.command_outcome(ticket) is Progress.RUNNING
     meeting.tick(payload(ACCEPTED, target))
-    assert meeting.vehicle.command_outcome(ticket).progress is Progress.DONE
+    assert meeting.vehicle.command_outcome(ticket) is Progress.DONE
 
 
 def test_a_refusal_is_handed_on_in_words(meeting: Meeting) -> None:
     meeting.tick()
     ticket = meeting.vehicle.send_command(25, USER_1, ())
     meeting.tick(payload(dialect.MAV_RESULT_TEMPORARILY_REJECTED))
-    assert meeting.vehicle.command_outcome(ticket).progress is Progress.RUNNING
+    assert meeting.vehicle.command_outcome(ticket) is Progress.RUNNING
     meeting.tick(payload(dialect.MAV_RESULT_UNSUPPORTED))
     outcome = meeting.vehicle.command_outcome(ticket)
-    assert (outcome.progress, outcome.reason) == (Progress.FAILED, "unsupported")
+    assert outcome == Failed("unsupported")
 
 
 def test_an_answer_to_somebody_else_is_not_ours(meeting: Meeting) -> None:
@@ -207,7 +208,7 @@ def test_an_answer_to_somebody_else_is_not_ours(meeting: Meeting) -> None:
     theirs = dialect.MAVLink_command_ack_message(USER_1, ACCEPTED, 0, 0, 255, 190)
     meeting.tick(MavlinkCodec(1, 25).pack(theirs))
     meeting.tick(MavlinkCodec(2, 25).pack(theirs))
-    assert meeting.vehicle.command_outcome(ticket).progress is Progress.RUNNING
+    assert meeting.vehicle.command_outcome(ticket) is Progress.RUNNING
 
 
 def test_a_forgotten_command_is_not_sent_again(meeting: Meeting) -> None:
@@ -222,7 +223,7 @@ def test_a_command_that_moves_the_vehicle_never_leaves(component: int, meeting: 
     ticket = meeting.vehicle.send_command(component, DISARM, (0.0, 21196.0))
     assert of_type(meeting.run(1.0), "COMMAND_LONG") == []
     outcome = meeting.vehicle.command_outcome(ticket)
-    assert outcome.progress is Progress.FAILED
+    assert isinstance(outcome, Failed)
     assert outcome.reason.startswith("not sent: ")
 
 
@@ -320,4 +321,4 @@ def test_a_frame_with_a_wrong_checksum_changes_nothing(meeting: Meeting) -> None
     heartbeat[-1] ^= 0xFF
     meeting.is_quiet = True
     meeting.tick(bytes(heartbeat))
-    assert meeting.vehicle.lost_authority == ""
+    assert meeting.vehicle.takeover is None

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from fakes import DONE, failed
 from rig import Rig
 from synthetic import command, event, facts_of, mission, reading
 
@@ -30,6 +29,7 @@ from companion.mission.tree_nodes import (
     Tree,
     Watch,
 )
+from companion.vehicle.port import Failed, Progress
 
 SEEN = Check("seen", facts_of("seen"), frozenset())
 UNSEEN = Check("!seen", frozenset(), facts_of("seen"))
@@ -75,7 +75,7 @@ def test_a_belief_that_comes_back_does_not_stop_the_tree() -> None:
     either = Fallback((Act("do"), Act("move(H, A)")))
     steps = Steps((either, Act("move(A, B)")))
     rig = Rig(replace(mission({}, skills=[do]), tree=steps)).begin()
-    rig.vehicle.answers = [(0.1, failed("denied"))]
+    rig.vehicle.answers = [(0.1, Failed("denied"))]
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
     assert rig.events[1:] == [
         *(SkillFailed("do", "denied"), BeliefWithdrawn("can_do"), BeliefRestored("can_do")),
@@ -85,7 +85,7 @@ def test_a_belief_that_comes_back_does_not_stop_the_tree() -> None:
 
 def test_a_failure_ends_the_task_in_words() -> None:
     rig = fly(Act("do"), Act("move(H, A)"))
-    rig.vehicle.answers = [(0.1, failed("denied"))]
+    rig.vehicle.answers = [(0.1, Failed("denied"))]
     assert rig.run_to_the_end() is TaskStatus.NO_PLAN
     assert rig.events[-1] == WrittenTreeFailed("do failed: denied")
     assert str(rig.executive.failure) == rig.events[-1].text
@@ -94,14 +94,14 @@ def test_a_failure_ends_the_task_in_words() -> None:
 
 def test_a_fallback_takes_what_succeeds_first() -> None:
     rig = fly(Fallback((SEEN, Act("do"), Act("move(H, A)"))), Act("move(H, B)"))
-    rig.vehicle.answers = [(0.1, DONE)]
+    rig.vehicle.answers = [(0.1, Progress.DONE)]
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
     assert rig.places == ["B"]
 
 
 def test_again_after_a_failure_and_so_often_at_most() -> None:
     rig = fly(Retry(Steps((Act("do"),)), 3))
-    rig.vehicle.answers = [(0.1, failed("denied")), (0.1, DONE)]
+    rig.vehicle.answers = [(0.1, Failed("denied")), (0.1, Progress.DONE)]
     assert rig.run_to_the_end() is TaskStatus.NO_PLAN  # the belief is gone after the first
     assert len(rig.vehicle.sent) == 1
 

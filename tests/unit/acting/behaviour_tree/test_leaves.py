@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from fakes import DONE, RUNNING, FakeVehicle, failed
+from fakes import FakeVehicle
 from leaves import a_rig, later, run, tick
 from py_trees.common import Status
 from rig import Rig
@@ -28,7 +28,7 @@ from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFa
 from companion.mission.model import Command
 from companion.motion.grid import OccupancyGrid
 from companion.planning.domain import WAIT, Action
-from companion.vehicle.port import hold_at
+from companion.vehicle.port import Failed, Progress, hold_at
 
 ASK = Command(PAYLOAD, USER_1, "MAV_CMD_USER_1", (1.5, -2.0))
 
@@ -111,7 +111,7 @@ def test_the_last_effects_of_a_lap_count_it_and_rest_is_not_worth_a_word() -> No
 def test_withdraw_gives_up_what_was_assumed_and_says_why() -> None:
     rig = a_rig()
     rig.task.begin(action(rig, "do"))
-    rig.vehicle.answers = [(0.0, failed("denied"))]
+    rig.vehicle.answers = [(0.0, Failed("denied"))]
     left = SendCommand(rig.flight, ASK, None)
     run(rig, left)
     leaf = Withdraw(rig.flight, action(rig, "do"), left)
@@ -155,7 +155,7 @@ def test_a_place_that_is_not_free_does_not() -> None:
 
 def test_a_command_is_sent_once_and_waited_for_on_hold() -> None:
     rig = a_rig()
-    rig.vehicle.answers = [(1.0, DONE)]
+    rig.vehicle.answers = [(1.0, Progress.DONE)]
     leaf = SendCommand(rig.flight, ASK, None)
     assert run(rig, leaf) is Status.SUCCESS
     assert rig.vehicle.sent == [(PAYLOAD, USER_1, (1.5, -2.0))]
@@ -167,7 +167,7 @@ def test_a_command_is_sent_once_and_waited_for_on_hold() -> None:
 
 def test_a_refused_command_fails_with_the_answer() -> None:
     rig = a_rig()
-    rig.vehicle.answers = [(0.0, failed("denied"))]
+    rig.vehicle.answers = [(0.0, Failed("denied"))]
     leaf = SendCommand(rig.flight, ASK, None)
     assert tick(rig, leaf) is Status.FAILURE
     assert leaf.feedback_message == "denied"
@@ -175,7 +175,7 @@ def test_a_refused_command_fails_with_the_answer() -> None:
 
 def test_a_command_without_a_final_answer_fails_at_its_timeout() -> None:
     rig = a_rig()
-    rig.vehicle.answers = [(0.0, RUNNING)]
+    rig.vehicle.answers = [(0.0, Progress.RUNNING)]
     start_s = later(rig)
     leaf = SendCommand(rig.flight, ASK, timeout_s=3.0)
     assert run(rig, leaf) is Status.FAILURE
@@ -186,7 +186,7 @@ def test_a_command_without_a_final_answer_fails_at_its_timeout() -> None:
 
 def test_an_interrupted_command_is_not_asked_for_any_longer() -> None:
     rig = a_rig()
-    rig.vehicle.answers = [(9.0, DONE)]
+    rig.vehicle.answers = [(9.0, Progress.DONE)]
     leaf = SendCommand(rig.flight, ASK, None)
     assert tick(rig, leaf) is Status.RUNNING
     leaf.stop(Status.INVALID)

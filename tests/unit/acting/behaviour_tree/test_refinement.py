@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import py_trees
 import pytest
-from fakes import DONE, failed
 from rig import Rig
 from synthetic import command, event, facts_of, mission, reading, skill
 
@@ -33,7 +32,7 @@ from companion.mission.model import (
 )
 from companion.planning.domain import instantiate
 from companion.planning.lasso import Lasso
-from companion.vehicle.port import Goal
+from companion.vehicle.port import Failed, Goal, Progress
 
 LOW = event("low")
 PHOTO = Command(25, 31010, "MAV_CMD_USER_1", ())
@@ -170,7 +169,7 @@ def test_a_charger_that_gives_nothing_is_given_up_and_the_sortie_takes_off_again
 
 def test_a_landing_that_fails_is_a_failed_skill() -> None:
     rig = Rig(charging("F charged | G F at(B)")).begin()
-    rig.vehicle.script[Goal.LANDED] = (1.0, failed("not landed after 120 s"))
+    rig.vehicle.script[Goal.LANDED] = (1.0, Failed("not landed after 120 s"))
     rig.run_until(SkillFailed, action="charge(H, A)", reason="not landed after 120 s")
     assert rig.task.withdrawn == {"pad(A)"}
 
@@ -182,7 +181,7 @@ def test_a_belief_comes_back_after_its_time_and_the_plan_changes_at_the_next_pla
     short = replace(command("short", "at(A)", "done"), retry_after_s=10.0)
     asked = mission("(G F done) | (G F at(A) & G F at(B))", skills=[short])
     rig = Rig(asked).begin()
-    rig.vehicle.answers = [(0.5, failed("denied"))]
+    rig.vehicle.answers = [(0.5, Failed("denied"))]
     rig.run_until(BeliefWithdrawn, belief="can_short")
     withdrawn_s = rig.flight.now_s
     rig.run_until(BeliefRestored, belief="can_short")
@@ -198,7 +197,7 @@ def test_an_event_restores_beliefs_by_their_predicate() -> None:
         "F done | (G F at(A) & G F at(B))", skills=[command("do", "at(A)", "done")], events=[again]
     )
     rig = Rig(asked).begin()
-    rig.vehicle.answers = [(0.5, failed("denied"))]
+    rig.vehicle.answers = [(0.5, Failed("denied"))]
     rig.run_until(BeliefWithdrawn, belief="can_do")
     rig.tick(reading("again"))
     assert BeliefRestored("can_do") in rig.events
@@ -231,6 +230,6 @@ def test_what_is_denied_while_there_is_still_hope_is_not_asked_for_ever() -> Non
     """Three refusals in a row, each ten seconds after the other: one command each."""
     short = replace(command("short", "at(A)", "done"), retry_after_s=10.0)
     rig = Rig(mission("F done | (G F at(A) & G F at(B))", skills=[short])).begin()
-    rig.vehicle.answers = [(0.1, failed("denied")), (0.1, failed("denied")), (0.1, DONE)]
+    rig.vehicle.answers = [(0.1, Failed("denied")), (0.1, Failed("denied")), (0.1, Progress.DONE)]
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
     assert len(rig.vehicle.sent) == 3

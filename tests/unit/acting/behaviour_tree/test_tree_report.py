@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from fakes import failed
 from py_trees.behaviour import Behaviour
 from rig import Rig
 from synthetic import command, mission, move
@@ -20,6 +19,7 @@ from companion.flight_events.tree import (
     TreeNode,
     TreeStopped,
 )
+from companion.vehicle.port import Failed
 
 
 class Reader:
@@ -62,8 +62,7 @@ def test_what_was_told_is_the_tree_at_every_tick() -> None:
         rig.pass_time()
         root.tick_once()
         report.tell()
-        quiet += reader.read(rig.flight.reports) == 0
-        rig.flight.reports.clear()
+        quiet += reader.read(rig.flight.collect_reports()) == 0
         assert [s.value for s in reader.statuses] == [n.status.value for n in nodes_of(root)]
         seen |= set(reader.statuses)
     assert rig.flight.progress.laps >= 1
@@ -101,7 +100,7 @@ def test_an_executive_that_is_stopped_has_a_tree_that_does_nothing() -> None:
 
 def test_a_leaf_that_fails_says_why() -> None:
     rig = Rig(mission("F done", skills=[move(), command("do", "at(H)", "done")]))
-    rig.vehicle.answers = [(0.0, failed("denied"))]
+    rig.vehicle.answers = [(0.0, Failed("denied"))]
     rig.executive.plan()
     for _ in range(3):
         rig.pass_time()

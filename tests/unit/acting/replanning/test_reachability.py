@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
-from fakes import failed
 from rig import Rig
 from synthetic import command, mission, skill
 
 from companion.acting.executive_states import TaskStatus
+from companion.acting.replanning.reachability import BeliefChange
 from companion.flight_events.facts import BeliefWithdrawn, PlacesConnected, PlacesCutOff
 from companion.flight_events.plans import PlanReplaced
 from companion.flight_events.skills import SkillFailed
 from companion.mission.model import Fly
 from companion.motion.grid import OccupancyGrid
+from companion.vehicle.port import Failed
 
 INSPECT = skill(
     "inspect",
@@ -125,9 +126,21 @@ def test_on_the_way_home_a_way_that_helps_nothing_is_no_reason_to_stop() -> None
     assert rig.executive.is_leaving and rig.executive.replans == 1
 
 
+def test_what_the_map_changes_in_beliefs_is_handed_on_as_it_is_reported() -> None:
+    rig = inspection()
+    reachability = rig.executive._replanner.reachability
+    assert reachability.follow() == BeliefChange(cut_off=None, connected=None)
+    show(rig, "B")
+    cut_off = PlacesCutOff(ALL_OF_B, withdrawn=("accessible(B)", *TO_AND_FROM_B))
+    assert reachability.follow() == BeliefChange(cut_off, connected=None)
+    show(rig)
+    connected = PlacesConnected(ALL_OF_B, restored=("accessible(B)", *TO_AND_FROM_B))
+    assert reachability.follow() == BeliefChange(None, connected)
+
+
 def test_what_was_refused_is_not_believed_again_because_of_a_way() -> None:
     rig = Rig(mission("F did", skills=[command("do", "at(A)", "did")])).begin()
-    rig.vehicle.answers = [(0.0, failed("denied"))]
+    rig.vehicle.answers = [(0.0, Failed("denied"))]
     rig.run_until(BeliefWithdrawn, belief="can_do")
     before = rig.task.withdrawn
     for walled_in in (("B",), ()):
