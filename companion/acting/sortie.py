@@ -13,7 +13,6 @@ Whose the vehicle is, and when it is handed over again, is asked in authority.py
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 
 from py_trees.common import Status
 
@@ -112,14 +111,6 @@ class Sortie:
             self._lose(loss, state)
             return
         _WORK[self.phase](self, state)
-
-    def rehearse(self) -> None:
-        """Makes the first plan once before anything is timed; the one at the start is quick then.
-
-        A plan that does not exist, or is not found, is told at the start.
-        """
-        with suppress(NoPlanError, SearchLimit):
-            self._executive.rehearse()
 
     # -- the operator --------------------------------------------------------------------------
 
