@@ -11,12 +11,13 @@ from typing import Protocol
 
 from companion.acting.authority import loss_of_link
 from companion.acting.phases import ON_THE_GROUND
+from companion.acting.preparation import PreparedMission, prepare
 from companion.errors import CompanionError
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.hosting import (
     MissionReady,
     MissionUnreadable,
-    RunNotRecordable,
+    RunNotBegun,
     TerminalHungUp,
     UploadChecked,
 )
@@ -36,8 +37,22 @@ RETURN = "MAV_CMD_NAV_RETURN_TO_LAUNCH"
 NOTHING_FLOWN = Refusal("nothing is flown")
 
 
+class Preparation(Protocol):
+    """A mission that is being prepared for a run."""
+
+    def done(self) -> bool:
+        """Whether there is a result. It may not block."""
+
+    def result(self) -> PreparedMission:
+        """The prepared mission, once that is done.
+
+        Raises:
+            CompanionError: it cannot be flown.
+        """
+
+
 class Host(Protocol):
-    """Keeps the files of a companion that flies several sorties."""
+    """Keeps the files of a companion that flies several sorties, and does what takes long."""
 
     @property
     def uploads(self) -> UploadService | None:
@@ -49,6 +64,9 @@ class Host(Protocol):
         Raises:
             CompanionError, OSError: it cannot be read after all.
         """
+
+    def prepare(self, mission: Mission, speed_max_mps: float) -> Preparation:
+        """Begins to prepare a mission, as `preparation.prepare` does. It may not block."""
 
     def begin_run(self, mission: Mission) -> Recorder:
         """A recorder for one more run.
@@ -67,8 +85,9 @@ class Host(Protocol):
 class Companion:
     """Component 191 for as long as it lives: flies one mission at once, or hosts sorties.
 
-    With a host it waits for MISSION_START on the ground, flies the newest mission, and waits again;
-    it ends when it is stopped. Without one it ends with its only run.
+    With a host it waits for MISSION_START on the ground, has the newest mission prepared, flies it,
+    and waits again; it ends when it is stopped. Without one it prepares its only mission at once,
+    and ends with its only run.
 
     Args:
         mission: what to fly; None to wait for an upload.
@@ -97,11 +116,12 @@ class Companion:
         self._mission = mission
         self._accepts_weak_failsafes = accepts_weak_failsafes
         self._run: Run | None = None
-        self._is_starting = self._is_stopping = self._has_hung_up = False
+        self._preparation: Preparation | None = None
+        self._is_prepared = self._is_stopping = self._has_hung_up = False
         self._adjusted = -1
         self._now_s = 0.0
         if mission is not None and recorder is not None:
-            self._begin(mission, recorder)
+            self._begin(prepare(mission), recorder)
         self._listen()
 
     # -- from outside --------------------------------------------------------------------------
@@ -122,18 +142,13 @@ class Companion:
     @property
     def is_idle(self) -> bool:
         """Whether it hosts and nothing is flown, nor will be in the next step."""
-        return self._host is not None and self._run is None and not self._is_starting
+        return self._host is not None and self._run is None and not self._is_prepared
 
     def stop(self) -> None:
         """Hold, land, end: what Ctrl-C asks for."""
         self._is_stopping = True
         if self._run is not None:
             self._run.sortie.stop()
-
-    def rehearse(self) -> None:
-        """Plans the only run once, before its clock begins: with many places it takes seconds."""
-        if self._run is not None:
-            self._run.sortie.rehearse()
 
     def hang_up(self) -> None:
         """The terminal is gone: the flight goes on, and its record says so."""
@@ -142,8 +157,8 @@ class Companion:
     def step(self, now_s: float, datagrams: list[bytes]) -> list[bytes]:
         """One tick: reads what arrived, acts, returns what has to leave."""
         self._now_s = now_s
-        if self._is_starting:
-            self._launch()
+        if self._host is not None and self._preparation is not None and self._is_prepared:
+            self._launch(self._host, self._preparation)
         if self._has_hung_up:
             self._has_hung_up = False
             self._say(TerminalHungUp())
@@ -186,20 +201,19 @@ class Companion:
         return self._run.awaited if self._run else frozenset()
 
     def start(self) -> Refusal | None:
-        """Flies the newest mission, from the next step on."""
+        """Flies the newest mission, from the step on after which it is prepared."""
         if self._run is not None:
             phase = self._run.sortie.phase
             if phase in BEGINNING:
                 return None
             return Refusal(f"{self._run.mission.name} is {phase.value}")
-        if self._mission is None:
+        if self._host is None or self._mission is None:
             return Refusal("there is no mission; upload one")
-        state = self._telemetry.state
-        if state is None or loss_of_link(state, self._now_s):
-            return Refusal("the vehicle's state is not known")
-        if state.is_armed or not state.is_landed:
-            return Refusal("the vehicle is armed or flying already; it is left alone")
-        self._is_starting = True
+        if refusal := self._left_alone():
+            return refusal
+        if self._preparation is None:
+            speed_max_mps = self._component.parameters[SPEED_MAX]
+            self._preparation = self._host.prepare(self._mission, speed_max_mps)
         return None
 
     def pause(self) -> Refusal | None:
@@ -220,10 +234,19 @@ class Companion:
 
     # -- runs ----------------------------------------------------------------------------------
 
-    def _begin(self, mission: Mission, recorder: Recorder) -> None:
+    def _left_alone(self) -> Refusal | None:
+        """Why the vehicle is not one to begin a run with; None if it is."""
+        state = self._telemetry.state
+        if state is None or loss_of_link(state, self._now_s):
+            return Refusal("the vehicle's state is not known")
+        if state.is_armed or not state.is_landed:
+            return Refusal("the vehicle is armed or flying already; it is left alone")
+        return None
+
+    def _begin(self, prepared: PreparedMission, recorder: Recorder) -> None:
         self.failure, self._adjusted = None, -1
         self._run = Run(
-            mission,
+            prepared,
             recorder,
             self._wire,
             self._telemetry,
@@ -232,24 +255,42 @@ class Companion:
             may_yield=self._host is not None,
         )
 
-    def _launch(self) -> None:
+    def _launch(self, host: Host, preparation: Preparation) -> None:
         """Begins the run that was asked for; in a tick of its own, after the answer has left."""
-        self._is_starting = False
-        if self._host is None or self._mission is None or self._is_stopping:
+        self._preparation, self._is_prepared = None, False
+        if self._is_stopping:
             return
+        if refusal := self._begin_prepared(host, preparation):
+            self._say(RunNotBegun(refusal.reason))
+
+    def _begin_prepared(self, host: Host, preparation: Preparation) -> Refusal | None:
+        """Begins a run, if the vehicle is still one to begin it with; or why there is none."""
+        if refusal := self._left_alone():
+            return refusal
         try:
-            recorder = self._host.begin_run(self._mission)
+            prepared = preparation.result()
+        except CompanionError as error:
+            return Refusal(str(error))
+        try:
+            recorder = host.begin_run(prepared.mission)
         except OSError as error:
-            self._say(RunNotRecordable(str(error)))
-            return
-        self._begin(self._mission, recorder)
+            return Refusal(f"no run folder: {error}")
+        self._begin(prepared, recorder)
         self._listen()
+        return None
 
     def _idle(self, messages: list[Message]) -> None:
-        """Nothing is flown: hears the autopilot, and takes a new mission if there is one."""
+        """Nothing is flown: hears the autopilot, and looks for what leads to the next run.
+
+        A new mission is taken when the start that was asked for has had its end: its host learns
+        at the beginning of a run which mission was started.
+        """
         for message in messages:
             if source(message) == (self._wire.system, AUTOPILOT):
                 self._telemetry.take(self._now_s, message)
+        if self._preparation is not None:
+            self._is_prepared = self._preparation.done()
+            return
         if self._host is None or self._host.uploads is None:
             return
         path = self._host.uploads.take_active()
@@ -267,7 +308,7 @@ class Companion:
     def _poll(self) -> None:
         """Tells what became of uploads."""
         if self._host is not None and self._host.uploads is not None:
-            is_flying = self._run is not None
+            is_flying = self._run is not None or self._preparation is not None
             for verdict in self._host.uploads.poll(self._now_s, is_flying):
                 self._say(UploadChecked(verdict.text, is_refused=not verdict.is_accepted))
 

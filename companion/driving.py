@@ -1,6 +1,6 @@
 """Drives a companion by the clock, over a link.
 
-In real or scaled time, at 20 Hz, in one loop with no thread beside it.
+In real or scaled time, at 20 Hz, in one loop of one thread.
 """
 
 from __future__ import annotations
@@ -27,7 +27,6 @@ def fly(companion: Companion, link: UdpLink, clock: ScaledClock, timeout_s: floa
     Raises:
         LinkTimeout: no vehicle was heard in time (seconds of the clock's time).
     """
-    companion.rehearse()
     begun_s = next_tick_s = clock.now_s()
     was_flying = False
     while not companion.has_ended:

@@ -10,11 +10,12 @@ from typing import Protocol
 
 from companion.acting.assembly import assemble
 from companion.acting.event_detector import EventDetector
+from companion.acting.preparation import PreparedMission
 from companion.acting.sortie import Sortie
 from companion.flight_events.event import Stamped
 from companion.geometry import Ned
 from companion.mavlink.framing import Message
-from companion.mission.model import Mission, Signal
+from companion.mission.model import Signal
 from companion.motion.sensed_map import SensedMap
 from companion.vehicle.gate import Envelope
 from companion.vehicle.offboard import MavlinkVehicle
@@ -39,7 +40,7 @@ class Run:
     """One mission flown once, all its parts put together; its reports count time from its start.
 
     Args:
-        mission: what to do.
+        prepared: what to do.
         recorder: told of everything that happens.
         wire: whose system the vehicle is.
         telemetry: what its autopilot says, and has said before this run.
@@ -50,7 +51,7 @@ class Run:
 
     def __init__(
         self,
-        mission: Mission,
+        prepared: PreparedMission,
         recorder: Recorder,
         wire: Wire,
         telemetry: Telemetry,
@@ -58,6 +59,7 @@ class Run:
         accepts_weak_failsafes: bool,
         may_yield: bool,
     ) -> None:
+        mission = prepared.mission
         detector = EventDetector(mission.events)
         home, limits, profile = mission.home, mission.limits, mission.vehicle
         self.mission = mission
@@ -78,7 +80,7 @@ class Run:
             takeoff_up_m=-home.position[2],
         )
         self.awaited = frozenset(s.field for s in detector.signals if s.message == "COMMAND")
-        acting = assemble(mission, self.vehicle, detector)
+        acting = assemble(prepared, self.vehicle, detector)
         self.flight = acting.flight
         self.sortie = Sortie(
             acting.flight,

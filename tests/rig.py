@@ -12,6 +12,7 @@ from companion.acting.assembly import assemble
 from companion.acting.event_detector import EventDetector
 from companion.acting.executive_states import TaskStatus
 from companion.acting.flight import TICK_S
+from companion.acting.preparation import prepare
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.word import PositionLeft
 from companion.mission.model import Mission, Signal
@@ -42,8 +43,10 @@ class Rig(Happened):
         home = mission.home
         self.mission = mission
         self.vehicle = vehicle or FakeVehicle(home.position).take_off(-home.position[2])
-        acting = assemble(mission, self.vehicle, EventDetector(mission.events), routes)
-        self.planner, self.flight, self.executive = acting.planner, acting.flight, acting.executive
+        prepared = prepare(mission, routes=routes)
+        acting = assemble(prepared, self.vehicle, EventDetector(mission.events))
+        self.planner = prepared.planner
+        self.flight, self.executive = acting.flight, acting.executive
         self.task, self.speed_limit = acting.flight.task, acting.flight.speed_limit
         self.reports: list[Stamped] = []
         self.positions: list[PositionLeft] = []

@@ -29,6 +29,7 @@ from companion.acting.event_detector import EventDetector
 from companion.acting.executive_states import STATUS, ExecutiveState, TaskStatus
 from companion.acting.flight import Flight, PlanProgress
 from companion.acting.positions import tell_positions
+from companion.acting.preparation import PreparedMission
 from companion.acting.replanning.assumptions import Assumptions
 from companion.acting.replanning.replanner import DueReplan, PlanFailure, Replanner
 from companion.acting.replanning.trigger import ReplanTrigger
@@ -45,7 +46,6 @@ from companion.flight_events.plans import (
 from companion.flight_events.skills import WrittenTreeFailed
 from companion.mission.model import Signal
 from companion.planning.lasso import Lasso
-from companion.planning.planner import Planner
 
 BELIEF_CAME_BACK = "a belief came back"
 """Why a plan is due that nothing has gone wrong with."""
@@ -61,18 +61,19 @@ class Executive:
         failure: why the task has no plan, or none was found; None while it has one.
 
     Args:
-        planner: the mission's planner.
+        prepared: the mission, with its planner and its first plan.
         flight: what the tree acts on.
         detector: the mission's events.
     """
 
-    def __init__(self, planner: Planner, flight: Flight, detector: EventDetector) -> None:
+    def __init__(self, prepared: PreparedMission, flight: Flight, detector: EventDetector) -> None:
         self.state = ExecutiveState.IDLE
         self.replans = 0
         self.lasso: Lasso | None = None
         self.failure: PlanFailure | None = None
         self._due: DueReplan | None = None
-        self._planner = planner
+        self._prepared = prepared
+        self._planner = planner = prepared.planner
         self._flight = flight
         self._detector = detector
         self._root: Behaviour | None = None
@@ -98,13 +99,8 @@ class Executive:
             flight.report(BeliefRestored(belief))
             self._assumptions.note_restored_beliefs()
 
-    def rehearse(self) -> None:
-        """Searches the first plan and forgets it; what the search has learned is kept."""
-        if self._planner.mission.tree is None:
-            self._replanner.plan_before_flight()
-
     def plan(self) -> PlanFailure | None:
-        """Makes the first plan; returns why there is none, None if there is one."""
+        """Takes over the first plan; returns why there is none, None if there is one."""
         flight, mission = self._flight, self._planner.mission
         task = {name: str(formula) for name, formula in mission.task.items()}
         if mission.tree is not None:
@@ -113,7 +109,7 @@ class Executive:
             self._take_tree(root, ExecutiveState.BY_HAND)
         else:
             self._replanner.follow_map()
-            found = self._replanner.plan_before_flight()
+            found = self._prepared.plan(*flight.task.problem())
             if not isinstance(found, Lasso):
                 return found
             self._adopt(found, ExecutiveState.EXECUTING)

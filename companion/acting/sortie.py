@@ -110,13 +110,6 @@ class Sortie:
             return
         _WORK[self.phase](self, state)
 
-    def rehearse(self) -> None:
-        """Makes the first plan once before anything is timed; the one at the start is quick then.
-
-        A plan that does not exist, or is not found, is told at the start.
-        """
-        self._executive.rehearse()
-
     # -- the operator --------------------------------------------------------------------------
 
     def pause(self) -> Refusal | None:

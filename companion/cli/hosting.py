@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from concurrent.futures import Future
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from companion.acting.preparation import PreparedMission, prepare
 from companion.cli.arguments import load
 
 if TYPE_CHECKING:
@@ -44,6 +46,22 @@ class SortieHost:
     def load(self, path: Path) -> Mission:
         """Reads a mission that was accepted."""
         return load(path)
+
+    def prepare(self, mission: Mission, speed_max_mps: float) -> Future[PreparedMission]:
+        """Prepares a mission in a thread: it takes seconds, the heartbeat goes on.
+
+        The program does not wait for it when it ends.
+        """
+        prepared: Future[PreparedMission] = Future()
+
+        def work() -> None:
+            try:
+                prepared.set_result(prepare(mission, speed_max_mps))
+            except BaseException as error:  # raised again in the loop, by whoever asks for it
+                prepared.set_exception(error)
+
+        threading.Thread(target=work, daemon=True).start()
+        return prepared
 
     def begin_run(self, mission: Mission) -> Recorder:
         """Opens a run folder; the active upload is started."""

@@ -18,7 +18,7 @@ from companion.flight_events.hosting import (
     MissionReady,
     MissionUnreadable,
     RecordingFailed,
-    RunNotRecordable,
+    RunNotBegun,
     TerminalHungUp,
     UploadChecked,
 )
@@ -92,7 +92,7 @@ EVENTS: tuple[type[FlightEvent], ...] = (
     UploadChecked,
     MissionReady,
     MissionUnreadable,
-    RunNotRecordable,
+    RunNotBegun,
     TerminalHungUp,
     RecordingFailed,
     TreeBuilt,

@@ -56,10 +56,10 @@ class MissionUnreadable(UploadNews):
 
 
 @dataclass(frozen=True, slots=True)
-class RunNotRecordable(UploadNews):
-    """No run folder can be made, so nothing is flown."""
+class RunNotBegun(UploadNews):
+    """A run that an operator has asked for does not begin."""
 
-    template = "no run folder, so nothing is flown: {reason}"
+    template = "nothing is flown: {reason}"
     is_recorded = False
 
     reason: InText[str]

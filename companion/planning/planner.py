@@ -57,6 +57,7 @@ class Planner:
         clock: seconds; measures `translating_s` and `instantiating_s`.
 
     Attributes:
+        flight_time: as given; a flight sets one that knows where its vehicle is.
         without_a_move: beliefs that only moves assume that do not exist any more.
     """
 

@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 from lockstep import COMPANION, VEHICLE, Lockstep, World
+from preparations import Polled
 
 from companion.acting.flight import TICK_S
 from companion.app import Companion
@@ -62,6 +63,9 @@ class Operated(Lockstep):
 
     def load(self, path: Path) -> Mission:
         return load_mission(path)
+
+    def prepare(self, mission: Mission, speed_max_mps: float) -> Polled:
+        return Polled(mission, speed_max_mps)
 
     def begin_run(self, mission: Mission) -> Recorder:
         self.reports = []

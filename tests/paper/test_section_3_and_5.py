@@ -26,6 +26,7 @@ from companion.mission.model import Mission, Signal
 from companion.motion.routes import RouteMap
 from companion.planning.domain import instantiate
 from companion.planning.lasso import Problem, word
+from companion.planning.planner import Planner
 from companion.planning.task_state import TaskState
 from companion.vehicle.port import Failed, Progress
 
@@ -179,16 +180,16 @@ def test_nothing_but_the_initial_state_changes_in_flight(
     translated, instantiated = Mock(wraps=translate), Mock(wraps=instantiate)
     monkeypatch.setattr("companion.planning.planner.translate", translated)
     monkeypatch.setattr("companion.planning.planner.instantiate", instantiated)
+    planned = {verb: Mock(wraps=getattr(Planner, verb)) for verb in ("solve", "replan")}
+    for verb, mock in planned.items():
+        monkeypatch.setattr(Planner, verb, lambda *args, mock=mock: mock(*args))
     rig = Rig(surveillance, surveillance_routes)
     automata = [conjunct.automaton for conjunct in rig.planner.conjuncts]
     actions = rig.planner.model.actions
-    planned, replanned = Mock(wraps=rig.planner.solve), Mock(wraps=rig.planner.replan)
-    monkeypatch.setattr(rig.planner, "solve", planned)
-    monkeypatch.setattr(rig.planner, "replan", replanned)
     fly_section_5(rig)
 
-    calls = [*planned.call_args_list, *replanned.call_args_list]
-    problems: list[Problem] = [call.args[0] for call in calls]
+    calls = [call for mock in planned.values() for call in mock.call_args_list]
+    problems: list[Problem] = [call.args[1] for call in calls]
     assert len(problems) == 4  # after the target was found also: is the plan still the best one?
     assert translated.call_count == len(automata) == 5
     assert instantiated.call_count == 1

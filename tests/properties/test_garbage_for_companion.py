@@ -18,6 +18,7 @@ import pytest
 from autopilot import Autopilot
 from garbage import KINDS, any_frame, frame, payload_of, random_bytes, truncated_frame, with_fields
 from notes import Notes
+from preparations import Polled
 from synthetic import mission
 
 from companion.acting.flight import TICK_S
@@ -108,6 +109,9 @@ class Aboard(Notes):
 
     def load(self, path: Path) -> Mission:
         raise AssertionError("nothing that was uploaded here may be flown")
+
+    def prepare(self, mission: Mission, speed_max_mps: float) -> Polled:
+        return Polled(mission, speed_max_mps)
 
     def begin_run(self, mission: Mission) -> Recorder:
         self.runs += 1

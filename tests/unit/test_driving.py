@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from autopilot import Autopilot, of_type
 from notes import Notes
+from preparations import Polled
 from synthetic import mission
 
 from companion.acting.flight import TICK_S
@@ -105,6 +106,9 @@ class Line(Notes):
     def load(self, path: Path) -> Mission:
         raise AssertionError("nothing is uploaded")
 
+    def prepare(self, mission: Mission, speed_max_mps: float) -> Polled:
+        return Polled(mission, speed_max_mps)
+
     def begin_run(self, mission: Mission) -> Recorder:
         self.began_s, self.set_aside_before = self.now, gc.get_freeze_count()
         return self
@@ -151,12 +155,3 @@ def test_the_heartbeat_is_the_same_with_and_without_questions(line: Line) -> Non
 def test_in_flight_what_was_there_before_is_not_searched_for_garbage(line: Line) -> None:
     assert line.set_aside_before == 0
     assert line.set_aside > 10_000
-
-
-def test_what_takes_long_is_done_before_the_clock_is_read() -> None:
-    """Planning 20 sites takes seconds, in which no heartbeat leaves and time-outs run."""
-    line, done = Line(asks_until_s=0.0), []
-    line.companion.rehearse = lambda: done.append(line.steps_s.copy())  # type: ignore[method-assign]
-    fly(line.companion, line, line, 0.0)  # type: ignore[arg-type]
-    gc.unfreeze()
-    assert done == [[]]

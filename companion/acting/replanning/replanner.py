@@ -71,13 +71,6 @@ class Replanner:
         """Whether there is no plan, and the reason is being searched for."""
         return self._explanation is not None
 
-    def plan_before_flight(self) -> Lasso | PlanFailure:
-        """The best plan that is found without haste, or why there is none."""
-        try:
-            return self._planner.solve(*self._flight.task.problem()).lasso
-        except (NoPlanError, SearchLimit) as failure:
-            return failure
-
     def begin(self, reason: str) -> DueReplan:
         """Another plan is due from now on."""
         self._explanation = None

@@ -237,16 +237,8 @@ def test_the_time_for_an_answer_begins_with_the_question() -> None:
     assert "was not answered" in run.failure.reason
 
 
-def test_a_rehearsal_changes_nothing() -> None:
-    plain, rehearsed = Run(), Run()
-    rehearsed.sortie.rehearse()
-    assert rehearsed.events == []
-    assert rehearsed.until(Phase.ENDED).events == plain.until(Phase.ENDED).events
-
-
-def test_a_rehearsal_without_a_plan_leaves_the_telling_to_the_start() -> None:
+def test_that_there_is_no_plan_is_told_at_the_start() -> None:
     run = Run(mission("F at(A) & G !at(A)"))
-    run.sortie.rehearse()
     assert run.events == []
     assert run.until(Phase.ENDED).end.exit_code == NoPlanError.exit_code
 
@@ -449,9 +441,7 @@ def test_a_first_search_that_is_given_up_ends_the_sortie_on_the_ground(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     give_up_searches(monkeypatch, "BEFORE_FLIGHT")
-    run = Run()
-    run.sortie.rehearse()
-    run.until(Phase.ENDED)
+    run = Run().until(Phase.ENDED)
     assert run.end.exit_code == SearchLimit.exit_code
     assert run.vehicle.pursued == []
 

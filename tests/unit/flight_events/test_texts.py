@@ -21,7 +21,7 @@ from companion.flight_events.hosting import (
     MissionReady,
     MissionUnreadable,
     RecordingFailed,
-    RunNotRecordable,
+    RunNotBegun,
     TerminalHungUp,
     UploadChecked,
 )
@@ -134,7 +134,7 @@ TEXTS: list[tuple[FlightEvent, str]] = [
     (UploadChecked("a.yaml accepted", is_refused=False), "a.yaml accepted"),
     (MissionReady("hop"), "hop is ready; MISSION_START flies it"),
     (MissionUnreadable("no such file"), "the mission cannot be read: no such file"),
-    (RunNotRecordable("disk full"), "no run folder, so nothing is flown: disk full"),
+    (RunNotBegun("disk full"), "nothing is flown: disk full"),
     (TerminalHungUp(), "the terminal has hung up (SIGHUP); the flight goes on"),
     (
         RecordingFailed("No space left on device"),

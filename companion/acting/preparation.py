@@ -1,0 +1,102 @@
+"""What takes long before a run: routes, moves, automata and the first plan.
+
+All of it depends on the mission and on how fast the vehicle may fly, and on nothing that is heard
+of the vehicle. So it is made before a run begins, where nobody waits for it, and the run's first
+tick takes it over. With 20 sites it takes a second or more.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from companion.acting.replanning.replanner import PlanFailure
+from companion.errors import NoPlanError, SearchLimit
+from companion.mission.model import Mission
+from companion.motion.live_speed_limit import LiveSpeedLimit
+from companion.motion.routes import RouteMap
+from companion.planning.flight_times import flight_times, route_map
+from companion.planning.lasso import Lasso, Letter, Problem
+from companion.planning.planner import Planner
+from companion.planning.task_state import TaskState
+
+
+@dataclass(frozen=True)
+class FirstPlan:
+    """The plan from where a mission begins.
+
+    Attributes:
+        problem: what it solves.
+        outcome: the plan, or why there is none.
+    """
+
+    problem: Problem
+    outcome: Lasso | PlanFailure
+
+
+@dataclass(frozen=True, eq=False)
+class PreparedMission:
+    """A mission that can begin at once; its parts change in flight, so it serves one run.
+
+    Attributes:
+        first_plan: None for a behaviour tree that was written by hand.
+    """
+
+    mission: Mission
+    routes: RouteMap
+    speed_limit: LiveSpeedLimit
+    planner: Planner
+    first_plan: FirstPlan | None
+
+    def plan(self, problem: Problem, histories: Sequence[Sequence[Letter]]) -> Lasso | PlanFailure:
+        """The plan for the run's first problem, or why there is none.
+
+        It is searched if the problem is not the prepared one: an event has come before the start,
+        or an operator has changed the speed limit since.
+        """
+        if self.first_plan is not None and self.first_plan.problem == problem:
+            return self.first_plan.outcome
+        return _solved(self.planner, problem, histories)
+
+
+def prepare(
+    mission: Mission, speed_max_mps: float = math.inf, routes: RouteMap | None = None
+) -> PreparedMission:
+    """A mission with everything that takes long.
+
+    A missing first plan is no error here: the run tells it, when it begins.
+
+    >>> from companion import load_mission
+    >>> prepared = prepare(load_mission("missions/surveillance.yaml"))
+    >>> print(prepared.first_plan.outcome)
+    move(Home, A), (move(A, B), move(B, C), move(C, A))^w
+
+    Args:
+        mission: what to do.
+        speed_max_mps: what an operator allows; more than the mission allows changes nothing.
+        routes: of the mission; made if absent.
+
+    Raises:
+        CompanionError: the mission cannot be flown whatever happens.
+    """
+    routes = routes or route_map(mission)
+    speed_limit = LiveSpeedLimit(mission.speed_limits)
+    speed_limit.set_operator_limit(speed_max_mps)
+    times = flight_times(mission, routes, limits=lambda: speed_limit.target)
+    planner = Planner(mission, times)
+    if mission.tree is not None:
+        planner.actions_of(mission.tree)  # or says which one does not exist
+        return PreparedMission(mission, routes, speed_limit, planner, first_plan=None)
+    problem, histories = TaskState(planner).problem()
+    first_plan = FirstPlan(problem, _solved(planner, problem, histories))
+    return PreparedMission(mission, routes, speed_limit, planner, first_plan)
+
+
+def _solved(
+    planner: Planner, problem: Problem, histories: Sequence[Sequence[Letter]]
+) -> Lasso | PlanFailure:
+    try:
+        return planner.solve(problem, histories).lasso
+    except (NoPlanError, SearchLimit) as failure:
+        return failure

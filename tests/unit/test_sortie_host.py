@@ -1,0 +1,64 @@
+"""What the command line's host does beside the loop: preparing a mission, in a thread."""
+
+from __future__ import annotations
+
+import threading
+from typing import Any
+
+import pytest
+from synthetic import mission
+
+from companion.cli.hosting import SortieHost
+from companion.errors import CompanionError
+
+PREPARE = "companion.cli.hosting.prepare"
+
+
+def no_folder(_: Any) -> Any:
+    raise AssertionError("no run begins")
+
+
+@pytest.fixture
+def host() -> SortieHost:
+    return SortieHost(no_folder, no_folder, no_folder, None)
+
+
+def test_a_mission_is_prepared_in_another_thread(
+    host: SortieHost, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(PREPARE, lambda *asked: (asked, threading.get_ident()))
+    flown = mission("F at(A)")
+    asked, thread = host.prepare(flown, 2.0).result()
+    assert asked == (flown, 2.0) and thread != threading.get_ident()
+
+
+def test_what_is_wrong_is_raised_where_the_result_is_asked_for(
+    host: SortieHost, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fails(*_: Any) -> Any:
+        raise CompanionError("no such action")
+
+    monkeypatch.setattr(PREPARE, fails)
+    prepared = host.prepare(mission("F at(A)"), 2.0)
+    with pytest.raises(CompanionError, match="no such action"):
+        prepared.result()
+    assert prepared.done()
+
+
+def test_the_end_waits_for_no_preparation(
+    host: SortieHost, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Neither the host's nor the program's: a thread that is no daemon would hold that up."""
+    may_end, threads = threading.Event(), []
+
+    def takes_long(*_: Any) -> None:
+        threads.append(threading.current_thread())
+        may_end.wait()
+
+    monkeypatch.setattr(PREPARE, takes_long)
+    prepared = host.prepare(mission("F at(A)"), 2.0)
+    host.close()
+    assert not prepared.done()
+    may_end.set()
+    prepared.result()
+    assert [thread.daemon for thread in threads] == [True]
