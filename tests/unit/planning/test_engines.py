@@ -23,7 +23,7 @@ from companion.planning.check import fault
 from companion.planning.compilation.encode import encode
 from companion.planning.domain import ConditionalEffect
 from companion.planning.engines import EngineError, solve, solve_with
-from companion.planning.lasso import Lasso, Letter, Problem, Solution
+from companion.planning.lasso import Lasso, Letter, Problem
 from companion.planning.objective import Encoding, Objective
 from companion.vehicle.port import Failed, Progress
 
@@ -57,21 +57,15 @@ class Asked(NamedTuple):
 def phases(surveillance: Mission, surveillance_routes: RouteMap) -> list[Asked]:
     """Section V: the start; a target on the way to B; r1 refuses the upload."""
     rig = Rig(surveillance, surveillance_routes)
+    replan = rig.planner.replan
     asked: list[Asked] = []
-    solve, replan = rig.planner.solve, rig.planner.replan
-
-    def noted(problem: Problem, histories: Sequence[Sequence[Letter]]) -> None:
-        asked.append(Asked(problem, [list(letters) for letters in histories]))
-
-    def noting_solve(problem: Problem, histories: Sequence[Sequence[Letter]]) -> Solution:
-        noted(problem, histories)
-        return solve(problem, histories)
 
     def noting_replan(problem: Problem, histories: Sequence[Sequence[Letter]]) -> Lasso | None:
-        noted(problem, histories)
+        asked.append(Asked(problem, [list(letters) for letters in histories]))
         return replan(problem, histories)
 
-    rig.planner.solve, rig.planner.replan = noting_solve, noting_replan  # type: ignore[method-assign]
+    rig.planner.replan = noting_replan  # type: ignore[method-assign]
+    start = Asked(*rig.task.problem())
     rig.begin()
     rig.vehicle.answers = [(2.0, Failed("denied")), (1.0, Progress.DONE)]
     rig.run_until(PlaceReached, place="A", times=2)
@@ -79,7 +73,7 @@ def phases(surveillance: Mission, surveillance_routes: RouteMap) -> list[Asked]:
         rig.tick()
     rig.tick(TARGET)
     rig.run_to_the_end()
-    start, is_it_still_best, *after = asked
+    is_it_still_best, *after = asked
     assert "targetFound" in is_it_still_best.problem.facts and len(after) == 2
     return [start, *after]
 
