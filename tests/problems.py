@@ -157,4 +157,4 @@ def find_lasso(asked: Problem, objective: Objective = Objective.LAP) -> Lasso | 
 def names(lasso: Lasso | None) -> tuple[list[str], list[str]]:
     """The actions of a lasso: prefix and loop."""
     assert lasso is not None
-    return [a.name for a in lasso.prefix], [a.name for a in lasso.suffix]
+    return [a.name for a in lasso.prefix], [a.name for a in lasso.loop]

@@ -151,7 +151,7 @@ def _planner(path: Path) -> Planner:
 
 def _print(solution: Solution) -> None:
     lasso = solution.lasso
-    for title, actions in (("prefix", lasso.prefix), ("loop", lasso.suffix)):
+    for title, actions in (("prefix", lasso.prefix), ("loop", lasso.loop)):
         typer.echo(title)
         for action in actions:
             typer.echo(f"  {action.name:<24} {action.cost_ms / 1000:6.1f} s")

@@ -22,10 +22,10 @@ def fault(problem: Problem, lasso: Lasso, histories: Sequence[Sequence[Letter]])
         histories: per conjunct, the letters that it has read, the present position's included.
     """
     facts = problem.facts
-    if not lasso.suffix:
+    if not lasso.loop:
         return "the loop is empty"
     anchor = facts
-    for i, action in enumerate((*lasso.prefix, *lasso.suffix)):
+    for i, action in enumerate((*lasso.prefix, *lasso.loop)):
         if i == len(lasso.prefix):
             anchor = facts
         if not action.is_applicable(facts):

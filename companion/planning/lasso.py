@@ -62,10 +62,10 @@ class Problem:
 
 @dataclass(frozen=True)
 class Lasso:
-    """An infinite plan: `prefix` once, then `suffix` for ever; the suffix is never empty."""
+    """An infinite plan: `prefix` once, then `loop` for ever, which is never empty."""
 
     prefix: tuple[Action, ...]
-    suffix: tuple[Action, ...]
+    loop: tuple[Action, ...]
 
     @property
     def prefix_cost_ms(self) -> int:
@@ -75,12 +75,12 @@ class Lasso:
     @property
     def lap_cost_ms(self) -> int:
         """Cost of one lap of the loop."""
-        return sum(a.cost_ms for a in self.suffix)
+        return sum(a.cost_ms for a in self.loop)
 
     @property
     def ends_at_rest(self) -> bool:
         """Whether the loop is nothing but rest: after the prefix the task is done."""
-        return all(a is WAIT for a in self.suffix)
+        return all(a is WAIT for a in self.loop)
 
     def names(self, count: int, start: int = 0) -> list[str]:
         """The names of `count` actions from position `start` on.
@@ -89,20 +89,20 @@ class Lasso:
         >>> lap.names(2, start=7)
         ['wait', 'wait']
         """
-        actions = itertools.chain(self.prefix, itertools.cycle(self.suffix))
+        actions = itertools.chain(self.prefix, itertools.cycle(self.loop))
         return [a.name for a in itertools.islice(actions, start, start + count)]
 
     def __str__(self) -> str:
         prefix = ", ".join(a.name for a in self.prefix)
-        suffix = ", ".join(a.name for a in self.suffix)
-        return f"{prefix + ', ' if prefix else ''}({suffix})^w"
+        loop = ", ".join(a.name for a in self.loop)
+        return f"{prefix + ', ' if prefix else ''}({loop})^w"
 
     @property
     def planned(self) -> PlannedLasso:
         """Prefix and loop with costs, as they are told and recorded."""
         return PlannedLasso(
             prefix=tuple(_planned(a) for a in self.prefix),
-            loop=tuple(_planned(a) for a in self.suffix),
+            loop=tuple(_planned(a) for a in self.loop),
             prefix_cost_s=self.prefix_cost_ms / 1000,
             lap_cost_s=self.lap_cost_ms / 1000,
         )
@@ -136,7 +136,7 @@ class Solution:
     @property
     def loop(self) -> tuple[Action, ...]:
         """The actions that are then repeated for ever, at least one."""
-        return self.lasso.suffix
+        return self.lasso.loop
 
     @property
     def prefix_cost_s(self) -> float:
@@ -183,7 +183,7 @@ def word(problem: Problem, lasso: Lasso) -> tuple[list[Letter], list[Letter]]:
     """The letters that a lasso appends to the history: of the prefix, and of one lap."""
     letters: list[Letter] = []
     facts = problem.facts
-    for action in (*lasso.prefix, *lasso.suffix):
+    for action in (*lasso.prefix, *lasso.loop):
         facts = action.apply(facts)
         letters.append(facts)
     cut = len(lasso.prefix)

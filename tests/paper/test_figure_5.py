@@ -1,4 +1,4 @@
-"""Figure 5: a lasso as a behaviour tree, a prefix and then the loop decorator L around the suffix.
+"""Figure 5: a lasso as a behaviour tree, a prefix and then the decorator L around the loop.
 
 Each action is the figure's triple: the precondition (green), the refinement (yellow), the effects
 (blue). The tree is compared as text, as py_trees writes it: [-] is a sequence that begins anew at

@@ -127,7 +127,7 @@ def test_the_plan_is_what_the_pattern_means(task: str) -> None:
     order, prefix, loop = PLANS[task]
     made = planner({"task": task}, order)
     lasso = made.plan().lasso
-    assert (written(lasso.prefix), written(lasso.suffix)) == (prefix, loop)
+    assert (written(lasso.prefix), written(lasso.loop)) == (prefix, loop)
     assert made.replan(*made.initial_problem()) == lasso
 
 

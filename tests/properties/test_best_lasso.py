@@ -199,7 +199,7 @@ BOTTLENECKS = {
 def bottleneck_ms(asked: Problem, solution: Solution, facts: list[str]) -> int:
     """The longest time between two positions with the same one of some facts, for ever."""
     _, letters = word(asked, solution.lasso)
-    costs = [step.cost_ms for step in solution.lasso.suffix]
+    costs = [step.cost_ms for step in solution.lasso.loop]
     longest = 0
     for fact in facts:
         since = 0

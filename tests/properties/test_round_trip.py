@@ -70,7 +70,7 @@ def test_the_tree_executes_the_prefix_and_then_the_loop_again_and_again(parts: l
     rig.begin()
     (lasso,) = rig.plans
     laps = 1 if lasso.ends_at_rest else LAPS
-    assert fly(rig) == [a.name for a in (*lasso.prefix, *lasso.suffix * laps)]
+    assert fly(rig) == [a.name for a in (*lasso.prefix, *lasso.loop * laps)]
     assert rig.executive.replans == 0
     assert rig.flight.progress.laps == laps
     ending = TaskStatus.SATISFIED if lasso.ends_at_rest else TaskStatus.RUNNING
@@ -80,4 +80,4 @@ def test_the_tree_executes_the_prefix_and_then_the_loop_again_and_again(parts: l
     promised = [problem.facts, *before, *again * (LAPS + 1)]
     for position, letter in zip(rig.positions, promised, strict=False):
         assert set(position.facts) == letter - rig.planner.model.beliefs
-    assert len(rig.positions) >= len(lasso.prefix) + laps * len(lasso.suffix)
+    assert len(rig.positions) >= len(lasso.prefix) + laps * len(lasso.loop)

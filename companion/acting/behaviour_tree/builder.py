@@ -4,7 +4,7 @@ Sequence (no memory)                        root
 +- as predicted?                            leftmost checking branch (Section IV-C, end)
 +- Sequence (memory)                        the plan
    +- <action> ...                          prefix
-   +- Repeat for ever - Sequence <action>   suffix: the loop decorator L of Fig. 5
+   +- Repeat for ever - Sequence <action>   loop: the decorator L of Fig. 5
 
 <action> = Selector
            +- Sequence: precondition | refinement | effects       green, yellow, blue
@@ -69,10 +69,10 @@ def build(flight: Flight, lasso: Lasso, assumptions: Assumptions) -> Behaviour:
         assumptions: the values of events on which the plan relies.
     """
     prefix = [action_tree(flight, a, assumptions) for a in lasso.prefix]
-    last = len(lasso.suffix) - 1
+    last = len(lasso.loop) - 1
     lap = [
         action_tree(flight, action, assumptions, ends_lap=i == last)
-        for i, action in enumerate(lasso.suffix)
+        for i, action in enumerate(lasso.loop)
     ]
     loop = Repeat("L", _sequence("lap", lap), num_success=FOR_EVER)
     root = Sequence("root", memory=False)

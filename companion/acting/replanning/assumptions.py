@@ -54,7 +54,7 @@ class Assumptions:
 
     def narrow(self, lasso: Lasso) -> None:
         """Leaves out the events that matter to nothing that is left of a plan."""
-        left = (*lasso.prefix[self._flight.progress.completed :], *lasso.suffix)
+        left = (*lasso.prefix[self._flight.progress.completed :], *lasso.loop)
         relevant = self._planner.task_facts.union(*(a.requires | a.forbids for a in left))
         self._values = {fact: holds for fact, holds in self._values.items() if fact in relevant}
 

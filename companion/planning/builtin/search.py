@@ -77,11 +77,11 @@ class Search:
             SearchLimit: the product has too many states to search.
         """
         for plan in _plans(self.product(problem, effort), objective, effort):
-            prefix, suffix = (
+            prefix, loop = (
                 tuple(problem.actions[edge.action] for edge in part)
-                for part in (plan.prefix, plan.suffix)
+                for part in (plan.prefix, plan.loop)
             )
-            lasso = Lasso(prefix, suffix)
+            lasso = Lasso(prefix, loop)
             log.debug(
                 "%s: %d ms, not below %d ms: %s", objective, plan.cost_ms, plan.bound_ms, lasso
             )
@@ -119,7 +119,7 @@ class _Plan(NamedTuple):
     """A lasso in the product; `is_final` if its prefix will not get better."""
 
     prefix: list[Edge]
-    suffix: list[Edge]
+    loop: list[Edge]
     cost_ms: int
     bound_ms: int
     is_final: bool
@@ -169,10 +169,10 @@ def _plan_without_goals(
                 rank = (*_rank(objective, int(prefix_ms), int(lap_ms)), state)
                 if rank < best:
                     best, chosen, entry = rank, loops, int(node)
-    suffix = chosen.loop_from(entry)
-    cost_ms = chosen.bottleneck_ms(suffix) if objective is Objective.BOTTLENECK else best[0]
+    loop = chosen.loop_from(entry)
+    cost_ms = chosen.bottleneck_ms(loop) if objective is Objective.BOTTLENECK else best[0]
     bound_ms = _bound_ms(components_loops, paths, objective, cost_ms, is_exact=True)
-    return _Plan(paths.path_from_start(entry), suffix, cost_ms, bound_ms, True)
+    return _Plan(paths.path_from_start(entry), loop, cost_ms, bound_ms, True)
 
 
 def _plan_over_goals(
@@ -199,12 +199,12 @@ def _plan_over_goals(
         if goals.cost_ms < UNREACHABLE_MS:
             prefix, last = goals.prefix()
             _, node, loops = entries[int(paths.state_of[last])]
-            suffix = loops.loop_from(node)
+            loop = loops.loop_from(node)
             cost_ms = goals.cost_ms if is_sum else level
             if objective is Objective.BOTTLENECK:
-                cost_ms = loops.bottleneck_ms(suffix)
+                cost_ms = loops.bottleneck_ms(loop)
             bound_ms = _bound_ms(components_loops, paths, objective, cost_ms, goals.is_exact)
-            return _Plan(prefix, suffix, cost_ms, bound_ms, goals.is_final)
+            return _Plan(prefix, loop, cost_ms, bound_ms, goals.is_final)
     return None
 
 

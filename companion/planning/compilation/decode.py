@@ -30,10 +30,10 @@ def decode(classical: ClassicalProblem, names: Sequence[str]) -> Lasso:
     cuts = [index for index, name in enumerate(names) if name in classical.loops]
     if len(cuts) != 1:
         raise CompanionError(f"the plan begins {len(cuts)} loops, not one: {', '.join(names)}")
-    prefix, suffix = (
+    prefix, loop = (
         tuple(action for name in part if (action := known[name].stands_for) is not None)
         for part in (names[: cuts[0]], names[cuts[0] :])
     )
-    if not suffix:
+    if not loop:
         raise CompanionError(f"the loop of the plan is empty: {', '.join(names)}")
-    return Lasso(prefix, suffix)
+    return Lasso(prefix, loop)

@@ -219,4 +219,4 @@ def test_conditional_effects_of_skills_reach_the_planner(encoding: Encoding) -> 
     )
     found = solve_with(asked, history(asked), "fast-downward", encoding, Objective.LAP, LIMIT_S)
     assert found is not None
-    assert [a.name for a in found.lasso.suffix] == ["switch", "switch"]
+    assert [a.name for a in found.lasso.loop] == ["switch", "switch"]

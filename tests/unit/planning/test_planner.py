@@ -111,7 +111,7 @@ def test_interrupted_on_the_way_it_plans_from_there_and_forgets_nothing(
     for lasso in (best, made.replan(problem, histories)):
         assert fault(problem, lasso, histories) is None
         assert not lasso.prefix or lasso.prefix[0].name.startswith("move(here, ")
-        assert not any("here" in action.name for action in (*lasso.prefix[1:], *lasso.suffix))
+        assert not any("here" in action.name for action in (*lasso.prefix[1:], *lasso.loop))
 
 
 def test_a_replan_is_the_first_plan_and_a_plan_the_best(monkeypatch: pytest.MonkeyPatch) -> None:

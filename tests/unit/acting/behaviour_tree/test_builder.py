@@ -19,9 +19,9 @@ from companion.flight_events.skills import PlaceReached
 from companion.planning.lasso import Lasso
 
 
-def tree_of(rig: Rig, prefix: list[str], suffix: list[str]) -> Behaviour:
+def tree_of(rig: Rig, prefix: list[str], loop: list[str]) -> Behaviour:
     known = {a.name: a for a in rig.planner.model.actions}
-    lasso = Lasso(tuple(known[n] for n in prefix), tuple(known[n] for n in suffix))
+    lasso = Lasso(tuple(known[n] for n in prefix), tuple(known[n] for n in loop))
     return build(rig.flight, lasso, Assumptions(rig.planner, rig.flight))
 
 

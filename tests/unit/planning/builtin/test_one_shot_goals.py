@@ -59,7 +59,7 @@ def test_a_loop_that_is_out_of_reach_after_the_goals_is_not_taken(objective: Obj
     task = " & ".join(f"F at({p})" for p in "ABCD")
     task += " & G F (at(X) | at(P)) & G F (at(Y) | at(Q))"
     *_, found = Search().solutions(problem("HABCDXYPQ", legs, task), objective)
-    assert {a.name for a in found.lasso.suffix} == {"move(P, Q)", "move(Q, P)"}
+    assert {a.name for a in found.lasso.loop} == {"move(P, Q)", "move(Q, P)"}
 
 
 def test_where_no_path_leads_back_the_order_is_the_only_one() -> None:

@@ -222,7 +222,7 @@ def lamp_task() -> Problem:
 def test_conditional_effects_of_skills_are_encoded(encoding: Encoding) -> None:
     found = planned(lamp_task(), encoding, Objective.LAP)
     assert found.fault is None and found.lasso is not None
-    assert [a.name for a in found.lasso.suffix] == ["switch", "switch"]
+    assert [a.name for a in found.lasso.loop] == ["switch", "switch"]
 
 
 def test_plain_strips_refuses_conditional_effects_by_name() -> None:
