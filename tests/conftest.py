@@ -29,7 +29,9 @@ settings.load_profile("untimed")
 
 TESTS = Path(__file__).parent
 MISSIONS = TESTS.parent / "missions"
-FLIGHTS = (TESTS / "flights", TESTS / "browser")
+API = TESTS.parent / "companion" / "api"
+FLIGHTS = (TESTS / "flights", TESTS / "browser", API / "auditing.py", API / "simulating.py")
+"""Where all tests fly; those of a module are its doctests."""
 FLOWN = frozenset({"surveillance_run"})
 """Fixtures that fly."""
 SIMULATOR = frozenset(
@@ -44,16 +46,18 @@ SIMULATOR = frozenset(
 """Modules with the whole vehicle; a test module that imports from one of them flies it."""
 
 
-def pytest_itemcollected(item: pytest.Item) -> None:
+@pytest.hookimpl(tryfirst=True)  # before they are selected
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Marks what `scripts/test --fast` leaves out, wherever that can be seen."""
-    if flies(item):
-        item.add_marker(pytest.mark.flight)
-    elif item.path.is_relative_to(TESTS / "properties"):
-        item.add_marker(pytest.mark.slow)
+    for item in items:
+        if flies(item):
+            item.add_marker(pytest.mark.flight)
+        elif item.path.is_relative_to(TESTS / "properties"):
+            item.add_marker(pytest.mark.slow)
 
 
 def flies(item: pytest.Item) -> bool:
-    """Whether a test flies in the simulator: by its folder, its fixtures, its imports."""
+    """Whether a test flies in the simulator: by its place, its fixtures, its imports."""
     imported = vars(getattr(item, "module", None) or object).values()
     return (
         any(item.path.is_relative_to(folder) for folder in FLIGHTS)

@@ -199,6 +199,7 @@ def test_a_task_without_a_plan_names_the_conflict(
     assert "no plan: never_a, search cannot hold together" in ended.err
 
 
+@pytest.mark.slow
 def test_no_vehicle(companion: Companion, free_port: int) -> None:
     url = f"udpin://127.0.0.1:{free_port}"
     ended = companion("run", SURVEILLANCE, "--connect", url, "--timeout", 1)

@@ -74,6 +74,7 @@ def test_each_objective_is_said_and_proved(companion: Companion, objective: str)
     assert "optimal (built-in)" in ended.out
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("engine", "encoding"), [("fast-downward", "v4"), ("fast-downward", "v5"), ("pyperplan", "v5")]
 )
@@ -87,6 +88,7 @@ def test_another_planner(companion: Companion, engine: str, encoding: str) -> No
         assert answer["cost_s"] == best["cost_s"]
 
 
+@pytest.mark.slow
 def test_a_planner_that_says_there_is_no_plan(companion: Companion) -> None:
     """The reason is the built-in search's; it would also notice if the other one were wrong."""
     state = ["--set", "targetFound", *WITHOUT_SITES]

@@ -74,6 +74,7 @@ def test_a_reader_who_does_not_read_holds_up_the_lines_alone(pipe: Pipe) -> None
     assert (seen + pipe.read()).splitlines() == [*lines, "last"]
 
 
+@pytest.mark.slow
 def test_lines_for_nobody_are_dropped_in_the_end(pipe: Pipe) -> None:
     terminal = pipe.terminal()
     for number in range(5 * LINES_KEPT):

@@ -18,6 +18,8 @@ from companion.mission.model import Fly, Mission
 from companion.planning.domain import instantiate
 from companion.planning.planner import Planner
 
+pytestmark = pytest.mark.slow
+"""Reading a domain and a problem takes a tenth of a second."""
 ROOT = Path(__file__).parents[3]
 EXAMPLE = ROOT / "tests" / "data" / "delivery"
 Edit = Callable[[str, str, str], None]

@@ -6,6 +6,7 @@ import itertools
 import multiprocessing
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
+from importlib.util import find_spec
 from pathlib import Path
 from typing import NamedTuple
 
@@ -27,7 +28,9 @@ from companion.planning.lasso import Lasso, Letter, Problem
 from companion.planning.objective import Encoding, Objective
 from companion.vehicle.port import Failed, Progress
 
-pytest.importorskip("up_fast_downward")
+pytestmark = pytest.mark.skipif(
+    find_spec("up_fast_downward") is None, reason="the extra `planners` is not installed"
+)
 
 V1, V4, V5 = Encoding
 TARGET = (Signal("NAMED_VALUE_INT", "target", "value"), 1.0)
@@ -83,6 +86,7 @@ def best_ms(asked: Problem, objective: Objective) -> int:
     return solution.cost_ms
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("objective", [Objective.SUM, Objective.LAP])
 @pytest.mark.parametrize("encoding", Encoding)
 @pytest.mark.parametrize("phase", range(3))
@@ -102,6 +106,7 @@ def test_the_paper_s_three_plans(
         assert found.cost_ms == best_ms(asked.problem, objective)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("phase", range(3))
 def test_a_second_planner_agrees_that_there_is_a_plan(phases: list[Asked], phase: int) -> None:
     found = solve_with(*phases[phase], "pyperplan", V5, Objective.SUM, LIMIT_S)
@@ -110,6 +115,7 @@ def test_a_second_planner_agrees_that_there_is_a_plan(phases: list[Asked], phase
     assert found.cost_ms >= best_ms(phases[phase].problem, Objective.SUM)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("encoding", Encoding)
 @pytest.mark.parametrize("task", TASKS)
 def test_small_tasks(task: str, encoding: Encoding) -> None:
@@ -133,6 +139,7 @@ def test_small_tasks_by_a_second_planner(task: str) -> None:
 # -- No plan, and no answer ------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("encoding", Encoding)
 @pytest.mark.parametrize("task", ["G at(H) & F at(A)", "false"])
 def test_that_there_is_no_plan_is_proved(task: str, encoding: Encoding) -> None:
@@ -164,6 +171,7 @@ def test_an_engine_that_cannot_take_the_encoding_is_told_which_it_can() -> None:
         solve(classical, "pyperplan", LIMIT_S, optimal=True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("engine", ["fast-downward", "pyperplan-opt"])
 def test_an_engine_that_takes_too_long_is_ended(engine: str) -> None:
     places = "HABCDEFGIJKLMN"
@@ -174,6 +182,7 @@ def test_an_engine_that_takes_too_long_is_ended(engine: str) -> None:
     assert not multiprocessing.active_children()
 
 
+@pytest.mark.slow
 def test_calls_at_the_same_time_do_not_disturb_each_other(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
