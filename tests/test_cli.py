@@ -188,6 +188,7 @@ def test_a_speed_that_is_none(companion: Companion) -> None:
     assert "fast is not a positive number or max" in ended.err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", [("check",), ("plan",), ("sim", "--speed", "max")])
 def test_a_task_without_a_plan_names_the_conflict(
     command: tuple[str, ...], companion: Companion, spoil: Spoil
@@ -215,6 +216,7 @@ def test_a_bare_udp_url_is_answered_with_both_corrections(companion: Companion) 
     assert "udpout://192.168.1.10:14540" in ended.err
 
 
+@pytest.mark.slow
 def test_a_port_in_use(companion: Companion, taken_port: int) -> None:
     url = f"udpin://127.0.0.1:{taken_port}"
     ended = companion("run", SURVEILLANCE, "--connect", url)

@@ -49,6 +49,7 @@ def test_json_says_why_there_is_no_plan(companion: Companion) -> None:
     assert answer["state"]["withdrawn"] == answer["reason"]["withdrawn"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", ["plan", "check"])
 def test_a_search_that_is_given_up_is_told_from_no_plan(
     companion: Companion, monkeypatch: pytest.MonkeyPatch, command: str
@@ -97,6 +98,7 @@ def test_a_planner_that_says_there_is_no_plan(companion: Companion) -> None:
     assert "upload cannot hold" in ended.err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("options", "message"),
     [
@@ -115,6 +117,7 @@ def test_a_planner_that_cannot(companion: Companion, options: list[str], message
     assert message in ended.err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("encoding", ["v1", "v4", "v5"])
 def test_pddl_is_written(companion: Companion, tmp_path: Path, encoding: str) -> None:
     folder = tmp_path / "new" / "folder"

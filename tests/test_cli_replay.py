@@ -116,6 +116,7 @@ def test_a_damaged_line_is_refused_with_its_place(
 # -- beside a flight -------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("address", ["8080", "localhost", ":80", "h:99999", "on"])
 def test_an_address_that_is_none_is_refused(companion: Companion, address: str) -> None:
     mission = ROOT / "missions" / "surveillance.yaml"

@@ -53,6 +53,7 @@ def test_the_zone_of_the_corridor_is_planned_around_until_it_is_clear() -> None:
         promising.plan()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", SCENARIOS, ids=name_of)
 def test_a_scenario_fits_its_mission(path: Path) -> None:
     """The vehicle starts where the mission begins: the companion refuses any other place."""

@@ -96,6 +96,7 @@ def flown() -> World:
     return World(mission("F at(A)")).fly()
 
 
+@pytest.mark.slow
 def test_a_flight_from_the_ground_to_the_ground(flown: World) -> None:
     assert flown.notes.events[-3:] == [
         PlaceReached("A", "move(H, A)"),
@@ -185,6 +186,7 @@ def test_the_failure_is_that_of_the_sortie() -> None:
     assert of_type(world.autopilot.heard, "SET_POSITION_TARGET_LOCAL_NED") == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("accepts", [False, True])
 def test_weak_failsafes_are_refused_unless_accepted(accepts: bool) -> None:
     world = World(mission("F at(A)"), accepts_weak_failsafes=accepts)

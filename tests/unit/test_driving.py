@@ -131,6 +131,7 @@ def line() -> Line:
     return line
 
 
+@pytest.mark.slow
 def test_a_question_waits_for_no_tick_while_nothing_is_flown(line: Line) -> None:
     """One after the other takes the way there and back, and no more."""
     round_trip_s = 2 * UNDER_WAY_S

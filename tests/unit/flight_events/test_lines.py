@@ -46,6 +46,7 @@ def written(event: FlightEvent, time_s: float = 1.25) -> str:
     return json.dumps(line_of(Stamped(time_s, event)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", RECORDED, ids=lambda kind: kind.__name__)
 @settings(max_examples=25)
 @given(st.data())

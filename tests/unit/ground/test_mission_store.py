@@ -105,6 +105,7 @@ requests = st.one_of(
 )
 
 
+@pytest.mark.slow
 @given(st.lists(st.tuples(st.floats(0, 40), st.integers(1, 3), requests), max_size=30))
 def test_any_bytes_are_answered_and_touch_nothing_outside(
     asked: list[tuple[float, int, bytes]],

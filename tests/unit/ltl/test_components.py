@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import networkx as nx
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -29,6 +30,7 @@ def test_components_are_those_of_networkx_in_reverse_topological_order(
         assert all(target in seen for node in component for target in graph[node])
 
 
+@pytest.mark.slow
 def test_components_of_a_long_path_do_not_recurse() -> None:
     path = [[node + 1] for node in range(50_000)] + [[]]
     assert len(strong_components(path)) == 50_001

@@ -146,6 +146,7 @@ def test_depth_is_limited_by_memory_alone(text: str) -> None:
     assert conjuncts(formula)
 
 
+@pytest.mark.slow
 def test_interning_keeps_no_garbage() -> None:
     import companion.ltl.formula as module
 

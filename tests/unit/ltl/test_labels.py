@@ -111,6 +111,7 @@ def test_of_a_set_the_weakest_cubes_are_named(cubes: set[Cube]) -> None:
     assert set(order.cubes(union)) == weakest
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "mixture",
     ["cube & letters", "letters | cube", "cube << 1", "alphabet.letters(letters)", "plain(cube)"],

@@ -197,6 +197,7 @@ def test_the_confirmation_fits_into_its_byte() -> None:
 STEPS = st.lists(st.tuples(st.floats(0.01, 6.0), st.sampled_from([*RESULTS, None])), max_size=15)
 
 
+@pytest.mark.slow
 @given(STEPS)
 def test_whatever_is_answered_the_talk_ends_and_nothing_is_sent_after(
     steps: list[tuple[float, str | None]],

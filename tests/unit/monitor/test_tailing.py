@@ -7,6 +7,7 @@ import struct
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -44,6 +45,7 @@ def test_lines(sizes: list[int]) -> None:
     assert found == HAPPENED
 
 
+@pytest.mark.slow
 @given(cuts)
 def test_frames(sizes: list[int]) -> None:
     with TemporaryDirectory() as folder:

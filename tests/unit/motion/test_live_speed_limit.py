@@ -79,6 +79,7 @@ def test_a_flight_under_way_slows_down_along_its_path() -> None:
     assert flown[-1][0].position == (9.0, 9.0, -3.0)
 
 
+@pytest.mark.slow
 @given(
     st.dictionaries(
         st.integers(0, 400), st.sampled_from([0.1, 0.4, 0.8, 1.5, 2.0, 50.0]), max_size=6

@@ -148,6 +148,7 @@ def test_that_there_is_no_plan_is_proved(task: str, encoding: Encoding) -> None:
     assert found is None
 
 
+@pytest.mark.slow
 def test_any_plan_is_enough_where_time_is_short() -> None:
     asked = problem("HAB", unit_costs("HAB"), "G F at(A) & G F at(B)")
     classical = encode(asked, V4)
@@ -216,6 +217,7 @@ def test_nothing_is_printed(capfd: pytest.CaptureFixture[str]) -> None:
     assert capfd.readouterr().out == ""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("encoding", [V1, V4])
 def test_conditional_effects_of_skills_reach_the_planner(encoding: Encoding) -> None:
     lamp, none = facts_of("lamp"), frozenset[str]()

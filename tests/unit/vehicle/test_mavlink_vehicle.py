@@ -289,6 +289,7 @@ def frames(draw: st.DrawFn) -> bytes:
 SIGNALS = frozenset({TARGET, CHARGE, CALL, Signal("STATUSTEXT", "", "severity")})
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None)
 @given(st.lists(frames() | st.binary(max_size=300), max_size=12))
 def test_no_datagram_raises_or_lets_anything_but_good_setpoints_out(datagrams: list[bytes]) -> None:

@@ -54,6 +54,7 @@ def as_pairs(above: Sequence[int]) -> Pairs:
     return {(node, other) for node, better in enumerate(above) for other in indices(better)}
 
 
+@pytest.mark.slow
 @given(graphs_of_cubes())
 def test_a_node_simulates_another_letter_by_letter(drawn: LabelledGraph[Cube]) -> None:
     graph = by_letters(drawn)

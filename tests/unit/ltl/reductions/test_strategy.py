@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 
+import pytest
 from drawn_graphs import ALPHABET, by_letters, graphs_of_cubes
 from hypothesis import given
 from oracle import Sample, accepted, random_words, small_words
@@ -54,6 +55,7 @@ def test_graphs_with_sets_of_letters(graph: LabelledGraph[Cube]) -> None:
     assert smaller.size[0] <= graph.size[0]
 
 
+@pytest.mark.slow
 @given(graphs_of_cubes())
 def test_graphs_with_marks_on_states(graph: LabelledGraph[Cube]) -> None:
     words = language(graph)

@@ -32,6 +32,7 @@ def test_tours_are_exact_up_to_the_additions_that_are_allowed() -> None:
     assert exact.cost_ms == exact.bound_ms == cost_ms
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("targets", [1, 2, 3, 5, 9])
 @pytest.mark.parametrize("seed", range(4))
 def test_no_tour_is_shorter_than_the_1_tree_bound(targets: int, seed: int) -> None:

@@ -25,6 +25,7 @@ def cases(draw: st.DrawFn, most: int = 5) -> tuple[Costs, Marks]:
     return shortest(100 * np.array(legs, np.int64).reshape(targets, targets)), marks
 
 
+@pytest.mark.slow
 @settings(max_examples=100)
 @given(cases())
 def test_the_shortest_tour_is_that_of_brute_force(case: tuple[Costs, Marks]) -> None:

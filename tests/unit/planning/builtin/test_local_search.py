@@ -32,6 +32,7 @@ def case(kind: str, seed: int, targets: int | None = None) -> tuple[Costs, Marks
     return shortest(costs), marks
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_it_lies_between_its_bound_and_a_little_above_the_best(kind: str, seed: int) -> None:
@@ -64,6 +65,7 @@ def test_through_any_node_it_is_a_tour_of_the_cost_it_says(kind: str, seed: int)
         assert node not in tour.cycle() or costs[node] == tour.cost_ms
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(2))
 def test_over_50_sites_the_bound_is_near(seed: int) -> None:
     between, marks = case("symmetric", seed, targets=50)

@@ -67,6 +67,7 @@ def planned(asked: Problem, encoding: Encoding, objective: Objective, past: str 
 # -- Every plan is right, and the best one is found ------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("encoding", Encoding)
 @pytest.mark.parametrize("task", TASKS)
 def test_a_cheapest_plan_is_a_best_lasso(task: str, encoding: Encoding) -> None:
