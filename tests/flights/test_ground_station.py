@@ -71,6 +71,13 @@ class Station:
         assert (answer.target_system, answer.target_component) == (255, 190)
         return int(answer.result)
 
+    def until_accepted(self, number: int, limit_s: float = ANSWER_S) -> None:
+        """Asks for a command again, while it is refused for now."""
+        end_s = time.monotonic() + limit_s
+        while self.ask(number) != dialect.MAV_RESULT_ACCEPTED:
+            assert time.monotonic() < end_s, self.texts
+            self.until(lambda m: m.get_type() == "HOME_POSITION")
+
     def list_parameters(self, component: int) -> set[int]:
         """Indices of the companion's parameters, as a list brought them."""
         self._link.mav.param_request_list_send(self._system, component)
