@@ -67,10 +67,8 @@ def replanning(runs: int) -> Iterator[Row]:
         problems.append(task.problem())
     yield from _rows("replan en route, target found", passed, _peer_ms(problems[0]))
 
-    refused = TaskState(planner)
-    refused.facts = frozenset({"at(r1)", "targetFound"})
-    refused.withdraw(frozenset({"canUpload(r1)"}))
-    yield from _phase("replan at r1, refused", planner, [refused.problem()] * runs)
+    refused = planner.initial_problem(at="r1", facts={"targetFound"}, without={"canUpload(r1)"})
+    yield from _phase("replan at r1, refused", planner, [refused] * runs)
 
 
 def _phase(name: str, planner: Planner, problems: list[Asked]) -> Iterator[Row]:
