@@ -1,9 +1,9 @@
-"""Ticks the plan's tree, notices what the plan did not expect, and plans again (Section III-B).
+"""Ticks the plan's tree, and plans again when the plan is no longer right (Section III-B).
 
 Planning assumes that every event keeps its value and every belief holds. When one of these turns
 out wrong, a new lasso is searched from the present state, with the history kept, and a new tree is
-built; the vehicle holds meanwhile. `ExecutiveState` says what the executive is doing, and
-`REPLAN_TRIGGERS` why it plans again, in the order in which the triggers are looked at.
+built; the vehicle holds meanwhile. `ExecutiveState` says what the executive is doing, and the table
+in replan_triggers.py why it plans again.
 
 Plans change as little as possible. An event that matters, but leaves the rest of the plan the best
 one, changes nothing. A belief that comes back makes a new plan at the next completed skill.
@@ -30,9 +30,9 @@ from companion.acting.executive_states import STATUS, ExecutiveState, TaskStatus
 from companion.acting.flight import Flight, PlanProgress
 from companion.acting.positions import tell_positions
 from companion.acting.preparation import PreparedMission
+from companion.acting.replan_triggers import PlanUnderWay, ReplanTriggers
 from companion.acting.replanning.assumptions import Assumptions
 from companion.acting.replanning.replanner import DueReplan, PlanFailure, Replanner
-from companion.acting.replanning.trigger import ReplanTrigger
 from companion.acting.return_home import flight_to
 from companion.errors import NoPlanError
 from companion.flight_events.facts import BeliefRestored, MissionEventChanged
@@ -46,9 +46,6 @@ from companion.flight_events.plans import (
 from companion.flight_events.skills import WrittenTreeFailed
 from companion.mission.model import Signal
 from companion.planning.lasso import Lasso
-
-BELIEF_CAME_BACK = "a belief came back"
-"""Why a plan is due that nothing has gone wrong with."""
 
 
 class Executive:
@@ -80,6 +77,7 @@ class Executive:
         self._tree_report: TreeReport | None = None
         self._assumptions = Assumptions(planner, flight)
         self._replanner = Replanner(planner, flight, self._assumptions)
+        self._triggers = ReplanTriggers(flight, self._assumptions, self._replanner)
         self._plan_state = ExecutiveState.EXECUTING
 
     @property
@@ -124,7 +122,7 @@ class Executive:
         match self.state:
             case ExecutiveState.EXECUTING | ExecutiveState.LEAVING:
                 assert self.lasso is not None and self._root is not None
-                self._tick_plan(self.lasso, self._root)
+                self._tick_plan(PlanUnderWay(self.lasso, self._root, self.is_leaving))
             case ExecutiveState.BY_HAND:
                 assert self._root is not None
                 self._tick_by_hand(self._root)
@@ -169,19 +167,20 @@ class Executive:
             self._replan("going on")
         return self.status
 
-    def _tick_plan(self, lasso: Lasso, root: Behaviour) -> None:
+    def _tick_plan(self, plan: PlanUnderWay) -> None:
         progress = self._flight.progress
         laps = progress.laps
-        self._keep_if_best(lasso)
-        if self._replans_by(BEFORE_THE_TREE):
+        self._triggers.look(plan)
+        if reason := self._triggers.before_the_tree(plan):
+            self._replan(reason)
             return
-        root.tick_once()
+        plan.tree.tick_once()
         self._tell_tree()
         tell_positions(self._flight)
         is_lap_done = progress.laps > laps
-        if self._replans_by(AFTER_THE_TREE):
-            return
-        if is_lap_done and lasso.ends_at_rest:
+        if reason := self._triggers.after_the_tree(plan):
+            self._replan(reason)
+        elif is_lap_done and plan.lasso.ends_at_rest:
             self._rest()
         elif is_lap_done:
             self._flight.report(LapCompleted(progress.laps))
@@ -199,75 +198,6 @@ class Executive:
             failed = WrittenTreeFailed(failure_of(root))
             self.failure = NoPlanError(failed.text)
             self._flight.report(failed)
-
-    def _keep_if_best(self, lasso: Lasso) -> None:
-        """Takes over what events have become, if the rest of the plan is the best one still."""
-        assumptions = self._assumptions
-        assumptions.narrow(lasso)
-        is_in_the_air = not self._flight.progress.is_landed_by_plan
-        if assumptions.wrong and is_in_the_air and self._replanner.is_still_best(lasso):
-            assumptions.renew()
-
-    # -- replan triggers -----------------------------------------------------------------------
-
-    def _replans_by(self, triggers: tuple[ReplanTrigger[Executive], ...]) -> bool:
-        """Plans again for the first trigger that has a reason to; whether one has."""
-        for trigger in triggers:
-            reason = trigger.reason(self)
-            if reason is not None:
-                self._replan(reason)
-                return True
-        return False
-
-    def _cut_off_by_map(self) -> str | None:
-        """A belief that the plan needs was given up, as the map cuts it off."""
-        reachability = self._replanner.reachability
-        if self._flight.progress.is_landed_by_plan:
-            return None
-        reachability.look()
-        if not reachability.has_changed:
-            return None
-        reachability.search()
-        if not reachability.is_known:
-            return None
-        cut_off = self._replanner.follow_map()
-        assert self.lasso is not None
-        if cut_off is None or self.is_leaving or self._replanner.is_still_best(self.lasso):
-            return None
-        return cut_off.text
-
-    def _possible_again(self) -> str | None:
-        """On the way to a place in want of a plan, the task has one again."""
-        if not self.is_leaving or not self._assumptions.may_do_better:
-            return None
-        if not self._flight.task.violated and self._replanner.plan_now() is not None:
-            return self._assumptions.surprise or BELIEF_CAME_BACK
-        self._assumptions.forget_restored_beliefs()
-        return None
-
-    def _tree_failed(self) -> str | None:
-        """An assumption is wrong, a skill has failed, or a belief has come back."""
-        assert self._root is not None
-        if self._root.status is not Status.FAILURE:
-            return None
-        unexpected = self._assumptions.surprise or failure_of(self._root)
-        return unexpected or self._violation or BELIEF_CAME_BACK
-
-    def _in_vain(self) -> str | None:
-        """The task is violated; a plan that has landed the vehicle ends first."""
-        progress, violated = self._flight.progress, self._flight.task.violated
-        assert self.lasso is not None
-        is_over = self.lasso.ends_at_rest and progress.laps > 0
-        may_end = is_over or not progress.is_landed_by_plan
-        if not violated or not may_end or self.is_leaving:
-            return None
-        return self._assumptions.surprise or self._violation
-
-    @property
-    def _violation(self) -> str | None:
-        """What is violated, in words; None if nothing is."""
-        violated = self._flight.task.violated
-        return f"{', '.join(violated)} violated" if violated else None
 
     # -- planning again ------------------------------------------------------------------------
 
@@ -332,15 +262,3 @@ class Executive:
         """Reports what the tree's nodes do now, if it is not what they did."""
         if self._tree_report is not None:
             self._tree_report.tell()
-
-
-BEFORE_THE_TREE = (
-    ReplanTrigger("the map cuts off a belief of the plan", Executive._cut_off_by_map),
-    ReplanTrigger("the task has a plan again", Executive._possible_again),
-)
-AFTER_THE_TREE = (
-    ReplanTrigger("the tree has failed", Executive._tree_failed),
-    ReplanTrigger("the task is violated", Executive._in_vain),
-)
-REPLAN_TRIGGERS = (*BEFORE_THE_TREE, *AFTER_THE_TREE)
-"""In the order in which they are looked at in each tick; the first that has a reason decides."""

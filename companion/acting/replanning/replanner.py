@@ -116,8 +116,8 @@ class Replanner:
         found = self._search(*self._flight.task.problem())
         return found if isinstance(found, Lasso) else None
 
-    def is_still_best(self, lasso: Lasso) -> bool:
-        """Whether a plan made now, as from the place left last, is the rest of the present one."""
+    def search_confirms(self, lasso: Lasso) -> bool:
+        """Plans now, as from the place left last: whether that is the rest of the present plan."""
         new = self.plan_now() if self._flight.task.running is not None else None
         return new is not None and self.is_rest_of(lasso, new)
 

@@ -12,9 +12,15 @@ from happened import Replan
 from rig import Rig
 from synthetic import POSITIONS, command, event, facts_of, mission, move, reading
 
-from companion.acting.executive import REPLAN_TRIGGERS
+from companion.acting import replan_triggers
 from companion.acting.executive_states import TaskStatus
 from companion.acting.flight import TICK_S
+from companion.acting.replan_triggers import (
+    REPLAN_TRIGGERS,
+    PlanUnderWay,
+    ReplanTrigger,
+    ReplanTriggers,
+)
 from companion.acting.replanning.explanation import SEARCHES_PER_TICK
 from companion.acting.replanning.replanner import MAX_IDLE_REPLANS
 from companion.errors import NoPlanError, SearchLimit
@@ -31,9 +37,11 @@ from companion.flight_events.word import ConjunctViolated, PositionLeft
 from companion.geometry import distance
 from companion.mission.model import Event, Execution, Land, Mission, Skill, TakeOff, Wait
 from companion.motion.grid import OccupancyGrid
+from companion.motion.routes import RouteMap
 from companion.planning.builtin.search import Search
 from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT
 from companion.planning.explain import NoPlan, why_no_plan
+from companion.planning.planner import Planner
 from companion.vehicle.port import Failed, Progress, hold_at
 
 FOUND, LOW = event("found"), event("low")
@@ -468,6 +476,44 @@ def test_the_state_says_what_is_done() -> None:
         ["IDLE", "EXECUTING", "EXPLAINING", "WITHOUT_PLAN"],
         ["IDLE", "EXECUTING", "WITHOUT_PLAN"],  # the reason was found in the same tick
     )
+
+
+def test_a_guard_changes_nothing_and_searches_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """So it may be asked in every tick; what it lets through may take a search."""
+    guarding: list[str] = []
+    guarded: set[str] = set()
+
+    def checked(trigger: ReplanTrigger) -> ReplanTrigger:
+        def guard(triggers: ReplanTriggers, plan: PlanUnderWay) -> bool:
+            before = len(rig.flight.reports), rig.task.facts, rig.task.withdrawn
+            guarding.append(trigger.name)
+            holds = trigger.guard(triggers, plan)
+            guarding.pop()
+            assert (len(rig.flight.reports), rig.task.facts, rig.task.withdrawn) == before
+            guarded.update([trigger.name] if holds else [])
+            return holds
+
+        return replace(trigger, guard=guard)
+
+    def unguarded(owner: type, name: str) -> None:
+        search = getattr(owner, name)
+
+        def watched(*args: object) -> object:
+            assert not guarding
+            return search(*args)
+
+        monkeypatch.setattr(owner, name, watched)
+
+    for table in ("BEFORE_THE_TREE", "AFTER_THE_TREE"):
+        rows = getattr(replan_triggers, table)
+        monkeypatch.setattr(replan_triggers, table, tuple(map(checked, rows)))
+    for owner, name in ((Planner, "replan"), (Planner, "reinstantiate"), (RouteMap, "find")):
+        unguarded(owner, name)
+    rig = Rig(search_and_report(FOUND, LOW)).begin()
+    rig.run_until(PlaceReached, place="A")
+    rig.tick(reading("found"))
+    rig.run_to_the_end()
+    assert guarded == {"the tree has failed"}
 
 
 def test_the_triggers_are_looked_at_in_their_order() -> None:

@@ -1,0 +1,157 @@
+"""Why the plan under way is to be replaced: the table of triggers, in the order of a tick.
+
+A trigger has a guard, which is quick and changes nothing. Where it holds, the trigger looks closer,
+which may take over the map or search for a plan, and says in words why another plan is due.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from py_trees.behaviour import Behaviour
+from py_trees.common import Status
+
+from companion.acting.behaviour_tree.leaf import failure_of
+from companion.acting.flight import Flight
+from companion.acting.replanning.assumptions import Assumptions
+from companion.acting.replanning.replanner import Replanner
+from companion.planning.lasso import Lasso
+
+BELIEF_CAME_BACK = "a belief came back"
+"""Why a plan is due that nothing has gone wrong with."""
+
+
+@dataclass(frozen=True, slots=True)
+class PlanUnderWay:
+    """A plan that is flown.
+
+    Attributes:
+        lasso: the plan.
+        tree: its behaviour tree.
+        is_leaving: it flies to a place in want of a plan for the task.
+    """
+
+    lasso: Lasso
+    tree: Behaviour
+    is_leaving: bool
+
+
+@dataclass(frozen=True, slots=True)
+class ReplanTrigger:
+    """One reason to plan again.
+
+    Attributes:
+        name: what is noticed.
+        guard: whether to look closer; quick, and it changes nothing.
+        reason: looks closer; why a new plan is due, in words for people; None if it is not.
+    """
+
+    name: str
+    guard: Callable[[ReplanTriggers, PlanUnderWay], bool]
+    reason: Callable[[ReplanTriggers, PlanUnderWay], str | None]
+
+
+class ReplanTriggers:
+    """Notices what a plan did not expect.
+
+    Args:
+        flight: knows what holds now, and how far the plan has come.
+        assumptions: of the plan.
+        replanner: knows the map, and what plan would be made now.
+    """
+
+    def __init__(self, flight: Flight, assumptions: Assumptions, replanner: Replanner) -> None:
+        self._flight = flight
+        self._assumptions = assumptions
+        self._replanner = replanner
+        self._reachability = replanner.reachability
+
+    def look(self, plan: PlanUnderWay) -> None:
+        """Looks at events and map. What events have become is taken over if the plan stays best."""
+        assumptions = self._assumptions
+        assumptions.narrow(plan.lasso)
+        if self._flight.progress.is_landed_by_plan:
+            return
+        if assumptions.wrong and self._replanner.search_confirms(plan.lasso):
+            assumptions.renew()
+        self._reachability.look()
+
+    def before_the_tree(self, plan: PlanUnderWay) -> str | None:
+        """Why another plan is due, before the plan's tree is ticked; None if none is."""
+        return self._first_reason(BEFORE_THE_TREE, plan)
+
+    def after_the_tree(self, plan: PlanUnderWay) -> str | None:
+        """Why another plan is due, after the plan's tree was ticked; None if none is."""
+        return self._first_reason(AFTER_THE_TREE, plan)
+
+    def _first_reason(self, triggers: tuple[ReplanTrigger, ...], plan: PlanUnderWay) -> str | None:
+        asked = (t.reason(self, plan) for t in triggers if t.guard(self, plan))
+        return next((reason for reason in asked if reason is not None), None)
+
+    # -- the map cuts off a belief -------------------------------------------------------------
+
+    def _map_differs(self, _: PlanUnderWay) -> bool:
+        return not self._flight.progress.is_landed_by_plan and self._reachability.has_changed
+
+    def _cut_off_by_map(self, plan: PlanUnderWay) -> str | None:
+        """A belief that the plan needs was given up, once the routes on the map are known."""
+        self._reachability.search()
+        if not self._reachability.is_known:
+            return None
+        cut_off = self._replanner.follow_map()
+        if cut_off is None or plan.is_leaving or self._replanner.search_confirms(plan.lasso):
+            return None
+        return cut_off.text
+
+    # -- the task has a plan again -------------------------------------------------------------
+
+    def _may_be_possible(self, plan: PlanUnderWay) -> bool:
+        return plan.is_leaving and self._assumptions.may_do_better
+
+    def _possible_again(self, _: PlanUnderWay) -> str | None:
+        if not self._flight.task.violated and self._replanner.plan_now() is not None:
+            return self._assumptions.surprise or BELIEF_CAME_BACK
+        self._assumptions.forget_restored_beliefs()
+        return None
+
+    # -- the tree has failed -------------------------------------------------------------------
+
+    def _has_failed(self, plan: PlanUnderWay) -> bool:
+        return plan.tree.status is Status.FAILURE
+
+    def _failure(self, plan: PlanUnderWay) -> str | None:
+        """An assumption is wrong, a skill has failed, or a belief has come back."""
+        unexpected = self._assumptions.surprise or failure_of(plan.tree)
+        return unexpected or self._violation or BELIEF_CAME_BACK
+
+    # -- the task is violated ------------------------------------------------------------------
+
+    def _is_in_vain(self, plan: PlanUnderWay) -> bool:
+        """A plan that has landed the vehicle ends first."""
+        progress = self._flight.progress
+        is_over = plan.lasso.ends_at_rest and progress.laps > 0
+        may_end = is_over or not progress.is_landed_by_plan
+        return may_end and not plan.is_leaving and self._violation is not None
+
+    def _in_vain(self, _: PlanUnderWay) -> str | None:
+        return self._assumptions.surprise or self._violation
+
+    @property
+    def _violation(self) -> str | None:
+        """What is violated, in words; None if nothing is."""
+        violated = self._flight.task.violated
+        return f"{', '.join(violated)} violated" if violated else None
+
+
+_T = ReplanTriggers
+BEFORE_THE_TREE = (
+    ReplanTrigger("the map cuts off a belief of the plan", _T._map_differs, _T._cut_off_by_map),
+    ReplanTrigger("the task has a plan again", _T._may_be_possible, _T._possible_again),
+)
+AFTER_THE_TREE = (
+    ReplanTrigger("the tree has failed", _T._has_failed, _T._failure),
+    ReplanTrigger("the task is violated", _T._is_in_vain, _T._in_vain),
+)
+REPLAN_TRIGGERS = (*BEFORE_THE_TREE, *AFTER_THE_TREE)
+"""In the order in which they are looked at in each tick; the first that has a reason decides."""
