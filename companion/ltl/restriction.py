@@ -11,10 +11,10 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 from companion.ltl.automaton import BuchiAutomaton, statistics
-from companion.ltl.graph import LabelledEdge, LabelledGraph, Marks, automaton_of
+from companion.ltl.graph import LabelledEdge, LabelledGraph, Marks, Nodes, automaton_of
 from companion.ltl.labels import Alphabet, Cube, joined
 from companion.ltl.reductions.quotient import merged_cubes_and_simulators
 from companion.ltl.reductions.trimming import trimmed
@@ -85,8 +85,8 @@ def restricted(automaton: BuchiAutomaton, constants: Mapping[str, bool]) -> Rest
     """
     names = [name for name in automaton.propositions if name not in constants]
     alphabet = Alphabet(names)
-    rooted = trimmed(_with_root(automaton, constants, alphabet))
-    graph, simulators = merged_cubes_and_simulators(rooted)
+    rooted = _with_root(automaton, constants, alphabet)
+    graph, simulators = _reduced(tuple(map(tuple, rooted.edges)), rooted.marks)
     first_tag = 2 * len(names)
     state_of = {
         (int(edge.label).bit_length() - 1 - first_tag) // 2: edge.target - 1
@@ -102,6 +102,18 @@ def restricted(automaton: BuchiAutomaton, constants: Mapping[str, bool]) -> Rest
         state_of,
         tuple(above >> 1 for above in simulators[1:]),
     )
+
+
+@lru_cache(maxsize=256)
+def _reduced(
+    edges: tuple[tuple[LabelledEdge[Cube], ...], ...], marks: int
+) -> tuple[LabelledGraph[Cube], list[Nodes]]:
+    """A graph reduced, and the simulators of each node that is left.
+
+    It is kept: conjuncts of one kind, such as those of a patrol, differ in their names alone.
+    """
+    graph = LabelledGraph([list(leaving) for leaving in edges], marks)
+    return merged_cubes_and_simulators(trimmed(graph))
 
 
 def _with_root(
