@@ -19,7 +19,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
 from companion.mission.facts import AT, HERE, Fact, spelled
@@ -71,6 +71,7 @@ class Action:
     """An instance of a skill: all its parameters are bound.
 
     Attributes:
+        name: skill and arguments, e.g. "move(A, B)".
         skill: its name.
         arguments: what its parameters are bound to.
         requires: facts that must hold, beliefs included.
@@ -95,11 +96,11 @@ class Action:
     timeout_s: float | None
     conditional: tuple[ConditionalEffect[Fact], ...] = ()
     retry_after_s: float | None = None
+    name: str = field(init=False, compare=False)
 
-    @property
-    def name(self) -> str:
-        """Skill and arguments, e.g. "move(A, B)"."""
-        return spelled(self.skill, self.arguments)
+    def __post_init__(self) -> None:
+        """Spells the name once: plans are compared by names, a thousand at a time, in flight."""
+        object.__setattr__(self, "name", spelled(self.skill, self.arguments))
 
     @property
     def destination(self) -> str | None:
