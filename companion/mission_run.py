@@ -79,7 +79,7 @@ class Run:
             detector.signals,
             takeoff_up_m=-home.position[2],
         )
-        self.awaited = frozenset(s.field for s in detector.signals if s.message == "COMMAND")
+        self.awaited = frozenset(s.field for s in detector.signals if s.is_pulse)
         acting = assemble(prepared, self.vehicle, detector)
         self.flight = acting.flight
         self.sortie = Sortie(

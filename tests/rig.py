@@ -31,6 +31,7 @@ class Rig(Happened):
     Attributes:
         reports: what happened so far, as people are told.
         positions: the positions of the word that were left.
+        left_s: when each of them was.
         plans: every plan so far.
     """
 
@@ -50,6 +51,7 @@ class Rig(Happened):
         self.task, self.speed_limit = acting.flight.task, acting.flight.speed_limit
         self.reports: list[Stamped] = []
         self.positions: list[PositionLeft] = []
+        self.left_s: list[float] = []
         self.plans: list[Lasso] = []
         self._ticks = 0
 
@@ -102,3 +104,4 @@ class Rig(Happened):
                 self.reports.append(stamped)
             if isinstance(stamped.event, PositionLeft):
                 self.positions.append(stamped.event)
+                self.left_s.append(stamped.time_s)

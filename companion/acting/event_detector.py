@@ -1,14 +1,18 @@
 """Events: facts that the vehicle cannot choose, made from readings off the wire.
 
-An event becomes true when its condition has held for `for_s`, and false when `until` (without
-one: the condition's opposite) has held for as long; a latched event stays. So a value that
-flaps at its threshold does not make the fact flap.
+An event rises when its condition has held for `for_s`, and falls when `until` (without one: the
+condition's opposite) has held for as long; a latched event stays. So a value that flaps at its
+threshold does not make the fact flap. An event that has fallen rises anew: its condition has to
+fail in between.
+
+A command is a pulse: it is there at the moment when it comes, and no longer. Every change counts,
+also two of the same event within one tick.
 """
 
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from companion.mission.model import Condition, Event, Signal
 
@@ -21,6 +25,9 @@ COMPARISONS: dict[str, Callable[[float, float], bool]] = {
     "!=": operator.ne,
 }
 
+Change = tuple[str, bool]
+"""An event by name, and whether it holds now."""
+
 
 class EventDetector:
     """The present value of every event of a mission."""
@@ -30,6 +37,7 @@ class EventDetector:
         self._values: dict[Signal, float] = {}
         self._since_s: dict[str, float] = {}
         self._holds = dict.fromkeys(events, False)
+        self._spent: set[str] = set()  # have fallen, and the condition has held ever since
 
     @property
     def signals(self) -> frozenset[Signal]:
@@ -37,31 +45,43 @@ class EventDetector:
         conditions = [c for e in self._events.values() for c in (e.when, e.until) if c]
         return frozenset(c.signal for c in conditions)
 
-    def update(
-        self, now_s: float, readings: Iterable[tuple[Signal, float]]
-    ) -> list[tuple[str, bool]]:
-        """Takes readings; returns the events that changed, with their new value."""
-        before = dict(self._holds)
+    def update(self, now_s: float, readings: Iterable[tuple[Signal, float]]) -> list[Change]:
+        """Takes readings; returns all changes, one after the other."""
+        changes: list[Change] = []
         for signal, value in readings:
             self._values[signal] = value
-            self._change(now_s)
-        self._change(now_s)
-        return [(name, holds) for name, holds in self._holds.items() if holds != before[name]]
+            changes += self._changes(now_s)
+            if signal.is_pulse:
+                del self._values[signal]
+                changes += self._changes(now_s)
+        changes += self._changes(now_s)
+        return changes
 
-    def _change(self, now_s: float) -> None:
+    def _changes(self, now_s: float) -> Iterator[Change]:
         for name, event in self._events.items():
-            if not self._wants_to_change(event):
+            is_met = self._is_met(event.when)
+            if not is_met:
+                self._spent.discard(name)
+            if not self._wants_to_change(event, is_met):
                 self._since_s.pop(name, None)
-            elif now_s - self._since_s.setdefault(name, now_s) >= event.for_s:
+            elif now_s - self._since_s.setdefault(name, now_s) >= self._delay_s(event):
                 del self._since_s[name]
                 self._holds[name] = not self._holds[name]
+                if is_met and not self._holds[name]:
+                    self._spent.add(name)
+                yield name, self._holds[name]
 
-    def _wants_to_change(self, event: Event) -> bool:
+    def _wants_to_change(self, event: Event, is_met: bool) -> bool:
         if not self._holds[event.name]:
-            return self._is_met(event.when)
+            return is_met and event.name not in self._spent
         if event.latch:
             return False
-        return self._is_met(event.until) if event.until else not self._is_met(event.when)
+        return self._is_met(event.until) if event.until else not is_met
+
+    def _delay_s(self, event: Event) -> float:
+        """How long the condition that is met has to hold: a pulse cannot."""
+        condition = event.until if self._holds[event.name] and event.until else event.when
+        return 0.0 if condition.signal.is_pulse else event.for_s
 
     def _is_met(self, condition: Condition) -> bool:
         """Whether a condition holds; a signal that was never heard meets none."""

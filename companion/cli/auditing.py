@@ -91,7 +91,8 @@ def _row(position: PositionLeft, time_s: float, findings: tuple[Finding, ...]) -
     """A position, what each conjunct says after it, and its facts."""
     minutes, seconds = divmod(time_s, 60)
     states = "".join(SYMBOLS[finding.states[position.number].value] for finding in findings)
-    notes = [f"{name} begins anew" for name in sorted(position.restarted)]
+    notes = [f"{name} had risen" for name in sorted(position.risen)]
+    notes += [f"{name} begins anew" for name in sorted(position.restarted)]
     withdrawn = ", ".join(sorted(position.withdrawn))
     notes += [f"without {withdrawn}"] if withdrawn else []
     notes += ["and so for ever"] if position.for_ever else []

@@ -47,6 +47,8 @@ def check(
         typer.echo(json.dumps({"version": FORMAT_VERSION, "ok": True} | checked.as_json()))
         return
     typer.echo(f"mission    {checked.mission}: places {' '.join(checked.places)}")
+    for name, duration in checked.events.items():
+        typer.echo(f"event      {name}: {duration}")
     for name, states in checked.states.items():
         typer.echo(f"task       {name}: {states} states")
     typer.echo(f"plan       {checked.plan}")
@@ -171,11 +173,13 @@ class _Checked:
     """What is told of a mission that can be flown.
 
     Attributes:
+        events: when each of them holds, in words.
         states: of each conjunct's automaton.
     """
 
     mission: str
     places: tuple[str, ...]
+    events: dict[str, str]
     states: dict[str, int]
     plan: str
 
@@ -193,6 +197,7 @@ class _Checked:
         return cls(
             planner.mission.name,
             tuple(planner.mission.places),
+            {name: event.duration for name, event in planner.mission.events.items()},
             {c.name: c.automaton.states for c in planner.conjuncts},
             "a tree of its own" if tree else str(planner.plan()),
         )

@@ -24,6 +24,10 @@ class PositionLeft(FlightEvent):
 
     number: Annotated[int, Doc("of the position; 0 is the start")]
     facts: Facts
+    risen: Annotated[
+        tuple[str, ...],
+        Doc("a list of the events among the facts that had risen before and held no more"),
+    ]
     withdrawn: Annotated[tuple[str, ...], Doc("a list of the beliefs that are not held")]
     restarted: Annotated[
         tuple[str, ...], Doc("a list of the lines of the task that begin anew with this position")

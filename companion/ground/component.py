@@ -36,7 +36,7 @@ from companion.ground.parameters import MONITOR, TEXT_LEVEL, CompanionParameters
 from companion.ground.texts import INFO, WARNING, StatusTextQueue, severity
 from companion.mavlink import ftp
 from companion.mavlink.framing import Message, dialect, source
-from companion.mission.model import Signal
+from companion.mission.model import COMMAND, Signal
 from companion.outcomes import Refusal
 from companion.vehicle.wire import COMPONENT
 
@@ -157,7 +157,7 @@ class Component:
         name = entry.name if entry else ""
         is_awaited = name in self._operations.awaited
         if is_awaited:
-            self._events.append((Signal("COMMAND", "", name), 1.0))
+            self._events.append((Signal(COMMAND, "", name), 1.0))
         action = self.ACTIONS.get(command)
         if action is None or (is_awaited and command not in self.ALSO_WITH_EVENTS):
             return ACCEPTED if is_awaited else UNSUPPORTED

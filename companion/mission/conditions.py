@@ -17,9 +17,7 @@ from pymavlink.dialects.v20 import common
 
 from companion.documents import did_you_mean
 from companion.errors import FormulaError
-from companion.mission.model import Condition, Signal
-
-COMMAND = "COMMAND"
+from companion.mission.model import COMMAND, Condition, Signal
 
 COMMANDS: dict[str, int] = {
     entry.name: number

@@ -77,7 +77,8 @@ def load_mission(source: Given, folder: Path | None = None) -> Mission:
     _check_restored(file, skills, document)
     initially = _initially(file, document, vocabulary)
     given = {*events, *declared, *(fact.predicate for fact in initially)}
-    _check_reachable_names(skills, given, document)
+    pulses = {name for name, event in events.items() if event.is_pulse}
+    _check_reachable_names(skills, given, pulses, document)
     sets = {name: tuple(members) for name, members in file.sets.items()}
     return Mission(
         name=file.name,
@@ -193,6 +194,13 @@ def _events(file: MissionFile, document: Document) -> dict[str, Event]:
                 document.key_at("events", name, "until"),
                 "a latched fact stays true for ever: remove one of the two",
             )
+        lasting = [each for each in (when, until) if each and not each.signal.is_pulse]
+        if not lasting and entry.for_s > 0:
+            raise MissionError(
+                f"{name} waits for a command to hold for {entry.for_s:g} s",
+                document.where("events", name, "for_s"),
+                "a command is there at the moment when it comes: remove for_s",
+            )
         for index, conjunct in enumerate(entry.restarts):
             lines = [*file.task, *([GOAL] if file.goal is not None else [])]
             if conjunct not in lines:
@@ -240,13 +248,17 @@ def _initially(file: MissionFile, document: Document, vocabulary: Vocabulary) ->
 
 
 def _check_reachable_names(
-    skills: Mapping[str, Skill], given: Collection[str], document: Document
+    skills: Mapping[str, Skill],
+    given: Collection[str],
+    pulses: Collection[str],
+    document: Document,
 ) -> None:
     """Refuses a condition that nothing ever makes true, such as a misspelt one.
 
     Args:
         given: names of facts that need no skill: events, what holds at the start, what PDDL
             declares.
+        pulses: names of events that fall in the moment in which they rise.
     """
     sources = {*given}
     for skill in skills.values():
@@ -258,6 +270,12 @@ def _check_reachable_names(
         conditions += [(x, "effect") for when in skill.conditional for x in when.condition]
         for literal, key in conditions:
             name = literal.atom.predicate
+            if name in pulses and literal.is_positive:
+                raise MissionError(
+                    f"{skill.name} waits for {name}, which never lasts until a skill begins",
+                    document.where("skills", skill.name, key),
+                    f"a command is there for a moment: give {name} latch: true, or until:",
+                )
             if name not in sources:
                 raise MissionError(
                     f"nothing ever makes {name} true",

@@ -43,12 +43,16 @@ class Limits:
     fence: tuple[NorthEast, ...]
 
 
+COMMAND = "COMMAND"
+"""Stands in the place of a message's name for commands sent to the companion."""
+
+
 @dataclass(frozen=True, slots=True)
 class Signal:
     """One number on the MAVLink wire: a field of a message, or the arrival of a command.
 
     Attributes:
-        message: MAVLink message name, or `COMMAND` for a command sent to the companion.
+        message: MAVLink message name, or `COMMAND`.
         instance: the `name` field that tells instances apart (NAMED_VALUE_*), else "".
         field: the message's field; for `COMMAND` the MAV_CMD name (its value is 1).
     """
@@ -56,6 +60,15 @@ class Signal:
     message: str
     instance: str
     field: str
+
+    @property
+    def is_pulse(self) -> bool:
+        """Whether it has its value at the moment of its arrival alone."""
+        return self.message == COMMAND
+
+    def __str__(self) -> str:
+        instance = f"[{self.instance}]" if self.instance else ""
+        return f"{self.message}{instance}.{self.field}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,15 +79,21 @@ class Condition:
     comparison: str  # one of < <= > >= == !=
     threshold: float
 
+    def __str__(self) -> str:
+        if self.signal.is_pulse:
+            return str(self.signal)
+        return f"{self.signal} {self.comparison} {self.threshold:g}"
+
 
 @dataclass(frozen=True, slots=True)
 class Event:
     """A fact that the vehicle cannot choose, read off the wire (Section III-B).
 
     It becomes true when `when` has held for `for_s`; false when `until` (default: not `when`)
-    has held for `for_s`, or never again if `latch`. When it becomes true, the conjuncts named in
-    `restarts` begin anew: what they still demanded from positions before is dropped; and
-    withdrawn beliefs with a predicate of `restores` are held again.
+    has held for `for_s`, or never again if `latch`. A command has no duration: it counts at once.
+    When the event becomes true, the conjuncts named in `restarts` begin anew: what they still
+    demanded from positions before is dropped; and withdrawn beliefs with a predicate of `restores`
+    are held again.
     """
 
     name: str
@@ -89,6 +108,22 @@ class Event:
     def fact(self) -> Fact:
         """What holds when it has become true."""
         return Fact(self.name)
+
+    @property
+    def is_pulse(self) -> bool:
+        """Whether it falls in the moment in which it rises."""
+        return self.when.signal.is_pulse and self.until is None and not self.latch
+
+    @property
+    def duration(self) -> str:
+        """When it holds, in words."""
+        if self.is_pulse:
+            return f"at the moment of {self.when}, once in the word for each"
+        delay = f"; a change counts after {self.for_s:g} s" if self.for_s else ""
+        if self.latch:
+            return f"for ever, once {self.when}{delay}"
+        span = f"from {self.when} until {self.until}" if self.until else f"while {self.when}"
+        return span + delay
 
 
 @dataclass(frozen=True, slots=True)

@@ -93,7 +93,8 @@ class EventEntry(StrictModel):
         Text,
         Field(
             description="Condition that makes the fact true, e.g. "
-            "NAMED_VALUE_INT[target].value > 0 or COMMAND.MAV_CMD_USER_1."
+            "NAMED_VALUE_INT[target].value > 0 or COMMAND.MAV_CMD_USER_1. A command is true at "
+            "the moment when it comes; the task sees it at the next position."
         ),
     ]
     until: Annotated[
@@ -103,7 +104,11 @@ class EventEntry(StrictModel):
     ] = None
     latch: Annotated[bool, Field(description="Once true, true for ever.")] = False
     for_s: Annotated[
-        float, Field(ge=0, description="Seconds a condition must hold before it counts.")
+        float,
+        Field(
+            ge=0,
+            description="Seconds a condition must hold before it counts; a command counts at once.",
+        ),
     ] = 0.0
     restarts: Annotated[
         list[Name],

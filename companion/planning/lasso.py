@@ -42,7 +42,7 @@ class Conjunct:
 
 @dataclass(frozen=True)
 class Problem:
-    """A planning problem; between replans only the last three fields change.
+    """A planning problem; between replans only the last four fields change.
 
     Attributes:
         actions: instances of skills; their order breaks ties.
@@ -51,6 +51,9 @@ class Problem:
         automaton_states: per conjunct, the states its automaton may be in after reading the
             history up to and including the present position.
         withdrawn: beliefs that were disproved and would be facts otherwise.
+        unread: events that have risen since the last letter was read, and have fallen again: the
+            first letter of a plan has them, and no other one. The automata know
+            (unread_rises.py).
     """
 
     actions: tuple[Action, ...]
@@ -58,6 +61,7 @@ class Problem:
     facts: frozenset[Fact]
     automaton_states: tuple[frozenset[int], ...]
     withdrawn: frozenset[Fact] = frozenset()
+    unread: frozenset[Fact] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -180,11 +184,18 @@ class Solution:
 
 
 def word(problem: Problem, lasso: Lasso) -> tuple[list[Letter], list[Letter]]:
-    """The letters that a lasso appends to the history: of the prefix, and of one lap."""
+    """The letters that a lasso appends to the history: once, and then in each lap.
+
+    Where the first letter has unread events and there is no prefix, the first lap is read once.
+    """
     letters: list[Letter] = []
     facts = problem.facts
     for action in (*lasso.prefix, *lasso.loop):
         facts = action.apply(facts)
         letters.append(facts)
     cut = len(lasso.prefix)
-    return letters[:cut], letters[cut:]
+    once, lap = letters[:cut], letters[cut:]
+    if problem.unread:
+        first, *rest = once or lap
+        once = [first | problem.unread, *rest]
+    return once, lap

@@ -32,6 +32,7 @@ from companion.planning.flight_times import flight_times, from_table, route_map
 from companion.planning.lasso import Conjunct, Lasso, Letter, Problem, Solution
 from companion.planning.objective import Encoding, Objective
 from companion.planning.supposition import supposed_facts, supposed_withdrawn
+from companion.planning.unread_rises import UnreadRises
 
 BUILT_IN = "built-in"
 """The engine that plans unless another one is named."""
@@ -85,6 +86,7 @@ class Planner:
         self.flight_time = flight_time
         self.without_a_move: frozenset[Fact] = frozenset()
         self._search = Search(self.model.actions)
+        self._unread_rises = UnreadRises()
         self._log_sizes()
 
     def _log_sizes(self) -> None:
@@ -129,6 +131,7 @@ class Planner:
         automaton_states: tuple[frozenset[int], ...],
         withdrawn: frozenset[Fact] = frozenset(),
         is_en_route: bool = False,
+        unread: frozenset[Fact] = frozenset(),
     ) -> Problem:
         """The problem from a state.
 
@@ -137,6 +140,7 @@ class Planner:
             automaton_states: where the automata may be after reading the present position.
             withdrawn: beliefs that have been disproved; all others are held.
             is_en_route: whether the vehicle is between places: adds the moves from `here`.
+            unread: events that have risen and fallen since the last letter was read.
         """
         actions, beliefs = self.model.actions, self.model.beliefs
         if is_en_route:
@@ -144,7 +148,8 @@ class Planner:
             actions = (*actions, *extra)
             beliefs = beliefs.union(*(a.assumes for a in extra))
         held = facts | (beliefs - withdrawn)
-        return Problem(actions, self.conjuncts, held, automaton_states, beliefs & withdrawn)
+        problem = Problem(actions, self.conjuncts, held, automaton_states, beliefs & withdrawn)
+        return self._unread_rises.told(problem, unread) if unread else problem
 
     def plan(
         self,

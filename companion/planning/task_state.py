@@ -5,12 +5,14 @@ The word of the flight (after Section III-A of the paper):
 1. A completed skill appends a position, with the facts that hold then.
 2. A position is read by the automata when it is left, that is, when the next skill begins.
    Until then an event may still change it. Plans are made as if it were read.
-3. An interrupted skill appends no position. The system moves first: the automata read next at
+3. No rise of an event is lost. A letter has each event that is true when it is read, or has risen
+   since the last letter was read. An event that was read and has fallen since is false.
+4. An interrupted skill appends no position. The system moves first: the automata read next at
    the place that the vehicle reaches. So an event can never break `X` by itself.
-4. An interrupted flight leaves the vehicle at no place: `at(here)` holds and no other `at`.
-5. What was read is kept when a plan is made anew, where the paper starts from the automaton's
+5. An interrupted flight leaves the vehicle at no place: `at(here)` holds and no other `at`.
+6. What was read is kept when a plan is made anew, where the paper starts from the automaton's
    initial states. Only an event may say that a conjunct begins anew (`restarts`).
-6. A conjunct that no continuation can satisfy any more is violated by the position read last. No
+7. A conjunct that no continuation can satisfy any more is violated by the position read last. No
    plan leads there: it takes an event or a failure that the vehicle could not choose.
 """
 
@@ -35,7 +37,8 @@ class Position:
 
     Attributes:
         number: its place in the word; the first one is 0.
-        facts: what held; of the beliefs only those that the task mentions.
+        facts: what was read; of the beliefs only those that the task mentions.
+        risen: events among them that had risen before, and held no more when they were read.
         withdrawn: beliefs that were not held.
         restarted: names of conjuncts that begin anew with this position.
         violated: conjuncts that no continuation can satisfy since this position.
@@ -43,6 +46,7 @@ class Position:
 
     number: int
     facts: frozenset[Fact]
+    risen: frozenset[Fact]
     withdrawn: frozenset[Fact]
     restarted: tuple[str, ...]
     violated: tuple[Conjunct, ...]
@@ -74,6 +78,7 @@ class TaskState:
 
     Attributes:
         facts: what holds, without the beliefs.
+        risen: events that have risen since the last letter was read.
         withdrawn: beliefs that were disproved, or that the map contradicts.
         positions: how many positions have been left.
         left: those of them that nobody has collected yet.
@@ -86,6 +91,7 @@ class TaskState:
         self._is_read = False
         self._restarted: tuple[str, ...] = ()
         self.facts: frozenset[Fact] = planner.mission.initially
+        self.risen: frozenset[Fact] = frozenset()
         self.withdrawn: frozenset[Fact] = frozenset()
         self._returns_s: dict[Fact, float] = {}
         self._failed: frozenset[Fact] = frozenset()
@@ -110,12 +116,14 @@ class TaskState:
         if self._is_read:
             states = tuple(r.runs.states for r in self._readings)
             histories = [r.letters for r in self._readings]
+            unread = self.risen - self.facts
         else:
             letter = self._letter()
             states = tuple(r.runs.after(letter).states for r in self._readings)
             histories = [[*r.letters, letter] for r in self._readings]
+            unread = frozenset()
         is_en_route = AT_HERE in self.facts
-        problem = self._planner.problem(self.facts, states, self.withdrawn, is_en_route)
+        problem = self._planner.problem(self.facts, states, self.withdrawn, is_en_route, unread)
         return problem, histories
 
     def begin(self, action: Action) -> None:
@@ -130,8 +138,11 @@ class TaskState:
         letter = self._letter()
         violated = tuple(r.conjunct for r in self._readings if r.read(letter))
         facts = self.facts | letter & self._planner.task_facts
-        self.left.append(Position(self.positions, facts, self.withdrawn, self._restarted, violated))
+        risen = (self.risen - self.facts) & facts
+        number, restarted = self.positions, self._restarted
+        self.left.append(Position(number, facts, risen, self.withdrawn, restarted, violated))
         self._is_read = True
+        self.risen = frozenset()
         self._restarted = ()
         self.positions += 1
 
@@ -194,7 +205,10 @@ class TaskState:
 
     def take(self, event: Event, holds: bool) -> None:
         """Takes over an event that has changed."""
-        self.facts = self.facts | {event.fact} if holds else self.facts - {event.fact}
+        fact = frozenset({event.fact})
+        self.facts = self.facts | fact if holds else self.facts - fact
+        if holds:
+            self.risen |= fact
         for reading in self._readings:
             name = reading.conjunct.name
             if holds and name in event.restarts:
@@ -203,4 +217,4 @@ class TaskState:
 
     def _letter(self) -> Letter:
         """What the automata read at the present position."""
-        return self.facts | (self._planner.model.beliefs - self.withdrawn)
+        return self.facts | self.risen | (self._planner.model.beliefs - self.withdrawn)

@@ -153,6 +153,7 @@ def as_json(record: RunRecord, result: Audit) -> Mapping[str, object]:
                 "number": position.number,
                 "t_s": time_s,
                 "facts": sorted(position.facts),
+                "risen": sorted(position.risen),
                 "withdrawn": sorted(position.withdrawn),
                 "restarted": sorted(position.restarted),
                 "states": [finding.states[position.number].value for finding in result.findings],

@@ -1,8 +1,9 @@
 """What the present plan assumes of events and beliefs, and what has turned out otherwise.
 
 Planning assumes that every event keeps its value. A change matters only if the task, or the
-precondition of an action still to come, mentions the event. It also assumes that a belief that was
-withdrawn stays so; one that comes back allows for a better plan.
+precondition of an action still to come, mentions the event, or lines begin anew with it. A rise
+matters although the event has fallen again, for the next letter has it. Planning also assumes that
+a belief that was withdrawn stays so; one that comes back allows for a better plan.
 """
 
 from __future__ import annotations
@@ -29,6 +30,8 @@ class Assumptions:
         self._planner = planner
         self._flight = flight
         self._values: dict[Fact, bool] = {}
+        self._foreseen: frozenset[Fact] = frozenset()
+        self._positions = 0
         self.may_do_better = False
 
     def note_restored_beliefs(self) -> None:
@@ -45,27 +48,40 @@ class Assumptions:
         On the way home after a violation none is looked at but those by which all that is violated
         begins anew.
         """
-        facts, violated = self._flight.task.facts, set(self._flight.task.violated)
+        task = self._flight.task
+        violated = set(task.violated)
         self._values = {
-            event.fact: event.fact in facts
+            event.fact: event.fact in task.facts
             for event in self._planner.mission.events.values()
             if violated <= event.restarts
         }
+        self._foreseen, self._positions = task.risen, task.positions
 
     def narrow(self, lasso: Lasso) -> None:
         """Leaves out the events that matter to nothing that is left of a plan."""
         left = (*lasso.prefix[self._flight.progress.completed :], *lasso.loop)
-        relevant = self._planner.task_facts.union(*(a.requires | a.forbids for a in left))
+        relevant = self._planner.task_facts | {
+            event.fact for event in self._planner.mission.events.values() if event.restarts
+        }
+        relevant = relevant.union(*(a.requires | a.forbids for a in left))
         self._values = {fact: holds for fact, holds in self._values.items() if fact in relevant}
 
     @property
     def wrong(self) -> list[Fact]:
-        """The events that are not as predicted."""
-        facts = self._flight.task.facts
-        return [fact for fact, holds in self._values.items() if (fact in facts) != holds]
+        """The events that are not as predicted, now or in the next letter."""
+        task = self._flight.task
+        is_still_unread = task.positions == self._positions
+        news = task.risen - self._foreseen if is_still_unread else task.risen
+        read_next = task.facts | news
+        return [
+            fact
+            for fact, holds in self._values.items()
+            if (fact in task.facts) != holds or (fact in read_next) != holds
+        ]
 
     @property
     def surprise(self) -> str | None:
         """The same in words; None if there are none."""
-        facts = self._flight.task.facts
-        return "; ".join(in_words(name, name in facts) for name in self.wrong) or None
+        task = self._flight.task
+        seen = task.facts | task.risen
+        return "; ".join(in_words(name, name in seen) for name in self.wrong) or None

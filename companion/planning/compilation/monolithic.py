@@ -13,6 +13,7 @@ from functools import reduce
 
 from companion.ltl.automaton import BuchiAutomaton, Label, Transition, successors
 from companion.ltl.budget import TranslationLimit
+from companion.ltl.first_letter import with_first_letter
 from companion.ltl.formula import Formula, Operator
 from companion.ltl.restriction import restricted
 from companion.ltl.translate import state_based, translate
@@ -45,6 +46,9 @@ def monolithic(
         states = automaton.initial
         for letter in histories[0]:
             states = successors(automaton, states, letter)
+        if problem.unread:
+            automaton = with_first_letter(automaton, states, problem.unread)
+            states = automaton.initial
         automaton = _rest(task, automaton, states)
     else:
         pairs = zip(problem.conjuncts, problem.automaton_states, strict=True)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from companion.acting.event_detector import EventDetector
 from companion.mission.conditions import parse_condition
-from companion.mission.model import Event, Signal
+from companion.mission.model import COMMAND, Event, Signal
 
 LEVEL = Signal("BATTERY_STATUS", "", "battery_remaining")
 Changes = list[tuple[float, bool]]
@@ -137,6 +137,53 @@ def test_signals_are_those_of_all_conditions() -> None:
     }
 
 
-def test_a_pulse_within_one_tick_is_no_change() -> None:
+def test_both_changes_within_one_tick_count() -> None:
     detector = EventDetector({"e": event()})
-    assert detector.update(0.0, [(LEVEL, 20.0), (LEVEL, 40.0)]) == []
+    assert detector.update(0.0, [(LEVEL, 20.0), (LEVEL, 40.0)]) == [("e", True), ("e", False)]
+
+
+# -- Commands --------------------------------------------------------------------------------------
+
+CALL = Signal(COMMAND, "", "MAV_CMD_USER_1")
+CALLED = "COMMAND.MAV_CMD_USER_1"
+
+
+@given(st.lists(st.integers(0, 3), max_size=20))
+def test_a_command_rises_each_time_it_comes_and_never_lasts(arrivals: list[int]) -> None:
+    detector = EventDetector({"e": event(when=CALLED)})
+    for now_s, count in enumerate(arrivals):
+        assert detector.update(now_s, [(CALL, 1.0)] * count) == [("e", True), ("e", False)] * count
+
+
+def test_a_latched_command_stays() -> None:
+    detector = EventDetector({"e": event(when=CALLED, latch=True)})
+    assert detector.update(0.0, [(CALL, 1.0), (CALL, 1.0)]) == [("e", True)]
+    assert detector.update(9.0, [(CALL, 1.0)]) == []
+
+
+def test_a_command_counts_at_once_where_levels_have_to_hold() -> None:
+    """`for_s` is about levels: at either end of the event."""
+    begun = event(when=CALLED, until="BATTERY_STATUS.battery_remaining > 80", for_s=2.0)
+    detector = EventDetector({"e": begun})
+    assert detector.update(0.0, [(CALL, 1.0), (LEVEL, 90.0)]) == [("e", True)]
+    assert detector.update(1.9, []) == []
+    assert detector.update(2.0, []) == [("e", False)]
+    ended = event(until=CALLED, for_s=2.0)
+    detector = EventDetector({"e": ended})
+    assert detector.update(0.0, [(LEVEL, 20.0)]) == []
+    assert detector.update(2.0, []) == [("e", True)]
+    assert detector.update(3.0, [(CALL, 1.0)]) == [("e", False)]
+
+
+def test_what_was_ended_rises_anew_when_its_condition_does() -> None:
+    """An operator's command acknowledges: the same level does not raise the event again."""
+    detector = EventDetector({"e": event(until=CALLED)})
+    assert detector.update(0.0, [(LEVEL, 20.0)]) == [("e", True)]
+    assert detector.update(1.0, [(CALL, 1.0)]) == [("e", False)]
+    assert detector.update(2.0, [(LEVEL, 10.0)]) == []
+    assert detector.update(3.0, [(LEVEL, 40.0), (LEVEL, 20.0)]) == [("e", True)]
+
+
+def test_conditions_that_hold_together_do_not_flap() -> None:
+    overlapping = event(until="BATTERY_STATUS.battery_remaining < 50")
+    assert changes(overlapping, [(t, 20.0) for t in range(6)]) == [(0, True), (0, False)]

@@ -208,6 +208,42 @@ def test_events(load: Load, good: str) -> None:
     assert (low.latch, low.for_s) == (False, 2)
 
 
+CALLED = ("NAMED_VALUE_INT[target].value > 0\n    latch: true", "COMMAND.MAV_CMD_USER_1")
+
+
+def test_when_events_hold_in_words(load: Load, good: str) -> None:
+    found, low = load(good).events.values()
+    assert found.duration == "for ever, once NAMED_VALUE_INT[target].value > 0"
+    level = "BATTERY_STATUS.battery_remaining"
+    assert low.duration == f"from {level} < 30 until {level} > 80; a change counts after 2 s"
+    again = good.replace(*CALLED).replace("at(r) & found &", "at(r) &")
+    called = load(again).events["found"]
+    assert called.is_pulse
+    assert called.duration == "at the moment of COMMAND.MAV_CMD_USER_1, once in the word for each"
+
+
+def test_a_moment_cannot_hold_for_a_time(load: Load, good: str) -> None:
+    for more in ("", "\n    latch: true", f"\n    until: {CALLED[1]}"):
+        with pytest.raises(MissionError, match="a command to hold for 2 s") as caught:
+            load(good.replace(CALLED[0], f"{CALLED[1]}\n    for_s: 2{more}"))
+        assert caught.value.where is not None and caught.value.where.line == 20
+        assert "remove for_s" in str(caught.value)
+    level = "BATTERY_STATUS.battery_remaining > 80"
+    load(good.replace(CALLED[0], f"{CALLED[1]}\n    for_s: 2\n    until: {level}"))
+
+
+@pytest.mark.parametrize("more", ["", "\n    latch: true", f"\n    until: {CALLED[1]}"])
+def test_a_precondition_cannot_wait_for_a_moment(load: Load, good: str, more: str) -> None:
+    text = good.replace(CALLED[0], CALLED[1] + more)
+    if more:
+        load(text)
+        return
+    with pytest.raises(MissionError, match="upload waits for found, which never lasts") as caught:
+        load(text)
+    assert "give found latch: true, or until:" in str(caught.value)
+    load(text.replace("at(r) & found &", "at(r) & !found &"))
+
+
 def test_skills(load: Load, good: str) -> None:
     move, upload = load(good).skills.values()
     assert move.parameters == (("from", "Place"), ("to", "Place"))

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from synthetic import command, event, facts_of, mission
 
 from companion.ltl.automaton import successors
-from companion.mission.model import Mission
+from companion.mission.model import Event, Mission
 from companion.planning.domain import WAIT, Action, departures
 from companion.planning.planner import Planner
 from companion.planning.task_state import TaskState
@@ -74,6 +76,109 @@ def test_a_position_is_read_when_it_is_left_and_an_event_may_change_it_until_the
     assert letters(task) == [{"at(H)", "found"}]
     task.complete(WAIT)
     assert letters(task) == [{"at(H)", "found"}, {"at(H)"}]
+
+
+def pulse(task: TaskState, raised: Event) -> None:
+    """An event that rises and falls again."""
+    task.take(raised, True)
+    task.take(raised, False)
+
+
+def test_a_rise_between_two_letters_is_in_the_next_one_alone() -> None:
+    asked = event("asked")
+    task = state(mission("G (asked -> F at(A))", events=[asked]))
+    task.begin(action(task, "move(H, A)"))
+    pulse(task, asked)
+    assert task.facts == {"at(H)"}, "a precondition sees what holds now"
+    task.complete(action(task, "move(H, A)"))
+    assert letters(task) == [{"at(H)"}, {"at(A)", "asked"}]
+    perform(task, "move(A, B)")
+    assert letters(task) == [{"at(H)"}, {"at(A)", "asked"}, {"at(B)"}]
+    assert [set(position.risen) for position in task.left] == [set(), {"asked"}]
+
+
+def test_a_rise_in_a_position_that_is_not_read_yet_is_in_its_letter() -> None:
+    asked = event("asked")
+    task = state(mission("F asked", events=[asked]))
+    pulse(task, asked)
+    assert letters(task) == [{"at(H)", "asked"}]
+    assert task.problem()[0].unread == frozenset()
+
+
+def test_what_still_holds_is_not_said_to_have_risen_before() -> None:
+    asked = event("asked")
+    task = state(mission("F asked", events=[asked]))
+    task.begin(WAIT)
+    task.take(asked, True)
+    task.complete(WAIT)
+    task.leave()
+    assert [(set(p.facts), set(p.risen)) for p in task.left] == [
+        ({"at(H)"}, set()),
+        ({"at(H)", "asked"}, set()),
+    ]
+
+
+def test_interrupted_and_failed_skills_consume_no_rise() -> None:
+    asked = event("asked")
+    task = state(
+        mission("G (asked -> F done)", skills=[command("do", "at(H)", "done")], events=[asked])
+    )
+    pulse(task, asked)
+    task.begin(action(task, "do"))
+    pulse(task, asked)
+    task.withdraw(facts_of("can_do"))
+    task.interrupt()
+    task.begin(action(task, "move(H, A)"))
+    task.interrupt()
+    assert task.problem()[0].unread == {"asked"}
+    perform(task, "move(here, B)")
+    assert [letter & {"asked"} for letter in letters(task)] == [{"asked"}, {"asked"}]
+
+
+STEPS = ["begin", "complete", "interrupt", "rise", "fall", "pulse", "leave", "depart"]
+
+
+@given(st.lists(st.tuples(st.sampled_from(STEPS), st.sampled_from("xy"))))
+def test_no_rise_is_missing_from_the_word_and_none_is_in_two_letters(
+    steps: list[tuple[str, str]],
+) -> None:
+    """Held against the definition: what each letter has to have of two events."""
+    events = {name: event(name) for name in "xy"}
+    task = state(mission("G (x -> F at(A)) & G (y -> F at(B))", events=events.values()))
+    expected: list[set[str]] = []
+    holds: set[str] = set()
+    risen: set[str] = set()
+    read = 0
+    for step, name in [*steps, ("interrupt", "x"), ("begin", "x"), ("complete", "x")]:
+        match step:
+            case "begin" if task.running is None:
+                task.begin(WAIT)
+            case "complete" if task.running is not None:
+                task.complete(WAIT)
+            case "interrupt":
+                task.interrupt()
+            case "rise" if name not in holds:
+                task.take(events[name], True)
+                holds.add(name)
+                risen.add(name)
+            case "fall" if name in holds:
+                task.take(events[name], False)
+                holds.discard(name)
+            case "pulse" if name not in holds:
+                pulse(task, events[name])
+                risen.add(name)
+            case "leave":
+                task.leave()
+            case "depart" if task.running is None:
+                task.depart()
+        while read < task.positions:
+            expected.append(holds | risen)
+            risen.clear()
+            read += 1
+    task.leave()
+    expected += [holds | risen] if task.positions > read else []
+    assert [set(position.facts) & {"x", "y"} for position in task.left] == expected
+    assert not task.risen or task.positions == read
 
 
 @pytest.mark.parametrize("formula", ["F at(A)", "X at(A)", "at(H) U at(B)", "G F at(A)"])

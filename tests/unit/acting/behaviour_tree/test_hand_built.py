@@ -63,9 +63,9 @@ def test_a_tree_may_break_the_task_and_that_is_told() -> None:
     violated = ConjunctViolated("never", "G !at(B)", position=2, facts=("at(B)",))
     assert rig.of(ConjunctViolated) == [violated]
     assert rig.positions == [
-        PositionLeft(0, ("at(H)",), (), (), for_ever=False),
-        PositionLeft(1, ("at(A)",), (), (), for_ever=False),
-        PositionLeft(2, ("at(B)",), (), (), for_ever=True),
+        PositionLeft(0, ("at(H)",), (), (), (), for_ever=False),
+        PositionLeft(1, ("at(A)",), (), (), (), for_ever=False),
+        PositionLeft(2, ("at(B)",), (), (), (), for_ever=True),
     ]
 
 

@@ -1,0 +1,42 @@
+"""Problems whose next letter has events that have risen and fallen again since the last one.
+
+The automata take them in: one that speaks of such an event begins in a state of its own, from which
+it reads the next letter as if the event held. Facts and actions know nothing of it, so that
+preconditions see what holds now, and whoever solves the problem solves it as any other one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from companion.ltl.first_letter import with_first_letter
+from companion.mission.facts import Fact
+from companion.planning.lasso import Conjunct, Problem
+
+
+class UnreadRises:
+    """Makes such problems, and keeps the automata from plan to plan."""
+
+    def __init__(self) -> None:
+        self._found: dict[tuple[str, str, frozenset[int], frozenset[Fact]], Conjunct] = {}
+
+    def told(self, problem: Problem, unread: frozenset[Fact]) -> Problem:
+        """A problem whose first letter has some events besides what a plan makes of the facts."""
+        conjuncts, states = [], []
+        for conjunct, own in zip(problem.conjuncts, problem.automaton_states, strict=True):
+            mentioned = unread & conjunct.facts
+            taken = self._with(conjunct, own, mentioned) if mentioned else conjunct
+            conjuncts.append(taken)
+            states.append(taken.automaton.initial if mentioned else own)
+        return replace(
+            problem, conjuncts=tuple(conjuncts), automaton_states=tuple(states), unread=unread
+        )
+
+    def _with(
+        self, conjunct: Conjunct, states: frozenset[int], events: frozenset[Fact]
+    ) -> Conjunct:
+        key = (conjunct.name, str(conjunct.formula), states, events)
+        if key not in self._found:
+            automaton = with_first_letter(conjunct.automaton, states, events)
+            self._found[key] = replace(conjunct, automaton=automaton)
+        return self._found[key]
