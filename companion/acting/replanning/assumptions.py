@@ -82,6 +82,6 @@ class Assumptions:
     @property
     def surprise(self) -> str | None:
         """The same in words; None if there are none."""
-        task = self._flight.task
-        seen = task.facts | task.risen
-        return "; ".join(in_words(name, name in seen) for name in self.wrong) or None
+        facts = self._flight.task.facts
+        changes = (in_words(fact, fact in facts or not self._values[fact]) for fact in self.wrong)
+        return "; ".join(changes) or None
