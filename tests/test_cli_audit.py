@@ -247,6 +247,41 @@ def test_a_conjunct_that_begins_anew_forgets_what_it_read(
     assert found == {"it": ("unfulfilled", None), "other": ("fulfilled", 0)}
 
 
+@pytest.mark.parametrize(
+    ("formula", "before", "anew", "rests", "told"),
+    [
+        ("G F p", "", "p", True, "satisfied over the whole flight; satisfied"),
+        ("G (F p | q)", "", "q", True, "violated over the whole flight; satisfied"),
+        ("p U q", "r", "q", False, "violated over the whole flight; violated"),
+        ("F p", "p", "q", False, "satisfied over the whole flight; holds so far"),
+        ("G (F p | q)", "", "q", False, "holds so far over the whole flight; holds so far"),
+    ],
+)
+def test_both_verdicts_are_told_of_a_conjunct_that_began_anew(
+    formula: str,
+    before: str,
+    anew: str,
+    rests: bool,
+    told: str,
+    companion: Companion,
+    write: Write,
+) -> None:
+    run = write({"it": formula}, before, Begun(anew, ("it",)), rests=rests)
+    ended = companion("audit", run)
+    assert f"\n           {told} since position 1\n" in ended.out
+    (conjunct,) = json.loads(companion("audit", run, "--json").out)["conjuncts"]
+    assert conjunct["since"] == 1
+    is_whole_failure = conjunct["whole"] in ("violated", "unfulfilled")
+    assert is_whole_failure is told.startswith("violated")
+
+
+def test_one_verdict_is_told_of_a_conjunct_that_did_not(companion: Companion, write: Write) -> None:
+    run = write({"it": "F p"}, "", Begun("p", ("other",)))
+    assert "over the whole flight" not in companion("audit", run).out
+    (conjunct,) = json.loads(companion("audit", run, "--json").out)["conjuncts"]
+    assert (conjunct["since"], conjunct["whole"]) == (0, conjunct["outcome"])
+
+
 def test_a_violation_stays_one_when_its_conjunct_begins_anew(
     companion: Companion, write: Write
 ) -> None:

@@ -26,6 +26,14 @@ WORDS = {
     "open": "holds so far",
 }
 """Outcomes in words; {} is the position that decided it."""
+IS_HELD = {
+    "violated": "violated",
+    "unfulfilled": "violated",
+    "fulfilled": "satisfied",
+    "satisfied": "satisfied",
+    "open": "holds so far",
+}
+"""The same over the whole flight."""
 
 
 def audit(
@@ -38,6 +46,9 @@ def audit(
     knows three answers: T, whatever follows satisfies it; F, nothing that follows can; and a dot
     if that is open. Patrols stay open. If the vehicle came to rest for ever, the word is known to
     its end, and each conjunct is judged by the semantics of LTL, without any automaton.
+
+    A line that an event has made begin anew (restarts) counts from there on, which is not its truth
+    over the whole flight: both are told, and the exit code goes by the former.
 
     \b
     Exit codes:
@@ -85,6 +96,11 @@ def _print(run: Path, record: RunRecord, result: Audit) -> None:
     for finding in result.findings:
         words = WORDS[finding.outcome.value].format(finding.position)
         typer.echo(f"{finding.name:<10} {words:<26} {finding.formula}")
+        if finding.since:
+            whole, since = IS_HELD[finding.whole.value], IS_HELD[finding.outcome.value]
+            typer.echo(
+                f"{'':<10} {whole} over the whole flight; {since} since position {finding.since}"
+            )
 
 
 def _row(position: PositionLeft, time_s: float, findings: tuple[Finding, ...]) -> str:

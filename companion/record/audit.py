@@ -5,7 +5,8 @@ The word is read again from the record alone, letter by letter, by a monitor of 
 direct semantics of LTL decides each conjunct without any automaton.
 
 An event may have made conjuncts begin anew (`restarts`); what such a conjunct had read before is
-then dropped, but a violation that has happened stays one.
+then dropped, but a violation that has happened stays one. That is not the formula's truth over the
+whole flight, so the outcome without any restart stands beside it.
 """
 
 from __future__ import annotations
@@ -43,6 +44,10 @@ class Finding:
     Attributes:
         outcome: VIOLATED and FULFILLED if the word alone decides it, from `position` on; SATISFIED
             and UNFULFILLED if the rest does that follows for ever; else OPEN: it holds so far.
+        since: the position with which it began anew last, 0 if it never did. What was read before
+            is dropped, but for a violation.
+        whole: the outcome over the whole flight, as if it had never begun anew; not the same as
+            `outcome` where the paper's forgetting is asked for by `restarts`.
         states: what the word says after each position.
     """
 
@@ -50,6 +55,8 @@ class Finding:
     formula: Formula
     outcome: ConjunctOutcome
     position: int | None
+    since: int
+    whole: ConjunctOutcome
     states: tuple[TruthValue, ...]
 
 
@@ -104,11 +111,13 @@ class _Reading:
     violated: tuple[int, ...]
 
 
-def _read(name: str, formula: Formula, positions: Iterable[PositionLeft]) -> _Reading:
+def _read(
+    name: str, formula: Formula, positions: Iterable[PositionLeft], begins_anew: bool = True
+) -> _Reading:
     fresh = monitor = Monitor.of(formula)
     begun, states, violated = 0, [], []
     for position in positions:
-        if name in position.restarted:
+        if begins_anew and name in position.restarted:
             monitor, begun = fresh, position.number
         before, monitor = monitor.truth_value, monitor.after(frozenset(position.facts))
         states.append(monitor.truth_value)
@@ -118,17 +127,30 @@ def _read(name: str, formula: Formula, positions: Iterable[PositionLeft]) -> _Re
 
 
 def _finding(reading: _Reading, positions: tuple[PositionLeft, ...]) -> Finding:
-    outcome, number = ConjunctOutcome.OPEN, None
+    outcome, number = _outcome(reading, positions)
+    whole = outcome
+    if reading.begun:
+        never_anew = _read(reading.name, reading.formula, positions, begins_anew=False)
+        whole, _ = _outcome(never_anew, positions)
+    return Finding(
+        reading.name, reading.formula, outcome, number, reading.begun, whole, reading.states
+    )
+
+
+def _outcome(
+    reading: _Reading, positions: tuple[PositionLeft, ...]
+) -> tuple[ConjunctOutcome, int | None]:
+    """What a reading comes to, and the position that decides it if the word does."""
     if reading.violated:
-        outcome, number = ConjunctOutcome.VIOLATED, reading.violated[0]
-    elif TruthValue.TRUE in reading.states[reading.begun :]:
-        outcome = ConjunctOutcome.FULFILLED
-        number = reading.states.index(TruthValue.TRUE, reading.begun)
-    elif positions and positions[-1].for_ever:
+        return ConjunctOutcome.VIOLATED, reading.violated[0]
+    if TruthValue.TRUE in reading.states[reading.begun :]:
+        return ConjunctOutcome.FULFILLED, reading.states.index(TruthValue.TRUE, reading.begun)
+    if positions and positions[-1].for_ever:
         word: list[Letter] = [frozenset(each.facts) for each in positions[reading.begun :]]
         is_satisfied = holds(reading.formula, word[:-1], word[-1:])
         outcome = ConjunctOutcome.SATISFIED if is_satisfied else ConjunctOutcome.UNFULFILLED
-    return Finding(reading.name, reading.formula, outcome, number, reading.states)
+        return outcome, None
+    return ConjunctOutcome.OPEN, None
 
 
 def as_json(record: RunRecord, result: Audit) -> Mapping[str, object]:
@@ -145,6 +167,8 @@ def as_json(record: RunRecord, result: Audit) -> Mapping[str, object]:
                 "formula": str(finding.formula),
                 "outcome": finding.outcome.value,
                 "position": finding.position,
+                "since": finding.since,
+                "whole": finding.whole.value,
             }
             for finding in result.findings
         ],
