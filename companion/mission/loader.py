@@ -25,6 +25,7 @@ from companion.mission.conditions import parse_condition
 from companion.mission.facts import AT, HERE, Fact
 from companion.mission.literals import parse_fact, parse_literals
 from companion.mission.model import Event, Limits, Mission, Otherwise, Place, Skill
+from companion.mission.one_place import check_one_place
 from companion.mission.pddl_domain import with_domain
 from companion.mission.schema import MapEntry, MissionFile
 from companion.mission.sites import check_limits, check_places
@@ -74,6 +75,7 @@ def load_mission(source: Given, folder: Path | None = None) -> Mission:
     events = _events(file, document)
     vocabulary = Vocabulary(places, events, file.objects, declared)
     skills = build_skills(file, document, vocabulary)
+    check_one_place(skills, places, document)
     _check_restored(file, skills, document)
     initially = _initially(file, document, vocabulary)
     given = {*events, *declared, *(fact.predicate for fact in initially)}
