@@ -35,7 +35,11 @@ def check(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     verbose: Verbose = False,
 ) -> None:
-    """Reads, translates and plans a mission; needs no vehicle."""
+    """Reads, translates and plans a mission; needs no vehicle.
+
+    It says when each event holds, and notices what is allowed and hardly meant: an event that
+    nothing uses, a line that holds from the start on, a patrol that a rest fulfils.
+    """
     try:
         checked = _Checked.read(mission, within)
     except CompanionError as error:
@@ -52,6 +56,8 @@ def check(
     for name, states in checked.states.items():
         typer.echo(f"task       {name}: {states} states")
     typer.echo(f"plan       {checked.plan}")
+    for notice in checked.notices:
+        typer.echo(f"notice     {notice}")
     typer.echo("ok")
 
 
@@ -175,6 +181,7 @@ class _Checked:
     Attributes:
         events: when each of them holds, in words.
         states: of each conjunct's automaton.
+        notices: what is allowed, and hardly meant.
     """
 
     mission: str
@@ -182,11 +189,13 @@ class _Checked:
     events: dict[str, str]
     states: dict[str, int]
     plan: str
+    notices: tuple[str, ...]
 
     @classmethod
     def read(cls, path: Path, within: Path | None) -> _Checked:
         """Plans a mission, all of whose files may have to be in a folder."""
         from companion.mission.files import files_of
+        from companion.planning.notices import notices
 
         if within is not None:
             files_of(path, within)
@@ -194,17 +203,24 @@ class _Checked:
         tree = planner.mission.tree
         if tree is not None:
             planner.actions_of(tree)
+        lasso = None if tree else planner.plan().lasso
         return cls(
             planner.mission.name,
             tuple(planner.mission.places),
             {name: event.duration for name, event in planner.mission.events.items()},
             {c.name: c.automaton.states for c in planner.conjuncts},
-            "a tree of its own" if tree else str(planner.plan()),
+            str(lasso or "a tree of its own"),
+            tuple(map(str, notices(planner, lasso))),
         )
 
     def as_json(self) -> dict[str, Any]:
         """The same for programs."""
-        return {"mission": self.mission, "automata": self.states, "plan": self.plan}
+        return {
+            "mission": self.mission,
+            "automata": self.states,
+            "plan": self.plan,
+            "notices": list(self.notices),
+        }
 
 
 def _write_pddl(

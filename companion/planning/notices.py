@@ -1,0 +1,117 @@
+"""Notices: what a mission may say, and its author hardly meant.
+
+None of these is an error: an event may be there for people to see, a line may be kept for later.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from companion.ltl.formula import Operator
+from companion.ltl.restriction import restricted
+from companion.mission.facts import Fact
+from companion.mission.model import Mission
+from companion.planning.builtin.transition_system import FactBits, TransitionSystem
+from companion.planning.domain import Action, ConditionalEffect
+from companion.planning.lasso import Conjunct, Lasso
+from companion.planning.planner import Planner
+
+
+@dataclass(frozen=True, slots=True)
+class Notice:
+    """Something to look at.
+
+    Attributes:
+        subject: the event, or the line of the task.
+        text: what is odd about it, in words.
+    """
+
+    subject: str
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.subject}: {self.text}"
+
+
+def notices(planner: Planner, plan: Lasso | None) -> tuple[Notice, ...]:
+    """What is odd about a mission.
+
+    >>> from companion import load_mission
+    >>> planner = Planner(load_mission("missions/surveillance.yaml"))
+    >>> notices(planner, planner.plan().lasso)
+    ()
+
+    Args:
+        planner: of the mission.
+        plan: from its first state; None for a tree written by hand.
+    """
+    mission = planner.mission
+    found = [] if mission.tree is not None else [*_unused_events(mission)]
+    if plan is not None:
+        found += [*_vacuous_lines(planner), *_met_by_rest(planner.conjuncts, plan)]
+    return tuple(found)
+
+
+def _unused_events(mission: Mission) -> Iterator[Notice]:
+    """Events that neither the task nor a skill mentions, and that begin nothing anew."""
+    used = {fact.predicate for fact in mission.task_facts}
+    for skill in mission.skills.values():
+        conditions = (skill.precondition, *(when.condition for when in skill.conditional))
+        used |= {literal.atom.predicate for literals in conditions for literal in literals}
+    for name, event in mission.events.items():
+        if name not in used and not (event.restarts or event.restores):
+            yield Notice(name, "nothing uses this event: no line of the task, no skill")
+
+
+def _vacuous_lines(planner: Planner) -> Iterator[Notice]:
+    """Conjuncts that hold from the start on, whatever is done and whatever happens then."""
+    model, mission = planner.model, planner.mission
+    open_facts = model.beliefs | {event.fact for event in mission.events.values()}
+    bits = FactBits(())
+    actions = [_at_some_time(action, open_facts) for action in model.actions]
+    system = TransitionSystem(actions, mission.initially, bits)
+    free = system.changing | bits.mask(open_facts)
+    again = frozenset().union(*(event.restarts for event in mission.events.values()))
+    read = planner.initial_problem()[0].automaton_states
+    for conjunct, states in zip(planner.conjuncts, read, strict=True):
+        automaton = conjunct.automaton
+        constants = {
+            name: bool(bits.bit(name) & system.constant)
+            for name in automaton.propositions
+            if not bits.bit(name) & free
+        }
+        rest = restricted(automaton, constants)
+        at_first = rest.states(automaton.initial if conjunct.name in again else states)
+        if rest.everything.intersection(at_first):
+            never = sorted(name for name, holds in constants.items() if not holds)
+            why = f", for {', '.join(never)} never holds" if never else ""
+            text = f"{conjunct.formula} holds from the start on, whatever is done{why}"
+            yield Notice(conjunct.name, text)
+
+
+def _at_some_time(action: Action, open_facts: frozenset[Fact]) -> Action:
+    """An action as it is where facts that nobody plans are as it needs them."""
+    return replace(
+        action,
+        requires=action.requires - open_facts,
+        forbids=action.forbids - open_facts,
+        conditional=tuple(
+            ConditionalEffect(e.requires - open_facts, e.forbids - open_facts, e.adds, e.deletes)
+            for e in action.conditional
+        ),
+    )
+
+
+def _met_by_rest(conjuncts: tuple[Conjunct, ...], plan: Lasso) -> Iterator[Notice]:
+    """What has to come again and again, where a plan lands and stays."""
+    if not plan.ends_at_rest:
+        return
+    for conjunct in conjuncts:
+        formula = conjunct.formula
+        again = formula.operator is Operator.ALWAYS and (
+            formula.operands[0].operator is Operator.EVENTUALLY
+        )
+        if again:
+            text = f"{formula} is met by resting for ever: the vehicle lands, and the flight ends"
+            yield Notice(conjunct.name, text)

@@ -1,0 +1,80 @@
+"""What a mission may say, and its author hardly meant."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from synthetic import command, event, mission, planner
+
+from companion.mission.literals import parse_effect
+from companion.mission.model import Mission
+from companion.planning.notices import notices
+
+
+def told(asked: Mission) -> list[str]:
+    made = planner(asked)
+    return [str(notice) for notice in notices(made, made.plan().lasso)]
+
+
+def test_an_event_that_nothing_uses_is_noticed() -> None:
+    asked = mission("F at(A)", events=[event("found"), event("low")])
+    unused = "nothing uses this event: no line of the task, no skill"
+    assert told(asked) == [f"found: {unused}", f"low: {unused}"]
+
+
+def test_events_that_are_used_are_not() -> None:
+    used = [
+        event("asked"),
+        event("low"),
+        event("late"),
+        event("anew", restarts=["task"]),
+    ]
+    plain, conditional = parse_effect("free & (late -> done)")
+    careful = replace(command("do", "!low"), effect=plain, conditional=conditional)
+    asked = mission("G (asked -> F at(A)) & F at(B)", skills=[careful], events=used)
+    assert told(asked) == []
+
+
+@pytest.mark.parametrize(
+    ("line", "why"),
+    [
+        ("G(at(A) | !at(A))", ""),
+        ("G(lost -> F at(A))", ", for lost never holds"),
+        ("F at(H)", ""),
+    ],
+)
+def test_a_line_that_holds_whatever_is_done_is_noticed(line: str, why: str) -> None:
+    text = f"it: {line} holds from the start on, whatever is done{why}"
+    assert told(mission({"it": line, "go": "F at(B)"})) == [text]
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "G (found -> F at(A))",
+        "G (can_do -> F at(A))",
+        "G (done -> F at(A))",
+        "G !(at(A) & found)",
+        "F at(B)",
+    ],
+)
+def test_a_line_that_something_may_break_is_not(line: str) -> None:
+    """Events and beliefs may change; what a skill makes needs them perhaps."""
+    found = event("found")
+    skills = [command("do", "found", "done")]
+    asked = mission({"it": line, "see": "G (found -> F at(B))"}, skills=skills, events=[found])
+    assert told(asked) == []
+
+
+def test_what_is_met_at_the_start_and_begins_anew_is_not() -> None:
+    again = event("again", restarts=["it"])
+    assert told(mission({"it": "F at(H)", "go": "F at(B)"}, events=[again])) == []
+
+
+def test_a_recurrence_that_a_rest_fulfils_is_noticed() -> None:
+    (text,) = told(mission({"visit": "G F at(A)"}))
+    assert text == (
+        "visit: G F at(A) is met by resting for ever: the vehicle lands, and the flight ends"
+    )
+    assert told(mission({"visit": "G F at(A) & G F at(B)"})) == []
