@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Protocol
 
 from companion.acting.authority import loss_of_link
+from companion.acting.flight_limit import NO_LIMIT, FlightLimit
 from companion.acting.phases import ON_THE_GROUND
 from companion.acting.preparation import PreparedMission, prepare
 from companion.errors import CompanionError
@@ -95,6 +96,7 @@ class Companion:
         accepts_weak_failsafes: fly although the autopilot's failsafes are weak.
         host: makes and ends runs, and reads missions.
         page: the monitor page, if there is one.
+        limit: of each flight: after what the vehicle is called home.
 
     Attributes:
         failure: why the last run did not end well.
@@ -107,6 +109,7 @@ class Companion:
         accepts_weak_failsafes: bool = False,
         host: Host | None = None,
         page: MonitorPage | None = None,
+        limit: FlightLimit = NO_LIMIT,
     ) -> None:
         self.failure: CompanionError | None = None
         self._wire = Wire()
@@ -115,6 +118,7 @@ class Companion:
         self._host = host
         self._mission = mission
         self._accepts_weak_failsafes = accepts_weak_failsafes
+        self._limit = limit
         self._run: Run | None = None
         self._preparation: Preparation | None = None
         self._is_prepared = self._is_stopping = self._has_hung_up = False
@@ -253,6 +257,7 @@ class Companion:
             self._now_s,
             self._accepts_weak_failsafes,
             may_yield=self._host is not None,
+            limit=self._limit,
         )
 
     def _launch(self, host: Host, preparation: Preparation) -> None:

@@ -10,6 +10,7 @@ from typing import Protocol
 
 from companion.acting.assembly import assemble
 from companion.acting.event_detector import EventDetector
+from companion.acting.flight_limit import FlightLimit
 from companion.acting.preparation import PreparedMission
 from companion.acting.sortie import Sortie
 from companion.flight_events.event import Stamped
@@ -47,6 +48,7 @@ class Run:
         start_s: when it begins.
         accepts_weak_failsafes: fly although the autopilot's failsafes are weak.
         may_yield: wait for the operator when somebody else has taken control in flight.
+        limit: after what the vehicle is called home.
     """
 
     def __init__(
@@ -58,6 +60,7 @@ class Run:
         start_s: float,
         accepts_weak_failsafes: bool,
         may_yield: bool,
+        limit: FlightLimit,
     ) -> None:
         mission = prepared.mission
         detector = EventDetector(mission.events)
@@ -89,6 +92,7 @@ class Run:
             mission.otherwise,
             accepts_weak_failsafes,
             may_yield,
+            limit,
         )
         self._map = SensedMap(mission.grid)
 

@@ -65,12 +65,12 @@ OPTIONS = {
     ],
     "ltl": ["--format", "--state-based", "--monolithic", "--batch", "--exclusive"],
     "run": [
-        *("--connect", "--accept-weak-failsafes", "--wait", "--timeout", "--log-dir", "--monitor"),
-        "--verbose",
+        *("--connect", "--accept-weak-failsafes", "--wait", "--laps", "--limit-s", "--timeout"),
+        *("--log-dir", "--monitor", "--verbose"),
     ],
     "sim": [
-        *("--scenario", "--speed", "--seed", "--instance", "--timeout", "--log-dir", "--monitor"),
-        "--verbose",
+        *("--scenario", "--speed", "--seed", "--instance", "--laps", "--limit-s", "--timeout"),
+        *("--log-dir", "--monitor", "--verbose"),
     ],
     "audit": ["--json"],
     "replay": ["--port", "--open"],

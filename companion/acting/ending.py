@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from companion.errors import CompanionError
 from companion.flight_events.sortie import (
+    EndedAtLimit,
     ReturnedAsAsked,
     RunEnded,
     RunFailed,
@@ -12,7 +13,12 @@ from companion.flight_events.sortie import (
 )
 
 
-def ending(failure: CompanionError | None, is_called_home: bool, is_satisfied: bool) -> RunEnded:
+def ending(
+    failure: CompanionError | None,
+    is_called_home: bool,
+    is_satisfied: bool,
+    at_limit: EndedAtLimit | None = None,
+) -> RunEnded:
     """How a sortie has ended.
 
     >>> ending(None, is_called_home=False, is_satisfied=True)
@@ -20,11 +26,12 @@ def ending(failure: CompanionError | None, is_called_home: bool, is_satisfied: b
 
     Args:
         failure: why it did not end well.
-        is_called_home: the operator has called the vehicle home, and has not stopped it since.
+        is_called_home: the vehicle was called home, and nobody has stopped it since.
         is_satisfied: so is the task.
+        at_limit: it was called home by a limit of the flight.
     """
     if failure is not None:
         return RunFailed(str(failure), failure.exit_code)
     if is_called_home:
-        return ReturnedAsAsked()
+        return at_limit or ReturnedAsAsked()
     return TaskSatisfied() if is_satisfied else StoppedAsAsked()

@@ -19,6 +19,7 @@ from companion.acting.ending import ending
 from companion.acting.executive import Executive
 from companion.acting.executive_states import TaskStatus
 from companion.acting.flight import Flight
+from companion.acting.flight_limit import NO_LIMIT, FlightLimit, LimitWatch
 from companion.acting.phases import GOALS, ON_THE_GROUND, TRANSITIONS, UNDER_TASK, SortieEvent
 from companion.acting.return_home import ReturnHome
 from companion.errors import Aborted, CompanionError
@@ -26,6 +27,7 @@ from companion.flight_events.event import FlightEvent
 from companion.flight_events.sortie import (
     ControlRegained,
     ControlYielded,
+    FlightLimitReached,
     GoalFailed,
     Phase,
     PhaseEntered,
@@ -62,6 +64,7 @@ class Sortie:
         otherwise: what to do when no plan exists.
         accepts_weak_failsafes: fly although the autopilot's failsafes are weak.
         may_yield: wait for the operator when somebody else has taken control in flight.
+        limit: after what the vehicle is called home.
     """
 
     def __init__(
@@ -72,6 +75,7 @@ class Sortie:
         otherwise: Otherwise,
         accepts_weak_failsafes: bool = False,
         may_yield: bool = False,
+        limit: FlightLimit = NO_LIMIT,
     ) -> None:
         self.phase = Phase.WAITING
         self.failure: CompanionError | None = None
@@ -81,6 +85,7 @@ class Sortie:
         self._otherwise = otherwise
         self._accepts_weak_failsafes = accepts_weak_failsafes
         self._may_yield = may_yield
+        self._limit = LimitWatch(limit, executive, flight)
         self._return_home: ReturnHome | None = None
         self._is_frozen = False
         self._asked_s: float | None = None
@@ -251,6 +256,7 @@ class Sortie:
             return
         for line in weak:
             self._flight.report(WeakFailsafeAccepted(line))
+        self._limit.begin()
         self._on(SortieEvent.CHECKED)
 
     def _pursue_goal(self, _: VehicleState) -> None:
@@ -268,6 +274,10 @@ class Sortie:
 
     def _fly_task(self, _: VehicleState) -> None:
         executive = self._executive
+        if self._limit.is_due() and self._limit.reached:
+            self._flight.report(FlightLimitReached(self._limit.reached))
+            self.return_home()
+            return
         status = executive.resume() if self._is_frozen else executive.tick()
         self._is_frozen = False
         if status is TaskStatus.NO_PLAN:
@@ -296,7 +306,8 @@ class Sortie:
             self._on(SortieEvent.SATISFIED)
         elif isinstance(outcome, Failed):
             failed = ReturnFailed(self._home.name, outcome.reason)
-            self.failure = Aborted(failed.text)
+            if self._limit.reached is None:
+                self.failure = Aborted(failed.text)
             self._flight.report(failed)
             self._on(SortieEvent.NO_WAY_HOME)
 
@@ -312,7 +323,8 @@ class Sortie:
             self._flight.vehicle.release()
             is_called_home = self._return_home is not None and not self._was_stopped
             is_satisfied = self._executive.status is TaskStatus.SATISFIED
-            self._flight.report(ending(self.failure, is_called_home, is_satisfied))
+            at_limit = self._limit.ending()
+            self._flight.report(ending(self.failure, is_called_home, is_satisfied, at_limit))
         else:
             self._flight.report(news or PhaseEntered(self.phase))
 

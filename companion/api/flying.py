@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
 
+from companion.acting.flight_limit import FlightLimit
 from companion.api.results import FlightResult, FlownTrajectory, OnEvent, recording
 from companion.app import Companion
 from companion.clock import ScaledClock
@@ -26,6 +27,8 @@ def run(
     folder: Path | str | None = None,
     on_event: OnEvent | None = None,
     accepts_weak_failsafes: bool = False,
+    laps: int | None = None,
+    limit_s: float | None = None,
     timeout_s: float = 30.0,
 ) -> FlightResult:
     """Flies a mission on a vehicle, to its end.
@@ -46,6 +49,8 @@ def run(
         folder: where to write a run folder; none by default.
         on_event: told of each event that is news for people.
         accepts_weak_failsafes: fly although the autopilot's own failsafes are weak.
+        laps: after so many laps the vehicle is called home; None is no limit.
+        limit_s: the same after so many seconds since it was to arm.
         timeout_s: seconds to wait for a vehicle.
 
     Returns:
@@ -58,7 +63,8 @@ def run(
     link = UdpLink(parse_url(connect))
     try:
         with recording(mission, folder, on_event) as recorder:
-            companion = Companion(mission, recorder, accepts_weak_failsafes)
+            limit = FlightLimit(laps, limit_s)
+            companion = Companion(mission, recorder, accepts_weak_failsafes, limit=limit)
             with _stopped_by_interrupt(companion):
                 fly(companion, link, ScaledClock(1.0), timeout_s)
     finally:

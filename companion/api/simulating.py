@@ -10,6 +10,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
+from companion.acting.flight_limit import NO_LIMIT, FlightLimit
 from companion.api.results import FlightResult, FlownTrajectory, OnEvent, recording
 from companion.app import Companion
 from companion.documents import Given, read_source
@@ -47,6 +48,8 @@ def simulate(
     seed: int = 0,
     folder: Path | str | None = None,
     on_event: OnEvent | None = None,
+    laps: int | None = None,
+    limit_s: float | None = None,
     timeout_s: float = 30.0,
 ) -> SimulationResult:
     """Flies a mission in the bundled simulator, as fast as the machine is; no files are needed.
@@ -69,6 +72,8 @@ def simulate(
         seed: of wind, sensors and the estimate.
         folder: where to write a run folder; none by default.
         on_event: told of each event that is news for people.
+        laps: after so many laps the vehicle is called home; None is no limit.
+        limit_s: the same after so many simulated seconds since it was to arm.
         timeout_s: simulated seconds after which a vehicle has to be heard.
 
     Raises:
@@ -77,7 +82,8 @@ def simulate(
     """
     world = world_of(mission, scenario)
     with recording(mission, folder, on_event) as recorder:
-        flight = lockstep(mission, world, recorder, seed=seed)
+        limit = FlightLimit(laps, limit_s)
+        flight = lockstep(mission, world, recorder, seed=seed, limit=limit)
         flight.fly(timeout_s)
     return SimulationResult(
         mission=mission,
@@ -98,6 +104,7 @@ def lockstep(
     seed: int = 0,
     instance: int = 0,
     page: MonitorPage | None = None,
+    limit: FlightLimit = NO_LIMIT,
 ) -> LockstepFlight:
     """A flight of `simulate` that is still to be flown, and may be flown tick by tick.
 
@@ -108,13 +115,14 @@ def lockstep(
         seed: as for `simulate`.
         instance: the vehicle's system id is 1 + instance.
         page: the monitor page, if there is one.
+        limit: after what the vehicle is called home.
     """
     from sitl.harness import LockstepFlight
     from sitl.link.routing import LinkName
     from sitl.simulation import Simulation
 
     scenario, grid = world
-    companion = Companion(mission, recorder, page=page)
+    companion = Companion(mission, recorder, page=page, limit=limit)
     links = frozenset({LinkName.OFFBOARD})
     simulation = Simulation(scenario, grid, seed=seed, instance=instance, links=links)
     return LockstepFlight(companion, simulation)

@@ -19,6 +19,7 @@ from companion.cli.terminal import Terminal, undisturbed
 from companion.errors import MissionError
 
 if TYPE_CHECKING:
+    from companion.acting.flight_limit import FlightLimit
     from companion.app import Companion
     from companion.flight_events.event import Stamped
     from companion.mission.model import Mission
@@ -34,6 +35,24 @@ LogDir = Annotated[
     ),
 ]
 Timeout = Annotated[float, typer.Option(help="Seconds to wait for a vehicle.", min=0.1)]
+Laps = Annotated[
+    int | None,
+    typer.Option(
+        help="Fly home and land after so many laps, for missions without an end; a lap that a new "
+        "plan interrupts does not count. [default: none]",
+        min=1,
+        show_default=False,
+    ),
+]
+LimitS = Annotated[
+    float | None,
+    typer.Option(
+        "--limit-s",
+        help="The same after so many seconds since arming, in the vehicle's time. [default: none]",
+        min=1.0,
+        show_default=False,
+    ),
+]
 DEFAULT_LOG_DIR = Path("~/.local/state/companion")
 OFFBOARD_PORT = 14540
 GROUND_STATION_PORT = 14550
@@ -56,6 +75,8 @@ def run(
         bool,
         typer.Option("--wait", help="Fly when a ground station says so, and again and again."),
     ] = False,
+    laps: Laps = None,
+    limit_s: LimitS = None,
     timeout: Timeout = 30.0,
     log_dir: LogDir = DEFAULT_LOG_DIR,
     monitor: Monitor = None,
@@ -66,21 +87,23 @@ def run(
     With --wait, or without MISSION, it waits on the ground for a ground station's
     MAV_CMD_MISSION_START, flies, lands, and waits again, until it is stopped.
     """
+    from companion.acting.flight_limit import FlightLimit
     from companion.app import Companion
     from companion.vehicle.link import parse_url
 
     loaded, endpoint = load(mission) if mission else None, parse_url(connect)
+    limit, address = FlightLimit(laps, limit_s), monitor or DEFAULT_ADDRESS
     if loaded is None or wait:
-        _host(loaded, endpoint, accept_weak_failsafes, log_dir, monitor or DEFAULT_ADDRESS)
+        _host(loaded, endpoint, accept_weak_failsafes, log_dir, address, limit)
         return
     terminal = Terminal()
     with (
         closing(terminal),
         _recorded(loaded, log_dir, terminal) as folder,
-        monitored(monitor or DEFAULT_ADDRESS, terminal.say) as page,
+        monitored(address, terminal.say) as page,
     ):
         page.show(folder.folder)
-        companion = Companion(loaded, folder, accept_weak_failsafes, page=page)
+        companion = Companion(loaded, folder, accept_weak_failsafes, page=page, limit=limit)
         _fly(companion, endpoint, terminal, speed=1.0, timeout_s=timeout)
         _raise_failure(companion)
 
@@ -98,22 +121,23 @@ def sim(
     instance: Annotated[
         int, typer.Option("--instance", "-i", help="Shifts ports and system id, as in PX4.", min=0)
     ] = 0,
+    laps: Laps = None,
+    limit_s: LimitS = None,
     timeout: Timeout = 30.0,
     log_dir: LogDir = DEFAULT_LOG_DIR,
     monitor: Monitor = None,
     verbose: Verbose = False,
 ) -> None:
     """Flies a mission in the bundled simulator. QGroundControl connects to it by itself."""
+    from companion.acting.flight_limit import FlightLimit
     from companion.api.simulating import lockstep, world_of
     from companion.app import Companion
     from companion.simulator import simulator
     from companion.vehicle.link import Endpoint
 
-    factor = _speed(speed)
+    factor, limit = _speed(speed), FlightLimit(laps, limit_s)
     loaded = load(mission)
-    path = scenario or mission.with_suffix(".sim.yaml")
-    if scenario is None and not path.exists():
-        raise MissionError(f"there is no scenario {path}", hint="name one with --scenario")
+    path = scenario or _scenario_beside(mission)
     world = world_of(loaded, path)
     address = monitor or ("off" if factor is None else DEFAULT_ADDRESS)
     terminal = Terminal()
@@ -124,13 +148,15 @@ def sim(
     ):
         page.show(folder.folder)
         if factor is None:
-            flight = lockstep(loaded, world, folder, seed=seed, instance=instance, page=page)
+            flight = lockstep(
+                loaded, world, folder, seed=seed, instance=instance, page=page, limit=limit
+            )
             companion = flight.companion
             with _stoppable(companion, terminal), undisturbed(companion.hang_up):
                 flight.fly(timeout)
             _raise_failure(companion)
             return
-        companion = Companion(loaded, folder, page=page)
+        companion = Companion(loaded, folder, page=page, limit=limit)
         options = ["--scenario", path, "--speed", factor, "--seed", seed, "--instance", instance]
         terminal.say(
             f"vehicle    simulated, {factor:g} x real time; "
@@ -140,6 +166,14 @@ def sim(
         with simulator([str(o) for o in options], folder.folder / "sitl.log"):
             _fly(companion, endpoint, terminal, factor, timeout * factor)
         _raise_failure(companion)
+
+
+def _scenario_beside(mission: Path) -> Path:
+    """The scenario of a mission file."""
+    path = mission.with_suffix(".sim.yaml")
+    if not path.exists():
+        raise MissionError(f"there is no scenario {path}", hint="name one with --scenario")
+    return path
 
 
 def _speed(text: str) -> float | None:
@@ -196,7 +230,12 @@ def _close_folder(folder: RunFolder, terminal: Terminal) -> None:
 
 
 def _host(
-    mission: Mission | None, endpoint: Endpoint, accepts_weak: bool, log_dir: Path, address: str
+    mission: Mission | None,
+    endpoint: Endpoint,
+    accepts_weak: bool,
+    log_dir: Path,
+    address: str,
+    limit: FlightLimit,
 ) -> None:
     """Waits for ground stations to start sorties, until it is stopped."""
     from companion.app import Companion
@@ -220,7 +259,7 @@ def _host(
 
         uploads = Uploads(log_dir.expanduser() / UPLOADS)
         host = SortieHost(open_folder, close_folder, tell, uploads)
-        companion = Companion(mission, None, accepts_weak, host, page)
+        companion = Companion(mission, None, accepts_weak, host, page, limit)
         try:
             what = f"to fly {mission.name}" if mission else "and a mission"
             terminal.say(f"hosting    waits for MAV_CMD_MISSION_START {what}; Ctrl-C ends it")

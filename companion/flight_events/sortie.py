@@ -108,6 +108,16 @@ class ReturnFailed(FlightEvent):
 
 
 @dataclass(frozen=True, slots=True)
+class FlightLimitReached(FlightEvent):
+    """A mission without an end was flown as long as asked; the vehicle flies home."""
+
+    kind = "phase"
+    template = "{limit} flown: returning"
+
+    limit: InText[str]
+
+
+@dataclass(frozen=True, slots=True)
 class VehicleLanded(FlightEvent):
     """The vehicle has landed by its plan, which goes on."""
 
@@ -170,6 +180,17 @@ class ReturnedAsAsked(RunEnded):
 
     template = "returned as asked, landed"
 
+    exit_code: ExitCode = field(default=0, init=False)
+
+
+@dataclass(frozen=True, slots=True)
+class EndedAtLimit(RunEnded):
+    """The run is over: it was flown as long as asked."""
+
+    template = "{limit} flown, landed; {verdict}"
+
+    limit: InText[str]
+    verdict: InText[str]
     exit_code: ExitCode = field(default=0, init=False)
 
 

@@ -1,0 +1,74 @@
+"""How long a mission without an end is flown."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from companion.acting.executive import Executive
+from companion.acting.flight import Flight
+from companion.flight_events.sortie import EndedAtLimit
+
+
+@dataclass(frozen=True, slots=True)
+class FlightLimit:
+    """After what a mission is called home; None is no limit.
+
+    >>> limit = FlightLimit(laps=3, duration_s=600.0)
+    >>> limit.reached(2, 599.0), limit.reached(3, 100.0), limit.reached(0, 600.0)
+    (None, '3 laps', '600 s')
+
+    Attributes:
+        laps: of the loops of its plans, each that was flown to its end.
+        duration_s: seconds since the vehicle was to arm.
+    """
+
+    laps: int | None = None
+    duration_s: float | None = None
+
+    def reached(self, laps: int, flown_s: float) -> str | None:
+        """The limit that is reached, in words; None if none is."""
+        if self.laps is not None and laps >= self.laps:
+            return f"{self.laps} lap{'s' * (self.laps > 1)}"
+        if self.duration_s is not None and flown_s >= self.duration_s:
+            return f"{self.duration_s:g} s"
+        return None
+
+
+NO_LIMIT = FlightLimit()
+"""For missions that end by themselves, or by an operator."""
+
+
+class LimitWatch:
+    """Knows when a flight has reached its limit.
+
+    Attributes:
+        reached: the limit that the vehicle was called home for, in words; None before that.
+    """
+
+    def __init__(self, limit: FlightLimit, executive: Executive, flight: Flight) -> None:
+        self.reached: str | None = None
+        self._limit, self._executive, self._flight = limit, executive, flight
+        self._begun_s = 0.0
+
+    def begin(self) -> None:
+        """The vehicle is to arm now."""
+        self._begun_s = self._flight.now_s
+
+    def is_due(self) -> bool:
+        """Whether the vehicle is to be called home.
+
+        It is not while it flies there anyway, and not before a plan that has landed it takes off.
+        """
+        if self._executive.is_leaving or self._flight.progress.is_landed_by_plan:
+            return False
+        flown_s = self._flight.now_s - self._begun_s
+        self.reached = self._limit.reached(self._executive.laps, flown_s)
+        return self.reached is not None
+
+    def ending(self) -> EndedAtLimit | None:
+        """How the flight has ended, with what is known of the task; None if not at its limit."""
+        if self.reached is None:
+            return None
+        names = ", ".join(self._flight.task.violated)
+        verdict = f"{names} violated" if names else "the task holds so far"
+        return EndedAtLimit(self.reached, verdict)
