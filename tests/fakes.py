@@ -13,6 +13,7 @@ from companion.geometry import Ned
 from companion.motion.sensed_map import RangeScan
 from companion.outcomes import Refusal
 from companion.vehicle.port import (
+    Failed,
     Goal,
     Mode,
     Outcome,
@@ -118,9 +119,14 @@ class FakeVehicle:
     def regain(self) -> None:
         self.takeover = None
 
-    def send_command(self, component: int, command: int, parameters: tuple[float, ...]) -> int:
+    def send_command(
+        self, component: int, command: int, parameters: tuple[float, ...], timeout_s: float | None
+    ) -> int:
         self.sent.append((component, command, parameters))
         delay_s, outcome = self.answers.pop(0) if self.answers else (0.0, Progress.DONE)
+        is_final = outcome is not Progress.RUNNING
+        if timeout_s is not None and not (is_final and delay_s <= timeout_s):
+            delay_s, outcome = timeout_s, Failed(f"no final answer in {timeout_s:g} s")
         self._due[len(self.sent)] = (self._now_s + delay_s, outcome)
         return len(self.sent)
 

@@ -164,9 +164,8 @@ class SendCommand(Leaf):
     def initialise(self) -> None:
         """Sends it for the first time."""
         flight, command = self._flight, self._command
-        self._start_s = flight.now_s
         self._ticket = flight.vehicle.send_command(
-            command.component, command.command, command.parameters
+            command.component, command.command, command.parameters, self._timeout_s
         )
 
     def update(self) -> Status:
@@ -179,8 +178,6 @@ class SendCommand(Leaf):
             return Status.SUCCESS
         if isinstance(outcome, Failed):
             return self.fail(outcome.reason)
-        if self._timeout_s is not None and flight.now_s - self._start_s > self._timeout_s:
-            return self.fail(f"no final answer in {self._timeout_s:.0f} s")
         return Status.RUNNING
 
     def terminate(self, new_status: Status) -> None:
