@@ -25,7 +25,14 @@ from companion.planning.builtin.product import Product
 from companion.planning.builtin.search import Search
 from companion.planning.builtin.transition_system import FactBits, TransitionSystem
 from companion.planning.check import fault
-from companion.planning.domain import Action, FlightTime, TaskModel, departures, instantiate
+from companion.planning.domain import (
+    Action,
+    FlightTime,
+    TaskModel,
+    departures,
+    instantiate,
+    is_named,
+)
 from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT, Effort
 from companion.planning.explain import Explanation, NoPlan, explaining, why_no_plan
 from companion.planning.flight_times import flight_times, from_table, route_map
@@ -111,17 +118,20 @@ class Planner:
             tuple(known.get(action, action) for action in model.actions), beliefs
         )
 
-    def actions_of(self, tree: Tree) -> dict[str, Action]:
+    def actions_of(self, tree: Tree) -> dict[str, tuple[Action, ...]]:
         """The actions that a tree names; those from `here` start wherever that may be.
+
+        An action from `*` is several, one from each place and one from `here`.
 
         Raises:
             CompanionError: one does not exist.
         """
         anywhere = departures(self.mission, lambda origin, goal: 0.0)
-        known = {action.name: action for action in (*self.model.actions, *anywhere)}
-        if missing := sorted(actions(tree) - known.keys()):
+        known = (*self.model.actions, *anywhere)
+        found = {name: tuple(a for a in known if is_named(a, name)) for name in actions(tree)}
+        if missing := sorted(name for name, meant in found.items() if not meant):
             raise CompanionError(f"the tree cannot do {missing[0]}: no such action, or no route")
-        return {name: known[name] for name in actions(tree)}
+        return found
 
     def problem(
         self,

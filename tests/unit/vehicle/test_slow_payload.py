@@ -106,7 +106,7 @@ def test_a_payload_that_takes_longer_is_given_up_at_the_skills_time(meeting: Mee
 def test_a_payload_that_is_not_heard_at_first_is_asked_again_and_works_once(
     meeting: Meeting,
 ) -> None:
-    """It answers our repetitions; the first answers are lost, for longer than the protocol waits."""
+    """It answers our repetitions; the first answers are lost, longer than the protocol waits."""
     answer = PayloadAnswer(MavResult.ACCEPTED, 12.0)
     talk = Talk(meeting, answer, 15.0, is_lost=lambda now_s, _: now_s < 8.0)
     assert talk.outcome() is Progress.DONE

@@ -12,6 +12,8 @@ from companion.acting.replanning.assumptions import Assumptions
 from companion.flight_events.event import Stamped
 from companion.flight_events.tree import (
     ActionTreeNode,
+    LeafTreeNode,
+    LeafType,
     NodesChanged,
     NodeStatus,
     NodeType,
@@ -76,7 +78,7 @@ def test_nodes_say_what_they_are_and_actions_what_they_are_about() -> None:
     reader.read(rig.flight.reports)
     assert reader.nodes[:5] == (
         TreeNode(0, NodeType.SEQUENCE, "root"),
-        TreeNode(1, NodeType.LEAF, "as predicted?"),
+        LeafTreeNode(1, NodeType.LEAF, "as predicted?", LeafType.ASSUMPTIONS),
         TreeNode(1, NodeType.SEQUENCE, "plan"),
         ActionTreeNode(2, NodeType.ACTION, "move(H, A)", "A", ("trans_ok(H, A)",)),
         TreeNode(3, NodeType.SEQUENCE, "triple"),
