@@ -11,10 +11,11 @@ from companion.flight_events.event_fields import Doc, InText
 
 
 class NodeType(Enum):
-    """What a node is."""
+    """What a node is; a reactive sequence begins with its first child in every tick."""
 
     ACTION = "action"
     SEQUENCE = "sequence"
+    REACTIVE_SEQUENCE = "reactive_sequence"
     SELECTOR = "selector"
     PARALLEL = "parallel"
     SUBTREE = "subtree"

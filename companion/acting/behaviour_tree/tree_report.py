@@ -95,6 +95,8 @@ def _described(node: Behaviour, depth: int) -> PlanNode:
             return ActionTreeNode(depth, NodeType.ACTION, node.name, action.destination, assumes)
         case SubtreeSequence():
             return TreeNode(depth, NodeType.SUBTREE, node.name)
+        case Sequence(memory=False):
+            return TreeNode(depth, NodeType.REACTIVE_SEQUENCE, node.name)
         case Sequence():
             return TreeNode(depth, NodeType.SEQUENCE, node.name)
         case Selector():

@@ -290,3 +290,16 @@ def test_a_vehicle_that_was_moved_in_a_pause_flies_on_from_there() -> None:
     rig.executive.resume()
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
     assert rig.places == ["A", "B"]
+
+
+def test_no_watch_interrupts_on_the_ground() -> None:
+    """What was begun there is finished first, as in a plan."""
+    slow = replace(DOCK, execute=(Fly("to"), Land(), Charge(80), TakeOff()))
+    rig = fly(Watch(UNSEEN, Steps((Act("dock(H, A)"), Act("move(A, B)")))), skills=(slow,))
+    rig.vehicle.change(battery_percent=20)
+    rig.run_until(VehicleLanded)
+    rig.tick(reading("seen"))
+    rig.vehicle.change(battery_percent=90)
+    assert rig.run_to_the_end() is TaskStatus.NO_PLAN  # in the air again it is interrupted
+    assert rig.of(VehicleAirborne) == [VehicleAirborne()]
+    assert rig.places == []
