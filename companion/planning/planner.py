@@ -34,7 +34,7 @@ from companion.planning.domain import (
     is_named,
 )
 from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT, Effort
-from companion.planning.explain import Explanation, NoPlan, explaining, why_no_plan
+from companion.planning.explain import Explanation, NoPlan, explaining, why_no_plan, world_of
 from companion.planning.flight_times import flight_times, from_table, route_map
 from companion.planning.lasso import Conjunct, Lasso, Letter, Problem, Solution
 from companion.planning.objective import Encoding, Objective
@@ -297,7 +297,8 @@ class Planner:
             found = True
             yield solution
         if not found:
-            raise NoPlan(why_no_plan(problem, self._search.is_solvable))
+            world = world_of(self.mission, problem)
+            raise NoPlan(why_no_plan(problem, self._search.is_solvable, world))
 
     def solve(
         self,
@@ -322,7 +323,8 @@ class Planner:
 
     def reasons(self, problem: Problem) -> Iterator[Explanation | None]:
         """Why there is no plan, in parts that are quick: None until it is known."""
-        return explaining(problem, lambda asked: self._search.is_solvable(asked, IN_FLIGHT))
+        world = world_of(self.mission, problem)
+        return explaining(problem, lambda asked: self._search.is_solvable(asked, IN_FLIGHT), world)
 
     def _checked(
         self,
