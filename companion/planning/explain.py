@@ -14,6 +14,7 @@ What a search cannot answer within its limit leaves the conjunct in the set, and
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
@@ -30,12 +31,12 @@ class WorldModel:
 
     Attributes:
         events: the facts that the vehicle cannot choose.
-        closed_moves: flights that the mission describes, and to which no route leads on the map;
-            they are asked for if need be.
+        closed_moves: flights to some places that the mission describes, and for which there is no
+            route on the map.
     """
 
     events: frozenset[Fact] = frozenset()
-    closed_moves: Callable[[], Iterable[Action]] = tuple
+    closed_moves: Callable[[frozenset[str]], Iterable[Action]] = lambda places: ()
 
 
 NOTHING_MORE = WorldModel()
@@ -45,11 +46,14 @@ NOTHING_MORE = WorldModel()
 def world_of(mission: Mission, problem: Problem) -> WorldModel:
     """What a problem does not say of its mission."""
 
-    def closed_moves() -> Iterator[Action]:
+    def closed_moves(places: frozenset[str]) -> Iterator[Action]:
+        def flight_time(origin: str, goal: str) -> float:
+            return 0.0 if goal in places else math.inf
+
         known = {action.name for action in problem.actions}
-        anywhere = departures(mission, lambda origin, goal: 0.0)
-        described = (*instantiate(mission, lambda origin, goal: 0.0).actions, *anywhere)
-        return (action for action in described if action.name not in known)
+        described = instantiate(mission, flight_time).actions
+        anywhere = departures(mission, flight_time)
+        return (action for action in (*described, *anywhere) if action.name not in known)
 
     events = frozenset(event.fact for event in mission.events.values())
     return WorldModel(events, closed_moves)
@@ -205,9 +209,9 @@ def _without_route(
         return ()
     begun = (a for a in problem.actions if a.requires - a.assumes <= reached)
     sought -= frozenset[Fact]().union(*map(_added, begun))
-    closed = frozenset[Fact]().union(
-        *(_added(move) for move in world.closed_moves() if move.requires - move.assumes <= reached)
-    )
+    places = frozenset(fact.arguments[0] for fact in sought)
+    could_begin = (m for m in world.closed_moves(places) if m.requires - m.assumes <= reached)
+    closed = frozenset[Fact]().union(*map(_added, could_begin))
     return tuple(sorted(fact.arguments[0] for fact in sought & closed))
 
 
