@@ -77,7 +77,7 @@ def test_nodes_say_what_they_are_and_actions_what_they_are_about() -> None:
     rig.executive.plan()
     reader.read(rig.flight.reports)
     assert reader.nodes[:5] == (
-        TreeNode(0, NodeType.SEQUENCE, "root"),
+        TreeNode(0, NodeType.REACTIVE_SEQUENCE, "root"),
         LeafTreeNode(1, NodeType.LEAF, "as predicted?", LeafType.ASSUMPTIONS),
         TreeNode(1, NodeType.SEQUENCE, "plan"),
         ActionTreeNode(2, NodeType.ACTION, "move(H, A)", "A", ("trans_ok(H, A)",)),
