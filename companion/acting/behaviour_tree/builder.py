@@ -121,22 +121,32 @@ def _tried(child: Behaviour, tries: int) -> Behaviour:
     return Retry(f"MAX_TRY({tries})", child, tries) if tries > 1 else child
 
 
-def _refinement(flight: Flight, skill: Refinement) -> Behaviour:
-    """The steps of a skill, so often tried as it says."""
-    once = _one_try(flight, skill)
+def _refinement(flight: Flight, skill: Refinement, within_s: float | None = None) -> Behaviour:
+    """The steps of a skill, so often tried as it says.
+
+    Args:
+        flight: what the leaves act on.
+        skill: what is done.
+        within_s: the time limit of the skill that it refines.
+    """
+    limit_s = within_s if skill.timeout_s is None else skill.timeout_s
+    once = _one_try(flight, skill, limit_s)
     if skill.tries > 1 and _touches_ground(skill.steps):
         once = _sequence("another try", [landing.BeginAgain(flight), once])
     return _tried(once, skill.tries)
 
 
-def _one_try(flight: Flight, skill: Refinement) -> Behaviour:
-    """One try: a single step is itself, several are a sequence, in time together."""
+def _one_try(flight: Flight, skill: Refinement, limit_s: float | None) -> Behaviour:
+    """One try: a single step is itself, several are a sequence, in time together.
+
+    A command among them may take all of that time.
+    """
     match skill.steps:
         case (Fly(place),):
             return _flight_to(flight, place, skill.timeout_s)
         case (Command() as command,):
-            return SendCommand(flight, command, skill.timeout_s)
-    steps = [_step(flight, step) for step in skill.steps]
+            return SendCommand(flight, command, limit_s)
+    steps = [_step(flight, step, limit_s) for step in skill.steps]
     once = steps[0] if len(steps) == 1 else _sequence(skill.name, steps)
     return Deadline(flight, once, skill.timeout_s) if skill.timeout_s is not None else once
 
@@ -155,12 +165,12 @@ def _flight_to(flight: Flight, place: str, timeout_s: float | None) -> Behaviour
     return _sequence("move", [UpdateParam(flight, place, move), move])
 
 
-def _step(flight: Flight, step: Step) -> Behaviour:
+def _step(flight: Flight, step: Step, limit_s: float | None) -> Behaviour:
     match step:
         case Fly(place):
             return _flight_to(flight, place, None)
         case Command():
-            return SendCommand(flight, step, None)
+            return SendCommand(flight, step, limit_s)
         case Wait(duration_s):
             return Rest(flight, duration_s)
         case Land():
@@ -170,7 +180,7 @@ def _step(flight: Flight, step: Step) -> Behaviour:
         case Charge(percent):
             return landing.ChargeBattery(flight, percent)
         case Refinement():
-            return _refinement(flight, step)
+            return _refinement(flight, step, limit_s)
 
 
 def _sequence(name: str, children: Many[Behaviour]) -> Behaviour:

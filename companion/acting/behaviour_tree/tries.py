@@ -6,6 +6,7 @@ An action that fails, and is tried again, has not failed yet: what it assumes is
 from __future__ import annotations
 
 from py_trees.behaviour import Behaviour
+from py_trees.common import Status
 from py_trees.decorators import Retry
 
 from companion.acting.flight import Flight
@@ -27,6 +28,11 @@ class RetryByHand(Retry):
         """Begins with the first try."""
         super().initialise()
         self.began_on_ground = self._flight.progress.is_landed_by_plan
+
+    def terminate(self, new_status: Status) -> None:
+        """There is no other try after something above has interrupted."""
+        if new_status is Status.INVALID:
+            self.failures = self.num_failures
 
     @property
     def has_another(self) -> bool:

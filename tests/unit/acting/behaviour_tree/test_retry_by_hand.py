@@ -292,6 +292,18 @@ def test_a_vehicle_that_was_moved_in_a_pause_flies_on_from_there() -> None:
     assert rig.places == ["A", "B"]
 
 
+def test_a_timeout_around_a_retry_on_the_ground_ends_all_of_its_tries() -> None:
+    slow = replace(LEAVE, execute=(Command(25, 31010, "MAV_CMD_USER_1", ()), TakeOff()))
+    limited = Timeout(Steps((retry(3, Act("leave")),)), 5.0)
+    nodes = (Act("dock(H, A)"), Fallback((limited, Act("move(*, B)"))))
+    rig, sortie = on_the_ground(*nodes, skills=(DOCK, slow))
+    rig.vehicle.answers = [DONE, (0.0, Progress.RUNNING)]
+    until_the_end(rig, sortie)
+    assert sortie.failure is None
+    told = [s.event for s in rig.flight.reports]
+    assert PlaceReached("B", "move(A, B)") in told
+
+
 def test_no_watch_interrupts_on_the_ground() -> None:
     """What was begun there is finished first, as in a plan."""
     slow = replace(DOCK, execute=(Fly("to"), Land(), Charge(80), TakeOff()))

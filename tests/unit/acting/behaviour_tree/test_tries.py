@@ -125,6 +125,21 @@ def test_a_flight_has_the_time_limit_for_each_try() -> None:
     assert len(rig.of(SymbolMoved)) == 2
 
 
+@pytest.mark.parametrize(
+    ("outer_s", "inner_s", "expected"),
+    [(30.0, None, [30.0, 30.0]), (30.0, 12.0, [30.0, 12.0]), (None, 12.0, [None, 12.0])],
+)
+def test_a_command_among_steps_may_take_all_of_the_skills_time(
+    outer_s: float | None, inner_s: float | None, expected: list[float | None]
+) -> None:
+    """Else the command protocol would give up a payload that has half a minute."""
+    inner = replace(made_of(Wait(0.1), SHOT, timeout_s=inner_s), name="shoot", is_planned=False)
+    outer = made_of(PHOTO, Do("shoot", ()), timeout_s=outer_s)
+    rig = begin(outer, replace(inner, assumes=()))
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED
+    assert rig.vehicle.patience == expected
+
+
 # -- landings --------------------------------------------------------------------------------------
 
 
