@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from companion.api.results import FlownTrajectory as FlownTrajectory
     from companion.api.simulating import SimulationResult as SimulationResult
     from companion.api.simulating import simulate as simulate
+    from companion.api.trees import BehaviourTree as BehaviourTree
+    from companion.api.trees import behaviour_tree as behaviour_tree
     from companion.errors import CompanionError as CompanionError
     from companion.errors import FormulaError as FormulaError
     from companion.errors import LinkError as LinkError
@@ -50,6 +52,7 @@ _EXPORTS = {
     "companion.api.formulas": "parse_formula translate",
     "companion.api.results": "FlightResult FlownTrajectory",
     "companion.api.simulating": "SimulationResult simulate",
+    "companion.api.trees": "BehaviourTree behaviour_tree",
     "companion.errors": "CompanionError FormulaError LinkError MissionError NoPlanError "
     "SearchLimit",
     "companion.ltl.automaton": "BuchiAutomaton",

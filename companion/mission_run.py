@@ -85,6 +85,7 @@ class Run:
         self.awaited = frozenset(s.field for s in detector.signals if s.is_pulse)
         acting = assemble(prepared, self.vehicle, detector)
         self.flight = acting.flight
+        self.executive = acting.executive
         self.sortie = Sortie(
             acting.flight,
             acting.executive,

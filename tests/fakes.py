@@ -13,6 +13,7 @@ from companion.geometry import Ned
 from companion.motion.sensed_map import RangeScan
 from companion.outcomes import Refusal
 from companion.vehicle.port import (
+    Failed,
     Goal,
     Mode,
     Outcome,
@@ -36,6 +37,7 @@ class FakeVehicle:
         is_stuck: it moves no longer.
         flown: every setpoint that it was given; None when it was released.
         sent: every command, as (component, command, parameters).
+        patience: how long the answer of each is waited for.
         pursued: the goals that were worked for, in order.
         scans: what it hears of its surroundings; nothing at first.
         parameters: the autopilot's parameters; strong failsafes at first.
@@ -55,6 +57,7 @@ class FakeVehicle:
         self.is_stuck = False
         self.flown: list[Setpoint | None] = []
         self.sent: list[tuple[int, int, tuple[float, ...]]] = []
+        self.patience: list[float | None] = []
         self.forgotten: list[int] = []
         self.pursued: list[Goal] = []
         self.parameters: dict[str, float] = {
@@ -118,9 +121,15 @@ class FakeVehicle:
     def regain(self) -> None:
         self.takeover = None
 
-    def send_command(self, component: int, command: int, parameters: tuple[float, ...]) -> int:
+    def send_command(
+        self, component: int, command: int, parameters: tuple[float, ...], timeout_s: float | None
+    ) -> int:
         self.sent.append((component, command, parameters))
+        self.patience.append(timeout_s)
         delay_s, outcome = self.answers.pop(0) if self.answers else (0.0, Progress.DONE)
+        is_final = outcome is not Progress.RUNNING
+        if timeout_s is not None and not (is_final and delay_s <= timeout_s):
+            delay_s, outcome = timeout_s, Failed(f"no final answer in {timeout_s:g} s")
         self._due[len(self.sent)] = (self._now_s + delay_s, outcome)
         return len(self.sent)
 

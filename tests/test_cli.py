@@ -63,6 +63,7 @@ OPTIONS = {
         *("--at", "--set", "--unset", "--without", "--objective"),
         *("--engine", "--encoding", "--timeout", "--pddl", "--json", "--verbose"),
     ],
+    "tree": ["--format", "--verbose"],
     "ltl": ["--format", "--state-based", "--monolithic", "--batch", "--exclusive"],
     "run": [
         *("--connect", "--accept-weak-failsafes", "--wait", "--laps", "--limit-s", "--timeout"),

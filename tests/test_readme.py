@@ -86,7 +86,9 @@ def commands(text: str) -> list[str]:
 def is_quick(command: str) -> bool:
     """Whether a test may run a command as it stands."""
     match shlex.split(command):
-        case ["companion" | "sitl", *_, "--help"] | ["companion", "check" | "plan" | "ltl", *_]:
+        case ["companion" | "sitl", *_, "--help"]:
+            return True
+        case ["companion", "check" | "plan" | "ltl" | "tree", *_]:
             return True
         case ["sitl", "--check", _]:
             return True

@@ -21,6 +21,7 @@ from collections.abc import Sequence
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
+from companion.acting.behaviour_tree import pausing
 from companion.acting.behaviour_tree.builder import build
 from companion.acting.behaviour_tree.hand_built import build_by_hand
 from companion.acting.behaviour_tree.leaf import failure_of
@@ -80,6 +81,7 @@ class Executive:
         self._replanner = Replanner(planner, flight, self._assumptions)
         self._triggers = ReplanTriggers(flight, self._assumptions, self._replanner)
         self._plan_state = ExecutiveState.EXECUTING
+        self._paused_s = 0.0
 
     @property
     def status(self) -> TaskStatus:
@@ -105,6 +107,7 @@ class Executive:
         if mission.tree is not None:
             root = build_by_hand(flight, mission.tree, self._planner.actions_of(mission.tree))
             flight.report(WrittenTreeAdopted(task))
+            self._plan_state = ExecutiveState.BY_HAND
             self._take_tree(root, ExecutiveState.BY_HAND)
         else:
             self._replanner.follow_map()
@@ -160,9 +163,21 @@ class Executive:
             self._tell_tree()
         self._flight.hold()
 
+    def pause(self) -> None:
+        """Interrupts what is under way, to go on with it later; the vehicle holds."""
+        if self.state is ExecutiveState.BY_HAND and self._root is not None:
+            self._paused_s = self._flight.now_s
+            pausing.pause(self._root)
+            self._tell_tree()
+            self._flight.hold()
+        else:
+            self.stop()
+
     def resume(self) -> TaskStatus:
-        """Goes on after `stop`, by a new plan from here: what was under way was interrupted."""
-        if self._planner.mission.tree is None:
+        """Goes on after a pause: by a new plan from here, or where a tree by hand has come to."""
+        if self.state is ExecutiveState.BY_HAND and self._root is not None:
+            pausing.resume(self._root, self._flight.now_s - self._paused_s)
+        elif self._planner.mission.tree is None:
             self._plan_state = ExecutiveState.EXECUTING
             self._replanner.forgive()
             self._replan("going on")
@@ -188,7 +203,10 @@ class Executive:
             self._flight.report(LapCompleted(progress.laps))
 
     def _tick_by_hand(self, root: Behaviour) -> None:
-        """One tick of a tree that was written by hand: it is not replaced when it fails."""
+        """One tick of a tree that was written by hand: it is not replaced when it fails.
+
+        After a skill that has failed on the ground it goes on in the air, as another plan would.
+        """
         root.tick_once()
         self._tell_tree()
         tell_positions(self._flight)
@@ -200,6 +218,10 @@ class Executive:
             failed = WrittenTreeFailed(failure_of(root))
             self.failure = NoPlanError(failed.text)
             self._flight.report(failed)
+        elif self._flight.progress.is_stranded:
+            progress = self._flight.progress
+            self._flight.progress = PlanProgress(progress.completed, progress.laps)
+            self.state = ExecutiveState.GROUNDED
 
     # -- planning again ------------------------------------------------------------------------
 

@@ -12,7 +12,7 @@ class ExecutiveState(Enum):
     EXECUTING = "ticks the tree of a plan"
     LEAVING = "ticks the tree of a flight to a place, in want of a plan for the task"
     BY_HAND = "ticks the mission's own tree"
-    GROUNDED = "has a new plan that begins in the air, while the old one has landed the vehicle"
+    GROUNDED = "goes on in the air, while the vehicle is on the ground by what has failed"
     REPLANNING = "a plan is due, as soon as the routes on the map are known; the vehicle holds"
     EXPLAINING = "searches for the reason why there is no plan; the vehicle holds"
     SATISFIED = "the task is satisfied"

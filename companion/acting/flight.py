@@ -19,18 +19,20 @@ TICK_S = 0.05
 
 @dataclass
 class PlanProgress:
-    """How far a plan has come. Each plan has its own; leaves of its tree alone write it.
+    """How far a plan has come. Each plan has its own; nodes of its tree alone write it.
 
     Attributes:
         completed: skills that were completed; `Effects` counts them.
         laps: laps of the loop; `Effects` counts them.
         is_landed_by_plan: the plan has landed the vehicle, and has not taken off again; the leaves
             that land and take off write it.
+        is_stranded: an action has failed there; `ActionNode` writes it.
     """
 
     completed: int = 0
     laps: int = 0
     is_landed_by_plan: bool = False
+    is_stranded: bool = False
 
 
 @dataclass

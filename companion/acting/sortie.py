@@ -202,7 +202,7 @@ class Sortie:
     def _freeze(self) -> None:
         """Interrupts what is flown, to go on with it later."""
         if self._return_home is None:
-            self._executive.stop()
+            self._executive.pause()
         else:
             self._return_home.stop()
         self._is_frozen = True

@@ -21,6 +21,7 @@ from companion.cli.monitoring import monitor, replay
 from companion.cli.operating import upload, watch
 from companion.cli.planning import check, plan
 from companion.cli.terminal import give_up
+from companion.cli.trees import tree
 from companion.errors import CompanionError
 
 app = typer.Typer(
@@ -30,7 +31,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (check, plan, ltl, run, sim, audit, replay, upload, watch):
+for command in (check, plan, tree, ltl, run, sim, audit, replay, upload, watch):
     app.command()(command)
 app.command(hidden=True)(monitor)
 

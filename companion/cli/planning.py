@@ -113,7 +113,8 @@ def plan(
 ) -> None:
     """Prints the plan: a prefix that is flown once and a loop that is flown for ever.
 
-    --at, --set, --unset and --without ask "what if", e.g. --at A --set targetFound.
+    A plan takes events as they are: it assumes that none of them changes. --at, --set, --unset and
+    --without ask "what if", e.g. --at A --set targetFound.
     """
     from companion.planning.explain import NoPlan
 

@@ -11,14 +11,37 @@ from companion.flight_events.event_fields import Doc, InText
 
 
 class NodeType(Enum):
-    """What a node is."""
+    """What a node is; a reactive sequence begins with its first child in every tick."""
 
     ACTION = "action"
     SEQUENCE = "sequence"
+    REACTIVE_SEQUENCE = "reactive_sequence"
     SELECTOR = "selector"
+    PARALLEL = "parallel"
+    SUBTREE = "subtree"
     REPEAT = "repeat"
-    DECORATOR = "decorator"
+    RETRY = "retry"
+    INVERTER = "inverter"
+    TIMEOUT = "timeout"
     LEAF = "leaf"
+
+
+class LeafType(Enum):
+    """What a leaf does."""
+
+    ASSUMPTIONS = "assumptions"
+    PRECONDITION = "precondition"
+    EFFECTS = "effects"
+    WITHDRAW = "withdraw"
+    UPDATE_PARAM = "update_param"
+    MOVE_CMD = "move_cmd"
+    COMMAND = "command"
+    WAIT = "wait"
+    LAND = "land"
+    TAKE_OFF = "take_off"
+    CHARGE = "charge"
+    BEGIN_AGAIN = "begin_again"
+    FACTS = "facts"
 
 
 class NodeStatus(Enum):
@@ -45,6 +68,31 @@ class ActionTreeNode(TreeNode):
 
     destination: Annotated[str | None, Doc("the place that it flies to, or null")]
     assumes: Annotated[tuple[str, ...], Doc("the beliefs that it relies on")]
+
+
+@dataclass(frozen=True, slots=True)
+class CountedTreeNode(TreeNode):
+    """A node that repeats what is below it: after a success, or after a failure."""
+
+    times: Annotated[int | None, Doc("how often at most; null is for ever")]
+
+
+@dataclass(frozen=True, slots=True)
+class TimedTreeNode(TreeNode):
+    """A node that limits the time of what is below it."""
+
+    duration_s: Annotated[float, Doc("seconds that it may take")]
+
+
+@dataclass(frozen=True, slots=True)
+class LeafTreeNode(TreeNode):
+    """A node with nothing below it."""
+
+    does: Annotated[LeafType, Doc("what it does")]
+
+
+PlanNode = ActionTreeNode | CountedTreeNode | TimedTreeNode | LeafTreeNode | TreeNode
+"""A node of any kind."""
 
 
 class NodeChange(NamedTuple):
@@ -78,10 +126,12 @@ class TreeBuilt(FlightEvent):
     is_told = False
 
     nodes: Annotated[
-        tuple[ActionTreeNode | TreeNode, ...],
+        tuple[PlanNode, ...],
         Doc(
             "depth first, each with `depth`, `type` and `name`; an `action` also with its "
-            "`destination` (a place, or null) and what it `assumes`"
+            "`destination` (a place, or null) and what it `assumes`, a `repeat` or `retry` with "
+            "how many `times` at most (null is for ever), a `timeout` with its `duration_s`, a "
+            "`leaf` with what it `does`"
         ),
     ]
 

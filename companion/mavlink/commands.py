@@ -3,9 +3,13 @@
 Rules (https://mavlink.io/en/services/command.html):
 1. A command is sent again every 0.5 s until it is answered, with `confirmation` counted up.
 2. No answer at all for 5 s is a failure.
-3. IN_PROGRESS lengthens the wait: 10 s from the last one.
-4. TEMPORARILY_REJECTED is tried again after 1 s, at most ten times.
+3. IN_PROGRESS lengthens the wait: 10 s from the last one. The command is not sent again: it may
+   take effect twice.
+4. TEMPORARILY_REJECTED is tried again after 1 s, at most ten times. After IN_PROGRESS it answers a
+   repetition of ours that was under way, and changes nothing.
 5. ACCEPTED is success. Every other result is final and a failure.
+6. A sender that says how long it waits for the final answer waits as long, whatever is heard or not
+   heard before: that time stands in place of the 5 s, the 10 s and the ten times.
 
 An answer belongs to the command that was sent last to its component with that number. A second
 answer may follow (PX4 accepts DO_SET_MODE at once and refuses it 10 ms later), so an accepted
@@ -37,6 +41,7 @@ class Exchange:
     """One command under way.
 
     Attributes:
+        timeout_s: how long the sender waits for the final answer; None for rules 2 to 4.
         result: name of the final MAV_RESULT without its prefix, None while there is none,
             "NO_ANSWER" for silence, "REFUSED" if it is not sent at all.
         refusal: why it is not sent.
@@ -48,10 +53,12 @@ class Exchange:
     parameters: Parameters
     deadline_s: float
     next_send_s: float
+    timeout_s: float | None = None
     confirmation: int = 0
     rejections: int = 0
     result: str | None = None
     is_answered: bool = False
+    is_in_progress: bool = False
     refusal: Refusal | None = None
 
     @property
@@ -64,22 +71,36 @@ class Exchange:
         """The final answer for people."""
         if self.refusal is not None:
             return self.refusal.reason
+        if self.result == "NO_ANSWER" and self.timeout_s is not None:
+            kind = "final answer" if self.is_in_progress else "answer"
+            return f"no {kind} in {self.timeout_s:g} s"
         return (self.result or "no answer yet").replace("_", " ").lower()
 
     def receive(self, now_s: float, ack: Message) -> None:
         """Takes a COMMAND_ACK for this command."""
         result = result_name(ack.result)
         log.debug("command %d to %d/%d: %s", self.command, self.system, self.component, result)
-        self.is_answered = True
         if result == "IN_PROGRESS":
-            self.deadline_s = now_s + PROGRESS_S
-        elif result == "TEMPORARILY_REJECTED" and self.rejections < MAX_REJECTIONS:
-            self.rejections += 1
-            self.is_answered = False
-            self.next_send_s = now_s + REJECTION_PAUSE_S
-            self.deadline_s = self.next_send_s + SILENCE_S
+            self.is_answered = self.is_in_progress = True
+            self._wait(now_s + PROGRESS_S)
+        elif result == "TEMPORARILY_REJECTED" and self._may_ask_again:
+            if not self.is_in_progress:
+                self.rejections += 1
+                self.next_send_s = now_s + REJECTION_PAUSE_S
+                self._wait(self.next_send_s + SILENCE_S)
         else:
+            self.is_answered = True
             self.result = result
+
+    @property
+    def _may_ask_again(self) -> bool:
+        is_unlimited = self.is_in_progress or self.timeout_s is not None
+        return is_unlimited or self.rejections < MAX_REJECTIONS
+
+    def _wait(self, deadline_s: float) -> None:
+        """Waits so long for the next answer, unless the sender has said how long."""
+        if self.timeout_s is None:
+            self.deadline_s = deadline_s
 
     def due(self, now_s: float) -> Message | None:
         """Returns the COMMAND_LONG to send now, if any."""
@@ -120,11 +141,22 @@ class CommandSender:
         target: tuple[int, int],
         command: int,
         parameters: Parameters,
+        timeout_s: float | None = None,
     ) -> int:
-        """Begins a command to (system, component) and returns its ticket."""
+        """Begins a command to (system, component) and returns its ticket.
+
+        Args:
+            timeout_s: how long to wait for the final answer; None for the protocol's own times.
+        """
         self._tickets += 1
+        patience_s = SILENCE_S if timeout_s is None else timeout_s
         self._exchanges[self._tickets] = Exchange(
-            *target, command, parameters, deadline_s=now_s + SILENCE_S, next_send_s=now_s
+            *target,
+            command,
+            parameters,
+            deadline_s=now_s + patience_s,
+            next_send_s=now_s,
+            timeout_s=timeout_s,
         )
         return self._tickets
 

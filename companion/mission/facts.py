@@ -16,6 +16,8 @@ AT = "at"
 """The predicate of the vehicle's place."""
 HERE = "here"
 """The place between places, where an interrupted flight leaves the vehicle."""
+ANYWHERE = "*"
+"""Where the vehicle happens to be, in trees written by hand: a place, or `here`."""
 
 _facts: dict[str, Fact] = {}
 

@@ -31,6 +31,7 @@ from companion.mission.schema import MapEntry, MissionFile
 from companion.mission.sites import check_limits, check_places
 from companion.mission.skills import build_skills
 from companion.mission.tree import read_tree
+from companion.mission.tree_nodes import Tree
 from companion.mission.vocabulary import Vocabulary
 from companion.motion.grid import OccupancyGrid
 from companion.vehicle_files import read_vehicle
@@ -96,7 +97,7 @@ def load_mission(source: Given, folder: Path | None = None) -> Mission:
         initially=initially,
         task=_task(file, document, vocabulary),
         otherwise=Otherwise(file.otherwise),
-        tree=read_tree(file.tree, document, skills, sets, vocabulary) if file.tree else None,
+        tree=_tree(file, document, skills, sets, vocabulary),
     )
 
 
@@ -105,6 +106,21 @@ def _text(source: Source, document: Document) -> str:
     if isinstance(source.content, str):
         return source.content
     return json.dumps(document.data(), indent=2, ensure_ascii=False) + "\n"
+
+
+def _tree(
+    file: MissionFile,
+    document: Document,
+    skills: Mapping[str, Skill],
+    sets: Mapping[str, Collection[str]],
+    vocabulary: Vocabulary,
+) -> Tree | None:
+    if file.tree:
+        return read_tree(file.tree, file.subtrees, document, skills, sets, vocabulary)
+    if file.subtrees:
+        where = document.key_at("subtrees")
+        raise MissionError("there are subtrees, and no tree", where, "add tree: [...] to use them")
+    return None
 
 
 def _limits(file: MissionFile) -> Limits:

@@ -12,7 +12,7 @@ from enum import Enum
 
 from companion.geometry import Ned, NorthEast
 from companion.ltl.formula import Formula, atoms
-from companion.mission.facts import Atom, Fact, at
+from companion.mission.facts import AT, Atom, Fact, at
 from companion.mission.tree_nodes import Tree
 from companion.motion.grid import OccupancyGrid
 from companion.motion.profile import SpeedLimits
@@ -215,8 +215,8 @@ class Skill:
         distinct: groups of parameters, places and objects, no two of which are the same.
         cost_s: constant cost in seconds; None means flight time on the map.
         execute: its refinement, one step after the other.
-        tries: instantiations of a symbol before the skill fails (MAX_TRY, Fig. 6).
-        timeout_s: longest time the refinement may take; None for no limit.
+        tries: how often its refinement is tried before it has failed (MAX_TRY, Fig. 6).
+        timeout_s: longest time of one try; None for no limit.
         is_planned: whether the planner may use it; if not it only refines other skills.
         retry_after_s: time after which a belief that its failure withdrew is held again.
     """
@@ -234,6 +234,24 @@ class Skill:
     distinct: tuple[tuple[str, ...], ...] = ()
     is_planned: bool = True
     retry_after_s: float | None = None
+
+    @property
+    def origin(self) -> str | None:
+        """The parameter that names where it begins: p with precondition at(p); None without one."""
+        names = [name for name, _ in self.parameters]
+        for literal in self.precondition:
+            atom = literal.atom
+            if literal.is_positive and atom.predicate == AT and atom.arguments[0] in names:
+                return atom.arguments[0]
+        return None
+
+
+def flies(skill: Skill, skills: Mapping[str, Skill]) -> bool:
+    """Whether a skill, or one of those that refine it, flies to a place."""
+    return any(
+        isinstance(step, Fly) or (isinstance(step, Do) and flies(skills[step.skill], skills))
+        for step in skill.execute
+    )
 
 
 class Otherwise(Enum):

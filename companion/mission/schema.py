@@ -195,11 +195,18 @@ class SkillEntry(StrictModel):
             "failure; without it not before an event restores it.",
         ),
     ] = None
-    tries: Annotated[int, Field(ge=1, le=100, description="Tries before the skill has failed.")] = 1
+    tries: Annotated[
+        int,
+        Field(
+            ge=1,
+            le=100,
+            description="How often all that the skill executes is tried before it has failed.",
+        ),
+    ] = 1
     timeout_s: Annotated[
         float | None,
         BeforeValidator(_given, json_schema_input_type=Annotated[float, Field(gt=0)]),
-        Field(gt=0, description="Longest time of the whole skill, seconds; without it no limit."),
+        Field(gt=0, description="Longest time of one try, seconds; without it no limit."),
     ] = None
 
 
@@ -311,10 +318,16 @@ class MissionFile(StrictModel):
         Field(
             min_length=1,
             description="A behaviour tree written by hand, in place of a planner: a list of "
-            "actions such as move(Home, A), of facts to check, and of {fallback: [...]}, "
-            "{repeat: [...], times: n}, {retry: [...], times: n}, {watch: FACTS, do: [...]}.",
+            "actions such as move(Home, A) or move(*, A) from wherever the vehicle is, of facts to "
+            "check, of wait(seconds), and of {fallback: [...]}, {parallel: [...]}, "
+            "{inverter: [...]}, {repeat: [...], times: n}, {retry: [...], times: n}, "
+            "{timeout: [...], duration_s: s}, {watch: FACTS, do: [...]}, {subtree: NAME}.",
         ),
     ] = None
+    subtrees: Annotated[
+        dict[Name, list[Any]],
+        Field(description="Name: a list of nodes, which the tree uses as {subtree: NAME}."),
+    ] = {}
     otherwise: Annotated[
         Literal["return_home", "land", "hold"],
         Field(description="What to do when no plan exists: return_home, land or hold."),

@@ -1,98 +1,261 @@
 """A plan written by hand: the behaviour tree of a mission file (Section IV-A of the paper).
 
     text                        an action of a skill, `move(A, B)`, or facts to hold, `lit & !late`
+    wait(seconds)               succeeds after a time
     [node, ...]                 one after the other, until one fails
     {fallback: [node, ...]}     the first that succeeds
+    {parallel: [node, ...]}     all at a time, until all have succeeded or one has failed
+    {inverter: [node, ...]}     the sequence; its failure is a success, its success a failure
     {repeat: [node, ...]}       the sequence for ever, or `times` times; ends when it fails
     {retry: [node, ...], times: n}      the sequence, n times at most, until it succeeds
+    {timeout: [node, ...], duration_s: s}       the sequence, which fails after a time
     {watch: facts, do: [node, ...]}     the sequence while facts hold; it is interrupted if not
+    {subtree: name}             the sequence of that name under `subtrees`
 
-An interrupted flight leaves the vehicle between places, at `here`: `move(here, B)` flies on.
+The names are those of py_trees and BehaviorTree.CPP where they agree. An interrupted flight leaves
+the vehicle between places, at `here`: `move(here, B)` flies on, and `move(*, B)` begins wherever
+the vehicle is.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from companion.documents import Document, did_you_mean
 from companion.errors import MissionError
-from companion.mission.facts import HERE, Atom, Fact
+from companion.mission.execution import parse_execution
+from companion.mission.facts import ANYWHERE, HERE, Atom, Fact
 from companion.mission.literals import parse_literals
-from companion.mission.model import Fly, Skill
-from companion.mission.tree_nodes import Act, Check, Fallback, Repeat, Retry, Steps, Tree, Watch
+from companion.mission.model import Skill, Wait, flies
+from companion.mission.skills import WAIT
+from companion.mission.tree_nodes import (
+    Act,
+    Check,
+    Fallback,
+    Inverter,
+    Parallel,
+    Repeat,
+    Retry,
+    Steps,
+    Subtree,
+    Timeout,
+    Tree,
+    WaitFor,
+    Watch,
+    actions,
+    children,
+)
 from companion.mission.vocabulary import Vocabulary
 
-FORMS = {"fallback": {"fallback"}, "repeat": {"repeat", "times"}, "retry": {"retry", "times"}}
-FORMS["watch"] = {"watch", "do"}
-_HINT = "a node is a text, a list, or one of fallback, repeat, retry and watch"
+FORMS: Mapping[str, frozenset[str]] = {
+    "fallback": frozenset({"fallback"}),
+    "parallel": frozenset({"parallel"}),
+    "inverter": frozenset({"inverter"}),
+    "repeat": frozenset({"repeat", "times"}),
+    "retry": frozenset({"retry", "times"}),
+    "timeout": frozenset({"timeout", "duration_s"}),
+    "watch": frozenset({"watch", "do"}),
+    "subtree": frozenset({"subtree"}),
+}
+"""The kinds of nodes that are tables, each with its keys."""
+MAX_NODES = 2000
+"""A tree is ticked 20 times a second, and subtrees in subtrees multiply."""
+MAX_NESTED = 8
+"""Subtrees in one another."""
+_HINT = f"a node is a text, a list, or one of {', '.join([*FORMS][:-1])} and {[*FORMS][-1]}"
+
+Keys = tuple[str | int, ...]
+
+
+class Extent(NamedTuple):
+    """How large a tree is: its nodes, and how deep subtrees are nested in it."""
+
+    nodes: int
+    nested: int
 
 
 def read_tree(
     data: object,
+    subtrees: Mapping[str, object],
     document: Document,
     skills: Mapping[str, Skill],
     sets: Mapping[str, Collection[str]],
     vocabulary: Vocabulary,
 ) -> Tree:
-    """Reads the tree under the key `tree`.
+    """Reads the tree under the key `tree`, and all subtrees.
 
     Raises:
         MissionError: with the place of the first node that cannot be used.
     """
-    return _WrittenTreeReader(document, skills, sets, vocabulary).node(data, ("tree",))
+    reader = _WrittenTreeReader(document, subtrees, skills, sets, vocabulary)
+    for name in subtrees:
+        reader.subtree(name, ("subtrees", name), ())
+    tree = reader.node(data, ("tree",), ())
+    reader.check_extent(tree, ("tree",))
+    return tree
 
 
 @dataclass(frozen=True, slots=True)
 class _WrittenTreeReader:
+    """Reads nodes; `within` are the subtrees around one, outermost first."""
+
     document: Document
+    subtrees: Mapping[str, object]
     skills: Mapping[str, Skill]
     sets: Mapping[str, Collection[str]]
     vocabulary: Vocabulary
+    known: dict[str, Subtree] = field(default_factory=dict)
+    extents: dict[str, Extent] = field(default_factory=dict)
 
-    def node(self, data: object, keys: tuple[str | int, ...]) -> Tree:
+    def node(self, data: object, keys: Keys, within: tuple[str, ...]) -> Tree:
         if isinstance(data, str):
             return self._text(data, keys)
         if isinstance(data, list) and data:
-            return Steps(tuple(self.node(d, (*keys, i)) for i, d in enumerate(data)))
+            return Steps(tuple(self.node(d, (*keys, i), within) for i, d in enumerate(data)))
         if isinstance(data, dict):
-            return self._table(data, keys)
+            return self._table(data, keys, within)
         raise self._error("not a node of a tree", keys)
 
-    def _table(self, data: Mapping[str, object], keys: tuple[str | int, ...]) -> Tree:
+    # -- subtrees ------------------------------------------------------------------------------
+
+    def subtree(self, name: str, keys: Keys, within: tuple[str, ...]) -> Subtree:
+        """The subtree of a name, which is used at `keys`."""
+        if name in within:
+            path = " -> ".join([*within[within.index(name) :], name])
+            raise MissionError(
+                f"the subtree {name} is a part of itself: {path}",
+                self.document.where(*keys),
+                "a tree has to end in actions and facts; for what is done again there is repeat",
+            )
+        if name not in self.known:
+            self._check_nested(len(within) + 1, keys)
+            own: Keys = ("subtrees", name)
+            subtree = Subtree(name, self._steps(self.subtrees[name], own, (*within, name)))
+            self.check_extent(subtree, own)
+            self.known[name], self.extents[name] = subtree, self._extent(subtree)
+        return self.known[name]
+
+    def check_extent(self, tree: Tree, keys: Keys) -> None:
+        """Refuses a tree that would be too large to tick."""
+        extent = self._extent(tree)
+        self._check_nested(extent.nested, keys)
+        if extent.nodes > MAX_NODES:
+            raise MissionError(
+                f"{extent.nodes} nodes, with those of subtrees; a tree has at most {MAX_NODES}",
+                self.document.where(*keys),
+                "use fewer subtrees in one another",
+            )
+
+    def _check_nested(self, nested: int, keys: Keys) -> None:
+        if nested > MAX_NESTED:
+            where = self.document.where(*keys)
+            what = f"more than {MAX_NESTED} subtrees in one another"
+            raise MissionError(what, where, "write the inner ones out")
+
+    def _extent(self, tree: Tree) -> Extent:
+        if isinstance(tree, Subtree) and tree.name in self.extents:
+            return self.extents[tree.name]
+        below = [self._extent(child) for child in children(tree)]
+        nested = max((extent.nested for extent in below), default=0)
+        return Extent(1 + sum(extent.nodes for extent in below), nested + isinstance(tree, Subtree))
+
+    # -- tables --------------------------------------------------------------------------------
+
+    def _table(self, data: Mapping[str, object], keys: Keys, within: tuple[str, ...]) -> Tree:
         kind = next((kind for kind in FORMS if kind in data), None)
         if kind is None:
-            raise self._error(f"unknown node {next(iter(data), '')}", keys)
+            name = next(iter(data), "")
+            hint = f"{_HINT}. {did_you_mean(str(name), FORMS)}".rstrip()
+            raise MissionError(f"unknown node {name}", self.document.where(*keys), hint)
         for key in data:
             if key not in FORMS[kind]:
-                raise self._error(f"{kind} has no key {key}", (*keys, key))
-        if kind == "fallback":
-            return Fallback(self._steps(data, kind, keys).nodes)
+                what = f"{kind} has no key {key}"
+                hint = f"its keys are {', '.join(sorted(FORMS[kind]))}"
+                raise MissionError(what, self.document.where(*keys, key), hint)
+        if kind == "subtree":
+            return self._named(data[kind], (*keys, kind), within)
         if kind == "watch":
             facts = data[kind]
             if not isinstance(facts, str):
                 raise self._error("watch needs facts", (*keys, kind))
-            return Watch(self._check(facts, (*keys, kind)), self._steps(data, "do", keys))
-        steps = self._steps(data, kind, keys)
-        times = data.get("times")
-        if kind == "repeat" and "times" not in data:
-            return Repeat(steps, None)
-        if not isinstance(times, int) or isinstance(times, bool) or times < 1:
-            raise self._error(f"{kind} needs times: a whole number, 1 or more", (*keys, "times"))
-        return Repeat(steps, times) if kind == "repeat" else Retry(steps, times)
+            condition = self._check(facts, (*keys, kind))
+            return Watch(condition, self._steps(data.get("do"), (*keys, "do"), within))
+        steps = self._steps(data[kind], (*keys, kind), within)
+        match kind:
+            case "fallback":
+                return Fallback(steps.nodes)
+            case "parallel":
+                return self._parallel(steps, (*keys, kind))
+            case "inverter":
+                return Inverter(steps)
+            case "timeout":
+                return Timeout(steps, self._duration_s(data, keys))
+            case "retry":
+                return Retry(steps, self._times(data, kind, keys))
+        return Repeat(steps, self._times(data, kind, keys) if "times" in data else None)
 
-    def _steps(self, data: Mapping[str, object], key: str, keys: tuple[str | int, ...]) -> Steps:
-        node = self.node(data.get(key), (*keys, key))
+    def _steps(self, data: object, keys: Keys, within: tuple[str, ...]) -> Steps:
+        node = self.node(data, keys, within)
         return node if isinstance(node, Steps) else Steps((node,))
 
-    def _text(self, text: str, keys: tuple[str | int, ...]) -> Tree:
+    def _times(self, data: Mapping[str, object], kind: str, keys: Keys) -> int:
+        times = data.get("times")
+        if not isinstance(times, int) or isinstance(times, bool) or times < 1:
+            raise self._error(f"{kind} needs times: a whole number, 1 or more", (*keys, "times"))
+        return times
+
+    def _duration_s(self, data: Mapping[str, object], keys: Keys) -> float:
+        seconds = data.get("duration_s")
+        is_number = isinstance(seconds, int | float) and not isinstance(seconds, bool)
+        if not is_number or not 0 < seconds < math.inf:  # type: ignore[operator]
+            what = "timeout needs duration_s: seconds, more than 0"
+            raise self._error(what, (*keys, "duration_s"))
+        return float(seconds)  # type: ignore[arg-type]
+
+    def _named(self, name: object, keys: Keys, within: tuple[str, ...]) -> Subtree:
+        if not isinstance(name, str) or name not in self.subtrees:
+            listing = ", ".join(self.subtrees) or "none yet"
+            hint = f"subtrees are {listing}. {did_you_mean(str(name), self.subtrees)}".rstrip()
+            raise MissionError(f"unknown subtree {name}", self.document.where(*keys), hint)
+        return self.subtree(name, keys, within)
+
+    def _parallel(self, steps: Steps, keys: Keys) -> Parallel:
+        """Refuses two branches with actions: there is one vehicle, and it does one at a time."""
+        acting = [i for i, branch in enumerate(steps.nodes) if actions(branch)]
+        if len(acting) > 1:
+            one, other = (min(actions(steps.nodes[i])) for i in acting[:2])
+            raise MissionError(
+                f"two branches of a parallel fly or command at the same time: {one} and {other}",
+                self.document.where(*keys, acting[1]),
+                "the vehicle does one action at a time: put them one after the other, and beside "
+                "them facts to check, and waits",
+            )
+        return Parallel(steps.nodes)
+
+    # -- texts ---------------------------------------------------------------------------------
+
+    def _text(self, text: str, keys: Keys) -> Tree:
         if text.count("(") > text.count(")"):
             hint = 'inside [ ] put quotes around an action with a comma: "move(A, B)"'
             raise MissionError(f"{text} is half an action", self.document.where(*keys), hint)
         name = text.partition("(")[0].strip()
+        if name == WAIT:
+            return self._delay(text, keys)
         return self._act(text, keys) if name in self.skills else self._check(text, keys)
 
-    def _check(self, text: str, keys: tuple[str | int, ...]) -> Check:
+    def _delay(self, text: str, keys: Keys) -> WaitFor:
+        if "(" not in text:
+            where = self.document.where(*keys)
+            raise MissionError("wait has no time", where, "write wait(seconds), e.g. wait(5)")
+        with self.document.locating(*keys):
+            step = parse_execution(text, (), {})
+        assert isinstance(step, Wait)
+        return WaitFor(step.duration_s)
+
+    def _check(self, text: str, keys: Keys) -> Check:
         with self.document.locating(*keys):
             literals = parse_literals(text)
             self.vocabulary.check(text)
@@ -101,7 +264,7 @@ class _WrittenTreeReader:
             facts[literal.is_positive].add(literal.atom.instantiate({}))
         return Check(text, frozenset(facts[True]), frozenset(facts[False]))
 
-    def _act(self, text: str, keys: tuple[str | int, ...]) -> Act:
+    def _act(self, text: str, keys: Keys) -> Act:
         atom = Atom.parse(text.replace(" ", "").replace(",", ", "))
         skill = self.skills[atom.predicate]
         wanted = ", ".join(parameter for parameter, _ in skill.parameters)
@@ -109,14 +272,20 @@ class _WrittenTreeReader:
             raise self._error(f"{atom.predicate} only refines other skills", keys)
         if len(atom.arguments) != len(skill.parameters):
             raise self._error(f"{text} has not the arguments of {atom.predicate}({wanted})", keys)
+        origin = skill.origin if flies(skill, self.skills) else None
         for argument, (parameter, name) in zip(atom.arguments, skill.parameters, strict=True):
-            is_departure = argument == HERE and any(isinstance(s, Fly) for s in skill.execute)
+            is_departure = parameter == origin and argument in (HERE, ANYWHERE)
             if argument not in self.sets[name] and not is_departure:
-                members = ", ".join(self.sets[name])
-                hint = f"{parameter} is one of {members}. {did_you_mean(argument, self.sets[name])}"
-                where = self.document.where(*keys)
-                raise MissionError(f"{argument} is not in {name}", where, hint.rstrip())
+                raise self._wrong_argument(argument, parameter, name, parameter == origin, keys)
         return Act(str(atom))
 
-    def _error(self, what: str, keys: tuple[str | int, ...]) -> MissionError:
+    def _wrong_argument(
+        self, argument: str, parameter: str, set_name: str, is_origin: bool, keys: Keys
+    ) -> MissionError:
+        members = [*self.sets[set_name], *([HERE, ANYWHERE] if is_origin else [])]
+        hint = f"{parameter} is one of {', '.join(members)}. {did_you_mean(argument, members)}"
+        where = self.document.where(*keys)
+        return MissionError(f"{argument} is not in {set_name}", where, hint.rstrip())
+
+    def _error(self, what: str, keys: Keys) -> MissionError:
         return MissionError(what, self.document.where(*keys), _HINT)

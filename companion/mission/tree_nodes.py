@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from companion.mission.facts import Fact
@@ -9,7 +10,7 @@ from companion.mission.facts import Fact
 
 @dataclass(frozen=True, slots=True)
 class Act:
-    """An action by its name, e.g. "move(A, B)"."""
+    """An action by its name, e.g. "move(A, B)"; `*` is wherever the vehicle is."""
 
     action: str
 
@@ -24,6 +25,13 @@ class Check:
 
 
 @dataclass(frozen=True, slots=True)
+class WaitFor:
+    """Succeeds after a time."""
+
+    duration_s: float
+
+
+@dataclass(frozen=True, slots=True)
 class Steps:
     """A sequence: its nodes one after the other, until one fails."""
 
@@ -35,6 +43,20 @@ class Fallback:
     """A selector: its nodes one after the other, until one succeeds."""
 
     nodes: tuple[Tree, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Parallel:
+    """All nodes at a time; succeeds when all have succeeded, fails as soon as one does."""
+
+    nodes: tuple[Tree, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Inverter:
+    """The steps; fails when they succeed, and succeeds when they fail."""
+
+    steps: Steps
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +76,14 @@ class Retry:
 
 
 @dataclass(frozen=True, slots=True)
+class Timeout:
+    """The steps; interrupted, and a failure, after a time."""
+
+    steps: Steps
+    duration_s: float
+
+
+@dataclass(frozen=True, slots=True)
 class Watch:
     """The steps while the facts hold; fails as soon as they do not."""
 
@@ -61,16 +91,49 @@ class Watch:
     steps: Steps
 
 
+@dataclass(frozen=True, slots=True)
+class Subtree:
+    """Steps that the mission has given a name."""
+
+    name: str
+    steps: Steps
+
+
+Tree = (
+    Act
+    | Check
+    | WaitFor
+    | Steps
+    | Fallback
+    | Parallel
+    | Inverter
+    | Repeat
+    | Retry
+    | Timeout
+    | Watch
+    | Subtree
+)
+
+
+def children(node: Tree) -> tuple[Tree, ...]:
+    """Returns the nodes right below a node."""
+    match node:
+        case Steps(nodes) | Fallback(nodes) | Parallel(nodes):
+            return nodes
+        case Watch(condition, steps):
+            return (condition, steps)
+        case Inverter(steps) | Repeat(steps) | Retry(steps) | Timeout(steps) | Subtree(_, steps):
+            return (steps,)
+    return ()
+
+
+def nodes_of(node: Tree) -> Iterator[Tree]:
+    """A node and all below it, depth first."""
+    yield node
+    for child in children(node):
+        yield from nodes_of(child)
+
+
 def actions(node: Tree) -> set[str]:
     """Returns the names of the actions of a tree."""
-    match node:
-        case Act(name):
-            return {name}
-        case Steps(nodes) | Fallback(nodes):
-            return set().union(*map(actions, nodes))
-        case Repeat(steps) | Retry(steps) | Watch(_, steps):
-            return actions(steps)
-    return set()
-
-
-Tree = Act | Check | Steps | Fallback | Repeat | Retry | Watch
+    return {each.action for each in nodes_of(node) if isinstance(each, Act)}

@@ -22,8 +22,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
-from companion.mission.facts import AT, HERE, Fact, spelled
-from companion.mission.model import Do, Fly, Literal, Mission, Primitive, Skill, Wait
+from companion.mission.facts import ANYWHERE, HERE, Atom, Fact, spelled
+from companion.mission.model import Do, Fly, Literal, Mission, Primitive, Skill, Wait, flies
 
 FlightTime = Callable[[str, str], float]
 """Seconds of flight from one place to another; inf where no route exists."""
@@ -55,7 +55,7 @@ class ConditionalEffect(Generic[P]):
 
 @dataclass(frozen=True, slots=True)
 class Refinement:
-    """What a skill that refines another one does, and how often and how long it is tried."""
+    """What a skill that refines another one does, how often it is tried, and how long each time."""
 
     name: str
     steps: tuple[Step, ...]
@@ -171,27 +171,32 @@ def departures(mission: Mission, flight_time: FlightTime) -> tuple[Action, ...]:
     return tuple(
         action
         for skill in mission.skills.values()
-        if skill.is_planned and _flies(mission, skill)
+        if skill.is_planned and flies(skill, mission.skills)
         for binding in _bindings(mission, skill, origin=HERE)
         if (action := _instance(mission, skill, binding, flight_time)) is not None
     )
 
 
-def origin_parameter(skill: Skill) -> str | None:
-    """The parameter that names where a flying skill starts: p with precondition at(p)."""
-    names = [name for name, _ in skill.parameters]
-    for literal in skill.precondition:
-        atom = literal.atom
-        if literal.is_positive and atom.predicate == AT and atom.arguments[0] in names:
-            return atom.arguments[0]
-    return None
+def is_named(action: Action, name: str) -> bool:
+    """Whether a name is that of an action, or has `*` in place of arguments of it.
+
+    >>> is_named(WAIT, "wait"), is_named(WAIT, "rest")
+    (True, False)
+    """
+    if ANYWHERE not in name:
+        return action.name == name
+    atom = Atom.parse(name)
+    return (action.skill, len(action.arguments)) == (atom.predicate, len(atom.arguments)) and all(
+        written in (ANYWHERE, bound)
+        for written, bound in zip(atom.arguments, action.arguments, strict=True)
+    )
 
 
 def _bindings(
     mission: Mission, skill: Skill, origin: str | None = None
 ) -> Iterator[dict[str, str]]:
     """All bindings of a skill's parameters; `origin` fixes the place where it starts."""
-    start = origin_parameter(skill) if origin else None
+    start = skill.origin if origin else None
     if origin and start is None:
         return
     names = [name for name, _ in skill.parameters]
@@ -203,14 +208,6 @@ def _bindings(
         binding = dict(zip(names, values, strict=True))
         if all(len({binding.get(p, p) for p in g}) == len(g) for g in skill.distinct):
             yield binding
-
-
-def _flies(mission: Mission, skill: Skill) -> bool:
-    return any(
-        isinstance(step, Fly)
-        or (isinstance(step, Do) and _flies(mission, mission.skills[step.skill]))
-        for step in skill.execute
-    )
 
 
 def _beliefs(mission: Mission, skill: Skill, binding: dict[str, str]) -> frozenset[Fact]:
@@ -261,7 +258,7 @@ def _instance(
     execute = _refined(mission, skill, binding)
     goal, cost_s = _destination(execute), skill.cost_s
     if goal is not None:
-        origin = origin_parameter(skill)
+        origin = skill.origin
         if origin is not None and binding[origin] == goal:
             return None  # a flight to where one is; resting is `wait`
         if cost_s is None:

@@ -2,8 +2,11 @@
 
 A smallest conflicting set is found by deletion: drop one conjunct after the other for as long
 as the rest still has no plan. Facts that these conjuncts mention, that some skill makes true, and
-that no sequence of skills can reach are named with what their skills lack. If one withdrawn
-belief alone would make the task possible again, it is named.
+that no sequence of skills can reach are named with what their skills lack, and so are places to
+which no route leads. If one withdrawn belief alone would make the task possible again, it is named.
+
+Planning assumes that every event keeps its value. The values of events are told where nothing else
+explains why a fact is out of reach, or lines of the task cannot hold.
 
 That takes a search per conjunct and per belief, so in flight it is done in parts (`explaining`).
 What a search cannot answer within its limit leaves the conjunct in the set, and the belief out.
@@ -11,13 +14,50 @@ What a search cannot answer within its limit leaves the conjunct in the set, and
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from companion.errors import NoPlanError
-from companion.mission.facts import Fact
-from companion.planning.domain import Action
+from companion.mission.facts import AT, Fact
+from companion.mission.model import Mission
+from companion.planning.domain import Action, departures, instantiate
 from companion.planning.lasso import Conjunct, Problem
+
+
+@dataclass(frozen=True, slots=True)
+class WorldModel:
+    """What a problem does not say of its mission.
+
+    Attributes:
+        events: the facts that the vehicle cannot choose.
+        closed_moves: flights to some places that the mission describes, and for which there is no
+            route on the map.
+    """
+
+    events: frozenset[Fact] = frozenset()
+    closed_moves: Callable[[frozenset[str]], Iterable[Action]] = lambda places: ()
+
+
+NOTHING_MORE = WorldModel()
+"""Neither events nor places without a route."""
+
+
+def world_of(mission: Mission, problem: Problem) -> WorldModel:
+    """What a problem does not say of its mission."""
+
+    def closed_moves(places: frozenset[str]) -> Iterator[Action]:
+        def flight_time(origin: str, goal: str) -> float:
+            return 0.0 if goal in places else math.inf
+
+        known = {action.name for action in problem.actions}
+        described = instantiate(mission, flight_time).actions
+        anywhere = departures(mission, flight_time)
+        return (action for action in (*described, *anywhere) if action.name not in known)
+
+    events = frozenset(event.fact for event in mission.events.values())
+    return WorldModel(events, closed_moves)
+
 
 IsSolvable = Callable[[Problem], bool | None]
 """Whether a problem has a plan; None if the search for one reaches its limit."""
@@ -50,12 +90,16 @@ class Explanation:
     Attributes:
         conflict: a smallest set of conjuncts that cannot hold together.
         unreachable: facts mentioned in them that cannot be made true.
+        no_route: places that they need, and to which no route leads on the map.
+        events: the values that events have now, and keep in every plan, if these may be the reason.
         withdrawn: the beliefs that were withdrawn.
         restoring: those of them that would each make a plan possible again.
     """
 
     conflict: tuple[Conjunct, ...]
     unreachable: tuple[Unreachable, ...]
+    no_route: tuple[str, ...]
+    events: Mapping[Fact, bool]
     withdrawn: tuple[Fact, ...]
     restoring: tuple[Fact, ...]
 
@@ -65,6 +109,10 @@ class Explanation:
         lines = [f"no plan: {', '.join(names)} cannot hold{together} from here."]
         lines += [f"  {conjunct.name}: {conjunct.formula}" for conjunct in self.conflict]
         lines += [f"  {unreachable}" for unreachable in self.unreachable]
+        lines += [f"  no route leads to {place} on the map" for place in self.no_route]
+        if self.events:
+            values = ", ".join(f"{e} is {str(holds).lower()}" for e, holds in self.events.items())
+            lines.append(f"  a plan takes events as they are now: {values}")
         if self.withdrawn:
             lines.append(f"  withdrawn: {', '.join(self.withdrawn)}")
         if self.restoring:
@@ -79,6 +127,8 @@ class Explanation:
                 {"fact": u.fact, "needs": [sorted(needed) for needed in u.needs]}
                 for u in self.unreachable
             ],
+            "no_route": list(self.no_route),
+            "events": dict(self.events),
             "withdrawn": list(self.withdrawn),
             "restoring": list(self.restoring),
         }
@@ -92,12 +142,16 @@ class NoPlan(NoPlanError):
         super().__init__(str(explanation))
 
 
-def why_no_plan(problem: Problem, is_solvable: IsSolvable) -> Explanation:
+def why_no_plan(
+    problem: Problem, is_solvable: IsSolvable, world: WorldModel = NOTHING_MORE
+) -> Explanation:
     """The reason why a problem has no plan."""
-    return next(filter(None, explaining(problem, is_solvable)))
+    return next(filter(None, explaining(problem, is_solvable, world)))
 
 
-def explaining(problem: Problem, is_solvable: IsSolvable) -> Iterator[Explanation | None]:
+def explaining(
+    problem: Problem, is_solvable: IsSolvable, world: WorldModel = NOTHING_MORE
+) -> Iterator[Explanation | None]:
     """Finds the reason in parts of one search each: None until it is found."""
     core = list(range(len(problem.conjuncts)))  # indices of a conflicting set
     for i in tuple(core):
@@ -111,8 +165,14 @@ def explaining(problem: Problem, is_solvable: IsSolvable) -> Iterator[Explanatio
             restoring.append(belief)
         yield None
     conflict = tuple(problem.conjuncts[i] for i in core)
-    unreachable = _unreachable(problem, conflict)
-    yield Explanation(conflict, unreachable, withdrawn, tuple(restoring))
+    mentioned = frozenset[Fact]().union(*(conjunct.facts for conjunct in conflict))
+    reached = _relaxed_reach(problem)
+    unreachable = _unreachable(problem, mentioned, reached)
+    needed = frozenset[Fact]().union(*(lack for fact in unreachable for lack in fact.needs))
+    no_route = _without_route(problem, mentioned | needed, reached, world)
+    concerned = needed if unreachable or no_route else mentioned | _in_the_way(problem)
+    events = {event: event in problem.facts for event in sorted(concerned & world.events)}
+    yield Explanation(conflict, unreachable, no_route, events, withdrawn, tuple(restoring))
 
 
 def _only(problem: Problem, indices: list[int]) -> Problem:
@@ -127,10 +187,10 @@ def _with(problem: Problem, belief: Fact) -> Problem:
     return replace(problem, facts=problem.facts | {belief})
 
 
-def _unreachable(problem: Problem, conflict: tuple[Conjunct, ...]) -> tuple[Unreachable, ...]:
-    """Facts of some conjuncts that skills make true in principle, but not from here."""
-    reached = _relaxed_reach(problem)
-    mentioned = frozenset[Fact]().union(*(conjunct.facts for conjunct in conflict))
+def _unreachable(
+    problem: Problem, mentioned: frozenset[Fact], reached: frozenset[Fact]
+) -> tuple[Unreachable, ...]:
+    """Facts that skills make true in principle, but not from here."""
     found = []
     for fact in sorted(mentioned - reached):
         makers = [action for action in problem.actions if fact in _added(action)]
@@ -138,6 +198,26 @@ def _unreachable(problem: Problem, conflict: tuple[Conjunct, ...]) -> tuple[Unre
         if makers:
             found.append(Unreachable(fact, needs))
     return tuple(found)
+
+
+def _without_route(
+    problem: Problem, facts: frozenset[Fact], reached: frozenset[Fact], world: WorldModel
+) -> tuple[str, ...]:
+    """Places out of reach for want of a route, and not of a belief or another fact."""
+    sought = {fact for fact in facts - reached if fact.predicate == AT}
+    if not sought:
+        return ()
+    begun = (a for a in problem.actions if a.requires - a.assumes <= reached)
+    sought -= frozenset[Fact]().union(*map(_added, begun))
+    places = frozenset(fact.arguments[0] for fact in sought)
+    could_begin = (m for m in world.closed_moves(places) if m.requires - m.assumes <= reached)
+    closed = frozenset[Fact]().union(*map(_added, could_begin))
+    return tuple(sorted(fact.arguments[0] for fact in sought & closed))
+
+
+def _in_the_way(problem: Problem) -> frozenset[Fact]:
+    """Facts that hold and that some skill forbids."""
+    return problem.facts & frozenset[Fact]().union(*(a.forbids for a in problem.actions))
 
 
 def _relaxed_reach(problem: Problem) -> frozenset[Fact]:

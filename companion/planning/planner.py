@@ -25,9 +25,16 @@ from companion.planning.builtin.product import Product
 from companion.planning.builtin.search import Search
 from companion.planning.builtin.transition_system import FactBits, TransitionSystem
 from companion.planning.check import fault
-from companion.planning.domain import Action, FlightTime, TaskModel, departures, instantiate
+from companion.planning.domain import (
+    Action,
+    FlightTime,
+    TaskModel,
+    departures,
+    instantiate,
+    is_named,
+)
 from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT, Effort
-from companion.planning.explain import Explanation, NoPlan, explaining, why_no_plan
+from companion.planning.explain import Explanation, NoPlan, explaining, why_no_plan, world_of
 from companion.planning.flight_times import flight_times, from_table, route_map
 from companion.planning.lasso import Conjunct, Lasso, Letter, Problem, Solution
 from companion.planning.objective import Encoding, Objective
@@ -113,17 +120,20 @@ class Planner:
             tuple(known.get(action, action) for action in model.actions), beliefs
         )
 
-    def actions_of(self, tree: Tree) -> dict[str, Action]:
+    def actions_of(self, tree: Tree) -> dict[str, tuple[Action, ...]]:
         """The actions that a tree names; those from `here` start wherever that may be.
+
+        An action from `*` is several, one from each place and one from `here`.
 
         Raises:
             CompanionError: one does not exist.
         """
         anywhere = departures(self.mission, lambda origin, goal: 0.0)
-        known = {action.name: action for action in (*self.model.actions, *anywhere)}
-        if missing := sorted(actions(tree) - known.keys()):
+        known = (*self.model.actions, *anywhere)
+        found = {name: tuple(a for a in known if is_named(a, name)) for name in actions(tree)}
+        if missing := sorted(name for name, meant in found.items() if not meant):
             raise CompanionError(f"the tree cannot do {missing[0]}: no such action, or no route")
-        return {name: known[name] for name in actions(tree)}
+        return found
 
     def problem(
         self,
@@ -292,7 +302,8 @@ class Planner:
             found = True
             yield solution
         if not found:
-            raise NoPlan(why_no_plan(problem, self._search.is_solvable))
+            world = world_of(self.mission, problem)
+            raise NoPlan(why_no_plan(problem, self._search.is_solvable, world))
 
     def solve(
         self,
@@ -317,7 +328,8 @@ class Planner:
 
     def reasons(self, problem: Problem) -> Iterator[Explanation | None]:
         """Why there is no plan, in parts that are quick: None until it is known."""
-        return explaining(problem, lambda asked: self._search.is_solvable(asked, IN_FLIGHT))
+        world = world_of(self.mission, problem)
+        return explaining(problem, lambda asked: self._search.is_solvable(asked, IN_FLIGHT), world)
 
     def _checked(
         self,

@@ -19,6 +19,7 @@ The word of the flight (after Section III-A of the paper):
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from companion.ltl.monitor import Runs
@@ -99,6 +100,8 @@ class TaskState:
         self.positions = 0
         self.left: list[Position] = []
         self.running: Action | None = None
+        self._interrupted: Action | None = None
+        self._departed_from: frozenset[Fact] = frozenset()
 
     @property
     def all_facts(self) -> frozenset[Fact]:
@@ -151,18 +154,37 @@ class TaskState:
         self.facts = action.apply(self.facts)
         self.withdrawn = frozenset(b for b in self.withdrawn if HERE not in b.arguments)
         self._is_read = False
-        self.running = None
+        self.running = self._interrupted = None
 
     def interrupt(self) -> None:
         """Ends the action under way without its effect."""
         if self.running is not None and self.running.destination is not None:
+            self._interrupted = self.running
             self.depart()
         self.running = None
+
+    def begin_again(self, actions: Iterable[Action]) -> Action | None:
+        """Goes on with the flight that was interrupted last, as if it had not been.
+
+        Returns:
+            the flight; None if it is none of some actions, a position was appended since, or its
+            precondition would not hold where it has begun.
+        """
+        flight = next((action for action in actions if action is self._interrupted), None)
+        if flight is None or not flight.is_applicable(
+            self.all_facts - {AT_HERE} | self._departed_from
+        ):
+            return None
+        self.facts = self.facts - {AT_HERE} | self._departed_from
+        self.running, self._interrupted = flight, None
+        return flight
 
     def depart(self) -> None:
         """The vehicle is at no place, and leaves the one where it is."""
         self.leave()
-        self.facts = frozenset(f for f in self.facts if f.predicate != AT) | {AT_HERE}
+        places = frozenset(f for f in self.facts if f.predicate == AT)
+        self.facts = self.facts - places | {AT_HERE}
+        self._departed_from = places
 
     def withdraw(self, beliefs: frozenset[Fact], retry_s: float | None = None) -> None:
         """Gives up beliefs; from `retry_s` on, if given, they may be held again."""

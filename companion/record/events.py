@@ -18,6 +18,7 @@ from companion.flight_events.event import Stamped
 from companion.flight_events.plans import PlanMade, WrittenTreeAdopted
 from companion.flight_events.reading import read_line
 from companion.flight_events.sortie import RunEnded
+from companion.flight_events.tree import TreeBuilt
 from companion.flight_events.word import ConjunctViolated, PositionLeft
 from companion.ltl.formula import Formula
 from companion.ltl.parser import parse
@@ -33,6 +34,7 @@ class RunRecord:
         positions: the word; the vehicle may rest at the last one for ever.
         times_s: when each position was left, in seconds since the run began.
         violations: conjunct and position of each violation that was found in flight.
+        tree: the behaviour tree that was ticked last; None if there was none.
         ending: how the run ended; None if it was cut off.
         is_torn: the last line is not whole, and was left out.
     """
@@ -41,6 +43,7 @@ class RunRecord:
     positions: tuple[PositionLeft, ...]
     times_s: tuple[float, ...]
     violations: frozenset[tuple[str, int]]
+    tree: TreeBuilt | None
     ending: RunEnded | None
     is_torn: bool
 
@@ -84,6 +87,7 @@ def _record(
     positions: list[PositionLeft] = []
     times_s: list[float] = []
     violations: set[tuple[str, int]] = set()
+    tree: TreeBuilt | None = None
     ending: RunEnded | None = None
     for stamped, where in events:
         match stamped.event:
@@ -95,12 +99,15 @@ def _record(
                 times_s.append(stamped.time_s)
             case ConjunctViolated() as violation:
                 violations.add((violation.conjunct, violation.position))
+            case TreeBuilt() as built:
+                tree = built
             case RunEnded() as end:
                 ending = end
     if task is None:
         why = f": {ending.text}" if ending else ""
         raise MissionError(f"{name}: no plan was made in this run, so nothing was flown{why}")
-    return RunRecord(task, tuple(positions), tuple(times_s), frozenset(violations), ending, is_torn)
+    word = tuple(positions), tuple(times_s), frozenset(violations)
+    return RunRecord(task, *word, tree, ending, is_torn)
 
 
 def _is_json(text: bytes) -> bool:

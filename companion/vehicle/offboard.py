@@ -71,6 +71,7 @@ class _Pursuit:
     Attributes:
         allowed: modes that do not mean that somebody else took over.
         ticket: the command under way.
+        has_failed: it was given up; the goal may be pursued anew.
     """
 
     goal: Goal
@@ -78,6 +79,7 @@ class _Pursuit:
     start_mode: Mode
     start_s: float
     ticket: int | None = None
+    has_failed: bool = False
 
 
 class MavlinkVehicle:
@@ -190,7 +192,7 @@ class MavlinkVehicle:
         if state is None:
             return Progress.RUNNING
         pursuit = self._pursuit
-        if pursuit is None or pursuit.goal is not goal:
+        if pursuit is None or pursuit.goal is not goal or pursuit.has_failed:
             self._end_command()
             allowed = approach.passes | {state.mode}
             self._first_mode = self._first_mode or state.mode
@@ -201,12 +203,16 @@ class MavlinkVehicle:
             if approach.keeps is not None:
                 pursuit.allowed = approach.keeps
             return Progress.DONE
-        return self._ask(pursuit, state) or Progress.RUNNING
+        failure = self._ask(pursuit, state)
+        pursuit.has_failed = failure is not None
+        return failure or Progress.RUNNING
 
-    def send_command(self, component: int, command: int, parameters: tuple[float, ...]) -> int:
+    def send_command(
+        self, component: int, command: int, parameters: tuple[float, ...], timeout_s: float | None
+    ) -> int:
         """Starts a skill's command if payloads take it; returns its ticket."""
         p1, p2, p3, p4, p5, p6, p7 = (*parameters, *[0.0] * (7 - len(parameters)))
-        ticket = self._start(component, command, (p1, p2, p3, p4, p5, p6, p7))
+        ticket = self._start(component, command, (p1, p2, p3, p4, p5, p6, p7), timeout_s)
         if why_not := why_not_sent(component, command):
             self._commands.refuse(ticket, Refusal(f"not sent: {why_not}"))
         return ticket
@@ -249,7 +255,7 @@ class MavlinkVehicle:
             self._end_command()
         takeoff_altitude_m = self._telemetry.home_altitude_m + self._takeoff_up_m
         parameters = approach.parameters(takeoff_altitude_m)
-        pursuit.ticket = self._start(AUTOPILOT, approach.command, parameters)
+        pursuit.ticket = self._start(AUTOPILOT, approach.command, parameters, None)
         return None
 
     def _failed(self, what: str) -> Failed:
@@ -257,9 +263,9 @@ class MavlinkVehicle:
         texts = "; ".join(self._telemetry.texts)
         return Failed(f"{what} (autopilot: {texts})" if texts else what)
 
-    def _start(self, component: int, command: int, parameters: Parameters) -> int:
-        target = (self._wire.system, component)
-        return self._commands.start(self._now_s, target, command, parameters)
+    def _start(self, to: int, command: int, parameters: Parameters, wait_s: float | None) -> int:
+        target = (self._wire.system, to)
+        return self._commands.start(self._now_s, target, command, parameters, wait_s)
 
     def _end_command(self) -> None:
         if self._pursuit is not None and self._pursuit.ticket is not None:

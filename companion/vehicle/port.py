@@ -170,8 +170,14 @@ class Vehicle(Protocol):
     def regain(self) -> None:
         """The operator has given control back after it was lost."""
 
-    def send_command(self, component: int, command: int, parameters: tuple[float, ...]) -> int:
-        """Start a MAVLink command to a component; returns a ticket for `command_outcome`."""
+    def send_command(
+        self, component: int, command: int, parameters: tuple[float, ...], timeout_s: float | None
+    ) -> int:
+        """Start a MAVLink command to a component; returns a ticket for `command_outcome`.
+
+        Without a final answer within `timeout_s` the command has failed; without `timeout_s` the
+        command protocol says how long to wait.
+        """
 
     def command_outcome(self, ticket: int) -> Outcome:
         """How far the command of a ticket has come."""

@@ -131,7 +131,7 @@ class TestVehicle:
         until(world, has_arrived, 15.0)
 
     def test_the_payload_answers(self, world: World) -> None:
-        ticket = world.vehicle.send_command(PAYLOAD, USER_1, (1.0,))
+        ticket = world.vehicle.send_command(PAYLOAD, USER_1, (1.0,), None)
         until(
             world,
             lambda: world.vehicle.command_outcome(ticket) is Progress.DONE,

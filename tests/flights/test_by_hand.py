@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from lockstep import Lockstep
+from lockstep import COMPANION, Lockstep
 
+from companion.flight_events.skills import PlaceReached
+from companion.flight_events.sortie import Phase, PhaseEntered, ReturnedAsAsked
+from companion.flight_events.word import PositionLeft
+from companion.mavlink.framing import dialect
 from companion.mission.loader import load_mission
 from sitl.world.scenario import read_scenario
 
@@ -24,3 +28,48 @@ def test_it_visits_the_places_of_the_planned_mission_in_the_same_order() -> None
         assert flight.simulation.collisions == 0
         visits.append(flight.places)
     assert visits[0] == visits[1]
+
+
+SCENARIO = (
+    (MISSIONS / "by_hand.sim.yaml")
+    .read_text(encoding="utf-8")
+    .replace("maps/", f"{MISSIONS}/maps/")
+)
+SEEN = "seen: {east_m: 10.4, north_m: 10.2, radius_m: 0.8, visit: 2}"
+
+
+def fly(scenario: str = SCENARIO, **options: bool) -> Lockstep:
+    world = read_scenario(scenario)
+    return Lockstep(load_mission(MISSIONS / "by_hand.yaml"), world, seed=1, **options)
+
+
+def test_a_target_that_is_seen_before_the_first_flight_is_reported_from_home() -> None:
+    at_home = SCENARIO.replace(f"  {SEEN}\n", "") + "happens: [{at_s: 2, target: seen}]\n"
+    flight = fly(at_home).until_the_end()
+    assert flight.exit_code == 0
+    assert flight.places == ["r1", "r2", "Home"]
+    assert flight.of(PlaceReached)[0].action == "move(Home, r1)"
+
+
+def test_after_a_pause_it_goes_on_with_what_was_under_way() -> None:
+    undisturbed = fly().until_the_end()
+    flight = fly(has_station=True).until_reported(PlaceReached, place="A").run_for(2.0)
+    pause = dialect.MAV_CMD_DO_PAUSE_CONTINUE
+    flight.station_commands(pause, 0.0, component=COMPANION)
+    flight.until_reported(PhaseEntered, phase=Phase.PAUSED).run(10.0)
+    flight.station_commands(pause, 1.0, component=COMPANION)
+    flight.until_the_end()
+    assert flight.exit_code == 0
+    assert flight.places == undisturbed.places
+    assert [p.facts for p in flight.of(PositionLeft)] == [
+        p.facts for p in undisturbed.of(PositionLeft)
+    ]
+
+
+def test_called_home_in_a_pause_it_flies_home() -> None:
+    flight = fly(has_station=True).until_reported(PlaceReached, place="A").run_for(2.0)
+    flight.station_commands(dialect.MAV_CMD_DO_PAUSE_CONTINUE, 0.0, component=COMPANION)
+    flight.until_reported(PhaseEntered, phase=Phase.PAUSED).run(2.0)
+    flight.station_commands(dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH, component=COMPANION)
+    flight.until_the_end()
+    assert isinstance(flight.ending, ReturnedAsAsked)

@@ -17,7 +17,7 @@ from companion.app import Companion
 from companion.errors import Aborted, LinkError, NoPlanError
 from companion.flight_events.facts import BeliefWithdrawn
 from companion.flight_events.plans import PlanReplaced
-from companion.flight_events.skills import PlaceReached, SkillFailed
+from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFailed
 from companion.flight_events.sortie import (
     Phase,
     PhaseEntered,
@@ -32,6 +32,7 @@ from companion.mavlink.framing import dialect
 from companion.mission.model import Mission
 from companion.vehicle.port import hold_at
 from sitl.results import MavResult
+from sitl.world.payload import PayloadAnswer, PayloadSite
 
 PAYLOAD = 25
 COM_OF_LOSS_T_S = 1.0  # of the simulated airframe
@@ -244,6 +245,24 @@ def test_loss_changes_no_action(seed: int, start: Start, undisturbed: Lockstep) 
     assert_each_command_took_effect_once(flight, undisturbed)
 
 
+@pytest.mark.parametrize("tells_progress", [False, True])
+def test_a_payload_that_needs_twelve_of_fifteen_seconds_is_asked_once(
+    start: Start, hall: World, tells_progress: bool
+) -> None:
+    scenario, grid = hall
+    assert scenario.payload is not None
+    slow = PayloadAnswer(MavResult.ACCEPTED, 12.0, tells_progress=tells_progress)
+    everywhere = PayloadSite((0.0, 0.0), 100.0, slow)
+    world = replace(scenario, payload=replace(scenario.payload, sites=(everywhere,)))
+    flight = start((world, grid)).until_the_end()
+    assert flight.exit_code == 0
+    assert flight.of(SkillFailed) == []
+    (asked,) = [s for s in flight.commands if s.message.target_component == PAYLOAD]
+    answered_s = payloads_answers(flight)[-1].time_s
+    assert answered_s - asked.time_s == pytest.approx(12.0, abs=0.2)
+    assert flight.of(SkillCompleted, action="upload(r1)") != []
+
+
 def test_a_final_answer_that_is_lost_is_a_failed_upload(start: Start) -> None:
     """The command protocol sends it once. The command is not repeated: it may have taken effect."""
     lost: list[bytes] = []
@@ -253,7 +272,7 @@ def test_a_final_answer_that_is_lost_is_a_failed_upload(start: Start) -> None:
         return [d for d in datagrams if d not in lost[1:2]]
 
     flight = start(up=without_the_second).until_the_end()
-    failed = flight.one(SkillFailed, action="upload(r2)", reason="no answer")
+    failed = flight.one(SkillFailed, action="upload(r2)", reason="no final answer in 15 s")
     at = flight.events.index(failed)
     assert flight.events[at + 1] == BeliefWithdrawn("canUpload(r2)")
     replaced = flight.events[at + 2]
@@ -263,7 +282,7 @@ def test_a_final_answer_that_is_lost_is_a_failed_upload(start: Start) -> None:
     assert [answer.message.result for answer in payloads_answers(flight)] == [
         *(MavResult.DENIED, MavResult.ACCEPTED, MavResult.ACCEPTED),
     ]
-    assert flight.reports[at].time_s - payloads_answers(flight)[1].time_s < 10.0
+    assert flight.reports[at].time_s - payloads_answers(flight)[1].time_s < 15.0
     assert flight.exit_code == 0
 
 

@@ -13,7 +13,8 @@ Sequence (no memory)                        root
 refinement of a flight = Retry(tries) - Sequence: update_param | move_cmd    MAX_TRY(m)
 
 A refinement of several steps is a sequence of them; a step that is itself a skill is refined in
-turn, until all leaves are primitives.
+turn, until all leaves are primitives. Whatever a refinement is, all of it is tried so often, each
+time within the time limit; what is tried once has no decorator.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from py_trees.decorators import Inverter, Repeat, Retry
 
 from companion.acting.behaviour_tree import landing
 from companion.acting.behaviour_tree.deadline import Deadline
+from companion.acting.behaviour_tree.intention import Intention
 from companion.acting.behaviour_tree.leaves import (
     AssumptionsHold,
     Effects,
@@ -40,7 +42,7 @@ from companion.acting.behaviour_tree.move import MoveCommand
 from companion.acting.flight import Flight
 from companion.acting.replanning.assumptions import Assumptions
 from companion.mission.model import Charge, Command, Fly, Land, TakeOff, Wait
-from companion.planning.domain import Action, Refinement, Step
+from companion.planning.domain import Refinement, Step
 from companion.planning.lasso import Lasso
 
 FOR_EVER = -1
@@ -49,15 +51,18 @@ FOR_EVER = -1
 class ActionNode(Selector):
     """The selector of one action; left before its end, the task knows that it was interrupted."""
 
-    def __init__(self, flight: Flight, action: Action) -> None:
-        super().__init__(action.name, memory=True)
+    def __init__(self, flight: Flight, intention: Intention) -> None:
+        super().__init__(intention.name, memory=True)
         self._flight = flight
-        self.action = action
+        self.intention = intention
 
     def terminate(self, new_status: Status) -> None:
         """Failed, or stopped from above."""
-        if new_status is not Status.SUCCESS and self._flight.task.running is self.action:
-            self._flight.task.interrupt()
+        flight, retry = self._flight, self.intention.tries.next
+        if new_status is not Status.SUCCESS and flight.task.running is self.intention.action:
+            flight.task.interrupt()
+            stays_on_ground = retry is not None and retry.began_on_ground
+            flight.progress.is_stranded = flight.progress.is_landed_by_plan and not stays_on_ground
 
 
 def build(flight: Flight, lasso: Lasso, assumptions: Assumptions) -> Behaviour:
@@ -68,12 +73,10 @@ def build(flight: Flight, lasso: Lasso, assumptions: Assumptions) -> Behaviour:
         lasso: the plan.
         assumptions: the values of events on which the plan relies.
     """
-    prefix = [action_tree(flight, a, assumptions) for a in lasso.prefix]
-    last = len(lasso.loop) - 1
-    lap = [
-        action_tree(flight, action, assumptions, ends_lap=i == last)
-        for i, action in enumerate(lasso.loop)
-    ]
+    planned = [Intention(action.name, (action,)) for action in (*lasso.prefix, *lasso.loop)]
+    trees = [action_tree(flight, each, assumptions, each is planned[-1]) for each in planned]
+    cut = len(lasso.prefix)
+    prefix, lap = trees[:cut], trees[cut:]
     loop = Repeat("L", _sequence("lap", lap), num_success=FOR_EVER)
     root = Sequence("root", memory=False)
     root.add_children([AssumptionsHold(flight, assumptions), _sequence("plan", [*prefix, loop])])
@@ -81,53 +84,93 @@ def build(flight: Flight, lasso: Lasso, assumptions: Assumptions) -> Behaviour:
 
 
 def action_tree(
-    flight: Flight, action: Action, assumptions: Assumptions | None, ends_lap: bool = False
+    flight: Flight,
+    intention: Intention,
+    assumptions: Assumptions | None,
+    ends_lap: bool = False,
 ) -> Behaviour:
     """The tree of one action (Fig. 6).
 
     Args:
         flight: what the leaves act on.
-        action: what is done.
+        intention: what is done.
         assumptions: those of the plan; None in a tree written by hand.
         ends_lap: whether the action is the last one of the loop.
     """
+    action = intention.action
+    steps = Refinement("steps", action.execute, action.tries, action.timeout_s)
     triple = _sequence(
         "triple",
         [
-            Precondition(flight, action, assumptions),
-            _refinement(
-                flight, Refinement("steps", action.execute, action.tries, action.timeout_s)
-            ),
-            Effects(flight, action, ends_lap),
+            Precondition(flight, intention, assumptions),
+            _refinement(flight, steps),
+            Effects(flight, intention, ends_lap),
         ],
     )
-    selector = ActionNode(flight, action)
-    selector.add_children([triple, Inverter("not", Withdraw(flight, action, triple))])
+    selector = ActionNode(flight, intention)
+    selector.add_children([triple, Inverter("not", Withdraw(flight, intention, triple))])
     return selector
 
 
 def move_tree(flight: Flight, place: str, tries: int, timeout_s: float | None) -> Behaviour:
     """The tree of a flight to a place: MAX_TRY(m) of Fig. 6."""
+    return _tried(_flight_to(flight, place, timeout_s), tries)
+
+
+def _tried(child: Behaviour, tries: int) -> Behaviour:
+    return Retry(f"MAX_TRY({tries})", child, tries) if tries > 1 else child
+
+
+def _refinement(flight: Flight, skill: Refinement, within_s: float | None = None) -> Behaviour:
+    """The steps of a skill, so often tried as it says.
+
+    Args:
+        flight: what the leaves act on.
+        skill: what is done.
+        within_s: the time limit of the skill that it refines.
+    """
+    limit_s = within_s if skill.timeout_s is None else skill.timeout_s
+    once = _one_try(flight, skill, limit_s)
+    if skill.tries > 1 and _touches_ground(skill.steps):
+        once = _sequence("another try", [landing.BeginAgain(flight), once])
+    return _tried(once, skill.tries)
+
+
+def _one_try(flight: Flight, skill: Refinement, limit_s: float | None) -> Behaviour:
+    """One try: a single step is itself, several are a sequence, in time together.
+
+    A command among them may take all of that time.
+    """
+    match skill.steps:
+        case (Fly(place),):
+            return _flight_to(flight, place, skill.timeout_s)
+        case (Command() as command,):
+            return SendCommand(flight, command, limit_s)
+    steps = [_step(flight, step, limit_s) for step in skill.steps]
+    once = steps[0] if len(steps) == 1 else _sequence(skill.name, steps)
+    return Deadline(flight, once, skill.timeout_s) if skill.timeout_s is not None else once
+
+
+def _touches_ground(steps: Many[Step]) -> bool:
+    """Whether they land or take off, so that another try may not begin as the first one did."""
+    return any(
+        isinstance(step, Land | TakeOff)
+        or (isinstance(step, Refinement) and _touches_ground(step.steps))
+        for step in steps
+    )
+
+
+def _flight_to(flight: Flight, place: str, timeout_s: float | None) -> Behaviour:
     move = MoveCommand(flight, place, timeout_s)
-    steps = [UpdateParam(flight, place, move), move]
-    return Retry(f"MAX_TRY({tries})", _sequence("move", steps), tries)
+    return _sequence("move", [UpdateParam(flight, place, move), move])
 
 
-def _refinement(flight: Flight, skill: Refinement) -> Behaviour:
-    """A single step is itself; several are a sequence, in time together."""
-    if len(skill.steps) == 1:
-        return _step(flight, skill.steps[0], skill.tries, skill.timeout_s)
-    steps = [_step(flight, step, skill.tries, None) for step in skill.steps]
-    sequence = _sequence(skill.name, steps)
-    return Deadline(flight, sequence, skill.timeout_s) if skill.timeout_s else sequence
-
-
-def _step(flight: Flight, step: Step, tries: int, timeout_s: float | None) -> Behaviour:
+def _step(flight: Flight, step: Step, limit_s: float | None) -> Behaviour:
     match step:
         case Fly(place):
-            return move_tree(flight, place, tries, timeout_s)
+            return _flight_to(flight, place, None)
         case Command():
-            return SendCommand(flight, step, timeout_s)
+            return SendCommand(flight, step, limit_s)
         case Wait(duration_s):
             return Rest(flight, duration_s)
         case Land():
@@ -137,7 +180,7 @@ def _step(flight: Flight, step: Step, tries: int, timeout_s: float | None) -> Be
         case Charge(percent):
             return landing.ChargeBattery(flight, percent)
         case Refinement():
-            return _refinement(flight, step)
+            return _refinement(flight, step, limit_s)
 
 
 def _sequence(name: str, children: Many[Behaviour]) -> Behaviour:

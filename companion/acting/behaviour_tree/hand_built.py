@@ -5,22 +5,33 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from py_trees.behaviour import Behaviour
-from py_trees.common import Status
+from py_trees.common import ParallelPolicy, Status
+from py_trees.composites import Parallel as ParallelBehaviour
 from py_trees.composites import Selector, Sequence
-from py_trees.decorators import Repeat as RepeatDecorator
-from py_trees.decorators import Retry as RetryDecorator
+from py_trees.decorators import Inverter as InverterBehaviour
+from py_trees.decorators import Repeat as RepeatBehaviour
 
 from companion.acting.behaviour_tree.builder import FOR_EVER, action_tree
+from companion.acting.behaviour_tree.deadline import Deadline
+from companion.acting.behaviour_tree.intention import Intention
 from companion.acting.behaviour_tree.leaf import Leaf
+from companion.acting.behaviour_tree.tries import RetryByHand, Tries
 from companion.acting.flight import Flight
+from companion.flight_events.tree import LeafType
+from companion.mission.facts import ANYWHERE, Fact
 from companion.mission.tree_nodes import (
     Act,
     Check,
     Fallback,
+    Inverter,
+    Parallel,
     Repeat,
     Retry,
     Steps,
+    Subtree,
+    Timeout,
     Tree,
+    WaitFor,
     Watch,
 )
 from companion.planning.domain import Action
@@ -28,6 +39,8 @@ from companion.planning.domain import Action
 
 class FactsHold(Leaf):
     """Some facts hold, and others do not."""
+
+    does = LeafType.FACTS
 
     def __init__(self, flight: Flight, check: Check) -> None:
         super().__init__(flight, check.text)
@@ -41,39 +54,94 @@ class FactsHold(Leaf):
         return self.fail(f"not {check.text}")
 
 
-def build_by_hand(flight: Flight, node: Tree, actions: Mapping[str, Action]) -> Behaviour:
+class WatchedFacts(FactsHold):
+    """The facts of a watch; what was begun on the ground is finished first."""
+
+    def update(self) -> Status:
+        """SUCCESS while all is as it was written."""
+        is_landed = self._flight.progress.is_landed_by_plan
+        return Status.SUCCESS if is_landed else super().update()
+
+
+class Sleep(Leaf):
+    """Succeeds after a time. What the vehicle does meanwhile is not for it."""
+
+    does = LeafType.WAIT
+
+    def __init__(self, flight: Flight, duration_s: float) -> None:
+        super().__init__(flight, f"wait {duration_s:g} s")
+        self._duration_s = duration_s
+
+    def initialise(self) -> None:
+        """Starts the time."""
+        self._end_s = self._flight.now_s + self._duration_s
+
+    def update(self) -> Status:
+        """SUCCESS when the time is over."""
+        return Status.SUCCESS if self._flight.now_s >= self._end_s else Status.RUNNING
+
+
+class SubtreeSequence(Sequence):
+    """The steps of a subtree."""
+
+
+Actions = Mapping[str, tuple[Action, ...]]
+"""By the name in the tree: the action, or those that it is from each place."""
+
+
+def build_by_hand(
+    flight: Flight, node: Tree, actions: Actions, tries: Tries | None = None
+) -> Behaviour:
     """The behaviours of a node.
 
     Args:
         flight: what the leaves act on.
         node: the root, or a part of it.
-        actions: those of the tree, by name.
+        actions: those of the tree.
+        tries: the retries around the node; None without any.
     """
 
-    def below(nodes: tuple[Tree, ...]) -> list[Behaviour]:
-        return [build_by_hand(flight, each, actions) for each in nodes]
+    def below(each: Tree) -> Behaviour:
+        return build_by_hand(flight, each, actions, tries)
 
     match node:
         case Act(name):
-            return action_tree(flight, actions[name], None)
+            return _action(flight, name, actions[name], tries)
         case Check():
             return FactsHold(flight, node)
+        case WaitFor(duration_s):
+            return Sleep(flight, duration_s)
         case Steps(nodes):
-            steps = Sequence("steps", memory=True)
-            steps.add_children(below(nodes))
-            return steps
+            return Sequence("steps", memory=True, children=[*map(below, nodes)])
+        case Subtree(name, Steps(nodes)):
+            return SubtreeSequence(name, memory=True, children=[*map(below, nodes)])
         case Fallback(nodes):
-            fallback = Selector("fallback", memory=True)
-            fallback.add_children(below(nodes))
-            return fallback
+            return Selector("fallback", memory=True, children=[*map(below, nodes)])
+        case Parallel(nodes):
+            all_of_them = ParallelPolicy.SuccessOnAll(synchronise=True)
+            return ParallelBehaviour("parallel", all_of_them, [*map(below, nodes)])
+        case Inverter(steps):
+            return InverterBehaviour("inverter", below(steps))
         case Repeat(steps, times):
-            child = build_by_hand(flight, steps, actions)
-            return RepeatDecorator("repeat", child, FOR_EVER if times is None else times)
+            return RepeatBehaviour("repeat", below(steps), FOR_EVER if times is None else times)
         case Retry(steps, times):
-            return RetryDecorator("retry", build_by_hand(flight, steps, actions), times)
+            own = Tries(around=tries)
+            own.retry = RetryByHand(flight, build_by_hand(flight, steps, actions, own), times)
+            return own.retry
+        case Timeout(steps, duration_s):
+            return Deadline(flight, below(steps), duration_s)
         case Watch(condition, steps):
-            watch = Sequence(f"watch {condition.text}", memory=False)
-            watch.add_children(
-                [FactsHold(flight, condition), build_by_hand(flight, steps, actions)]
-            )
-            return watch
+            watched = [WatchedFacts(flight, condition), below(steps)]
+            return Sequence(f"watch {condition.text}", memory=False, children=watched)
+
+
+def _action(
+    flight: Flight, name: str, actions: tuple[Action, ...], tries: Tries | None
+) -> Behaviour:
+    """An action; one that begins anywhere has nothing to do where its effect holds."""
+    tree = action_tree(flight, Intention(name, actions, tries), None)
+    done = frozenset[Fact].intersection(*(action.adds for action in actions))
+    if ANYWHERE not in name or not done or any(action.conditional for action in actions):
+        return tree
+    there = Check(" & ".join(sorted(done)), done, frozenset())
+    return Selector(name, memory=True, children=[FactsHold(flight, there), tree])

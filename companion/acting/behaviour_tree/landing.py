@@ -15,6 +15,7 @@ from companion.acting.behaviour_tree.leaf import Leaf
 from companion.acting.flight import Flight
 from companion.flight_events.event import FlightEvent
 from companion.flight_events.sortie import BatteryCharged, VehicleAirborne, VehicleLanded
+from companion.flight_events.tree import LeafType
 from companion.vehicle.port import Failed, Goal, Progress
 
 NO_CHARGE_S = 120.0
@@ -57,6 +58,8 @@ class ReachGoals(Leaf):
 class LandVehicle(ReachGoals):
     """Lands where the vehicle is, and disarms."""
 
+    does = LeafType.LAND
+
     goals = (Goal.LANDED,)
 
     def reached(self) -> FlightEvent:
@@ -68,6 +71,8 @@ class LandVehicle(ReachGoals):
 class TakeOffVehicle(ReachGoals):
     """Arms, climbs, and takes the vehicle over in OFFBOARD."""
 
+    does = LeafType.TAKE_OFF
+
     goals = (Goal.ARMED, Goal.AIRBORNE, Goal.OFFBOARD)
 
     def reached(self) -> FlightEvent:
@@ -76,8 +81,42 @@ class TakeOffVehicle(ReachGoals):
         return VehicleAirborne()
 
 
+class BeginAgain(TakeOffVehicle):
+    """Before each try of a skill that lands or takes off: another try begins as the first one did.
+
+    The vehicle takes off again for one that has begun in the air. It does not land where nobody has
+    said so: a skill that has begun on the ground, and has taken off, is not tried again.
+    """
+
+    does = LeafType.BEGIN_AGAIN
+
+    def __init__(self, flight: Flight) -> None:
+        super().__init__(flight, "as at first?")
+        self._first_at: int | None = None
+        self._began_on_ground = False
+
+    def initialise(self) -> None:
+        """Notes where the first try of an action begins; no position is left between its tries."""
+        progress, positions = self._flight.progress, self._flight.task.positions
+        if self._first_at != positions:
+            self._first_at = positions
+            self._began_on_ground = progress.is_landed_by_plan
+        if progress.is_landed_by_plan and not self._began_on_ground:
+            super().initialise()
+
+    def update(self) -> Status:
+        """SUCCESS where the first try began: in the air, or on the ground."""
+        if self._flight.progress.is_landed_by_plan == self._began_on_ground:
+            return Status.SUCCESS
+        if self._began_on_ground:
+            return self.fail("not tried again: it began on the ground, and is in the air")
+        return super().update()
+
+
 class ChargeBattery(Leaf):
     """Waits until the battery has so much."""
+
+    does = LeafType.CHARGE
 
     def __init__(self, flight: Flight, percent: float) -> None:
         super().__init__(flight, f"charge {percent:g} %")

@@ -12,15 +12,21 @@ from py_trees.decorators import Inverter
 
 from companion.acting.behaviour_tree.deadline import Deadline
 from companion.acting.flight import Flight
+from companion.flight_events.tree import LeafType
 
 
 class Leaf(Behaviour):
     """A behaviour without children.
 
+    Attributes:
+        does: what kind of leaf it is.
+
     Args:
         flight: what it acts on.
         name: what it is called on the monitor page.
     """
+
+    does: LeafType
 
     def __init__(self, flight: Flight, name: str) -> None:
         super().__init__(name)
@@ -39,7 +45,8 @@ def failure_of(node: Behaviour) -> str:
     if not node.children:
         return node.feedback_message
     if isinstance(node, Inverter):
-        return node.decorated.feedback_message
+        inverted = ", ".join(child.name for child in node.decorated.children)
+        return f"{inverted} succeeded" if inverted else node.decorated.feedback_message
     failures = [failure_of(child) for child in reversed(node.children)]
     own = node.feedback_message if isinstance(node, Deadline) else ""
     return next(filter(None, failures), own)

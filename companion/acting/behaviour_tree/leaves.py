@@ -10,19 +10,22 @@ from __future__ import annotations
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
+from companion.acting.behaviour_tree.intention import Intention
 from companion.acting.behaviour_tree.leaf import Leaf, failure_of
 from companion.acting.behaviour_tree.move import MoveCommand
 from companion.acting.flight import Flight
 from companion.acting.replanning.assumptions import Assumptions
 from companion.flight_events.facts import BeliefWithdrawn
 from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFailed
+from companion.flight_events.tree import LeafType
 from companion.mission.model import Command
-from companion.planning.domain import Action
 from companion.vehicle.port import Failed, Progress
 
 
 class AssumptionsHold(Leaf):
     """Leftmost branch: the events that matter to the plan still have their values."""
+
+    does = LeafType.ASSUMPTIONS
 
     def __init__(self, flight: Flight, assumptions: Assumptions) -> None:
         super().__init__(flight, "as predicted?")
@@ -39,27 +42,37 @@ class AssumptionsHold(Leaf):
 class Precondition(Leaf):
     """Green block: the precondition holds, so the present position is left.
 
-    Before it, nothing of the action has begun: the moment for a better plan, if there may be one.
+    Before it, nothing of the action has begun: the moment for a better plan, if there may be one. A
+    retry goes on with a flight that has failed from where that has ended.
 
     Args:
         assumptions: of the plan; None for a tree written by hand, which is never replaced.
     """
 
-    def __init__(self, flight: Flight, action: Action, assumptions: Assumptions | None) -> None:
-        super().__init__(flight, f"pre {action.name}")
-        self._action = action
+    does = LeafType.PRECONDITION
+
+    def __init__(
+        self, flight: Flight, intention: Intention, assumptions: Assumptions | None
+    ) -> None:
+        super().__init__(flight, f"pre {intention.name}")
+        self._intention = intention
         self._assumptions = assumptions
 
     def update(self) -> Status:
         """FAILURE if a fact is missing, or a better plan may exist."""
-        task = self._flight.task
+        task, intention = self._flight.task, self._intention
         if self._assumptions is not None and self._assumptions.may_do_better:
             return self.fail("")
-        if not self._action.is_applicable(task.all_facts):
-            missing = sorted(self._action.requires - task.all_facts)
+        if intention.tries.is_any and (again := task.begin_again(intention.actions)) is not None:
+            intention.action = again
+            return Status.SUCCESS
+        facts = task.all_facts
+        intention.choose(facts)
+        if not intention.action.is_applicable(facts):
+            missing = sorted(intention.action.requires - facts)
             wanting = ", ".join(missing) or "a forbidden fact"
-            return self.fail(f"{self._action.name} cannot begin: {wanting}")
-        task.begin(self._action)
+            return self.fail(f"{intention.name} cannot begin: {wanting}")
+        task.begin(intention.action)
         return Status.SUCCESS
 
 
@@ -70,14 +83,16 @@ class Effects(Leaf):
         ends_lap: whether the action is the last one of the loop.
     """
 
-    def __init__(self, flight: Flight, action: Action, ends_lap: bool) -> None:
-        super().__init__(flight, f"eff {action.name}")
-        self._action = action
+    does = LeafType.EFFECTS
+
+    def __init__(self, flight: Flight, intention: Intention, ends_lap: bool) -> None:
+        super().__init__(flight, f"eff {intention.name}")
+        self._intention = intention
         self._ends_lap = ends_lap
 
     def update(self) -> Status:
         """Always SUCCESS."""
-        flight, action = self._flight, self._action
+        flight, action = self._flight, self._intention.action
         flight.task.complete(action)
         if action.destination is not None and len(action.execute) == 1:
             flight.report(PlaceReached(action.destination, action.name))
@@ -91,26 +106,34 @@ class Effects(Leaf):
 class Withdraw(Leaf):
     """Right branch of Fig. 6: the skill has failed, so what it assumed is not believed.
 
-    A skill that has not begun, because its precondition does not hold, disproves nothing.
+    A skill that has not begun, because its precondition does not hold, disproves nothing; nor does
+    one that a tree written by hand tries again.
 
     Args:
         left: the left branch of the figure.
     """
 
-    def __init__(self, flight: Flight, action: Action, left: Behaviour) -> None:
-        super().__init__(flight, f"withdraw {', '.join(sorted(action.assumes)) or 'nothing'}")
-        self._action = action
+    does = LeafType.WITHDRAW
+
+    def __init__(self, flight: Flight, intention: Intention, left: Behaviour) -> None:
+        assumed = ", ".join(sorted(intention.action.assumes)) or "nothing"
+        is_one = len(intention.actions) == 1
+        what = assumed if is_one else f"what {intention.name} assumes"
+        super().__init__(flight, f"withdraw {what}")
+        self._intention = intention
         self._left = left
 
     def update(self) -> Status:
         """Always SUCCESS; the inverter above turns it into the FAILURE that replans."""
-        flight, action = self._flight, self._action
+        flight, action = self._flight, self._intention.action
         self.feedback_message = failure_of(self._left)
         if flight.task.running is not action:
             return Status.SUCCESS
         failed = SkillFailed(action.name, self.feedback_message)
         self.feedback_message = failed.text
         flight.report(failed)
+        if self._intention.tries.next is not None:
+            return Status.SUCCESS
         after_s = flight.belief_retry_s if action.retry_after_s is None else action.retry_after_s
         retry_s = None if after_s is None else flight.now_s + after_s
         flight.task.withdraw(action.assumes, retry_s)
@@ -122,30 +145,30 @@ class Withdraw(Leaf):
 class UpdateParam(Leaf):
     """update_param(c, w): grounds the symbol `w` to a waypoint that can be flown to now.
 
-    `c` is always the vehicle's present state, so there is nothing to ground for it. Asked again for
-    the same action, it takes another waypoint: a flight to the last one has failed.
+    `c` is always the vehicle's present state, so there is nothing to ground for it. If the flight
+    of the try before has failed, it takes another waypoint.
 
     Args:
         move: flies to the waypoint; why it failed the last time says more than that no other
             waypoint is left.
     """
 
+    does = LeafType.UPDATE_PARAM
+
     def __init__(self, flight: Flight, place: str, move: MoveCommand) -> None:
         super().__init__(flight, f"update_param {place}")
         self._place = place
         self._move = move
-        self._tried_at: int | None = None
 
     def update(self) -> Status:
         """FAILURE if no waypoint of the place can be flown to on the map as it is known now."""
         flight, place, state = self._flight, self._place, self._flight.vehicle.state
         before = flight.symbols[place]
-        is_another_try = self._tried_at == flight.task.positions
-        self._tried_at = flight.task.positions
-        if is_another_try:
+        has_failed = self._move.failed_at == flight.task.positions
+        if has_failed:
             flight.symbols.refuse(place, flight.now_s)
         if state is None or not flight.symbols.ground(place, state.position, flight.now_s):
-            last_failure = self._move.feedback_message if is_another_try else ""
+            last_failure = self._move.feedback_message if has_failed else ""
             return self.fail(last_failure or f"no waypoint of {place} can be flown to")
         if flight.symbols[place] is not before:
             flight.tell_symbol(place)
@@ -154,6 +177,8 @@ class UpdateParam(Leaf):
 
 class SendCommand(Leaf):
     """Sends a MAVLink command to a component and waits, holding, for its final answer."""
+
+    does = LeafType.COMMAND
 
     def __init__(self, flight: Flight, command: Command, timeout_s: float | None) -> None:
         super().__init__(flight, f"command {command.name}")
@@ -164,9 +189,8 @@ class SendCommand(Leaf):
     def initialise(self) -> None:
         """Sends it for the first time."""
         flight, command = self._flight, self._command
-        self._start_s = flight.now_s
         self._ticket = flight.vehicle.send_command(
-            command.component, command.command, command.parameters
+            command.component, command.command, command.parameters, self._timeout_s
         )
 
     def update(self) -> Status:
@@ -179,8 +203,6 @@ class SendCommand(Leaf):
             return Status.SUCCESS
         if isinstance(outcome, Failed):
             return self.fail(outcome.reason)
-        if self._timeout_s is not None and flight.now_s - self._start_s > self._timeout_s:
-            return self.fail(f"no final answer in {self._timeout_s:.0f} s")
         return Status.RUNNING
 
     def terminate(self, new_status: Status) -> None:
@@ -192,6 +214,8 @@ class SendCommand(Leaf):
 
 class Rest(Leaf):
     """Holds position for a time."""
+
+    does = LeafType.WAIT
 
     def __init__(self, flight: Flight, duration_s: float) -> None:
         super().__init__(flight, "rest")

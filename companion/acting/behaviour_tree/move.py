@@ -11,6 +11,7 @@ from py_trees.common import Status
 from companion.acting.behaviour_tree.leaf import Leaf
 from companion.acting.flight import TICK_S, Flight
 from companion.flight_events.skills import RouteBlocked, RouteResponse
+from companion.flight_events.tree import LeafType
 from companion.geometry import distance
 from companion.motion.profile import SpeedLimits
 from companion.motion.routes import Route
@@ -41,10 +42,16 @@ class MoveCommand(Leaf):
     When the map has changed, what is left of the trajectory is looked at again. If it is no
     longer clear there are, in this order: another route, flown into without a stop; a stop
     straight ahead, and a route from there; failure, since no clear route is left.
+
+    Attributes:
+        failed_at: how many positions the word had when it failed last; None if it never has.
     """
+
+    does = LeafType.MOVE_CMD
 
     def __init__(self, flight: Flight, place: str, timeout_s: float | None) -> None:
         super().__init__(flight, f"move_cmd {place}")
+        self.failed_at: int | None = None
         self._place = place
         self._timeout_s = timeout_s
 
@@ -113,7 +120,9 @@ class MoveCommand(Leaf):
         return Status.RUNNING
 
     def terminate(self, new_status: Status) -> None:
-        """Stays where it is when something above interrupts."""
+        """Stays where it is when something above interrupts; notes a failure."""
+        if new_status is Status.FAILURE:
+            self.failed_at = self._flight.task.positions
         if new_status is Status.INVALID and self.status is Status.RUNNING:
             self._flight.hold()
 

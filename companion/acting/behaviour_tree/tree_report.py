@@ -11,21 +11,29 @@ from collections.abc import Iterator
 
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
-from py_trees.composites import Selector, Sequence
-from py_trees.decorators import Decorator, Repeat
+from py_trees.composites import Parallel, Selector, Sequence
+from py_trees.decorators import Inverter, Repeat, Retry
 
-from companion.acting.behaviour_tree.builder import ActionNode
+from companion.acting.behaviour_tree.builder import FOR_EVER, ActionNode
+from companion.acting.behaviour_tree.deadline import Deadline
+from companion.acting.behaviour_tree.hand_built import SubtreeSequence
+from companion.acting.behaviour_tree.leaf import Leaf
 from companion.acting.flight import Flight
 from companion.flight_events.tree import (
     ActionTreeNode,
+    CountedTreeNode,
+    LeafTreeNode,
     NodeChange,
     NodesChanged,
     NodeStatus,
     NodeType,
+    PlanNode,
+    TimedTreeNode,
     TreeBuilt,
     TreeNode,
     TreeStopped,
 )
+from companion.mission.facts import Fact
 
 
 class TreeReport:
@@ -79,17 +87,31 @@ def _preorder(node: Behaviour, depth: int) -> Iterator[tuple[Behaviour, int]]:
         yield from _preorder(child, depth + 1)
 
 
-def _described(node: Behaviour, depth: int) -> TreeNode | ActionTreeNode:
+def _described(node: Behaviour, depth: int) -> PlanNode:
     match node:
-        case ActionNode(action=action):
-            assumes = tuple(sorted(action.assumes))
+        case ActionNode(intention=intention):
+            action, of_all = intention.action, (each.assumes for each in intention.actions)
+            assumes = tuple(sorted(frozenset[Fact]().union(*of_all)))
             return ActionTreeNode(depth, NodeType.ACTION, node.name, action.destination, assumes)
+        case SubtreeSequence():
+            return TreeNode(depth, NodeType.SUBTREE, node.name)
+        case Sequence(memory=False):
+            return TreeNode(depth, NodeType.REACTIVE_SEQUENCE, node.name)
         case Sequence():
             return TreeNode(depth, NodeType.SEQUENCE, node.name)
         case Selector():
             return TreeNode(depth, NodeType.SELECTOR, node.name)
-        case Repeat():
-            return TreeNode(depth, NodeType.REPEAT, node.name)
-        case Decorator():
-            return TreeNode(depth, NodeType.DECORATOR, node.name)
-    return TreeNode(depth, NodeType.LEAF, node.name)
+        case Parallel():
+            return TreeNode(depth, NodeType.PARALLEL, node.name)
+        case Repeat(num_success=times):
+            limit = None if times == FOR_EVER else times
+            return CountedTreeNode(depth, NodeType.REPEAT, node.name, limit)
+        case Retry(num_failures=times):
+            return CountedTreeNode(depth, NodeType.RETRY, node.name, times)
+        case Deadline(timeout_s=duration_s):
+            return TimedTreeNode(depth, NodeType.TIMEOUT, node.name, duration_s)
+        case Inverter():
+            return TreeNode(depth, NodeType.INVERTER, node.name)
+        case Leaf():
+            return LeafTreeNode(depth, NodeType.LEAF, node.name, node.does)
+    raise TypeError(f"a {type(node).__name__} in a tree")

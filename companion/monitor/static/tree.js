@@ -3,7 +3,10 @@
 
 import { byId, html, setStatus, statusShape } from "./dom.js";
 
-const SIGNS = { sequence: "→", selector: "?", action: "?", repeat: "↻", decorator: "◇", leaf: "" };
+const SIGNS = {
+  sequence: "→", reactive_sequence: "→", selector: "?", parallel: "⇉", subtree: "→", action: "?",
+  repeat: "↻", retry: "◇", inverter: "◇", timeout: "◇", leaf: "",
+};
 
 export class TreeView {
   show(state) {

@@ -27,9 +27,10 @@ def ack(result: str, sender: tuple[int, int] = PAYLOAD, command: int = USER_1) -
 class Talk:
     """One command to the payload, polled every 10 ms."""
 
-    def __init__(self) -> None:
+    def __init__(self, timeout_s: float | None = None) -> None:
         self.sender = CommandSender()
-        self.ticket = self.sender.start(0.0, PAYLOAD, USER_1, (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0))
+        parameters = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0)
+        self.ticket = self.sender.start(0.0, PAYLOAD, USER_1, parameters, timeout_s)
         self.sent: list[tuple[float, Any]] = []
         self.now_s = 0.0
 
@@ -120,6 +121,72 @@ def test_after_ten_rejections_the_next_is_final() -> None:
     talk.hear("TEMPORARILY_REJECTED")
     assert talk.result == "TEMPORARILY_REJECTED"
     assert talk.sender[talk.ticket].has_failed
+
+
+def test_a_rejection_of_a_repetition_that_was_under_way_changes_nothing() -> None:
+    """The payload works on the command already, and rejects what comes meanwhile."""
+    talk = Talk()
+    talk.wait(0.6)
+    talk.hear("IN_PROGRESS")
+    for _ in range(MAX_REJECTIONS + 1):
+        talk.wait(0.1)
+        talk.hear("TEMPORARILY_REJECTED")
+    talk.wait(5.0)
+    assert len(talk.sent) == 2
+    assert talk.result is None
+    talk.hear("ACCEPTED")
+    assert talk.result == "ACCEPTED"
+
+
+# -- A sender that says how long it waits ----------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("heard", "words"),
+    [
+        ([], "no answer in 15 s"),
+        ([(0.2, "IN_PROGRESS")], "no final answer in 15 s"),
+        ([(14.0, "IN_PROGRESS")], "no final answer in 15 s"),
+        ([(0.2, "TEMPORARILY_REJECTED")], "no answer in 15 s"),
+        ([(t + 0.5, "TEMPORARILY_REJECTED") for t in range(14)], "no answer in 15 s"),
+    ],
+)
+def test_the_sender_says_how_long_it_waits_whatever_is_heard(
+    heard: list[tuple[float, str]], words: str
+) -> None:
+    talk = Talk(timeout_s=15.0)
+    for at_s, answer in heard:
+        talk.wait(at_s - talk.now_s)
+        talk.hear(answer)
+    talk.wait(14.99 - talk.now_s)
+    assert talk.result is None
+    talk.wait(0.1)
+    assert talk.result == "NO_ANSWER"
+    assert talk.sender[talk.ticket].in_words == words
+
+
+@pytest.mark.parametrize("first", ["IN_PROGRESS", "TEMPORARILY_REJECTED", None])
+@pytest.mark.parametrize("late_s", [6.0, 12.0, 14.9])
+def test_a_late_acceptance_counts_within_the_senders_time(first: str | None, late_s: float) -> None:
+    talk = Talk(timeout_s=15.0)
+    talk.wait(0.2)
+    if first is not None:
+        talk.hear(first)
+    talk.wait(late_s - 0.2)
+    talk.hear("ACCEPTED")
+    talk.wait(5.0)
+    assert talk.result == "ACCEPTED"
+
+
+def test_the_senders_time_may_be_shorter_than_the_protocols() -> None:
+    talk = Talk(timeout_s=2.0)
+    talk.wait(0.1)
+    talk.hear("IN_PROGRESS")
+    talk.wait(2.0)
+    assert talk.result == "NO_ANSWER"
+
+
+# -- Final answers ---------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("result", ["DENIED", "UNSUPPORTED", "FAILED", "COMMAND_INT_ONLY"])

@@ -17,7 +17,6 @@ from companion.planning.domain import (
     Action,
     departures,
     instantiate,
-    origin_parameter,
 )
 
 
@@ -166,7 +165,7 @@ def test_only_flying_skills_that_start_somewhere_depart() -> None:
     ],
 )
 def test_where_a_skill_starts(precondition: str, origin: str | None) -> None:
-    assert origin_parameter(move(precondition=precondition)) == origin
+    assert move(precondition=precondition).origin == origin
 
 
 def test_a_flight_that_starts_anywhere_costs_what_it_says() -> None:

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import itertools
 import json
+import math
 from dataclasses import replace
 
 import pytest
+from leaves import walled_in
 from problems import find_lasso
 from synthetic import command, event, facts_of, mission, planner
 
+from companion.mission.model import Mission
 from companion.planning.builtin.search import Search
-from companion.planning.explain import Explanation, NoPlan, why_no_plan
+from companion.planning.explain import Explanation, NoPlan, why_no_plan, world_of
 from companion.planning.lasso import Problem
 from companion.planning.planner import Planner
 
@@ -20,7 +23,7 @@ def explained(made: Planner, withdrawn: frozenset[str] = frozenset()) -> Explana
     problem, _ = made.initial_problem()
     problem = replace(problem, facts=problem.facts - withdrawn, withdrawn=withdrawn)
     assert find_lasso(problem) is None
-    return why_no_plan(problem, Search().is_solvable)
+    return why_no_plan(problem, Search().is_solvable, world_of(made.mission, problem))
 
 
 def why(made: Planner, withdrawn: frozenset[str] = frozenset()) -> str:
@@ -185,6 +188,96 @@ def test_facts_of_lines_that_do_not_conflict_are_left_alone() -> None:
     assert explained(made).unreachable == ()
 
 
+# -- Routes ----------------------------------------------------------------------------------------
+
+
+def without_routes(made: Mission, *closed: tuple[str, str]) -> Planner:
+    """A planner on whose map some flights have no route."""
+    return Planner(made, lambda origin, goal: math.inf if (origin, goal) in closed else 4.0)
+
+
+def test_a_place_to_which_no_route_leads_is_named() -> None:
+    made = mission({"go": "F at(A)", "stay": "G F at(H)"})
+    found = explained(without_routes(made, ("H", "A"), ("B", "A")))
+    assert found.no_route == ("A",)
+    assert str(found) == (
+        "no plan: go cannot hold from here.\n  go: F at(A)\n  no route leads to A on the map"
+    )
+
+
+def test_a_place_that_a_skill_needs_is_named_too() -> None:
+    made = mission("F done", skills=[command("do", "at(A)", "done")])
+    found = explained(without_routes(made, ("H", "A"), ("B", "A")))
+    assert str(found).splitlines()[2:] == [
+        "  done can never become true: that needs at(A)",
+        "  no route leads to A on the map",
+    ]
+
+
+def test_places_that_are_walled_in_together_are_all_named() -> None:
+    made = mission("F (at(A) & F at(B))")
+    assert explained(without_routes(made, ("H", "A"), ("H", "B"))).no_route == ("A", "B")
+
+
+def test_a_place_with_a_route_that_is_not_believed_in_has_a_route() -> None:
+    made = without_routes(mission("F at(A)"), ("B", "A"))
+    found = explained(made, facts_of("trans_ok(H, A)"))
+    assert found.no_route == ()
+    assert found.restoring == ("trans_ok(H, A)",)
+
+
+def test_routes_are_not_blamed_for_a_conflict_of_lines() -> None:
+    made = mission({"go": "F at(A)", "near": "G !at(A)"})
+    assert explained(without_routes(made, ("B", "A"))).no_route == ()
+
+
+def test_a_map_that_walls_a_place_in_is_to_blame() -> None:
+    walled = replace(mission("F at(A)"), grid=walled_in("A"))
+    found = Planner(walled).explain()
+    assert found is not None and found.no_route == ("A",)
+
+
+# -- Events ----------------------------------------------------------------------------------------
+
+
+def test_events_that_a_skill_needs_are_told_with_their_values() -> None:
+    skills = [command("do", "at(H) & found & !low", "done")]
+    made = planner(mission("F done", skills=skills, events=[event("found"), event("low")]))
+    assert str(explained(made)).splitlines()[2:] == [
+        "  done can never become true: that needs found",
+        "  a plan takes events as they are now: found is false",
+    ]
+
+
+@pytest.mark.parametrize(("task", "holds"), [("F found", False), ("G !found", True)])
+def test_events_that_the_lines_in_conflict_mention_are_told(task: str, holds: bool) -> None:
+    initially = ["at(H)", *(["found"] if holds else [])]
+    made = planner(mission(task, events=[event("found"), event("low")], initially=initially))
+    found = explained(made)
+    assert found.events == {"found": holds}
+    value = str(holds).lower()
+    assert str(found).endswith(f"  a plan takes events as they are now: found is {value}")
+
+
+def test_an_event_that_a_skill_must_not_meet_is_told() -> None:
+    skills = [command("do", "at(H) & !low", "done")]
+    asked = mission("F done", skills=skills, events=[event("low")], initially=["at(H)", "low"])
+    assert explained(planner(asked)).events == {"low": True}
+
+
+def test_events_are_not_told_where_something_else_is_out_of_reach() -> None:
+    skills = [command("do", "at(H)", "done")]
+    made = planner(
+        mission(
+            "G (found -> F done)",
+            skills=skills,
+            events=[event("found")],
+            initially=["at(H)", "found"],
+        )
+    )
+    assert explained(made, facts_of("can_do")).events == {}
+
+
 # -- For programs ----------------------------------------------------------------------------------
 
 
@@ -196,6 +289,8 @@ def test_as_json_has_all_of_it() -> None:
     assert found == {
         "conflict": [{"name": "report", "formula": "F reported"}],
         "unreachable": [{"fact": "reported", "needs": [["can_upload", "found"]]}],
+        "no_route": [],
+        "events": {"found": False},
         "withdrawn": ["can_upload"],
         "restoring": [],
     }

@@ -116,6 +116,22 @@ def test_a_vehicle_on_its_way_is_not_asked_again(meeting: Meeting) -> None:
     assert meeting.pursue(Goal.AIRBORNE) is Progress.DONE
 
 
+def test_a_goal_that_has_failed_may_be_pursued_again(meeting: Meeting) -> None:
+    """With a command of its own, and all of its time."""
+    meeting.autopilot.results[ARM] = [dialect.MAV_RESULT_DENIED, ACCEPTED]
+    assert meeting.pursue(Goal.ARMED) == Failed("not armed: denied")
+    assert meeting.pursue(Goal.ARMED) is Progress.DONE
+    assert len(of_type(meeting.autopilot.heard, "COMMAND_LONG")) == 2
+
+
+def test_a_goal_that_was_not_reached_in_its_time_has_all_of_it_again(meeting: Meeting) -> None:
+    meeting.autopilot.is_idle = True
+    assert meeting.pursue(Goal.ARMED) == Failed("not armed after 20 s")
+    first_s = meeting.now_s
+    assert meeting.pursue(Goal.ARMED) == Failed("not armed after 20 s")
+    assert meeting.now_s - first_s == pytest.approx(20.0, abs=0.2)
+
+
 def test_a_new_goal_ends_the_command_of_the_old_one(meeting: Meeting) -> None:
     meeting.autopilot.results[ARM] = [None]
     meeting.run(0.3, act=lambda: meeting.vehicle.pursue(Goal.ARMED))
@@ -129,7 +145,7 @@ def test_a_new_goal_ends_the_command_of_the_old_one(meeting: Meeting) -> None:
 def test_a_mode_that_we_did_not_ask_for_ends_all_at_once_and_for_good(meeting: Meeting) -> None:
     in_offboard(meeting)
     meeting.vehicle.fly(AHEAD)
-    meeting.vehicle.send_command(25, dialect.MAV_CMD_USER_1, (1.0,))
+    meeting.vehicle.send_command(25, dialect.MAV_CMD_USER_1, (1.0,), None)
     meeting.autopilot.mode = "POSCTL"
     meeting.autopilot.is_idle = True
     sent = meeting.run(3.0)

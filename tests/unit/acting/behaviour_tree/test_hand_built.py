@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 from rig import Rig
-from synthetic import command, event, facts_of, mission, reading
+from synthetic import POSITIONS, command, event, facts_of, mission, reading, skill
 
 from companion.acting.executive_states import TaskStatus
 from companion.errors import CompanionError
@@ -19,14 +19,20 @@ from companion.flight_events.skills import (
     WrittenTreeFailed,
 )
 from companion.flight_events.word import ConjunctViolated, PositionLeft
+from companion.geometry import distance
+from companion.mission.model import Fly
 from companion.mission.tree_nodes import (
     Act,
     Check,
     Fallback,
+    Inverter,
+    Parallel,
     Repeat,
-    Retry,
     Steps,
+    Subtree,
+    Timeout,
     Tree,
+    WaitFor,
     Watch,
 )
 from companion.vehicle.port import Failed, Progress
@@ -99,11 +105,119 @@ def test_a_fallback_takes_what_succeeds_first() -> None:
     assert rig.places == ["B"]
 
 
-def test_again_after_a_failure_and_so_often_at_most() -> None:
-    rig = fly(Retry(Steps((Act("do"),)), 3))
-    rig.vehicle.answers = [(0.1, Failed("denied")), (0.1, Progress.DONE)]
-    assert rig.run_to_the_end() is TaskStatus.NO_PLAN  # the belief is gone after the first
-    assert len(rig.vehicle.sent) == 1
+def test_an_inverter_turns_a_failure_into_a_success_and_back() -> None:
+    rig = fly(Inverter(Steps((SEEN,))), Act("move(H, A)"), Inverter(Steps((UNSEEN,))))
+    assert rig.run_to_the_end() is TaskStatus.NO_PLAN
+    assert rig.places == ["A"]
+    assert rig.events[-1] == WrittenTreeFailed("!seen succeeded")
+
+
+def test_a_timeout_interrupts_its_steps() -> None:
+    slow = Timeout(Steps((Act("move(H, A)"), Act("move(A, B)"))), 4.5)
+    rig = fly(Fallback((slow, SEEN)))
+    assert rig.run_to_the_end() is TaskStatus.NO_PLAN
+    assert rig.flight.now_s == pytest.approx(4.5, abs=0.15)
+    assert rig.task.facts == {"at(here)"}
+    rig = fly(Timeout(Steps((Act("move(H, A)"),)), 20.0))
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED
+
+
+def test_the_reason_of_a_timeout_is_told() -> None:
+    rig = fly(Timeout(Steps((Act("move(H, A)"),)), 2.0))
+    rig.run_to_the_end()
+    assert rig.events[-1] == WrittenTreeFailed("not done after 2 s")
+
+
+def test_a_wait_takes_its_time_and_the_vehicle_stays() -> None:
+    rig = fly(Act("move(H, A)"), WaitFor(5.0))
+    rig.run_until(PlaceReached)
+    there_s = rig.flight.now_s
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED
+    assert rig.flight.now_s - there_s == pytest.approx(5.0, abs=0.15)
+    assert rig.vehicle.state is not None
+    assert distance(rig.vehicle.state.position, POSITIONS["A"]) < 0.1
+
+
+def test_a_subtree_is_what_it_stands_for_each_time() -> None:
+    there_and_back = Subtree("tour", Steps((Act("move(*, A)"), Act("move(*, H)"))))
+    rig = fly(there_and_back, Act("move(H, B)"), there_and_back)
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED
+    assert rig.places == ["A", "H", "B", "A", "H"]
+
+
+# -- parallel --------------------------------------------------------------------------------------
+
+
+def test_a_parallel_succeeds_with_the_last_of_its_branches() -> None:
+    """What has succeeded is not begun again; a wait beside a flight does not hold the vehicle."""
+    flight = Steps((Act("move(H, A)"), Act("move(A, B)")))
+    rig = fly(Parallel((flight, WaitFor(2.0), UNSEEN)))
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED
+    assert rig.places == ["A", "B"]
+    alone = fly(flight)
+    alone.run_to_the_end()
+    assert rig.flight.now_s == alone.flight.now_s
+    long = fly(Parallel((Act("move(H, A)"), WaitFor(30.0))))
+    assert long.run_to_the_end() is TaskStatus.SATISFIED
+    assert long.flight.now_s == pytest.approx(30.0, abs=0.15)
+
+
+def test_a_parallel_fails_with_the_first_of_its_branches() -> None:
+    late = Steps((WaitFor(1.0), SEEN))
+    rig = fly(Fallback((Parallel((Act("move(H, A)"), late)), Act("move(here, B)"))))
+    rig.run(lambda: "at(here)" in rig.task.facts)
+    assert rig.flight.now_s == pytest.approx(1.0, abs=0.15)
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED
+    assert rig.places == ["B"]
+    assert rig.task.withdrawn == frozenset()  # it was interrupted; nothing has failed
+
+
+# -- from wherever the vehicle is ------------------------------------------------------------------
+
+
+def test_a_flight_from_anywhere_begins_at_a_place() -> None:
+    rig = fly(Act("move(*, A)"), Act("move(*, B)"))
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED
+    assert [e.action for e in rig.of(PlaceReached)] == ["move(H, A)", "move(A, B)"]
+    assert rig.task.facts == {"at(B)"}
+
+
+def test_a_flight_from_anywhere_begins_between_places() -> None:
+    watched = Watch(UNSEEN, Steps((Act("move(*, A)"),)))
+    rig = fly(Fallback((watched, SEEN)), Act("move(*, B)"))
+    for _ in range(20):
+        rig.tick()
+    rig.tick(reading("seen"))
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED
+    assert [e.action for e in rig.of(PlaceReached)] == ["move(here, B)"]
+
+
+def test_a_flight_from_anywhere_to_where_the_vehicle_is_is_done_already() -> None:
+    rig = fly(Act("move(*, H)"), Act("move(*, A)"), Act("move(*, A)"))
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED
+    assert rig.places == ["A"]
+    assert len(rig.positions) == 2
+
+
+def test_a_flight_from_anywhere_withdraws_what_the_flight_has_assumed() -> None:
+    rig = fly(Fallback((Act("move(*, A)"), Act("move(*, B)"))), Act("move(*, H)"))
+    rig.tick()
+    rig.vehicle.is_stuck = True
+    rig.run_until(BeliefWithdrawn, belief="trans_ok(H, A)")
+    rig.vehicle.is_stuck = False
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED
+    assert [e.action for e in rig.of(PlaceReached)] == ["move(here, B)", "move(B, H)"]
+    assert rig.task.withdrawn == {"trans_ok(H, A)"}
+
+
+def test_a_skill_with_more_to_do_than_to_be_there_is_not_done_by_being_there() -> None:
+    made = skill("look", Fly("to"), "from to", "at(from)", (), "at(to) & !at(from) & seen_all")
+    rig = Rig(replace(mission({}, skills=[made]), tree=Steps((Act("look(*, H)"),)))).begin()
+    assert rig.run_to_the_end() is TaskStatus.NO_PLAN
+    assert "look(*, H) cannot begin" in rig.events[-1].text
+
+
+# -- repeats and watches ---------------------------------------------------------------------------
 
 
 def test_a_number_of_times_and_for_ever() -> None:

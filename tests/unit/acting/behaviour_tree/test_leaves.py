@@ -10,6 +10,7 @@ from py_trees.common import Status
 from rig import Rig
 from synthetic import PAYLOAD, POSITIONS, USER_1, command, event, facts_of, mission
 
+from companion.acting.behaviour_tree.intention import Intention
 from companion.acting.behaviour_tree.leaves import (
     AssumptionsHold,
     Effects,
@@ -41,6 +42,10 @@ def action(rig: Rig, name: str) -> Action:
     return next(a for a in rig.planner.model.actions if a.name == name)
 
 
+def intention(rig: Rig, name: str) -> Intention:
+    return Intention(name, (action(rig, name),))
+
+
 # -- conditions and effects ------------------------------------------------------------------------
 
 
@@ -60,7 +65,7 @@ def test_as_predicted_compares_each_event(predicted: bool, present: bool) -> Non
 
 def test_a_precondition_that_holds_leaves_the_position() -> None:
     rig = a_rig()
-    assert tick(rig, Precondition(rig.flight, action(rig, "do"), None)) is Status.SUCCESS
+    assert tick(rig, Precondition(rig.flight, intention(rig, "do"), None)) is Status.SUCCESS
     assert rig.task.positions == 1
     assert rig.task.running is action(rig, "do")
 
@@ -68,7 +73,7 @@ def test_a_precondition_that_holds_leaves_the_position() -> None:
 def test_a_precondition_that_does_not_hold_names_what_is_missing() -> None:
     rig = a_rig()
     rig.task.withdraw(facts_of("trans_ok(A, B)"))
-    leaf = Precondition(rig.flight, action(rig, "move(A, B)"), None)
+    leaf = Precondition(rig.flight, intention(rig, "move(A, B)"), None)
     assert tick(rig, leaf) is Status.FAILURE
     assert leaf.feedback_message == "move(A, B) cannot begin: at(A), trans_ok(A, B)"
     assert rig.task.positions == 0
@@ -76,7 +81,7 @@ def test_a_precondition_that_does_not_hold_names_what_is_missing() -> None:
 
 def test_a_forbidden_fact_does_not_allow_it() -> None:
     rig = Rig(mission("F done", skills=[command("do", "!at(H)", "done")]))
-    leaf = Precondition(rig.flight, action(rig, "do"), None)
+    leaf = Precondition(rig.flight, intention(rig, "do"), None)
     assert tick(rig, leaf) is Status.FAILURE
     assert leaf.feedback_message == "do cannot begin: a forbidden fact"
 
@@ -93,7 +98,9 @@ def test_effects_are_taken_over_and_reported(name: str, events: list[FlightEvent
     rig = a_rig()
     done = action(rig, name)
     rig.task.begin(done)
-    assert tick(rig, Effects(rig.flight, done, ends_lap=False)) is Status.SUCCESS
+    assert (
+        tick(rig, Effects(rig.flight, Intention(name, (done,)), ends_lap=False)) is Status.SUCCESS
+    )
     assert rig.task.facts == done.apply(facts_of("at(H)"))
     assert reported(rig) == events
     assert rig.flight.progress.laps == 0
@@ -101,8 +108,8 @@ def test_effects_are_taken_over_and_reported(name: str, events: list[FlightEvent
 
 def test_the_last_effects_of_a_lap_count_it_and_rest_is_not_worth_a_word() -> None:
     rig = a_rig()
-    tick(rig, Effects(rig.flight, action(rig, "do"), ends_lap=False))
-    tick(rig, Effects(rig.flight, WAIT, ends_lap=True))
+    tick(rig, Effects(rig.flight, intention(rig, "do"), ends_lap=False))
+    tick(rig, Effects(rig.flight, Intention("wait", (WAIT,)), ends_lap=True))
     assert rig.flight.progress.laps == 1
     assert rig.flight.progress.completed == 2
     assert reported(rig) == [SkillCompleted("do")]
@@ -114,7 +121,7 @@ def test_withdraw_gives_up_what_was_assumed_and_says_why() -> None:
     rig.vehicle.answers = [(0.0, Failed("denied"))]
     left = SendCommand(rig.flight, ASK, None)
     run(rig, left)
-    leaf = Withdraw(rig.flight, action(rig, "do"), left)
+    leaf = Withdraw(rig.flight, intention(rig, "do"), left)
     assert tick(rig, leaf) is Status.SUCCESS
     assert rig.task.withdrawn == {"can_do"}
     assert reported(rig) == [SkillFailed("do", "denied"), BeliefWithdrawn("can_do")]
@@ -123,7 +130,7 @@ def test_withdraw_gives_up_what_was_assumed_and_says_why() -> None:
 
 def test_a_skill_that_has_not_begun_disproves_nothing() -> None:
     rig = a_rig()
-    leaf = Withdraw(rig.flight, action(rig, "do"), Rest(rig.flight, 1.0))
+    leaf = Withdraw(rig.flight, intention(rig, "do"), Rest(rig.flight, 1.0))
     assert tick(rig, leaf) is Status.SUCCESS
     assert (rig.task.withdrawn, rig.flight.reports) == (frozenset(), [])
 

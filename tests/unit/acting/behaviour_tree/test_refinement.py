@@ -76,10 +76,12 @@ def test_the_tree_is_refined_down_to_primitives() -> None:
         build(rig.flight, Lasso((), (action,)), Assumptions(rig.planner, rig.flight))
     ).splitlines()
     start = next(i for i, line in enumerate(lines) if "{-} steps" in line)
-    assert [line.strip() for line in lines[start : start + 9]] == [
+    assert [line.strip() for line in lines[start : start + 11]] == [
         "{-} steps",
-        "{-} dock(A)",
         "-^- MAX_TRY(2)",
+        "{-} another try",
+        "--> as at first?",
+        "{-} dock(A)",
         "{-} move",
         "--> update_param A",
         "--> move_cmd A",

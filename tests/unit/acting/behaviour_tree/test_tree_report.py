@@ -12,6 +12,8 @@ from companion.acting.replanning.assumptions import Assumptions
 from companion.flight_events.event import Stamped
 from companion.flight_events.tree import (
     ActionTreeNode,
+    LeafTreeNode,
+    LeafType,
     NodesChanged,
     NodeStatus,
     NodeType,
@@ -75,8 +77,8 @@ def test_nodes_say_what_they_are_and_actions_what_they_are_about() -> None:
     rig.executive.plan()
     reader.read(rig.flight.reports)
     assert reader.nodes[:5] == (
-        TreeNode(0, NodeType.SEQUENCE, "root"),
-        TreeNode(1, NodeType.LEAF, "as predicted?"),
+        TreeNode(0, NodeType.REACTIVE_SEQUENCE, "root"),
+        LeafTreeNode(1, NodeType.LEAF, "as predicted?", LeafType.ASSUMPTIONS),
         TreeNode(1, NodeType.SEQUENCE, "plan"),
         ActionTreeNode(2, NodeType.ACTION, "move(H, A)", "A", ("trans_ok(H, A)",)),
         TreeNode(3, NodeType.SEQUENCE, "triple"),

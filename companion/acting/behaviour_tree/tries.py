@@ -1,0 +1,64 @@
+"""The retries of a tree written by hand, and what an action below one knows of them.
+
+An action that fails, and is tried again, has not failed yet: what it assumes is still believed.
+"""
+
+from __future__ import annotations
+
+from py_trees.behaviour import Behaviour
+from py_trees.common import Status
+from py_trees.decorators import Retry
+
+from companion.acting.flight import Flight
+
+
+class RetryByHand(Retry):
+    """The child again after a failure, so many times at most.
+
+    Attributes:
+        began_on_ground: where the first try has begun.
+    """
+
+    def __init__(self, flight: Flight, child: Behaviour, tries: int) -> None:
+        super().__init__(f"retry {tries}", child, tries)
+        self._flight = flight
+        self.began_on_ground = False
+
+    def initialise(self) -> None:
+        """Begins with the first try."""
+        super().initialise()
+        self.began_on_ground = self._flight.progress.is_landed_by_plan
+
+    def terminate(self, new_status: Status) -> None:
+        """There is no other try after something above has interrupted."""
+        if new_status is Status.INVALID:
+            self.failures = self.num_failures
+
+    @property
+    def has_another(self) -> bool:
+        """Whether a failure of the present try is followed by another one."""
+        return self.failures + 1 < self.num_failures
+
+
+class Tries:
+    """The retries around a part of the tree; they are built after it.
+
+    Args:
+        around: those around the innermost one.
+    """
+
+    def __init__(self, around: Tries | None = None) -> None:
+        self._around = around
+        self.retry: RetryByHand | None = None
+
+    @property
+    def is_any(self) -> bool:
+        """Whether there is a retry at all."""
+        return self.retry is not None
+
+    @property
+    def next(self) -> RetryByHand | None:
+        """The innermost retry that would try again after a failure now; None if none would."""
+        if self.retry is not None and self.retry.has_another:
+            return self.retry
+        return self._around.next if self._around is not None else None

@@ -1,0 +1,59 @@
+"""The command that prints a plan's behaviour tree: tree."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from companion.cli.arguments import load
+from companion.cli.log_lines import Verbose
+
+
+class TreeFormat(StrEnum):
+    """How a behaviour tree is printed."""
+
+    TEXT = "text"
+    DOT = "dot"
+    XML = "xml"
+
+
+Source = Annotated[
+    Path,
+    typer.Argument(metavar="MISSION|RUN", help="A mission's YAML file, or the folder of a run."),
+]
+FormatOption = Annotated[
+    TreeFormat,
+    typer.Option(
+        "--format",
+        help="text: a line for each node; dot: for Graphviz; xml: as BehaviorTree.CPP 4 and "
+        "Groot2 read it.",
+    ),
+]
+
+
+def tree(source: Source, format_: FormatOption = TreeFormat.TEXT, verbose: Verbose = False) -> None:
+    """Prints the behaviour tree of a plan.
+
+    Of a mission it is that of the first plan, or the tree that the mission brings; of a run the
+    one that was ticked last.
+
+    \b
+    Examples:
+      companion tree missions/surveillance.yaml
+      companion tree missions/by_hand.yaml --format xml > by_hand.xml
+      companion tree runs/2026-11-21T101500-surveillance --format dot | dot -Tsvg > tree.svg
+    """
+    from companion.api.trees import behaviour_tree
+
+    made = behaviour_tree(source if source.is_dir() else load(source))
+    match format_:
+        case TreeFormat.TEXT:
+            text = made.to_text()
+        case TreeFormat.DOT:
+            text = made.to_dot()
+        case TreeFormat.XML:
+            text = made.to_xml()
+    typer.echo(text, nl=False)
