@@ -1,9 +1,7 @@
 """Missions in linear temporal logic: planned, flown on PX4-style vehicles, simulated, audited.
 
-    from companion import Planner, load_mission, simulate
-    mission = load_mission("missions/surveillance.yaml")
-    Planner(mission).plan(at="r1", facts={"targetFound"}).loop
-    simulate(mission, seed=7).events
+    from companion import load_mission, simulate
+    simulate(load_mission("missions/surveillance.yaml"), seed=7).events
 
 These are the public names; docs/python.md shows their use. Each is imported when it is first asked
 for (PEP 562), so that `import companion` takes no time.

@@ -10,7 +10,7 @@ from typing import Protocol
 
 from companion.acting.assembly import assemble
 from companion.acting.event_detector import EventDetector
-from companion.acting.flight_limit import FlightLimit
+from companion.acting.flight_limit import NO_LIMIT, FlightLimit
 from companion.acting.preparation import PreparedMission
 from companion.acting.sortie import Sortie
 from companion.flight_events.event import Stamped
@@ -58,9 +58,9 @@ class Run:
         wire: Wire,
         telemetry: Telemetry,
         start_s: float,
-        accepts_weak_failsafes: bool,
-        may_yield: bool,
-        limit: FlightLimit,
+        accepts_weak_failsafes: bool = False,
+        may_yield: bool = False,
+        limit: FlightLimit = NO_LIMIT,
     ) -> None:
         mission = prepared.mission
         detector = EventDetector(mission.events)

@@ -82,7 +82,7 @@ def behaviour_tree(of: Mission | FlightResult | Path | str) -> BehaviourTree:
 
 def _planned(mission: Mission) -> TreeBuilt:
     """The tree of the first plan, made as before a flight; no vehicle is heard."""
-    run = Run(prepare(mission), Recording(), Wire(), Telemetry(), 0.0, False, False)
+    run = Run(prepare(mission), Recording(), Wire(), Telemetry(), 0.0)
     if failure := run.executive.plan():
         raise failure
     events = (stamped.event for stamped in run.flight.collect_reports())
