@@ -41,7 +41,7 @@ from companion.ltl.simplify import simplified
         ("X a & X b", "X(a & b)"),
         ("G a | a U b", "b R (a | b)"),
         ("F a & a R b", "b U (a & b)"),
-        ("G !a | F(a & F b)", "(a & F b) R (!a | (a & F b))"),
+        ("G !a | F(a & F b)", "(a & F b) R (!a | F b)"),
         ("G(a & X F b)", "G(a & F b)"),
         ("F(a | X G b)", "F(a | G b)"),
         ("G(a & F(b & X F c))", "G(a & F b & F c)"),
