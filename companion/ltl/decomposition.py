@@ -6,6 +6,7 @@ have weak deterministic automata are tried apart from the rest, and the smaller 
 
 from __future__ import annotations
 
+from collections import defaultdict
 from dataclasses import replace
 from functools import partial, reduce
 
@@ -15,6 +16,7 @@ from companion.ltl.formula import FALSE, TRUE, Formula, Operator, atoms, conjoin
 from companion.ltl.graph import LabelledGraph, is_deterministic
 from companion.ltl.intersection import intersection
 from companion.ltl.labels import LetterSet
+from companion.ltl.reductions.recurrence import is_recurrence
 from companion.ltl.reductions.strategy import reduced
 from companion.ltl.reductions.trimming import trimmed
 from companion.ltl.simplify import simplified
@@ -61,17 +63,21 @@ def _smaller(formula: Formula, construction: Construction) -> LabelledGraph[Lett
 
 
 def _parted(formula: Formula, construction: Construction) -> LabelledGraph[LetterSet] | None:
-    """The graph of obligations and of other conjuncts; None if all are of one kind."""
+    """From obligations, other conjuncts, and each G F apart; None if all are of one kind."""
     parts = _conjuncts(formula, construction.budget)
-    is_weak = {p: construction.construct(p).is_weak for p in parts} if parts[1:] else {}
-    groups = [[part for part in is_weak if is_weak[part] is kind] for kind in (True, False)]
-    if not all(groups):
+    if not parts[1:]:
         return None
-    weak, other = (
+    groups: dict[object, list[Formula]] = defaultdict(list)
+    for part in parts:
+        groups[part if is_recurrence(part) else construction.construct(part).is_weak].append(part)
+    if not groups.keys() - {False} or not groups.keys() - {True}:
+        return None
+    graphs = [
         construction.construct(simplified(conjoin(*group), construction.budget)).graph
-        for group in groups
-    )
-    return reduced(intersection(weak, other, construction.budget), construction.extra)
+        for group in groups.values()
+    ]
+    product = reduce(partial(intersection, budget=construction.budget), graphs)
+    return reduced(product, construction.extra)
 
 
 def _conjuncts(formula: Formula, budget: Budget) -> list[Formula]:

@@ -64,6 +64,11 @@ def _with_left(node: Formula, side: Side, other: Side, implication: Implication)
     if right.operator is side.join and other.far(left) in right.operands:
         event = joined(side.join, [f for f in right.operands if f is not other.far(left)])
         return other.make(event, joined(side.join, [left, event]))  # a U (b | G a) = b R (a | b)
+    if left in side.pure and left in other.pure:
+        if below(right, left):
+            return joined(side.meet, [left, side.far(right)])  # (G F a) U b, b implying G F a
+        if right in other.pure:  # (G F a) U G b = G b | G F a & F G b
+            return joined(side.join, [right, joined(side.meet, [left, side.far(right)])])
     return _with_shorter_left(node, side, implication)
 
 

@@ -40,9 +40,10 @@ class Implication:
             return
         opposite = dual(node, [self._opposite[operand] for operand in node.operands])
         self._opposite.update({node: opposite, opposite: node})
-        for known in (node, opposite):
-            self.until.classify(known)
-            self.release.classify(known)
+        for side, other in ((self.until, self.release), (self.release, self.until)):
+            side.classify(node)
+            if node in side.pure:
+                other.pure.add(opposite)
 
     def opposite(self, node: Formula) -> Formula:
         """The negation of a known formula, in negation normal form."""

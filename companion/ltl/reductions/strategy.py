@@ -118,10 +118,15 @@ def reduced_by_states(
             for candidate in candidates
             for transient_marked in (False, True)
         ]
+        tried: list[tuple[Relation, LabelledGraph[LetterSet]]] = []
         try:
             for relation, candidate, transient_marked in trials:
+                start = trimmed_by_states(candidate, transient_marked)
+                if (relation, start) in tried:
+                    continue  # often no node is on no cycle
+                tried.append((relation, start))
                 merge = partial(_merged_by_states, relation=relation)
-                found = _merged_and_trimmed(candidate, transient_marked, merge)
+                found = _merged_and_trimmed(start, transient_marked, merge)
                 best = min(best, found, key=lambda known: known.size)
         except TranslationLimit:
             pass  # what was found so far is right as well
@@ -142,7 +147,6 @@ def _merged_and_trimmed(
     transient_marked: bool,
     merge: Callable[[LabelledGraph[L]], LabelledGraph[L]],
 ) -> LabelledGraph[L]:
-    graph = trimmed_by_states(graph, transient_marked)
     while (smaller := trimmed_by_states(merge(graph), transient_marked)).size != graph.size:
         graph = smaller
     return graph
