@@ -13,9 +13,10 @@ import sys
 from typing import Any
 
 import pytest
+from benches.spot_peer import spot_text
 
 from companion.ltl.automaton import BuchiAutomaton
-from companion.ltl.formula import Formula, Operator, subformulas
+from companion.ltl.formula import Formula
 from companion.ltl.hoa import to_hoa
 from companion.ltl.parser import parse
 
@@ -34,20 +35,6 @@ def spot() -> Any:
     import spot
 
     return spot
-
-
-def spot_text(formula: Formula) -> str:
-    """A formula as Spot reads it: each operator in brackets, since it binds -> and <-> alike."""
-    text: dict[Formula, str] = {}
-    for node in subformulas(formula):
-        operands = [text[operand] for operand in node.operands]
-        if node.operator is Operator.ATOM:
-            text[node] = f'"{node.atom}"'
-        elif len(operands) < 2:
-            text[node] = f"{node.operator.value}{''.join(operands)}"
-        else:
-            text[node] = f"({f' {node.operator.value} '.join(operands)})"
-    return text[formula]
 
 
 def is_exact(automaton: BuchiAutomaton, formula: Formula, among: str = "true") -> bool:

@@ -1,9 +1,9 @@
 """Recurrence: an automaton of G F a from one of F a, for an `a` that some finite prefix shows.
 
-The smallest deterministic automaton of F a has one state in which `a` has been seen. An automaton of
-G F a starts again where that state would be reached, with a mark: at its initial state, or, since
-the last letter may be the first of the next `a`, where that letter leads from there. What G F a says
-does not depend on any prefix, so every state accepts it, and may be initial.
+The smallest deterministic automaton of F a has one state in which `a` has been seen. An automaton
+of G F a starts again where that state would be reached, with a mark: at its initial state, or,
+since the last letter may be the first of the next `a`, where that letter leads from there. What
+G F a says does not depend on any prefix, so every state accepts it, and may be initial.
 
 Source: Esparza, Křetínský and Sickert, One theorem to rule them all: a unified translation of LTL
 into omega-automata, LICS 2018, for the automaton of G F a.
