@@ -47,6 +47,8 @@ def _independent(formula: Formula, exclusive: frozenset[str], budget: Budget) ->
             groups.remove(group)
             names, together = names | group[0], group[1] + together
         groups.append((names, together))
+    if len(groups) == 1:
+        return [formula]
     return [simplified(conjoin(*together), budget) for _, together in groups]
 
 
@@ -81,12 +83,12 @@ def _parted(formula: Formula, construction: Construction) -> LabelledGraph[Lette
 
 
 def _conjuncts(formula: Formula, budget: Budget) -> list[Formula]:
-    """The conjuncts of a simplified formula, split at & and at G over &."""
+    """The conjuncts of a simplified formula, split at & and at G over &; simplified as well."""
     parts: list[Formula] = []
     for part in formula.operands if formula.operator is Operator.AND else (formula,):
         event, kept = part.operands if part.operator is Operator.RELEASE else (TRUE, part)
         if event is FALSE and kept.operator is Operator.AND:
-            parts += [release(FALSE, operand) for operand in kept.operands]
+            parts += [simplified(release(FALSE, operand), budget) for operand in kept.operands]
         else:
             parts.append(part)
-    return [simplified(part, budget) for part in parts]
+    return parts
