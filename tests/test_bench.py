@@ -14,18 +14,17 @@ from pathlib import Path
 
 import pytest
 from first_installation import environment
+from spot_authority import needs_spot
 
 pytestmark = pytest.mark.slow
 
 BENCH = Path(__file__).parents[1] / "scripts" / "bench"
-FORMULAS = ("dac", "eh", "sb", "mission", "mission-combo")
-TRANSLATED = {f"{group}, {kind}" for group in FORMULAS for kind in ("generalized", "state-based")}
 
 
 @pytest.mark.parametrize(
     ("group", "count", "with_peer"),
     [
-        ("translating", 18, TRANSLATED | {"one automaton, 3 sites", "one automaton, 5 sites"}),
+        ("translating", 28, set()),  # Spot comes with the tests alone
         (
             "planning",
             13,
@@ -64,6 +63,16 @@ def test_every_row_is_measured(group: str, count: int, with_peer: set[str], tmp_
     assert len(rows) == count
     assert all(row["figure"] > 0 and row["unit"] for row in rows.values())
     assert {name for name, row in rows.items() if row["ratio"]} == with_peer
+
+
+@needs_spot
+def test_spot_is_the_peer_where_it_is_installed() -> None:
+    command = [sys.executable, str(BENCH), "--quick", "--json", "translating"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=900, check=True)
+    rows = json.loads(done.stdout)
+    with_peer = [row for row in rows if row["ratio"]]
+    assert len(with_peer) == 5 * 2 * 2 + 3 + 2
+    assert all(row["peer"].startswith("Spot 2.") for row in with_peer)
 
 
 def test_a_group_that_there_is_not_is_named() -> None:

@@ -142,7 +142,7 @@ class _Request:
         began_s = time.perf_counter()
         automaton = translate(formula, exclusive=self.exclusive, budget=budget)
         if self.by_states:
-            automaton = state_based(automaton)
+            automaton = state_based(automaton, budget)
         return automaton, 1000 * (time.perf_counter() - began_s)
 
     def _print(self, automaton: BuchiAutomaton, milliseconds: float, line: Location | None) -> None:

@@ -13,6 +13,9 @@ thousands of bits cost more, in proportion to their width:
 - call `keep(sets, width)` for what stays until the end: terms in a cache, edges, relations. What
   one step makes and drops again needs no mention if something else bounds it.
 
+Some work is worth less than it costs: making an automaton smaller. It spends from parts of the
+budget's *spare* steps (`spared`), and where such a part is spent the automaton stays as it is.
+
 With the defaults no formula takes more than a few seconds and 512 MB for the whole process.
 A formula that is split into conjuncts has one budget for all of them.
 """
@@ -20,12 +23,15 @@ A formula that is split into conjuncts has one budget for all of them.
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 from companion.errors import Location, MissionError
 
 STEPS = 40_000_000
 BYTES = 200_000_000
+SPARE_STEPS = 40_000_000
 
 _BITS_A_STEP = 1024
 """An operation on ints of this width takes one step more than one on small ints."""
@@ -34,25 +40,31 @@ _BYTES_A_SET = 128
 """A small int and its place in a list or a set, or an edge."""
 
 
+_SHORTEN = "write it with fewer operators or propositions"
+_SPLIT = "split the task into conjuncts: each of them gets its own automaton"
+
+
 class TranslationLimit(MissionError):
     """The automaton of a formula would be too large, or take too long to find.
 
     Args:
         limit: what there would be too much of, with its number, e.g. `10,000 states`.
         where: the place of the formula in a file, once the caller knows it.
+        advice: what to do about it.
     """
 
-    def __init__(self, limit: str, where: Location | None = None) -> None:
+    def __init__(self, limit: str, where: Location | None = None, advice: str = _SHORTEN) -> None:
         self.limit = limit
-        super().__init__(
-            f"the automaton would take more than {limit}",
-            where,
-            "split the task into conjuncts: each of them gets its own automaton",
-        )
+        self.advice = advice
+        super().__init__(f"the automaton would take more than {limit}", where, advice)
 
     def located(self, where: Location) -> TranslationLimit:
         """The same error, placed in a file."""
-        return TranslationLimit(self.limit, where)
+        return TranslationLimit(self.limit, where, self.advice)
+
+    def for_conjunction(self) -> TranslationLimit:
+        """The same error for a formula that can be split."""
+        return TranslationLimit(self.limit, advice=_SPLIT)
 
 
 @dataclass(slots=True)
@@ -64,15 +76,17 @@ class Budget:
     >>> budget.spend(1, width=200_000)
     Traceback (most recent call last):
     companion.ltl.budget.TranslationLimit: the automaton would take more than 1,000 steps of work
-        split the task into conjuncts: each of them gets its own automaton
+        write it with fewer operators or propositions
 
     Attributes:
         steps: elementary steps that are allowed.
         kept_bytes: bytes of memory that are allowed, roughly.
+        spare_steps: steps that are left for what need not be done.
     """
 
     steps: int = STEPS
     kept_bytes: int = BYTES
+    spare_steps: int = SPARE_STEPS
     _spent: int = field(default=0, init=False)
     _kept: int = field(default=0, init=False)
 
@@ -80,6 +94,22 @@ class Budget:
     def unlimited(cls) -> Budget:
         """A budget that no formula spends."""
         return cls(sys.maxsize, sys.maxsize)
+
+    @contextmanager
+    def spared(self, steps: int, kept_bytes: int = BYTES) -> Iterator[Budget]:
+        """A budget of at most these steps for what need not be done; it takes from the spare ones.
+
+        >>> budget = Budget(spare_steps=1000)
+        >>> with budget.spared(300) as spare:
+        ...     spare.spend(200)
+        >>> budget.spare_steps
+        800
+        """
+        part = Budget(min(steps, self.spare_steps), kept_bytes, 0)
+        try:
+            yield part
+        finally:
+            self.spare_steps -= min(part._spent, part.steps)
 
     def spend(self, passes: int, width: int = 0) -> None:
         """Take steps for passes of a loop over ints of `width` bits.

@@ -1,7 +1,8 @@
 """Construction: the graph of one formula as it stands, with sets of letters as labels.
 
 The formula is unfolded (`tableau.py`), and the graph reduced (`reductions/`). A language that has a
-weak deterministic automaton gets the smallest of these, if that is no larger.
+weak deterministic automaton gets the smallest of these, if that is no larger. G F a is also made
+from the automaton of F a (`reductions/recurrence.py`).
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from companion.ltl.budget import Budget, TranslationLimit
 from companion.ltl.formula import Formula, negate, negation_normal_form
 from companion.ltl.graph import LabelledGraph, with_letters
 from companion.ltl.labels import Alphabet, LetterSet
+from companion.ltl.reductions.recurrence import is_recurrence, restarted
 from companion.ltl.reductions.strategy import reduced
 from companion.ltl.reductions.trimming import trimmed
 from companion.ltl.reductions.weak_determinisation import weak_deterministic
@@ -58,7 +60,23 @@ class Construction:
             weak = self._weak(formula, graph)
             if weak and len(weak.edges) <= len(graph.edges):
                 return Constructed(weak, True)
+            if is_recurrence(formula):
+                return Constructed(self._recurring(formula, graph), False)
         return Constructed(graph, False)
+
+    def _recurring(
+        self, formula: Formula, graph: LabelledGraph[LetterSet]
+    ) -> LabelledGraph[LetterSet]:
+        """The smallest graph of G F a: the one that is known, or one that starts again."""
+        once = formula.operands[1]
+        try:
+            weak = self._weak(once, reduced(self._rough(once, self.extra), self.extra))
+        except TranslationLimit:
+            return graph
+        if weak is None or len(weak.edges) == 1:
+            return graph
+        found = [reduced(restarted(weak, overlaps), self.extra) for overlaps in (False, True)]
+        return min([graph, *found], key=lambda known: known.size)
 
     def _rough(self, formula: Formula, budget: Budget) -> LabelledGraph[LetterSet]:
         graph = unfolded(formula, self.alphabet, self.max_states, budget)

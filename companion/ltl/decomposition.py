@@ -6,6 +6,7 @@ have weak deterministic automata are tried apart from the rest, and the smaller 
 
 from __future__ import annotations
 
+from collections import defaultdict
 from dataclasses import replace
 from functools import partial, reduce
 
@@ -15,6 +16,7 @@ from companion.ltl.formula import FALSE, TRUE, Formula, Operator, atoms, conjoin
 from companion.ltl.graph import LabelledGraph, is_deterministic
 from companion.ltl.intersection import intersection
 from companion.ltl.labels import LetterSet
+from companion.ltl.reductions.recurrence import is_recurrence
 from companion.ltl.reductions.strategy import reduced
 from companion.ltl.reductions.trimming import trimmed
 from companion.ltl.simplify import simplified
@@ -45,6 +47,8 @@ def _independent(formula: Formula, exclusive: frozenset[str], budget: Budget) ->
             groups.remove(group)
             names, together = names | group[0], group[1] + together
         groups.append((names, together))
+    if len(groups) == 1:
+        return [formula]
     return [simplified(conjoin(*together), budget) for _, together in groups]
 
 
@@ -61,26 +65,30 @@ def _smaller(formula: Formula, construction: Construction) -> LabelledGraph[Lett
 
 
 def _parted(formula: Formula, construction: Construction) -> LabelledGraph[LetterSet] | None:
-    """The graph of obligations and of other conjuncts; None if all are of one kind."""
+    """From obligations, other conjuncts, and each G F apart; None if all are of one kind."""
     parts = _conjuncts(formula, construction.budget)
-    is_weak = {p: construction.construct(p).is_weak for p in parts} if parts[1:] else {}
-    groups = [[part for part in is_weak if is_weak[part] is kind] for kind in (True, False)]
-    if not all(groups):
+    if not parts[1:]:
         return None
-    weak, other = (
+    groups: dict[object, list[Formula]] = defaultdict(list)
+    for part in parts:
+        groups[part if is_recurrence(part) else construction.construct(part).is_weak].append(part)
+    if not groups.keys() - {False} or not groups.keys() - {True}:
+        return None
+    graphs = [
         construction.construct(simplified(conjoin(*group), construction.budget)).graph
-        for group in groups
-    )
-    return reduced(intersection(weak, other, construction.budget), construction.extra)
+        for group in groups.values()
+    ]
+    product = reduce(partial(intersection, budget=construction.budget), graphs)
+    return reduced(product, construction.extra)
 
 
 def _conjuncts(formula: Formula, budget: Budget) -> list[Formula]:
-    """The conjuncts of a simplified formula, split at & and at G over &."""
+    """The conjuncts of a simplified formula, split at & and at G over &; simplified as well."""
     parts: list[Formula] = []
     for part in formula.operands if formula.operator is Operator.AND else (formula,):
         event, kept = part.operands if part.operator is Operator.RELEASE else (TRUE, part)
         if event is FALSE and kept.operator is Operator.AND:
-            parts += [release(FALSE, operand) for operand in kept.operands]
+            parts += [simplified(release(FALSE, operand), budget) for operand in kept.operands]
         else:
             parts.append(part)
-    return [simplified(part, budget) for part in parts]
+    return parts

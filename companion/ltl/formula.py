@@ -19,7 +19,7 @@ True
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from enum import Enum
 from weakref import WeakValueDictionary
@@ -246,6 +246,13 @@ def conjuncts(formula: Formula) -> tuple[Formula, ...]:
         else:
             found[always(part) if is_always else part] = None
     return tuple(found)
+
+
+def dual(node: Formula, negated: Iterable[Formula]) -> Formula:
+    """The negation of a node in negation normal form, given those of its operands."""
+    if node.operator in (Operator.ATOM, Operator.NOT):
+        return negate(node)
+    return Formula(_DUAL[node.operator], tuple(negated))
 
 
 _DUAL = {

@@ -205,6 +205,11 @@ class CubeOrder:
                 found &= with_literal[i]
             self._letters_of[cube] = found
 
+    @property
+    def width(self) -> int:
+        """Bits of a set."""
+        return len(self._cubes)
+
     def letters(self, cube: Cube) -> LetterSet:
         """The cubes that have all literals of one of them."""
         return self._letters_of[cube]

@@ -14,10 +14,14 @@ from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 from companion.ltl.automaton import BuchiAutomaton, statistics
+from companion.ltl.budget import Budget, TranslationLimit
 from companion.ltl.graph import LabelledEdge, LabelledGraph, Marks, Nodes, automaton_of
 from companion.ltl.labels import Alphabet, Cube, joined
 from companion.ltl.reductions.quotient import merged_cubes_and_simulators
 from companion.ltl.reductions.trimming import trimmed
+
+MAX_STEPS = 12_000_000
+"""For the reduction of one automaton: about a second."""
 
 
 @dataclass(frozen=True)
@@ -111,9 +115,13 @@ def _reduced(
     """A graph reduced, and the simulators of each node that is left.
 
     It is kept: conjuncts of one kind, such as those of a patrol, differ in their names alone.
+    A graph whose reduction would take too many steps stays as it is.
     """
-    graph = LabelledGraph([list(leaving) for leaving in edges], marks)
-    return merged_cubes_and_simulators(trimmed(graph))
+    graph = trimmed(LabelledGraph([list(leaving) for leaving in edges], marks))
+    try:
+        return merged_cubes_and_simulators(graph, Budget(MAX_STEPS))
+    except TranslationLimit:
+        return graph, [1 << node for node in range(len(graph.edges))]
 
 
 def _with_root(

@@ -11,10 +11,10 @@ labels stay cubes.
 from __future__ import annotations
 
 from companion.ltl.automaton import BuchiAutomaton
-from companion.ltl.budget import Budget
+from companion.ltl.budget import Budget, TranslationLimit
 from companion.ltl.construction import Construction
 from companion.ltl.decomposition import decomposed
-from companion.ltl.formula import Formula, atoms, negation_normal_form
+from companion.ltl.formula import Formula, atoms, conjuncts, negation_normal_form
 from companion.ltl.graph import automaton_of, graph_of, with_cubes, with_letters
 from companion.ltl.labels import Alphabet
 from companion.ltl.reductions.degeneralisation import degeneralised
@@ -61,19 +61,29 @@ def translate(
     Raises:
         TranslationLimit: `max_states` or the budget does not suffice.
     """
-    budget = budget or Budget()
+    try:
+        return _translated(formula, exclusive, max_states, budget or Budget())
+    except TranslationLimit as limit:
+        if len(conjuncts(formula)) > 1:
+            raise limit.for_conjunction() from None
+        raise
+
+
+def _translated(
+    formula: Formula, exclusive: frozenset[str], max_states: int, budget: Budget
+) -> BuchiAutomaton:
     budget.spend(LEAST_STEPS)
     normal = negation_normal_form(formula)
     simple = simplified(normal, budget)
     alphabet = Alphabet(sorted(atoms(normal)), exclusive)
-    if alphabet.is_small:
-        extra = Budget(EXTRA_STEPS, EXTRA_BYTES)
-        construction = Construction(alphabet, max_states, budget, extra)
-        graph = with_cubes(decomposed(simple, construction), alphabet, budget)
-    else:
-        rough = unfolded(simple, alphabet, max_states, budget)
-        budget.keep(3 * rough.size[1])  # they are all there at once in several forms
-        graph = reduced_cubes(rough)
+    with budget.spared(EXTRA_STEPS, EXTRA_BYTES) as extra:
+        if alphabet.is_small:
+            construction = Construction(alphabet, max_states, budget, extra)
+            graph = with_cubes(decomposed(simple, construction), alphabet, budget)
+        else:
+            rough = unfolded(simple, alphabet, max_states, budget)
+            budget.keep(3 * rough.size[1])  # they are all there at once in several forms
+            graph = reduced_cubes(rough, extra)
     return automaton_of(graph, alphabet, str(formula))
 
 
@@ -97,7 +107,8 @@ def state_based(automaton: BuchiAutomaton, budget: Budget | None = None) -> Buch
     cubes = graph_of(automaton, alphabet)
     if alphabet.is_small:
         candidates = degeneralised(with_letters(cubes, alphabet, budget), budget)
-        graph = with_cubes(reduced_by_states(candidates), alphabet, budget)
+        graph = with_cubes(reduced_by_states(candidates, budget), alphabet, budget)
     else:
-        graph = reduced_cubes_by_states(degeneralised(cubes, budget)[0])
+        with budget.spared(EXTRA_STEPS, EXTRA_BYTES) as extra:
+            graph = reduced_cubes_by_states(degeneralised(cubes, budget)[0], extra)
     return automaton_of(graph, alphabet, automaton.name)

@@ -1,7 +1,7 @@
 """The size of automata, and the time that it takes to make them.
 
-The peer is Spot, with the figures that `ltl2tgba` had for the formulas of tests/data/formulas.tsv:
-its state-based and its generalized transition-based automata.
+The peer is Spot in the same run: what `ltl2tgba` makes, with marks on edges and on states. It comes
+with the extra `test` where it has a wheel (Linux on x86-64); without it there is no peer.
 """
 
 from __future__ import annotations
@@ -9,67 +9,72 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterator
 from statistics import median, quantiles
-from typing import NamedTuple
 
-from benches import ROOT, Row, timed
+from benches import ROOT, Row, spot_peer, timed
 from companion.ltl.automaton import BuchiAutomaton
-from companion.ltl.formula import conjuncts
+from companion.ltl.formula import Formula, conjuncts
 from companion.ltl.parser import parse
 from companion.ltl.translate import state_based, translate
 
 TABLE = ROOT / "tests" / "data" / "formulas.tsv"
 
 
-class Entry(NamedTuple):
-    """A formula of the table; states that Spot needs, None where it gave up."""
-
-    group: str
-    formula: str
-    generalized: int | None
-    by_states: int | None
-
-
-def entries() -> list[Entry]:
-    """The table without the paper's formula, which has rows of its own."""
+def formulas() -> list[tuple[str, str]]:
+    """Group and text; without the paper's formula, which has rows of its own."""
     rows = [line.split("\t") for line in TABLE.read_text(encoding="utf-8").splitlines()]
-    return [
-        Entry(group, formula, *(int(n) if n.isdigit() else None for n in (generalized, by_states)))
-        for group, _, formula, generalized, by_states, *_ in rows
-        if group not in ("# group", "paper")
-    ]
+    return [(group, text) for group, _, text, *_ in rows if group not in ("# group", "paper")]
+
+
+def edges(automaton: BuchiAutomaton) -> int:
+    """How many there are if labels may be any formula, as Spot's are."""
+    return len({(t.source, t.target, t.marks) for t in automaton.transitions})
+
+
+Totals = dict[tuple[str, str, str], int]
+"""By group, kind of automaton and unit."""
 
 
 def tables(runs: int) -> Iterator[Row]:
-    """States over the formulas that Spot solves, and milliseconds a formula."""
-    ours: dict[str, list[int]] = defaultdict(lambda: [0, 0])
-    spots: dict[str, list[int]] = defaultdict(lambda: [0, 0])
-    passed = []
-    for entry in entries()[:: 1 if runs >= 50 else 20]:
+    """States and edges of all formulas of a group, and milliseconds a formula."""
+    ours: Totals = defaultdict(int)
+    peers: Totals = defaultdict(int)
+    passed, peer_passed = [], []
+    for group, text in formulas()[:: 1 if runs >= 50 else 20]:
+        formula = parse(text)
         made: list[BuchiAutomaton] = []
 
-        def make(text: str = entry.formula, made: list[BuchiAutomaton] = made) -> None:
-            made.append(translate(parse(text)))
+        def make(formula: Formula = formula, made: list[BuchiAutomaton] = made) -> None:
+            made.append(translate(formula))
             made.append(state_based(made[0]))
 
         passed += timed(make, 1)
-        for kind, peer in enumerate((entry.generalized, entry.by_states)):
-            if peer is not None:
-                ours[entry.group][kind] += made[kind].states
-                spots[entry.group][kind] += peer
-    for group in ours:
-        for kind, name in enumerate(("generalized", "state-based")):
-            peer = spots[group][kind]
-            yield Row(f"{group}, {name}", ours[group][kind], "states", "Spot", peer)
-    yield Row("a formula, both kinds: median", median(passed), "ms")
-    yield Row("95 % of them", quantiles(passed, n=20)[-1], "ms")
-    yield Row("the slowest", max(passed), "ms")
+        for kind, automaton in zip(spot_peer.KINDS, made, strict=True):
+            ours[group, kind, "states"] += automaton.states
+            ours[group, kind, "edges"] += edges(automaton)
+        if spot_peer.NAME is not None:
+            peer_passed += timed(lambda formula=formula: spot_peer.automata(formula), 1)
+            for kind, (states, count) in spot_peer.sizes(formula).items():
+                peers[group, kind, "states"] += states
+                peers[group, kind, "edges"] += count
+    for (group, kind, unit), figure in ours.items():
+        peer_figure = peers.get((group, kind, unit))
+        yield Row(f"{group}, {kind}: {unit}", figure, unit, spot_peer.NAME, peer_figure)
+    for name, summary in (
+        ("a formula, both kinds: median", median),
+        ("95 % of them", lambda times: quantiles(times, n=20)[-1]),
+        ("the slowest", max),
+    ):
+        peer_figure = summary(peer_passed) if peer_passed else None
+        yield Row(name, summary(passed), "ms", spot_peer.NAME, peer_figure)
 
 
 def paper(runs: int) -> Iterator[Row]:
     """The paper's formula for n sites: as one automaton, with exclusive places, as conjuncts."""
-    for sites, peer in ((3, 56), (5, 320)):
-        states = state_based(translate(parse(search(sites)))).states
-        yield Row(f"one automaton, {sites} sites", states, "states", "Spot", peer)
+    for sites in (3, 5):
+        formula = parse(search(sites))
+        states = state_based(translate(formula)).states
+        peer = spot_peer.sizes(formula)["state-based"][0] if spot_peer.NAME else None
+        yield Row(f"one automaton, {sites} sites", states, "states", spot_peer.NAME, peer)
     sites = 10 if runs >= 50 else 4
     places = frozenset({*(f"p{i}" for i in range(sites)), "ph"})
     made: list[BuchiAutomaton] = []

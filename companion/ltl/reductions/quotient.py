@@ -62,20 +62,28 @@ def merged_backwards(
     return reachable(edges, graph.marks, leader[0])
 
 
-def merged_cubes(graph: LabelledGraph[Cube]) -> LabelledGraph[Cube]:
-    """The quotient of a graph by simulation, where edges are compared one by one."""
-    return merged_cubes_and_simulators(graph)[0]
+def merged_cubes(graph: LabelledGraph[Cube], budget: Budget) -> LabelledGraph[Cube]:
+    """The quotient of a graph by simulation, where edges are compared one by one.
+
+    Raises:
+        TranslationLimit: the budget is spent.
+    """
+    return merged_cubes_and_simulators(graph, budget)[0]
 
 
 def merged_cubes_and_simulators(
-    graph: LabelledGraph[Cube],
+    graph: LabelledGraph[Cube], budget: Budget
 ) -> tuple[LabelledGraph[Cube], list[Nodes]]:
     """The same quotient, and for each of its nodes the nodes that simulate it.
 
     A quotient by simulation keeps the relation itself.
+
+    Raises:
+        TranslationLimit: the budget is spent.
     """
-    order, arrows = ordered(graph)
-    above = simulators(arrows, [0] * len(arrows), Budget.unlimited())
+    order, arrows = ordered(graph, budget)
+    above = simulators(arrows, [0] * len(arrows), budget)
+    budget.spend(sum(len(leaving) ** 2 for leaving in arrows), order.width)
     leader = leaders(above)
     edges: list[list[LabelledEdge[Cube]]] = []
     for leaving in arrows:

@@ -7,14 +7,20 @@ letters lose such letters in every quotient (`quotient.py`).
 
 from __future__ import annotations
 
+from companion.ltl.budget import Budget
 from companion.ltl.graph import LabelledEdge, LabelledGraph
 from companion.ltl.labels import Cube, opposite
 from companion.ltl.reductions.simulation import cube_simulators
 
 
-def sharpened(graph: LabelledGraph[Cube]) -> LabelledGraph[Cube]:
-    """With labels that exclude what a better edge reads, where one more literal says so."""
-    simulators = cube_simulators(graph)
+def sharpened(graph: LabelledGraph[Cube], budget: Budget) -> LabelledGraph[Cube]:
+    """With labels that exclude what a better edge reads, where one more literal says so.
+
+    Raises:
+        TranslationLimit: the budget is spent.
+    """
+    simulators = cube_simulators(graph, budget)
+    budget.spend(2 * sum(len(leaving) ** 2 for leaving in graph.edges))
 
     def is_better(one: LabelledEdge[Cube], other: LabelledEdge[Cube]) -> bool:
         """Whether all that follows the second edge can follow the first."""

@@ -33,12 +33,15 @@ def simulators(arrows: Arrows, colours: Sequence[int], budget: Budget) -> list[N
     Raises:
         TranslationLimit: the budget is spent.
     """
+    edges = [edge for leaving in arrows for edge in leaving]
+    width = max((edge.label.bit_length() for edge in edges), default=0)
     kinds = sorted(set(colours))
     block = [kinds.index(colour) for colour in colours]
     above = [sum(1 << i for i, b in enumerate(kinds) if a & ~b == 0) for a in kinds]
     is_stable = False
     while not is_stable:
-        finer, block = _refined(arrows, block, above, budget)
+        budget.spend(3 * (len(edges) + len(arrows)), width)
+        finer, block = _refined(arrows, block, above, width, budget)
         is_stable = len(finer) == len(above) and _pairs(finer) == _pairs(above)
         above = finer
     nodes_of = [0] * len(above)
@@ -53,7 +56,7 @@ def _pairs(above: list[Nodes]) -> int:
 
 
 def _refined(
-    arrows: Arrows, block: list[int], above: list[Nodes], budget: Budget
+    arrows: Arrows, block: list[int], above: list[Nodes], width: int, budget: Budget
 ) -> tuple[list[Nodes], list[int]]:
     """Blocks, and those that simulate each of them, one step longer."""
     number_of: dict[Hashable, int] = {}
@@ -70,12 +73,12 @@ def _refined(
             signatures.append(signed)
             origin.append(block[node])
         part.append(number_of[key])
-    matching = [_MatchedLetters(signed, above, budget) for signed in signatures]
+    matching = [_MatchedLetters(signed, above, width, budget) for signed in signatures]
     better = []
     for number, signed in enumerate(signatures):
         able = 1 << number
         for old in indices(above[origin[number]]):
-            budget.spend(3 * len(parts_of[old]))
+            budget.spend(3 * len(parts_of[old]), len(arrows))
             for other in parts_of[old]:
                 if other != number and matching[other].include(signed):
                     able |= 1 << other
@@ -89,15 +92,18 @@ def _refined(
 class _MatchedLetters(dict[tuple[Marks, int], LetterSet]):
     """For marks and a block the letters of all edges of a node that are at least as good."""
 
-    def __init__(self, signed: Signature, above: Sequence[Nodes], budget: Budget) -> None:
+    def __init__(
+        self, signed: Signature, above: Sequence[Nodes], width: int, budget: Budget
+    ) -> None:
         self._signature = signed
         self._above = above
+        self._width = width
         self._budget = budget
 
     def __missing__(self, kind: tuple[Marks, int]) -> LetterSet:
         marks, block = kind
         better = self._above[block]
-        self._budget.spend(len(self._signature))
+        self._budget.spend(len(self._signature), self._width)
         found = LetterSet(0)
         for (more, other), letters in self._signature.items():
             if marks & ~more == 0 and better >> other & 1:
@@ -125,14 +131,26 @@ def leaders(above: Sequence[Nodes]) -> list[int]:
     ]
 
 
-def cube_simulators(graph: LabelledGraph[Cube]) -> list[Nodes]:
-    """For each node the nodes that simulate it, where one edge is matched by one other."""
-    return simulators(ordered(graph)[1], [0] * len(graph.edges), Budget.unlimited())
+def cube_simulators(graph: LabelledGraph[Cube], budget: Budget) -> list[Nodes]:
+    """For each node the nodes that simulate it, where one edge is matched by one other.
+
+    Raises:
+        TranslationLimit: the budget is spent.
+    """
+    return simulators(ordered(graph, budget)[1], [0] * len(graph.edges), budget)
 
 
-def ordered(graph: LabelledGraph[Cube]) -> tuple[CubeOrder, Arrows]:
-    """The order of the cubes of a graph, and its edges with sets of them as labels."""
-    order = CubeOrder(edge.label for leaving in graph.edges for edge in leaving)
+def ordered(graph: LabelledGraph[Cube], budget: Budget) -> tuple[CubeOrder, Arrows]:
+    """The order of the cubes of a graph, and its edges with sets of them as labels.
+
+    Raises:
+        TranslationLimit: the budget is spent.
+    """
+    cubes = {edge.label for leaving in graph.edges for edge in leaving}
+    literals = sum(int(cube).bit_count() for cube in cubes)
+    budget.spend(2 * literals, len(cubes))
+    budget.keep(len(cubes), len(cubes))
+    order = CubeOrder(cubes)
     arrows = [
         [LabelledEdge(order.letters(cube), marks, target) for cube, marks, target in leaving]
         for leaving in graph.edges

@@ -1,9 +1,9 @@
 """Strategy: which reductions are made in which order, until none of them helps any more.
 
 Trimming and quotients take turns until the size no longer changes. Graphs with sets of letters are
-merged by bisimulation first, which is quick, then by simulation, both ways; they spend from a
-budget, and stay as they are when it is spent. Graphs with cubes are merged by simulation, and
-sharpened, unless they are large.
+merged by bisimulation first, which is quick, then by simulation, both ways. Graphs with cubes are
+merged by simulation, and sharpened. All this spends from a budget: when it is spent, a graph stays
+as it is.
 """
 
 from __future__ import annotations
@@ -25,9 +25,6 @@ MAX_SIMULATED = 400
 
 MAX_STATES_TWICE = 100
 """States up to which a graph is reduced in both ways, to take the smaller result."""
-
-MAX_COMPARISONS = 5_000_000
-"""Of edges with cubes with each other, and with nodes: about a second."""
 
 FIRST_STEPS = 8_000_000
 """Steps for reducing the most promising of several graphs."""
@@ -81,18 +78,22 @@ def _relations(budget: Budget) -> tuple[Relation, Relation]:
     return partial(bisimilar, budget=budget), simulating
 
 
-def reduced_cubes(graph: LabelledGraph[Cube]) -> LabelledGraph[Cube]:
-    """An equivalent graph, usually smaller, with labels made disjoint."""
-    if _is_large(graph):
-        return trimmed(graph)
+def reduced_cubes(graph: LabelledGraph[Cube], budget: Budget) -> LabelledGraph[Cube]:
+    """The same with cubes, whose labels become disjoint where one more literal does it."""
 
     def merge(graph: LabelledGraph[Cube]) -> LabelledGraph[Cube]:
-        return merged_cubes(trimmed(graph))
+        return merged_cubes(trimmed(graph), budget)
 
     def sharpen(graph: LabelledGraph[Cube]) -> LabelledGraph[Cube]:
-        return _repeated(merge, sharpened(graph))
+        return _repeated(merge, sharpened(graph, budget))
 
-    return _repeated(sharpen, _repeated(merge, graph))
+    best = trimmed(graph)
+    try:
+        for step in (merge, sharpen):
+            best = _repeated(step, best)
+    except TranslationLimit:
+        pass  # what was found so far is right as well
+    return best
 
 
 def _repeated(
@@ -104,36 +105,41 @@ def _repeated(
     return smaller
 
 
-def _is_large(graph: LabelledGraph[Cube]) -> bool:
-    """Whether comparing its nodes and edges would take long."""
-    nodes, edges, _ = graph.size
-    return sum(len(leaving) ** 2 for leaving in graph.edges) + nodes * edges > MAX_COMPARISONS
-
-
-def reduced_by_states(candidates: Sequence[LabelledGraph[LetterSet]]) -> LabelledGraph[LetterSet]:
+def reduced_by_states(
+    candidates: Sequence[LabelledGraph[LetterSet]], budget: Budget
+) -> LabelledGraph[LetterSet]:
     """The smallest graph that is found from some with marks on states, the most promising first."""
     best = trimmed_by_states(candidates[0], False)
-    first, others = _relations(Budget(FIRST_STEPS)), _relations(Budget(OTHER_STEPS))
-    trials = [(first[0], candidates[0], False)]
-    trials += [
-        (first[1] if candidate is candidates[0] else others[1], candidate, transient_marked)
-        for candidate in candidates
-        for transient_marked in (False, True)
-    ]
-    try:
-        for relation, candidate, transient_marked in trials:
-            merge = partial(_merged_by_states, relation=relation)
-            found = _merged_and_trimmed(candidate, transient_marked, merge)
-            best = min(best, found, key=lambda known: known.size)
-    except TranslationLimit:
-        pass  # what was found so far is right as well
+    with budget.spared(FIRST_STEPS) as most, budget.spared(OTHER_STEPS) as rest:
+        first, others = _relations(most), _relations(rest)
+        trials = [(first[0], candidates[0], False)]
+        trials += [
+            (first[1] if candidate is candidates[0] else others[1], candidate, transient_marked)
+            for candidate in candidates
+            for transient_marked in (False, True)
+        ]
+        tried: list[tuple[Relation, LabelledGraph[LetterSet]]] = []
+        try:
+            for relation, candidate, transient_marked in trials:
+                start = trimmed_by_states(candidate, transient_marked)
+                if (relation, start) in tried:
+                    continue  # often no node is on no cycle
+                tried.append((relation, start))
+                merge = partial(_merged_by_states, relation=relation)
+                found = _merged_and_trimmed(start, transient_marked, merge)
+                best = min(best, found, key=lambda known: known.size)
+        except TranslationLimit:
+            pass  # what was found so far is right as well
     return best
 
 
-def reduced_cubes_by_states(graph: LabelledGraph[Cube]) -> LabelledGraph[Cube]:
+def reduced_cubes_by_states(graph: LabelledGraph[Cube], budget: Budget) -> LabelledGraph[Cube]:
     """An equivalent graph, given one with marks on states."""
     found = trimmed_by_states(graph, False)
-    return found if _is_large(found) else _merged_and_trimmed(found, False, merged_cubes)
+    try:
+        return _merged_and_trimmed(found, False, partial(merged_cubes, budget=budget))
+    except TranslationLimit:
+        return found
 
 
 def _merged_and_trimmed(
@@ -141,7 +147,6 @@ def _merged_and_trimmed(
     transient_marked: bool,
     merge: Callable[[LabelledGraph[L]], LabelledGraph[L]],
 ) -> LabelledGraph[L]:
-    graph = trimmed_by_states(graph, transient_marked)
     while (smaller := trimmed_by_states(merge(graph), transient_marked)).size != graph.size:
         graph = smaller
     return graph

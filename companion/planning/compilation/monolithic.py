@@ -89,7 +89,8 @@ def _product(left: BuchiAutomaton, right: BuchiAutomaton) -> BuchiAutomaton:
                 marks = t.marks.union(left.marks + mark for mark in u.marks)
                 transitions.append(Transition(number_of[a, b], label, number_of[target], marks))
         if max(len(pending), len(transitions)) > 10 * MAX_STATES or len(pending) > MAX_STATES:
-            raise TranslationLimit(f"{MAX_STATES:,} states for the whole task; use v4 or v5")
+            limit, advice = f"{MAX_STATES:,} states for the whole task", "use --encoding v4 or v5"
+            raise TranslationLimit(limit, advice=advice)
     name = f"({left.name}) & ({right.name})"
     marks_count = left.marks + right.marks
     return BuchiAutomaton(len(pending), initial, tuple(transitions), marks_count, name)

@@ -14,7 +14,10 @@ import sys
 
 import pytest
 
+from companion.errors import Location
 from companion.ltl.budget import Budget, TranslationLimit
+from companion.ltl.parser import parse
+from companion.ltl.translate import translate
 
 pytestmark = pytest.mark.alone
 
@@ -36,6 +39,9 @@ def nested(operators: str, count: int) -> str:
 
 FAMILIES = {
     "X": "X " * DEPTH + "a",
+    "X of many": "X " * 3000 + f"F ({joined(' & ', 'a#', 14)})",
+    "X of marks": "X " * 3000 + f"({joined(' & ', 'G (a# -> F b#)', 3)})",
+    "and of X": joined(" & ", "X " * 400 + "(a# U b#)", 200),
     "F": "F " * DEPTH + "a",
     "G": "G " * DEPTH + "a",
     "negations": "!" * DEPTH + "a",
@@ -77,6 +83,7 @@ FAMILIES = {
 
 QUICK = {
     "X",
+    "X of many",
     "F",
     "negations",
     "brackets",
@@ -94,6 +101,7 @@ QUICK = {
 CONJUNCTIONS = (
     "& and |",
     "and",
+    "and of X",
     "and of F",
     "and of U",
     "and of G F",
@@ -149,6 +157,35 @@ def test_an_answer_or_a_limit(family: str, options: tuple[str, ...]) -> None:
     else:
         limits = r"<stdin>:1:1: the automaton .* more than [\d,]+ (states|transitions|steps|MB)"
         assert re.match(limits, done.stderr)
+
+
+@pytest.mark.parametrize(
+    ("text", "is_split"),
+    [
+        ("F a & F b & F c", False),
+        ("G (F a & F b)", False),
+        ("F (a & X b)", True),
+        ("a | G b", True),
+        ("X (G a & F b)", True),
+    ],
+)
+def test_only_what_can_be_split_is_advised_to_be(text: str, is_split: bool) -> None:
+    with pytest.raises(TranslationLimit) as limit:
+        translate(parse(text), max_states=1)
+    assert ("split" in str(limit.value)) is not is_split
+    located = str(limit.value.located(Location("mission.yaml", 3, 5)))
+    assert located == f"mission.yaml:3:5: {limit.value}"
+
+
+def test_what_need_not_be_done_takes_from_spare_steps() -> None:
+    """They are one store for all conjuncts: a thousand of them take no longer than one."""
+    budget = Budget(spare_steps=100)
+    for left in (40, 0):
+        with budget.spared(60) as spare, pytest.raises(TranslationLimit):
+            spare.spend(1000)
+        assert budget.spare_steps == left
+    automaton = translate(parse("X X X a & F b"), budget=Budget(spare_steps=0))
+    assert automaton.states >= translate(parse("X X X a & F b")).states
 
 
 def test_the_budget_is_spent_to_the_last_step() -> None:

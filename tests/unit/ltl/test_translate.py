@@ -28,6 +28,9 @@ WORDS = 24
         ("F G p", 2, 1),
         ("X p", 3, 0),
         ("true", 1, 0),
+        ("G F(a <-> X a)", 2, 1),  # it starts again where F(a <-> X a) is over
+        ("G F(a & X b)", 2, 1),
+        ("F(a & F c) & G F a & G F c", 1, 2),
     ],
 )
 def test_size(text: str, states: int, marks: int) -> None:

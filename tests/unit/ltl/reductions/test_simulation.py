@@ -76,7 +76,7 @@ def test_a_colour_asks_for_all_its_bits(drawn: LabelledGraph[Cube]) -> None:
 @given(graphs_of_cubes())
 def test_with_cubes_an_edge_is_matched_by_one_other(graph: LabelledGraph[Cube]) -> None:
     expected = greatest(graph.edges, all_pairs(len(graph.edges)), matched_by_one_edge)
-    assert as_pairs(cube_simulators(graph)) == expected
+    assert as_pairs(cube_simulators(graph, Budget())) == expected
 
 
 @given(graphs_of_cubes())
@@ -100,8 +100,8 @@ def test_bisimilar_nodes_do_the_same_in_each_step(drawn: LabelledGraph[Cube]) ->
 
 @given(graphs_of_cubes())
 def test_a_quotient_keeps_the_relation(graph: LabelledGraph[Cube]) -> None:
-    smaller, above = merged_cubes_and_simulators(graph)
-    assert above == cube_simulators(smaller)
+    smaller, above = merged_cubes_and_simulators(graph, Budget())
+    assert above == cube_simulators(smaller, Budget())
 
 
 def test_a_spent_budget_ends_the_comparison() -> None:

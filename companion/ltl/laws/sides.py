@@ -1,0 +1,88 @@
+"""The two sides of the laws: U with |, and R with &.
+
+In negation normal form every law has a dual: exchange & with |, U with R, true with false. So each
+law is written once, for a `Side` that stands for U or for R; comments show the case of U. A formula
+is *eventual* if it holds as soon as it holds at a later position (F a), *universal* if it then also
+holds at every later position (G a). One that is both (G F a) does not depend on any finite prefix.
+
+Source: Etessami and Holzmann, Optimizing Büchi automata, CONCUR 2000; Somenzi and Bloem,
+Efficient Büchi automata from LTL formulae, CAV 2000.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from companion.ltl.formula import FALSE, TRUE, Formula, Operator
+
+_NEUTRAL = {Operator.AND: TRUE, Operator.OR: FALSE}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Side:
+    """U with its laws, whose F is `true U`, or its dual: R, whose G is `false R`.
+
+    Attributes:
+        fixpoint: U.
+        join: |, over which the right operand of U distributes.
+        meet: &, over which the left operand of U distributes.
+        top: true, the left operand that makes U an F.
+        bottom: false.
+        pure: eventual formulas, those with F f = f; grows with the formulas that are seen.
+    """
+
+    fixpoint: Operator
+    join: Operator
+    meet: Operator
+    top: Formula
+    bottom: Formula
+    pure: set[Formula] = field(default_factory=set)
+
+    def make(self, left: Formula, right: Formula) -> Formula:
+        """`left U right`."""
+        return Formula(self.fixpoint, (left, right))
+
+    def far(self, formula: Formula) -> Formula:
+        """`F formula`."""
+        return self.make(self.top, formula)
+
+    def is_far(self, formula: Formula) -> bool:
+        """Whether a formula is an F."""
+        return formula.operator is self.fixpoint and formula.operands[0] is self.top
+
+    def classify(self, node: Formula) -> None:
+        """Add a node to the pure ones if it is; its operands are classified."""
+        operands = node.operands
+        match node.operator:
+            case Operator.ATOM | Operator.NOT:
+                return
+            case Operator.UNTIL | Operator.RELEASE:
+                is_pure = operands[1] in self.pure or self.is_far(node)
+            case _:
+                is_pure = all(operand in self.pure for operand in operands)
+        if is_pure:
+            self.pure.add(node)
+
+
+def both_sides() -> tuple[Side, Side]:
+    """U, then R, for one formula."""
+    return (
+        Side(Operator.UNTIL, Operator.OR, Operator.AND, TRUE, FALSE),
+        Side(Operator.RELEASE, Operator.AND, Operator.OR, FALSE, TRUE),
+    )
+
+
+def is_waiting(formula: Formula, side: Side) -> bool:
+    """Whether a formula is an F on the side of U; what is done with these has no useful dual."""
+    return side.fixpoint is Operator.UNTIL and side.is_far(formula)
+
+
+def joined(operator: Operator, parts: list[Formula]) -> Formula:
+    """A chain of | or &; of one formula itself, of none what the chain begins with.
+
+    >>> joined(Operator.AND, []) is TRUE
+    True
+    """
+    if len(parts) > 1:
+        return Formula(operator, tuple(parts))
+    return parts[0] if parts else _NEUTRAL[operator]
