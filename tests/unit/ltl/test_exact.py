@@ -81,13 +81,13 @@ def seeds(few: int, many: int) -> list[object]:
 
 
 @pytest.mark.parametrize("shape", SHAPES)
-@pytest.mark.parametrize("seed", [*seeds(1, 20)])
+@pytest.mark.parametrize("seed", seeds(1, 20))
 def test_random_formulas(shape: str, seed: int) -> None:
     for formula in random_formulas(30, seed, **SHAPES[shape]):
         check(formula)
 
 
-@pytest.mark.parametrize("seed", [*seeds(1, 10)])
+@pytest.mark.parametrize("seed", seeds(1, 10))
 def test_with_cubes_as_labels(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """As if the propositions were many."""
     monkeypatch.setattr(labels, "MAX_LETTERS", 0)
@@ -95,13 +95,13 @@ def test_with_cubes_as_labels(seed: int, monkeypatch: pytest.MonkeyPatch) -> Non
         check(formula)
 
 
-@pytest.mark.parametrize("seed", [*seeds(1, 10)])
+@pytest.mark.parametrize("seed", seeds(1, 10))
 def test_at_most_one_place_at_a_time(seed: int) -> None:
     for formula in random_formulas(30, seed, propositions=4, size=12):
         check(formula, frozenset(sorted(atoms(formula))[:3]))
 
 
-@pytest.mark.parametrize("seed", [*seeds(1, 10)])
+@pytest.mark.parametrize("seed", seeds(1, 10))
 def test_restricted_by_constants(seed: int) -> None:
     rng = random.Random(seed)
     for formula in random_formulas(30, seed, propositions=4, size=14):
