@@ -1,7 +1,8 @@
-"""The best lasso by definition: the whole product, one node after the other, nothing left out.
+"""The best cycle of the product by definition: one node after the other, nothing left out.
 
 Shares no code with the planner's search: sets in place of bits, the automata as they are, and
-Dijkstra's algorithm over (node, marks met) from every node. For small problems. `shortest_tour`
+Dijkstra's algorithm over (node, marks met) from every node. For small problems. A cycle leads the
+automata back to where they were; a loop need not (`reference_lassos.py`). `shortest_tour`
 is the same question where only the order of sites is asked for.
 
 Source: Held and Karp, A dynamic programming approach to sequencing problems, 1962.

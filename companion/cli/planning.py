@@ -168,6 +168,8 @@ def _print(solution: Solution) -> None:
     what = f"{solution.objective} {solution.cost_ms / 1000:.1f} s"
     if solution.is_optimal:
         typer.echo(f"{what}, optimal ({solution.engine})")
+    elif solution.cost_ms == solution.bound_ms:
+        typer.echo(f"{what}, optimal; a shorter prefix is not ruled out ({solution.engine})")
     elif solution.bound_ms:
         over = 100 * (solution.cost_ms / solution.bound_ms - 1)
         typer.echo(f"{what}, at most {over:.1f} % over the best ({solution.engine})")

@@ -15,6 +15,7 @@ from functools import cached_property, lru_cache
 
 from companion.ltl.automaton import BuchiAutomaton, statistics
 from companion.ltl.budget import Budget, TranslationLimit
+from companion.ltl.components import strong_components
 from companion.ltl.graph import LabelledEdge, LabelledGraph, Marks, Nodes, automaton_of
 from companion.ltl.labels import Alphabet, Cube, joined
 from companion.ltl.reductions.quotient import merged_cubes_and_simulators
@@ -61,6 +62,12 @@ class Restriction:
             and not (leaving[0].label.positive or leaving[0].label.negative)
             and len(leaving[0].marks) == self.automaton.marks
         )
+
+    @cached_property
+    def can_return(self) -> bool:
+        """Whether a run can come back to a state that it has left."""
+        successors = [{t.target for t in leaving} for leaving in self.automaton.outgoing]
+        return any(len(component) > 1 for component in strong_components(successors))
 
     @cached_property
     def one_shot_goals(self) -> frozenset[int]:

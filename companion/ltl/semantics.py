@@ -15,6 +15,7 @@ Source: Baier and Katoen, Principles of Model Checking, Definitions 5.6 and 5.7.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 from companion.ltl.automaton import BuchiAutomaton
 from companion.ltl.components import strong_components
@@ -40,13 +41,19 @@ def holds(formula: Formula, prefix: Sequence[Letter], loop: Sequence[Letter]) ->
     word = [*prefix, *loop]
     everywhere = (1 << len(word)) - 1
     where: dict[Formula, int] = {}  # positions as bits: bit i is set if it holds at position i
-    for node in subformulas(formula):
+    for node in _parts(formula):
         if node.operator is Operator.ATOM:
             where[node] = sum(1 << i for i, letter in enumerate(word) if node.atom in letter)
         else:
             operands = [where[operand] for operand in node.operands]
             where[node] = _positions(node.operator, operands, everywhere, len(prefix))
     return bool(where[formula] & 1)
+
+
+@lru_cache(maxsize=256)
+def _parts(formula: Formula) -> tuple[Formula, ...]:
+    """The subformulas, operands first; kept, as each plan of a mission is checked by the same."""
+    return tuple(subformulas(formula))
 
 
 def _positions(operator: Operator, operands: list[int], everywhere: int, loop_start: int) -> int:

@@ -124,6 +124,7 @@ class Solution:
         cost_ms: the objective: the lap, or prefix and lap together, or the bottleneck.
         bound_ms: no lasso has a lower objective; 0 if nothing is known.
         engine: name of the planner that found it.
+        has_best_prefix: whether it is proved that no lasso with this lap has a shorter prefix.
     """
 
     lasso: Lasso
@@ -131,6 +132,7 @@ class Solution:
     cost_ms: int
     bound_ms: int
     engine: str
+    has_best_prefix: bool = False
 
     @property
     def prefix(self) -> tuple[Action, ...]:
@@ -167,8 +169,12 @@ class Solution:
 
     @property
     def is_optimal(self) -> bool:
-        """Whether it is proved that no lasso is better."""
-        return self.cost_ms <= self.bound_ms
+        """Whether it is proved that no lasso is better.
+
+        Of equal laps the one with the shorter prefix is better; other objectives are one figure.
+        """
+        is_least = self.cost_ms <= self.bound_ms
+        return is_least and (self.has_best_prefix or self.objective is not Objective.LAP)
 
     def as_json(self) -> dict[str, object]:
         """The lasso and its quality, as `companion plan --json` gives them."""

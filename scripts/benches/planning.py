@@ -11,7 +11,8 @@ from time import perf_counter
 import numpy as np
 
 from benches import MISSION, Row, timed
-from benches.worlds import Asked, patrol, straight, target_found
+from benches.references import share_of_best
+from benches.worlds import Asked, patrol, straight, target_found, with_implied_lines
 from companion.geometry import Ned
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
@@ -106,9 +107,29 @@ def laps(runs: int) -> Iterator[Row]:
     yield Row("replan en route, 20 sites, 20 upload sites", median(replans), "ms")
 
 
-def _answers(sites: int, upload_sites: int, seed: int) -> list[tuple[float, Solution]]:
+def implied(runs: int) -> Iterator[Row]:
+    """Patrols with one to three lines that others imply: what these cost; 0 is wanted."""
+    for sites in (10, 17) if runs >= 50 else (6,):
+        excess, took = [], []
+        for seed in range(max(1, runs // 10)):
+            *_, (_, best) = _answers(sites, 3, seed)
+            *_, (ms, found) = _answers(sites, 3, seed, lines=1 + seed % 3)
+            excess.append(100 * (found.cost_ms / best.cost_ms - 1))
+            took.append(ms)
+        yield Row(f"{sites} sites, implied lines: lap over best", max(excess), "%")
+        yield Row(f"{sites} sites, implied lines: best lap", median(took), "ms")
+
+
+def random_missions(runs: int) -> Iterator[Row]:
+    """How many plans of random missions are the best of all lassos, by the semantics of LTL."""
+    yield Row("random missions, plan is the best lasso", 100 * share_of_best(6 * runs), "%")
+
+
+def _answers(
+    sites: int, upload_sites: int, seed: int, lines: int = 0
+) -> list[tuple[float, Solution]]:
     """The solutions of a patrol with the milliseconds after which each came."""
-    mission = patrol(sites, upload_sites, seed)
+    mission = with_implied_lines(patrol(sites, upload_sites, seed), sites, lines, seed)
     planner = Planner(mission, straight(mission))
     asked = planner.initial_problem()
     start_s = perf_counter()

@@ -41,6 +41,24 @@ def patrol(sites: int, upload_sites: int, seed: int) -> Mission:
     )
 
 
+def with_implied_lines(mission: Mission, sites: int, lines: int, seed: int) -> Mission:
+    """A patrol with lines that say nothing new: by one of its lines, or by several together."""
+    chance = random.Random(seed)
+    kinds = (
+        "G ({} -> F {})",
+        "F ({} & F {})",
+        "G ({} -> F ({} & F {}))",
+        "G ({} -> X F {} & F {})",
+    )
+    added = {}
+    for number in range(lines):
+        kind = kinds[(seed + number) % len(kinds)]
+        places = chance.sample(range(sites), kind.count("{}"))
+        line = kind.format(*(f"at(s{place})" for place in places))
+        added[f"implied_{number}"] = parse(f"({line}) | targetFound")
+    return replace(mission, task={**mission.task, **added})
+
+
 def straight(mission: Mission) -> FlightTime:
     """Flight times as the crow flies; `here` is the middle of the square."""
     positions = {name: place.position for name, place in mission.places.items()}

@@ -44,8 +44,8 @@ PLANS = {
     "patrolling(A, B, C)": (OPEN, "A", "B C A"),
     "patrolling(B, C)": (CORRIDOR, "B", "A C A B"),
     "sequenced_patrolling(C, B, A)": (OPEN, "A", "B C A"),  # C B A is met within two laps
-    "ordered_patrolling(C, B, A)": (OPEN, "C B", "A C B"),
-    "strict_ordered_patrolling(C, B, A)": (OPEN, "C B", "A C B"),
+    "ordered_patrolling(C, B, A)": (OPEN, "C", "B A C"),
+    "strict_ordered_patrolling(C, B, A)": (OPEN, "C", "B A C"),
     "fair_patrolling(C, B, A)": (OPEN, "A", "C B A"),
     "past_avoidance(A, done) & F at(A)": (OPEN, "B work A", "."),
     "global_avoidance(B) & F at(C)": (OPEN, "C", "."),
@@ -53,7 +53,7 @@ PLANS = {
     "future_avoidance(done, A) & F at(A) & F done": (OPEN, "A B work", "."),
     "upper_restricted_avoidance(A, 1) & F at(A)": (OPEN, "A H", "."),  # to stay is a second visit
     "upper_restricted_avoidance(A, 2) & F (at(A) & X F at(A))": (OPEN, "A . H", "."),
-    "lower_restricted_avoidance(A, 3)": (OPEN, "A . .", "."),
+    "lower_restricted_avoidance(A, 3)": (OPEN, "A", "."),
     "lower_restricted_avoidance(A, 2) & G (at(A) -> X !at(A))": (OPEN, "A H A H", "."),
     "exact_restricted_avoidance(A, 2)": (OPEN, "A . H", "."),
     "exact_restricted_avoidance(B, 1) & F at(A)": (CORRIDOR, "B A", "."),

@@ -123,13 +123,13 @@ class ShortestCycles:
 
     def costs(self, nodes: NDArray[np.intp]) -> Costs:
         """Cost of the shortest cycle through each of some nodes."""
-        return np.array([self._cost_ms(int(node)) for node in nodes])
-
-    def _cost_ms(self, node: int) -> int:
-        if self._rest.get(node) == self.bound_ms:
-            return self.bound_ms
-        (to_node,) = self._paths.costs_to([node])
-        return self._paths.cycle_ms(node, to_node)
+        costs = np.full(len(nodes), self.bound_ms)
+        moving = [i for i, n in enumerate(nodes.tolist()) if self._rest.get(n) != self.bound_ms]
+        if moving:
+            to_nodes = self._paths.costs_to(nodes[moving].tolist())
+            for i, to_node in zip(moving, to_nodes, strict=True):
+                costs[i] = self._paths.cycle_ms(int(nodes[i]), to_node)
+        return costs
 
     def loop_from(self, node: int) -> list[Edge]:
         """The shortest cycle through a node."""

@@ -5,8 +5,8 @@ the product; a prefix is then a path from the start over a node of each of them 
 loop. That is a tour through one more target, which stands for the loop and leads back to the
 start, so it is found as tours are (`gtsp.py`): exactly for few goals, by local search for many.
 
-The goals are met before the loop begins, as in the whole product; that the loop may meet some of
-them in its first lap is not made use of.
+The goals are met before the loop begins; that the loop may meet some of them in its first lap is
+not made use of, so such a plan is proved only if its loop is a rest (`search.py`).
 """
 
 from __future__ import annotations

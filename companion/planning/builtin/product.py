@@ -10,26 +10,27 @@ A node is a product state together with the acceptance marks that were met on th
 that a loop meets a mark exactly if it passes a node that has it.
 
 Constants (`transition_system.py`) are taken out of facts and automata first
-(`ltl/restriction.py`); what is left of a patrol are the places alone.
+(`ltl/restriction.py`); what is left of a patrol are the places alone. So are conjuncts that the
+others imply (`implied.py`).
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator
+from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.sparse import csr_array
 
 from companion.errors import SearchLimit
-from companion.ltl.automaton import BuchiAutomaton
-from companion.ltl.restriction import Restriction, restricted
+from companion.planning.builtin.masked_automaton import MaskedAutomaton, RestrictedConjunct
+from companion.planning.builtin.restrictions import Restrictions
 from companion.planning.builtin.transition_system import FactBits, TransitionSystem
 from companion.planning.effort import BEFORE_FLIGHT
-from companion.planning.lasso import Conjunct, Problem
+from companion.planning.lasso import Problem
 
 if TYPE_CHECKING:
     import networkx
@@ -37,27 +38,11 @@ if TYPE_CHECKING:
 MIN_ONE_SHOT_GOALS = 4
 """Goals to be met once are kept out of the product if there are so many: each would double it."""
 
+MAX_LETTERS = 2_000
+"""States of the transition system up to which it is looked for conjuncts that are implied."""
+
 Node = tuple[int, tuple[int, ...], int]
 """Facts, states of the automata, marks met on the way in."""
-
-
-class Restrictions:
-    """The conjuncts' automata under constants, kept from plan to plan."""
-
-    def __init__(self) -> None:
-        self._found: dict[tuple[int, tuple[bool | None, ...]], tuple[Conjunct, Restriction]] = {}
-
-    def of(self, conjunct: Conjunct, constants: Callable[[str], bool | None]) -> Restriction:
-        """A conjunct's automaton, given the values of propositions; None where they change."""
-        names = conjunct.automaton.propositions
-        values = tuple(map(constants, names))
-        key = (id(conjunct), values)
-        found = self._found.get(key)
-        if found is None:
-            fixed = {n: v for n, v in zip(names, values, strict=True) if v is not None}
-            found = (conjunct, restricted(conjunct.automaton, fixed))
-            self._found[key] = found  # holding the conjunct keeps its identity its own
-        return found[1]
 
 
 class Product:
@@ -71,7 +56,9 @@ class Product:
         state_of: for each node its product state, as the number of the first node with the same
             one. All that can be done after one of these nodes can be done after the others, so a
             plan may enter a loop at any of them.
+        facts_of: for each node its facts, as the number of the first node with the same ones.
         all_marks: the marks (bits) that a loop has to meet.
+        automata: those that are read, one for each place of a node's automaton states.
         one_shot_goals: for each goal that is kept out of the product the nodes that meet it.
         ends, costs, actions: of the edges; those of node n are first[n] to first[n + 1].
             Between two nodes only the cheapest edge is kept, in the order of the actions.
@@ -81,6 +68,8 @@ class Product:
         bits: of the facts, with the actions that are in every problem.
         restrictions: of the conjuncts, kept from plan to plan.
         max_edges: limit of the search.
+        min_goals: one-shot goals are kept out if there are so many.
+        with_implied: whether conjuncts are read that the others imply.
 
     Raises:
         SearchLimit: there are more edges, or more initial states, than `max_edges`.
@@ -92,29 +81,34 @@ class Product:
         bits: FactBits,
         restrictions: Restrictions,
         max_edges: int = BEFORE_FLIGHT.product_edges,
+        min_goals: int = MIN_ONE_SHOT_GOALS,
+        with_implied: bool = False,
     ) -> None:
         self._problem, self._bits, self._max_edges = problem, bits, max_edges
         self.system = TransitionSystem(problem.actions, problem.facts, bits)
-        self._conjuncts: list[Conjunct] = []  # whose automata are read
-        self._automata: list[_MaskedAutomaton] = []
+        self._restrictions = restrictions
+        self._parts: list[RestrictedConjunct] = []  # whose automata are read
+        self.automata: list[MaskedAutomaton] = []
         choices: list[list[int]] = []
-        goals: list[tuple[_MaskedAutomaton, int]] = []
+        goals: list[tuple[MaskedAutomaton, int]] = []
         marks = 0
         parts = [
-            _RestrictedConjunct.of(conjunct, restrictions.of(conjunct, self._constant), states)
+            RestrictedConjunct.of(conjunct, restrictions.of(conjunct, self._constant), states)
             for conjunct, states in zip(problem.conjuncts, problem.automaton_states, strict=True)
         ]
-        is_worth_it = sum(part.is_one_shot for part in parts) >= MIN_ONE_SHOT_GOALS
+        parts = [part for part in parts if not part.accepts_all]
+        if not with_implied:
+            letters = partial(self.system.reachable, MAX_LETTERS)
+            parts = restrictions.implications.without_implied(parts, letters, bits)
+        is_worth_it = sum(part.is_one_shot for part in parts) >= min_goals
         for part in parts:
-            if part.accepts_all:
-                continue
-            automaton = _MaskedAutomaton(part.automaton, marks, bits)
+            automaton = restrictions.masked(part, marks, bits)
             if part.is_one_shot and is_worth_it:
                 goals.append((automaton, part.states[0]))
             else:
                 choices.append(part.states)
-                self._conjuncts.append(part.conjunct)
-                self._automata.append(automaton)
+                self._parts.append(part)
+                self.automata.append(automaton)
                 marks += part.automaton.marks
         if math.prod(map(len, choices)) > max_edges:
             raise SearchLimit(f"{max_edges:,} initial states of the product")
@@ -128,12 +122,44 @@ class Product:
         ]
 
     @property
+    def edges_with_goals(self) -> int:
+        """About how many edges there would be with the one-shot goals in the product."""
+        return len(self.ends) << len(self.one_shot_goals)
+
+    @property
     def nodes(self) -> int:
         """The number of nodes."""
         return len(self.marks)
 
+    def facts(self, node: int) -> int:
+        """The facts (bits) of a node."""
+        return self._nodes[node][0]
+
+    def automaton_states(self, node: int) -> tuple[int, ...]:
+        """The states of the automata of a node."""
+        return self._nodes[node][1]
+
+    @cached_property
+    def least_ms(self) -> int:
+        """The cost of the cheapest edge."""
+        return int(self.costs.min())
+
+    @cached_property
+    def max_laps(self) -> int:
+        """How many laps of actions a cycle of the product takes at most, for an accepted loop."""
+        returning = [part for part in self._parts if part.restriction.can_return]
+        if not returning:
+            return 1  # a run stays in a state in the end, where each lap does the same
+        letters = {facts for facts, _, _ in self._nodes}
+        laps = (self._restrictions.max_laps(part, letters, self._bits) for part in returning)
+        return math.prod(laps)
+
     def cost_matrix(self) -> csr_array:
         """Costs of the edges, as a sparse matrix from nodes to nodes."""
+        return self._cost_matrix
+
+    @cached_property
+    def _cost_matrix(self) -> csr_array:
         shape = (self.nodes, self.nodes)
         return csr_array((self.costs.astype(float), self.ends, self.first), shape=shape)
 
@@ -162,7 +188,7 @@ class Product:
 
         graph = networkx.DiGraph(
             initial=tuple(self.initial),
-            conjuncts=tuple(str(conjunct.formula) for conjunct in self._conjuncts),
+            conjuncts=tuple(str(part.conjunct.formula) for part in self._parts),
             one_shot_goals=len(self.one_shot_goals),
             marks=self.all_marks.bit_length(),
             constant=self._bits.facts(self.system.constant),
@@ -215,7 +241,11 @@ class Product:
                 raise SearchLimit(f"{self._max_edges:,} edges of the product")
         self.marks = [marks for _, _, marks in nodes]
         states: dict[tuple[int, tuple[int, ...]], int] = {}
-        self.state_of = [states.setdefault(node[:2], number) for number, node in enumerate(nodes)]
+        facts: dict[int, int] = {}
+        self.state_of, self.facts_of = [], []
+        for number, (held, own, _) in enumerate(nodes):
+            self.state_of.append(states.setdefault((held, own), number))
+            self.facts_of.append(facts.setdefault(held, number))
         self.first = np.array(first, np.int32)
         self.ends = np.array(ends, np.int32)
         self.costs = np.array(costs, np.int64)
@@ -229,8 +259,8 @@ class Product:
         joint = self._joint.get((facts, states))
         if joint is None:
             joint = [((), 0)]
-            for automaton, state in zip(self._automata, states, strict=True):
-                moves = automaton.moves(state, facts)
+            for automaton, state in zip(self.automata, states, strict=True):
+                moves = automaton.successors(state, facts)
                 if len(joint) * len(moves) > self._max_edges:
                     raise SearchLimit(f"{self._max_edges:,} joint moves of the automata")
                 joint = [((*zs, z), marks | m) for zs, marks in joint for z, m in moves]
@@ -240,64 +270,3 @@ class Product:
 
 def _by_action(edge: tuple[int, tuple[int, int]]) -> int:
     return edge[1][1]
-
-
-@dataclass(frozen=True, slots=True)
-class _RestrictedConjunct:
-    """One conjunct under the constants, in the states that its automaton may be in.
-
-    Attributes:
-        accepts_all: from one of the states every word is accepted.
-        is_one_shot: the automaton waits to read a letter of some kind once.
-    """
-
-    conjunct: Conjunct
-    automaton: BuchiAutomaton
-    states: list[int]
-    accepts_all: bool
-    is_one_shot: bool
-
-    @classmethod
-    def of(
-        cls, conjunct: Conjunct, restriction: Restriction, whole: frozenset[int]
-    ) -> _RestrictedConjunct:
-        states = restriction.states(whole)
-        return cls(
-            conjunct,
-            restriction.automaton,
-            states,
-            bool(restriction.everything.intersection(states)),
-            len(states) == 1 and states[0] in restriction.one_shot_goals,
-        )
-
-
-class _MaskedAutomaton:
-    """One automaton over bit masks; its marks are shifted to their place among all marks."""
-
-    def __init__(self, automaton: BuchiAutomaton, first_mark: int, bits: FactBits) -> None:
-        self._outgoing = [
-            [
-                (
-                    bits.mask(t.label.positive),
-                    bits.mask(t.label.negative),
-                    t.target,
-                    sum(1 << first_mark + m for m in t.marks),
-                )
-                for t in transitions
-            ]
-            for transitions in automaton.outgoing
-        ]
-
-    def moves(self, state: int, facts: int) -> list[tuple[int, int]]:
-        """Successor states and marks on reading some facts."""
-        return list(
-            dict.fromkeys(
-                (after, marks)
-                for positive, negative, after, marks in self._outgoing[state]
-                if positive & facts == positive and not negative & facts
-            )
-        )
-
-    def leaves(self, state: int, facts: int) -> bool:
-        """Whether reading some facts leads from a state to another one."""
-        return any(after != state for after, _ in self.moves(state, facts))

@@ -8,8 +8,9 @@ exists.
 A loop lies in a strongly connected component of the product that has every mark. In each such
 component the marks that every loop meets anyway are dropped; if none is left the best loop is the
 shortest cycle (rest, for a task that ends), else the shortest tour over targets of the marks, or
-a good one if there are many (`gtsp.py`). A prefix leads to any node of a best loop. Equal costs
-fall to the order of the actions.
+a good one if there are many (`gtsp.py`). A prefix leads to any node of a best loop, or to another
+state from which the loop is accepted (`loop_entry.py`). Equal costs fall to the order of the
+actions.
 
 `Search` keeps what does not change between plans: the actions as bits, and the automata under
 the constants that it has met. In flight only the facts and the automata's states change.
@@ -18,7 +19,9 @@ the constants that it has met. In flight only the facts and the automata's state
 from __future__ import annotations
 
 import logging
+import sys
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -27,9 +30,11 @@ from scipy.sparse.csgraph import connected_components
 
 from companion.errors import SearchLimit
 from companion.planning.builtin.costs import UNREACHABLE_MS
+from companion.planning.builtin.loop_entry import ProductPlan, entered_best, least_lap_ms, rank
 from companion.planning.builtin.loops import Loops, loops_of
 from companion.planning.builtin.one_shot_goals import OneShotGoals
-from companion.planning.builtin.product import Product, Restrictions
+from companion.planning.builtin.product import MIN_ONE_SHOT_GOALS, Product
+from companion.planning.builtin.restrictions import Restrictions
 from companion.planning.builtin.shortest_paths import Edge, ShortestPaths
 from companion.planning.builtin.transition_system import FactBits
 from companion.planning.domain import Action
@@ -38,6 +43,9 @@ from companion.planning.lasso import Lasso, Problem, Solution
 from companion.planning.objective import Objective
 
 ENGINE = "built-in"
+
+MAX_EDGES_WITH_GOALS = 20_000
+"""Edges of a product with the one-shot goals in it, up to which it is searched to be exact."""
 
 log = logging.getLogger(__name__)
 
@@ -76,16 +84,19 @@ class Search:
         Raises:
             SearchLimit: the product has too many states to search.
         """
-        for plan in _plans(self.product(problem, effort), objective, effort):
-            prefix, loop = (
-                tuple(problem.actions[edge.action] for edge in part)
-                for part in (plan.prefix, plan.loop)
-            )
-            lasso = Lasso(prefix, loop)
-            log.debug(
-                "%s: %d ms, not below %d ms: %s", objective, plan.cost_ms, plan.bound_ms, lasso
-            )
-            yield Solution(lasso, objective, plan.cost_ms, plan.bound_ms, ENGINE)
+        every_part = objective is Objective.BOTTLENECK  # may be met at longest intervals
+        product = self._product(problem, effort, with_implied=every_part)
+        last: Solution | None = None
+        for plan in _plans(product, objective, effort):
+            last = _solution(problem, objective, plan)
+            yield last
+        if last is None or last.is_optimal or every_part or not product.one_shot_goals:
+            return
+        if product.edges_with_goals <= MAX_EDGES_WITH_GOALS:
+            whole = self._product(problem, effort, min_goals=sys.maxsize)
+            for plan in _plans(whole, objective, effort):
+                if plan.cost_ms <= last.cost_ms:
+                    yield _solution(problem, objective, plan)
 
     def product(self, problem: Problem, effort: Effort = BEFORE_FLIGHT) -> Product:
         """The product that is searched for a problem's lassos.
@@ -93,9 +104,29 @@ class Search:
         Raises:
             SearchLimit: it has too many states.
         """
-        product = Product(problem, self._bits, self._restrictions, effort.product_edges)
+        return self._product(problem, effort)
+
+    def _product(
+        self,
+        problem: Problem,
+        effort: Effort,
+        min_goals: int = MIN_ONE_SHOT_GOALS,
+        with_implied: bool = False,
+    ) -> Product:
+        product = Product(
+            problem, self._bits, self._restrictions, effort.product_edges, min_goals, with_implied
+        )
         log.debug("product of %d nodes and %d edges", product.nodes, len(product.ends))
         return product
+
+
+def _solution(problem: Problem, objective: Objective, plan: ProductPlan) -> Solution:
+    prefix, loop = (
+        tuple(problem.actions[number] for number in part) for part in (plan.prefix, plan.loop)
+    )
+    lasso = Lasso(prefix, loop)
+    log.debug("%s: %d ms, not below %d ms: %s", objective, plan.cost_ms, plan.bound_ms, lasso)
+    return Solution(lasso, objective, plan.cost_ms, plan.bound_ms, ENGINE, plan.has_best_prefix)
 
 
 def _accepting_components(product: Product) -> list[NDArray[np.intp]]:
@@ -115,17 +146,7 @@ def _accepting_components(product: Product) -> list[NDArray[np.intp]]:
     ]
 
 
-class _Plan(NamedTuple):
-    """A lasso in the product; `is_final` if its prefix will not get better."""
-
-    prefix: list[Edge]
-    loop: list[Edge]
-    cost_ms: int
-    bound_ms: int
-    is_final: bool
-
-
-def _plans(product: Product, objective: Objective, effort: Effort) -> Iterator[_Plan]:
+def _plans(product: Product, objective: Objective, effort: Effort) -> Iterator[ProductPlan]:
     """Lassos in the product, each better than the one before; none if there is none."""
     components = _accepting_components(product)
     if not components or not all(product.one_shot_goals):
@@ -136,14 +157,19 @@ def _plans(product: Product, objective: Objective, effort: Effort) -> Iterator[_
     for is_second in (False, True):
         for loops in components_loops if is_second else ():
             loops.improve()
-        plan = (
-            _plan_over_goals(product, components_loops, paths, objective, effort, is_second)
-            if product.one_shot_goals
-            else _plan_without_goals(components_loops, paths, objective)
-        )
-        if plan is None:
-            return
-        is_last = is_second or (plan.is_final and all(loops.is_final for loops in components_loops))
+        if product.one_shot_goals:
+            over_goals = _plan_over_goals(
+                product, components_loops, paths, objective, effort, is_second
+            )
+            if over_goals is None:
+                return
+            plan, is_final = over_goals
+        else:
+            plan = _plan_without_goals(product, components_loops, paths, objective)
+            is_final = True
+            if objective is not Objective.BOTTLENECK:
+                plan = entered_best(product, components_loops, paths, objective, plan, effort)
+        is_last = is_second or (is_final and all(loops.is_final for loops in components_loops))
         if plan.cost_ms < best_ms or is_last:
             best_ms = plan.cost_ms
             yield plan
@@ -152,9 +178,9 @@ def _plans(product: Product, objective: Objective, effort: Effort) -> Iterator[_
 
 
 def _plan_without_goals(
-    components_loops: list[Loops], paths: ShortestPaths, objective: Objective
-) -> _Plan:
-    """The best loop, entered where it is reached first."""
+    product: Product, components_loops: list[Loops], paths: ShortestPaths, objective: Objective
+) -> ProductPlan:
+    """The best cycle, entered where it is reached first."""
     best, chosen, entry = (UNREACHABLE_MS, UNREACHABLE_MS, 0), components_loops[0], -1
     for loops in components_loops:
         order = np.lexsort((paths.state_of[loops.nodes], paths.from_start[loops.nodes]))
@@ -162,17 +188,17 @@ def _plan_without_goals(
         for start in range(0, len(nodes), loops.batch_size):
             batch = nodes[start : start + loops.batch_size]
             prefixes = paths.from_start[batch]
-            if _rank(objective, int(prefixes[0]), loops.best_ms) > best[:2]:
+            if rank(objective, int(prefixes[0]), loops.best_ms) > best[:2]:
                 break
             for node, prefix_ms, lap_ms in zip(batch, prefixes, loops.costs(batch), strict=True):
                 state = int(paths.state_of[node])
-                rank = (*_rank(objective, int(prefix_ms), int(lap_ms)), state)
-                if rank < best:
-                    best, chosen, entry = rank, loops, int(node)
+                ranked = (*rank(objective, int(prefix_ms), int(lap_ms)), state)
+                if ranked < best:
+                    best, chosen, entry = ranked, loops, int(node)
     loop = chosen.loop_from(entry)
     cost_ms = chosen.bottleneck_ms(loop) if objective is Objective.BOTTLENECK else best[0]
-    bound_ms = _bound_ms(components_loops, paths, objective, cost_ms, is_exact=True)
-    return _Plan(paths.path_from_start(entry), loop, cost_ms, bound_ms, True)
+    bound_ms = _bound_ms(product, components_loops, paths, objective, cost_ms)
+    return _lasso(paths.path_from_start(entry), loop, cost_ms, bound_ms)
 
 
 def _plan_over_goals(
@@ -182,8 +208,11 @@ def _plan_over_goals(
     objective: Objective,
     effort: Effort,
     is_second: bool,
-) -> _Plan | None:
-    """The best loop, entered after all one-shot goals; None if none can be reached after them."""
+) -> tuple[ProductPlan, bool] | None:
+    """The best cycle, entered after all one-shot goals; None if none can be reached after them.
+
+    With it, whether a second search has nothing to improve.
+    """
     is_sum = objective is Objective.SUM
     entries = _entries(components_loops, paths, objective)
     levels = sorted({entry.rank for entry in entries.values()})
@@ -203,9 +232,33 @@ def _plan_over_goals(
             cost_ms = goals.cost_ms if is_sum else level
             if objective is Objective.BOTTLENECK:
                 cost_ms = loops.bottleneck_ms(loop)
-            bound_ms = _bound_ms(components_loops, paths, objective, cost_ms, goals.is_exact)
-            return _Plan(prefix, loop, cost_ms, bound_ms, goals.is_final)
+            bound_ms = _bound_ms(product, components_loops, paths, objective, cost_ms)
+            plan = _lasso(prefix, loop, cost_ms, bound_ms)
+            has_best_prefix = goals.is_exact and _meets_no_goal(product, loop)
+            return replace(plan, has_best_prefix=has_best_prefix), goals.is_final
     return None
+
+
+def _meets_no_goal(product: Product, loop: list[Edge]) -> bool:
+    """Whether no loop as short as this one meets a goal that its prefix has not met.
+
+    It is a rest as short as any action, so others like it are rests as well, which meet what was
+    met on arrival; some goal cannot be met at the start.
+    """
+    is_rest = len(loop) == 1 and loop[0].cost_ms == product.least_ms
+    at_start = set(product.initial)
+    return is_rest and not all(at_start & set(nodes) for nodes in product.one_shot_goals)
+
+
+def _lasso(prefix: list[Edge], loop: list[Edge], cost_ms: int, bound_ms: int) -> ProductPlan:
+    return ProductPlan(
+        tuple(edge.action for edge in prefix),
+        tuple(edge.action for edge in loop),
+        sum(edge.cost_ms for edge in prefix),
+        sum(edge.cost_ms for edge in loop),
+        cost_ms,
+        bound_ms,
+    )
 
 
 class _LoopEntry(NamedTuple):
@@ -224,37 +277,29 @@ def _entries(
     for loops in components_loops:
         for node, cost in zip(loops.nodes, loops.costs(loops.nodes), strict=True):
             if objective is Objective.SUM or cost == loops.best_ms:
-                rank, _ = _rank(objective, 0, int(cost))
+                ranked, _ = rank(objective, 0, int(cost))
                 state = int(paths.state_of[node])
-                if state not in found or (rank, node) < found[state][:2]:
-                    found[state] = _LoopEntry(rank, int(node), loops)
+                if state not in found or (ranked, node) < found[state][:2]:
+                    found[state] = _LoopEntry(ranked, int(node), loops)
     return found
 
 
-def _rank(objective: Objective, prefix_ms: int, lap_ms: int) -> tuple[int, int]:
-    """The smaller the better: the cost that is minimised, then the prefix."""
-    cost_ms = prefix_ms + lap_ms if objective is Objective.SUM else lap_ms
-    return cost_ms, prefix_ms
-
-
 def _bound_ms(
+    product: Product,
     components_loops: list[Loops],
     paths: ShortestPaths,
     objective: Objective,
     cost_ms: int,
-    is_exact: bool,
 ) -> int:
-    """A cost that no lasso goes below; `is_exact` if the prefix is the best one."""
+    """A cost that no lasso goes below, wherever its loop is entered."""
     if objective is Objective.BOTTLENECK:
         return min(cost_ms, *(loops.bottleneck_bound_ms for loops in components_loops))
-    if (
-        objective is Objective.SUM
-        and is_exact
-        and all(loops.is_exact for loops in components_loops)
-    ):
-        return cost_ms
     bounds = (
-        _rank(objective, int(paths.from_start[loops.nodes].min()), loops.bound_ms)[0]
+        rank(
+            objective,
+            int(paths.to_facts[loops.nodes].min()) if objective is Objective.SUM else 0,
+            least_lap_ms(product, loops.bound_ms),
+        )[0]
         for loops in components_loops
     )
     return min(cost_ms, *bounds)

@@ -6,6 +6,7 @@ Of equally short paths the one whose first actions come first in the mission fil
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -36,20 +37,29 @@ class ShortestPaths:
         self._product = product
         self._forward = product.cost_matrix()
         self._backward = self._forward.T.tocsr()
-        own_costs = _whole(dijkstra(self._forward, indices=product.initial, min_only=True))
+        own_costs = whole(dijkstra(self._forward, indices=product.initial, min_only=True))
         self._own_from_start = own_costs
         self.state_of = np.array(product.state_of)
         least = np.full(product.nodes, UNREACHABLE_MS)
         np.minimum.at(least, self.state_of, own_costs)
         self.from_start = least[self.state_of]
 
+    @cached_property
+    def to_facts(self) -> Costs:
+        """(nodes,) cost of the shortest path from the start to the facts of each node."""
+        facts_of = np.array(self._product.facts_of)
+        least = np.full(len(facts_of), UNREACHABLE_MS)
+        np.minimum.at(least, facts_of, self._own_from_start)
+        to_facts: Costs = least[facts_of]
+        return to_facts
+
     def costs_to(self, goals: Sequence[int]) -> Costs:
         """Cost from every node to each goal, (goals, nodes)."""
-        return _whole(dijkstra(self._backward, indices=goals))
+        return whole(dijkstra(self._backward, indices=goals))
 
     def costs_from(self, sources: Sequence[int]) -> Costs:
         """Cost from each source to every node, (sources, nodes)."""
-        return _whole(dijkstra(self._forward, indices=sources))
+        return whole(dijkstra(self._forward, indices=sources))
 
     def cycle_ms(self, node: int, to_node: Costs) -> int:
         """Cost of the shortest cycle through a node, given the costs to it, (nodes,)."""
@@ -82,6 +92,6 @@ class ShortestPaths:
         return self.path(start, goal, to_goal) if start != goal else []
 
 
-def _whole(costs: np.ndarray) -> Costs:
+def whole(costs: np.ndarray) -> Costs:
     """Costs as integers, UNREACHABLE_MS in place of infinity."""
     return np.where(np.isinf(costs), UNREACHABLE_MS, costs).astype(np.int64)

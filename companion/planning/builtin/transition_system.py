@@ -156,6 +156,23 @@ class TransitionSystem:
             found = self._successors[state] = sorted(self._applied(state), key=_action)
         return found
 
+    def reachable(self, max_states: int) -> list[int] | None:
+        """All states that can be reached, the start first; None if there are more than allowed."""
+        states = [self.start]
+        seen = {self.start}
+        for state in states:  # grows while it is read
+            for after, _, _ in self.successors(state):
+                if after not in seen:
+                    seen.add(after)
+                    states.append(after)
+            if len(states) > max_states:
+                return None
+        return states
+
+    def after(self, state: int, action: int) -> int:
+        """The state after an action that is applicable, given by its number."""
+        return next(s.state for s in self.successors(state) if s.action == action)
+
     def to_networkx(self, max_states: int = MAX_GRAPH_STATES) -> networkx.MultiDiGraph:
         """All states that can be reached, and the actions between them, as a graph.
 

@@ -50,7 +50,6 @@ class ClassicalProblem:
 
     Attributes:
         loops: the auxiliary actions at which the loop of the lasso begins.
-        is_faithful: whether a plan of least cost is a lasso of least objective.
     """
 
     encoding: Encoding
@@ -59,7 +58,6 @@ class ClassicalProblem:
     goal: frozenset[Fluent]
     actions: tuple[ClassicalAction, ...]
     loops: frozenset[str]
-    is_faithful: bool
 
     @property
     def has_conditional_effects(self) -> bool:

@@ -129,12 +129,8 @@ class DecomposedEncoding(ABC):
     def __init__(self, task: ReducedTask, parts: tuple[Part, ...], objective: Objective) -> None:
         self.task = task
         self.parts = parts
-        self.weight, is_first = (
-            task.lap_weight(part.automaton for part in parts)
-            if objective is Objective.LAP
-            else (1, True)
-        )
-        self.is_faithful = is_first
+        is_lap = objective is Objective.LAP
+        self.weight = task.lap_weight(part.automaton for part in parts) if is_lap else 1
         self.choosing = [part for part in parts if not self.moves_together(part)]
         self.marks = NOTHING.union(*(part.marks for part in parts))
 
@@ -163,7 +159,6 @@ class DecomposedEncoding(ABC):
             goal,
             actions,
             frozenset({"actLoop"}),
-            self.is_faithful,
         )
 
     def all_facts(self, facts: frozenset[Fluent]) -> frozenset[Fluent]:

@@ -91,7 +91,6 @@ def encode_paper(problem: Problem, objective: Objective) -> ClassicalProblem:
             _act_end(task, accepting),
         ),
         loops=frozenset(action.name for action in loops),
-        is_faithful=False,  # one acceptance set after another: the order of a lap is fixed
     )
 
 
@@ -182,7 +181,7 @@ def _performing(
     task: ReducedTask, automaton: BuchiAutomaton, objective: Objective
 ) -> Iterator[ClassicalAction]:
     """Fig. 4: the actions of the task. To put the lap first each has a dearer copy for the loop."""
-    weight, _ = task.lap_weight([automaton])
+    weight = task.lap_weight([automaton])
     for action, origin in zip(task.actions, task.origins, strict=True):
         plain = ClassicalAction(
             action.name,

@@ -88,18 +88,18 @@ class ReducedTask:
             for action in self.actions
         )
 
-    def lap_weight(self, automata: Iterable[BuchiAutomaton]) -> tuple[int, bool]:
-        """The factor by which actions cost more in the loop, and whether it puts the lap first.
+    def lap_weight(self, automata: Iterable[BuchiAutomaton]) -> int:
+        """The factor by which actions cost more in the loop, which puts the lap first.
 
         A shortest prefix passes no state of the product twice, which bounds it. Where a weight
-        above that bound would make costs too large a lesser one is taken.
+        above that bound would make costs too large a lesser one is taken, and the prefix counts.
         """
         states = math.prod(max(2, len(values)) for values in self.variables)
         states *= math.prod(max(1, automaton.states) for automaton in automata)
         costs = [self.cost(action) for action in self.actions]
         needed = states * max(costs, default=1) + 1
         possible = max(1, LARGEST_COST // (2 * (sum(costs) + 1)))
-        return min(needed, possible), needed <= possible
+        return min(needed, possible)
 
 
 def reduced_task(problem: Problem) -> ReducedTask:

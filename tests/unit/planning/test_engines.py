@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import pytest
 from compiled import action, history, problem, unit_costs
+from reference_search import best_sum
 from rig import Rig
 from synthetic import facts_of
 
@@ -98,11 +99,10 @@ def test_the_paper_s_three_plans(
     assert found is not None
     assert fault(asked.problem, found.lasso, asked.histories) is None
     assert found.engine == f"fast-downward {encoding}"
+    assert not found.is_optimal  # a loop need not lead the automata back at once
     if encoding is V1:
-        assert not found.is_optimal
         assert found.cost_ms >= best_ms(asked.problem, objective)
     else:
-        assert found.is_optimal
         assert found.cost_ms == best_ms(asked.problem, objective)
 
 
@@ -126,7 +126,8 @@ def test_small_tasks(task: str, encoding: Encoding) -> None:
     if encoding is V1:
         assert found.cost_ms >= best_ms(asked, Objective.SUM)
     else:
-        assert found.cost_ms == found.bound_ms == best_ms(asked, Objective.SUM)
+        assert found.cost_ms == best_sum(asked)
+        assert not found.bound_ms
 
 
 @pytest.mark.long

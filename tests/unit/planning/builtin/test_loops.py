@@ -12,14 +12,15 @@ from problems import action, asking, problem, random_legs, unit_legs
 from reference_search import laps
 
 from companion.planning.builtin.loops import Loops, ShortestCycles, TargetTours, loops_of
-from companion.planning.builtin.product import Product, Restrictions
+from companion.planning.builtin.product import Product
+from companion.planning.builtin.restrictions import Restrictions
 from companion.planning.builtin.shortest_paths import ShortestPaths
 from companion.planning.builtin.transition_system import FactBits
 from companion.planning.domain import WAIT
 from companion.planning.effort import BEFORE_FLIGHT, Effort
 from companion.planning.lasso import Problem
 
-ROUGH = Effort(product_edges=10**6, dijkstra_edges=1, held_karp_additions=0)
+ROUGH = replace(BEFORE_FLIGHT, dijkstra_edges=1, held_karp_additions=0)
 
 
 def offered(asked: Problem, effort: Effort = BEFORE_FLIGHT) -> tuple[Product, Loops]:

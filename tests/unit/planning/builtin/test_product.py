@@ -13,7 +13,8 @@ from problems import action, asking, find_lasso, problem, unit_legs
 from synthetic import command, event, facts_of, mission, planner
 
 from companion.errors import SearchLimit
-from companion.planning.builtin.product import MIN_ONE_SHOT_GOALS, Product, Restrictions
+from companion.planning.builtin.product import MIN_ONE_SHOT_GOALS, Product
+from companion.planning.builtin.restrictions import Restrictions
 from companion.planning.builtin.transition_system import FactBits
 from companion.planning.domain import WAIT
 from companion.planning.lasso import Problem

@@ -14,7 +14,8 @@ from problems import action, asking, problem, random_legs, unit_legs
 from scipy.sparse import csr_array
 
 from companion.planning.builtin.costs import UNREACHABLE_MS
-from companion.planning.builtin.product import Product, Restrictions
+from companion.planning.builtin.product import Product
+from companion.planning.builtin.restrictions import Restrictions
 from companion.planning.builtin.shortest_paths import Edge, ShortestPaths
 from companion.planning.builtin.transition_system import FactBits
 from companion.planning.lasso import Problem

@@ -1,0 +1,248 @@
+"""Loops of actions whose word is accepted, whatever the automata do on their first laps.
+
+A loop may be entered wherever its word is accepted: the automata then need not come back to the
+states in which they were, but only to some from which the next laps are accepted as well. So this
+search goes through the facts and the profiles of the lap so far (`lap_profiles.py`), and the
+automata judge the lap when the facts are again what they were. It is A*: the least that is left to
+fly is the path back, over the facts that a mark still needs.
+
+It is exact, and its size is the number of profiles: twice as many with each mark. So it takes what
+the tours over targets leave open (`loop_entry.py`), with a limit of its own.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import dijkstra
+
+from companion.errors import SearchLimit
+from companion.ltl.bitsets import indices
+from companion.planning.builtin.costs import UNREACHABLE_MS, Costs
+from companion.planning.builtin.lap_profiles import EMPTY, LapProfiles
+from companion.planning.builtin.product import Product
+from companion.planning.builtin.shortest_paths import whole
+
+Profiles = tuple[int, ...]
+"""The profile of a word over each of the automata."""
+
+_Node = tuple[int, Profiles]
+"""Place of the facts, and the profile of the lap so far."""
+
+Rank = tuple[int, int]
+"""The smaller the better: what is minimised, then the prefix."""
+
+
+class Entry(NamedTuple):
+    """A product state at which a loop may begin, as a node, and the cost of the prefix to it."""
+
+    prefix_ms: int
+    node: int
+
+
+@dataclass(frozen=True, slots=True)
+class EnteredLoop:
+    """A loop of actions, and the product state at which it is entered."""
+
+    rank: Rank
+    entry: Entry
+    lap_ms: int
+    actions: tuple[int, ...]
+
+
+class _Step(NamedTuple):
+    end: int  # place of the facts
+    cost_ms: int
+    action: int
+
+
+class LoopSearch:
+    """Searches loops of a product.
+
+    Args:
+        product: explored.
+        max_steps: edges that all searches together may see.
+    """
+
+    def __init__(self, product: Product, max_steps: int) -> None:
+        self._product, self._steps_left = product, max_steps
+        self._profiles = [LapProfiles(automaton) for automaton in product.automata]
+        self._after: dict[tuple[Profiles, int], Profiles] = {}
+
+    def accepting(self, letters: Sequence[int], entries: Sequence[Entry]) -> Entry | None:
+        """The first of some entries from which a lap is accepted, given the facts along it."""
+        profiles: Profiles = (EMPTY,) * len(self._profiles)
+        for facts in letters:
+            profiles = self._longer(profiles, facts)
+        return next((entry for entry in entries if self._accepts(profiles, entry)), None)
+
+    def best(
+        self,
+        facts: int,
+        entries: Sequence[Entry],
+        rank: Callable[[int, int], Rank],
+        known: Rank,
+    ) -> EnteredLoop | None:
+        """The best loop at some facts; None if none is better than what is known.
+
+        Args:
+            facts: where the loop begins and ends.
+            entries: at these facts, the shortest prefix first.
+            rank: of a prefix and a lap.
+            known: the rank to be better than.
+
+        Raises:
+            SearchLimit: there were too many edges.
+        """
+        if rank(entries[0].prefix_ms, 2 * self._product.least_ms) >= known:
+            return self._best_step(facts, entries, rank, known)
+        anchor = self._place_of[facts]
+        left_ms = self._remaining(anchor)
+        start: _Node = (anchor, (EMPTY,) * len(self._profiles))
+        came_from: dict[_Node, tuple[_Node, int]] = {}
+        lap_of = {start: 0}
+        queue = [(left_ms(*start), 0, start)]
+        best: EnteredLoop | None = None
+        closed = set()
+        shortest_ms = entries[0].prefix_ms
+        while queue:
+            least_ms, lap_ms, node = heapq.heappop(queue)
+            if rank(shortest_ms, least_ms) >= known:
+                break
+            if node in closed:
+                continue
+            closed.add(node)
+            place, profiles = node
+            if place == anchor and lap_ms:
+                entry = next((e for e in entries if self._accepts(profiles, e)), None)
+                if entry is not None and rank(entry.prefix_ms, lap_ms) < known:
+                    known = rank(entry.prefix_ms, lap_ms)
+                    best = EnteredLoop(known, entry, lap_ms, _traced(came_from, start, node))
+            self._steps_left -= len(self._steps[place])
+            if self._steps_left < 0:
+                raise SearchLimit("edges of the search for loops")
+            for end, cost_ms, action in self._steps[place]:
+                after = (end, self._longer(profiles, self._facts[end]))
+                if lap_ms + cost_ms < lap_of.get(after, UNREACHABLE_MS):
+                    lap_of[after] = lap_ms + cost_ms
+                    came_from[after] = (node, action)
+                    bound_ms = lap_ms + cost_ms + left_ms(*after)
+                    heapq.heappush(queue, (bound_ms, lap_ms + cost_ms, after))
+        return best
+
+    def _best_step(
+        self, facts: int, entries: Sequence[Entry], rank: Callable[[int, int], Rank], known: Rank
+    ) -> EnteredLoop | None:
+        """The best loop of one action, where loops of two would cost too much."""
+        entry = self.accepting([facts], entries)
+        if entry is None:
+            return None
+        found = [
+            EnteredLoop(rank(entry.prefix_ms, cost_ms), entry, cost_ms, (action,))
+            for after, action, cost_ms in self._product.system.successors(facts)
+            if after == facts
+        ]
+        best = min(found, key=lambda loop: loop.rank, default=None)
+        return best if best and best.rank < known else None
+
+    def _accepts(self, profiles: Profiles, entry: Entry) -> bool:
+        states = self._product.automaton_states(entry.node)
+        return all(
+            state in each.accepting(profile)
+            for each, profile, state in zip(self._profiles, profiles, states, strict=True)
+        )
+
+    def _longer(self, profiles: Profiles, facts: int) -> Profiles:
+        key = (profiles, facts)
+        found = self._after.get(key)
+        if found is None:
+            pairs = zip(self._profiles, profiles, strict=True)
+            found = self._after[key] = tuple(each.after(p, facts) for each, p in pairs)
+        return found
+
+    @cached_property
+    def _place_of(self) -> dict[int, int]:
+        nodes = sorted(set(self._product.facts_of))
+        return {self._product.facts(node): place for place, node in enumerate(nodes)}
+
+    @cached_property
+    def _facts(self) -> list[int]:
+        return list(self._place_of)
+
+    @cached_property
+    def _steps(self) -> list[list[_Step]]:
+        return [
+            [
+                _Step(self._place_of[after], cost_ms, action)
+                for after, action, cost_ms in self._product.system.successors(facts)
+                if after in self._place_of
+            ]
+            for facts in self._facts
+        ]
+
+    @cached_property
+    def _between(self) -> Costs:
+        """Cost of the shortest path from facts to facts, by places."""
+        cheapest: dict[tuple[int, int], int] = {}
+        for place, steps in enumerate(self._steps):
+            for step in steps:
+                known_ms = cheapest.get((place, step.end), UNREACHABLE_MS)
+                cheapest[place, step.end] = min(step.cost_ms, known_ms)
+        places, ends = zip(*cheapest, strict=True)
+        shape = (len(self._facts), len(self._facts))
+        matrix = csr_array((np.array([*cheapest.values()], float), (places, ends)), shape=shape)
+        return whole(dijkstra(matrix))
+
+    @cached_property
+    def _targets(self) -> list[tuple[int, int, list[int]]]:
+        """Automaton, mark (a bit) and places that have it, of the automata of one state."""
+        found = []
+        for number, automaton in enumerate(self._product.automata):
+            if automaton.states > 1:
+                continue
+            met = [sum(m for _, m in automaton.successors(0, facts)) for facts in self._facts]
+            for mark in indices(automaton.every_mark):
+                places = [place for place, marks in enumerate(met) if marks >> mark & 1]
+                found.append((number, 1 << mark, places))
+        return found
+
+    def _remaining(self, anchor: int) -> Callable[[int, Profiles], int]:
+        """The least that is left to fly from some facts, with a lap so far, back to an anchor.
+
+        Each mark that is still missing has to be met on the way, if its automaton has one state.
+        """
+        between = self._between
+        back_ms: list[int] = between[:, anchor].tolist()
+        over_ms = []
+        for number, mark, places in self._targets:
+            legs = between[:, places] + between[places, anchor]
+            over_ms.append((number, mark, legs.min(axis=1, initial=UNREACHABLE_MS).tolist()))
+
+        def least_ms(place: int, profiles: Profiles) -> int:
+            least = back_ms[place]
+            for number, mark, costs in over_ms:
+                if (
+                    costs[place] > least
+                    and not self._profiles[number].marks(profiles[number]) & mark
+                ):
+                    least = costs[place]
+            return least
+
+        return least_ms
+
+
+def _traced(
+    came_from: dict[_Node, tuple[_Node, int]], start: _Node, node: _Node
+) -> tuple[int, ...]:
+    """The actions of the path to a node."""
+    actions = []
+    while node != start:
+        node, action = came_from[node]
+        actions.append(action)
+    return tuple(reversed(actions))

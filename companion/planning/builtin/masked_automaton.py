@@ -1,0 +1,86 @@
+"""The automata of a problem's conjuncts as the search reads them: restricted, over bit masks.
+
+A run that takes a move again and again may take it each time with other marks. So moves that
+differ in their marks alone are one move with all of these marks: the same words are accepted.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from companion.ltl.automaton import BuchiAutomaton
+from companion.ltl.restriction import Restriction
+from companion.planning.builtin.transition_system import FactBits
+from companion.planning.lasso import Conjunct
+
+
+@dataclass(frozen=True, slots=True)
+class RestrictedConjunct:
+    """One conjunct under the constants, in the states that its automaton may be in.
+
+    Attributes:
+        accepts_all: from one of the states every word is accepted.
+        is_one_shot: the automaton waits to read a letter of some kind once.
+    """
+
+    conjunct: Conjunct
+    restriction: Restriction
+    states: list[int]
+    accepts_all: bool
+    is_one_shot: bool
+
+    @classmethod
+    def of(
+        cls, conjunct: Conjunct, restriction: Restriction, whole: frozenset[int]
+    ) -> RestrictedConjunct:
+        """The conjunct, given the states that its whole automaton may be in."""
+        states = restriction.states(whole)
+        return cls(
+            conjunct,
+            restriction,
+            states,
+            bool(restriction.everything.intersection(states)),
+            len(states) == 1 and states[0] in restriction.one_shot_goals,
+        )
+
+    @property
+    def automaton(self) -> BuchiAutomaton:
+        """What is left of the conjunct's automaton."""
+        return self.restriction.automaton
+
+
+class MaskedAutomaton:
+    """One automaton over bit masks; its marks are shifted to their place among all marks.
+
+    Attributes:
+        states: how many.
+        every_mark: its marks, as bits.
+    """
+
+    def __init__(self, automaton: BuchiAutomaton, first_mark: int, bits: FactBits) -> None:
+        self.states = automaton.states
+        self.every_mark = ((1 << automaton.marks) - 1) << first_mark
+        self._outgoing = [
+            [
+                (
+                    bits.mask(t.label.positive),
+                    bits.mask(t.label.negative),
+                    t.target,
+                    sum(1 << first_mark + m for m in t.marks),
+                )
+                for t in transitions
+            ]
+            for transitions in automaton.outgoing
+        ]
+
+    def successors(self, state: int, facts: int) -> list[tuple[int, int]]:
+        """Successor states and marks on reading some facts."""
+        found: dict[int, int] = {}
+        for positive, negative, after, marks in self._outgoing[state]:
+            if positive & facts == positive and not negative & facts:
+                found[after] = found.get(after, 0) | marks
+        return list(found.items())
+
+    def leaves(self, state: int, facts: int) -> bool:
+        """Whether reading some facts leads from a state to another one."""
+        return any(after != state for after, _ in self.successors(state, facts))

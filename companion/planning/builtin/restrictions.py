@@ -1,0 +1,68 @@
+"""What a search keeps of a mission's conjuncts: their automata under the constants it has met."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+from companion.ltl.restriction import Restriction, restricted
+from companion.planning.builtin.implied import Implications
+from companion.planning.builtin.lap_profiles import LapProfiles
+from companion.planning.builtin.masked_automaton import MaskedAutomaton, RestrictedConjunct
+from companion.planning.builtin.transition_system import FactBits
+from companion.planning.lasso import Conjunct
+
+
+class Restrictions:
+    """The conjuncts' automata under constants, kept from plan to plan.
+
+    Attributes:
+        implications: which of these conjuncts imply others.
+    """
+
+    def __init__(self) -> None:
+        self._found: dict[tuple[int, tuple[bool | None, ...]], tuple[Conjunct, Restriction]] = {}
+        self._masked: dict[tuple[int, int], MaskedAutomaton] = {}
+        self._max_laps: dict[tuple[int, frozenset[int]], int] = {}
+        self.implications = Implications()
+
+    def masked(self, part: RestrictedConjunct, first_mark: int, bits: FactBits) -> MaskedAutomaton:
+        """A conjunct's automaton over bit masks.
+
+        Args:
+            part: the conjunct.
+            first_mark: the number of its first mark among all marks.
+            bits: of the facts; always the same ones.
+        """
+        key = (id(part.restriction), first_mark)
+        found = self._masked.get(key)
+        if found is None:
+            found = self._masked[key] = MaskedAutomaton(part.automaton, first_mark, bits)
+        return found
+
+    def max_laps(self, part: RestrictedConjunct, letters: Iterable[int], bits: FactBits) -> int:
+        """How many laps of actions a cycle of a conjunct's automaton takes at most.
+
+        Args:
+            part: the conjunct.
+            letters: facts (bits) that laps are made of.
+            bits: of the facts.
+        """
+        mask = bits.mask(part.automaton.propositions)
+        read = frozenset(letter & mask for letter in letters)
+        key = (id(part.restriction), read)
+        if key not in self._max_laps:
+            profiles = LapProfiles(self.masked(part, 0, bits))
+            self._max_laps[key] = profiles.max_laps(sorted(read))
+        return self._max_laps[key]
+
+    def of(self, conjunct: Conjunct, constants: Callable[[str], bool | None]) -> Restriction:
+        """A conjunct's automaton, given the values of propositions; None where they change."""
+        names = conjunct.automaton.propositions
+        values = tuple(map(constants, names))
+        key = (id(conjunct), values)
+        found = self._found.get(key)
+        if found is None:
+            fixed = {n: v for n, v in zip(names, values, strict=True) if v is not None}
+            found = (conjunct, restricted(conjunct.automaton, fixed))
+            self._found[key] = found  # holding the conjunct keeps its identity its own
+        return found[1]
