@@ -116,8 +116,8 @@ def test_every_encoding_has_them_in_the_first_letter(
         assert best is None and planned.names is None
         return
     assert fault(asked, planned.lasso, histories(asked)) is None
-    if encoding is not Encoding.V1:  # one automaton may ask for more of a loop
-        assert planned.lasso.prefix_cost_ms + planned.lasso.lap_cost_ms == best.cost_ms
+    cost_ms = planned.lasso.prefix_cost_ms + planned.lasso.lap_cost_ms
+    assert cost_ms >= best.cost_ms, "encodings close a loop only where automata are as before"
 
 
 def test_a_request_on_the_way_is_answered_although_it_is_over() -> None:
