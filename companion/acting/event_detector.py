@@ -5,14 +5,16 @@ condition's opposite) has held for as long; a latched event stays. So a value th
 threshold does not make the fact flap. An event that has fallen rises anew: its condition has to
 fail in between.
 
-A command is a pulse: it is there at the moment when it comes, and no longer. Every change counts,
-also two of the same event within one tick.
+A command is a pulse: it is there at the moment when it comes, and no longer. So an event may rise
+and fall within one tick. One that flaps there is told by its last two changes: if it has risen, the
+rise is one of them.
 """
 
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 from companion.mission.model import Condition, Event, Signal
 
@@ -46,7 +48,7 @@ class EventDetector:
         return frozenset(c.signal for c in conditions)
 
     def update(self, now_s: float, readings: Iterable[tuple[Signal, float]]) -> list[Change]:
-        """Takes readings; returns all changes, one after the other."""
+        """Takes readings; returns the changes, the last two of each event, one after the other."""
         changes: list[Change] = []
         for signal, value in readings:
             self._values[signal] = value
@@ -55,7 +57,7 @@ class EventDetector:
                 del self._values[signal]
                 changes += self._changes(now_s)
         changes += self._changes(now_s)
-        return changes
+        return list(_last_two(changes))
 
     def _changes(self, now_s: float) -> Iterator[Change]:
         for name, event in self._events.items():
@@ -88,3 +90,12 @@ class EventDetector:
         value = self._values.get(condition.signal)
         compare = COMPARISONS[condition.comparison]
         return value is not None and compare(value, condition.threshold)
+
+
+def _last_two(changes: Sequence[Change]) -> Iterator[Change]:
+    """The last two changes of each event, in their order."""
+    left = Counter(name for name, _ in changes)
+    for name, holds in changes:
+        if left[name] <= 2:
+            yield name, holds
+        left[name] -= 1

@@ -42,11 +42,11 @@ class LimitWatch:
     """Knows when a flight has reached its limit.
 
     Attributes:
-        reached: the limit that the vehicle was called home for, in words; None before that.
+        called_home_for: the limit, in words; None before. The sortie writes it.
     """
 
     def __init__(self, limit: FlightLimit, executive: Executive, flight: Flight) -> None:
-        self.reached: str | None = None
+        self.called_home_for: str | None = None
         self._limit, self._executive, self._flight = limit, executive, flight
         self._begun_s = 0.0
 
@@ -54,21 +54,21 @@ class LimitWatch:
         """The vehicle is to arm now."""
         self._begun_s = self._flight.now_s
 
-    def is_due(self) -> bool:
-        """Whether the vehicle is to be called home.
+    @property
+    def due(self) -> str | None:
+        """The limit for which the vehicle is to be called home now, in words; None if for none.
 
-        It is not while it flies there anyway, and not before a plan that has landed it takes off.
+        It is not called while it flies there anyway, and not before a plan that has landed it
+        takes off.
         """
         if self._executive.is_leaving or self._flight.progress.is_landed_by_plan:
-            return False
-        flown_s = self._flight.now_s - self._begun_s
-        self.reached = self._limit.reached(self._executive.laps, flown_s)
-        return self.reached is not None
+            return None
+        return self._limit.reached(self._executive.laps, self._flight.now_s - self._begun_s)
 
     def ending(self) -> EndedAtLimit | None:
         """How the flight has ended, with what is known of the task; None if not at its limit."""
-        if self.reached is None:
+        if self.called_home_for is None:
             return None
         names = ", ".join(self._flight.task.violated)
         verdict = f"{names} violated" if names else "the task holds so far"
-        return EndedAtLimit(self.reached, verdict)
+        return EndedAtLimit(self.called_home_for, verdict)

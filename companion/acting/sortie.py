@@ -274,8 +274,9 @@ class Sortie:
 
     def _fly_task(self, _: VehicleState) -> None:
         executive = self._executive
-        if self._limit.is_due() and self._limit.reached:
-            self._flight.report(FlightLimitReached(self._limit.reached))
+        if limit := self._limit.due:
+            self._limit.called_home_for = limit
+            self._flight.report(FlightLimitReached(limit))
             self.return_home()
             return
         status = executive.resume() if self._is_frozen else executive.tick()
@@ -306,7 +307,7 @@ class Sortie:
             self._on(SortieEvent.SATISFIED)
         elif isinstance(outcome, Failed):
             failed = ReturnFailed(self._home.name, outcome.reason)
-            if self._limit.reached is None:
+            if self._limit.called_home_for is None:
                 self.failure = Aborted(failed.text)
             self._flight.report(failed)
             self._on(SortieEvent.NO_WAY_HOME)

@@ -159,7 +159,7 @@ class Planner:
             beliefs = beliefs.union(*(a.assumes for a in extra))
         held = facts | (beliefs - withdrawn)
         problem = Problem(actions, self.conjuncts, held, automaton_states, beliefs & withdrawn)
-        return self._unread_rises.told(problem, unread) if unread else problem
+        return self._unread_rises.with_unread(problem, unread) if unread else problem
 
     def plan(
         self,

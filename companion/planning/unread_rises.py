@@ -20,7 +20,7 @@ class UnreadRises:
     def __init__(self) -> None:
         self._found: dict[tuple[str, str, frozenset[int], frozenset[Fact]], Conjunct] = {}
 
-    def told(self, problem: Problem, unread: frozenset[Fact]) -> Problem:
+    def with_unread(self, problem: Problem, unread: frozenset[Fact]) -> Problem:
         """A problem whose first letter has some events besides what a plan makes of the facts."""
         conjuncts, states = [], []
         for conjunct, own in zip(problem.conjuncts, problem.automaton_states, strict=True):

@@ -89,7 +89,7 @@ def test_the_best_plan_is_the_best_first_action_and_the_best_plan_after_it(
     asked: tuple[Problem, Letter],
 ) -> None:
     plain, unread = asked
-    told = UnreadRises().told(plain, unread)
+    told = UnreadRises().with_unread(plain, unread)
     found, best = last(told, Objective.LAP), best_of_first_actions(plain, unread)
     if found is None or best is None:
         assert found is best is None
@@ -106,7 +106,7 @@ def test_the_best_plan_is_the_best_first_action_and_the_best_plan_after_it(
 def test_every_encoding_has_them_in_the_first_letter(
     drawn: tuple[Problem, Letter], encoding: Encoding
 ) -> None:
-    asked = UnreadRises().told(*drawn)
+    asked = UnreadRises().with_unread(*drawn)
     if encoding is Encoding.V5:
         asked = replace(asked, actions=tuple(a for a in asked.actions if not a.conditional))
     best = last(asked, Objective.SUM)
@@ -124,14 +124,14 @@ def test_a_request_on_the_way_is_answered_although_it_is_over() -> None:
     moves = [move(a, b, 1.0) for a, b in itertools.product(["here", *"HAB"], "HAB") if a != b]
     asked = asking("G (x -> F at(H)) & G F at(A) & G F at(B)", [*moves, WAIT], [{"at(here)"}])
     assert names(find_lasso(asked)) == (["move(here, A)"], ["move(A, B)", "move(B, A)"])
-    requested = UnreadRises().told(asked, facts_of("x"))
+    requested = UnreadRises().with_unread(asked, facts_of("x"))
     prefix, loop = names(find_lasso(requested))
     assert "at(H)" in {name.rpartition(" ")[2].join(["at(", ""]) for name in prefix}
     assert sorted(loop) == ["move(A, B)", "move(B, A)"]
 
 
 def test_without_a_prefix_the_first_lap_is_read_once() -> None:
-    asked = UnreadRises().told(asking("G F x", [WAIT], [{"at(H)"}]), facts_of("x"))
+    asked = UnreadRises().with_unread(asking("G F x", [WAIT], [{"at(H)"}]), facts_of("x"))
     first, lap = {"at(H)", "x"}, {"at(H)"}
     assert word(asked, Lasso((), (WAIT, WAIT))) == ([first, lap], [lap, lap])
     assert find_lasso(asked) is None, "one rise is not one again and again"

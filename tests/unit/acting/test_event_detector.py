@@ -152,7 +152,23 @@ CALLED = "COMMAND.MAV_CMD_USER_1"
 def test_a_command_rises_each_time_it_comes_and_never_lasts(arrivals: list[int]) -> None:
     detector = EventDetector({"e": event(when=CALLED)})
     for now_s, count in enumerate(arrivals):
-        assert detector.update(now_s, [(CALL, 1.0)] * count) == [("e", True), ("e", False)] * count
+        pulse = [("e", True), ("e", False)]
+        assert detector.update(now_s, [(CALL, 1.0)] * count) == (pulse if count else [])
+
+
+@pytest.mark.parametrize("flaps", [1, 2, 3, 1000])
+def test_a_flood_of_changes_within_a_tick_is_told_by_the_last_two(flaps: int) -> None:
+    detector = EventDetector({"e": event(), "f": event(name="f", when=CALLED)})
+    flood = [(LEVEL, 20.0), (LEVEL, 90.0)] * flaps
+    changes = [("e", True), ("e", False)]
+    assert detector.update(0.0, flood) == changes
+    assert detector.update(1.0, [*flood, (LEVEL, 20.0)]) == [("e", False), ("e", True)]
+    called = [("f", True), ("f", False)]
+    assert detector.update(2.0, [(CALL, 1.0), (LEVEL, 90.0), *flood]) == [
+        *called,
+        ("e", True),
+        ("e", False),
+    ]
 
 
 def test_a_latched_command_stays() -> None:

@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import pytest
-from fakes import FakeVehicle
-from happened import Happened
-from rig import Rig
+from sortie_rig import SortieRig
 from synthetic import command, event, mission, reading
 
 from companion.acting.flight import TICK_S
 from companion.acting.flight_limit import FlightLimit
-from companion.acting.sortie import Sortie
 from companion.errors import NoPlanError
-from companion.flight_events.event import Stamped
 from companion.flight_events.plans import LapCompleted, PlanReplaced
 from companion.flight_events.sortie import (
     EndedAtLimit,
@@ -23,43 +19,17 @@ from companion.flight_events.sortie import (
     StoppedAsAsked,
     TaskSatisfied,
 )
-from companion.mission.model import Mission, Signal
 from companion.vehicle.port import Failed
 
 PATROL = "G F at(A) & G F at(B)"
 
 
-class Limited(Happened):
-    """A sortie with a FakeVehicle that may not last."""
-
-    def __init__(self, asked: Mission, limit: FlightLimit) -> None:
-        self.vehicle = FakeVehicle()
-        self.rig = Rig(asked, vehicle=self.vehicle)
-        self.sortie = Sortie(
-            self.rig.flight, self.rig.executive, asked.home, asked.otherwise, limit=limit
-        )
-
-    def step(self, *readings: tuple[Signal, float]) -> None:
-        self.rig.pass_time()
-        self.sortie.step(self.rig.flight.now_s, readings)
-
-    def until(self, phase: Phase) -> Limited:
-        for _ in range(4000):
-            if self.sortie.phase is phase:
-                return self
-            self.step()
-        raise AssertionError(f"not {phase} but {self.sortie.phase}: {self.events}")
-
-    @property
-    def reports(self) -> list[Stamped]:  # type: ignore[override]
-        return self.rig.flight.reports
-
-    def at_s(self, event: object) -> float:
-        return next(stamped.time_s for stamped in self.reports if stamped.event == event)
+def at_s(run: SortieRig, event: object) -> float:
+    return next(stamped.time_s for stamped in run.reports if stamped.event == event)
 
 
 def test_after_its_laps_the_vehicle_flies_home_and_lands() -> None:
-    run = Limited(mission(PATROL), FlightLimit(laps=2)).until(Phase.ENDED)
+    run = SortieRig(mission(PATROL), limit=FlightLimit(laps=2)).until(Phase.ENDED)
     assert run.reports[-1].event == EndedAtLimit("2 laps", "the task holds so far")
     assert [lap.lap for lap in run.of(LapCompleted)] == [1, 2]
     assert run.sortie.failure is None
@@ -70,7 +40,7 @@ def test_after_its_laps_the_vehicle_flies_home_and_lands() -> None:
 def test_laps_of_an_earlier_plan_count() -> None:
     found = event("found")
     task = f"{PATROL} & G (found -> F at(H))"
-    run = Limited(mission(task, events=[found]), FlightLimit(laps=2)).until(Phase.TASK)
+    run = SortieRig(mission(task, events=[found]), limit=FlightLimit(laps=2)).until(Phase.TASK)
     while not run.of(LapCompleted):
         run.step()
     for _ in range(20):
@@ -83,19 +53,21 @@ def test_laps_of_an_earlier_plan_count() -> None:
 
 
 def test_after_its_time_in_the_middle_of_a_leg() -> None:
-    run = Limited(mission(PATROL), FlightLimit(duration_s=25.0)).until(Phase.ENDED)
-    armed_s = run.at_s(PhaseEntered(Phase.ARMING))
-    assert run.at_s(FlightLimitReached("25 s")) == pytest.approx(armed_s + 25.0, abs=2 * TICK_S)
+    run = SortieRig(mission(PATROL), limit=FlightLimit(duration_s=25.0)).until(Phase.ENDED)
+    armed_s = at_s(run, PhaseEntered(Phase.ARMING))
+    assert at_s(run, FlightLimitReached("25 s")) == pytest.approx(armed_s + 25.0, abs=2 * TICK_S)
     assert run.reports[-1].event == EndedAtLimit("25 s", "the task holds so far")
 
 
 def test_a_task_that_ends_before_ends_as_ever() -> None:
-    run = Limited(mission("F at(A)"), FlightLimit(laps=1, duration_s=500.0)).until(Phase.ENDED)
+    run = SortieRig(mission("F at(A)"), limit=FlightLimit(laps=1, duration_s=500.0)).until(
+        Phase.ENDED
+    )
     assert run.reports[-1].event == TaskSatisfied()
 
 
 def test_without_a_way_home_it_holds_and_lands_where_it_is() -> None:
-    run = Limited(mission(PATROL), FlightLimit(laps=1)).until(Phase.RETURNING)
+    run = SortieRig(mission(PATROL), limit=FlightLimit(laps=1)).until(Phase.RETURNING)
     run.vehicle.drift = (0.0, 0.9, 0.0)
     run.until(Phase.ENDED)
     assert run.of(ReturnFailed)
@@ -105,7 +77,7 @@ def test_without_a_way_home_it_holds_and_lands_where_it_is() -> None:
 
 
 def test_a_pause_goes_before_the_limit() -> None:
-    run = Limited(mission(PATROL), FlightLimit(duration_s=20.0)).until(Phase.TASK)
+    run = SortieRig(mission(PATROL), limit=FlightLimit(duration_s=20.0)).until(Phase.TASK)
     assert run.sortie.pause() is None
     for _ in range(round(40.0 / TICK_S)):
         run.step()
@@ -117,7 +89,7 @@ def test_a_pause_goes_before_the_limit() -> None:
 
 def test_a_flight_home_for_want_of_a_plan_is_not_an_end_at_the_limit() -> None:
     asked = mission("F done & G F at(B)", skills=[command("do", "at(A)", "done")])
-    run = Limited(asked, FlightLimit(duration_s=40.0))
+    run = SortieRig(asked, limit=FlightLimit(duration_s=40.0))
     run.vehicle.answers = [(0.0, Failed("denied"))]
     run.until(Phase.ENDED)
     assert run.sortie.failure is not None
@@ -125,7 +97,7 @@ def test_a_flight_home_for_want_of_a_plan_is_not_an_end_at_the_limit() -> None:
 
 
 def test_a_stop_on_the_way_home_is_a_stop() -> None:
-    run = Limited(mission(PATROL), FlightLimit(laps=1)).until(Phase.RETURNING)
+    run = SortieRig(mission(PATROL), limit=FlightLimit(laps=1)).until(Phase.RETURNING)
     run.sortie.stop()
     run.until(Phase.ENDED)
     assert run.reports[-1].event == StoppedAsAsked()

@@ -3,23 +3,19 @@
 from __future__ import annotations
 
 import pytest
-from fakes import FakeVehicle
-from happened import Happened
-from rig import Rig
+from sortie_rig import SortieRig
 from synthetic import command, event, mission, reading
 
 from companion.acting.authority import LINK_LOST_S
 from companion.acting.phases import GOALS, TRANSITIONS, SortieEvent
-from companion.acting.sortie import ANSWER_TIMEOUT_S, Sortie
+from companion.acting.sortie import ANSWER_TIMEOUT_S
 from companion.errors import Aborted, LinkError, NoPlanError, SearchLimit
-from companion.flight_events.event import Stamped
 from companion.flight_events.skills import PlaceReached
 from companion.flight_events.sortie import (
     GoalFailed,
     Phase,
     PhaseEntered,
     ReturnBegun,
-    RunEnded,
     RunFailed,
     SetpointRefused,
     StoppedAsAsked,
@@ -27,7 +23,7 @@ from companion.flight_events.sortie import (
     TaskSatisfied,
     WeakFailsafeAccepted,
 )
-from companion.mission.model import Mission, Otherwise, Signal
+from companion.mission.model import Otherwise
 from companion.outcomes import Refusal
 from companion.planning.effort import Effort
 from companion.vehicle.port import Failed, Goal, Mode, Progress, Takeover
@@ -39,49 +35,10 @@ OTHERWISE = {
     Otherwise.RETURN_HOME: Goal.LANDED,
 }
 """The last goal of a sortie without a plan."""
+SHORT = mission("F at(A)")
 FINISHED = (SortieEvent.REACHED, SortieEvent.FAILED, SortieEvent.SATISFIED)
 NO_WAY_OUT = command("do", "at(A)", "done")
 """When it is refused at A, "F done" has no plan any longer."""
-
-
-class Run(Happened):
-    """A sortie with a FakeVehicle that stands at home."""
-
-    def __init__(self, asked: Mission | None = None, accepts_weak: bool = False) -> None:
-        self.vehicle = FakeVehicle()
-        self.rig = Rig(asked or mission("F at(A)"), vehicle=self.vehicle)
-        asked = self.rig.mission
-        self.sortie = Sortie(
-            self.rig.flight, self.rig.executive, asked.home, asked.otherwise, accepts_weak
-        )
-
-    def step(self, *readings: tuple[Signal, float]) -> None:
-        self.rig.pass_time()
-        self.sortie.step(self.rig.flight.now_s, readings)
-
-    def until(self, phase: Phase, limit_s: float = 60.0) -> Run:
-        for _ in range(round(limit_s * 20)):
-            if self.sortie.phase is phase:
-                return self
-            self.step()
-        raise AssertionError(f"not {phase} but {self.sortie.phase}: {self.events}")
-
-    @property
-    def reports(self) -> list[Stamped]:  # type: ignore[override]
-        return self.rig.flight.reports
-
-    @property
-    def end(self) -> RunEnded:
-        """The last event, which is the end."""
-        event = self.reports[-1].event
-        assert isinstance(event, RunEnded) and self.sortie.has_ended
-        return event
-
-    @property
-    def failure(self) -> RunFailed:
-        """The end, which is not a good one."""
-        assert isinstance(self.end, RunFailed)
-        return self.end
 
 
 def aborted(reason: str) -> RunFailed:
@@ -95,7 +52,7 @@ def give_up_searches(monkeypatch: pytest.MonkeyPatch, effort: str) -> None:
 
 
 def test_a_sortie_that_goes_well() -> None:
-    run = Run().until(Phase.ENDED)
+    run = SortieRig(SHORT).until(Phase.ENDED)
     assert run.story == [
         "move(H, A), (wait)^w",
         PhaseEntered(Phase.CHECKING),
@@ -114,7 +71,7 @@ def test_a_sortie_that_goes_well() -> None:
 
 def test_setpoints_are_streamed_before_offboard_is_entered() -> None:
     """PX4 refuses OFFBOARD without them; and they hold the vehicle where it is."""
-    run = Run()
+    run = SortieRig(SHORT)
     run.vehicle.script[Goal.OFFBOARD] = (2.0, Failed("denied"))
     run.until(Phase.OFFBOARD)
     assert run.vehicle.flown == []
@@ -127,7 +84,7 @@ def test_setpoints_are_streamed_before_offboard_is_entered() -> None:
 
 @pytest.mark.parametrize("phase", [Phase.ARMING, Phase.TAKE_OFF, Phase.OFFBOARD])
 def test_a_goal_that_fails_is_followed_by_what_the_table_says(phase: Phase) -> None:
-    run = Run()
+    run = SortieRig(SHORT)
     run.vehicle.script[GOALS[phase]] = (1.0, Failed("not there: denied"))
     run.until(phase)
     run.until(TRANSITIONS.next(phase, SortieEvent.FAILED))
@@ -138,14 +95,14 @@ def test_a_goal_that_fails_is_followed_by_what_the_table_says(phase: Phase) -> N
 
 
 def test_a_landing_that_fails_leaves_the_failure_and_ends() -> None:
-    run = Run()
+    run = SortieRig(SHORT)
     run.vehicle.script[Goal.LANDED] = (1.0, Failed("not landed"))
     run.until(Phase.ENDED)
     assert run.end == aborted("not landed")
 
 
 def test_the_first_failure_is_the_one_that_counts() -> None:
-    run = Run()
+    run = SortieRig(SHORT)
     run.vehicle.script[Goal.OFFBOARD] = (0.0, Failed("first"))
     run.vehicle.script[Goal.LANDED] = (0.0, Failed("second"))
     run.until(Phase.ENDED)
@@ -153,7 +110,7 @@ def test_the_first_failure_is_the_one_that_counts() -> None:
 
 
 def test_nothing_happens_before_a_vehicle_is_heard() -> None:
-    run = Run()
+    run = SortieRig(SHORT)
     run.vehicle.state = None
     for _ in range(2000):
         run.step()
@@ -166,7 +123,7 @@ def test_nothing_happens_before_a_vehicle_is_heard() -> None:
 
 @pytest.mark.parametrize("fields", [{"is_armed": True}, {"is_landed": False}])
 def test_a_vehicle_that_is_under_way_is_not_ours_to_take(fields: dict[str, bool]) -> None:
-    run = Run()
+    run = SortieRig(SHORT)
     run.vehicle.change(**fields)
     run.step()
     assert run.end == aborted("the vehicle is armed or flying already; it is left alone")
@@ -175,7 +132,7 @@ def test_a_vehicle_that_is_under_way_is_not_ours_to_take(fields: dict[str, bool]
 
 @pytest.mark.parametrize(("north_m", "is_home"), [(0.59, True), (0.61, False)])
 def test_the_vehicle_has_to_stand_where_the_mission_begins(north_m: float, is_home: bool) -> None:
-    run = Run()
+    run = SortieRig(SHORT)
     run.vehicle.change(position=(north_m, 0.0, 0.0))
     run.step()
     assert run.sortie.has_ended is not is_home
@@ -186,7 +143,7 @@ def test_the_vehicle_has_to_stand_where_the_mission_begins(north_m: float, is_ho
 
 
 def test_without_a_plan_nothing_is_armed() -> None:
-    run = Run(mission("G at(H) & X at(A)"))
+    run = SortieRig(mission("G at(H) & X at(A)"))
     run.step()
     assert run.end.exit_code == NoPlanError.exit_code
     assert run.failure.reason.startswith("no plan: task cannot hold")
@@ -194,7 +151,7 @@ def test_without_a_plan_nothing_is_armed() -> None:
 
 
 def test_weak_failsafes_are_refused() -> None:
-    run = Run()
+    run = SortieRig(SHORT)
     run.vehicle.parameters["COM_OF_LOSS_T"] = 30.0
     run.until(Phase.ENDED)
     assert run.end.exit_code == Aborted.exit_code
@@ -203,7 +160,7 @@ def test_weak_failsafes_are_refused() -> None:
 
 
 def test_weak_failsafes_are_accepted_by_name() -> None:
-    run = Run(accepts_weak=True)
+    run = SortieRig(SHORT, accepts_weak_failsafes=True)
     run.vehicle.parameters["COM_LOW_BAT_ACT"] = 0.0
     run.until(Phase.ENDED)
     assert run.end == TaskSatisfied()
@@ -211,7 +168,7 @@ def test_weak_failsafes_are_accepted_by_name() -> None:
 
 
 def test_an_autopilot_that_does_not_answer_is_given_its_time() -> None:
-    run = Run()
+    run = SortieRig(SHORT)
     del run.vehicle.parameters["COM_OBL_RC_ACT"]
     run.until(Phase.CHECKING)
     start_s = run.rig.flight.now_s
@@ -222,7 +179,7 @@ def test_an_autopilot_that_does_not_answer_is_given_its_time() -> None:
 
 def test_the_time_for_an_answer_begins_with_the_question() -> None:
     """The tick before has planned, and taken longer than an answer may."""
-    run = Run()
+    run = SortieRig(SHORT)
     run.vehicle.parameters.clear()
     run.until(Phase.CHECKING)
     late_s = run.rig.flight.now_s + 2 * ANSWER_TIMEOUT_S
@@ -238,7 +195,7 @@ def test_the_time_for_an_answer_begins_with_the_question() -> None:
 
 
 def test_that_there_is_no_plan_is_told_at_the_start() -> None:
-    run = Run(mission("F at(A) & G !at(A)"))
+    run = SortieRig(mission("F at(A) & G !at(A)"))
     assert run.events == []
     assert run.until(Phase.ENDED).end.exit_code == NoPlanError.exit_code
 
@@ -274,7 +231,7 @@ def test_a_vehicle_that_may_be_in_the_air_is_not_left_without_a_hold_or_a_landin
 
 @pytest.mark.parametrize("phase", [Phase.ARMING, Phase.TAKE_OFF, Phase.OFFBOARD, Phase.TASK])
 def test_the_pilot_wins_in_every_phase(phase: Phase) -> None:
-    run = Run()
+    run = SortieRig(SHORT)
     if phase in GOALS:
         run.vehicle.script[GOALS[phase]] = NEVER
     run.until(phase)
@@ -291,7 +248,7 @@ def test_the_pilot_wins_in_every_phase(phase: Phase) -> None:
 
 
 def test_a_vehicle_that_falls_silent_is_given_up() -> None:
-    run = Run(mission("G F at(A) & G F at(B)")).until(Phase.TASK)
+    run = SortieRig(mission("G F at(A) & G F at(B)")).until(Phase.TASK)
     assert run.vehicle.state is not None
     heard_s = run.vehicle.state.stamp_s
     run.vehicle.step = lambda now_s: None  # type: ignore[method-assign]
@@ -302,7 +259,7 @@ def test_a_vehicle_that_falls_silent_is_given_up() -> None:
 
 @pytest.mark.parametrize("phase", [Phase.OFFBOARD, Phase.TASK])
 def test_a_vehicle_that_is_disarmed_in_flight_is_given_up(phase: Phase) -> None:
-    run = Run()
+    run = SortieRig(SHORT)
     if phase is Phase.OFFBOARD:
         run.vehicle.script[Goal.OFFBOARD] = NEVER
     run.until(phase)
@@ -315,14 +272,14 @@ def test_a_vehicle_that_is_disarmed_in_flight_is_given_up(phase: Phase) -> None:
 
 
 def test_a_stop_on_the_ground_ends_at_once() -> None:
-    run = Run()
+    run = SortieRig(SHORT)
     run.sortie.stop()
     run.step()
     assert run.events == [StopRequested(), StoppedAsAsked()]
 
 
 def test_a_stop_before_a_vehicle_is_heard_ends_at_once() -> None:
-    run = Run()
+    run = SortieRig(SHORT)
     run.vehicle.state = None
     run.sortie.stop()
     run.step()
@@ -330,7 +287,7 @@ def test_a_stop_before_a_vehicle_is_heard_ends_at_once() -> None:
 
 
 def test_a_stop_in_the_air_holds_and_lands() -> None:
-    run = Run(mission("G F at(A) & G F at(B)")).until(Phase.TASK)
+    run = SortieRig(mission("G F at(A) & G F at(B)")).until(Phase.TASK)
     for _ in range(40):
         run.step()
     run.sortie.stop()
@@ -346,7 +303,7 @@ def test_a_stop_in_the_air_holds_and_lands() -> None:
 
 
 def test_the_vehicle_does_not_fly_on_after_a_stop() -> None:
-    run = Run(mission("G F at(A) & G F at(B)"))
+    run = SortieRig(mission("G F at(A) & G F at(B)"))
     run.vehicle.script[Goal.HOLDING] = NEVER
     run.until(Phase.TASK)
     for _ in range(40):
@@ -361,7 +318,7 @@ def test_the_vehicle_does_not_fly_on_after_a_stop() -> None:
 
 
 def test_a_stop_while_landing_changes_nothing() -> None:
-    run = Run()
+    run = SortieRig(SHORT)
     run.vehicle.script[Goal.LANDED] = (3.0, Failed("not landed"))
     run.until(Phase.LANDING)
     run.sortie.stop()
@@ -373,9 +330,9 @@ def test_a_stop_while_landing_changes_nothing() -> None:
 # -- no plan in the air ----------------------------------------------------------------------------
 
 
-def without_plan(otherwise: Otherwise) -> Run:
+def without_plan(otherwise: Otherwise) -> SortieRig:
     """In the air at A when the only way to do the task is refused."""
-    run = Run(mission("F done", skills=[NO_WAY_OUT], otherwise=otherwise))
+    run = SortieRig(mission("F done", skills=[NO_WAY_OUT], otherwise=otherwise))
     run.vehicle.answers = [(0.0, Failed("denied"))]
     run.until(Phase.ENDED)
     assert run.end.exit_code == NoPlanError.exit_code
@@ -407,13 +364,13 @@ def test_otherwise_return_home_flies_home_and_lands_there() -> None:
 
 def test_when_the_way_home_fails_as_well_it_lands_where_it_is() -> None:
     asked = mission("F done", skills=[NO_WAY_OUT], otherwise=Otherwise.RETURN_HOME)
-    run = Run(asked)
+    run = SortieRig(asked)
     run.vehicle.answers = [(0.0, Failed("denied"))]
     run.until(Phase.TASK)
     while ReturnBegun("H") not in run.events:
         run.step()
     run.vehicle.drift = (0.0, 0.5, 0.0)
-    run.until(Phase.ENDED, limit_s=300.0)
+    run.until(Phase.ENDED)
     assert run.events.count(ReturnBegun("H")) == 1
     assert run.vehicle.pursued[-2:] == [Goal.HOLDING, Goal.LANDED]
     assert run.end.exit_code == NoPlanError.exit_code
@@ -425,7 +382,7 @@ def test_a_search_that_is_given_up_in_flight_leads_to_otherwise(
 ) -> None:
     """At A it is refused, and the other skill that would do is not found."""
     other = command("other", "at(H)", "done", cost_s=99.0)
-    run = Run(mission("F done", skills=[NO_WAY_OUT, other], otherwise=otherwise))
+    run = SortieRig(mission("F done", skills=[NO_WAY_OUT, other], otherwise=otherwise))
     run.vehicle.answers = [(0.0, Failed("denied"))]
     run.until(Phase.TASK)
     give_up_searches(monkeypatch, "IN_FLIGHT")
@@ -441,7 +398,7 @@ def test_a_first_search_that_is_given_up_ends_the_sortie_on_the_ground(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     give_up_searches(monkeypatch, "BEFORE_FLIGHT")
-    run = Run().until(Phase.ENDED)
+    run = SortieRig(SHORT).until(Phase.ENDED)
     assert run.end.exit_code == SearchLimit.exit_code
     assert run.vehicle.pursued == []
 
@@ -450,7 +407,7 @@ def test_a_first_search_that_is_given_up_ends_the_sortie_on_the_ground(
 
 
 def test_the_gate_is_reported_when_it_begins_to_refuse_and_not_at_every_tick() -> None:
-    run = Run(mission("G F at(A) & G F at(B)")).until(Phase.TASK)
+    run = SortieRig(mission("G F at(A) & G F at(B)")).until(Phase.TASK)
     fence, speed = Refusal("outside the fence"), Refusal("too fast")
     for refusal in (fence, fence, None, speed, None):
         run.vehicle.refusal = refusal
@@ -463,7 +420,7 @@ def test_events_count_before_the_take_off_already() -> None:
     asked = mission(
         {"t": "G (at(A) -> found)", "go": "F at(A) | G !found"}, events=[event("found")]
     )
-    run = Run(asked)
+    run = SortieRig(asked)
     run.vehicle.state, state = None, run.vehicle.state
     run.step(reading("found"))
     run.vehicle.state = state
@@ -473,14 +430,14 @@ def test_events_count_before_the_take_off_already() -> None:
 
 
 def test_the_mode_before_the_start_does_not_matter() -> None:
-    run = Run()
+    run = SortieRig(SHORT)
     run.vehicle.change(mode=Mode.MANUAL)
     assert run.until(Phase.ENDED).end == TaskSatisfied()
 
 
 @pytest.mark.parametrize("stops", [False, True])
 def test_a_vehicle_that_the_pilot_arms_while_we_check_is_not_ours(stops: bool) -> None:
-    run = Run()
+    run = SortieRig(SHORT)
     del run.vehicle.parameters["COM_OBL_RC_ACT"]
     run.until(Phase.CHECKING)
     run.vehicle.change(is_armed=True, is_landed=False, mode=Mode.POSCTL)
@@ -494,7 +451,7 @@ def test_a_vehicle_that_the_pilot_arms_while_we_check_is_not_ours(stops: bool) -
 
 def test_a_task_that_is_possible_again_on_the_way_home_ends_well() -> None:
     do = command("do", "!low & at(A)", "done")
-    run = Run(
+    run = SortieRig(
         mission(
             "F done & G (low -> F calm)",
             skills=[do],

@@ -7,16 +7,13 @@ from dataclasses import replace
 from itertools import product
 
 import pytest
-from fakes import FakeVehicle
-from happened import Happened
-from rig import Rig
+from sortie_rig import SortieRig
 from synthetic import mission
 
 from companion.acting.authority import FRESH_S, not_handed_over
 from companion.acting.flight import TICK_S
-from companion.acting.sortie import ON_THE_GROUND_BY_PLAN, Sortie
+from companion.acting.sortie import ON_THE_GROUND_BY_PLAN
 from companion.errors import Aborted
-from companion.flight_events.event import Stamped
 from companion.flight_events.plans import NoPlanFound, PlanReplaced
 from companion.flight_events.sortie import (
     ControlRegained,
@@ -28,53 +25,17 @@ from companion.flight_events.sortie import (
 from companion.outcomes import Refusal
 from companion.vehicle.port import MODE_KNOWN_S, Goal, Mode, Takeover, VehicleState
 
-PATROL = "G F at(A) & G F at(B)"
 
-
-class Stepping(Happened):
-    """A sortie with a FakeVehicle, in the middle of a patrol."""
-
-    def __init__(self, task: str = PATROL, may_yield: bool = True) -> None:
-        self.vehicle = FakeVehicle()
-        self.rig = Rig(mission(task), vehicle=self.vehicle)
-        asked = self.rig.mission
-        self.sortie = Sortie(
-            self.rig.flight,
-            self.rig.executive,
-            asked.home,
-            asked.otherwise,
-            may_yield=may_yield,
-        )
-
-    def run(self, seconds: float) -> Stepping:
-        for _ in range(round(seconds / TICK_S)):
-            self.rig.pass_time()
-            self.sortie.step(self.rig.flight.now_s, [])
-        return self
-
-    def until(self, phase: Phase) -> Stepping:
-        for _ in range(2000):
-            if self.sortie.phase is phase:
-                return self
-            self.run(TICK_S)
-        raise AssertionError(f"not {phase} but {self.sortie.phase}")
-
-    @property
-    def position(self) -> tuple[float, float, float]:
-        assert self.vehicle.state is not None
-        return self.vehicle.state.position
-
-    @property
-    def reports(self) -> list[Stamped]:  # type: ignore[override]
-        return self.rig.flight.reports
+def patrol(may_yield: bool = True) -> SortieRig:
+    return SortieRig(mission("G F at(A) & G F at(B)"), may_yield=may_yield)
 
 
 @pytest.fixture
-def flown() -> Stepping:
-    return Stepping().until(Phase.TASK).run(1.5)
+def flown() -> SortieRig:
+    return patrol().until(Phase.TASK).run(1.5)
 
 
-def test_a_pause_freezes_the_task(flown: Stepping) -> None:
+def test_a_pause_freezes_the_task(flown: SortieRig) -> None:
     assert flown.sortie.pause() is None
     flown.run(1.0)
     held, positions = flown.position, flown.rig.task.positions
@@ -90,7 +51,7 @@ def test_a_pause_freezes_the_task(flown: Stepping) -> None:
 @pytest.mark.parametrize("phase", [p for p in Phase if p not in (Phase.TASK, Phase.RETURNING)])
 def test_what_is_possible_in_which_phase(phase: Phase) -> None:
     """In every phase each wish is granted, or refused with a reason that names the phase."""
-    sortie = Stepping().sortie
+    sortie = patrol().sortie
     sortie.phase = phase
     can_pause, can_return = phase is Phase.PAUSED, phase in (Phase.PAUSED, Phase.LANDING)
     assert (sortie.pause() is None) is can_pause
@@ -108,13 +69,13 @@ def reason(refusal: Refusal | None) -> str:
     return refusal.reason
 
 
-def test_nothing_interrupts_a_vehicle_on_the_ground_by_its_plan(flown: Stepping) -> None:
+def test_nothing_interrupts_a_vehicle_on_the_ground_by_its_plan(flown: SortieRig) -> None:
     flown.rig.flight.progress.is_landed_by_plan = True
     assert flown.sortie.pause() == flown.sortie.return_home() == ON_THE_GROUND_BY_PLAN
     assert flown.sortie.phase is Phase.TASK
 
 
-def test_a_return_that_finds_no_way_lands_where_it_is(flown: Stepping) -> None:
+def test_a_return_that_finds_no_way_lands_where_it_is(flown: SortieRig) -> None:
     flown.vehicle.is_stuck = True
     assert flown.sortie.return_home() is None
     flown.until(Phase.ENDED)
@@ -125,7 +86,7 @@ def test_a_return_that_finds_no_way_lands_where_it_is(flown: Stepping) -> None:
     assert flown.sortie.failure is not None and flown.sortie.failure.exit_code == 5
 
 
-def test_a_return_is_not_left_for_the_task(flown: Stepping) -> None:
+def test_a_return_is_not_left_for_the_task(flown: SortieRig) -> None:
     assert flown.sortie.return_home() is None
     flown.rig.executive._assumptions.note_restored_beliefs()
     flown.until(Phase.ENDED)
@@ -136,13 +97,13 @@ def test_a_return_is_not_left_for_the_task(flown: Stepping) -> None:
 # -- whose it is -----------------------------------------------------------------------------------
 
 
-def take_over(flown: Stepping, mode: Mode) -> None:
+def take_over(flown: SortieRig, mode: Mode) -> None:
     flown.vehicle.change(mode=mode)
     flown.vehicle.takeover = Takeover(mode, is_failsafe=False)
     flown.run(TICK_S)
 
 
-def test_nothing_is_sent_while_the_pilot_flies(flown: Stepping) -> None:
+def test_nothing_is_sent_while_the_pilot_flies(flown: SortieRig) -> None:
     take_over(flown, Mode.POSCTL)
     assert flown.sortie.phase is Phase.YIELDED
     assert flown.one(ControlYielded).loss == "the pilot has control, in POSCTL"
@@ -152,7 +113,7 @@ def test_nothing_is_sent_while_the_pilot_flies(flown: Stepping) -> None:
     assert flown.vehicle.setpoint is None
 
 
-def test_given_back_it_holds_where_it_is_and_goes_on(flown: Stepping) -> None:
+def test_given_back_it_holds_where_it_is_and_goes_on(flown: SortieRig) -> None:
     take_over(flown, Mode.POSCTL)
     flown.vehicle.change(position=(3.0, 3.0, -2.5), mode=Mode.LOITER)
     flown.run(1.0)
@@ -166,7 +127,7 @@ def test_given_back_it_holds_where_it_is_and_goes_on(flown: Stepping) -> None:
 
 
 def test_without_somebody_who_may_give_it_back_it_ends() -> None:
-    flown = Stepping(may_yield=False).until(Phase.TASK).run(1.5)
+    flown = patrol(may_yield=False).until(Phase.TASK).run(1.5)
     take_over(flown, Mode.POSCTL)
     assert flown.sortie.has_ended
 
