@@ -72,6 +72,12 @@ def surveillance() -> Mission:
 
 
 @pytest.fixture(scope="session")
+def section_v() -> Mission:
+    """The paper's mission, with the task as it is printed."""
+    return load_mission(MISSIONS / "paper_section_v.yaml")
+
+
+@pytest.fixture(scope="session")
 def surveillance_routes(surveillance: Mission) -> RouteMap:
     return route_map(surveillance)
 

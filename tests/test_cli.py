@@ -143,8 +143,10 @@ class Mistake(NamedTuple):
 MISTAKES = {
     "unknown key": Mistake("name: surv", "nam: surv", "nam: surv", "Did you mean name?"),
     "unknown place in a set": Mistake("[Home, A, B", "[Home, D, B", "D, B", "unknown place D"),
-    "unknown place in the task": Mistake("(F at(A)", "(F at(D)", "at(D)", "Did you mean at(A)?"),
-    "formula": Mistake("F at(A) |", "F at(A |", "| targetFound) &", "expected a comma or )"),
+    "unknown place in the task": Mistake(
+        "F (at(A) |", "F (at(D) |", "at(D)", "Did you mean at(A)?"
+    ),
+    "formula": Mistake("F (at(A) |", "F (at(A |", "| targetFound) &", "expected a comma or )"),
     "place in a wall": Mistake("3, north_m: 11", "6, north_m: 7.7", "A: {", "is in a wall"),
     "place outside the fence": Mistake(
         "[21.5, 13.5], [-1.5, 13.5]", "[21.5, 10.7], [-1.5, 10.7]", "A: {", "outside the fence"

@@ -84,8 +84,22 @@ def test_the_surveillance_mission_is_satisfied(companion: Companion, good: Path)
     places = [re.findall(r"at\((\w+)\)", " ".join(p["facts"])) for p in answer["positions"]]
     way = ["Home", "A", "B", "C", "A", "r1", "r2", "r2", "Home", "Home"]
     assert places == [[place] for place in way]
-    begun = [p["number"] for p in answer["positions"] if p["restarted"]]
-    assert begun == [5]
+    assert not any(p["restarted"] for p in answer["positions"])
+
+
+def test_the_paper_s_task_is_violated_over_the_whole_flight_and_satisfied_since(
+    companion: Companion, tmp_path: Path
+) -> None:
+    run = fly(MISSIONS / "paper_section_v.yaml", tmp_path)
+    assert outcomes(companion, run)[0] == 0
+    answer = json.loads(companion("audit", run, "--json").out)
+    assert [p["number"] for p in answer["positions"] if p["restarted"]] == [5]
+    told = {(c["formula"], c["since"], c["outcome"], c["whole"]) for c in answer["conjuncts"][:3]}
+    assert told == {
+        ("G(F at(A) | targetFound)", 5, "satisfied", "satisfied"),
+        ("G(F at(B) | targetFound)", 5, "satisfied", "unfulfilled"),
+        ("G(F at(C) | targetFound)", 5, "satisfied", "unfulfilled"),
+    }
 
 
 def test_the_word_in_the_record_satisfies_the_task_of_the_file(good: Path) -> None:

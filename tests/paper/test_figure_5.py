@@ -49,9 +49,9 @@ def indented(lines: list[str], by: int) -> list[str]:
 
 
 def test_the_first_plan_of_the_paper_s_mission(
-    surveillance: Mission, surveillance_routes: RouteMap
+    section_v: Mission, surveillance_routes: RouteMap
 ) -> None:
-    assert tree_of_the_plan(Rig(surveillance, surveillance_routes)) == [
+    assert tree_of_the_plan(Rig(section_v, surveillance_routes)) == [
         "[-] root",
         "    --> as predicted?",
         "    {-} plan",

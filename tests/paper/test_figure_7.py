@@ -28,7 +28,7 @@ from companion.mission.model import Mission
 from companion.record.figure import Trail, figure_of
 from companion.record.run_folder import RunFolder
 
-SCENARIO = Path(__file__).parents[2] / "missions" / "surveillance.sim.yaml"
+SCENARIO = Path(__file__).parents[2] / "missions" / "paper_section_v.sim.yaml"
 
 TOLD = (PlaceReached, SkillCompleted, MissionEventChanged, SkillFailed, BeliefWithdrawn)
 
@@ -58,11 +58,11 @@ class Flown:
 
 
 @pytest.fixture(scope="module")
-def flown(surveillance: Mission, tmp_path_factory: pytest.TempPathFactory) -> Flown:
+def flown(section_v: Mission, tmp_path_factory: pytest.TempPathFactory) -> Flown:
     reports: list[Stamped] = []
     path = tmp_path_factory.mktemp("figure7")
-    folder = RunFolder(path, surveillance, 0.0, reports.append)
-    lockstep(surveillance, world_of(surveillance), folder).fly()
+    folder = RunFolder(path, section_v, 0.0, reports.append)
+    lockstep(section_v, world_of(section_v), folder).fly()
     folder.close()
     return Flown(path, folder.trail, reports)
 
@@ -88,14 +88,25 @@ def test_the_three_pictures_are_before_the_event_after_it_and_after_the_failure(
     assert titles == ["first plan", "replan 1: target found", "replan 2: upload(r1) failed: denied"]
 
 
+def test_a_line_that_needs_no_restart_flies_the_same(flown: Flown, surveillance_run: Path) -> None:
+    """surveillance.yaml: the same events at the same times, but for what is said of the line."""
+
+    def lines(folder: Path) -> list[dict[str, object]]:
+        text = (folder / "events.jsonl").read_text(encoding="utf-8")
+        told = (json.loads(line) for line in text.splitlines())
+        return [{k: v for k, v in line.items() if k not in ("task", "restarted")} for line in told]
+
+    assert lines(flown.folder) == lines(surveillance_run)
+
+
 def test_a_the_vehicle_loops_around_three_sites_to_search_a_target(
-    flown: Flown, surveillance: Mission
+    flown: Flown, section_v: Mission
 ) -> None:
     prefix, loop = flown.plan(0)
     assert prefix == ["move(Home, A)"]
     assert loop == ["move(A, B)", "move(B, C)", "move(C, A)"]
     _, trail = flown.trail.parts[0]
-    assert entered(surveillance, trail) == ["Home", "A", "B", "C", "A"]
+    assert entered(section_v, trail) == ["Home", "A", "B", "C", "A"]
     assert flown.told_in(0) == [
         PlaceReached("A", "move(Home, A)"),
         PlaceReached("B", "move(A, B)"),
@@ -105,25 +116,23 @@ def test_a_the_vehicle_loops_around_three_sites_to_search_a_target(
     ]
 
 
-def test_b_a_target_is_found_and_the_vehicle_flies_to_r1(
-    flown: Flown, surveillance: Mission
-) -> None:
+def test_b_a_target_is_found_and_the_vehicle_flies_to_r1(flown: Flown, section_v: Mission) -> None:
     prefix, _ = flown.plan(1)
     assert prefix == ["move(here, r1)", "upload(r1)", "move(r1, Home)"]
     _, trail = flown.trail.parts[1]
-    assert entered(surveillance, trail) == ["r1"]
+    assert entered(section_v, trail) == ["r1"]
     refused = [SkillFailed("upload(r1)", "denied"), BeliefWithdrawn("canUpload(r1)")]
     assert flown.told_in(1) == [PlaceReached("r1", "move(here, r1)"), *refused]
 
 
 def test_c_the_upload_has_failed_and_the_vehicle_flies_to_r2_and_home(
-    flown: Flown, surveillance: Mission
+    flown: Flown, section_v: Mission
 ) -> None:
     prefix, loop = flown.plan(2)
     assert prefix == ["move(r1, r2)", "upload(r2)", "move(r2, Home)"]
     assert loop == ["wait"]
     _, trail = flown.trail.parts[2]
-    assert entered(surveillance, trail) == ["r1", "r2", "Home"]
+    assert entered(section_v, trail) == ["r1", "r2", "Home"]
     assert flown.told_in(2) == [
         PlaceReached("r2", "move(r1, r2)"),
         SkillCompleted("upload(r2)"),
@@ -135,8 +144,8 @@ def test_c_the_upload_has_failed_and_the_vehicle_flies_to_r2_and_home(
 
 
 @pytest.fixture(scope="module")
-def panels(flown: Flown, surveillance: Mission) -> list[Axes]:
-    return figure_of(surveillance, flown.trail).axes
+def panels(flown: Flown, section_v: Mission) -> list[Axes]:
+    return figure_of(section_v, flown.trail).axes
 
 
 def paths(panel: Axes) -> list[np.ndarray]:
@@ -167,12 +176,12 @@ def test_each_picture_shows_its_part_bold_and_what_came_before_pale(
 
 
 def test_the_darker_a_cell_the_shorter_the_distance_to_the_next_obstacle(
-    panels: list[Axes], surveillance: Mission
+    panels: list[Axes], section_v: Mission
 ) -> None:
     """Section V: "The darker the color, the shorter the distance." """
     (image,) = panels[0].images
     grey = np.asarray(image.norm(np.asarray(image.get_array())))
-    by_distance = np.argsort(surveillance.grid.distance_m, axis=None)
+    by_distance = np.argsort(section_v.grid.distance_m, axis=None)
     assert np.all(np.diff(grey.ravel()[by_distance]) >= 0.0)
     assert np.ptp(grey) > 0.5
     assert image.get_cmap()(0.0)[:3] == (0.0, 0.0, 0.0)  # nought is black

@@ -1,6 +1,6 @@
 """Sections III and V: the mission of the paper, what it says happens, and its last claim.
 
-The mission is missions/surveillance.yaml as it is shipped; the vehicle is a point that obeys.
+The mission is missions/paper_section_v.yaml as it is shipped; the vehicle is a point that obeys.
 Where we leave the paper (the history is kept, an event may restart a conjunct) the test says so.
 """
 
@@ -41,8 +41,8 @@ PHI = """
 
 
 @pytest.fixture
-def rig(surveillance: Mission, surveillance_routes: RouteMap) -> Rig:
-    return Rig(surveillance, surveillance_routes)
+def rig(section_v: Mission, surveillance_routes: RouteMap) -> Rig:
+    return Rig(section_v, surveillance_routes)
 
 
 def fly_section_5(rig: Rig) -> Rig:
@@ -82,10 +82,10 @@ def test_the_two_action_templates_and_their_instances(rig: Rig) -> None:
     assert upload.deletes == frozenset()
 
 
-def test_the_task_is_the_paper_s_formula(surveillance: Mission) -> None:
+def test_the_task_is_the_paper_s_formula(section_v: Mission) -> None:
     """phi_search, phi_upload and phi_return, compared by what they say of words."""
     whole = parse(PHI)
-    lines = list(surveillance.task.values())
+    lines = list(section_v.task.values())
     facts = ["at(A)", "at(B)", "at(C)", "at(Home)", "targetFound", "targetReported"]
     letters = [frozenset({f}) for f in facts] + [facts_of("targetReported", "at(Home)")]
     for first, second, third in itertools.product(letters, repeat=3):
@@ -174,7 +174,7 @@ def test_when_all_sites_refuse_there_is_no_plan_and_each_is_to_blame(rig: Rig) -
 
 
 def test_nothing_but_the_initial_state_changes_in_flight(
-    surveillance: Mission, surveillance_routes: RouteMap, monkeypatch: pytest.MonkeyPatch
+    section_v: Mission, surveillance_routes: RouteMap, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Each conjunct is translated once, and skills are instantiated once, over the whole flight."""
     translated, instantiated = Mock(wraps=translate), Mock(wraps=instantiate)
@@ -183,7 +183,7 @@ def test_nothing_but_the_initial_state_changes_in_flight(
     planned = {verb: Mock(wraps=getattr(Planner, verb)) for verb in ("solve", "replan")}
     for verb, mock in planned.items():
         monkeypatch.setattr(Planner, verb, lambda *args, mock=mock: mock(*args))
-    rig = Rig(surveillance, surveillance_routes)
+    rig = Rig(section_v, surveillance_routes)
     automata = [conjunct.automaton for conjunct in rig.planner.conjuncts]
     actions = rig.planner.model.actions
     fly_section_5(rig)
@@ -266,10 +266,10 @@ def test_without_its_history_the_planner_would_visit_it_again() -> None:
     assert str(rig.planner.solve(*forgetful.problem())) == again
 
 
-def test_an_event_may_restart_a_conjunct(surveillance: Mission, rig: Rig) -> None:
+def test_an_event_may_restart_a_conjunct(section_v: Mission, rig: Rig) -> None:
     """The mission file says which: else the sites that search still demanded came first."""
-    kept_events = {n: replace(e, restarts=frozenset()) for n, e in surveillance.events.items()}
-    strict = Rig(replace(surveillance, events=kept_events), rig.flight.routes)
+    kept_events = {n: replace(e, restarts=frozenset()) for n, e in section_v.events.items()}
+    strict = Rig(replace(section_v, events=kept_events), rig.flight.routes)
     for asked in (strict, rig):
         asked.begin()
         asked.run_until(PlaceReached, place="A")

@@ -240,7 +240,7 @@ def test_a_pattern_is_not_a_proposition() -> None:
         atom("wait(A, p)")
 
 
-SEARCH = "G ((F at(A) | targetFound) & (F at(B) | targetFound) & (F at(C) | targetFound))"
+SEARCH = "G (F (at(A) | targetFound) & F (at(B) | targetFound) & F (at(C) | targetFound))"
 
 
 @pytest.fixture

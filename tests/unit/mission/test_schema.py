@@ -29,9 +29,9 @@ def test_every_key_of_the_schema_is_described() -> None:
     assert undescribed == []
 
 
-def test_surveillance_mission_is_the_papers() -> None:
+def test_a_mission_is_the_papers() -> None:
     """Section V: the places, the two action templates and the three conjuncts."""
-    mission = load_mission(MISSIONS / "surveillance.yaml")
+    mission = load_mission(MISSIONS / "paper_section_v.yaml")
     assert mission.task == {
         "search": parse(
             "G ((F at(A) | targetFound) & (F at(B) | targetFound) & (F at(C) | targetFound))"
