@@ -35,6 +35,7 @@ from companion.acting.replan_triggers import PlanUnderWay, ReplanTriggers
 from companion.acting.replanning.assumptions import Assumptions
 from companion.acting.replanning.replanner import DueReplan, PlanFailure, Replanner
 from companion.acting.return_home import flight_to
+from companion.acting.whereabouts import Whereabouts
 from companion.errors import NoPlanError
 from companion.flight_events.facts import BeliefRestored, MissionEventChanged
 from companion.flight_events.plans import (
@@ -80,6 +81,7 @@ class Executive:
         self._assumptions = Assumptions(planner, flight)
         self._replanner = Replanner(planner, flight, self._assumptions)
         self._triggers = ReplanTriggers(flight, self._assumptions, self._replanner)
+        self._whereabouts = Whereabouts(flight, planner.mission.places)
         self._plan_state = ExecutiveState.EXECUTING
         self._paused_s = 0.0
 
@@ -123,6 +125,10 @@ class Executive:
         """One tick of what it is doing; returns how the task stands then."""
         if self.state is ExecutiveState.GROUNDED:  # and has taken off since
             self.state = self._plan_state
+        lost = None if self.is_leaving else self._whereabouts.look()
+        if lost is not None and self.state is ExecutiveState.EXECUTING:
+            self._replan(f"no longer at {lost.place}")
+            return self.status
         match self.state:
             case ExecutiveState.EXECUTING | ExecutiveState.LEAVING:
                 assert self.lasso is not None and self._root is not None
@@ -175,6 +181,7 @@ class Executive:
 
     def resume(self) -> TaskStatus:
         """Goes on after a pause: by a new plan from here, or where a tree by hand has come to."""
+        self._whereabouts.look_after_absence()
         if self.state is ExecutiveState.BY_HAND and self._root is not None:
             pausing.resume(self._root, self._flight.now_s - self._paused_s)
         elif self._planner.mission.tree is None:

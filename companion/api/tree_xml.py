@@ -49,6 +49,7 @@ LEAVES = {
     LeafType.CHARGE: ("Action", "ChargeBattery"),
     LeafType.BEGIN_AGAIN: ("Action", "BeginAgain"),
     LeafType.FACTS: ("Condition", "FactsHold"),
+    LeafType.STILL_THERE: ("Condition", "StillThere"),
 }
 """Our own nodes: what each is to the library, and its ID."""
 MAIN = "MainTree"

@@ -11,6 +11,7 @@ from companion.flight_events.facts import (
     BeliefRestored,
     BeliefWithdrawn,
     MissionEventChanged,
+    PlaceLost,
     PlacesConnected,
     PlacesCutOff,
 )
@@ -73,6 +74,7 @@ EVENTS: tuple[type[FlightEvent], ...] = (
     RouteBlocked,
     SymbolMoved,
     MissionEventChanged,
+    PlaceLost,
     BeliefWithdrawn,
     BeliefRestored,
     PlacesCutOff,

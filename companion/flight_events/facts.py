@@ -30,6 +30,17 @@ class MissionEventChanged(FlightEvent):
 
 
 @dataclass(frozen=True, slots=True)
+class PlaceLost(FlightEvent):
+    """The vehicle is no longer at a place where the task had it."""
+
+    kind = "lost"
+    template = "no longer at {place}: {away_m} m away"
+
+    place: Annotated[str, Doc("the place")]
+    away_m: Annotated[float, Doc("metres from it, rounded to 0.1 m")]
+
+
+@dataclass(frozen=True, slots=True)
 class BeliefWithdrawn(FlightEvent):
     """A belief was given up."""
 

@@ -42,6 +42,7 @@ class LeafType(Enum):
     CHARGE = "charge"
     BEGIN_AGAIN = "begin_again"
     FACTS = "facts"
+    STILL_THERE = "still_there"
 
 
 class NodeStatus(Enum):

@@ -11,7 +11,12 @@ from __future__ import annotations
 from collections import deque
 
 from companion.flight_events.event import FlightEvent
-from companion.flight_events.facts import BeliefRestored, BeliefWithdrawn, MissionEventChanged
+from companion.flight_events.facts import (
+    BeliefRestored,
+    BeliefWithdrawn,
+    MissionEventChanged,
+    PlaceLost,
+)
 from companion.flight_events.hosting import RecordingFailed, UploadNews
 from companion.flight_events.plans import NoPlanFound, PlanReplaced
 from companion.flight_events.skills import SkillFailed, WrittenTreeFailed
@@ -41,6 +46,8 @@ def severity(event: FlightEvent) -> int:
         case ConjunctViolated() | RecordingFailed():
             return ERROR
         case SkillFailed() | WrittenTreeFailed() | BeliefWithdrawn() | SetpointRefused():
+            return WARNING
+        case PlaceLost():
             return WARNING
         case UploadNews(is_refused=True):
             return WARNING

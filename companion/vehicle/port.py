@@ -49,6 +49,8 @@ class VehicleState:
         battery_percent: remaining charge, None while unknown.
         mode_s: when the mode was received; an old one is not known any more.
         landed_since_s: since when it is, or is not, landed.
+        accuracy_m: standard deviation of the horizontal position, as the autopilot estimates it; 0
+            while it says nothing of that.
     """
 
     stamp_s: float
@@ -62,6 +64,7 @@ class VehicleState:
     battery_percent: int | None
     mode_s: float = 0.0
     landed_since_s: float = 0.0
+    accuracy_m: float = 0.0
 
     def is_mode_known(self, now_s: float) -> bool:
         """Whether the mode is that of a recent heartbeat."""

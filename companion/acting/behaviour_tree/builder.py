@@ -12,6 +12,9 @@ Sequence (no memory)                        root
 
 refinement of a flight = Retry(tries) - Sequence: update_param | move_cmd    MAX_TRY(m)
 
+In a tree written by hand a refinement that does not fly is a Sequence (no memory): still there? |
+refinement. A plan needs no such check, as it is replaced when its place is lost.
+
 A refinement of several steps is a sequence of them; a step that is itself a skill is refined in
 turn, until all leaves are primitives. Whatever a refinement is, all of it is tried so often, each
 time within the time limit; what is tried once has no decorator.
@@ -35,6 +38,7 @@ from companion.acting.behaviour_tree.leaves import (
     Precondition,
     Rest,
     SendCommand,
+    StillThere,
     UpdateParam,
     Withdraw,
 )
@@ -99,11 +103,16 @@ def action_tree(
     """
     action = intention.action
     steps = Refinement("steps", action.execute, action.tries, action.timeout_s)
+    refinement = _refinement(flight, steps)
+    if assumptions is None and action.destination is None:
+        at_place = Sequence("at its place", memory=False)
+        at_place.add_children([StillThere(flight, intention), refinement])
+        refinement = at_place
     triple = _sequence(
         "triple",
         [
             Precondition(flight, intention, assumptions),
-            _refinement(flight, steps),
+            refinement,
             Effects(flight, intention, ends_lap),
         ],
     )

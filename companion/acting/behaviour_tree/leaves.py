@@ -76,6 +76,25 @@ class Precondition(Leaf):
         return Status.SUCCESS
 
 
+class StillThere(Leaf):
+    """In a tree written by hand: an action at a place ends when the vehicle is elsewhere.
+
+    A plan that loses its place is replaced; a tree by hand is not, so the action fails.
+    """
+
+    does = LeafType.STILL_THERE
+
+    def __init__(self, flight: Flight, intention: Intention) -> None:
+        super().__init__(flight, "still there?")
+        self._intention = intention
+
+    def update(self) -> Status:
+        """FAILURE once the task has the action no longer under way."""
+        if self._flight.task.running is self._intention.action:
+            return Status.SUCCESS
+        return self.fail(f"{self._intention.name} was interrupted: its place is lost")
+
+
 class Effects(Leaf):
     """Blue block: takes the effects over into the task's state.
 

@@ -14,6 +14,7 @@ from companion.flight_events.facts import (
     BeliefRestored,
     BeliefWithdrawn,
     MissionEventChanged,
+    PlaceLost,
     PlacesConnected,
     PlacesCutOff,
 )
@@ -106,6 +107,7 @@ TEXTS: list[tuple[FlightEvent, str]] = [
     (MissionEventChanged("lowBattery", holds=False), "no longer low battery"),
     (MissionEventChanged("siteIsWet", holds=True), "site is wet"),
     (MissionEventChanged("site_is_wet", holds=True), "site is wet"),
+    (PlaceLost("r1", 2.4), "no longer at r1: 2.4 m away"),
     (BeliefWithdrawn("canUpload(r1)"), "belief canUpload(r1) withdrawn"),
     (BeliefRestored("canUpload(r1)"), "belief canUpload(r1) restored"),
     (

@@ -119,7 +119,7 @@ def test_a_vehicle_profile_is_no_mission_and_goes_with_the_one_that_names_it(
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
-        (b"F at(A)", b"F at(D)", "surveillance.yaml:"),
+        (b"F (at(A) |", b"F (at(D) |", "surveillance.yaml:"),
         (b"maps/hall.yaml", b"maps/none.yaml", "surveillance.yaml:11:6: "),
         (b"maps/hall.yaml", b"../../../../etc/hosts", "lies outside the mission's folder"),
         (b"maps/hall.yaml", b"/etc/hosts", "lies outside the mission's folder"),

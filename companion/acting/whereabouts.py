@@ -1,0 +1,81 @@
+"""Whether the vehicle still is at the place where the task has it.
+
+A completed flight makes `at(X)` true, and the task believes it until the next flight. Wind, a pilot
+or a bad estimate may take the vehicle away from there. In the air `at(X)` is therefore held against
+the position, except while a skill flies. A gust may pass: the place is lost after a second outside
+of it, or at once if somebody else has flown the vehicle meanwhile.
+
+A loss is an interruption: it appends no position to the word, and the vehicle is at no place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from companion.acting.flight import Flight
+from companion.acting.positions import tell_positions
+from companion.flight_events.facts import PlaceLost
+from companion.geometry import distance
+from companion.mission.facts import AT
+from companion.mission.model import Place
+
+OUTSIDE_S = 1.0
+"""Time outside of a place after which it is lost."""
+MARGIN_M = 0.5
+"""How far outside of a place's radius the vehicle is still taken to be at it."""
+SIGMAS = 2.0
+"""The same in standard deviations of the position, where that is more: 5 % are beyond it."""
+
+
+class Whereabouts:
+    """Holds what the task says of the vehicle's place against its position.
+
+    Args:
+        flight: knows both.
+        places: of the mission, by name.
+    """
+
+    def __init__(self, flight: Flight, places: Mapping[str, Place]) -> None:
+        self._flight = flight
+        self._places = places
+        self._outside_since_s: float | None = None
+
+    def look(self) -> PlaceLost | None:
+        """Takes a look in a tick; returns the place that is lost now, as the task has learnt."""
+        outside, now_s = self._outside(), self._flight.now_s
+        if outside is None:
+            self._outside_since_s = None
+            return None
+        if self._outside_since_s is None:
+            self._outside_since_s = now_s
+        return self._lose(outside) if now_s - self._outside_since_s >= OUTSIDE_S else None
+
+    def look_after_absence(self) -> PlaceLost | None:
+        """The same, after somebody else may have flown the vehicle: no gust is waited for."""
+        outside = self._outside()
+        return self._lose(outside) if outside is not None else None
+
+    def _outside(self) -> PlaceLost | None:
+        """The place where the vehicle is not, though the task has it there; None if it is."""
+        flight, state = self._flight, self._flight.vehicle.state
+        is_flying = flight.task.running is not None and flight.task.running.destination is not None
+        if state is None or state.is_landed or flight.progress.is_landed_by_plan or is_flying:
+            return None
+        believed = (fact.arguments[0] for fact in flight.task.facts if fact.predicate == AT)
+        place = self._places.get(next(believed, ""))
+        if place is None:  # it is between places already
+            return None
+        margin_m = max(MARGIN_M, SIGMAS * state.accuracy_m)
+        away_m = distance(place.position, state.position)
+        if away_m <= place.radius_m + margin_m:
+            return None
+        return PlaceLost(place.name, round(away_m, 1))
+
+    def _lose(self, lost: PlaceLost) -> PlaceLost:
+        """The vehicle is between places; what was done at the place is interrupted."""
+        flight = self._flight
+        flight.task.interrupt()
+        flight.task.depart()
+        tell_positions(flight)
+        flight.report(lost)
+        return lost
