@@ -49,6 +49,7 @@ class VehicleState:
         battery_percent: remaining charge, None while unknown.
         mode_s: when the mode was received; an old one is not known any more.
         landed_since_s: since when it is, or is not, landed.
+        accuracy_m: deviation of the horizontal position, as the autopilot tells it; 0 untold.
     """
 
     stamp_s: float
@@ -62,6 +63,7 @@ class VehicleState:
     battery_percent: int | None
     mode_s: float = 0.0
     landed_since_s: float = 0.0
+    accuracy_m: float = 0.0
 
     def is_mode_known(self, now_s: float) -> bool:
         """Whether the mode is that of a recent heartbeat."""
@@ -154,6 +156,12 @@ class Vehicle(Protocol):
     @property
     def refusal(self) -> Refusal | None:
         """Why the vehicle is sent a hold in place of the setpoint; None while it is not."""
+
+    def gap_m(self, place: Ned) -> float | None:
+        """How far from a place the vehicle stands on the ground; None until that is certain."""
+
+    def stand_at(self, place: Ned) -> None:
+        """The vehicle stands at a place, where the mission's map begins to be true."""
 
     def parameter(self, name: str) -> float | None:
         """A parameter of the autopilot; asks for it, and is None until it was answered."""
