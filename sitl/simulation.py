@@ -16,6 +16,7 @@ from companion.mavlink.framing import MavlinkCodec, Message, source
 from companion.motion.grid import OccupancyGrid
 from sitl.autopilot.autopilot import Autopilot
 from sitl.autopilot.parameters import Parameters, vehicle_defaults
+from sitl.flight.airframes import AIRFRAMES
 from sitl.flight.estimate import Estimator
 from sitl.flight.physics import FlightState, Physics
 from sitl.flight.sensors import Sensors
@@ -62,6 +63,7 @@ class Simulation:
         links: frozenset[LinkName] = ALL_LINKS,
     ) -> None:
         self._system = system = 1 + instance
+        airframe = AIRFRAMES[scenario.airframe]
         self._physics = Physics(
             dt_s=DT_S,
             origin=scenario.home,
@@ -69,17 +71,24 @@ class Simulation:
             yaw_rad=scenario.yaw_rad,
             charge=scenario.charge,
             wind=scenario.wind,
+            linear_drag_n_per_mps=airframe.linear_drag_n_per_mps,
             turbulence_mps=scenario.turbulence_mps,
             seed=seed,
         )
         self._truth = state = self._physics.state
-        self._estimator = Estimator(Random(f"estimate {seed}"))
+        self._estimator = Estimator(Random(f"estimate {seed}"), wander=scenario.wander)
         self._sensors = Sensors(scenario.home, Random(f"sensors {seed}"), state)
         own = vehicle_defaults(scenario.vehicle)
         parameters = Parameters({**own, **scenario.parameters, "MAV_SYS_ID": system})
-        self._autopilot = Autopilot(parameters, state)
+        estimate = self._estimator.step(state, state.time_s)
+        self._autopilot = Autopilot(parameters, estimate, airframe.gains)
         self._vehicle = SimulatedVehicle(
-            self._autopilot, state, scenario.home, self._sensors, self._physics.battery
+            self._autopilot,
+            estimate,
+            scenario.home,
+            self._sensors,
+            self._physics.battery,
+            self._estimator,
         )
         self._world = World(
             scenario,

@@ -98,6 +98,12 @@ class FakeVehicle:
             position = _towards(position, _sum(self.setpoint.position, self.drift), reach_m)
         self.change(stamp_s=now_s, mode_s=now_s, position=position, velocity=velocity)
 
+    def gap_m(self, place: Ned) -> float | None:
+        return None if self.state is None else math.dist(self.state.position[:2], place[:2])
+
+    def stand_at(self, place: Ned) -> None:
+        """Its frame is true."""
+
     def parameter(self, name: str) -> float | None:
         return self.parameters.get(name)
 

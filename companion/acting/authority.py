@@ -11,11 +11,15 @@ from companion.acting.flight import Flight
 from companion.acting.phases import ON_THE_GROUND, UNDER_TASK
 from companion.errors import Aborted, CompanionError, LinkError
 from companion.flight_events.sortie import Phase
+from companion.mission.model import Place
 from companion.outcomes import Refusal
 from companion.vehicle.port import Mode, VehicleState
 
 LINK_LOST_S = 10.0
 """Silence after which the sortie is given up; the autopilot's failsafe flies since long."""
+MOST_DOUBT_M = 1.0
+"""A vehicle that stands further away than this and the radius of home is not there, however bad its
+position is."""
 FRESH_S = 0.5
 """Age of the position up to which an operator may give control back."""
 
@@ -26,6 +30,18 @@ def loss_of_link(state: VehicleState, now_s: float) -> LinkError | None:
     if silence_s <= LINK_LOST_S:
         return None
     return LinkError(f"no position from the vehicle for {silence_s:.0f} s")
+
+
+def loss_of_home(gap_m: float, state: VehicleState, home: Place) -> Aborted | None:
+    """Whether the vehicle stands elsewhere than where the mission begins.
+
+    What the autopilot says that its position may be wrong by is no reason: a vehicle that has
+    landed at home by an estimate that wanders stands beside it, and may begin again.
+    """
+    if gap_m <= home.radius_m + min(state.accuracy_m, MOST_DOUBT_M):
+        return None
+    what = f"the vehicle stands {gap_m:.1f} m from {home.name}"
+    return Aborted(f"{what}, where the mission begins; put it there")
 
 
 def loss_of_control(phase: Phase, state: VehicleState, flight: Flight) -> CompanionError | None:

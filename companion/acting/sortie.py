@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from companion.acting.authority import loss_of_control, loss_of_link, not_handed_over
+from companion.acting.authority import loss_of_control, loss_of_home, loss_of_link, not_handed_over
 from companion.acting.ending import ending
 from companion.acting.executive import Executive
 from companion.acting.executive_states import TaskStatus
@@ -37,7 +37,6 @@ from companion.flight_events.sortie import (
     StopRequested,
     WeakFailsafeAccepted,
 )
-from companion.geometry import horizontal_distance
 from companion.mission.model import Otherwise, Place, Signal
 from companion.outcomes import Refusal
 from companion.vehicle.failsafes import REQUIREMENTS, weaknesses
@@ -224,11 +223,14 @@ class Sortie:
             self._give_up(Aborted(str(takeover)))
 
     def _begin(self, state: VehicleState) -> None:
-        gap_m = horizontal_distance(state.position, self._home.position)
-        if gap_m > self._home.radius_m:
-            what = f"the vehicle stands {gap_m:.1f} m from {self._home.name}"
-            self._give_up(Aborted(f"{what}, where the mission begins; put it there"))
+        vehicle, home = self._flight.vehicle, self._home
+        gap_m = vehicle.gap_m(home.position)
+        if gap_m is None:
             return
+        if elsewhere := loss_of_home(gap_m, state, home):
+            self._give_up(elsewhere)
+            return
+        vehicle.stand_at(home.position)
         if failure := self._executive.plan():
             self._give_up(failure)
             return

@@ -6,8 +6,11 @@ listed are those that the vehicle may pass through on the way without anybody ha
 from us; authority is watched from the first goal on, also while the vehicle is disarmed.
 
 When PX4 disarms it falls back to the mode that was chosen last and may be armed in: OFFBOARD after
-a flight, else the mode in which the vehicle stood at first. A vehicle that is to be armed again
-may therefore stand in OFFBOARD. Source: PX4 v1.16 as observed, and its UserModeIntention.cpp.
+a flight, else the mode in which the vehicle stood at first. In OFFBOARD it arms with setpoints
+alone, so a vehicle that stands there is brought to hold first. That takes nothing from a pilot:
+OFFBOARD is nobody's but a companion's. Any other mode stays as it is.
+
+Source: PX4 v1.16 as observed, and its UserModeIntention.cpp.
 """
 
 from __future__ import annotations
@@ -35,6 +38,7 @@ class Approach:
         is_reached: whether a state is the goal.
         passes: modes on the way; the mode at the start is one of them until it was left.
         keeps: modes in which the goal, once reached, still stands; None for those on the way.
+        leaves: modes in which it cannot be reached; the vehicle is asked to hold first.
         needs_arming: a vehicle that is not armed cannot get there.
         underway: modes that show that the vehicle is on its way and need not be asked again.
         lead_s: time to stream setpoints before asking; PX4 wants to see them first.
@@ -47,9 +51,30 @@ class Approach:
     passes: frozenset[Mode]
     keeps: frozenset[Mode] | None
     timeout_s: float
+    leaves: frozenset[Mode] = frozenset()
     needs_arming: bool = False
     underway: frozenset[Mode] = frozenset()
     lead_s: float = 0.0
+
+
+@dataclass
+class Pursuit:
+    """A goal under way.
+
+    Attributes:
+        allowed: modes that do not mean that somebody else took over.
+        ticket: the command under way.
+        asked: the approach to which that command belongs.
+        has_failed: it was given up; the goal may be pursued anew.
+    """
+
+    goal: Goal
+    allowed: frozenset[Mode]
+    start_mode: Mode
+    start_s: float
+    ticket: int | None = None
+    asked: Approach | None = None
+    has_failed: bool = False
 
 
 def _set_mode(mode: Mode) -> Parameters:
@@ -73,6 +98,7 @@ APPROACHES: dict[Goal, Approach] = {
         passes=frozenset({Mode.LOITER, Mode.OFFBOARD}),
         keeps=None,
         timeout_s=20.0,
+        leaves=frozenset({Mode.OFFBOARD}),
     ),
     Goal.AIRBORNE: Approach(
         command=dialect.MAV_CMD_NAV_TAKEOFF,

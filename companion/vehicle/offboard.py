@@ -21,8 +21,9 @@ Source: https://mavlink.io/en/services/command.html, PX4's offboard mode.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
+from companion.geometry import Ned
 from companion.mavlink.commands import CommandSender, Parameters
 from companion.mavlink.framing import Message, dialect, source
 from companion.mavlink.payload_commands import why_not_sent
@@ -30,7 +31,7 @@ from companion.mission.model import Signal
 from companion.motion.sensed_map import RangeScan
 from companion.outcomes import Refusal
 from companion.vehicle.gate import Envelope, admit
-from companion.vehicle.goals import APPROACHES
+from companion.vehicle.goals import APPROACHES, Pursuit
 from companion.vehicle.parameters import ParameterReader
 from companion.vehicle.port import (
     Failed,
@@ -62,24 +63,6 @@ PROTOCOL = frozenset({"COMMAND_ACK", "PARAM_VALUE", SCAN})
 
 CONTINUAL = frozenset({"ATTITUDE", "LOCAL_POSITION_NED"})
 """Of those that arrive together only the newest is looked at."""
-
-
-@dataclass
-class _Pursuit:
-    """A goal under way.
-
-    Attributes:
-        allowed: modes that do not mean that somebody else took over.
-        ticket: the command under way.
-        has_failed: it was given up; the goal may be pursued anew.
-    """
-
-    goal: Goal
-    allowed: frozenset[Mode]
-    start_mode: Mode
-    start_s: float
-    ticket: int | None = None
-    has_failed: bool = False
 
 
 class MavlinkVehicle:
@@ -121,7 +104,7 @@ class MavlinkVehicle:
         self._parameters = ParameterReader()
         self._readings: list[tuple[Signal, float]] = []
         self._setpoint: Setpoint | None = None
-        self._pursuit: _Pursuit | None = None
+        self._pursuit: Pursuit | None = None
         self._first_mode: Mode | None = None
         self._now_s = 0.0
 
@@ -196,12 +179,14 @@ class MavlinkVehicle:
             self._end_command()
             allowed = approach.passes | {state.mode}
             self._first_mode = self._first_mode or state.mode
-            pursuit = _Pursuit(goal, allowed, state.mode, self._now_s)
+            pursuit = Pursuit(goal, allowed, state.mode, self._now_s)
             self._pursuit = pursuit
         if state.is_mode_known(self._now_s) and approach.is_reached(state):
             self._end_command()
             if approach.keeps is not None:
                 pursuit.allowed = approach.keeps
+            if goal is Goal.LANDED:
+                self._setpoint = None  # OFFBOARD on the ground is not ours to stream in
             return Progress.DONE
         failure = self._ask(pursuit, state)
         pursuit.has_failed = failure is not None
@@ -228,13 +213,21 @@ class MavlinkVehicle:
         """Asks for a command no longer."""
         self._commands.forget(ticket)
 
+    def gap_m(self, place: Ned) -> float | None:
+        """How far from a place the vehicle stands; None until that is certain."""
+        return self._telemetry.frame.gap_m(place)
+
+    def stand_at(self, place: Ned) -> None:
+        """Lays the mission's frame, before the first sortie."""
+        self._telemetry.stand_at(place)
+
     def parameter(self, name: str) -> float | None:
         """A parameter of the autopilot; asks for it, and is None until it was answered."""
         return self._parameters.read(name)
 
     # -- goals ---------------------------------------------------------------------------------
 
-    def _ask(self, pursuit: _Pursuit, state: VehicleState) -> Failed | None:
+    def _ask(self, pursuit: Pursuit, state: VehicleState) -> Failed | None:
         """Sends the goal's command when it is time to, unless the goal has failed."""
         approach = APPROACHES[pursuit.goal]
         elapsed_s = self._now_s - pursuit.start_s
@@ -246,6 +239,10 @@ class MavlinkVehicle:
             return self._failed(f"not {pursuit.goal.value}: disarmed")
         if elapsed_s < approach.lead_s or state.mode in approach.underway:
             return None
+        asked = APPROACHES[Goal.HOLDING] if state.mode in approach.leaves else approach
+        if asked is not pursuit.asked:
+            self._end_command()
+            pursuit.asked = asked
         if pursuit.ticket is not None:
             exchange = self._commands[pursuit.ticket]
             if exchange.has_failed:
@@ -253,9 +250,9 @@ class MavlinkVehicle:
             if not exchange.result or self._now_s < exchange.next_send_s + ASK_AGAIN_S:
                 return None
             self._end_command()
-        takeoff_altitude_m = self._telemetry.home_altitude_m + self._takeoff_up_m
-        parameters = approach.parameters(takeoff_altitude_m)
-        pursuit.ticket = self._start(AUTOPILOT, approach.command, parameters, None)
+        takeoff_altitude_m = self._telemetry.frame.altitude_m + self._takeoff_up_m
+        parameters = asked.parameters(takeoff_altitude_m)
+        pursuit.ticket = self._start(AUTOPILOT, asked.command, parameters, None)
         return None
 
     def _failed(self, what: str) -> Failed:

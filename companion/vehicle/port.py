@@ -158,6 +158,12 @@ class Vehicle(Protocol):
     def refusal(self) -> Refusal | None:
         """Why the vehicle is sent a hold in place of the setpoint; None while it is not."""
 
+    def gap_m(self, place: Ned) -> float | None:
+        """How far from a place the vehicle stands on the ground; None until that is certain."""
+
+    def stand_at(self, place: Ned) -> None:
+        """The vehicle stands at a place, where the mission's map begins to be true."""
+
     def parameter(self, name: str) -> float | None:
         """A parameter of the autopilot; asks for it, and is None until it was answered."""
 

@@ -1,8 +1,6 @@
 """What the autopilot was last heard to say, as a VehicleState.
 
-Positions are shifted to the mission's frame, whose origin is the home position: the autopilot's
-local frame may begin elsewhere. The shift is the first HOME_POSITION heard, and is kept: PX4 moves
-home to where it arms, and the walls of the map do not move with it.
+Positions are shifted to the mission's frame (mission_frame.py); the autopilot's begins elsewhere.
 Numbers that are not finite, and values that mean "not known", are never taken over; nor is a
 message that a newer one of its kind has overtaken on the way.
 """
@@ -17,6 +15,7 @@ from companion.geometry import Ned
 from companion.mavlink.framing import Message, dialect
 from companion.mavlink.px4_modes import mode_name
 from companion.mavlink.sequence import SequenceTracker
+from companion.vehicle.mission_frame import MissionFrame
 from companion.vehicle.port import Mode, VehicleState
 
 KNOWN_MODES = {mode.value: mode for mode in Mode}
@@ -27,15 +26,13 @@ class Telemetry:
     """The newest value of everything that makes up the state.
 
     Attributes:
-        home: first home position in the autopilot's local frame; None until heard.
-        home_altitude_m: its altitude above mean sea level.
+        frame: of the mission.
         heartbeat_s: when the newest heartbeat was heard.
         texts: what the autopilot said lately in STATUSTEXT, newest last.
     """
 
     def __init__(self) -> None:
-        self.home: Ned | None = None
-        self.home_altitude_m = 0.0
+        self.frame = MissionFrame()
         self.texts: deque[str] = deque(maxlen=MAX_TEXTS)
         self.heartbeat_s = -math.inf
         self.mode: Mode | None = None
@@ -47,7 +44,13 @@ class Telemetry:
         self._position: tuple[float, Ned, Ned] | None = None  # stamp, position, velocity
         self._yaw_rad: float | None = None
         self._battery_percent: int | None = None
+        self._accuracy_m = 0.0
         self._state: VehicleState | None = None  # of what was heard so far, once it was asked for
+
+    @property
+    def home(self) -> Ned | None:
+        """The origin of the mission's frame in the autopilot's; None until heard."""
+        return self.frame.origin
 
     @property
     def state(self) -> VehicleState | None:
@@ -57,8 +60,9 @@ class Telemetry:
         return self._state
 
     def _put_together(self) -> VehicleState | None:
+        home = self.home
         if (
-            self.home is None
+            home is None
             or self.mode is None
             or self._position is None
             or self._yaw_rad is None
@@ -68,7 +72,7 @@ class Telemetry:
         stamp_s, (x, y, z), velocity = self._position
         return VehicleState(
             stamp_s=stamp_s,
-            position=(x - self.home[0], y - self.home[1], z - self.home[2]),
+            position=(x - home[0], y - home[1], z - home[2]),
             velocity=velocity,
             yaw_rad=self._yaw_rad,
             mode=self.mode,
@@ -78,16 +82,19 @@ class Telemetry:
             battery_percent=self._battery_percent,
             mode_s=self.heartbeat_s,
             landed_since_s=self._landed_since_s,
+            accuracy_m=self._accuracy_m,
         )
+
+    def stand_at(self, place: Ned) -> None:
+        """The vehicle stands at a place, before its first sortie: the frame is laid so."""
+        self.frame.lay(place)
+        self._state = None
 
     def local(self, position: Ned) -> Ned:
         """A position of the mission's frame in the autopilot's local frame."""
-        assert self.home is not None
-        return (
-            position[0] + self.home[0],
-            position[1] + self.home[1],
-            position[2] + self.home[2],
-        )
+        home = self.home
+        assert home is not None
+        return (position[0] + home[0], position[1] + home[1], position[2] + home[2])
 
     def take(self, now_s: float, message: Message) -> bool:
         """Takes over a message of the autopilot; false if a newer one has overtaken it."""
@@ -110,6 +117,8 @@ class Telemetry:
         velocity = (message.vx, message.vy, message.vz)
         if all(map(math.isfinite, (*position, *velocity))):
             self._position = (now_s, position, velocity)
+            is_standing = self._is_landed is True and not self.is_armed
+            self.frame.take_position(now_s, position, is_standing)
 
     def _on_attitude(self, _: float, message: Message) -> None:
         if math.isfinite(message.yaw):
@@ -117,9 +126,8 @@ class Telemetry:
 
     def _on_home(self, _: float, message: Message) -> None:
         position = (message.x, message.y, message.z)
-        if self.home is None and all(map(math.isfinite, position)):
-            self.home = position
-            self.home_altitude_m = message.altitude / 1000
+        if all(map(math.isfinite, position)):
+            self.frame.take_home(position, message.altitude / 1000)
 
     def _on_landed(self, now_s: float, message: Message) -> None:
         if message.landed_state == dialect.MAV_LANDED_STATE_UNDEFINED:
@@ -131,6 +139,10 @@ class Telemetry:
     def _on_battery(self, _: float, message: Message) -> None:
         if message.battery_remaining >= 0:
             self._battery_percent = message.battery_remaining
+
+    def _on_estimator(self, _: float, message: Message) -> None:
+        if math.isfinite(message.pos_horiz_accuracy):
+            self._accuracy_m = message.pos_horiz_accuracy
 
     def _on_text(self, _: float, message: Message) -> None:
         text = message.text.rstrip("\t\0 ")
@@ -145,6 +157,7 @@ _HANDLERS: dict[str, Callable[[Telemetry, float, Message], None]] = {
     "HOME_POSITION": Telemetry._on_home,
     "EXTENDED_SYS_STATE": Telemetry._on_landed,
     "BATTERY_STATUS": Telemetry._on_battery,
+    "ESTIMATOR_STATUS": Telemetry._on_estimator,
     "STATUSTEXT": Telemetry._on_text,
 }
 

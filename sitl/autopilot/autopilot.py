@@ -7,7 +7,8 @@ Out: a setpoint for the motors (motor_control.py), and status texts for people. 
 2. Disarmed, every mode may be chosen; arming is refused where the mode lacks its requirement.
 3. In the air, a mode that lacks its requirement is refused and the present one is kept.
 4. COM_DISARM_LAND after a landing, or COM_DISARM_PRFLT after arming without a take-off, it
-   disarms by itself; a finished take-off, return or landing then leaves AUTO.LOITER.
+   disarms by itself. Disarmed it goes back to the mode that was intended last of those that may be
+   armed in: after a landing commanded in OFFBOARD to OFFBOARD, where it arms with setpoints alone.
 
 Source: PX4 1.16, src/modules/commander, and what a PX4 was seen to do. Time is the state's own.
 """
@@ -31,12 +32,11 @@ from sitl.autopilot.motor_control import MotorControl
 from sitl.autopilot.parameters import Parameters
 from sitl.autopilot.situation import FlightMode, Situation
 from sitl.autopilot.status_texts import BATTERY_TEXTS, Severity, StatusText, failsafe_texts
-from sitl.flight.controllers import TrajectorySetpoint
+from sitl.flight.controllers import OWN_GAINS, HorizontalGains, Maybe, TrajectorySetpoint
 from sitl.flight.mixer import Motors
 from sitl.flight.physics import FlightState
 
 COMMANDER_STEPS = 5  # modes, failsafes and setpoints are decided every 5th step, 50 Hz at 4 ms
-_DONE_WHEN_DISARMED = ("AUTO.TAKEOFF", "AUTO.RTL", "AUTO.LAND")
 
 
 class Autopilot:
@@ -44,7 +44,8 @@ class Autopilot:
 
     Args:
         parameters: shared with the parameter protocol.
-        state: at the start, on the ground.
+        state: as estimated at the start, on the ground.
+        gains: of the horizontal position loops.
 
     Attributes:
         is_armed: the motors turn.
@@ -60,15 +61,20 @@ class Autopilot:
         status_texts: for people, oldest first; whoever sends them empties the list.
     """
 
-    def __init__(self, parameters: Parameters, state: FlightState) -> None:
+    def __init__(
+        self,
+        parameters: Parameters,
+        state: FlightState,
+        gains: HorizontalGains = OWN_GAINS,
+    ) -> None:
         self.parameters = parameters
         self.is_armed = False
         self.is_crashed = False
-        self.mode = self.intended_mode = "AUTO.LOITER"
+        self.mode = self.intended_mode = self._mode_when_disarmed = "AUTO.LOITER"
         self.home: Ned = state.position
         self.cruise_mps: float | None = None
         self.health = Health(parameters, state.charge)
-        self.control = MotorControl(parameters)
+        self.control = MotorControl(parameters, gains)
         self.status_texts: list[StatusText] = []
         self.flights = FlightRecord()
         self.mission = MissionPlan()
@@ -150,7 +156,7 @@ class Autopilot:
         if mode == "AUTO.TAKEOFF":
             self._takeoff_down_m = self._lowest_takeoff()
         self._failsafe.take_over()
-        self.intended_mode = mode
+        self._intend(mode)
         if mode != self.mode:
             self._enter(mode)
         return True
@@ -165,22 +171,15 @@ class Autopilot:
         self._enter(self.intended_mode)
         return granted
 
-    def hold_at(
-        self,
-        north_m: float | None,
-        east_m: float | None,
-        down_m: float | None,
-        yaw_rad: float | None,
-    ) -> bool:
+    def hold_at(self, point: Maybe, yaw_rad: float | None) -> bool:
         """Flies to a point and holds there; None keeps what the vehicle would hold now."""
         granted = self.set_mode("AUTO.LOITER")
         here = HoldMode.start(self._situation())
-        point = (
-            here.point[0] if north_m is None else north_m,
-            here.point[1] if east_m is None else east_m,
-            here.point[2] if down_m is None else down_m,
+        north_m, east_m, down_m = (
+            now if wanted is None else wanted for now, wanted in zip(here.point, point, strict=True)
         )
-        self._active_mode = HoldMode(point, here.yaw_rad if yaw_rad is None else yaw_rad)
+        yaw_rad = here.yaw_rad if yaw_rad is None else yaw_rad
+        self._active_mode = HoldMode((north_m, east_m, down_m), yaw_rad)
         return granted
 
     def accept_setpoint(self, setpoint: TrajectorySetpoint) -> None:
@@ -280,7 +279,8 @@ class Autopilot:
         if mode != self.mode:
             self._enter(mode)
         elif change := self._active_mode.mode_change(self._situation()):
-            self.mode = self.intended_mode = change.mode
+            self._intend(change.mode)
+            self.mode = change.mode
             self._active_mode = change.flying
             if change.text is not None:
                 self._tell(Severity.INFO, change.text)
@@ -303,11 +303,16 @@ class Autopilot:
         self.is_armed = False
         self.control.follow(None, self._state)
         self._failsafe = FailsafeState()
-        if self.intended_mode in _DONE_WHEN_DISARMED:
-            self.intended_mode = "AUTO.LOITER"
+        self.intended_mode = self._mode_when_disarmed
         self.mission.note_disarming()
         self._enter(self.intended_mode)
         self._tell(Severity.INFO, text)
+
+    def _intend(self, mode: str) -> None:
+        """Rules 1 and 4."""
+        self.intended_mode = mode
+        if FLIGHT_MODES[mode].may_arm:
+            self._mode_when_disarmed = mode
 
     def _enter(self, mode: str) -> None:
         self.mode = mode

@@ -11,7 +11,13 @@ from companion.geometry import Quaternion
 from sitl.autopilot.landing import LandDetector
 from sitl.autopilot.parameters import Parameters
 from sitl.autopilot.situation import heading
-from sitl.flight.controllers import Cascade, ControllerLimits, TrajectorySetpoint
+from sitl.flight.controllers import (
+    OWN_GAINS,
+    Cascade,
+    ControllerLimits,
+    HorizontalGains,
+    TrajectorySetpoint,
+)
 from sitl.flight.mixer import MAX_THRUST_N, Motors
 from sitl.flight.physics import FlightState
 
@@ -24,16 +30,18 @@ class MotorControl:
 
     Args:
         parameters: of the autopilot.
+        gains: of the horizontal position loops.
 
     Attributes:
         setpoint: followed by the cascade, None while disarmed.
         motors: the newest commands.
     """
 
-    def __init__(self, parameters: Parameters) -> None:
+    def __init__(self, parameters: Parameters, gains: HorizontalGains = OWN_GAINS) -> None:
         self.setpoint: TrajectorySetpoint | None = None
         self.motors = STOPPED
         self._parameters = parameters
+        self._gains = gains
         self._cascade = Cascade()
         self._land_detector = LandDetector()
         self._armed_s = 0.0
@@ -59,7 +67,8 @@ class MotorControl:
                 climb_mps=limit["MPC_Z_VEL_MAX_UP"],
                 descent_mps=limit["MPC_Z_VEL_MAX_DN"],
                 acceleration_mps2=max(0.1, limit["MPC_ACC_HOR_MAX"]),  # any value may be stored
-            )
+            ),
+            self._gains,
         )
         self._cascade.reset(heading(state))
 

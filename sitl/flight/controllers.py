@@ -25,9 +25,7 @@ from sitl.flight.physics import FlightState
 
 GRAVITY_MPS2 = 9.80665  # standard gravity, CGPM 1901
 
-POSITION_P = (1.6, 1.6, 2.0)  # 1/s
-VELOCITY_P = (4.0, 4.0, 6.0)  # 1/s
-VELOCITY_I = (1.2, 1.2, 2.5)  # 1/s^2
+VERTICAL_P, CLIMB_P, CLIMB_I = 2.0, 6.0, 2.5  # 1/s, 1/s, 1/s^2
 ATTITUDE_P = (7.0, 7.0, 3.0)  # 1/s
 RATE_P = (0.35, 0.37, 0.25)  # N m per rad/s
 RATE_I = (0.5, 0.5, 0.15)  # N m per rad
@@ -57,6 +55,25 @@ class ControllerLimits:
 
 
 @dataclass(frozen=True, slots=True)
+class HorizontalGains:
+    """The gains of the horizontal position loops: PX4's MPC_XY_P, _VEL_P_ACC and _VEL_I_ACC.
+
+    Attributes:
+        position_p: 1/s.
+        velocity_p: 1/s.
+        velocity_i: 1/s^2.
+    """
+
+    position_p: float = 1.6
+    velocity_p: float = 4.0
+    velocity_i: float = 1.2
+
+
+OWN_GAINS = HorizontalGains()
+"""Of the vehicle in quadrotor.xml."""
+
+
+@dataclass(frozen=True, slots=True)
 class TrajectorySetpoint:
     """PX4's trajectory_setpoint; None is "not controlled", as NaN there.
 
@@ -80,8 +97,8 @@ class TrajectorySetpoint:
 class VelocityLoop:
     """Position P and velocity PI: from a setpoint to a specific thrust vector in NED, m/s^2."""
 
-    def __init__(self, limits: ControllerLimits) -> None:
-        self._limits = limits
+    def __init__(self, limits: ControllerLimits, gains: HorizontalGains) -> None:
+        self._limits, self._gains = limits, gains
         self.reset()
 
     def reset(self) -> None:
@@ -93,9 +110,10 @@ class VelocityLoop:
         e_n, e_e, e_d = self._velocity_error(state, setpoint)
         i_n, i_e, i_d = self._integral
         a_n, a_e, a_d = setpoint.acceleration
-        north = a_n + VELOCITY_P[0] * e_n + i_n
-        east = a_e + VELOCITY_P[1] * e_e + i_e
-        down = a_d + VELOCITY_P[2] * e_d + i_d
+        gains = self._gains
+        north = a_n + gains.velocity_p * e_n + i_n
+        east = a_e + gains.velocity_p * e_e + i_e
+        down = a_d + CLIMB_P * e_d + i_d
         limit = self._limits.acceleration_mps2
         lift = _clamp(_clamp(down, -limit, limit) - GRAVITY_MPS2, -MOST_LIFT_MPS2, -LEAST_LIFT_MPS2)
         is_lift_limited = (down - GRAVITY_MPS2 - lift) * e_d > 0
@@ -110,10 +128,10 @@ class VelocityLoop:
         if wanted > most:
             north, east = north * most / wanted, east * most / wanted
         if not is_push_limited:
-            i_n += VELOCITY_I[0] * _fade(e_n) * dt_s
-            i_e += VELOCITY_I[1] * _fade(e_e) * dt_s
+            i_n += gains.velocity_i * _fade(e_n) * dt_s
+            i_e += gains.velocity_i * _fade(e_e) * dt_s
         if not is_lift_limited:
-            i_d += VELOCITY_I[2] * _fade(e_d) * dt_s
+            i_d += CLIMB_I * _fade(e_d) * dt_s
         most = MAX_INTEGRAL_MPS2
         self._integral = (
             _clamp(i_n, -most, most),
@@ -132,8 +150,8 @@ class VelocityLoop:
         to_e = 0.0 if p_e is None else p_e - e
         to_d = 0.0 if p_d is None else p_d - d
         far = math.hypot(to_n, to_e)
-        gain = _approach_speed(far, POSITION_P[0], braking) / far if far > 0 else 0.0
-        climb = math.copysign(_approach_speed(abs(to_d), POSITION_P[2], braking), to_d)
+        gain = _approach_speed(far, self._gains.position_p, braking) / far if far > 0 else 0.0
+        climb = math.copysign(_approach_speed(abs(to_d), VERTICAL_P, braking), to_d)
         north = gain * to_n + (v_n or 0.0)
         east = gain * to_e + (v_e or 0.0)
         down = _clamp(climb + (v_d or 0.0), -limits.climb_mps, limits.descent_mps)
@@ -195,9 +213,13 @@ class Cascade:
         thrust_n: setpoint, N.
     """
 
-    def __init__(self, limits: ControllerLimits = ControllerLimits()) -> None:
+    def __init__(
+        self,
+        limits: ControllerLimits = ControllerLimits(),
+        gains: HorizontalGains = OWN_GAINS,
+    ) -> None:
         self._limits = limits
-        self._velocity_loop = VelocityLoop(limits)
+        self._velocity_loop = VelocityLoop(limits, gains)
         self._rate_loop = RateLoop()
         self.reset(0.0)
 

@@ -1,16 +1,22 @@
 """The autopilot's estimate of the vehicle's state: the truth, plus the errors of GPS.
 
 In: the true state each step, and the quality of GPS now. Out: the state that the autopilot flies by
-and reports. Three cases:
+and reports. Four cases:
 
     good GPS       the truth itself, the same object
     noisy GPS      north and east wander slowly: a first-order Gauss-Markov process of deviation
                    `noise_m` and correlation time 60 s, e' = -e / tau + white noise
+    wander         the velocity's error v is such a process, too, and the position's error
+                   integrates it while fixes pull it back: e' = v - e / T. Both with one time
+                   constant, which the two deviations determine: T = sqrt(2) sd(e) / sd(v). PX4's
+                   filter, which fuses white noise, looks so from outside
     GPS lost       dead reckoning: the velocity's error is a random walk of 0.1 m/s per root of a
                    second, so the position's deviation grows as 0.1 sqrt(t^3 / 3)
 
-A fix after a loss takes the estimate back at once, as PX4's estimator resets its position. Height
-comes from the barometer, attitude and rates from inertial sensors: they stay true.
+The accuracy that is told is the root of the sum of these variances and of what PX4's filter claims
+with a perfect receiver. A fix after a loss takes the estimate back at once, as PX4's estimator
+resets its position. Height comes from the barometer, attitude and rates from inertial sensors: they
+stay true.
 
 Source: Gauss-Markov errors of GPS after Parkinson and Spilker, Global Positioning System, vol. 1.
 """
@@ -25,6 +31,7 @@ from sitl.flight.physics import FlightState
 
 WANDER_S = 60.0
 VELOCITY_WALK = 0.1  # m/s per sqrt(s): a calm consumer IMU without a magnetometer's help
+CLAIMED_M = 0.5  # EKF2_GPS_P_NOISE: PX4's filter takes no receiver for better
 NEGLIGIBLE_M = 1e-3
 
 
@@ -43,12 +50,57 @@ class GpsQuality:
     satellites: int = 10
 
 
+@dataclass(frozen=True, slots=True)
+class Wander:
+    """How far the estimate wanders although the receiver has its fix.
+
+    Attributes:
+        position_m: root of the mean square of the position's error, north and east together.
+        velocity_mps: the same of the velocity's error.
+    """
+
+    position_m: float
+    velocity_mps: float
+
+
+class WanderingError:
+    """The errors of a `Wander`, from its stationary distribution on.
+
+    Attributes:
+        position, velocity: the errors now, north and east.
+    """
+
+    def __init__(self, wander: Wander, rng: random.Random) -> None:
+        self._velocity_sd = wander.velocity_mps / math.sqrt(2)
+        self._time_s = math.sqrt(2) * wander.position_m / wander.velocity_mps
+        self._rng = rng
+        self.velocity = self._draw(self._velocity_sd)
+        # Correlated as they are for ever after: E[e v] = sd(v)^2 T / 2.
+        half, rest = self._time_s / 2, self._draw(self._velocity_sd * self._time_s / 2)
+        self.position = (
+            half * self.velocity[0] + rest[0],
+            half * self.velocity[1] + rest[1],
+        )
+
+    def step(self, dt_s: float) -> None:
+        """Time passes."""
+        keep = math.exp(-dt_s / self._time_s)
+        kick = self._draw(self._velocity_sd * math.sqrt(1 - keep * keep))
+        (north, east), (v_n, v_e) = self.position, self.velocity
+        self.position = (north * keep + v_n * dt_s, east * keep + v_e * dt_s)
+        self.velocity = (v_n * keep + kick[0], v_e * keep + kick[1])
+
+    def _draw(self, deviation: float) -> tuple[float, float]:
+        return (self._rng.gauss(0.0, deviation), self._rng.gauss(0.0, deviation))
+
+
 class Estimator:
     """The estimate of one vehicle.
 
     Args:
         rng: of the errors.
         gps: at the start.
+        wander: of the estimate, None is none.
 
     Attributes:
         gps: may be replaced in flight.
@@ -57,14 +109,27 @@ class Estimator:
         time_since_fix_s: time since the last fix, 0 with one.
     """
 
-    def __init__(self, rng: random.Random, gps: GpsQuality = GpsQuality()) -> None:
+    def __init__(
+        self,
+        rng: random.Random,
+        gps: GpsQuality = GpsQuality(),
+        wander: Wander | None = None,
+    ) -> None:
         self.gps = gps
         self.fix_error = (rng.gauss(0.0, gps.noise_m), rng.gauss(0.0, gps.noise_m))
         self.error = self.fix_error
         self.time_since_fix_s = 0.0
         self._rng = rng
+        self._wandering = WanderingError(wander, rng) if wander else None
+        self._wander_m = wander.position_m if wander else 0.0
         self._velocity_error = (0.0, 0.0)
         self._now_s: float | None = None
+
+    @property
+    def accuracy_m(self) -> float:
+        """What the horizontal position is claimed to be good for: one standard deviation."""
+        drift_m = VELOCITY_WALK * math.sqrt(2 * self.time_since_fix_s**3 / 3)
+        return math.hypot(CLAIMED_M, self._wander_m, math.sqrt(2) * self.gps.noise_m, drift_m)
 
     def step(self, truth: FlightState, now_s: float) -> FlightState:
         """The estimate at a time; the first call only sets the clock."""
@@ -79,9 +144,17 @@ class Estimator:
         else:
             self.time_since_fix_s = 0.0
             self.error, self._velocity_error = self.fix_error, (0.0, 0.0)
-            if self.error == (0.0, 0.0):
+            if self._wandering is not None:
+                self._wander(self._wandering, dt_s)
+            elif self.error == (0.0, 0.0):
                 return truth
         return self._with_errors(truth)
+
+    def _wander(self, wandering: WanderingError, dt_s: float) -> None:
+        wandering.step(dt_s)
+        (north, east), (e_n, e_e) = self.fix_error, wandering.position
+        self.error = (north + e_n, east + e_e)
+        self._velocity_error = wandering.velocity
 
     def _step_fix_error(self, noise_m: float, dt_s: float) -> None:
         keep = math.exp(-dt_s / WANDER_S)

@@ -104,6 +104,8 @@ class Physics:
         yaw_rad: heading at the start.
         charge: state of charge at the start, 0 to 1.
         wind: the air's velocity over the ground, NED, m/s.
+        linear_drag_n_per_mps: drag of the body in proportion to its speed through the air, beside
+            that of the rotors and the square of the speed.
         turbulence_mps: standard deviation of the vertical gusts near the ground; horizontal ones
             are about twice as strong there (MIL-F-8785C). Gusts need air that moves past the
             vehicle: in still air a hovering vehicle has none.
@@ -126,6 +128,7 @@ class Physics:
         yaw_rad: float = 0.0,
         charge: float = 1.0,
         wind: Ned = (0.0, 0.0, 0.0),
+        linear_drag_n_per_mps: float = 0.0,
         turbulence_mps: float = 0.0,
         seed: int = 0,
     ) -> None:
@@ -135,6 +138,7 @@ class Physics:
         self._steps = 0
         self._set_initial_conditions(origin, start, yaw_rad)
         self._fdm["battery/charge"] = self._full_charge = charge
+        self._fdm["body/linear-drag-n_mps"] = linear_drag_n_per_mps
         if not self._fdm.run_ic():
             raise RuntimeError("JSBSim refuses the initial conditions")
         self._set_turbulence(turbulence_mps, seed)

@@ -21,6 +21,7 @@ from sitl.flight.estimate import GpsQuality
 from sitl.flight.physics import FlightState
 
 GPS_HZ, IMU_HZ, BAROMETER_HZ = 8.0, 50.0, 20.0
+GPS_ACCURACY_M, GPS_LOST_ACCURACY_M = 0.9, 100.0  # SensorGpsSim's eph
 EARLY_S = 1e-6  # sums of intervals are not exact
 
 # International Standard Atmosphere up to 11 km: p = p0 (T / T0)^5.25588, T = T0 - 6.5 K/km.
@@ -53,6 +54,7 @@ class GpsFix:
         altitude_m: above mean sea level.
         velocity: NED, m/s.
         satellites: used.
+        horizontal_accuracy_m: as the receiver claims.
     """
 
     time_s: float
@@ -62,6 +64,7 @@ class GpsFix:
     altitude_m: float
     velocity: Ned
     satellites: int
+    horizontal_accuracy_m: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,6 +158,7 @@ class Sensors:
                 *(last.latitude_deg, last.longitude_deg, last.altitude_m),
                 (0.0, 0.0, 0.0),
                 0,
+                GPS_LOST_ACCURACY_M,
             )
         gauss, noise = self._gauss, self._noise
         north, east, down = truth.position
@@ -169,7 +173,12 @@ class Sensors:
         speed = noise.gps_speed_mps
         velocity = (v_n + gauss(0.0, speed), v_e + gauss(0.0, speed), v_d + gauss(0.0, speed))
         return GpsFix(
-            truth.time_s, True, latitude_deg, longitude_deg, altitude_m, velocity, gps.satellites
+            truth.time_s,
+            True,
+            *(latitude_deg, longitude_deg, altitude_m),
+            velocity,
+            gps.satellites,
+            math.hypot(GPS_ACCURACY_M, math.sqrt(2) * gps.noise_m),
         )
 
     def _sample_imu(self, truth: FlightState) -> ImuSample:

@@ -116,7 +116,7 @@ def _reposition(on: CommandContext, request: CommandRequest) -> MavResult:
     if math.isfinite(lat_deg) and math.isfinite(lon_deg):
         north_m, east_m, _ = on.vehicle.origin.to_local(lat_deg, lon_deg, 0.0)
     yaw = yaw_rad if math.isfinite(yaw_rad) else None
-    return _granted(autopilot.hold_at(north_m, east_m, _down_m(on, request), yaw))
+    return _granted(autopilot.hold_at((north_m, east_m, _down_m(on, request)), yaw))
 
 
 def _down_m(on: CommandContext, request: CommandRequest) -> float | None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from companion.geometry import GlobalOrigin
 from sitl.autopilot.autopilot import Autopilot
+from sitl.flight.estimate import Estimator
 from sitl.flight.physics import BatteryStatus, FlightState
 from sitl.flight.sensors import Sensors
 
@@ -19,6 +20,7 @@ class SimulatedVehicle:
         state: estimated; replaced every step.
         origin: of the local frame.
         battery: reads the gauge.
+        estimator: makes the state, and tells how good it is.
     """
 
     autopilot: Autopilot
@@ -26,6 +28,7 @@ class SimulatedVehicle:
     origin: GlobalOrigin
     sensors: Sensors
     battery: Callable[[], BatteryStatus]
+    estimator: Estimator
 
     @property
     def boot_ms(self) -> int:

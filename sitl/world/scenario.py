@@ -40,6 +40,7 @@ from companion.motion.grid import OccupancyGrid
 from companion.vehicle_files import read_vehicle
 from companion.vehicle_profile import VehicleProfile
 from sitl.autopilot.parameters import PARAMETERS
+from sitl.flight.estimate import Wander
 from sitl.results import MavResult
 from sitl.world.lidar import LidarSpec
 from sitl.world.obstacles import Obstacle, TrueMap
@@ -62,6 +63,8 @@ class Scenario:
         vehicle: as it truly is; the mission may think otherwise.
         start: where the vehicle stands at first.
         yaw_rad: where it looks at first.
+        airframe: a key of `AIRFRAMES`.
+        wander: of the estimate; None is none.
         wind: the air's velocity, NED.
         charge: of the battery at the start, 0 to 1.
         drains_always: the battery drains while disarmed too.
@@ -77,6 +80,8 @@ class Scenario:
     vehicle: VehicleProfile = field(default_factory=VehicleProfile)
     start: Ned = (0.0, 0.0, 0.0)
     yaw_rad: float = 0.0
+    airframe: str = "quad_450"
+    wander: Wander | None = None
     wind: Ned = (0.0, 0.0, 0.0)
     turbulence_mps: float = 0.0
     charge: float = 1.0
@@ -148,6 +153,8 @@ def _parse(
         vehicle=read_vehicle(model.vehicle, source.folder, document),
         start=ned_from_enu(start.east_m, start.north_m, 0.0),
         yaw_rad=math.radians(start.heading_deg),
+        airframe=model.airframe,
+        wander=Wander(model.wander.position_m, model.wander.velocity_mps) if model.wander else None,
         wind=ned_from_enu(wind.east_mps, wind.north_mps, 0.0),
         turbulence_mps=wind.turbulence_mps,
         charge=model.battery.charge,

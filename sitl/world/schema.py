@@ -69,6 +69,13 @@ class BatteryModel(_Strict):
     ] = "armed"
 
 
+class WanderModel(_Strict):
+    """The errors of the estimate while GPS has its fix; PX4's own are 0.25 m and 0.3 m/s."""
+
+    position_m: Annotated[float, _described("RMS of the horizontal position", gt=0, le=5)] = 0.25
+    velocity_mps: Annotated[float, _described("RMS of the velocity", gt=0, le=5)] = 0.3
+
+
 class CircleModel(_Strict):
     """A circle on the ground."""
 
@@ -212,7 +219,14 @@ class ScenarioModel(_Strict):
     map: Annotated[str | None, _described("ROS map_server YAML file, relative to this file")] = None
     start: Annotated[StartModel, _described("where the vehicle stands at first")] = StartModel()
     home: Annotated[HomeModel | None, _described("where on the earth home lies")] = None
+    airframe: Annotated[
+        Literal["quad_450", "px4_sih"],
+        _described("px4_sih: with the heavy drag and the gains of PX4's built-in quadrotor"),
+    ] = "quad_450"
     wind: Annotated[WindModel, _described("where the air moves to, and its gusts")] = WindModel()
+    wander: Annotated[
+        WanderModel | None, _described("the estimate wanders about the true position")
+    ] = None
     battery: Annotated[BatteryModel, _described("how full it is at the start")] = BatteryModel()
     parameters: Annotated[
         dict[str, float], _described("of the autopilot, by PX4's names, where they differ")

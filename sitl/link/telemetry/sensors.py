@@ -12,6 +12,8 @@ from sitl.link.vehicle import SimulatedVehicle
 
 NAN = math.nan
 UNKNOWN_16 = 65535
+HEIGHT_ACCURACY_M = 0.5
+GPS_VERTICAL_ACCURACY_M, GPS_SPEED_ACCURACY_MPS = 1.78, 0.4  # SensorGpsSim's epv, s_variance
 NO_FIX, FIX_3D = 1, 3  # GPS_FIX_TYPE
 IMU_AND_BAROMETER = 0x3F | 0x200 | 0x800 | 0x1000  # HIGHRES_IMU.fields_updated
 
@@ -32,6 +34,10 @@ def gps_raw_int(v: SimulatedVehicle) -> Fields:
         round(math.hypot(north, east) * 1e2),
         round(course_deg * 1e2) % 36000,
         gps.satellites,
+        round(gps.altitude_m * 1e3),
+        round(gps.horizontal_accuracy_m * 1e3),
+        round(GPS_VERTICAL_ACCURACY_M * 1e3),
+        round(GPS_SPEED_ACCURACY_MPS * 1e3),
     )
 
 
@@ -68,7 +74,7 @@ def estimator_status(v: SimulatedVehicle) -> Fields:
     attitude, height = 0x1, 0x4 | 0x20
     horizontal = 0x2 | 0x8 | 0x10 | 0x100 | 0x200
     flags = attitude | height | (0 if v.autopilot.is_position_lost else horizontal)
-    return (v.boot_us, flags, *(0.1,) * 6, 0.5, 0.5)
+    return (v.boot_us, flags, *(0.1,) * 6, v.estimator.accuracy_m, HEIGHT_ACCURACY_M)
 
 
 def vibration(v: SimulatedVehicle) -> Fields:

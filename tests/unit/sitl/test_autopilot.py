@@ -55,6 +55,18 @@ def test_land_disarms_two_seconds_after_touching_down() -> None:
     assert wire.simulation.mode == "AUTO.LOITER"
 
 
+def test_after_a_landing_commanded_in_offboard_it_arms_with_setpoints_alone() -> None:
+    """Seen on PX4: it goes back to the mode that was intended last and may be armed in."""
+    wire = airborne()
+    wire.fly_offboard(0.0, 0.0, -2.5)
+    wire.command(dialect.MAV_CMD_NAV_LAND, *NOT_GIVEN)
+    wire.run_until(lambda: not wire.simulation.is_armed, 15.0)
+    assert wire.simulation.mode == "OFFBOARD"
+    assert wire.arm() == [TEMPORARILY_REJECTED]
+    assert wire.set_mode("AUTO.LOITER")[-1] == ACCEPTED
+    assert wire.arm() == [ACCEPTED]
+
+
 def test_return_comes_home_and_lands_there() -> None:
     wire = airborne(RTL_RETURN_ALT=6.0)
     lat, lon, _ = PX4_HOME.to_global((15.0, 5.0, 0.0))

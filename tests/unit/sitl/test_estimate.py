@@ -4,12 +4,20 @@ from __future__ import annotations
 
 import math
 import random
+from itertools import pairwise
 from statistics import fmean
 
 import pytest
 
 from companion.geometry import GlobalOrigin
-from sitl.flight.estimate import VELOCITY_WALK, WANDER_S, Estimator, GpsQuality
+from sitl.flight.estimate import (
+    CLAIMED_M,
+    VELOCITY_WALK,
+    WANDER_S,
+    Estimator,
+    GpsQuality,
+    Wander,
+)
 from sitl.flight.physics import FlightState, Physics
 
 TRUTH = Physics(origin=GlobalOrigin(47.4, 8.5, 0.0), start=(3.0, -2.0, -5.0)).state
@@ -114,3 +122,45 @@ def test_the_same_seed_is_the_same_error() -> None:
         return [estimator.step(TRUTH, 0.1 * i) for i in range(50)]
 
     assert track(5) == track(5) != track(6)
+
+
+def test_wander_has_its_deviations_in_position_and_velocity() -> None:
+    """As PX4's filter: 0.25 m and 0.3 m/s, and the velocity's error moves the position."""
+    estimator = Estimator(random.Random(4), wander=Wander(0.25, 0.3))
+    positions, velocities = [], []
+    for i in range(100_000):
+        belief = estimator.step(TRUTH, 0.02 * i)
+        positions.append(math.dist(belief.position, TRUTH.position))
+        velocities.append(math.dist(belief.velocity, TRUTH.velocity))
+    assert math.sqrt(fmean(e * e for e in positions)) == pytest.approx(0.25, rel=0.1)
+    assert math.sqrt(fmean(e * e for e in velocities)) == pytest.approx(0.3, rel=0.1)
+    assert 0.5 < max(positions) < 1.1
+    steps = [abs(b - a) for a, b in pairwise(positions)]
+    assert max(steps) < 0.03  # no jumps
+
+
+def test_the_same_seed_wanders_the_same_way() -> None:
+    def beliefs(seed: int) -> list[FlightState]:
+        estimator = Estimator(random.Random(seed), wander=Wander(0.25, 0.3))
+        return [estimator.step(TRUTH, 0.1 * i) for i in range(50)]
+
+    assert beliefs(1) == beliefs(1) != beliefs(2)
+
+
+def test_the_accuracy_that_is_told_follows_the_errors() -> None:
+    def accuracy_m(estimator: Estimator, seconds: float = 0.0) -> float:
+        believe(estimator, seconds)
+        return estimator.accuracy_m
+
+    good = accuracy_m(Estimator(random.Random(1)))
+    assert good == CLAIMED_M
+    assert accuracy_m(Estimator(random.Random(1), wander=Wander(0.25, 0.3))) == pytest.approx(
+        math.hypot(good, 0.25)
+    )
+    noisy = Estimator(random.Random(1), GpsQuality(noise_m=2.0))
+    assert accuracy_m(noisy) > 2.0 * math.sqrt(2)
+    lost = Estimator(random.Random(1), GpsQuality(is_lost=True))
+    assert accuracy_m(lost, 20.0) > 7.0
+    lost.gps = GpsQuality()
+    lost.step(TRUTH, 30.0)
+    assert lost.accuracy_m == good

@@ -11,6 +11,7 @@ from companion.errors import MissionError
 from companion.geometry import GlobalOrigin
 from companion.mavlink.framing import dialect
 from companion.vehicle_profile import VehicleProfile
+from sitl.flight.estimate import Wander
 from sitl.results import MavResult
 from sitl.world.lidar import LidarSpec
 from sitl.world.payload import PayloadAnswer, PayloadScript, PayloadSite
@@ -35,6 +36,8 @@ payload:
   answers:
     - {east_m: 9, north_m: 4, radius_m: 1, result: FAILED, after_s: 2}
   otherwise: ACCEPTED
+airframe: px4_sih
+wander: {position_m: 0.4}
 """
 
 
@@ -47,6 +50,8 @@ def test_every_key_is_read_into_local_ned() -> None:
         home=GlobalOrigin(48.0, 11.0, 500.0),
         start=(3.0, 2.0, -0.0),
         yaw_rad=math.pi / 2,
+        airframe="px4_sih",
+        wander=Wander(0.4, 0.3),
         wind=(-2.0, 1.0, -0.0),
         turbulence_mps=0.5,
         charge=0.8,

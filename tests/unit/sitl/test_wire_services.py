@@ -10,6 +10,7 @@ from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mavlink.parameters import INT32, REAL32, decode, encode
 from sitl.autopilot.autopilot import Autopilot
 from sitl.autopilot.parameters import PARAMETERS, Parameters
+from sitl.flight.estimate import Estimator
 from sitl.flight.physics import Physics
 from sitl.flight.sensors import Sensors
 from sitl.link.messages import MESSAGE_CLASSES, MESSAGES, compose
@@ -96,6 +97,7 @@ def test_telemetry_has_the_bytes_of_pymavlinks_own_message(name: str) -> None:
         origin,
         Sensors(origin, Random(1), physics.state),
         physics.battery,
+        Estimator(Random(1)),
     )
     streamed = MavlinkCodec(1, 1).frame(MESSAGE_CLASSES[name], MESSAGES[name](vehicle))
     assert streamed == compose(name, vehicle).pack(dialect.MAVLink(None, 1, 1))

@@ -312,3 +312,40 @@ def test_the_mode_of_the_start_is_the_pilots_once_it_was_left(meeting: Meeting) 
     sent = meeting.run(5.0, act=act)
     assert of_type(sent, "COMMAND_LONG") == []
     assert meeting.vehicle.takeover == Takeover(Mode.POSCTL, is_failsafe=False)
+
+
+def test_a_vehicle_left_in_offboard_holds_before_it_arms(meeting: Meeting) -> None:
+    """PX4 falls back to OFFBOARD after our landing, and arms there with setpoints alone."""
+    meeting.autopilot.mode = "OFFBOARD"
+    assert meeting.pursue(Goal.ARMED) is Progress.DONE
+    hold, arm = of_type(meeting.autopilot.heard, "COMMAND_LONG")
+    assert (hold.command, hold.param2, hold.param3) == (SET_MODE, 4.0, 3.0)
+    assert arm.command == ARM
+    assert meeting.vehicle.takeover is None
+
+
+def test_a_mode_that_the_pilot_chose_is_armed_in(meeting: Meeting) -> None:
+    meeting.autopilot.mode = "POSCTL"
+    assert meeting.pursue(Goal.ARMED) is Progress.DONE
+    assert [c.command for c in of_type(meeting.autopilot.heard, "COMMAND_LONG")] == [ARM]
+
+
+def test_a_pilot_s_mode_instead_of_the_hold_ends_the_arming(meeting: Meeting) -> None:
+    meeting.autopilot.mode = "OFFBOARD"
+    meeting.autopilot.is_idle = True
+    meeting.tick(act=lambda: meeting.vehicle.pursue(Goal.ARMED))
+    meeting.autopilot.mode = "POSCTL"
+    assert isinstance(meeting.pursue(Goal.ARMED), Failed)
+    assert meeting.vehicle.takeover == Takeover(Mode.POSCTL, is_failsafe=False)
+    assert ARM not in [c.command for c in of_type(meeting.autopilot.heard, "COMMAND_LONG")]
+
+
+def test_a_landed_vehicle_is_sent_no_setpoint_in_offboard(meeting: Meeting) -> None:
+    in_offboard(meeting)
+    meeting.vehicle.fly(AHEAD)
+    assert meeting.pursue(Goal.LANDED) is Progress.DONE
+    meeting.autopilot.heard.clear()
+    meeting.autopilot.mode = "OFFBOARD"
+    for _ in range(20):
+        meeting.tick()
+    assert of_type(meeting.autopilot.heard, SETPOINT) == []

@@ -78,7 +78,7 @@ def test_the_mission_s_frame_does_not_follow_a_home_that_moves() -> None:
     autopilot.home, autopilot.home_altitude_m = [5.0, 5.0, 0.0], 500.0
     take(telemetry, autopilot.telemetry())
     assert telemetry.home == (0.0, 0.0, 0.0)
-    assert telemetry.home_altitude_m == 488.0
+    assert telemetry.frame.altitude_m == 488.0
 
 
 def test_a_vehicle_that_is_met_in_the_air_has_a_state() -> None:

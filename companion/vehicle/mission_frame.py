@@ -1,0 +1,83 @@
+"""Where the mission's frame lies in the autopilot's local frame.
+
+Its origin is the home position: at first that of the first HOME_POSITION heard. That is one sample
+of an estimate, and PX4 takes another one when it arms; both are off by what the estimate wanders.
+So the frame settles before the first sortie: the vehicle stands where the mission begins, and the
+mean of where it is heard to stand is laid there. After that the frame is kept for good, whatever
+HOME_POSITION says: the walls of the map do not move where the vehicle lands and arms again.
+"""
+
+from __future__ import annotations
+
+from companion.geometry import Ned, distance, horizontal_distance
+
+SETTLING_S = 10.0
+"""Time over which the standing vehicle's position is averaged."""
+SETTLED_M = 0.05
+"""A vehicle this near to where it should stand needs no averaging, and moves no frame."""
+MOVED_M = 1.0
+"""A jump from the mean: the vehicle was carried there, and the averaging begins anew."""
+
+
+class MissionFrame:
+    """The origin of the mission's frame.
+
+    Attributes:
+        origin: in the autopilot's local frame; None until a home position was heard.
+        altitude_m: of the origin above mean sea level.
+    """
+
+    def __init__(self) -> None:
+        self.origin: Ned | None = None
+        self.altitude_m = 0.0
+        self._is_laid = False
+        self._mean: Ned | None = None
+        self._since_s = self._heard_s = 0.0
+        self._newest: Ned = (0.0, 0.0, 0.0)
+
+    def take_home(self, home: Ned, altitude_m: float) -> None:
+        """Takes a HOME_POSITION; the first alone counts."""
+        if self.origin is None:
+            self.origin, self.altitude_m = home, altitude_m
+
+    def take_position(self, now_s: float, local: Ned, is_standing: bool) -> None:
+        """Takes a position in the autopilot's local frame."""
+        if not is_standing:
+            self._mean = None
+        elif self._mean is None or distance(local, self._mean) > MOVED_M:
+            self._mean, self._since_s = local, now_s
+        elif now_s > self._since_s:
+            share = (now_s - self._heard_s) / min(now_s - self._since_s, SETTLING_S)
+            self._mean = _between(self._mean, local, min(share, 1.0))
+        self._heard_s, self._newest = now_s, local
+
+    def gap_m(self, place: Ned) -> float | None:
+        """How far from a place the vehicle stands; None until that is certain."""
+        if self._mean is None or self.origin is None:
+            return None
+        north, east, _ = self.origin
+        there = (north + place[0], east + place[1], 0.0)
+        is_there = all(
+            horizontal_distance(each, there) <= SETTLED_M for each in (self._mean, self._newest)
+        )
+        if not is_there and self._heard_s - self._since_s < SETTLING_S:
+            return None
+        return horizontal_distance(self._mean, there)
+
+    def lay(self, place: Ned) -> None:
+        """The vehicle stands at a place: moves the frame so that this is so, the first time."""
+        if self._is_laid or self._mean is None or self.origin is None:
+            return
+        self._is_laid = True
+        origin = (self._mean[0] - place[0], self._mean[1] - place[1], self._mean[2])
+        if distance(origin, self.origin) > SETTLED_M:
+            self.altitude_m -= origin[2] - self.origin[2]
+            self.origin = origin
+
+
+def _between(start: Ned, end: Ned, share: float) -> Ned:
+    return (
+        start[0] + share * (end[0] - start[0]),
+        start[1] + share * (end[1] - start[1]),
+        start[2] + share * (end[2] - start[2]),
+    )
