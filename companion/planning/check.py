@@ -8,8 +8,10 @@ is part of the word, for a task is about the whole flight and not only about wha
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from companion.ltl.semantics import holds
+from companion.mission.facts import Fact
 from companion.planning.lasso import Lasso, Letter, Problem, word
 
 
@@ -21,9 +23,10 @@ def fault(problem: Problem, lasso: Lasso, histories: Sequence[Sequence[Letter]])
         lasso: the plan.
         histories: per conjunct, the letters that it has read, the present position's included.
     """
-    facts = problem.facts
     if not lasso.loop:
         return "the loop is empty"
+    problem = replace(problem, facts=problem.facts & _spoken_of(problem, lasso))
+    facts = problem.facts
     anchor = facts
     for i, action in enumerate((*lasso.prefix, *lasso.loop)):
         if i == len(lasso.prefix):
@@ -39,3 +42,12 @@ def fault(problem: Problem, lasso: Lasso, histories: Sequence[Sequence[Letter]])
         if not holds(conjunct.formula, [*history, *prefix], loop):
             return f"the plan's word does not satisfy {conjunct.name}: {conjunct.formula}"
     return None
+
+
+def _spoken_of(problem: Problem, lasso: Lasso) -> frozenset[Fact]:
+    """The facts that the task or an action of the plan speaks of; all others stay as they are."""
+    of_task = (conjunct.facts for conjunct in problem.conjuncts)
+    actions = set((*lasso.prefix, *lasso.loop))
+    conditions = (*actions, *(effect for action in actions for effect in action.conditional))
+    of_plan = (c.requires | c.forbids | c.adds | c.deletes for c in conditions)
+    return frozenset().union(*of_task, *of_plan)

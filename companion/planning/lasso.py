@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
+from functools import cached_property
 
 from companion.flight_events.plans import PlannedAction, PlannedLasso
 from companion.flight_events.writing import json_of
@@ -34,7 +35,7 @@ class Conjunct:
     formula: Formula
     automaton: BuchiAutomaton
 
-    @property
+    @cached_property
     def facts(self) -> frozenset[Fact]:
         """The facts that it speaks of."""
         return frozenset(map(Fact.parse, atoms(self.formula)))

@@ -12,7 +12,8 @@ from companion.ltl.formula import Operator
 from companion.ltl.restriction import restricted
 from companion.mission.facts import Fact
 from companion.mission.model import Mission
-from companion.planning.builtin.transition_system import FactBits, TransitionSystem
+from companion.planning.builtin.masked_actions import KnownActions
+from companion.planning.builtin.transition_system import TransitionSystem
 from companion.planning.domain import Action, ConditionalEffect
 from companion.planning.lasso import Conjunct, Lasso
 from companion.planning.planner import Planner
@@ -68,18 +69,16 @@ def _vacuous_lines(planner: Planner) -> Iterator[Notice]:
     """Conjuncts that hold from the start on, whatever is done and whatever happens then."""
     model, mission = planner.model, planner.mission
     open_facts = model.beliefs | {event.fact for event in mission.events.values()}
-    bits = FactBits(())
     actions = [_at_some_time(action, open_facts) for action in model.actions]
-    system = TransitionSystem(actions, mission.initially, bits)
-    free = system.changing | bits.mask(open_facts)
+    system = TransitionSystem(actions, mission.initially, KnownActions())
     again = frozenset().union(*(event.restarts for event in mission.events.values()))
     read = planner.initial_problem()[0].automaton_states
     for conjunct, states in zip(planner.conjuncts, read, strict=True):
         automaton = conjunct.automaton
         constants = {
-            name: bool(bits.bit(name) & system.constant)
+            name: value
             for name in automaton.propositions
-            if not bits.bit(name) & free
+            if name not in open_facts and (value := system.constant_value(name)) is not None
         }
         rest = restricted(automaton, constants)
         at_first = rest.states(automaton.initial if conjunct.name in again else states)

@@ -21,9 +21,10 @@ from companion.ltl.translate import translate
 from companion.mission.facts import Fact
 from companion.mission.model import Mission
 from companion.mission.tree_nodes import Tree, actions
+from companion.planning.builtin.masked_actions import KnownActions
 from companion.planning.builtin.product import Product
 from companion.planning.builtin.search import Search
-from companion.planning.builtin.transition_system import FactBits, TransitionSystem
+from companion.planning.builtin.transition_system import TransitionSystem
 from companion.planning.check import fault
 from companion.planning.domain import (
     Action,
@@ -119,6 +120,7 @@ class Planner:
         self.model = TaskModel(
             tuple(known.get(action, action) for action in model.actions), beliefs
         )
+        self._search.keep(self.model.actions)
 
     def actions_of(self, tree: Tree) -> dict[str, tuple[Action, ...]]:
         """The actions that a tree names; those from `here` start wherever that may be.
@@ -244,7 +246,7 @@ class Planner:
             MissionError: the mission does not know one of the names.
         """
         problem, _ = self.initial_problem(at=at, facts=facts, without=without)
-        return TransitionSystem(problem.actions, problem.facts, FactBits(()))
+        return TransitionSystem(problem.actions, problem.facts, KnownActions())
 
     def product(
         self, *, at: str | None = None, facts: Iterable[str] = (), without: Iterable[str] = ()

@@ -28,8 +28,8 @@ from typing import NamedTuple, TypeVar
 
 from companion.ltl.bitsets import indices
 from companion.ltl.components import reaching, strong_components
+from companion.planning.builtin.fact_bits import FactBits
 from companion.planning.builtin.masked_automaton import MaskedAutomaton, RestrictedConjunct
-from companion.planning.builtin.transition_system import FactBits
 
 MAX_EDGES = 5_000
 """Edges after which it stays undecided whether a conjunct is implied. About 4 us each."""

@@ -145,7 +145,7 @@ class LoopSearch:
             return None
         found = [
             EnteredLoop(rank(entry.prefix_ms, cost_ms), entry, cost_ms, (action,))
-            for after, action, cost_ms in self._product.system.successors(facts)
+            for after, action, cost_ms in self._product.system.steps(facts)
             if after == facts
         ]
         best = min(found, key=lambda loop: loop.rank, default=None)
@@ -180,7 +180,7 @@ class LoopSearch:
         return [
             [
                 _Step(self._place_of[after], cost_ms, action)
-                for after, action, cost_ms in self._product.system.successors(facts)
+                for after, action, cost_ms in self._product.system.steps(facts)
                 if after in self._place_of
             ]
             for facts in self._facts

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from companion.ltl.automaton import BuchiAutomaton
 from companion.ltl.restriction import Restriction
-from companion.planning.builtin.transition_system import FactBits
+from companion.planning.builtin.fact_bits import FactBits
 from companion.planning.lasso import Conjunct
 
 

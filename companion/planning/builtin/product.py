@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
@@ -26,9 +26,10 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from companion.errors import SearchLimit
+from companion.planning.builtin.masked_actions import KnownActions
 from companion.planning.builtin.masked_automaton import MaskedAutomaton, RestrictedConjunct
 from companion.planning.builtin.restrictions import Restrictions
-from companion.planning.builtin.transition_system import FactBits, TransitionSystem
+from companion.planning.builtin.transition_system import Successors, TransitionSystem
 from companion.planning.effort import BEFORE_FLIGHT
 from companion.planning.lasso import Problem
 
@@ -65,7 +66,7 @@ class Product:
 
     Args:
         problem: what to plan.
-        bits: of the facts, with the actions that are in every problem.
+        known: actions and facts over bits, kept from plan to plan.
         restrictions: of the conjuncts, kept from plan to plan.
         max_edges: limit of the search.
         min_goals: one-shot goals are kept out if there are so many.
@@ -78,31 +79,32 @@ class Product:
     def __init__(
         self,
         problem: Problem,
-        bits: FactBits,
+        known: KnownActions,
         restrictions: Restrictions,
         max_edges: int = BEFORE_FLIGHT.product_edges,
         min_goals: int = MIN_ONE_SHOT_GOALS,
         with_implied: bool = False,
     ) -> None:
-        self._problem, self._bits, self._max_edges = problem, bits, max_edges
-        self.system = TransitionSystem(problem.actions, problem.facts, bits)
+        self._problem, self._bits, self._max_edges = problem, known.bits, max_edges
+        self.system = TransitionSystem(problem.actions, problem.facts, known)
         self._restrictions = restrictions
         self._parts: list[RestrictedConjunct] = []  # whose automata are read
         self.automata: list[MaskedAutomaton] = []
         choices: list[list[int]] = []
         goals: list[tuple[MaskedAutomaton, int]] = []
         marks = 0
+        constants = self.system.constant_value
         parts = [
-            RestrictedConjunct.of(conjunct, restrictions.of(conjunct, self._constant), states)
+            RestrictedConjunct.of(conjunct, restrictions.of(conjunct, constants), states)
             for conjunct, states in zip(problem.conjuncts, problem.automaton_states, strict=True)
         ]
         parts = [part for part in parts if not part.accepts_all]
         if not with_implied:
             letters = partial(self.system.reachable, MAX_LETTERS)
-            parts = restrictions.implications.without_implied(parts, letters, bits)
+            parts = restrictions.implications.without_implied(parts, letters, self._bits)
         is_worth_it = sum(part.is_one_shot for part in parts) >= min_goals
         for part in parts:
-            automaton = restrictions.masked(part, marks, bits)
+            automaton = restrictions.masked(part, marks, self._bits)
             if part.is_one_shot and is_worth_it:
                 goals.append((automaton, part.states[0]))
             else:
@@ -113,7 +115,6 @@ class Product:
         if math.prod(map(len, choices)) > max_edges:
             raise SearchLimit(f"{max_edges:,} initial states of the product")
         self.all_marks = (1 << marks) - 1
-        self._joint: dict[tuple[int, tuple[int, ...]], list[tuple[tuple[int, ...], int]]] = {}
         initial = [(self.system.start, states, 0) for states in itertools.product(*choices)]
         self._nodes = self._explore(initial)
         self.one_shot_goals = [
@@ -191,13 +192,13 @@ class Product:
             conjuncts=tuple(str(part.conjunct.formula) for part in self._parts),
             one_shot_goals=len(self.one_shot_goals),
             marks=self.all_marks.bit_length(),
-            constant=self._bits.facts(self.system.constant),
+            constant=self.system.constant,
         )
         met_at = [frozenset(nodes) for nodes in self.one_shot_goals]
         for node, (facts, states, marks) in enumerate(self._nodes):
             graph.add_node(
                 node,
-                facts=self._bits.facts(facts),
+                facts=self._bits.facts(facts & self.system.changing),
                 automaton_states=states,
                 marks=tuple(mark for mark in range(marks.bit_length()) if marks >> mark & 1),
                 goals=tuple(goal for goal, nodes in enumerate(met_at) if node in nodes),
@@ -208,44 +209,32 @@ class Product:
                 graph.add_edge(node, end, action=name, cost_ms=cost_ms)
         return graph
 
-    def _constant(self, proposition: str) -> bool | None:
-        """The value of a proposition that keeps it; None for others."""
-        bit = self._bits.bit(proposition)
-        return None if bit & self.system.changing else bool(bit & self.system.constant)
-
     def _explore(self, initial: list[Node]) -> list[Node]:
         """Finds all nodes and edges from the initial nodes on; returns the nodes."""
-        number_of = {node: number for number, node in enumerate(initial)}
         self.initial = list(range(len(initial)))
         nodes = list(initial)
+        number_of = {node: number for number, node in enumerate(initial)}
+        entered: dict[tuple[int, ...], _Entered] = {}
         first, ends, costs, actions = [0], [], [], []
-        successors_of = self.system.successors
-        for state, automata, _ in nodes:  # grows while it is read
-            cheapest: dict[int, tuple[int, int]] = {}
-            for after, action, cost_ms in successors_of(state):
-                for following, marks in self._joint_moves(after, automata):
-                    node = (after, following, marks)
-                    number = number_of.get(node)
-                    if number is None:
-                        number = number_of[node] = len(nodes)
-                        nodes.append(node)
-                    known = cheapest.get(number)
-                    if known is None or cost_ms < known[0]:
-                        cheapest[number] = (cost_ms, action)
-            for number, (cost_ms, action) in sorted(cheapest.items(), key=_by_action):
-                ends.append(number)
-                costs.append(cost_ms)
-                actions.append(action)
+        for facts, states, _ in nodes:  # grows while it is read
+            into = entered.get(states)
+            if into is None:
+                moves = partial(self._joint_moves, states=states)
+                into = entered[states] = _Entered(moves, nodes, number_of)
+            leaving = into.edges(self.system.successors(facts))
+            ends += leaving.states
+            costs += leaving.costs
+            actions += leaving.actions
             first.append(len(ends))
             if len(ends) > self._max_edges:
                 raise SearchLimit(f"{self._max_edges:,} edges of the product")
         self.marks = [marks for _, _, marks in nodes]
-        states: dict[tuple[int, tuple[int, ...]], int] = {}
-        facts: dict[int, int] = {}
+        states_of: dict[tuple[int, tuple[int, ...]], int] = {}
+        facts_of: dict[int, int] = {}
         self.state_of, self.facts_of = [], []
         for number, (held, own, _) in enumerate(nodes):
-            self.state_of.append(states.setdefault((held, own), number))
-            self.facts_of.append(facts.setdefault(held, number))
+            self.state_of.append(states_of.setdefault((held, own), number))
+            self.facts_of.append(facts_of.setdefault(held, number))
         self.first = np.array(first, np.int32)
         self.ends = np.array(ends, np.int32)
         self.costs = np.array(costs, np.int64)
@@ -256,16 +245,62 @@ class Product:
         self, facts: int, states: tuple[int, ...]
     ) -> list[tuple[tuple[int, ...], int]]:
         """All joint moves of the automata on the label of some facts, with their marks."""
-        joint = self._joint.get((facts, states))
-        if joint is None:
-            joint = [((), 0)]
-            for automaton, state in zip(self.automata, states, strict=True):
-                moves = automaton.successors(state, facts)
-                if len(joint) * len(moves) > self._max_edges:
-                    raise SearchLimit(f"{self._max_edges:,} joint moves of the automata")
-                joint = [((*zs, z), marks | m) for zs, marks in joint for z, m in moves]
-            self._joint[facts, states] = joint
+        joint: list[tuple[tuple[int, ...], int]] = [((), 0)]
+        for automaton, state in zip(self.automata, states, strict=True):
+            moves = automaton.successors(state, facts)
+            if len(joint) * len(moves) > self._max_edges:
+                raise SearchLimit(f"{self._max_edges:,} joint moves of the automata")
+            joint = [((*zs, z), marks | m) for zs, marks in joint for z, m in moves]
         return joint
+
+
+class _Entered(dict[int, list[int]]):
+    """By the facts that are reached, the nodes that are entered from some automaton states.
+
+    Nodes are numbered as they are met.
+    """
+
+    def __init__(
+        self,
+        moves: Callable[[int], list[tuple[tuple[int, ...], int]]],
+        nodes: list[Node],
+        number_of: dict[Node, int],
+    ) -> None:
+        super().__init__()
+        self._moves, self._nodes, self._number_of = moves, nodes, number_of
+        self._is_function = True  # so far each set of facts leads to one node
+
+    def __missing__(self, facts: int) -> list[int]:
+        numbers = []
+        for following, marks in self._moves(facts):
+            node = (facts, following, marks)
+            number = self._number_of.setdefault(node, len(self._nodes))
+            if number == len(self._nodes):
+                self._nodes.append(node)
+            numbers.append(number)
+        self[facts] = numbers
+        self._is_function &= len(numbers) == 1
+        return numbers
+
+    def edges(self, successors: Successors) -> Successors:
+        """The nodes after a node, the cheapest edge to each."""
+        entered = list(map(self.__getitem__, successors.states))
+        ends = list(itertools.chain.from_iterable(entered))
+        if self._is_function and len(set(ends)) == len(ends):
+            return Successors(ends, successors.actions, successors.costs)
+        cheapest: dict[int, tuple[int, int]] = {}
+        each = zip(entered, successors.actions, successors.costs, strict=True)
+        for numbers, action, cost_ms in each:
+            for number in numbers:
+                known = cheapest.get(number)
+                if known is None or cost_ms < known[0]:
+                    cheapest[number] = (cost_ms, action)
+        kept = sorted(cheapest.items(), key=_by_action)
+        return Successors(
+            [number for number, _ in kept],
+            [action for _, (_, action) in kept],
+            [cost_ms for _, (cost_ms, _) in kept],
+        )
 
 
 def _by_action(edge: tuple[int, tuple[int, int]]) -> int:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 
 from companion.ltl.restriction import Restriction, restricted
+from companion.planning.builtin.fact_bits import FactBits
 from companion.planning.builtin.implied import Implications
 from companion.planning.builtin.lap_profiles import LapProfiles
 from companion.planning.builtin.masked_automaton import MaskedAutomaton, RestrictedConjunct
-from companion.planning.builtin.transition_system import FactBits
 from companion.planning.lasso import Conjunct
 
 

@@ -32,11 +32,11 @@ from companion.errors import SearchLimit
 from companion.planning.builtin.costs import UNREACHABLE_MS
 from companion.planning.builtin.loop_entry import ProductPlan, entered_best, least_lap_ms, rank
 from companion.planning.builtin.loops import Loops, loops_of
+from companion.planning.builtin.masked_actions import KnownActions
 from companion.planning.builtin.one_shot_goals import OneShotGoals
 from companion.planning.builtin.product import MIN_ONE_SHOT_GOALS, Product
 from companion.planning.builtin.restrictions import Restrictions
 from companion.planning.builtin.shortest_paths import Edge, ShortestPaths
-from companion.planning.builtin.transition_system import FactBits
 from companion.planning.domain import Action
 from companion.planning.effort import BEFORE_FLIGHT, Effort
 from companion.planning.lasso import Lasso, Problem, Solution
@@ -54,12 +54,16 @@ class Search:
     """Plans from any state of one mission.
 
     Args:
-        actions: those that are in every problem.
+        actions: those that every problem begins with.
     """
 
     def __init__(self, actions: Sequence[Action] = ()) -> None:
-        self._bits = FactBits(actions)
+        self._known = KnownActions(actions)
         self._restrictions = Restrictions()
+
+    def keep(self, actions: Sequence[Action]) -> None:
+        """Other actions are in every problem from now on."""
+        self._known.keep(actions)
 
     def is_solvable(self, problem: Problem, effort: Effort = BEFORE_FLIGHT) -> bool | None:
         """Whether there is a lasso; None if the product has too many states to search."""
@@ -114,7 +118,7 @@ class Search:
         with_implied: bool = False,
     ) -> Product:
         product = Product(
-            problem, self._bits, self._restrictions, effort.product_edges, min_goals, with_implied
+            problem, self._known, self._restrictions, effort.product_edges, min_goals, with_implied
         )
         log.debug("product of %d nodes and %d edges", product.nodes, len(product.ends))
         return product

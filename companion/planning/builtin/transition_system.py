@@ -3,18 +3,20 @@
 Most facts never change in a plan: events keep their value, beliefs hold, and much of what a
 mission can name is out of reach. What can change is found by relaxed reachability (actions
 without their deletes, Bonet and Geffner 2001); all else is a constant. A state is the set of
-the facts that hold among those that can change.
+the facts that hold among those that some action changes.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
+from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 from companion.errors import SearchLimit
 from companion.mission.facts import Fact
-from companion.planning.domain import Action, ConditionalEffect
+from companion.planning.builtin.masked_actions import ActionGroup, KnownActions
+from companion.planning.domain import Action
 
 if TYPE_CHECKING:
     import networkx
@@ -23,145 +25,72 @@ MAX_GRAPH_STATES = 100_000
 """States of a transition system that are given out as a graph."""
 
 
-class MaskedEffect(NamedTuple):
-    """A conditional effect over bit masks."""
+class Successors(NamedTuple):
+    """The states after a state, each with the action and its cost, in the order of the actions."""
 
-    requires: int
-    forbids: int
-    adds: int
-    deletes: int
-
-
-class MaskedAction(NamedTuple):
-    """An action over bit masks; `number` is its place among the problem's actions."""
-
-    number: int
-    requires: int
-    forbids: int
-    adds: int
-    deletes: int
-    cost_ms: int
-    conditional: tuple[MaskedEffect, ...]
-
-
-class Successor(NamedTuple):
-    """The state after an action."""
-
-    state: int
-    action: int
-    cost_ms: int
-
-
-class FactBits:
-    """Numbers facts as bits, and turns actions into masks of them.
-
-    Args:
-        actions: these are turned into masks once and kept; others are each time.
-
-    >>> bits = FactBits(())
-    >>> bits.mask({"at(A)", "lit"}), bits.mask({"lit"})
-    (3, 2)
-    >>> sorted(bits.facts(3))
-    ['at(A)', 'lit']
-    """
-
-    def __init__(self, actions: Sequence[Action]) -> None:
-        self._bit: dict[str, int] = {}  # by proposition
-        self._actions = actions  # keeps the identities below their own
-        self._masked: dict[int, MaskedAction] = {}
-        for number, action in enumerate(actions):
-            self._masked[id(action)] = self._mask_action(number, action)
-
-    def mask(self, propositions: Iterable[str]) -> int:
-        """The bits of some facts, or of the propositions of an automaton's label."""
-        bits = 0
-        for proposition in sorted(propositions):  # sets have no order of their own
-            bits |= self.bit(proposition)
-        return bits
-
-    def bit(self, proposition: str) -> int:
-        """The bit of a fact, which may be given as a proposition."""
-        bit = self._bit.get(proposition)
-        if bit is None:
-            bit = self._bit[proposition] = 1 << len(self._bit)
-        return bit
-
-    def facts(self, mask: int) -> frozenset[Fact]:
-        """The facts whose bits are in a mask."""
-        return frozenset(Fact.parse(p) for p, bit in self._bit.items() if bit & mask)
-
-    def masked(self, actions: Sequence[Action]) -> list[MaskedAction]:
-        """The actions over bits, in their order."""
-        known = self._masked
-        return [
-            masked
-            if (masked := known.get(id(action))) is not None and masked.number == number
-            else self._mask_action(number, action)
-            for number, action in enumerate(actions)
-        ]
-
-    def _mask_action(self, number: int, action: Action) -> MaskedAction:
-        return MaskedAction(
-            number,
-            adds=self.mask(action.adds),  # what changes comes first and has low bits
-            deletes=self.mask(action.deletes),
-            requires=self.mask(action.requires),
-            forbids=self.mask(action.forbids),
-            cost_ms=action.cost_ms,
-            conditional=tuple(map(self._mask_effect, action.conditional)),
-        )
-
-    def _mask_effect(self, effect: ConditionalEffect[Fact]) -> MaskedEffect:
-        return MaskedEffect(
-            self.mask(effect.requires),
-            self.mask(effect.forbids),
-            self.mask(effect.adds),
-            self.mask(effect.deletes),
-        )
+    states: list[int]
+    actions: list[int]
+    costs: list[int]
 
 
 class TransitionSystem:
     """The states that a problem's actions lead to.
 
     Attributes:
-        start: the facts at the start, without those that never change.
+        start: the facts at the start.
         changing: the facts that can change.
-        constant: the facts that always hold.
-        masked: all actions over bits.
 
     Args:
         actions: of the problem.
         facts: that hold at the start.
-        bits: of the facts.
+        known: actions over bits, kept from plan to plan.
     """
 
-    def __init__(self, actions: Sequence[Action], facts: frozenset[Fact], bits: FactBits) -> None:
-        self.masked = bits.masked(actions)
-        held = bits.mask(facts)
-        possible, reached = _possible(self.masked, held)
-        deleted = _deleted(possible)
+    def __init__(
+        self, actions: Sequence[Action], facts: frozenset[Fact], known: KnownActions
+    ) -> None:
+        groups = known.given(tuple(actions), facts)
+        held = known.state(facts)
+        self._possible, reached = _possible(groups, held)
+        deleted = _deleted(self._possible)
         self.changing = (reached & ~held) | (held & deleted)
-        self.constant = held & ~self.changing
-        self.start = held & self.changing
-        self._actions, self._bits = actions, bits
-        self._successors: dict[int, list[Successor]] = {}
-        self._always, self._by_fact = _indexed(
-            [self._without_constants(action) for action in possible]
-        )
+        self.start = held
+        self._actions, self._facts, self._bits = actions, facts, known.bits
+        self._successors: dict[int, Successors] = {}
+        self._always, self._by_fact = _indexed(self._possible)
 
-    def successors(self, state: int) -> list[Successor]:
-        """The states after a state, in the order of the actions."""
+    @cached_property
+    def possible(self) -> list[int]:
+        """The numbers of the actions that may ever be applicable."""
+        return sorted(number for group in self._possible for number in group.numbers)
+
+    @cached_property
+    def constant(self) -> frozenset[Fact]:
+        """The facts that always hold."""
+        return self._facts - self._bits.facts(self.changing)
+
+    def constant_value(self, proposition: str) -> bool | None:
+        """The value of a proposition that keeps it; None for others."""
+        is_changing = self._bits.bit(proposition) & self.changing
+        return None if is_changing else proposition in self._facts
+
+    def successors(self, state: int) -> Successors:
+        """The states after a state."""
         found = self._successors.get(state)
         if found is None:
-            found = self._successors[state] = sorted(self._applied(state), key=_action)
+            found = self._successors[state] = self._applied(state)
         return found
+
+    def steps(self, state: int) -> Iterator[tuple[int, int, int]]:
+        """The states after a state, each with the action and its cost."""
+        return zip(*self.successors(state), strict=True)
 
     def reachable(self, max_states: int) -> list[int] | None:
         """All states that can be reached, the start first; None if there are more than allowed."""
         states = [self.start]
         seen = {self.start}
         for state in states:  # grows while it is read
-            for after, _, _ in self.successors(state):
+            for after in self.successors(state).states:
                 if after not in seen:
                     seen.add(after)
                     states.append(after)
@@ -171,7 +100,8 @@ class TransitionSystem:
 
     def after(self, state: int, action: int) -> int:
         """The state after an action that is applicable, given by its number."""
-        return next(s.state for s in self.successors(state) if s.action == action)
+        found = self.successors(state)
+        return found.states[found.actions.index(action)]
 
     def to_networkx(self, max_states: int = MAX_GRAPH_STATES) -> networkx.MultiDiGraph:
         """All states that can be reached, and the actions between them, as a graph.
@@ -184,18 +114,18 @@ class TransitionSystem:
             SearchLimit: there are more states than `max_states`.
 
         >>> from companion.planning.domain import WAIT
-        >>> graph = TransitionSystem([WAIT], frozenset({"day"}), FactBits(())).to_networkx()
+        >>> graph = TransitionSystem([WAIT], frozenset({"day"}), KnownActions()).to_networkx()
         >>> list(graph.edges(keys=True)), graph.nodes[0]["facts"], graph.graph["constant"]
         ([(0, 0, 'wait')], frozenset(), frozenset({'day'}))
         """
         import networkx
 
-        graph = networkx.MultiDiGraph(constant=self._bits.facts(self.constant))
+        graph = networkx.MultiDiGraph(constant=self.constant)
         states = [self.start]
         number_of = {self.start: 0}
         for number, state in enumerate(states):  # grows while it is read
-            graph.add_node(number, facts=self._bits.facts(state))
-            for after, action, cost_ms in self.successors(state):
+            graph.add_node(number, facts=self._bits.facts(state & self.changing))
+            for after, action, cost_ms in self.steps(state):
                 if after not in number_of:
                     number_of[after] = len(states)
                     states.append(after)
@@ -205,94 +135,71 @@ class TransitionSystem:
                 raise SearchLimit(f"{max_states:,} states of the transition system")
         return graph
 
-    def _applied(self, state: int) -> Iterator[Successor]:
-        candidates = [self._always]
-        rest = state
-        while rest:
-            bit = rest & -rest
-            rest ^= bit
-            if bit in self._by_fact:
-                candidates.append(self._by_fact[bit])
-        for actions in candidates:
-            for number, requires, forbids, adds, deletes, cost_ms, conditional in actions:
-                if requires & state == requires and not forbids & state:
-                    for effect in conditional:
-                        if effect.requires & state == effect.requires and not (
-                            effect.forbids & state
-                        ):
-                            adds, deletes = adds | effect.adds, deletes | effect.deletes
-                    yield Successor(state & ~deletes | adds, number, cost_ms)
-
-    def _without_constants(self, action: MaskedAction) -> MaskedAction:
-        """A possible action: of its condition only what can change is left."""
-        changing = self.changing
-        return MaskedAction(
-            action.number,
-            action.requires & changing,
-            action.forbids & changing,
-            action.adds & changing,
-            action.deletes,
-            action.cost_ms,
-            tuple(
-                MaskedEffect(
-                    effect.requires & changing,
-                    effect.forbids & changing,
-                    effect.adds & changing,
-                    effect.deletes,
-                )
-                for effect in action.conditional
-                if not effect.requires & ~(changing | self.constant)
-                and not effect.forbids & self.constant
-            )
-            if action.conditional
-            else (),
+    def _applied(self, state: int) -> Successors:
+        candidates = [*self._always]
+        for bit in _bits(state):
+            candidates += self._by_fact.get(bit, ())
+        applicable = [group for group in candidates if group.is_applicable(state)]
+        applicable.sort(key=_first_number)
+        states: list[int] = []
+        actions: list[int] = []
+        costs: list[int] = []
+        is_sorted = True
+        for group in applicable:
+            is_sorted = is_sorted and (not actions or actions[-1] < group.numbers[0])
+            states += group.ends(state)
+            actions += group.numbers
+            costs += group.costs
+        if is_sorted:
+            return Successors(states, actions, costs)
+        order = sorted(range(len(actions)), key=actions.__getitem__)
+        return Successors(
+            [states[i] for i in order], [actions[i] for i in order], [costs[i] for i in order]
         )
 
 
-def _action(successor: Successor) -> int:
-    return successor.action
+def _first_number(group: ActionGroup) -> int:
+    return group.numbers[0]
 
 
-def _possible(actions: Sequence[MaskedAction], facts: int) -> tuple[list[MaskedAction], int]:
+def _possible(groups: Sequence[ActionGroup], facts: int) -> tuple[list[ActionGroup], int]:
     """The actions that may ever be applicable, and all facts that may ever hold."""
     blocked = 0  # facts that always hold
     while True:
-        possible, reached = _relaxed(actions, facts, blocked)
+        possible, reached = _relaxed(groups, facts, blocked)
         always = facts & ~_deleted(possible)
-        if always == blocked or not any(action.forbids & always for action in possible):
+        if always == blocked or not any(group.forbids & always for group in possible):
             return possible, reached
         blocked = always
 
 
-def _deleted(actions: Sequence[MaskedAction]) -> int:
+def _deleted(groups: Sequence[ActionGroup]) -> int:
     """All facts that some of the actions may delete."""
     deleted = 0
-    for action in actions:
-        deleted |= action.deletes
-        for effect in action.conditional:
-            deleted |= effect.deletes
+    for group in groups:
+        deleted |= group.deletes
     return deleted
 
 
 def _relaxed(
-    actions: Sequence[MaskedAction], facts: int, blocked: int
-) -> tuple[list[MaskedAction], int]:
+    groups: Sequence[ActionGroup], facts: int, blocked: int
+) -> tuple[list[ActionGroup], int]:
     """Reachability without deletes, and without actions that forbid a blocked fact."""
     reached = facts
-    possible: list[MaskedAction] = []
-    waiting = [action for action in actions if not action.forbids & blocked]
+    possible: list[ActionGroup] = []
+    waiting = [group for group in groups if not group.forbids & blocked]
     while True:
         before = reached
         later = []
-        for action in waiting:
-            if action.requires & ~reached:
-                later.append(action)
+        for group in waiting:
+            if group.requires & ~reached:
+                later.append(group)
             else:
-                possible.append(action)
-                reached |= action.adds
-        for action in possible:
-            for effect in action.conditional:
-                if not effect.requires & ~reached:
+                possible.append(group)
+                reached |= group.adds
+        for group in possible:
+            for effect in group.conditional:
+                if not effect.condition.requires & ~reached:
                     reached |= effect.adds
         if reached == before:
             return possible, reached
@@ -300,20 +207,20 @@ def _relaxed(
 
 
 def _indexed(
-    actions: Sequence[MaskedAction],
-) -> tuple[list[MaskedAction], dict[int, list[MaskedAction]]]:
+    groups: Sequence[ActionGroup],
+) -> tuple[list[ActionGroup], dict[int, list[ActionGroup]]]:
     """The actions without a precondition, and the others by their most selective fact."""
     count: dict[int, int] = defaultdict(int)
-    for action in actions:
-        for bit in _bits(action.requires):
+    for group in groups:
+        for bit in _bits(group.requires):
             count[bit] += 1
-    always: list[MaskedAction] = []
-    by_fact: dict[int, list[MaskedAction]] = defaultdict(list)
-    for action in actions:
-        if action.requires:
-            by_fact[min(_bits(action.requires), key=count.__getitem__)].append(action)
+    always: list[ActionGroup] = []
+    by_fact: dict[int, list[ActionGroup]] = defaultdict(list)
+    for group in groups:
+        if group.requires:
+            by_fact[min(_bits(group.requires), key=count.__getitem__)].append(group)
         else:
-            always.append(action)
+            always.append(group)
     return always, by_fact
 
 

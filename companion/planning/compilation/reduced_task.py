@@ -15,7 +15,8 @@ from functools import cached_property
 
 from companion.ltl.automaton import BuchiAutomaton
 from companion.mission.facts import Fact
-from companion.planning.builtin.transition_system import FactBits, TransitionSystem
+from companion.planning.builtin.masked_actions import KnownActions
+from companion.planning.builtin.transition_system import TransitionSystem
 from companion.planning.domain import Action, ConditionalEffect
 from companion.planning.lasso import Conjunct, Problem
 
@@ -104,16 +105,10 @@ class ReducedTask:
 
 def reduced_task(problem: Problem) -> ReducedTask:
     """The part of a problem that can change, by relaxed reachability (`transition_system.py`)."""
-    bits = FactBits(problem.actions)
-    system = TransitionSystem(problem.actions, problem.facts, bits)
-    reached = system.changing | system.constant
-    possible = [
-        problem.actions[masked.number]
-        for masked in system.masked
-        if not masked.requires & ~reached and not masked.forbids & system.constant
-    ]
+    system = TransitionSystem(problem.actions, problem.facts, KnownActions())
+    possible = [problem.actions[number] for number in system.possible]
     named = problem.facts.union(*(a.adds | a.deletes | _conditionally(a) for a in possible))
-    changing = frozenset(f for f in named if bits.bit(f) & system.changing)
+    changing = frozenset(f for f in named if system.constant_value(f) is None)
     always = problem.facts - changing
     return ReducedTask(
         tuple(_without_constants(action, changing, always) for action in possible),

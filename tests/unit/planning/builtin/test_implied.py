@@ -11,11 +11,11 @@ from hypothesis import strategies as st
 from problems import Legs, asking, histories, problem, random_legs, unit_legs
 
 from companion.ltl.semantics import accepts
+from companion.planning.builtin.fact_bits import FactBits
 from companion.planning.builtin.implied import is_implied
 from companion.planning.builtin.masked_automaton import RestrictedConjunct
 from companion.planning.builtin.restrictions import Restrictions
 from companion.planning.builtin.search import Search
-from companion.planning.builtin.transition_system import FactBits
 from companion.planning.check import fault
 from companion.planning.effort import IN_FLIGHT
 from companion.planning.lasso import Problem, Solution
@@ -128,7 +128,7 @@ def test_no_word_that_the_others_accept_is_rejected(
     lines: list[str], prefix: list[str], loop: list[str], history: list[str]
 ) -> None:
     """Soundness: a line that is found to be implied holds wherever the others do."""
-    bits, restrictions = FactBits(()), Restrictions()
+    bits, restrictions = FactBits(), Restrictions()
     letters = [bits.bit(name) for name in LETTERS]
     task = " & ".join(f"({line})" for line in lines)
     asked = asking(task, (), [{name} for name in (*history, "at(H)")])

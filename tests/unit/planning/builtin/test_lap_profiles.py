@@ -14,9 +14,9 @@ from companion.ltl.parser import parse
 from companion.ltl.restriction import restricted
 from companion.ltl.semantics import accepts
 from companion.ltl.translate import translate
+from companion.planning.builtin.fact_bits import FactBits
 from companion.planning.builtin.lap_profiles import EMPTY, LapProfiles
 from companion.planning.builtin.masked_automaton import MaskedAutomaton
-from companion.planning.builtin.transition_system import FactBits
 
 FORMULAS = [
     "G F p",
@@ -30,7 +30,7 @@ FORMULAS = [
 ]
 NAMES = ("p", "q")
 LETTERS = [frozenset(some) for n in range(3) for some in itertools.combinations(NAMES, n)]
-BITS = FactBits(())
+BITS = FactBits()
 FACTS = {letter: BITS.mask(letter) for letter in LETTERS}
 
 

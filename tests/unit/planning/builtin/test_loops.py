@@ -12,10 +12,10 @@ from problems import action, asking, problem, random_legs, unit_legs
 from reference_search import laps
 
 from companion.planning.builtin.loops import Loops, ShortestCycles, TargetTours, loops_of
+from companion.planning.builtin.masked_actions import KnownActions
 from companion.planning.builtin.product import Product
 from companion.planning.builtin.restrictions import Restrictions
 from companion.planning.builtin.shortest_paths import ShortestPaths
-from companion.planning.builtin.transition_system import FactBits
 from companion.planning.domain import WAIT
 from companion.planning.effort import BEFORE_FLIGHT, Effort
 from companion.planning.lasso import Problem
@@ -25,7 +25,7 @@ ROUGH = replace(BEFORE_FLIGHT, dijkstra_edges=1, held_karp_additions=0)
 
 def offered(asked: Problem, effort: Effort = BEFORE_FLIGHT) -> tuple[Product, Loops]:
     """The loops of the component with the most nodes that meets all marks: the patrol."""
-    made = Product(asked, FactBits(asked.actions), Restrictions())
+    made = Product(asked, KnownActions(asked.actions), Restrictions())
     paths = ShortestPaths(made)
     reach = paths.costs_from(range(made.nodes)) < 1 << 49
     mutual = reach & reach.T

@@ -13,9 +13,9 @@ from problems import action, asking, find_lasso, problem, unit_legs
 from synthetic import command, event, facts_of, mission, planner
 
 from companion.errors import SearchLimit
+from companion.planning.builtin.masked_actions import KnownActions
 from companion.planning.builtin.product import MIN_ONE_SHOT_GOALS, Product
 from companion.planning.builtin.restrictions import Restrictions
-from companion.planning.builtin.transition_system import FactBits
 from companion.planning.domain import WAIT
 from companion.planning.lasso import Problem
 
@@ -28,7 +28,7 @@ def on_the_map(task: str) -> Problem:
 
 
 def product(asked: Problem, max_edges: int = 100_000) -> Product:
-    return Product(asked, FactBits(asked.actions), Restrictions(), max_edges)
+    return Product(asked, KnownActions(asked.actions), Restrictions(), max_edges)
 
 
 @pytest.mark.parametrize("formula", FORMULAS)

@@ -14,10 +14,10 @@ from problems import action, asking, problem, random_legs, unit_legs
 from scipy.sparse import csr_array
 
 from companion.planning.builtin.costs import UNREACHABLE_MS
+from companion.planning.builtin.masked_actions import KnownActions
 from companion.planning.builtin.product import Product
 from companion.planning.builtin.restrictions import Restrictions
 from companion.planning.builtin.shortest_paths import Edge, ShortestPaths
-from companion.planning.builtin.transition_system import FactBits
 from companion.planning.lasso import Problem
 
 TASKS = [
@@ -29,7 +29,7 @@ TASKS = [
 
 
 def product(asked: Problem) -> Product:
-    return Product(asked, FactBits(asked.actions), Restrictions())
+    return Product(asked, KnownActions(asked.actions), Restrictions())
 
 
 def on_a_random_map(task: str, seed: int = 1) -> Product:

@@ -11,7 +11,9 @@ from problems import action, move
 from synthetic import facts_of
 
 from companion.errors import SearchLimit
-from companion.planning.builtin.transition_system import FactBits, TransitionSystem
+from companion.planning.builtin.fact_bits import FactBits
+from companion.planning.builtin.masked_actions import KnownActions
+from companion.planning.builtin.transition_system import TransitionSystem
 from companion.planning.domain import WAIT, Action, ConditionalEffect
 
 FACTS = ("p", "q", "r", "s", "t")
@@ -45,9 +47,9 @@ def actions(draw: st.DrawFn) -> list[Action]:
     return made
 
 
-def system(made: list[Action], facts: frozenset[str]) -> tuple[FactBits, TransitionSystem]:
-    bits = FactBits(made)
-    return bits, TransitionSystem(made, facts, bits)
+def system(made: list[Action], facts: frozenset[str]) -> tuple[KnownActions, TransitionSystem]:
+    known = KnownActions(made)
+    return known, TransitionSystem(made, facts, known)
 
 
 def reachable(made: list[Action], facts: frozenset[str]) -> set[frozenset[str]]:
@@ -64,16 +66,15 @@ def reachable(made: list[Action], facts: frozenset[str]) -> set[frozenset[str]]:
 def test_successors_are_what_the_actions_do_in_every_reachable_state(
     made: list[Action], start: frozenset[str]
 ) -> None:
-    bits, found = system(made, start)
-    assert found.start == bits.mask(start) & found.changing
+    known, found = system(made, start)
+    assert found.start == known.state(start)
     for facts in reachable(made, start):
         expected = [
-            (bits.mask(a.apply(facts)) & found.changing, i, a.cost_ms)
+            (known.state(a.apply(facts)), i, a.cost_ms)
             for i, a in enumerate(made)
             if a.is_applicable(facts)
         ]
-        successors = found.successors(bits.mask(facts) & found.changing)
-        assert [tuple(successor) for successor in successors] == expected
+        assert list(found.steps(known.state(facts))) == expected
 
 
 @given(actions(), st.frozensets(st.sampled_from(FACTS)))
@@ -110,15 +111,16 @@ def test_a_graph_of_too_many_states_is_refused() -> None:
 
 @given(actions(), st.frozensets(st.sampled_from(FACTS)))
 def test_what_is_said_never_to_change_never_does(made: list[Action], start: frozenset[str]) -> None:
-    bits, found = system(made, start)
-    assert not found.changing & found.constant
+    known, found = system(made, start)
+    changing = known.bits.facts(found.changing)
+    assert not changing & found.constant
     for facts in reachable(made, start):
-        assert bits.mask(facts) & ~found.changing == found.constant
+        assert facts - changing == found.constant
 
 
 @given(st.lists(st.frozensets(st.sampled_from(FACTS)), min_size=2))
 def test_different_facts_have_different_bits(several: list[frozenset[str]]) -> None:
-    bits = FactBits(())
+    bits = FactBits()
     masks = [bits.mask(facts) for facts in several]
     assert [mask.bit_count() for mask in masks] == [len(facts) for facts in several]
     for (a, mask_a), (b, mask_b) in itertools.pairwise(zip(several, masks, strict=True)):
@@ -133,9 +135,11 @@ def test_events_and_beliefs_are_constant_and_places_are_not() -> None:
         action("upload", "at(A) & found & can", "reported"),
         action("report", "at(A) & can", "reported"),
     ]
-    bits, found = system(made, facts_of("at(H)", "can"))
-    assert found.changing == bits.mask({"at(H)", "at(A)", "reported"})
-    assert found.constant == bits.mask({"can"})
+    known, found = system(made, facts_of("at(H)", "can"))
+    assert known.bits.facts(found.changing) == {"at(H)", "at(A)", "reported"}
+    assert found.constant == {"can"}
+    values = [found.constant_value(name) for name in ("can", "found", "reported")]
+    assert values == [True, False, None]
 
 
 def test_an_action_that_forbids_what_always_holds_does_not_exist() -> None:
@@ -145,26 +149,57 @@ def test_an_action_that_forbids_what_always_holds_does_not_exist() -> None:
         action("set_lamp", "!sun", "lamp"),
         action("break_lamp", "", "", conditional=[("!sun", "broken"), ("broken", "!lamp")]),
     ]
-    bits, found = system(made, facts_of("sun", "day_is_long"))
-    assert found.constant == bits.mask({"sun", "day_is_long"})
-    assert not found.changing & bits.mask({"sun", "lamp"})
+    known, found = system(made, facts_of("sun", "day_is_long"))
+    assert found.constant == {"sun", "day_is_long"}
+    assert not known.bits.facts(found.changing) & {"sun", "lamp"}
 
 
 def test_what_is_added_and_deleted_at_once_is_added() -> None:
     made = [action("both", "", "q", conditional=[("", "!q"), ("q", "!q")])]
-    bits, found = system(made, frozenset())
-    q = bits.bit("q")
-    assert found.successors(found.start)[0].state == q
-    assert found.successors(q)[0].state == q
+    known, found = system(made, frozenset())
+    q = known.state({"q"})
+    assert found.successors(found.start).states == [q]
+    assert found.successors(q).states == [q]
 
 
-@pytest.mark.parametrize("kept", [0, 1, 2])
-def test_actions_that_come_later_or_elsewhere_are_the_same_over_bits(kept: int) -> None:
+MADE = [
+    move("H", "A", 1.0),
+    action("upload", "at(A) & found & can", "reported"),
+    action("look", "at(A)", "", conditional=[("sun", "seen"), ("!sun", "!seen")]),
+]
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        [*MADE, move("here", "A", 3.0)],
+        [*MADE, action("discover", "", "found")],
+        [*MADE, action("end_day", "", "!sun")],
+        [move("here", "A", 3.0), *MADE],
+        MADE[:1],
+    ],
+    ids=["one more", "a constant changes", "an effect depends on it", "one before", "fewer"],
+)
+def test_other_actions_than_those_that_are_known_are_the_same_over_bits(
+    asked: list[Action],
+) -> None:
     """En route some come in addition, and a problem may leave others out."""
-    made = [move("H", "A", 1.0), move("A", "H", 2.0)]
-    bits = FactBits(made)
-    asked = [*made[:kept], move("here", "A", 3.0), *made[kept:]]
-    masked = bits.masked(asked)
-    assert [each.number for each in masked] == [0, 1, 2]
-    assert [each.cost_ms for each in masked] == [a.cost_ms for a in asked]
-    assert [each.requires for each in masked] == [bits.mask(a.requires) for a in asked]
+    start = facts_of("at(H)", "can", "sun", "at(here)")
+    known = KnownActions(MADE)
+    for actions in (MADE, asked, MADE):  # what one problem leaves behind harms no other one
+        found = TransitionSystem(actions, start, known)
+        for facts in reachable(actions, start):
+            expected = [
+                (known.state(a.apply(facts)), i, a.cost_ms)
+                for i, a in enumerate(actions)
+                if a.is_applicable(facts)
+            ]
+            assert list(found.steps(known.state(facts))) == expected
+
+
+def test_an_action_is_ruled_out_by_what_never_changes() -> None:
+    """A belief that is withdrawn, an event that has not come."""
+    known = KnownActions(MADE)
+    without = TransitionSystem(MADE, facts_of("at(H)", "can"), known)
+    assert without.possible == [0, 2]
+    assert TransitionSystem(MADE, facts_of("at(H)", "can", "found"), known).possible == [0, 1, 2]

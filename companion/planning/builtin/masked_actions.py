@@ -1,0 +1,240 @@
+"""The actions of a mission over bit masks, kept from plan to plan.
+
+Only facts that some action changes have bits. All others, beliefs and events above all, are the
+same throughout a problem: they decide which actions there are, and a mission of 200 sites has
+40,000 of them. Actions with the same condition and the same deletes, such as the flights from a
+place, are a group: it is asked once whether all of them are applicable.
+
+Source: the successor generator of Helmert, The Fast Downward planning system, 2006.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from functools import reduce
+from operator import or_
+from typing import NamedTuple
+
+from companion.mission.facts import Fact
+from companion.planning.builtin.fact_bits import FactBits
+from companion.planning.domain import Action, ConditionalEffect
+
+
+class Condition(NamedTuple):
+    """What must hold and what must not: of facts that change (bits), and of those that do not."""
+
+    requires: int
+    forbids: int
+    requires_always: frozenset[Fact]
+    forbids_always: frozenset[Fact]
+
+    def holds(self, state: int) -> bool:
+        """Whether it holds in a state, for what changes."""
+        return self.requires & state == self.requires and not self.forbids & state
+
+    def may_hold(self, facts: frozenset[Fact]) -> bool:
+        """Whether it holds for what does not change, given the facts at the start."""
+        return self.requires_always <= facts and not self.forbids_always & facts
+
+
+class MaskedEffect(NamedTuple):
+    """A conditional effect over bit masks."""
+
+    condition: Condition
+    adds: int
+    deletes: int
+
+
+class MaskedAction(NamedTuple):
+    """An action over bit masks; `number` is its place among the problem's actions."""
+
+    number: int
+    condition: Condition
+    adds: int
+    deletes: int
+    cost_ms: int
+    conditional: tuple[MaskedEffect, ...]
+
+
+class ActionGroup:
+    """Actions with the same condition and deletes, in their order; a conditional one is alone.
+
+    Attributes:
+        requires, forbids: facts (bits) that must hold, and that must not.
+        numbers, costs: of its actions.
+        adds, deletes: facts (bits) that one of them may add or delete, without conditional adds.
+        conditional: effects with a condition.
+    """
+
+    __slots__ = ("_adds", "actions", "adds", "conditional", "costs", "deletes", "forbids",
+                 "numbers", "requires")  # fmt: skip
+
+    def __init__(self, actions: Sequence[MaskedAction]) -> None:
+        first = actions[0]
+        self.actions = actions
+        self.requires, self.forbids = first.condition.requires, first.condition.forbids
+        self.numbers = [action.number for action in actions]
+        self.costs = [action.cost_ms for action in actions]
+        self.conditional = first.conditional
+        self._adds = [action.adds for action in actions]
+        self.adds: int = reduce(or_, self._adds)
+        self.deletes: int = reduce(or_, (e.deletes for e in self.conditional), first.deletes)
+
+    def is_applicable(self, state: int) -> bool:
+        """Whether its actions are."""
+        return self.requires & state == self.requires and not self.forbids & state
+
+    def ends(self, state: int) -> list[int]:
+        """The state after each action."""
+        if not self.conditional:
+            kept = state & ~self.deletes
+            return [kept | adds for adds in self._adds]
+        (action,) = self.actions
+        met = [effect for effect in self.conditional if effect.condition.holds(state)]
+        adds = reduce(or_, (effect.adds for effect in met), action.adds)
+        deletes = reduce(or_, (effect.deletes for effect in met), action.deletes)
+        return [state & ~deletes | adds]
+
+    def given(self, facts: frozenset[Fact], unavailable: set[int]) -> ActionGroup | None:
+        """What is left of it without some actions, and without effects that never come about."""
+        left = [
+            action._replace(
+                conditional=tuple(e for e in action.conditional if e.condition.may_hold(facts))
+            )
+            for action in self.actions
+            if action.number not in unavailable
+        ]
+        return ActionGroup(left) if left else None
+
+
+class MaskedActions:
+    """Some actions over bit masks, in groups.
+
+    Args:
+        actions: of a problem, or some of them.
+        first_number: the place of the first one among the problem's actions.
+        changed: facts that change, by these actions or others.
+        bits: of the facts.
+    """
+
+    def __init__(
+        self, actions: Sequence[Action], first_number: int, changed: set[Fact], bits: FactBits
+    ) -> None:
+        self._changed, self._bits = changed, bits
+        self._requiring: dict[Fact, list[int]] = defaultdict(list)  # facts that do not change
+        self._forbidding: dict[Fact, list[int]] = defaultdict(list)
+        members: dict[tuple[int, ...], list[MaskedAction]] = defaultdict(list)
+        for number, action in enumerate(actions, first_number):
+            masked = self._masked(number, action)
+            for fact in masked.condition.requires_always:
+                self._requiring[fact].append(number)
+            for fact in masked.condition.forbids_always:
+                self._forbidding[fact].append(number)
+            requires, forbids, *_ = masked.condition
+            is_alone = bool(masked.conditional)
+            key = (-1 - number,) if is_alone else (requires, forbids, masked.deletes)
+            members[key].append(masked)
+        self._groups = [ActionGroup(group) for group in members.values()]
+        self._place_of = {n: place for place, g in enumerate(self._groups) for n in g.numbers}
+        self._open = {
+            place
+            for place, group in enumerate(self._groups)
+            for _, _, requires, forbids in (effect.condition for effect in group.conditional)
+            if requires or forbids
+        }
+        self._required, self._forbidden = frozenset(self._requiring), frozenset(self._forbidding)
+
+    def relies_on(self, facts: Iterable[Fact]) -> bool:
+        """Whether some facts are among those that were taken not to change."""
+        constants = self._required.union(
+            self._forbidden,
+            *(
+                effect.condition.requires_always | effect.condition.forbids_always
+                for place in self._open
+                for effect in self._groups[place].conditional
+            ),
+        )
+        return not constants.isdisjoint(facts)
+
+    def given(self, facts: frozenset[Fact]) -> list[ActionGroup]:
+        """The groups of actions that the facts at the start do not rule out."""
+        unavailable = {n for fact in self._required - facts for n in self._requiring[fact]}
+        unavailable.update(n for fact in self._forbidden & facts for n in self._forbidding[fact])
+        decided = self._open.union(self._place_of[number] for number in unavailable)
+        if not decided:
+            return self._groups
+        groups = (
+            group.given(facts, unavailable) if place in decided else group
+            for place, group in enumerate(self._groups)
+        )
+        return [group for group in groups if group is not None]
+
+    def _masked(self, number: int, action: Action) -> MaskedAction:
+        mask = self._bits.mask
+        adds, deletes = mask(action.adds), mask(action.deletes)  # what changes has low bits
+        condition = self._condition(action)
+        effects = tuple(
+            MaskedEffect(self._condition(effect), mask(effect.adds), mask(effect.deletes))
+            for effect in action.conditional
+        )
+        return MaskedAction(number, condition, adds, deletes, action.cost_ms, effects)
+
+    def _condition(self, of: Action | ConditionalEffect[Fact]) -> Condition:
+        changed, mask = self._changed, self._bits.mask
+        return Condition(
+            mask(of.requires & changed),
+            mask(of.forbids & changed),
+            of.requires - changed,
+            of.forbids - changed,
+        )
+
+
+class KnownActions:
+    """The actions that every problem begins with, over bit masks, and facts as bits.
+
+    Attributes:
+        bits: of the facts.
+
+    Args:
+        actions: these are turned into masks once and kept; others are each time.
+    """
+
+    def __init__(self, actions: Sequence[Action] = ()) -> None:
+        self.bits = FactBits()
+        self._changed: set[Fact] = set()
+        self.keep(actions)
+
+    def keep(self, actions: Sequence[Action]) -> None:
+        """Other actions are kept in place of those that were."""
+        self._actions = tuple(actions)
+        self._changed |= _changed_by(actions)
+        self._masked = MaskedActions(actions, 0, self._changed, self.bits)
+
+    def state(self, facts: Iterable[Fact]) -> int:
+        """The bits of those of some facts that actions change."""
+        return self.bits.mask(self._changed.intersection(facts))
+
+    def given(self, actions: tuple[Action, ...], facts: frozenset[Fact]) -> list[ActionGroup]:
+        """The actions of a problem that the facts at its start do not rule out, in groups."""
+        known = len(self._actions) if actions[: len(self._actions)] == self._actions else 0
+        more = actions[known:]
+        new = _changed_by(more) - self._changed
+        self._changed |= new
+        if self._masked.relies_on(new):
+            self.keep(self._actions)
+        groups = self._masked.given(facts) if known else []
+        if more:
+            groups = groups + MaskedActions(more, known, self._changed, self.bits).given(facts)
+        return groups
+
+
+def _changed_by(actions: Iterable[Action]) -> set[Fact]:
+    changed: set[Fact] = set()
+    for action in actions:
+        changed |= action.adds
+        changed |= action.deletes
+        for effect in action.conditional:
+            changed |= effect.adds
+            changed |= effect.deletes
+    return changed
