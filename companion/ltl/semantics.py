@@ -63,6 +63,10 @@ def _positions(operator: Operator, operands: list[int], everywhere: int, loop_st
         wraps = positions >> loop_start & 1  # the last position is followed by the loop's first
         return positions >> 1 | (wraps << everywhere.bit_length() - 1)
 
+    def eventually(positions: int) -> int:
+        """Up to the last of some positions; everywhere if one is in the loop."""
+        return everywhere if positions >> loop_start else (1 << positions.bit_length()) - 1
+
     def fixpoint(always: int, while_next: int, start: int) -> int:
         """Positions p with p in `always`, or p in `while_next` and the next position again."""
         positions = start
@@ -80,9 +84,9 @@ def _positions(operator: Operator, operands: list[int], everywhere: int, loop_st
         case Operator.NEXT, [a]:
             return next_(a)
         case Operator.EVENTUALLY, [a]:
-            return fixpoint(a, everywhere, 0)
+            return eventually(a)
         case Operator.ALWAYS, [a]:
-            return fixpoint(0, a, everywhere)
+            return everywhere & ~eventually(everywhere & ~a)
         case Operator.UNTIL, [a, b]:
             return fixpoint(b, a, 0)
         case Operator.WEAK_UNTIL, [a, b]:

@@ -20,6 +20,7 @@ ANYWHERE = "*"
 """Where the vehicle happens to be, in trees written by hand: a place, or `here`."""
 
 _facts: dict[str, Fact] = {}
+_by_parts: dict[tuple[str, tuple[str, ...]], Fact] = {}
 
 
 class Fact(str):
@@ -41,6 +42,9 @@ class Fact(str):
 
     def __new__(cls, predicate: str, arguments: tuple[str, ...] = ()) -> Fact:
         """The fact with a predicate and arguments, the same one each time."""
+        fact = _by_parts.get((predicate, arguments))
+        if fact is not None:
+            return fact
         spelling = spelled(predicate, arguments)
         fact = _facts.get(spelling)
         if fact is None:
@@ -48,6 +52,7 @@ class Fact(str):
             object.__setattr__(fact, "predicate", predicate)
             object.__setattr__(fact, "arguments", arguments)
             _facts[spelling] = fact
+        _by_parts[predicate, arguments] = fact
         return fact
 
     @classmethod

@@ -20,7 +20,7 @@ from companion.mission.model import Do, Execution, Fly, Skill
 from companion.mission.schema import MissionFile, SkillEntry
 from companion.mission.vocabulary import Domain, Vocabulary
 
-MAX_INSTANCES = 10_000  # actions of all skills; 100 places give `move` that many
+MAX_INSTANCES = 50_000  # actions of all skills; 220 places give `move` about that many
 MAX_CONDITIONAL = 50_000  # conditional effects of all actions
 DEFAULT_COST_S = 1.0
 WAIT = "wait"  # the planner's own action, one step of rest

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection
 
 from companion.mission.facts import Fact
 
@@ -20,10 +20,10 @@ class FactBits:
     def __init__(self) -> None:
         self._bit: dict[str, int] = {}  # by proposition
 
-    def mask(self, propositions: Iterable[str]) -> int:
+    def mask(self, propositions: Collection[str]) -> int:
         """The bits of some facts, or of the propositions of an automaton's label."""
         bits = 0
-        for proposition in sorted(propositions):  # sets have no order of their own
+        for proposition in sorted(propositions) if propositions else ():  # sets have no order
             bits |= self.bit(proposition)
         return bits
 

@@ -72,9 +72,18 @@ class MaskedAutomaton:
             ]
             for transitions in automaton.outgoing
         ]
+        self._read = bits.mask(automaton.propositions)
+        self._successors: dict[tuple[int, int], list[tuple[int, int]]] = {}
 
     def successors(self, state: int, facts: int) -> list[tuple[int, int]]:
         """Successor states and marks on reading some facts."""
+        key = (state, facts & self._read)
+        found = self._successors.get(key)
+        if found is None:
+            found = self._successors[key] = self._reading(*key)
+        return found
+
+    def _reading(self, state: int, facts: int) -> list[tuple[int, int]]:
         found: dict[int, int] = {}
         for positive, negative, after, marks in self._outgoing[state]:
             if positive & facts == positive and not negative & facts:

@@ -19,7 +19,8 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterator
-from functools import cached_property, partial
+from functools import cached_property, partial, reduce
+from operator import or_
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -245,13 +246,13 @@ class Product:
         self, facts: int, states: tuple[int, ...]
     ) -> list[tuple[tuple[int, ...], int]]:
         """All joint moves of the automata on the label of some facts, with their marks."""
-        joint: list[tuple[tuple[int, ...], int]] = [((), 0)]
-        for automaton, state in zip(self.automata, states, strict=True):
-            moves = automaton.successors(state, facts)
-            if len(joint) * len(moves) > self._max_edges:
-                raise SearchLimit(f"{self._max_edges:,} joint moves of the automata")
-            joint = [((*zs, z), marks | m) for zs, marks in joint for z, m in moves]
-        return joint
+        each = [a.successors(z, facts) for a, z in zip(self.automata, states, strict=True)]
+        if math.prod(map(len, each)) > self._max_edges:
+            raise SearchLimit(f"{self._max_edges:,} joint moves of the automata")
+        return [
+            (tuple([z for z, _ in moves]), reduce(or_, [marks for _, marks in moves], 0))
+            for moves in itertools.product(*each)
+        ]
 
 
 class _Entered(dict[int, list[int]]):

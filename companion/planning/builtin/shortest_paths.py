@@ -63,10 +63,10 @@ class ShortestPaths:
 
     def cycle_ms(self, node: int, to_node: Costs) -> int:
         """Cost of the shortest cycle through a node, given the costs to it, (nodes,)."""
-        return min(
-            (cost + int(to_node[end]) for _, cost, end in self._product.edges(node)),
-            default=UNREACHABLE_MS,
-        )
+        product = self._product
+        leaving = slice(product.first[node], product.first[node + 1])
+        costs = product.costs[leaving] + to_node[product.ends[leaving]]
+        return int(costs.min(initial=UNREACHABLE_MS))
 
     def path(self, start: int, goal: int, to_goal: Costs) -> list[Edge]:
         """The shortest path from a node to another; the shortest cycle if they are the same.
