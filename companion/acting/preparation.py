@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 from companion.acting.replanning.replanner import PlanFailure
@@ -90,7 +91,21 @@ def prepare(
         return PreparedMission(mission, routes, speed_limit, planner, first_plan=None)
     problem, histories = TaskState(planner).problem()
     first_plan = FirstPlan(problem, _solved(planner, problem, histories))
+    anticipate_events(planner)
     return PreparedMission(mission, routes, speed_limit, planner, first_plan)
+
+
+def anticipate_events(planner: Planner) -> None:
+    """Plans as if an event had come already, for each of them.
+
+    The planner then has what is left of the automata under that event, which takes 20 ms with 100
+    sites, before the event comes in flight.
+    """
+    for event in planner.mission.events.values():
+        task = TaskState(planner)
+        task.take(event, event.fact not in task.facts)
+        with suppress(SearchLimit):
+            planner.replan(*task.problem())
 
 
 def _solved(

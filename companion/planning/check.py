@@ -12,6 +12,7 @@ from dataclasses import replace
 
 from companion.ltl.semantics import holds
 from companion.mission.facts import Fact
+from companion.planning.domain import Action, ConditionalEffect
 from companion.planning.lasso import Lasso, Letter, Problem, word
 
 
@@ -46,8 +47,9 @@ def fault(problem: Problem, lasso: Lasso, histories: Sequence[Sequence[Letter]])
 
 def _spoken_of(problem: Problem, lasso: Lasso) -> frozenset[Fact]:
     """The facts that the task or an action of the plan speaks of; all others stay as they are."""
-    of_task = (conjunct.facts for conjunct in problem.conjuncts)
-    actions = set((*lasso.prefix, *lasso.loop))
-    conditions = (*actions, *(effect for action in actions for effect in action.conditional))
-    of_plan = (c.requires | c.forbids | c.adds | c.deletes for c in conditions)
-    return frozenset().union(*of_task, *of_plan)
+    spoken_of = {fact for conjunct in problem.conjuncts for fact in conjunct.facts}
+    of_plan: list[Action | ConditionalEffect[Fact]] = [*lasso.prefix, *lasso.loop]
+    of_plan += [effect for action in (*lasso.prefix, *lasso.loop) for effect in action.conditional]
+    for each in of_plan:
+        spoken_of |= each.requires | each.forbids | each.adds | each.deletes
+    return frozenset(spoken_of)

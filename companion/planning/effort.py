@@ -13,7 +13,7 @@ class Effort:
     """Limits of a search.
 
     Attributes:
-        product_edges: edges of the product; with more of them the search is given up. About 4 us
+        product_edges: edges of the product; with more of them the search is given up. About 1 us
             each.
         dijkstra_edges: edges that shortest-path searches see, one search for each target and each
             edge of the product in each; of too many targets the nearest are looked at. About

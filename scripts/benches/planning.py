@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -12,7 +13,15 @@ import numpy as np
 
 from benches import MISSION, Row, timed
 from benches.references import share_of_best
-from benches.worlds import Asked, patrol, straight, target_found, with_implied_lines
+from benches.worlds import (
+    Asked,
+    interrupted,
+    patrol,
+    straight,
+    target_found,
+    with_implied_lines,
+)
+from companion.acting.preparation import anticipate_events
 from companion.geometry import Ned
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
@@ -98,13 +107,43 @@ def laps(runs: int) -> Iterator[Row]:
     yield Row("last plan for 50 sites", median(a[-1][0] for a in answers), "ms")
     excess = [100 * (a[-1][1].cost_ms / a[-1][1].bound_ms - 1) for a in answers]
     yield Row("its lap over the lower bound, worst", max(excess), "%")
-    replans = []
+
+
+def large(runs: int) -> Iterator[Row]:
+    """Replans of large missions when the target is found, and the first plan of a larger one.
+
+    The planner is prepared as before a run; the first plan includes making the planner.
+    """
+    seeds = range(max(1, runs // 10))
+    for sites, upload_sites in (20, 20), (100, 3), (100, 100):
+        found, missed = [], []
+        for seed in seeds:
+            mission = patrol(sites, upload_sites, seed)
+            planner = Planner(mission, straight(mission))
+            anticipate_events(planner)
+            found += _replan_ms(planner, target_found(planner, "s0"))
+            missed += _replan_ms(planner, interrupted(planner, "s0"))
+        name = f"replan en route, {sites} sites, {upload_sites} upload sites"
+        yield Row(name, median(found), "ms")
+        yield Row(f"{name}, patrol", median(missed), "ms")
+    took = []
     for seed in seeds:
-        mission = patrol(20, 20, seed)
-        planner = Planner(mission, straight(mission))
-        asked = target_found(planner, "s0")
-        replans += timed(lambda p=planner, a=asked: p.replan(*a), 1)
-    yield Row("replan en route, 20 sites, 20 upload sites", median(replans), "ms")
+        mission = patrol(200, 3, seed)
+
+        def first(mission: Mission = mission) -> None:
+            planner = Planner(mission, straight(mission))
+            next(planner.solutions(*planner.initial_problem()))
+
+        took += timed(first, 1)
+    yield Row("planner and first plan, 200 sites", median(took), "ms")
+
+
+def _replan_ms(planner: Planner, asked: Asked) -> list[float]:
+    gc.freeze()  # as before a flight (driving.py)
+    try:
+        return timed(lambda: planner.replan(*asked), 1)
+    finally:
+        gc.unfreeze()
 
 
 def implied(runs: int) -> Iterator[Row]:

@@ -68,8 +68,14 @@ def straight(mission: Mission) -> FlightTime:
 
 def target_found(planner: Planner, goal: str) -> Asked:
     """The target is found on the first flight, which leads to some place."""
+    return interrupted(planner, goal, "targetFound")
+
+
+def interrupted(planner: Planner, goal: str, *events: str) -> Asked:
+    """The first flight, which leads to some place, is interrupted after some events."""
     task = TaskState(planner)
     task.begin(next(a for a in planner.model.actions if a.name == f"move(Home, {goal})"))
-    task.take(planner.mission.events["targetFound"], True)
+    for event in events:
+        task.take(planner.mission.events[event], True)
     task.interrupt()
     return task.problem()

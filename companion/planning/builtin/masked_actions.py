@@ -21,7 +21,7 @@ from companion.planning.builtin.fact_bits import FactBits
 from companion.planning.domain import Action, ConditionalEffect
 
 
-class Condition(NamedTuple):
+class MaskedCondition(NamedTuple):
     """What must hold and what must not: of facts that change (bits), and of those that do not."""
 
     requires: int
@@ -41,7 +41,7 @@ class Condition(NamedTuple):
 class MaskedEffect(NamedTuple):
     """A conditional effect over bit masks."""
 
-    condition: Condition
+    condition: MaskedCondition
     adds: int
     deletes: int
 
@@ -50,7 +50,7 @@ class MaskedAction(NamedTuple):
     """An action over bit masks; `number` is its place among the problem's actions."""
 
     number: int
-    condition: Condition
+    condition: MaskedCondition
     adds: int
     deletes: int
     cost_ms: int
@@ -180,9 +180,9 @@ class MaskedActions:
         )
         return MaskedAction(number, condition, adds, deletes, action.cost_ms, effects)
 
-    def _condition(self, of: Action | ConditionalEffect[Fact]) -> Condition:
+    def _condition(self, of: Action | ConditionalEffect[Fact]) -> MaskedCondition:
         changed, mask = self._changed, self._bits.mask
-        return Condition(
+        return MaskedCondition(
             mask(of.requires & changed),
             mask(of.forbids & changed),
             of.requires - changed,

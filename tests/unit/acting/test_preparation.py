@@ -15,6 +15,7 @@ from companion.errors import CompanionError, NoPlanError
 from companion.flight_events.plans import PlanMade
 from companion.mission.tree_nodes import Act
 from companion.motion.routes import RouteMap
+from companion.planning.builtin import restrictions
 from companion.planning.lasso import Lasso
 from companion.planning.planner import Planner
 
@@ -48,6 +49,19 @@ def test_nothing_that_takes_long_is_left_to_the_first_plan(monkeypatch: pytest.M
     (made,) = [s.event for s in acting.flight.reports if isinstance(s.event, PlanMade)]
     assert acting.executive.lasso is first_lasso(prepared)
     assert made.plan == first_lasso(prepared).planned
+
+
+def test_what_an_event_leaves_of_the_automata_is_known_before_it_comes(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked = mission("G (F at(A) | found) & G (F at(B) | found)", events=[event("found")])
+    acting = begun(prepare(asked))
+    forbid(monkeypatch, restrictions, "restricted")
+    acting.executive.plan()
+    acting.executive.tick()
+    acting.executive.sense([reading("found")])
+    acting.executive.tick()
+    assert str(acting.executive.lasso) == "move(here, A), move(A, B), (wait)^w"
 
 
 def test_a_plan_that_does_not_exist_is_kept_to_be_told(monkeypatch: pytest.MonkeyPatch) -> None:
