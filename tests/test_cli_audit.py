@@ -211,7 +211,9 @@ def write(tmp_path: Path) -> Iterator[Write]:
             begun = given if isinstance(given, Begun) else Begun(given, ())
             is_last = number == len(positions) - 1
             facts = tuple(begun.facts.split())
-            happened.append(PositionLeft(number, facts, (), (), begun.restarted, rests and is_last))
+            happened.append(
+                PositionLeft(number, facts, (), 0.0, (), begun.restarted, rests and is_last)
+            )
         happened.append(TaskSatisfied())
         lines = [line_of(Stamped(1.0 * i, event)) for i, event in enumerate(happened)]
         text = "".join(json.dumps(line) + "\n" for line in lines)

@@ -56,7 +56,6 @@ class Executive:
     Attributes:
         state: what it is doing.
         replans: how often it has planned again.
-        laps: of all plans so far.
         lasso: the present plan; None before the first, and with a tree written by hand.
         failure: why the task has no plan, or none was found; None while it has one.
 
@@ -68,7 +67,7 @@ class Executive:
 
     def __init__(self, prepared: PreparedMission, flight: Flight, detector: EventDetector) -> None:
         self.state = ExecutiveState.IDLE
-        self.replans = self.laps = 0
+        self.replans = 0
         self.lasso: Lasso | None = None
         self.failure: PlanFailure | None = None
         self._due: DueReplan | None = None
@@ -206,7 +205,6 @@ class Executive:
         elif is_lap_done and plan.lasso.ends_at_rest:
             self._rest()
         elif is_lap_done:
-            self.laps += 1
             self._flight.report(LapCompleted(progress.laps))
 
     def _tick_by_hand(self, root: Behaviour) -> None:

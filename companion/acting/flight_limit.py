@@ -18,7 +18,8 @@ class FlightLimit:
     (None, '3 laps', '600 s')
 
     Attributes:
-        laps: of the loops of its plans, each that was flown to its end.
+        laps: of the task, over all its plans: each meets everything that is to be met again and
+            again.
         duration_s: seconds since the vehicle was to arm.
     """
 
@@ -63,7 +64,7 @@ class LimitWatch:
         """
         if self._executive.is_leaving or self._flight.progress.is_landed_by_plan:
             return None
-        return self._limit.reached(self._executive.laps, self._flight.now_s - self._begun_s)
+        return self._limit.reached(self._flight.task.laps, self._flight.now_s - self._begun_s)
 
     def ending(self) -> EndedAtLimit | None:
         """How the flight has ended, with what is known of the task; None if not at its limit."""

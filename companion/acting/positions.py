@@ -15,7 +15,8 @@ def tell_positions(flight: Flight, for_ever: bool = False) -> None:
     for position in flight.task.left:
         number, facts = position.number, tuple(sorted(position.facts))
         risen, withdrawn = tuple(sorted(position.risen)), tuple(sorted(position.withdrawn))
-        flight.report(PositionLeft(number, facts, risen, withdrawn, position.restarted, for_ever))
+        restarted, reached_s = position.restarted, round(position.reached_s, 3)
+        flight.report(PositionLeft(number, facts, risen, reached_s, withdrawn, restarted, for_ever))
         for conjunct in position.violated:
             formula = str(conjunct.formula)
             flight.report(ConjunctViolated(conjunct.name, formula, number, facts))

@@ -28,6 +28,7 @@ class PositionLeft(FlightEvent):
         tuple[str, ...],
         Doc("a list of the events among the facts that had risen before and held no more"),
     ]
+    reached_s: Annotated[float, Doc("seconds since the run began, when the position was appended")]
     withdrawn: Annotated[tuple[str, ...], Doc("a list of the beliefs that are not held")]
     restarted: Annotated[
         tuple[str, ...], Doc("a list of the lines of the task that begin anew with this position")

@@ -58,6 +58,12 @@ class Runs:
         states = successors(self.automaton, self.states, letter) & self.live
         return replace(self, states=states)
 
+    def marks_met(self, letter: Letter) -> frozenset[int]:
+        """The acceptance marks that one of the runs meets while it reads the next letter."""
+        taken = (t for state in self.states for t in self.automaton.outgoing[state])
+        met = (t.marks for t in taken if t.target in self.live and t.label.matches(letter))
+        return frozenset().union(*met)
+
 
 @dataclass(frozen=True, slots=True)
 class Monitor:

@@ -180,6 +180,7 @@ def _only(problem: Problem, indices: list[int]) -> Problem:
         problem,
         conjuncts=tuple(problem.conjuncts[i] for i in indices),
         automaton_states=tuple(problem.automaton_states[i] for i in indices),
+        waiting_since_ms=(),
     )
 
 

@@ -43,7 +43,7 @@ class Conjunct:
 
 @dataclass(frozen=True)
 class Problem:
-    """A planning problem; between replans only the last four fields change.
+    """A planning problem; between replans the first two fields stay as they are.
 
     Attributes:
         actions: instances of skills; their order breaks ties.
@@ -55,6 +55,9 @@ class Problem:
         unread: events that have risen since the last letter was read, and have fallen again: the
             first letter of a plan has them, and no other one. The automata know
             (unread_rises.py).
+        waiting_since_ms: per conjunct, when the acceptance mark was met that has waited longest
+            since; in flight time, of which only differences matter. Empty while nothing has been
+            waited for: before the first skill of a flight is completed.
     """
 
     actions: tuple[Action, ...]
@@ -63,6 +66,7 @@ class Problem:
     automaton_states: tuple[frozenset[int], ...]
     withdrawn: frozenset[Fact] = frozenset()
     unread: frozenset[Fact] = frozenset()
+    waiting_since_ms: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -14,13 +14,17 @@ The word of the flight (after Section III-A of the paper):
    initial states. Only an event may say that a conjunct begins anew (`restarts`).
 7. A conjunct that no continuation can satisfy any more is violated by the position read last. No
    plan leads there: it takes an event or a failure that the vehicle could not choose.
+8. What has to be met again and again waits since the position that met it last. Once two tries in a
+   row were interrupted it waits since the last of them: others may be reached where it is not.
+9. A lap of the task is over when every acceptance mark has been met since the lap before, by
+   whatever plans.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from companion.ltl.monitor import Runs
 from companion.mission.facts import AT, HERE, Fact, at
@@ -30,6 +34,8 @@ from companion.planning.lasso import Conjunct, Letter, Problem
 from companion.planning.planner import Planner
 
 AT_HERE = at(HERE)
+MAX_TRIES = 2
+"""Interrupted in a row, after which what was tried waits its turn again."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +46,7 @@ class Position:
         number: its place in the word; the first one is 0.
         facts: what was read; of the beliefs only those that the task mentions.
         risen: events among them that had risen before, and held no more when they were read.
+        reached_s: when it was appended.
         withdrawn: beliefs that were not held.
         restarted: names of conjuncts that begin anew with this position.
         violated: conjuncts that no continuation can satisfy since this position.
@@ -48,27 +55,56 @@ class Position:
     number: int
     facts: frozenset[Fact]
     risen: frozenset[Fact]
+    reached_s: float
     withdrawn: frozenset[Fact]
     restarted: tuple[str, ...]
     violated: tuple[Conjunct, ...]
 
 
 class Reading:
-    """What one conjunct has read: the letters, and where its automaton may be after them."""
+    """What one conjunct has read: the letters, and where its automaton may be after them.
+
+    Attributes:
+        since_s: for each acceptance mark, since when it waits.
+        left_to_meet: the marks that were not met yet in this lap of the task.
+    """
 
     def __init__(self, conjunct: Conjunct) -> None:
         self._begin = Runs.begin(conjunct.automaton)
         self.conjunct = conjunct
-        self.restart()
+        self.restart(0.0)
+        self.begin_lap()
 
-    def restart(self) -> None:
+    def restart(self, now_s: float) -> None:
         """Begins anew."""
         self.letters: list[Letter] = []
         self.runs = self._begin
+        self.since_s = [now_s] * self.conjunct.automaton.marks
+        self._tries = [0] * self.conjunct.automaton.marks
 
-    def read(self, letter: Letter) -> bool:
+    def begin_lap(self) -> None:
+        """Every mark is to be met again."""
+        self.left_to_meet = frozenset(range(self.conjunct.automaton.marks))
+
+    def since_with(self, letter: Letter, reached_s: float) -> list[float]:
+        """Since when each mark waits, with one more position."""
+        met = self.runs.marks_met(letter)
+        return [reached_s if mark in met else since for mark, since in enumerate(self.since_s)]
+
+    def try_in_vain(self, letter: Letter, begun_s: float) -> None:
+        """A position with this letter was not reached."""
+        for mark in self.runs.marks_met(letter):
+            self._tries[mark] += 1
+            if self._tries[mark] >= MAX_TRIES:
+                self.since_s[mark] = begun_s
+
+    def read(self, letter: Letter, reached_s: float) -> bool:
         """One more position; whether it violates the conjunct, which it did not before."""
         could_hold = bool(self.runs.states)
+        self.since_s = self.since_with(letter, reached_s)
+        for mark in self.runs.marks_met(letter):
+            self._tries[mark] = 0
+            self.left_to_meet -= {mark}
         self.runs = self.runs.after(letter)
         self.letters.append(letter)
         return could_hold and not self.runs.states
@@ -82,6 +118,7 @@ class TaskState:
         risen: events that have risen since the last letter was read.
         withdrawn: beliefs that were disproved, or that the map contradicts.
         positions: how many positions have been left.
+        laps: how many laps of the task they were.
         left: those of them that nobody has collected yet.
         running: the action under way.
     """
@@ -97,7 +134,8 @@ class TaskState:
         self._returns_s: dict[Fact, float] = {}
         self._failed: frozenset[Fact] = frozenset()
         self._cut_off: frozenset[Fact] = frozenset()
-        self.positions = 0
+        self.positions = self.laps = 0
+        self._reached_s, self._has_completed = 0.0, False
         self.left: list[Position] = []
         self.running: Action | None = None
         self._interrupted: Action | None = None
@@ -119,14 +157,19 @@ class TaskState:
         if self._is_read:
             states = tuple(r.runs.states for r in self._readings)
             histories = [r.letters for r in self._readings]
+            waiting = [r.since_s for r in self._readings]
             unread = self.risen - self.facts
         else:
-            letter = self._letter()
+            letter = self._letter(self.facts)
             states = tuple(r.runs.after(letter).states for r in self._readings)
             histories = [[*r.letters, letter] for r in self._readings]
+            waiting = [r.since_with(letter, self._reached_s) for r in self._readings]
             unread = frozenset()
         is_en_route = AT_HERE in self.facts
         problem = self._planner.problem(self.facts, states, self.withdrawn, is_en_route, unread)
+        if self._has_completed:
+            since_ms = tuple(round(1000 * min(marks, default=0.0)) for marks in waiting)
+            problem = replace(problem, waiting_since_ms=since_ms)
         return problem, histories
 
     def begin(self, action: Action) -> None:
@@ -138,19 +181,27 @@ class TaskState:
         """The automata read the present position, once."""
         if self._is_read:
             return
-        letter = self._letter()
-        violated = tuple(r.conjunct for r in self._readings if r.read(letter))
+        letter = self._letter(self.facts)
+        reached_s = self._reached_s
+        violated = tuple(r.conjunct for r in self._readings if r.read(letter, reached_s))
         facts = self.facts | letter & self._planner.task_facts
         risen = (self.risen - self.facts) & facts
         number, restarted = self.positions, self._restarted
-        self.left.append(Position(number, facts, risen, self.withdrawn, restarted, violated))
+        self.left.append(
+            Position(number, facts, risen, reached_s, self.withdrawn, restarted, violated)
+        )
         self._is_read = True
         self.risen = frozenset()
         self._restarted = ()
         self.positions += 1
+        if self._readings and not any(r.left_to_meet for r in self._readings):
+            self.laps += 1
+            for reading in self._readings:
+                reading.begin_lap()
 
-    def complete(self, action: Action) -> None:
+    def complete(self, action: Action, now_s: float) -> None:
         """Appends the position that an action leads to."""
+        self._reached_s, self._has_completed = now_s, True
         self.facts = action.apply(self.facts)
         self.withdrawn = frozenset(b for b in self.withdrawn if HERE not in b.arguments)
         self._is_read = False
@@ -158,6 +209,10 @@ class TaskState:
 
     def interrupt(self) -> None:
         """Ends the action under way without its effect."""
+        if self.running is not None:
+            letter = self._letter(self.running.apply(self.facts))
+            for reading in self._readings:
+                reading.try_in_vain(letter, self._reached_s)
         if self.running is not None and self.running.destination is not None:
             self._interrupted = self.running
             self.depart()
@@ -234,9 +289,9 @@ class TaskState:
         for reading in self._readings:
             name = reading.conjunct.name
             if holds and name in event.restarts:
-                reading.restart()
+                reading.restart(self._reached_s)
                 self._restarted = tuple(dict.fromkeys((*self._restarted, name)))
 
-    def _letter(self) -> Letter:
-        """What the automata read at the present position."""
-        return self.facts | self.risen | (self._planner.model.beliefs - self.withdrawn)
+    def _letter(self, facts: frozenset[Fact]) -> Letter:
+        """What the automata read at a position with some facts."""
+        return facts | self.risen | (self._planner.model.beliefs - self.withdrawn)

@@ -67,7 +67,7 @@ def replanning(runs: int) -> Iterator[Row]:
     yield from _phase("plan at the start", planner, [task.problem()] * runs)
 
     task.begin(actions["move(Home, A)"])
-    task.complete(actions["move(Home, A)"])
+    task.complete(actions["move(Home, A)"], 0.0)
     task.begin(actions["move(A, B)"])
     task.take(mission.events["targetFound"], True)
     task.interrupt()

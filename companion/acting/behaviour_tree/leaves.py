@@ -112,7 +112,7 @@ class Effects(Leaf):
     def update(self) -> Status:
         """Always SUCCESS."""
         flight, action = self._flight, self._intention.action
-        flight.task.complete(action)
+        flight.task.complete(action, flight.now_s)
         if action.destination is not None and len(action.execute) == 1:
             flight.report(PlaceReached(action.destination, action.name))
         elif action.assumes or action.adds:

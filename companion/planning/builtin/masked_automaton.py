@@ -21,6 +21,7 @@ class RestrictedConjunct:
     Attributes:
         accepts_all: from one of the states every word is accepted.
         is_one_shot: the automaton waits to read a letter of some kind once.
+        waiting_since_ms: since when it waits to be met again; None if nothing waits.
     """
 
     conjunct: Conjunct
@@ -28,10 +29,15 @@ class RestrictedConjunct:
     states: list[int]
     accepts_all: bool
     is_one_shot: bool
+    waiting_since_ms: int | None
 
     @classmethod
     def of(
-        cls, conjunct: Conjunct, restriction: Restriction, whole: frozenset[int]
+        cls,
+        conjunct: Conjunct,
+        restriction: Restriction,
+        whole: frozenset[int],
+        waiting_since_ms: int | None = None,
     ) -> RestrictedConjunct:
         """The conjunct, given the states that its whole automaton may be in."""
         states = restriction.states(whole)
@@ -41,6 +47,7 @@ class RestrictedConjunct:
             states,
             bool(restriction.everything.intersection(states)),
             len(states) == 1 and states[0] in restriction.one_shot_goals,
+            waiting_since_ms,
         )
 
     @property

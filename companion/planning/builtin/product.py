@@ -60,6 +60,7 @@ class Product:
             plan may enter a loop at any of them.
         facts_of: for each node its facts, as the number of the first node with the same ones.
         all_marks: the marks (bits) that a loop has to meet.
+        waiting_since_ms: for each of them, since when its conjunct waits; empty if nothing does.
         automata: those that are read, one for each place of a node's automaton states.
         one_shot_goals: for each goal that is kept out of the product the nodes that meet it.
         ends, costs, actions: of the edges; those of node n are first[n] to first[n + 1].
@@ -91,13 +92,17 @@ class Product:
         self._restrictions = restrictions
         self._parts: list[RestrictedConjunct] = []  # whose automata are read
         self.automata: list[MaskedAutomaton] = []
+        self.waiting_since_ms: list[int] = []
         choices: list[list[int]] = []
         goals: list[tuple[MaskedAutomaton, int]] = []
         marks = 0
         constants = self.system.constant_value
+        since_ms = problem.waiting_since_ms or (None,) * len(problem.conjuncts)
         parts = [
-            RestrictedConjunct.of(conjunct, restrictions.of(conjunct, constants), states)
-            for conjunct, states in zip(problem.conjuncts, problem.automaton_states, strict=True)
+            RestrictedConjunct.of(conjunct, restrictions.of(conjunct, constants), states, since)
+            for conjunct, states, since in zip(
+                problem.conjuncts, problem.automaton_states, since_ms, strict=True
+            )
         ]
         parts = [part for part in parts if not part.accepts_all]
         if not with_implied:
@@ -113,6 +118,8 @@ class Product:
                 self._parts.append(part)
                 self.automata.append(automaton)
                 marks += part.automaton.marks
+                if part.waiting_since_ms is not None:
+                    self.waiting_since_ms += [part.waiting_since_ms] * part.automaton.marks
         if math.prod(map(len, choices)) > max_edges:
             raise SearchLimit(f"{max_edges:,} initial states of the product")
         self.all_marks = (1 << marks) - 1

@@ -30,6 +30,7 @@ from scipy.sparse.csgraph import connected_components
 
 from companion.errors import SearchLimit
 from companion.planning.builtin.costs import UNREACHABLE_MS
+from companion.planning.builtin.fair_entry import entered_fairly
 from companion.planning.builtin.loop_entry import ProductPlan, entered_best, least_lap_ms, rank
 from companion.planning.builtin.loops import Loops, loops_of
 from companion.planning.builtin.masked_actions import KnownActions
@@ -169,10 +170,12 @@ def _plans(product: Product, objective: Objective, effort: Effort) -> Iterator[P
                 return
             plan, is_final = over_goals
         else:
-            plan = _plan_without_goals(product, components_loops, paths, objective)
-            is_final = True
+            cycle = _best_cycle(product, components_loops, paths, objective)
+            plan, is_final = cycle.plan, True
             if objective is not Objective.BOTTLENECK:
                 plan = entered_best(product, components_loops, paths, objective, plan, effort)
+            if objective is Objective.LAP and plan.lap_ms == cycle.plan.lap_ms:
+                plan = entered_fairly(product, paths, plan, cycle.loop)
         is_last = is_second or (is_final and all(loops.is_final for loops in components_loops))
         if plan.cost_ms < best_ms or is_last:
             best_ms = plan.cost_ms
@@ -181,9 +184,16 @@ def _plans(product: Product, objective: Objective, effort: Effort) -> Iterator[P
             return
 
 
-def _plan_without_goals(
+class _Cycle(NamedTuple):
+    """A plan whose loop is a cycle of the product, and that cycle."""
+
+    plan: ProductPlan
+    loop: list[Edge]
+
+
+def _best_cycle(
     product: Product, components_loops: list[Loops], paths: ShortestPaths, objective: Objective
-) -> ProductPlan:
+) -> _Cycle:
     """The best cycle, entered where it is reached first."""
     best, chosen, entry = (UNREACHABLE_MS, UNREACHABLE_MS, 0), components_loops[0], -1
     for loops in components_loops:
@@ -202,7 +212,7 @@ def _plan_without_goals(
     loop = chosen.loop_from(entry)
     cost_ms = chosen.bottleneck_ms(loop) if objective is Objective.BOTTLENECK else best[0]
     bound_ms = _bound_ms(product, components_loops, paths, objective, cost_ms)
-    return _lasso(paths.path_from_start(entry), loop, cost_ms, bound_ms)
+    return _Cycle(_lasso(paths.path_from_start(entry), loop, cost_ms, bound_ms), loop)
 
 
 def _plan_over_goals(

@@ -53,6 +53,27 @@ class ShortestPaths:
         to_facts: Costs = least[facts_of]
         return to_facts
 
+    @cached_property
+    def _node_before(self) -> list[int]:
+        """For each node the one before it on a shortest path from the start; negative at it."""
+        start = self._product.initial
+        _, before, _ = dijkstra(
+            self._forward, indices=start, min_only=True, return_predecessors=True
+        )
+        return [int(node) for node in before]
+
+    def passed(self, node: int) -> list[tuple[int, int]]:
+        """The nodes on the shortest path from the start to a product state, without the first one.
+
+        Each is with its cost from the start.
+        """
+        passed = []
+        node = self._nearest_alike(node)
+        while (before := self._node_before[node]) >= 0:
+            passed.append((node, int(self._own_from_start[node])))
+            node = before
+        return passed
+
     def costs_to(self, goals: Sequence[int]) -> Costs:
         """Cost from every node to each goal, (goals, nodes)."""
         return whole(dijkstra(self._backward, indices=goals))
@@ -85,11 +106,15 @@ class ShortestPaths:
 
     def path_from_start(self, node: int) -> list[Edge]:
         """The shortest path from the start to a node, or to another node of its product state."""
-        alike = np.flatnonzero(self.state_of == self.state_of[node])
-        goal = int(alike[self._own_from_start[alike].argmin()])
+        goal = self._nearest_alike(node)
         (to_goal,) = self.costs_to([goal])
         start = min(self._product.initial, key=to_goal.__getitem__)
         return self.path(start, goal, to_goal) if start != goal else []
+
+    def _nearest_alike(self, node: int) -> int:
+        """The node of the same product state that is reached first."""
+        alike = np.flatnonzero(self.state_of == self.state_of[node])
+        return int(alike[self._own_from_start[alike].argmin()])
 
 
 def whole(costs: np.ndarray) -> Costs:

@@ -59,6 +59,7 @@ def monolithic(
         problem,
         conjuncts=(Conjunct(name, whole, automaton),),
         automaton_states=(automaton.initial,),
+        waiting_since_ms=(),
     )
 
 

@@ -31,7 +31,7 @@ def at_s(run: SortieRig, event: object) -> float:
 def test_after_its_laps_the_vehicle_flies_home_and_lands() -> None:
     run = SortieRig(mission(PATROL), limit=FlightLimit(laps=2)).until(Phase.ENDED)
     assert run.reports[-1].event == EndedAtLimit("2 laps", "the task holds so far")
-    assert [lap.lap for lap in run.of(LapCompleted)] == [1, 2]
+    assert run.places == ["A", "B", "A", "B"]
     assert run.sortie.failure is None
     state = run.vehicle.state
     assert state is not None and state.is_landed and abs(state.position[0]) < 0.3
@@ -41,15 +41,33 @@ def test_laps_of_an_earlier_plan_count() -> None:
     found = event("found")
     task = f"{PATROL} & G (found -> F at(H))"
     run = SortieRig(mission(task, events=[found]), limit=FlightLimit(laps=2)).until(Phase.TASK)
-    while not run.of(LapCompleted):
+    while run.places != ["A", "B", "A"]:
         run.step()
     for _ in range(20):
         run.step()
     run.step(reading("found"), reading("found", 0.0))
     run.until(Phase.ENDED)
-    assert [lap.lap for lap in run.of(LapCompleted)] == [1, 1]
+    assert run.places == ["A", "B", "A", "H", "B"]
     assert run.of(PlanReplaced)
     assert isinstance(run.reports[-1].event, EndedAtLimit)
+
+
+def test_laps_that_no_plan_flies_to_its_end_count() -> None:
+    """An interruption on every leg: no plan has a lap, the flight has."""
+    found = event("found")
+    task = f"{PATROL} & G (found -> F at(H))"
+    asked = mission(task, events=[found])
+    run = SortieRig(asked, limit=FlightLimit(laps=3)).until(Phase.TASK)
+    while not run.sortie.has_ended:
+        seen = len(run.places)
+        for _ in range(20):
+            run.step()
+        run.step(reading("found"), reading("found", 0.0))
+        while not run.sortie.has_ended and run.places[seen:][-2:-1] != ["H"]:
+            run.step()
+    assert not run.of(LapCompleted)
+    assert min(map(run.places.count, "AB")) == 3
+    assert run.reports[-1].event == EndedAtLimit("3 laps", "the task holds so far")
 
 
 def test_after_its_time_in_the_middle_of_a_leg() -> None:

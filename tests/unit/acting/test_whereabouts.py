@@ -77,7 +77,7 @@ def test_a_position_that_nothing_has_left_is_left_by_the_loss() -> None:
     """It was reached in this very tick, so nobody has read it yet."""
     rig = busy_at_a()
     rig.task.interrupt()
-    rig.task.complete(replace(rig.executive.lasso.prefix[0]))  # type: ignore[union-attr]
+    rig.task.complete(replace(rig.executive.lasso.prefix[0]), 0.0)  # type: ignore[union-attr]
     blow(rig.vehicle, 3.0)
     assert len(rig.positions) == 2
     tick_for(rig, OUTSIDE_S + TICK_S)

@@ -118,7 +118,10 @@ TEXTS: list[tuple[FlightEvent, str]] = [
         PlacesConnected("trans_ok(*, B)", ("trans_ok(A, B)",)),
         "a way again: trans_ok(*, B) restored",
     ),
-    (PositionLeft(4, ("at(A)", "low"), ("low",), (), (), for_ever=False), "position 4: at(A), low"),
+    (
+        PositionLeft(4, ("at(A)", "low"), ("low",), 0.0, (), (), for_ever=False),
+        "position 4: at(A), low",
+    ),
     (
         ConjunctViolated("calm", "G !low", position=4, facts=("at(A)", "low")),
         "calm violated at position 4: G !low",

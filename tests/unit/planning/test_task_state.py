@@ -28,7 +28,7 @@ def action(task: TaskState, name: str) -> Action:
 def perform(task: TaskState, name: str) -> None:
     performed = action(task, name)
     task.begin(performed)
-    task.complete(performed)
+    task.complete(performed, 0.0)
 
 
 def letters(task: TaskState, conjunct: int = 0) -> list[set[str]]:
@@ -74,7 +74,7 @@ def test_a_position_is_read_when_it_is_left_and_an_event_may_change_it_until_the
     task.begin(WAIT)
     task.take(found, False)
     assert letters(task) == [{"at(H)", "found"}]
-    task.complete(WAIT)
+    task.complete(WAIT, 0.0)
     assert letters(task) == [{"at(H)", "found"}, {"at(H)"}]
 
 
@@ -90,7 +90,7 @@ def test_a_rise_between_two_letters_is_in_the_next_one_alone() -> None:
     task.begin(action(task, "move(H, A)"))
     pulse(task, asked)
     assert task.facts == {"at(H)"}, "a precondition sees what holds now"
-    task.complete(action(task, "move(H, A)"))
+    task.complete(action(task, "move(H, A)"), 0.0)
     assert letters(task) == [{"at(H)"}, {"at(A)", "asked"}]
     perform(task, "move(A, B)")
     assert letters(task) == [{"at(H)"}, {"at(A)", "asked"}, {"at(B)"}]
@@ -110,7 +110,7 @@ def test_what_still_holds_is_not_said_to_have_risen_before() -> None:
     task = state(mission("F asked", events=[asked]))
     task.begin(WAIT)
     task.take(asked, True)
-    task.complete(WAIT)
+    task.complete(WAIT, 0.0)
     task.leave()
     assert [(set(p.facts), set(p.risen)) for p in task.left] == [
         ({"at(H)"}, set()),
@@ -154,7 +154,7 @@ def test_no_rise_is_missing_from_the_word_and_none_is_in_two_letters(
             case "begin" if task.running is None:
                 task.begin(WAIT)
             case "complete" if task.running is not None:
-                task.complete(WAIT)
+                task.complete(WAIT, 0.0)
             case "interrupt":
                 task.interrupt()
             case "rise" if name not in holds:

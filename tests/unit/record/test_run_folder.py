@@ -211,7 +211,7 @@ def test_a_full_disk_ends_no_flight(tmp_path: Path) -> None:
 
 
 def test_positions_are_kept_and_not_told(run: RunFolder, told: list[Stamped]) -> None:
-    run.report(Stamped(1.0, PositionLeft(0, ("at(H)",), (), (), (), for_ever=False)))
+    run.report(Stamped(1.0, PositionLeft(0, ("at(H)",), (), 0.0, (), (), for_ever=False)))
     assert told == []
     (line,) = lines(run)
     assert (line["kind"], line["number"], line["facts"]) == ("position", 0, ["at(H)"])
