@@ -38,8 +38,8 @@ Timeout = Annotated[float, typer.Option(help="Seconds to wait for a vehicle.", m
 Laps = Annotated[
     int | None,
     typer.Option(
-        help="Fly home and land after so many laps, for missions without an end; a lap that a new "
-        "plan interrupts does not count. [default: none]",
+        help="Fly home and land after so many laps, for missions without an end: each meets all that "
+        "the task asks for again and again. [default: none]",
         min=1,
         show_default=False,
     ),

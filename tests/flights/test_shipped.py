@@ -95,7 +95,7 @@ SHIPPED = (
             *("Shelf", "Bench"),
             *(RouteBlocked("Shelf", RouteResponse.ANOTHER_ROUTE), "Shelf"),
             *noticed("corridorClear", "corridor clear"),
-            *("Shelf", "Corridor", "Bench"),
+            *("Corridor", "Bench"),
             *(*noticed("calledHome", "called home"), "Home", TaskSatisfied()),
         ],
     ),
