@@ -6,13 +6,22 @@ import signal
 import time
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
+from functools import partial
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from companion.cli.arguments import MissionFile, load
+from companion.cli.arguments import (
+    DEFAULT_LOG_DIR,
+    Laps,
+    LimitS,
+    LogDir,
+    MissionFile,
+    Timeout,
+    load,
+)
 from companion.cli.engine_options import (
     BUILT_IN,
     ENGINE_TIMEOUT_S,
@@ -37,34 +46,6 @@ if TYPE_CHECKING:
     from companion.record.run_folder import RunFolder
     from companion.vehicle.link import Endpoint
 
-LogDir = Annotated[
-    Path,
-    typer.Option(
-        envvar="COMPANION_LOG_DIR",
-        help="Where run folders are made.",
-        show_default="~/.local/state/companion",
-    ),
-]
-Timeout = Annotated[float, typer.Option(help="Seconds to wait for a vehicle.", min=0.1)]
-Laps = Annotated[
-    int | None,
-    typer.Option(
-        help="Fly home and land after so many laps, for missions without an end; a lap that a new "
-        "plan interrupts does not count. [default: none]",
-        min=1,
-        show_default=False,
-    ),
-]
-LimitS = Annotated[
-    float | None,
-    typer.Option(
-        "--limit-s",
-        help="The same after so many seconds since arming, in the vehicle's time. [default: none]",
-        min=1.0,
-        show_default=False,
-    ),
-]
-DEFAULT_LOG_DIR = Path("~/.local/state/companion")
 OFFBOARD_PORT = 14540
 GROUND_STATION_PORT = 14550
 UPLOADS = "uploads"
@@ -157,8 +138,7 @@ def sim(
     from companion.vehicle.link import Endpoint
 
     factor, limit = _speed(speed), FlightLimit(laps, limit_s)
-    duration_s = engine_duration if factor is None else None
-    planner = engine_of(engine, encoding, engine_timeout, duration_s)
+    planner = engine_of(engine, encoding, engine_timeout, None if factor else engine_duration)
     loaded = load(mission)
     path = scenario or _scenario_beside(mission)
     world = world_of(loaded, path)
@@ -171,20 +151,9 @@ def sim(
     ):
         page.show(folder.folder)
         if factor is None:
-            flight = lockstep(
-                loaded,
-                world,
-                folder,
-                seed=seed,
-                instance=instance,
-                page=page,
-                limit=limit,
-                engine=planner,
-            )
-            companion = flight.companion
-            with _stoppable(companion, terminal), undisturbed(companion.hang_up):
-                flight.fly(timeout)
-            _raise_failure(companion)
+            made = partial(lockstep, seed=seed, instance=instance, limit=limit, engine=planner)
+            flight = made(loaded, world, folder, page=page)
+            _fly_in_lockstep(flight.companion, partial(flight.fly, timeout), terminal)
             return
         companion = Companion(loaded, folder, page=page, limit=limit, engine=planner)
         options = ["--scenario", path, "--speed", factor, "--seed", seed, "--instance", instance]
@@ -196,6 +165,12 @@ def sim(
         with simulator([str(o) for o in options], folder.folder / "sitl.log"):
             _fly(companion, endpoint, terminal, factor, timeout * factor)
         _raise_failure(companion)
+
+
+def _fly_in_lockstep(companion: Companion, fly: Callable[[], None], terminal: Terminal) -> None:
+    with _stoppable(companion, terminal), undisturbed(companion.hang_up):
+        fly()
+    _raise_failure(companion)
 
 
 def _scenario_beside(mission: Path) -> Path:

@@ -28,9 +28,7 @@ class EngineSearch:
     def step(
         self, problem: Problem, histories: Sequence[Sequence[Letter]], now_s: float
     ) -> Lasso | EngineFailure | None:
-        """The part of a tick; the answer when it is known."""
-        if self.is_outdated_by(problem):
-            self.abandon()
+        """The part of a tick; the answer when it is known. What is outdated is abandoned before."""
         if self._job is None:
             self._about = what_decides(problem)
             self._job = self._engine.begin(problem, histories, now_s)

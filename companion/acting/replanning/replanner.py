@@ -113,6 +113,7 @@ class Replanner:
                 return self._explanation.step()
             self._count_idle()  # what flaps must not be asked about for ever
         if self._engine is not None and self._engine.is_outdated_by(problem):
+            self._engine.abandon()
             self._count_idle()
         self._assumptions.forget_restored_beliefs()
         if self._planner.mission.tree is not None:
