@@ -35,7 +35,7 @@ from companion.planning.lasso import Problem, Solution, word
 from companion.planning.objective import Objective
 
 NOTHING_EXACT = replace(BEFORE_FLIGHT, held_karp_additions=0)
-HARDLY_ANYTHING = replace(NOTHING_EXACT, dijkstra_edges=200)
+HARDLY_ANYTHING = replace(NOTHING_EXACT, dijkstra_steps=1000)
 HANGING_S = 600.0  # wall time
 
 ENDING = [
