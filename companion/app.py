@@ -30,6 +30,7 @@ from companion.mavlink.framing import Message, source
 from companion.mission.model import Mission
 from companion.mission_run import Recorder, Run
 from companion.outcomes import Refusal
+from companion.planning.engine_port import Engine
 from companion.vehicle.telemetry import TELEMETRY, Telemetry
 from companion.vehicle.wire import AUTOPILOT, Wire
 
@@ -97,6 +98,7 @@ class Companion:
         host: makes and ends runs, and reads missions.
         page: the monitor page, if there is one.
         limit: of each flight: after what the vehicle is called home.
+        engine: who plans the only mission; None for the built-in search. A host knows its own.
 
     Attributes:
         failure: why the last run did not end well.
@@ -110,6 +112,7 @@ class Companion:
         host: Host | None = None,
         page: MonitorPage | None = None,
         limit: FlightLimit = NO_LIMIT,
+        engine: Engine | None = None,
     ) -> None:
         self.failure: CompanionError | None = None
         self._wire = Wire()
@@ -125,7 +128,7 @@ class Companion:
         self._adjusted = -1
         self._now_s = 0.0
         if mission is not None and recorder is not None:
-            self._begin(prepare(mission), recorder)
+            self._begin(prepare(mission, engine=engine), recorder)
         self._listen()
 
     # -- from outside --------------------------------------------------------------------------

@@ -17,6 +17,7 @@ from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.word import PositionLeft
 from companion.mission.model import Mission, Signal
 from companion.motion.routes import RouteMap
+from companion.planning.engine_port import Engine
 from companion.planning.lasso import Lasso
 
 
@@ -27,6 +28,7 @@ class Rig(Happened):
         mission: what to do.
         routes: its routes; made if absent.
         vehicle: the vehicle; in the air at home if absent.
+        engine: who plans; the built-in search if absent.
 
     Attributes:
         reports: what happened so far, as people are told.
@@ -40,11 +42,12 @@ class Rig(Happened):
         mission: Mission,
         routes: RouteMap | None = None,
         vehicle: FakeVehicle | None = None,
+        engine: Engine | None = None,
     ) -> None:
         home = mission.home
         self.mission = mission
         self.vehicle = vehicle or FakeVehicle(home.position).take_off(-home.position[2])
-        prepared = prepare(mission, routes=routes)
+        prepared = prepare(mission, routes=routes, engine=engine)
         acting = assemble(prepared, self.vehicle, EventDetector(mission.events))
         self.planner = prepared.planner
         self.flight, self.executive = acting.flight, acting.executive

@@ -67,10 +67,11 @@ OPTIONS = {
     "ltl": ["--format", "--state-based", "--monolithic", "--batch", "--exclusive"],
     "run": [
         *("--connect", "--accept-weak-failsafes", "--wait", "--laps", "--limit-s", "--timeout"),
-        *("--log-dir", "--monitor", "--verbose"),
+        *("--engine", "--encoding", "--engine-timeout", "--log-dir", "--monitor", "--verbose"),
     ],
     "sim": [
         *("--scenario", "--speed", "--seed", "--instance", "--laps", "--limit-s", "--timeout"),
+        *("--engine", "--encoding", "--engine-timeout", "--engine-duration"),
         *("--log-dir", "--monitor", "--verbose"),
     ],
     "audit": ["--json"],

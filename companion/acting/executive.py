@@ -39,6 +39,7 @@ from companion.acting.whereabouts import Whereabouts
 from companion.errors import NoPlanError
 from companion.flight_events.facts import BeliefRestored, MissionEventChanged
 from companion.flight_events.plans import (
+    EngineFailed,
     LapCompleted,
     NoPlanFound,
     PlanMade,
@@ -78,7 +79,7 @@ class Executive:
         self._root: Behaviour | None = None
         self._tree_report: TreeReport | None = None
         self._assumptions = Assumptions(planner, flight)
-        self._replanner = Replanner(planner, flight, self._assumptions)
+        self._replanner = Replanner(planner, flight, self._assumptions, prepared.engine)
         self._triggers = ReplanTriggers(flight, self._assumptions, self._replanner)
         self._whereabouts = Whereabouts(flight, planner.mission.places)
         self._plan_state = ExecutiveState.EXECUTING
@@ -112,6 +113,8 @@ class Executive:
             self._take_tree(root, ExecutiveState.BY_HAND)
         else:
             self._replanner.follow_map()
+            if self._prepared.engine_failure is not None:
+                flight.report(EngineFailed(self._prepared.engine_failure))
             found = self._prepared.plan(*flight.task.problem())
             if not isinstance(found, Lasso):
                 return found
@@ -162,7 +165,8 @@ class Executive:
         return self._plan_state is ExecutiveState.LEAVING
 
     def stop(self) -> None:
-        """Ends the plan; the vehicle holds."""
+        """Ends the plan, and the search for another one; the vehicle holds."""
+        self._replanner.abandon()
         if self._root is not None:
             self._root.stop(Status.INVALID)
             self._tell_tree()

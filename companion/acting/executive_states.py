@@ -13,7 +13,7 @@ class ExecutiveState(Enum):
     LEAVING = "ticks the tree of a flight to a place, in want of a plan for the task"
     BY_HAND = "ticks the mission's own tree"
     GROUNDED = "goes on in the air, while the vehicle is on the ground by what has failed"
-    REPLANNING = "a plan is due, as soon as the routes on the map are known; the vehicle holds"
+    REPLANNING = "a plan is due: routes are searched, or an engine plans; the vehicle holds"
     EXPLAINING = "searches for the reason why there is no plan; the vehicle holds"
     SATISFIED = "the task is satisfied"
     WITHOUT_PLAN = "the task has no plan"

@@ -17,6 +17,7 @@ from companion.errors import NoPlanError, SearchLimit
 from companion.mission.model import Mission
 from companion.motion.live_speed_limit import LiveSpeedLimit
 from companion.motion.routes import RouteMap
+from companion.planning.engine_port import Engine, EngineFailure
 from companion.planning.flight_times import flight_times, route_map
 from companion.planning.lasso import Lasso, Letter, Problem
 from companion.planning.planner import Planner
@@ -42,6 +43,8 @@ class PreparedMission:
 
     Attributes:
         first_plan: None for a behaviour tree that was written by hand.
+        engine: who plans in flight; None for the built-in search.
+        engine_failure: why the engine has not made the first plan, in words.
     """
 
     mission: Mission
@@ -49,6 +52,8 @@ class PreparedMission:
     speed_limit: LiveSpeedLimit
     planner: Planner
     first_plan: FirstPlan | None
+    engine: Engine | None = None
+    engine_failure: str | None = None
 
     def plan(self, problem: Problem, histories: Sequence[Sequence[Letter]]) -> Lasso | PlanFailure:
         """The plan for the run's first problem, or why there is none.
@@ -62,7 +67,10 @@ class PreparedMission:
 
 
 def prepare(
-    mission: Mission, speed_max_mps: float = math.inf, routes: RouteMap | None = None
+    mission: Mission,
+    speed_max_mps: float = math.inf,
+    routes: RouteMap | None = None,
+    engine: Engine | None = None,
 ) -> PreparedMission:
     """A mission with everything that takes long.
 
@@ -77,6 +85,7 @@ def prepare(
         mission: what to do.
         speed_max_mps: what an operator allows; more than the mission allows changes nothing.
         routes: of the mission; made if absent.
+        engine: who plans; None for the built-in search, which also plans where an engine fails.
 
     Raises:
         CompanionError: the mission cannot be flown whatever happens.
@@ -90,9 +99,12 @@ def prepare(
         planner.actions_of(mission.tree)  # or says which one does not exist
         return PreparedMission(mission, routes, speed_limit, planner, first_plan=None)
     problem, histories = TaskState(planner).problem()
-    first_plan = FirstPlan(problem, _solved(planner, problem, histories))
+    answer = engine.plan(problem, histories) if engine is not None else None
+    failure = answer.reason if isinstance(answer, EngineFailure) else None
+    found = answer if isinstance(answer, Lasso) else _solved(planner, problem, histories)
+    first_plan = FirstPlan(problem, found)
     anticipate_events(planner)
-    return PreparedMission(mission, routes, speed_limit, planner, first_plan)
+    return PreparedMission(mission, routes, speed_limit, planner, first_plan, engine, failure)
 
 
 def anticipate_events(planner: Planner) -> None:

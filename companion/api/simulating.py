@@ -21,6 +21,7 @@ from companion.mission_run import Recorder
 
 if TYPE_CHECKING:
     from companion.motion.grid import OccupancyGrid
+    from companion.planning.engine_port import Engine
     from sitl.harness import LockstepFlight
     from sitl.world.scenario import Scenario
 
@@ -105,6 +106,7 @@ def lockstep(
     instance: int = 0,
     page: MonitorPage | None = None,
     limit: FlightLimit = NO_LIMIT,
+    engine: Engine | None = None,
 ) -> LockstepFlight:
     """A flight of `simulate` that is still to be flown, and may be flown tick by tick.
 
@@ -116,13 +118,14 @@ def lockstep(
         instance: the vehicle's system id is 1 + instance.
         page: the monitor page, if there is one.
         limit: after what the vehicle is called home.
+        engine: who plans; None for the built-in search.
     """
     from sitl.harness import LockstepFlight
     from sitl.link.routing import LinkName
     from sitl.simulation import Simulation
 
     scenario, grid = world
-    companion = Companion(mission, recorder, page=page, limit=limit)
+    companion = Companion(mission, recorder, page=page, limit=limit, engine=engine)
     links = frozenset({LinkName.OFFBOARD})
     simulation = Simulation(scenario, grid, seed=seed, instance=instance, links=links)
     return LockstepFlight(companion, simulation)

@@ -12,6 +12,35 @@ if TYPE_CHECKING:
 
 MissionFile = Annotated[Path, typer.Argument(metavar="MISSION", help="The mission's YAML file.")]
 
+LogDir = Annotated[
+    Path,
+    typer.Option(
+        envvar="COMPANION_LOG_DIR",
+        help="Where run folders are made.",
+        show_default="~/.local/state/companion",
+    ),
+]
+Timeout = Annotated[float, typer.Option(help="Seconds to wait for a vehicle.", min=0.1)]
+Laps = Annotated[
+    int | None,
+    typer.Option(
+        help="Fly home and land after so many laps, for missions without an end: each meets "
+        "all that the task asks for again and again. [default: none]",
+        min=1,
+        show_default=False,
+    ),
+]
+LimitS = Annotated[
+    float | None,
+    typer.Option(
+        "--limit-s",
+        help="The same after so many seconds since arming, in the vehicle's time. [default: none]",
+        min=1.0,
+        show_default=False,
+    ),
+]
+DEFAULT_LOG_DIR = Path("~/.local/state/companion")
+
 
 def load(path: Path) -> Mission:
     """The mission of a file."""

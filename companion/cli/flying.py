@@ -6,54 +6,46 @@ import signal
 import time
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
+from functools import partial
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from companion.cli.arguments import MissionFile, load
+from companion.cli.arguments import (
+    DEFAULT_LOG_DIR,
+    Laps,
+    LimitS,
+    LogDir,
+    MissionFile,
+    Timeout,
+    load,
+)
+from companion.cli.engine_options import (
+    BUILT_IN,
+    ENGINE_TIMEOUT_S,
+    EncodingOption,
+    EngineDuration,
+    EngineOption,
+    EngineTimeout,
+    engine_of,
+)
 from companion.cli.log_lines import Verbose
 from companion.cli.monitoring import DEFAULT_ADDRESS, Monitor, monitored
 from companion.cli.terminal import Terminal, undisturbed
 from companion.errors import MissionError
+from companion.planning.objective import Encoding
 
 if TYPE_CHECKING:
     from companion.acting.flight_limit import FlightLimit
     from companion.app import Companion
     from companion.flight_events.event import Stamped
     from companion.mission.model import Mission
+    from companion.planning.engine_port import Engine
     from companion.record.run_folder import RunFolder
     from companion.vehicle.link import Endpoint
 
-LogDir = Annotated[
-    Path,
-    typer.Option(
-        envvar="COMPANION_LOG_DIR",
-        help="Where run folders are made.",
-        show_default="~/.local/state/companion",
-    ),
-]
-Timeout = Annotated[float, typer.Option(help="Seconds to wait for a vehicle.", min=0.1)]
-Laps = Annotated[
-    int | None,
-    typer.Option(
-        help="Fly home and land after so many laps, for missions without an end: each meets all that "
-        "the task asks for again and again. [default: none]",
-        min=1,
-        show_default=False,
-    ),
-]
-LimitS = Annotated[
-    float | None,
-    typer.Option(
-        "--limit-s",
-        help="The same after so many seconds since arming, in the vehicle's time. [default: none]",
-        min=1.0,
-        show_default=False,
-    ),
-]
-DEFAULT_LOG_DIR = Path("~/.local/state/companion")
 OFFBOARD_PORT = 14540
 GROUND_STATION_PORT = 14550
 UPLOADS = "uploads"
@@ -77,6 +69,9 @@ def run(
     ] = False,
     laps: Laps = None,
     limit_s: LimitS = None,
+    engine: EngineOption = BUILT_IN,
+    encoding: EncodingOption = Encoding.V4,
+    engine_timeout: EngineTimeout = ENGINE_TIMEOUT_S,
     timeout: Timeout = 30.0,
     log_dir: LogDir = DEFAULT_LOG_DIR,
     monitor: Monitor = None,
@@ -93,8 +88,9 @@ def run(
 
     loaded, endpoint = load(mission) if mission else None, parse_url(connect)
     limit, address = FlightLimit(laps, limit_s), monitor or DEFAULT_ADDRESS
+    planner = engine_of(engine, encoding, engine_timeout)
     if loaded is None or wait:
-        _host(loaded, endpoint, accept_weak_failsafes, log_dir, address, limit)
+        _host(loaded, endpoint, accept_weak_failsafes, log_dir, address, limit, planner)
         return
     terminal = Terminal()
     with (
@@ -103,7 +99,9 @@ def run(
         monitored(address, terminal.say) as page,
     ):
         page.show(folder.folder)
-        companion = Companion(loaded, folder, accept_weak_failsafes, page=page, limit=limit)
+        companion = Companion(
+            loaded, folder, accept_weak_failsafes, page=page, limit=limit, engine=planner
+        )
         _fly(companion, endpoint, terminal, speed=1.0, timeout_s=timeout)
         _raise_failure(companion)
 
@@ -123,6 +121,10 @@ def sim(
     ] = 0,
     laps: Laps = None,
     limit_s: LimitS = None,
+    engine: EngineOption = BUILT_IN,
+    encoding: EncodingOption = Encoding.V4,
+    engine_timeout: EngineTimeout = ENGINE_TIMEOUT_S,
+    engine_duration: EngineDuration = 1.0,
     timeout: Timeout = 30.0,
     log_dir: LogDir = DEFAULT_LOG_DIR,
     monitor: Monitor = None,
@@ -136,6 +138,7 @@ def sim(
     from companion.vehicle.link import Endpoint
 
     factor, limit = _speed(speed), FlightLimit(laps, limit_s)
+    planner = engine_of(engine, encoding, engine_timeout, None if factor else engine_duration)
     loaded = load(mission)
     path = scenario or _scenario_beside(mission)
     world = world_of(loaded, path)
@@ -148,15 +151,11 @@ def sim(
     ):
         page.show(folder.folder)
         if factor is None:
-            flight = lockstep(
-                loaded, world, folder, seed=seed, instance=instance, page=page, limit=limit
-            )
-            companion = flight.companion
-            with _stoppable(companion, terminal), undisturbed(companion.hang_up):
-                flight.fly(timeout)
-            _raise_failure(companion)
+            made = partial(lockstep, seed=seed, instance=instance, limit=limit, engine=planner)
+            flight = made(loaded, world, folder, page=page)
+            _fly_in_lockstep(flight.companion, partial(flight.fly, timeout), terminal)
             return
-        companion = Companion(loaded, folder, page=page, limit=limit)
+        companion = Companion(loaded, folder, page=page, limit=limit, engine=planner)
         options = ["--scenario", path, "--speed", factor, "--seed", seed, "--instance", instance]
         terminal.say(
             f"vehicle    simulated, {factor:g} x real time; "
@@ -166,6 +165,12 @@ def sim(
         with simulator([str(o) for o in options], folder.folder / "sitl.log"):
             _fly(companion, endpoint, terminal, factor, timeout * factor)
         _raise_failure(companion)
+
+
+def _fly_in_lockstep(companion: Companion, fly: Callable[[], None], terminal: Terminal) -> None:
+    with _stoppable(companion, terminal), undisturbed(companion.hang_up):
+        fly()
+    _raise_failure(companion)
 
 
 def _scenario_beside(mission: Path) -> Path:
@@ -236,6 +241,7 @@ def _host(
     log_dir: Path,
     address: str,
     limit: FlightLimit,
+    engine: Engine | None,
 ) -> None:
     """Waits for ground stations to start sorties, until it is stopped."""
     from companion.app import Companion
@@ -258,7 +264,7 @@ def _host(
             return folder
 
         uploads = Uploads(log_dir.expanduser() / UPLOADS)
-        host = SortieHost(open_folder, close_folder, tell, uploads)
+        host = SortieHost(open_folder, close_folder, tell, uploads, engine)
         companion = Companion(mission, None, accepts_weak, host, page, limit)
         try:
             what = f"to fly {mission.name}" if mission else "and a mission"

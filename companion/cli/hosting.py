@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from companion.ground.operations import UploadService
     from companion.mission.model import Mission
     from companion.mission_run import Recorder
+    from companion.planning.engine_port import Engine
     from companion.record.run_folder import RunFolder
 
 
@@ -27,6 +28,7 @@ class SortieHost:
         close_folder: closes one, and announces that.
         tell: prints news between two runs.
         uploads: missions from outside, if any are taken.
+        engine: who plans; None for the built-in search.
     """
 
     def __init__(
@@ -35,7 +37,9 @@ class SortieHost:
         close_folder: Callable[[RunFolder], None],
         tell: Callable[[Stamped], None],
         uploads: UploadService | None,
+        engine: Engine | None = None,
     ) -> None:
+        self._engine = engine
         self.uploads = uploads
         self._open_folder = open_folder
         self._close_folder = close_folder
@@ -56,7 +60,7 @@ class SortieHost:
 
         def work() -> None:
             try:
-                prepared.set_result(prepare(mission, speed_max_mps))
+                prepared.set_result(prepare(mission, speed_max_mps, engine=self._engine))
             except BaseException as error:  # raised again in the loop, by whoever asks for it
                 prepared.set_exception(error)
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from companion.cli.arguments import MissionFile, load
+from companion.cli.engine_options import BUILT_IN, EncodingOption, EngineOption
 from companion.cli.log_lines import Verbose
 from companion.errors import CompanionError
 from companion.planning.objective import Encoding, Objective
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     from companion.planning.lasso import Letter, Problem, Solution
     from companion.planning.planner import Planner
 
-BUILT_IN = "built-in"
 FORMAT_VERSION = 1
 """Of the JSON that `plan --json` and `check --json` print."""
 
@@ -66,21 +66,6 @@ ObjectiveOption = Annotated[
     typer.Option(
         help="What is best: the shortest lap and to it the shortest prefix; the least sum of "
         "both; or the least worst time between two fulfilments of a recurring part."
-    ),
-]
-EngineOption = Annotated[
-    str,
-    typer.Option(
-        metavar="NAME",
-        help="Who plans: built-in, or an engine of unified-planning such as fast-downward "
-        "or pyperplan (with --encoding v5).",
-    ),
-]
-EncodingOption = Annotated[
-    Encoding,
-    typer.Option(
-        help="How engines and --pddl are told: v1 as in the paper, one automaton; v4 one "
-        "automaton for each conjunct; v5 the same without conditional effects."
     ),
 ]
 EngineTimeout = Annotated[float, typer.Option(help="Seconds that an engine may take.", min=0.1)]

@@ -24,6 +24,7 @@ from companion.flight_events.hosting import (
     UploadChecked,
 )
 from companion.flight_events.plans import (
+    EngineFailed,
     LapCompleted,
     NoPlanFound,
     PlanMade,
@@ -66,6 +67,7 @@ EVENTS: tuple[type[FlightEvent], ...] = (
     WrittenTreeAdopted,
     PlanReplaced,
     NoPlanFound,
+    EngineFailed,
     LapCompleted,
     PlaceReached,
     SkillCompleted,

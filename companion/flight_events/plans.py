@@ -86,6 +86,16 @@ class PlanReplaced(FlightEvent):
 
 
 @dataclass(frozen=True, slots=True)
+class EngineFailed(FlightEvent):
+    """The engine from outside has made no plan, and the built-in search is asked."""
+
+    kind = "engine failed"
+    template = "{reason}; the built-in search plans"
+
+    reason: Annotated[str, Doc("why it has made none")]
+
+
+@dataclass(frozen=True, slots=True)
 class NoPlanFound(FlightEvent):
     """There is no other plan."""
 

@@ -15,9 +15,9 @@ class Effort:
     Attributes:
         product_edges: edges of the product; with more of them the search is given up. About 1 us
             each.
-        dijkstra_edges: edges that shortest-path searches see, one search for each target and each
-            edge of the product in each; of too many targets the nearest are looked at. About
-            0.2 us each.
+        dijkstra_steps: of all shortest-path searches, one search for each target: a step for each
+            edge of the product, and 30 for each node (`Product.dijkstra_steps`). Of too many
+            targets the nearest are looked at. About 5 ns each.
         held_karp_additions: additions in the tables of exact tours; beyond them local search
             takes their place. About 5 ns each.
         loop_steps: edges that the search for loops sees which are no cycles of the product; beyond
@@ -25,20 +25,20 @@ class Effort:
     """
 
     product_edges: int
-    dijkstra_edges: int
+    dijkstra_steps: int
     held_karp_additions: int
     loop_steps: int
 
 
 BEFORE_FLIGHT = Effort(
     product_edges=2_000_000,
-    dijkstra_edges=40_000_000,
+    dijkstra_steps=600_000_000,
     held_karp_additions=60_000_000,
     loop_steps=200_000,
 )
 IN_FLIGHT = Effort(
     product_edges=80_000,
-    dijkstra_edges=1_000_000,
+    dijkstra_steps=15_000_000,
     held_karp_additions=15_000_000,
     loop_steps=10_000,
 )

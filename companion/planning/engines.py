@@ -20,7 +20,7 @@ import tempfile
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from multiprocessing.connection import Connection
+from multiprocessing.connection import Connection, wait
 from types import FrameType
 from typing import Any
 
@@ -65,6 +65,10 @@ class EngineError(CompanionError):
     """A planner is missing, or gave no answer."""
 
 
+class EngineTimeout(EngineError):
+    """A planner gave no answer within its time limit."""
+
+
 class _TimeIsOver(Exception):
     """Raised in the child by its alarm."""
 
@@ -95,7 +99,11 @@ def _setup(classical: ClassicalProblem, engine: str, optimal: bool) -> _Setup:
 
 
 def solve(
-    classical: ClassicalProblem, engine: str, timeout_s: float, optimal: bool
+    classical: ClassicalProblem,
+    engine: str,
+    timeout_s: float,
+    optimal: bool,
+    stop: Connection | None = None,
 ) -> list[str] | None:
     """A plan as the names of its actions; None if it is proved that there is none.
 
@@ -105,23 +113,27 @@ def solve(
         timeout_s: after this many seconds the engine is ended.
         optimal: ask Fast Downward for a plan of least cost, else for any plan soon. Other engines
             have a name for each.
+        stop: the engine is ended when the other end of this pipe is closed.
 
     Raises:
         EngineError: the engine is missing, cannot take the problem, failed, or took too long.
     """
     setup = _setup(classical, engine, optimal)
-    status, names = _run(classical, engine, setup, timeout_s)
+    status, names = _run(classical, engine, setup, timeout_s, stop)
     if status == "UNSOLVABLE_INCOMPLETELY" and engine == FAST_DOWNWARD and not optimal:
         setup = _setup(classical, engine, optimal=True)  # gave up; this one is complete
-        status, names = _run(classical, engine, setup, timeout_s)
+        status, names = _run(classical, engine, setup, timeout_s, stop)
     if names is not None:
         return names
     is_proved = status == "UNSOLVABLE_INCOMPLETELY" and setup.proves_absence
     if is_proved or status == "UNSOLVABLE_PROVEN":
         return None
-    what = FAILURES.get(status, f"failed ({status}); use another engine, or the built-in search")
     if status == "TIMEOUT":
-        what = f"did not answer in {timeout_s:g} s; raise the limit, or use the built-in search"
+        raise EngineTimeout(
+            f"the engine {engine} did not answer in {timeout_s:g} s; raise the limit, or use the "
+            "built-in search"
+        )
+    what = FAILURES.get(status, f"failed ({status}); use another engine, or the built-in search")
     raise EngineError(f"the engine {engine} {what}")
 
 
@@ -132,6 +144,7 @@ def solve_with(
     encoding: Encoding,
     objective: Objective,
     timeout_s: float,
+    stop: Connection | None = None,
 ) -> Solution | None:
     """A checked lasso by way of a classical planner; None if the task cannot be done from here.
 
@@ -145,6 +158,7 @@ def solve_with(
         encoding: how the task is compiled.
         objective: `LAP` or `SUM`.
         timeout_s: after this many seconds the engine is ended.
+        stop: it is ended when the other end of this pipe is closed.
 
     Raises:
         EngineError: as `solve` does.
@@ -152,7 +166,7 @@ def solve_with(
     """
     asked = monolithic(problem, histories) if encoding is Encoding.V1 else problem
     classical = encode(asked, encoding, objective)
-    names = solve(classical, engine, timeout_s, optimal=True)
+    names = solve(classical, engine, timeout_s, optimal=True, stop=stop)
     if names is None:
         return None
     lasso = decode(classical, names)
@@ -166,7 +180,11 @@ def solve_with(
 
 
 def _run(
-    classical: ClassicalProblem, engine: str, setup: _Setup, timeout_s: float
+    classical: ClassicalProblem,
+    engine: str,
+    setup: _Setup,
+    timeout_s: float,
+    stop: Connection | None,
 ) -> tuple[str, list[str] | None]:
     """The engine's status, and its plan."""
     here, there = _server.Pipe(duplex=False)
@@ -177,7 +195,8 @@ def _run(
         child.start()
         there.close()
         try:
-            if not here.poll(timeout_s + GRACE_S):
+            heard = wait([here, stop] if stop else [here], timeout_s + GRACE_S)
+            if here not in heard:
                 return "TIMEOUT", None
             answer: EngineError | tuple[str, list[str] | None] = here.recv()
         except EOFError:

@@ -31,7 +31,7 @@ def patrol(sites: int, upload_sites: int, seed: int) -> Mission:
         name: Place(name, (chance.uniform(0, SIDE_M), chance.uniform(0, SIDE_M), -2.0), 0.6)
         for name in names
     }
-    search = " & ".join(f"(F at({name}) | targetFound)" for name in searched)
+    search = " & ".join(f"F (at({name}) | targetFound)" for name in searched)
     mission = load_mission(MISSION)
     return replace(
         mission,

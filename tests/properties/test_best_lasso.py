@@ -19,10 +19,10 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given, reject, settings
 from hypothesis import strategies as st
 from problems import action, asking, histories, problem, random_legs, surveillance
-from reference_lassos import best_lap_and_prefix, best_sum
+from reference_lassos import TooLarge, best_lap_and_prefix, best_sum
 from reference_search import best_bottleneck, shortest_tour
 from reference_search import best_sum as best_sum_of_cycles
 from synthetic import facts_of
@@ -35,7 +35,7 @@ from companion.planning.lasso import Problem, Solution, word
 from companion.planning.objective import Objective
 
 NOTHING_EXACT = replace(BEFORE_FLIGHT, held_karp_additions=0)
-HARDLY_ANYTHING = replace(NOTHING_EXACT, dijkstra_edges=200)
+HARDLY_ANYTHING = replace(NOTHING_EXACT, dijkstra_steps=1000)
 HANGING_S = 600.0  # wall time
 
 ENDING = [
@@ -357,8 +357,11 @@ def test_after_any_history_the_whole_word_satisfies_the_task(
             letters.append(data.draw(st.sampled_from(able)).apply(letters[-1]))
     task = " & ".join(f"({conjunct.formula})" for conjunct in asked.conjuncts)
     later = asking(task, asked.actions, letters)
+    try:
+        best = best_lap_and_prefix(later, letters)
+    except TooLarge:
+        reject()
     found = list(Search(asked.actions).solutions(later))
-    best = best_lap_and_prefix(later, letters)
     assert bool(found) == (best is not None)
     if found:
         lasso = found[-1].lasso

@@ -12,6 +12,7 @@ from companion.cli.hosting import SortieHost
 from companion.errors import CompanionError
 
 PREPARE = "companion.cli.hosting.prepare"
+ENGINE: Any = object()
 
 
 def no_folder(_: Any) -> Any:
@@ -20,22 +21,22 @@ def no_folder(_: Any) -> Any:
 
 @pytest.fixture
 def host() -> SortieHost:
-    return SortieHost(no_folder, no_folder, no_folder, None)
+    return SortieHost(no_folder, no_folder, no_folder, None, ENGINE)
 
 
 def test_a_mission_is_prepared_in_another_thread(
     host: SortieHost, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(PREPARE, lambda *asked: (asked, threading.get_ident()))
+    monkeypatch.setattr(PREPARE, lambda *asked, engine: ((*asked, engine), threading.get_ident()))
     flown = mission("F at(A)")
     asked, thread = host.prepare(flown, 2.0).result()
-    assert asked == (flown, 2.0) and thread != threading.get_ident()
+    assert asked == (flown, 2.0, ENGINE) and thread != threading.get_ident()
 
 
 def test_what_is_wrong_is_raised_where_the_result_is_asked_for(
     host: SortieHost, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def fails(*_: Any) -> Any:
+    def fails(*_: Any, engine: Any) -> Any:
         raise CompanionError("no such action")
 
     monkeypatch.setattr(PREPARE, fails)
@@ -51,7 +52,7 @@ def test_the_end_waits_for_no_preparation(
     """Neither the host's nor the program's: a thread that is no daemon would hold that up."""
     may_end, threads = threading.Event(), []
 
-    def takes_long(*_: Any) -> None:
+    def takes_long(*_: Any, engine: Any) -> None:
         threads.append(threading.current_thread())
         may_end.wait()
 

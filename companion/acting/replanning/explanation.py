@@ -25,12 +25,12 @@ class ExplanationSearch:
     """
 
     def __init__(self, planner: Planner, problem: Problem) -> None:
-        self._about = _what_decides(problem)
+        self._about = what_decides(problem)
         self._parts = planner.reasons(problem)
 
     def is_about(self, problem: Problem) -> bool:
         """Whether a problem differs from this one in nothing but costs, which change in the air."""
-        return self._about == _what_decides(problem)
+        return self._about == what_decides(problem)
 
     def step(self) -> NoPlan | None:
         """The part of a tick; the answer with the last one."""
@@ -40,7 +40,7 @@ class ExplanationSearch:
         return None
 
 
-def _what_decides(problem: Problem) -> tuple[object, ...]:
+def what_decides(problem: Problem) -> tuple[object, ...]:
     """All of a problem that decides on whether there is a plan."""
     actions = tuple(action.name for action in problem.actions)
     return actions, problem.facts, problem.withdrawn, problem.automaton_states

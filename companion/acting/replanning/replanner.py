@@ -3,7 +3,8 @@
 1. A plan waits until the routes on the map are known, but not for ever: a map may go on changing.
 2. A search in flight is small. If it finds no plan, the reason is searched for, a part in each
    tick; a change meanwhile, of more than costs, begins anew.
-3. Plans between which no skill is completed lead nowhere; after some in a row it is given up.
+3. An engine from outside is waited for; where it fails, the built-in search is asked.
+4. Plans between which no skill is completed lead nowhere; after some in a row it is given up.
 """
 
 from __future__ import annotations
@@ -13,10 +14,13 @@ from dataclasses import dataclass
 
 from companion.acting.flight import Flight
 from companion.acting.replanning.assumptions import Assumptions
+from companion.acting.replanning.engine_search import EngineSearch
 from companion.acting.replanning.explanation import ExplanationSearch
 from companion.acting.replanning.reachability import Reachability
 from companion.errors import NoPlanError, SearchLimit
 from companion.flight_events.facts import PlacesCutOff
+from companion.flight_events.plans import EngineFailed
+from companion.planning.engine_port import Engine, EngineFailure
 from companion.planning.lasso import Lasso, Letter, Problem
 from companion.planning.planner import Planner
 
@@ -55,13 +59,22 @@ class Replanner:
         planner: the mission's planner.
         flight: from where plans are made.
         assumptions: learns of the beliefs that the map gives back.
+        engine: who plans; None for the built-in search, which is asked where an engine fails, and
+            whether the present plan is still the best one.
     """
 
-    def __init__(self, planner: Planner, flight: Flight, assumptions: Assumptions) -> None:
+    def __init__(
+        self,
+        planner: Planner,
+        flight: Flight,
+        assumptions: Assumptions,
+        engine: Engine | None = None,
+    ) -> None:
         self.reachability = Reachability(planner, flight)
         self._planner = planner
         self._flight = flight
         self._assumptions = assumptions
+        self._engine = EngineSearch(engine) if engine is not None else None
         self._explanation: ExplanationSearch | None = None
         self._idle_replans = 0
         self._positions = 0
@@ -73,9 +86,15 @@ class Replanner:
 
     def begin(self, reason: str) -> DueReplan:
         """Another plan is due from now on."""
-        self._explanation = None
+        self.abandon()
         self._count_idle()
         return DueReplan(reason, self._flight.now_s)
+
+    def abandon(self) -> None:
+        """Nobody waits for a plan any more."""
+        self._explanation = None
+        if self._engine is not None:
+            self._engine.abandon()
 
     def forgive(self) -> None:
         """Plans that led nowhere do not count any more: the operator wants to go on."""
@@ -93,11 +112,20 @@ class Replanner:
             if self._explanation.is_about(problem):
                 return self._explanation.step()
             self._count_idle()  # what flaps must not be asked about for ever
+        if self._engine is not None and self._engine.is_outdated_by(problem):
+            self._engine.abandon()
+            self._count_idle()
         self._assumptions.forget_restored_beliefs()
         if self._planner.mission.tree is not None:
             return NoPlanError("no plan: the mission has a tree of its own")
         if self._idle_replans > MAX_IDLE_REPLANS:
             return NoPlanError(f"no plan: {MAX_IDLE_REPLANS} plans in a row led nowhere")
+        if self._engine is not None:
+            match self._engine.step(problem, histories, flight.now_s):
+                case EngineFailure(reason):
+                    flight.report(EngineFailed(reason))
+                case answer:
+                    return answer
         found = self._search(problem, histories)
         if found is not None:
             return found

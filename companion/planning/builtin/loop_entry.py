@@ -112,8 +112,8 @@ def _promising(
         least_ms = least_lap_ms(product, loops.bound_ms)
         to_facts = paths.to_facts[nodes].tolist()
         nodes = nodes[[rank(objective, prefix_ms, least_ms) < known for prefix_ms in to_facts]]
-        if loops.is_exact and len(nodes) * len(product.ends) > effort.dijkstra_edges:
-            raise SearchLimit(f"{effort.dijkstra_edges:,} edges seen by Dijkstra searches")
+        if loops.is_exact and len(nodes) * product.dijkstra_steps > effort.dijkstra_steps:
+            raise SearchLimit(f"{effort.dijkstra_steps:,} steps of Dijkstra searches")
         for node, cycle_ms in _least_cycles(loops, nodes):
             lap_ms = least_lap_ms(product, cycle_ms)
             if rank(objective, int(paths.to_facts[node]), lap_ms) < known:

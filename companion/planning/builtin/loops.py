@@ -71,7 +71,7 @@ def loops_of(
 ) -> Loops:
     """The loops of a component."""
     targets_of = _essential(product, nodes)
-    max_targets = min(_MAX_TARGETS, max(1, effort.dijkstra_edges // len(product.ends)))
+    max_targets = min(_MAX_TARGETS, max(1, effort.dijkstra_steps // product.dijkstra_steps))
     if not targets_of:
         return ShortestCycles(product, nodes, paths, max_targets)
     return TargetTours(nodes, targets_of, paths, max_targets, effort.held_karp_additions)

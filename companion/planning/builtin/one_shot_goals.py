@@ -45,9 +45,9 @@ class OneShotGoals:
         goals, initial = product.one_shot_goals, product.initial
         self._paths = paths
         self._targets = sorted(set().union(*goals))
-        if len(self._targets) * len(product.ends) > effort.dijkstra_edges:
+        if len(self._targets) * product.dijkstra_steps > effort.dijkstra_steps:
             raise SearchLimit(
-                f"{effort.dijkstra_edges:,} edges seen by Dijkstra searches, one for each of "
+                f"{effort.dijkstra_steps:,} steps of Dijkstra searches, one for each of "
                 f"{len(self._targets):,} product states that meet a goal"
             )
         to_targets = paths.costs_to(self._targets)

@@ -43,6 +43,8 @@ MIN_ONE_SHOT_GOALS = 4
 MAX_LETTERS = 2_000
 """States of the transition system up to which it is looked for conjuncts that are implied."""
 
+_STEPS_OF_NODE = 30
+
 Node = tuple[int, tuple[int, ...], int]
 """Facts, states of the automata, marks met on the way in."""
 
@@ -152,6 +154,14 @@ class Product:
     def least_ms(self) -> int:
         """The cost of the cheapest edge."""
         return int(self.costs.min())
+
+    @property
+    def dijkstra_steps(self) -> int:
+        """About how many steps a shortest-path search takes, one for each edge.
+
+        A node is taken off a heap, which costs as much as thirty edges.
+        """
+        return len(self.ends) + _STEPS_OF_NODE * self.nodes
 
     @cached_property
     def max_laps(self) -> int:

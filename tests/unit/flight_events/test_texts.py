@@ -27,6 +27,7 @@ from companion.flight_events.hosting import (
     UploadChecked,
 )
 from companion.flight_events.plans import (
+    EngineFailed,
     LapCompleted,
     NoPlanFound,
     PlanMade,
@@ -88,6 +89,10 @@ TEXTS: list[tuple[FlightEvent, str]] = [
         "replan 2: target found -> (move(Home, A), wait)^w",
     ),
     (NoPlanFound(3, "low battery", "no plan: why"), "replan 3: low battery: no plan: why"),
+    (
+        EngineFailed("the engine lpg did not answer in 10 s"),
+        "the engine lpg did not answer in 10 s; the built-in search plans",
+    ),
     (LapCompleted(1), "lap 1 done"),
     (PlaceReached("A", "move(Home, A)"), "at A"),
     (SkillCompleted("upload(r1)"), "upload(r1) done"),

@@ -139,7 +139,7 @@ def test_in_flight_less_is_tried_than_before(monkeypatch: pytest.MonkeyPatch) ->
     made.replan(*made.initial_problem())
     assert tried == [BEFORE_FLIGHT, IN_FLIGHT]
     assert IN_FLIGHT.product_edges < BEFORE_FLIGHT.product_edges
-    assert IN_FLIGHT.dijkstra_edges < BEFORE_FLIGHT.dijkstra_edges
+    assert IN_FLIGHT.dijkstra_steps < BEFORE_FLIGHT.dijkstra_steps
     assert IN_FLIGHT.held_karp_additions < BEFORE_FLIGHT.held_karp_additions
 
 

@@ -20,7 +20,7 @@ from companion.planning.domain import WAIT
 from companion.planning.effort import BEFORE_FLIGHT, Effort
 from companion.planning.lasso import Problem
 
-ROUGH = replace(BEFORE_FLIGHT, dijkstra_edges=1, held_karp_additions=0)
+ROUGH = replace(BEFORE_FLIGHT, dijkstra_steps=1, held_karp_additions=0)
 
 
 def offered(asked: Problem, effort: Effort = BEFORE_FLIGHT) -> tuple[Product, Loops]:
@@ -154,7 +154,7 @@ def test_of_too_many_targets_the_nearest_are_looked_at_and_nothing_is_proved() -
     legs |= {("H", "A"): 1.0, ("H", "C"): 1.0, ("B", "D"): 0.5, ("D", "B"): 0.5}
     asked = problem(places, legs, "G F (at(A) | at(B)) & G F (at(C) | at(D))")
     _, exact = offered(asked)
-    _, nearest = offered(asked, replace(BEFORE_FLIGHT, dijkstra_edges=1))
+    _, nearest = offered(asked, replace(BEFORE_FLIGHT, dijkstra_steps=1))
     assert exact.bound_ms == exact.best_ms == 1000
     assert nearest.best_ms > 1000 >= max(nearest.bound_ms, nearest.bottleneck_bound_ms)
 

@@ -18,7 +18,7 @@ from companion.errors import SearchLimit
 from companion.planning.builtin.search import Search
 from companion.planning.check import fault
 from companion.planning.domain import WAIT, Action
-from companion.planning.effort import BEFORE_FLIGHT
+from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT
 from companion.planning.lasso import Lasso, Problem
 from companion.planning.objective import Objective
 
@@ -207,12 +207,21 @@ def test_whether_there_is_a_plan_may_take_too_long_to_find_out() -> None:
     asked = problem("HABCD", unit_legs("HABCD"), "F at(A) & F at(B) & F at(C) & F at(D)")
     for effort in (
         replace(BEFORE_FLIGHT, product_edges=3),
-        replace(BEFORE_FLIGHT, dijkstra_edges=3),
+        replace(BEFORE_FLIGHT, dijkstra_steps=3),
     ):
         assert Search().is_solvable(asked, effort) is None
-        with pytest.raises(SearchLimit, match="given up at its limit of 3 edges"):
+        with pytest.raises(SearchLimit, match=r"given up at its limit of 3 (edges|steps)"):
             list(Search().solutions(asked, effort=effort))
     assert Search().is_solvable(asked)
+
+
+def test_many_places_to_visit_once_are_planned_in_flight() -> None:
+    """The limit counts what searches take: on a dense graph an edge takes very little."""
+    places = [f"s{i}" for i in range(120)]
+    legs = {(a, b): 2.0 + i % 7 for i, (a, b) in enumerate(itertools.permutations(places, 2))}
+    asked = problem(places, legs, " & ".join(f"F at({place})" for place in places))
+    first = next(Search(asked.actions).solutions(asked, effort=IN_FLIGHT))
+    assert {action.arguments[-1] for action in first.prefix} == {*places[1:]}
 
 
 def test_a_limit_is_not_taken_for_no_plan() -> None:

@@ -1,0 +1,117 @@
+"""Engines of unified-planning in flight: each problem is compiled and solved beside the loop.
+
+A thread compiles the problem and waits for the engine's process (`engines.py`); the flight loop
+asks in each tick whether there is an answer. In lockstep simulated time waits instead: an answer
+comes after a simulated duration that is configured, so that equal flights have equal events however
+fast the machine is. Threads and processes: this module is a door.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import threading
+from collections.abc import Sequence
+from concurrent.futures import Future
+from dataclasses import dataclass
+
+from companion.errors import CompanionError
+from companion.planning.engine_port import EngineFailure
+from companion.planning.engines import EngineTimeout, solve_with
+from companion.planning.lasso import Lasso, Letter, Problem
+from companion.planning.objective import Encoding, Objective
+
+
+@dataclass(frozen=True, slots=True)
+class EngineJobs:
+    """An engine that plans for a flight; the interface is `Engine`.
+
+    Attributes:
+        engine: its name in unified-planning.
+        encoding: how it is told.
+        timeout_s: what it may take of real time.
+        duration_s: what it takes of simulated time, in lockstep; None in real time. In lockstep
+            the time limit ends the flight, which would be another one on another machine.
+    """
+
+    engine: str
+    encoding: Encoding
+    timeout_s: float
+    duration_s: float | None = None
+
+    def plan(
+        self, problem: Problem, histories: Sequence[Sequence[Letter]]
+    ) -> Lasso | EngineFailure:
+        """The plan before a flight."""
+        try:
+            solution = solve_with(
+                problem, histories, self.engine, self.encoding, Objective.LAP, self.timeout_s
+            )
+        except EngineTimeout as late:
+            if self.duration_s is not None:
+                raise
+            return EngineFailure(str(late))
+        return solution.lasso if solution else self.finds_nothing
+
+    @property
+    def finds_nothing(self) -> EngineFailure:
+        """What is told where it says that there is no plan."""
+        return EngineFailure(f"the engine {self.engine} finds no plan")
+
+    def begin(self, problem: Problem, histories: Sequence[Sequence[Letter]], now_s: float) -> _Job:
+        """Begins to plan."""
+        return _Job(self, problem, [tuple(history) for history in histories], now_s)
+
+
+class _Job:
+    """A problem that an engine works on; the interface is `EngineJob`."""
+
+    def __init__(
+        self,
+        jobs: EngineJobs,
+        problem: Problem,
+        histories: Sequence[Sequence[Letter]],
+        begin_s: float,
+    ) -> None:
+        self._jobs = jobs
+        self._due_s = begin_s + (jobs.duration_s or 0.0)
+        self._found: Future[Lasso | None] = Future()
+        stop, self._stopping = multiprocessing.Pipe(duplex=False)
+
+        def work() -> None:
+            try:
+                solution = solve_with(
+                    problem,
+                    histories,
+                    jobs.engine,
+                    jobs.encoding,
+                    Objective.LAP,
+                    jobs.timeout_s,
+                    stop=stop,
+                )
+                self._found.set_result(solution.lasso if solution else None)
+            except BaseException as error:  # raised again where the answer is asked for
+                self._found.set_exception(error)
+
+        threading.Thread(target=work, daemon=True).start()
+
+    def answer(self, now_s: float) -> Lasso | EngineFailure | None:
+        """The plan, or why there is none; None while it is not known."""
+        if self._jobs.duration_s is None:
+            return self._result() if self._found.done() else None
+        return self._result() if now_s >= self._due_s else None
+
+    def _result(self) -> Lasso | EngineFailure:
+        """The plan, or why there is none, when the engine has answered."""
+        try:
+            lasso = self._found.result()
+        except EngineTimeout as late:
+            if self._jobs.duration_s is not None:
+                raise
+            return EngineFailure(str(late))
+        except CompanionError as failure:
+            return EngineFailure(str(failure))
+        return lasso or self._jobs.finds_nothing
+
+    def abandon(self) -> None:
+        """The engine is ended, if it still works."""
+        self._stopping.close()

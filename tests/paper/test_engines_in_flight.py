@@ -1,0 +1,76 @@
+"""The paper's claim: planners off the shelf, in the loop, from the first plan to the landing."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+from happened import Happened
+
+from companion.api.simulating import lockstep, world_of
+from companion.flight_events.event import Stamped
+from companion.flight_events.plans import EngineFailed, PlanReplaced
+from companion.flight_events.sortie import TaskSatisfied
+from companion.geometry import Ned
+from companion.mission.loader import load_mission
+from companion.planning.engine_jobs import EngineJobs
+from companion.planning.engines import EngineTimeout
+from companion.planning.objective import Encoding
+
+MISSION = Path(__file__).parents[2] / "missions" / "paper_section_v.yaml"
+DURATION_S = 1.5
+TIMEOUT_S = 300.0
+
+pytestmark = [
+    pytest.mark.flight,
+    pytest.mark.skipif(
+        find_spec("up_fast_downward") is None, reason="the extra `planners` is not installed"
+    ),
+]
+
+
+class Flown(Happened):
+    """A flight of the paper's mission, seed 0, with all that happened."""
+
+    def __init__(self, engine: EngineJobs) -> None:
+        self.reports: list[Stamped] = []
+        mission = load_mission(MISSION)
+        lockstep(mission, world_of(mission), self, engine=engine).fly()
+
+    def report(self, stamped: Stamped) -> None:
+        self.reports.append(stamped)
+
+    def packets(self, now_s: float, datagrams: list[bytes]) -> None:
+        """Not needed."""
+
+    def position(self, now_s: float, position: Ned) -> None:
+        """Not needed."""
+
+
+@pytest.mark.parametrize(
+    ("engine", "encoding"),
+    [("fast-downward", Encoding.V1), ("fast-downward", Encoding.V4), ("pyperplan", Encoding.V5)],
+)
+def test_the_paper_s_mission_is_flown_by_planners_off_the_shelf(
+    engine: str, encoding: Encoding
+) -> None:
+    """Two replans: the target is found, and r1 refuses the upload; then home."""
+    flown = Flown(EngineJobs(engine, encoding, TIMEOUT_S, DURATION_S))
+    found, refused = flown.of(PlanReplaced)
+    assert found.reason == "target found"
+    assert str(found.plan) == "move(here, r1), upload(r1), move(r1, Home), (wait)^w"
+    assert str(refused.plan) == "move(r1, r2), upload(r2), move(r2, Home), (wait)^w"
+    assert flown.places[-3:] == ["r1", "r2", "Home"]
+    assert flown.one(TaskSatisfied) and not flown.of(EngineFailed)
+
+
+@pytest.mark.long
+def test_equal_seeds_have_equal_events() -> None:
+    one, other = (Flown(EngineJobs("fast-downward", Encoding.V4, TIMEOUT_S, 0.5)) for _ in "12")
+    assert one.reports == other.reports
+
+
+def test_a_time_limit_that_strikes_in_lockstep_makes_no_flight() -> None:
+    with pytest.raises(EngineTimeout, match=r"did not answer in 0\.01 s"):
+        Flown(EngineJobs("fast-downward", Encoding.V4, 0.01, DURATION_S))
