@@ -16,7 +16,7 @@ from companion.cli.arguments import MissionFile, load
 from companion.cli.log_lines import Verbose
 from companion.cli.monitoring import DEFAULT_ADDRESS, Monitor, monitored
 from companion.cli.terminal import Terminal, undisturbed
-from companion.errors import MissionError
+from companion.errors import CompanionError, MissionError
 
 if TYPE_CHECKING:
     from companion.acting.flight_limit import FlightLimit
@@ -105,7 +105,7 @@ def run(
         page.show(folder.folder)
         companion = Companion(loaded, folder, accept_weak_failsafes, page=page, limit=limit)
         _fly(companion, endpoint, terminal, speed=1.0, timeout_s=timeout)
-        _raise_failure(companion)
+        _raise(companion.failure)
 
 
 def sim(
@@ -130,7 +130,7 @@ def sim(
 ) -> None:
     """Flies a mission in the bundled simulator. QGroundControl connects to it by itself."""
     from companion.acting.flight_limit import FlightLimit
-    from companion.api.simulating import lockstep, world_of
+    from companion.api.simulating import lockstep, verdict, world_of
     from companion.app import Companion
     from companion.simulator import simulator
     from companion.vehicle.link import Endpoint
@@ -154,7 +154,7 @@ def sim(
             companion = flight.companion
             with _stoppable(companion, terminal), undisturbed(companion.hang_up):
                 flight.fly(timeout)
-            _raise_failure(companion)
+            _raise(verdict(companion.failure, flight.simulation.is_damaged))
             return
         companion = Companion(loaded, folder, page=page, limit=limit)
         options = ["--scenario", path, "--speed", factor, "--seed", seed, "--instance", instance]
@@ -163,9 +163,9 @@ def sim(
             f"ground station on UDP port {GROUND_STATION_PORT + instance}"
         )
         endpoint = Endpoint(True, "127.0.0.1", OFFBOARD_PORT + instance)
-        with simulator([str(o) for o in options], folder.folder / "sitl.log"):
+        with simulator([str(o) for o in options], folder.folder / "sitl.log") as child:
             _fly(companion, endpoint, terminal, factor, timeout * factor)
-        _raise_failure(companion)
+        _raise(verdict(companion.failure, child.is_damaged))
 
 
 def _scenario_beside(mission: Path) -> Path:
@@ -291,9 +291,9 @@ def _fly(
         link.close()
 
 
-def _raise_failure(companion: Companion) -> None:
-    if companion.failure is not None:
-        raise companion.failure
+def _raise(failure: CompanionError | None) -> None:
+    if failure is not None:
+        raise failure
 
 
 @contextmanager

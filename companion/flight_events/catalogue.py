@@ -55,6 +55,7 @@ from companion.flight_events.sortie import (
     StopRequested,
     TaskSatisfied,
     VehicleAirborne,
+    VehicleCrashed,
     VehicleLanded,
     WeakFailsafeAccepted,
 )
@@ -94,6 +95,7 @@ EVENTS: tuple[type[FlightEvent], ...] = (
     BatteryCharged,
     GoalFailed,
     SetpointRefused,
+    VehicleCrashed,
     UploadChecked,
     MissionReady,
     MissionUnreadable,
