@@ -16,7 +16,7 @@ from sitl.world.scenario import Scenario, read_scenario
 DISARMED_IN_THE_AIR = "the vehicle was disarmed in the air"
 PILLAR = {
     "name": "pillar",
-    "circle": {"east_m": 0.5, "north_m": 5.9, "radius_m": 0.4},
+    "circle": {"east_m": 0.6, "north_m": 6.0, "radius_m": 0.6},
     "present": False,
 }
 
