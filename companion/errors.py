@@ -148,6 +148,13 @@ class Aborted(CompanionError):
     exit_code = 5
 
 
+class Collided(Aborted):
+    """The simulated vehicle has hit something, whatever its companion says of the flight."""
+
+    def __init__(self) -> None:
+        super().__init__("the simulated vehicle has hit a wall, an obstacle or the ground")
+
+
 class TaskViolated(CompanionError):
     """A recorded flight does not satisfy its task."""
 

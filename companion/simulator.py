@@ -18,10 +18,22 @@ from companion.errors import LinkError
 
 START_TIMEOUT_S = 30.0
 END_TIMEOUT_S = 5.0
+DAMAGED_EXIT_CODE = 5
+"""Of `sitl`, when its vehicle has hit something."""
+
+
+class SimulatorChild:
+    """The running simulator.
+
+    Attributes:
+        is_damaged: its vehicle has hit something; known when the context is left.
+    """
+
+    is_damaged = False
 
 
 @contextmanager
-def simulator(options: list[str], log: Path) -> Iterator[None]:
+def simulator(options: list[str], log: Path) -> Iterator[SimulatorChild]:
     """Runs `sitl` with some options for as long as the context lasts.
 
     Args:
@@ -39,9 +51,10 @@ def simulator(options: list[str], log: Path) -> Iterator[None]:
             stdin=subprocess.PIPE,
             start_new_session=True,
         )
+    simulated = SimulatorChild()
     try:
         _await_start(child, log)
-        yield
+        yield simulated
     finally:
         child.terminate()
         try:
@@ -49,6 +62,7 @@ def simulator(options: list[str], log: Path) -> Iterator[None]:
         except subprocess.TimeoutExpired:
             child.kill()
             child.wait()
+        simulated.is_damaged = child.returncode == DAMAGED_EXIT_CODE
 
 
 def _await_start(child: subprocess.Popen[bytes], log: Path) -> None:

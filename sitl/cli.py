@@ -27,6 +27,7 @@ from sitl.simulation import Simulation
 from sitl.world.scenario import PX4_HOME, Scenario, read_scenario
 
 PERIOD_S = 0.004  # the loop looks at the clock this often, and at once when a datagram arrives
+DAMAGED_EXIT_CODE = 5
 MAX_JUMP_S = 0.1  # wall time; more than this behind, simulated time slows down
 
 
@@ -106,7 +107,7 @@ def simulate(
 
     A ground station finds it on UDP 14550, a companion or MAVSDK on UDP 14540 + instance.
     What happens in the world (target, obstacles, wind, faults) stands in a scenario file; each
-    event is told in a line when it happens.
+    event is told in a line when it happens. The exit code is 5 if the vehicle has hit something.
     """
     try:
         if check:
@@ -114,7 +115,8 @@ def simulate(
             plural = "" if count == 1 else "s"
             typer.echo(f"{check}: a good scenario, {count} event{plural}")
             return
-        _simulate(scenario, speed, instance, home, seed, quiet, _Stop(attended))
+        if _simulate(scenario, speed, instance, home, seed, quiet, _Stop(attended)):
+            raise typer.Exit(DAMAGED_EXIT_CODE)
     except CompanionError as error:
         typer.echo(str(error), err=True)
         raise typer.Exit(error.exit_code) from error
@@ -128,7 +130,8 @@ def _simulate(
     seed: int,
     is_quiet: bool,
     stop: _Stop,
-) -> None:
+) -> bool:
+    """Simulates until it is to end, and on until the vehicle is at rest; whether it is damaged."""
     fallback = home or default_home(dict(os.environ))
     world, grid = read_scenario(path, fallback) if path else (Scenario(home=fallback), None)
     if home:
@@ -149,10 +152,18 @@ def _simulate(
         while not stop.is_set:
             datagrams = server.receive(PERIOD_S)
             server.send(simulation.step(clock.now_s(), datagrams))
-            for time_s, text in simulation.event_log[told:]:
-                told += 1
-                if not is_quiet:
-                    print(f"sitl: {time_s:.2f} s: {text}", flush=True)
+            told = _tell(simulation, told, is_quiet)
+        simulation.settle()
+        _tell(simulation, told, is_quiet)
+        return simulation.is_damaged
+
+
+def _tell(simulation: Simulation, told: int, is_quiet: bool) -> int:
+    """Tells what is new in the world; returns how much was told so far."""
+    for time_s, text in simulation.event_log[told:]:
+        if not is_quiet:
+            print(f"sitl: {time_s:.2f} s: {text}", flush=True)
+    return len(simulation.event_log)
 
 
 def main(arguments: list[str] | None = None) -> Any:

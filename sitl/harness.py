@@ -45,7 +45,7 @@ class LockstepFlight:
         self._ticks += 1
 
     def fly(self, timeout_s: float = 30.0) -> None:
-        """Flies until the companion has ended.
+        """Flies until the companion has ended, and on until the vehicle is at rest.
 
         Raises:
             LinkTimeout: no vehicle was heard in time (simulated seconds).
@@ -58,3 +58,4 @@ class LockstepFlight:
                     f"the simulated vehicle was not heard in {timeout_s:.0f} s of its time\n"
                     "    does the simulation have the link to the companion?"
                 )
+        self.simulation.settle()

@@ -35,6 +35,7 @@ from sitl.world.scenario import Scenario
 from sitl.world.world import World
 
 DT_S = 0.004
+SETTLING_S, SETTLED_STEP_S = 15.0, 0.1
 WORLD_STEPS = 5  # the world acts, and devices speak, every 20 ms
 ALL_LINKS = frozenset(LinkName)
 
@@ -133,6 +134,25 @@ class Simulation:
     def collisions(self) -> int:
         """The number of collisions with walls."""
         return self._world.collisions.count
+
+    @property
+    def is_damaged(self) -> bool:
+        """The vehicle has hit a wall, or the ground with its body."""
+        return self._autopilot.is_crashed
+
+    def settle(self) -> None:
+        """Goes on without anybody at the other end, until the vehicle is disarmed and at rest.
+
+        What somebody leaves in the air may still hit something; after 15 s that is not waited for.
+        """
+        end_s = self._truth.time_s + SETTLING_S
+        while self._truth.time_s < end_s and not self._is_at_rest:
+            self.step(self._steps * DT_S + SETTLED_STEP_S, [])
+
+    @property
+    def _is_at_rest(self) -> bool:
+        is_still = self._truth.is_on_ground or self._world.is_wreck
+        return is_still and not self._autopilot.is_armed
 
     def step(self, now_s: float, datagrams: list[tuple[LinkName, bytes]]) -> Outgoing:
         """Takes what has arrived, then goes on to a time.

@@ -53,7 +53,8 @@ def loss_of_control(phase: Phase, state: VehicleState, flight: Flight) -> Compan
     if phase in ON_THE_GROUND and (state.is_armed or not state.is_landed):
         return Aborted("the vehicle is armed or flying already; it is left alone")
     is_flying = phase in (Phase.OFFBOARD, *UNDER_TASK, Phase.HOLDING)
-    if is_flying and not state.is_armed and not flight.progress.is_landed_by_plan:
+    is_down = state.is_landed and not state.is_armed
+    if is_flying and is_down and not flight.progress.is_landed_by_plan:
         return Aborted("the vehicle was disarmed")
     return None
 

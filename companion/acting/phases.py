@@ -31,6 +31,7 @@ class SortieEvent(Enum):
     CALLED_HOME = "the operator, or a limit of the flight, calls the vehicle home"
     TAKEN_OVER = "the pilot or a failsafe takes the vehicle; an operator may give it back"
     HANDED_BACK = "the pilot holds, and the operator resumes"
+    HIT = "the vehicle has hit something, and still flies"
     STOPPED_IN_THE_AIR = "a stop is asked for, and the vehicle is armed"
     STOPPED = "a stop is asked for, and the vehicle is not armed or not ours"
     GIVEN_UP = "it cannot begin, or the vehicle is no longer ours to fly"
@@ -90,6 +91,7 @@ TRANSITIONS = TransitionTable(
         StateTransition(phase, _E.STOPPED_IN_THE_AIR, _P.HOLDING, "it holds, then lands")
         for phase in _OURS
     ),
+    *(StateTransition(phase, _E.HIT, _P.HOLDING, "it holds, then lands") for phase in _OURS),
     *(
         StateTransition(phase, _E.STOPPED, _P.ENDED, _ENDS)
         for phase in (*ON_THE_GROUND, *_OURS, _P.YIELDED)

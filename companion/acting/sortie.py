@@ -15,9 +15,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from companion.acting.authority import loss_of_control, loss_of_home, loss_of_link, not_handed_over
+from companion.acting.crash_watch import Crash, CrashWatch
 from companion.acting.ending import ending
 from companion.acting.executive import Executive
 from companion.acting.executive_states import TaskStatus
+from companion.acting.failsafe_check import FailsafeCheck
 from companion.acting.flight import Flight
 from companion.acting.flight_limit import NO_LIMIT, FlightLimit, LimitWatch
 from companion.acting.phases import GOALS, ON_THE_GROUND, TRANSITIONS, UNDER_TASK, SortieEvent
@@ -35,15 +37,12 @@ from companion.flight_events.sortie import (
     ReturnFailed,
     SetpointRefused,
     StopRequested,
-    WeakFailsafeAccepted,
+    VehicleCrashed,
 )
 from companion.mission.model import Otherwise, Place, Signal
 from companion.outcomes import Refusal
-from companion.vehicle.failsafes import REQUIREMENTS, weaknesses
 from companion.vehicle.port import Failed, Progress, VehicleState
 
-ANSWER_TIMEOUT_S = 5.0
-"""How long the autopilot may take to answer for its parameters."""
 ON_THE_GROUND_BY_PLAN = Refusal(
     "the vehicle is landing or on the ground by its plan; nothing interrupts that"
 )
@@ -82,12 +81,13 @@ class Sortie:
         self._executive = executive
         self._home = home
         self._otherwise = otherwise
-        self._accepts_weak_failsafes = accepts_weak_failsafes
+        self._failsafes = FailsafeCheck(flight, accepts_weak_failsafes)
+        self._crash_watch = CrashWatch(flight.profile)
+        self._crash: Crash | None = None
         self._may_yield = may_yield
         self._limit = LimitWatch(limit, executive, flight)
         self._return_home: ReturnHome | None = None
         self._is_frozen = False
-        self._asked_s: float | None = None
         self._is_stopping = self._was_stopped = False
         self._was_refused = False
 
@@ -109,9 +109,13 @@ class Sortie:
         state = flight.vehicle.state
         if state is None or self.has_ended:
             return
-        if self.phase is not Phase.YIELDED and (loss := loss_of_control(self.phase, state, flight)):
-            self._lose(loss, state)
-            return
+        if self.phase is not Phase.YIELDED:  # what a pilot does is not ours to judge
+            if (crash := self._crash_watch.step(now_s, state)) is not self._crash:
+                self._take_crash(crash)
+                return
+            if loss := loss_of_control(self.phase, state, flight):
+                self._lose(loss, state)
+                return
         _WORK[self.phase](self, state)
 
     # -- the operator --------------------------------------------------------------------------
@@ -188,6 +192,18 @@ class Sortie:
             self._flight.report(SetpointRefused(refusal.reason))
         self._was_refused = refusal is not None
 
+    def _take_crash(self, crash: Crash | None) -> None:
+        """Lands a vehicle that has hit something and still flies; lets go of any other."""
+        self._crash = crash
+        self._flight.report(VehicleCrashed(str(crash)))
+        if crash is not Crash.IMPACT:
+            self._give_up(Aborted(str(crash)))
+            return
+        self.failure = Aborted(str(crash))
+        if self.phase not in (Phase.HOLDING, Phase.LANDING):
+            self._executive.stop()
+            self._on(SortieEvent.HIT)
+
     def _lose(self, loss: CompanionError, state: VehicleState) -> None:
         """Yields to whoever has taken the vehicle in the air, or ends."""
         is_taken = self.phase in UNDER_TASK and self._flight.vehicle.takeover is not None
@@ -237,29 +253,13 @@ class Sortie:
         self._on(SortieEvent.PLANNED)
 
     def _check_failsafes(self, _: VehicleState) -> None:
-        """Goes on to arming when the autopilot's failsafes are known and strong, or accepted.
-
-        The time for an answer begins with the question: the tick before has planned, which may
-        have taken longer than an answer may.
-        """
-        vehicle, now_s = self._flight.vehicle, self._flight.now_s
-        if self._asked_s is None:
-            self._asked_s = now_s
-        values = {r.parameter: vehicle.parameter(r.parameter) for r in REQUIREMENTS}
-        is_late = now_s - self._asked_s > ANSWER_TIMEOUT_S
-        if None in values.values() and not is_late:
-            return
-        weak = weaknesses(values)
-        if weak and not self._accepts_weak_failsafes:
-            lines = "\n    ".join(weak)
-            self._give_up(
-                Aborted(f"the autopilot's failsafes are weak, so it is not armed\n    {lines}")
-            )
-            return
-        for line in weak:
-            self._flight.report(WeakFailsafeAccepted(line))
-        self._limit.begin()
-        self._on(SortieEvent.CHECKED)
+        """Goes on to arming when the autopilot's failsafes are known and strong, or accepted."""
+        outcome = self._failsafes.tick()
+        if isinstance(outcome, Failed):
+            self._give_up(Aborted(outcome.reason))
+        elif outcome is Progress.DONE:
+            self._limit.begin()
+            self._on(SortieEvent.CHECKED)
 
     def _pursue_goal(self, _: VehicleState) -> None:
         outcome = self._flight.vehicle.pursue(GOALS[self.phase])

@@ -14,7 +14,7 @@ from companion.acting.flight_limit import NO_LIMIT, FlightLimit
 from companion.api.results import FlightResult, FlownTrajectory, OnEvent, recording
 from companion.app import Companion
 from companion.documents import Given, read_source
-from companion.errors import CompanionError
+from companion.errors import Aborted, Collided, CompanionError
 from companion.ground.operations import MonitorPage
 from companion.mission.model import Mission
 from companion.mission_run import Recorder
@@ -90,7 +90,7 @@ def simulate(
         mission=mission,
         events=tuple(recorder.events),
         trajectory=FlownTrajectory.of(flight.truth),
-        failure=flight.companion.failure,
+        failure=verdict(flight.companion.failure, flight.simulation.is_damaged),
         folder=Path(folder) if folder is not None else None,
         scenario_events=tuple(flight.simulation.event_log),
         collisions=flight.simulation.collisions,
@@ -129,6 +129,17 @@ def lockstep(
     links = frozenset({LinkName.OFFBOARD})
     simulation = Simulation(scenario, grid, seed=seed, instance=instance, links=links)
     return LockstepFlight(companion, simulation)
+
+
+def verdict(failure: CompanionError | None, is_damaged: bool) -> CompanionError | None:
+    """How a simulated flight went: a collision is none that the task can make good.
+
+    >>> verdict(None, is_damaged=True).exit_code
+    5
+    """
+    if not is_damaged or isinstance(failure, Aborted):
+        return failure
+    return Collided()
 
 
 def world_of(mission: Mission, scenario: Given | None = None) -> World:

@@ -34,7 +34,7 @@ from companion.cli.engine_options import (
 from companion.cli.log_lines import Verbose
 from companion.cli.monitoring import DEFAULT_ADDRESS, Monitor, monitored
 from companion.cli.terminal import Terminal, undisturbed
-from companion.errors import MissionError
+from companion.errors import CompanionError, MissionError
 from companion.planning.objective import Encoding
 
 if TYPE_CHECKING:
@@ -103,7 +103,7 @@ def run(
             loaded, folder, accept_weak_failsafes, page=page, limit=limit, engine=planner
         )
         _fly(companion, endpoint, terminal, speed=1.0, timeout_s=timeout)
-        _raise_failure(companion)
+        _raise(companion.failure)
 
 
 def sim(
@@ -132,7 +132,7 @@ def sim(
 ) -> None:
     """Flies a mission in the bundled simulator. QGroundControl connects to it by itself."""
     from companion.acting.flight_limit import FlightLimit
-    from companion.api.simulating import lockstep, world_of
+    from companion.api.simulating import lockstep, verdict, world_of
     from companion.app import Companion
     from companion.simulator import simulator
     from companion.vehicle.link import Endpoint
@@ -154,6 +154,7 @@ def sim(
             made = partial(lockstep, seed=seed, instance=instance, limit=limit, engine=planner)
             flight = made(loaded, world, folder, page=page)
             _fly_in_lockstep(flight.companion, partial(flight.fly, timeout), terminal)
+            _raise(verdict(flight.companion.failure, flight.simulation.is_damaged))
             return
         companion = Companion(loaded, folder, page=page, limit=limit, engine=planner)
         options = ["--scenario", path, "--speed", factor, "--seed", seed, "--instance", instance]
@@ -162,15 +163,14 @@ def sim(
             f"ground station on UDP port {GROUND_STATION_PORT + instance}"
         )
         endpoint = Endpoint(True, "127.0.0.1", OFFBOARD_PORT + instance)
-        with simulator([str(o) for o in options], folder.folder / "sitl.log"):
+        with simulator([str(o) for o in options], folder.folder / "sitl.log") as child:
             _fly(companion, endpoint, terminal, factor, timeout * factor)
-        _raise_failure(companion)
+        _raise(verdict(companion.failure, child.is_damaged))
 
 
 def _fly_in_lockstep(companion: Companion, fly: Callable[[], None], terminal: Terminal) -> None:
     with _stoppable(companion, terminal), undisturbed(companion.hang_up):
         fly()
-    _raise_failure(companion)
 
 
 def _scenario_beside(mission: Path) -> Path:
@@ -297,9 +297,9 @@ def _fly(
         link.close()
 
 
-def _raise_failure(companion: Companion) -> None:
-    if companion.failure is not None:
-        raise companion.failure
+def _raise(failure: CompanionError | None) -> None:
+    if failure is not None:
+        raise failure
 
 
 @contextmanager

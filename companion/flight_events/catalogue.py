@@ -56,6 +56,7 @@ from companion.flight_events.sortie import (
     StopRequested,
     TaskSatisfied,
     VehicleAirborne,
+    VehicleCrashed,
     VehicleLanded,
     WeakFailsafeAccepted,
 )
@@ -96,6 +97,7 @@ EVENTS: tuple[type[FlightEvent], ...] = (
     BatteryCharged,
     GoalFailed,
     SetpointRefused,
+    VehicleCrashed,
     UploadChecked,
     MissionReady,
     MissionUnreadable,

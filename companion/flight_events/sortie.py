@@ -144,6 +144,16 @@ class BatteryCharged(FlightEvent):
 
 
 @dataclass(frozen=True, slots=True)
+class VehicleCrashed(FlightEvent):
+    """A sign of a crash was seen; the run ends with exit code 5."""
+
+    kind = "crash"
+    template = "{sign}"
+
+    sign: InText[str]
+
+
+@dataclass(frozen=True, slots=True)
 class SetpointRefused(FlightEvent):
     """The gate began to hold setpoints back."""
 

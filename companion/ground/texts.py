@@ -20,7 +20,7 @@ from companion.flight_events.facts import (
 from companion.flight_events.hosting import RecordingFailed, UploadNews
 from companion.flight_events.plans import NoPlanFound, PlanReplaced
 from companion.flight_events.skills import SkillFailed, WrittenTreeFailed
-from companion.flight_events.sortie import RunEnded, RunFailed, SetpointRefused
+from companion.flight_events.sortie import RunEnded, RunFailed, SetpointRefused, VehicleCrashed
 from companion.flight_events.word import ConjunctViolated
 from companion.mavlink.framing import Message, dialect
 from companion.mavlink.statustext import chunks
@@ -41,7 +41,7 @@ INFO: int = dialect.MAV_SEVERITY_INFO
 def severity(event: FlightEvent) -> int:
     """Returns the MAV_SEVERITY of an event."""
     match event:
-        case RunFailed():
+        case RunFailed() | VehicleCrashed():
             return CRITICAL
         case ConjunctViolated() | RecordingFailed():
             return ERROR

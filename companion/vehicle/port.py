@@ -49,6 +49,8 @@ class VehicleState:
         battery_percent: remaining charge, None while unknown.
         mode_s: when the mode was received; an old one is not known any more.
         landed_since_s: since when it is, or is not, landed.
+        measured_s: when the position and the velocity were measured, by the autopilot's clock.
+        tilt_rad: angle between the body's axis and the vertical.
         accuracy_m: standard deviation of the horizontal position, as the autopilot estimates it; 0
             while it says nothing of that.
     """
@@ -64,6 +66,8 @@ class VehicleState:
     battery_percent: int | None
     mode_s: float = 0.0
     landed_since_s: float = 0.0
+    measured_s: float = 0.0
+    tilt_rad: float = 0.0
     accuracy_m: float = 0.0
 
     def is_mode_known(self, now_s: float) -> bool:

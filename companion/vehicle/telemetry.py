@@ -44,7 +44,7 @@ class Telemetry:
         self._position: tuple[float, Ned, Ned] | None = None  # stamp, position, velocity
         self._yaw_rad: float | None = None
         self._battery_percent: int | None = None
-        self._accuracy_m = 0.0
+        self._measured_s = self._tilt_rad = self._accuracy_m = 0.0
         self._state: VehicleState | None = None  # of what was heard so far, once it was asked for
 
     @property
@@ -82,6 +82,8 @@ class Telemetry:
             battery_percent=self._battery_percent,
             mode_s=self.heartbeat_s,
             landed_since_s=self._landed_since_s,
+            measured_s=self._measured_s,
+            tilt_rad=self._tilt_rad,
             accuracy_m=self._accuracy_m,
         )
 
@@ -117,12 +119,15 @@ class Telemetry:
         velocity = (message.vx, message.vy, message.vz)
         if all(map(math.isfinite, (*position, *velocity))):
             self._position = (now_s, position, velocity)
+            self._measured_s = message.time_boot_ms / 1000
             is_standing = self._is_landed is True and not self.is_armed
             self.frame.take_position(now_s, position, is_standing)
 
     def _on_attitude(self, _: float, message: Message) -> None:
         if math.isfinite(message.yaw):
             self._yaw_rad = message.yaw
+        if math.isfinite(message.roll) and math.isfinite(message.pitch):
+            self._tilt_rad = math.acos(math.cos(message.roll) * math.cos(message.pitch))
 
     def _on_home(self, _: float, message: Message) -> None:
         position = (message.x, message.y, message.z)

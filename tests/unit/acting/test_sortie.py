@@ -7,8 +7,8 @@ from sortie_rig import SortieRig
 from synthetic import command, event, mission, reading
 
 from companion.acting.authority import LINK_LOST_S
+from companion.acting.failsafe_check import ANSWER_TIMEOUT_S
 from companion.acting.phases import GOALS, TRANSITIONS, SortieEvent
-from companion.acting.sortie import ANSWER_TIMEOUT_S
 from companion.errors import Aborted, LinkError, NoPlanError, SearchLimit
 from companion.flight_events.skills import PlaceReached
 from companion.flight_events.sortie import (
@@ -21,6 +21,7 @@ from companion.flight_events.sortie import (
     StoppedAsAsked,
     StopRequested,
     TaskSatisfied,
+    VehicleCrashed,
     WeakFailsafeAccepted,
 )
 from companion.mission.model import Otherwise
@@ -36,6 +37,7 @@ OTHERWISE = {
 }
 """The last goal of a sortie without a plan."""
 SHORT = mission("F at(A)")
+HOLDING = PhaseEntered(Phase.HOLDING)
 FINISHED = (SortieEvent.REACHED, SortieEvent.FAILED, SortieEvent.SATISFIED)
 NO_WAY_OUT = command("do", "at(A)", "done")
 """When it is refused at A, "F done" has no plan any longer."""
@@ -43,6 +45,13 @@ NO_WAY_OUT = command("do", "at(A)", "done")
 
 def aborted(reason: str) -> RunFailed:
     return RunFailed(reason, Aborted.exit_code)
+
+
+def hit(run: SortieRig) -> None:
+    """The velocity jumps between two measurements."""
+    for measured_s, north_mps in ((7.0, 2.0), (7.1, 0.0)):
+        run.vehicle.change(measured_s=measured_s, velocity=(north_mps, 0.0, 0.0))
+        run.sortie.step(run.rig.flight.now_s, ())
 
 
 def give_up_searches(monkeypatch: pytest.MonkeyPatch, effort: str) -> None:
@@ -264,8 +273,53 @@ def test_a_vehicle_that_is_disarmed_in_flight_is_given_up(phase: Phase) -> None:
         run.vehicle.script[Goal.OFFBOARD] = NEVER
     run.until(phase)
     run.vehicle.change(is_armed=False)
+    run.until(Phase.ENDED)
+    assert run.end == aborted("the vehicle was disarmed in the air")
+
+
+def test_a_vehicle_that_was_landed_and_disarmed_by_somebody_is_given_up() -> None:
+    run = SortieRig(SHORT).until(Phase.TASK)
+    run.vehicle.change(is_armed=False, is_landed=True)
     run.step()
     assert run.end == aborted("the vehicle was disarmed")
+
+
+def test_a_landing_that_ends_disarmed_in_the_air_is_a_crash() -> None:
+    """It was "task satisfied, landed": a fallen vehicle is soon said to have landed."""
+    run = SortieRig(SHORT)
+    run.vehicle.script[Goal.LANDED] = (1.0, Progress.DONE)
+    run.until(Phase.LANDING)
+    run.vehicle.change(is_armed=False)
+    run.until(Phase.ENDED)
+    assert run.story[-2] == VehicleCrashed("the vehicle was disarmed in the air")
+    assert run.end == aborted("the vehicle was disarmed in the air")
+
+
+def test_a_vehicle_that_has_hit_something_and_still_flies_is_landed() -> None:
+    run = SortieRig(SHORT).until(Phase.TASK)
+    hit(run)
+    assert run.story[-2:] == [VehicleCrashed("the vehicle has hit something"), HOLDING]
+    run.until(Phase.ENDED)
+    assert run.vehicle.pursued[-2:] == [Goal.HOLDING, Goal.LANDED]
+    assert run.end == aborted("the vehicle has hit something")
+
+
+def test_a_hit_while_landing_ends_the_landing_with_exit_code_5() -> None:
+    run = SortieRig(SHORT)
+    run.vehicle.script[Goal.LANDED] = (1.0, Progress.DONE)
+    run.until(Phase.LANDING)
+    hit(run)
+    run.until(Phase.ENDED)
+    assert run.end == aborted("the vehicle has hit something")
+
+
+def test_what_a_pilot_does_is_not_judged() -> None:
+    run = SortieRig(SHORT, may_yield=True).until(Phase.TASK)
+    run.vehicle.takeover = Takeover(Mode.POSCTL, is_failsafe=False)
+    run.step()
+    assert run.sortie.phase is Phase.YIELDED
+    hit(run)
+    assert run.sortie.phase is Phase.YIELDED
 
 
 # -- stop ------------------------------------------------------------------------------------------

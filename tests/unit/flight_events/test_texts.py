@@ -63,6 +63,7 @@ from companion.flight_events.sortie import (
     StopRequested,
     TaskSatisfied,
     VehicleAirborne,
+    VehicleCrashed,
     VehicleLanded,
     WeakFailsafeAccepted,
 )
@@ -144,6 +145,7 @@ TEXTS: list[tuple[FlightEvent, str]] = [
     (BatteryCharged(90), "charged to 90 %"),
     (GoalFailed("not armed: denied"), "not armed: denied"),
     (SetpointRefused("outside the fence"), "setpoint refused, holding: outside the fence"),
+    (VehicleCrashed("the vehicle fell"), "the vehicle fell"),
     (UploadChecked("a.yaml accepted", is_refused=False), "a.yaml accepted"),
     (MissionReady("hop"), "hop is ready; MISSION_START flies it"),
     (MissionUnreadable("no such file"), "the mission cannot be read: no such file"),

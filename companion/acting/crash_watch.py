@@ -1,0 +1,108 @@
+"""Whether the vehicle has crashed, seen from what its autopilot says on the wire.
+
+Watched from arming until the vehicle has landed, is disarmed and stands upright:
+
+    sign         when
+    DISARMED     disarmed, and not said to have landed: killed, or stopped by a failure detector
+    FALL         it sinks faster than it descends
+    IMPACT       its velocity jumps by more than it accelerates
+    OVERTURNED   it is tilted as no flight and no landing is, in the air or on the ground
+
+A hard touch-down is none: the end of a descent is a jump no larger than the descent was fast. An
+impact may be survived, so another sign may follow it; the others are final.
+
+PX4 takes a vehicle that is disarmed in the air for landed 0.9 s later, and tells by a heartbeat a
+second that it is disarmed; the fall is seen before that. Left out: accelerations, which a stiff
+landing gear takes to 10 g. Source: PX4 1.16, MulticopterLandDetector; failure detector (FD_FAIL_R
+60 degrees, FD_FAIL_R_TTRI 0.3 s).
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from enum import StrEnum
+from itertools import takewhile
+
+from companion.geometry import Ned
+from companion.vehicle.port import VehicleState
+from companion.vehicle_profile import VehicleProfile
+
+DISARMED_S = 0.5
+"""Time after a disarming within which a landing may still be heard of."""
+FALL_MPS = 1.5
+"""Faster than the descent by so much is a fall."""
+JUMP_S = 0.1
+"""Time in which the velocity jumps."""
+JUMP_MPS = 1.0
+"""A jump, beside what the acceleration and a touch-down explain."""
+GAP_S = 0.2
+"""Of older velocities nothing is concluded."""
+OVERTURNED_RAD = math.radians(60.0)
+OVERTURNED_S = 0.3
+
+
+class Crash(StrEnum):
+    """A sign that the vehicle has crashed, in words."""
+
+    DISARMED = "the vehicle was disarmed in the air"
+    FALL = "the vehicle fell"
+    IMPACT = "the vehicle has hit something"
+    OVERTURNED = "the vehicle is overturned"
+
+
+class CrashWatch:
+    """The watch over one flight.
+
+    Args:
+        profile: of the vehicle.
+    """
+
+    def __init__(self, profile: VehicleProfile) -> None:
+        self._crash: Crash | None = None
+        self._profile = profile
+        self._is_watching = False
+        self._disarmed_s: float | None = None
+        self._tilted_s: float | None = None
+        self._velocities: deque[tuple[float, Ned]] = deque()
+
+    def step(self, now_s: float, state: VehicleState) -> Crash | None:
+        """Takes the state of a tick; returns the newest sign so far."""
+        is_done = state.is_landed and not state.is_armed and state.tilt_rad < OVERTURNED_RAD
+        self._is_watching = state.is_armed or (self._is_watching and not is_done)
+        if not self._is_watching or self._crash not in (None, Crash.IMPACT):
+            return self._crash
+        self._crash = self._final_sign(now_s, state) or self._crash or self._impact(state)
+        return self._crash
+
+    def _final_sign(self, now_s: float, state: VehicleState) -> Crash | None:
+        is_flying = not state.is_landed
+        is_disarmed = is_flying and not state.is_armed
+        self._disarmed_s = (self._disarmed_s or now_s) if is_disarmed else None
+        is_tilted = state.tilt_rad >= OVERTURNED_RAD
+        self._tilted_s = (self._tilted_s or now_s) if is_tilted else None
+        if self._tilted_s is not None and now_s - self._tilted_s >= OVERTURNED_S:
+            return Crash.OVERTURNED
+        if is_flying and state.velocity[2] > self._profile.descent_mps + FALL_MPS:
+            return Crash.FALL
+        if self._disarmed_s is not None and now_s - self._disarmed_s >= DISARMED_S:
+            return Crash.DISARMED
+        return None
+
+    def _impact(self, state: VehicleState) -> Crash | None:
+        """Compares the velocity with the newest one that is old enough."""
+        before, at_s = self._velocities, state.measured_s
+        if before and before[-1][0] >= at_s:
+            return None
+        old = [*takewhile(lambda each: each[0] <= at_s - JUMP_S + 1e-6, before)]
+        for _ in old[:-1]:
+            before.popleft()
+        before.append((at_s, state.velocity))
+        if not old or state.is_landed or at_s - old[-1][0] > GAP_S:
+            return None
+        elapsed_s, velocity = at_s - old[-1][0], old[-1][1]
+        most = JUMP_MPS + self._profile.max_acceleration_mps2 * elapsed_s
+        north, east, down = (b - a for a, b in zip(velocity, state.velocity, strict=True))
+        touch_down_mps = self._profile.descent_mps if down < 0 else 0.0
+        has_hit = math.hypot(north, east) > most or abs(down) > most + touch_down_mps
+        return Crash.IMPACT if has_hit else None

@@ -1,0 +1,49 @@
+"""The question, before arming, whether the autopilot's own failsafes are strong.
+
+`companion/vehicle/failsafes.py` says what is strong enough; this asks the autopilot for it.
+"""
+
+from __future__ import annotations
+
+from companion.acting.flight import Flight
+from companion.flight_events.sortie import WeakFailsafeAccepted
+from companion.vehicle.failsafes import REQUIREMENTS, weaknesses
+from companion.vehicle.port import Failed, Outcome, Progress
+
+ANSWER_TIMEOUT_S = 5.0
+"""How long the autopilot may take to answer for its parameters."""
+
+
+class FailsafeCheck:
+    """One check.
+
+    Args:
+        flight: whose autopilot is asked.
+        accepts_weak: weak failsafes are reported, and no failure.
+    """
+
+    def __init__(self, flight: Flight, accepts_weak: bool) -> None:
+        self._flight = flight
+        self._accepts_weak = accepts_weak
+        self._asked_s: float | None = None
+
+    def tick(self) -> Outcome:
+        """DONE when the failsafes are known and strong, or accepted.
+
+        The time for an answer begins with the question: the tick before has planned, which may
+        have taken longer than an answer may.
+        """
+        vehicle, now_s = self._flight.vehicle, self._flight.now_s
+        if self._asked_s is None:
+            self._asked_s = now_s
+        values = {r.parameter: vehicle.parameter(r.parameter) for r in REQUIREMENTS}
+        is_late = now_s - self._asked_s > ANSWER_TIMEOUT_S
+        if None in values.values() and not is_late:
+            return Progress.RUNNING
+        weak = weaknesses(values)
+        if weak and not self._accepts_weak:
+            lines = "\n    ".join(weak)
+            return Failed(f"the autopilot's failsafes are weak, so it is not armed\n    {lines}")
+        for line in weak:
+            self._flight.report(WeakFailsafeAccepted(line))
+        return Progress.DONE
