@@ -153,24 +153,18 @@ def sim(
         if factor is None:
             made = partial(lockstep, seed=seed, instance=instance, limit=limit, engine=planner)
             flight = made(loaded, world, folder, page=page)
-            _fly_in_lockstep(flight.companion, partial(flight.fly, timeout), terminal)
+            with _stoppable(flight.companion, terminal), undisturbed(flight.companion.hang_up):
+                flight.fly(timeout)
             _raise(verdict(flight.companion.failure, flight.simulation.is_damaged))
             return
         companion = Companion(loaded, folder, page=page, limit=limit, engine=planner)
         options = ["--scenario", path, "--speed", factor, "--seed", seed, "--instance", instance]
-        terminal.say(
-            f"vehicle    simulated, {factor:g} x real time; "
-            f"ground station on UDP port {GROUND_STATION_PORT + instance}"
-        )
-        endpoint = Endpoint(True, "127.0.0.1", OFFBOARD_PORT + instance)
+        port = f"ground station on UDP port {GROUND_STATION_PORT + instance}"
+        terminal.say(f"vehicle    simulated, {factor:g} x real time; {port}")
+        here = Endpoint(True, "127.0.0.1", OFFBOARD_PORT + instance)
         with simulator([str(o) for o in options], folder.folder / "sitl.log") as child:
-            _fly(companion, endpoint, terminal, factor, timeout * factor)
+            _fly(companion, here, terminal, factor, timeout * factor)
         _raise(verdict(companion.failure, child.is_damaged))
-
-
-def _fly_in_lockstep(companion: Companion, fly: Callable[[], None], terminal: Terminal) -> None:
-    with _stoppable(companion, terminal), undisturbed(companion.hang_up):
-        fly()
 
 
 def _scenario_beside(mission: Path) -> Path:
