@@ -20,6 +20,9 @@ LogDir = Annotated[
         show_default="~/.local/state/companion",
     ),
 ]
+Instance = Annotated[
+    int, typer.Option("--instance", "-i", help="Shifts ports and system id, as in PX4.", min=0)
+]
 Timeout = Annotated[float, typer.Option(help="Seconds to wait for a vehicle.", min=0.1)]
 Laps = Annotated[
     int | None,

@@ -15,6 +15,7 @@ import typer
 
 from companion.cli.arguments import (
     DEFAULT_LOG_DIR,
+    Instance,
     Laps,
     LimitS,
     LogDir,
@@ -116,9 +117,7 @@ def sim(
         str, typer.Option(help="Times real time, or max: lockstep in one process.")
     ] = "1",
     seed: Annotated[int, typer.Option(help="Seed of wind and sensors.", min=0)] = 0,
-    instance: Annotated[
-        int, typer.Option("--instance", "-i", help="Shifts ports and system id, as in PX4.", min=0)
-    ] = 0,
+    instance: Instance = 0,
     laps: Laps = None,
     limit_s: LimitS = None,
     engine: EngineOption = BUILT_IN,
