@@ -35,7 +35,8 @@ class SimulationResult(FlightResult):
 
     Attributes:
         scenario_events: time (seconds) and text of what the scenario let happen.
-        collisions: how often the vehicle hit a wall or an obstacle.
+        collisions: how often the vehicle hit a wall or an obstacle, also after the end; one is a
+            failure with exit code 5, whatever became of the task.
     """
 
     scenario_events: tuple[tuple[float, str], ...]

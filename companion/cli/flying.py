@@ -139,8 +139,7 @@ def sim(
     factor, limit = _speed(speed), FlightLimit(laps, limit_s)
     planner = engine_of(engine, encoding, engine_timeout, None if factor else engine_duration)
     loaded = load(mission)
-    path = scenario or _scenario_beside(mission)
-    world = world_of(loaded, path)
+    world = world_of(loaded, path := scenario or _scenario_beside(mission))
     address = monitor or ("off" if factor is None else DEFAULT_ADDRESS)
     terminal = Terminal()
     with (
