@@ -33,6 +33,7 @@ from companion.acting.positions import tell_positions
 from companion.acting.preparation import PreparedMission
 from companion.acting.replan_triggers import PlanUnderWay, ReplanTriggers
 from companion.acting.replanning.assumptions import Assumptions
+from companion.acting.replanning.patience import Patience
 from companion.acting.replanning.replanner import DueReplan, PlanFailure, Replanner
 from companion.acting.return_home import flight_to
 from companion.acting.whereabouts import Whereabouts
@@ -42,6 +43,7 @@ from companion.flight_events.plans import (
     EngineFailed,
     LapCompleted,
     NoPlanFound,
+    PlanAwaited,
     PlanMade,
     PlanReplaced,
     WrittenTreeAdopted,
@@ -81,6 +83,7 @@ class Executive:
         self._assumptions = Assumptions(planner, flight)
         self._replanner = Replanner(planner, flight, self._assumptions, prepared.engine)
         self._triggers = ReplanTriggers(flight, self._assumptions, self._replanner)
+        self._patience = Patience(planner, flight)
         self._whereabouts = Whereabouts(flight, planner.mission.places)
         self._plan_state = ExecutiveState.EXECUTING
         self._paused_s = 0.0
@@ -141,6 +144,9 @@ class Executive:
             case ExecutiveState.REPLANNING | ExecutiveState.EXPLAINING:
                 assert self._due is not None
                 self._plan_again(self._due)
+            case ExecutiveState.WAITING:
+                assert self._due is not None and self.failure is not None
+                self._wait(self.failure, self._due)
         return self.status
 
     def go_to(self, place: str) -> bool:
@@ -250,7 +256,7 @@ class Executive:
             case Lasso() as lasso:
                 self._fly_on(lasso, due.reason)
             case failure:
-                self._give_up(failure, due.reason)
+                self._wait_or_give_up(failure, due.reason)
 
     def _fly_on(self, lasso: Lasso, reason: str) -> None:
         """Adopts a new plan; one that is the rest of the old plan is no news."""
@@ -261,6 +267,28 @@ class Executive:
             self.replans += 1
             self._flight.report(PlanReplaced(self.replans, reason, lasso.planned))
         self._tell_tree()
+
+    def _wait_or_give_up(self, failure: PlanFailure, reason: str) -> None:
+        """Holds, and looks again, as long as there is hope for a plan."""
+        patience, is_news = self._patience, self.failure is None
+        self.failure = failure
+        patience.begin(failure)
+        if not patience.lasts:
+            self._give_up(failure, reason)
+            return
+        self.state = ExecutiveState.WAITING
+        if is_news:
+            why, left_s = str(failure).splitlines()[0], round(patience.left_s, 1)
+            self._flight.report(PlanAwaited(why, left_s, ", ".join(patience.hopes)))
+
+    def _wait(self, failure: PlanFailure, due: DueReplan) -> None:
+        """A tick without a plan."""
+        if not self._patience.lasts:
+            self._give_up(failure, due.reason)
+        elif self._replanner.looks_again():
+            self._replanner.forgive()
+            self._due = self._replanner.begin(due.reason)
+            self._plan_again(self._due)
 
     def _give_up(self, failure: PlanFailure, reason: str) -> None:
         self.replans += 1

@@ -108,6 +108,18 @@ class NoPlanFound(FlightEvent):
 
 
 @dataclass(frozen=True, slots=True)
+class PlanAwaited(FlightEvent):
+    """There is no plan now; the vehicle holds, as one may become possible again."""
+
+    kind = "awaited"
+    template = "{explanation} Holding for up to {patience_s:g} s for a change of {hopes}"
+
+    explanation: InText[str]
+    patience_s: Annotated[float, Doc("seconds that are left")]
+    hopes: InText[str]
+
+
+@dataclass(frozen=True, slots=True)
 class LapCompleted(FlightEvent):
     """A lap of the plan's loop was completed."""
 

@@ -97,6 +97,7 @@ def load_mission(source: Given, folder: Path | None = None) -> Mission:
         initially=initially,
         task=_task(file, document, vocabulary),
         otherwise=Otherwise(file.otherwise),
+        patience_s=file.patience_s,
         tree=_tree(file, document, skills, sets, vocabulary),
     )
 

@@ -254,6 +254,10 @@ def flies(skill: Skill, skills: Mapping[str, Skill]) -> bool:
     )
 
 
+PATIENCE_S = 60.0
+"""How long a vehicle without a plan holds, where the mission does not say."""
+
+
 class Otherwise(Enum):
     """The behaviour when no plan exists."""
 
@@ -273,6 +277,7 @@ class Mission:
         grid: what the vehicle is told of the map beforehand.
         tree: the plan, if it was written by hand; the task is then not planned for.
         vehicle: what it is written for.
+        patience_s: how long a vehicle without a plan holds, where one may become possible again.
     """
 
     name: str
@@ -289,6 +294,7 @@ class Mission:
     otherwise: Otherwise
     tree: Tree | None = None
     vehicle: VehicleProfile = field(default_factory=VehicleProfile)
+    patience_s: float = PATIENCE_S
 
     @property
     def speed_limits(self) -> SpeedLimits:

@@ -16,12 +16,14 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 from pydantic_core import PydanticCustomError
 
+from companion.mission.model import PATIENCE_S
 from companion.vehicle_files import VehicleEntry, VehicleKey
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$", max_length=40)]
 """Of a place, set, event, skill, parameter, component or conjunct."""
 
 Text = Annotated[str, Field(min_length=1)]
+PATIENCE = "Seconds to hold without a plan, where one may come back, before `otherwise`."
 
 
 class StrictModel(BaseModel):
@@ -332,6 +334,7 @@ class MissionFile(StrictModel):
         Literal["return_home", "land", "hold"],
         Field(description="What to do when no plan exists: return_home, land or hold."),
     ] = "return_home"
+    patience_s: Annotated[float, Field(ge=0, le=3600, description=PATIENCE)] = PATIENCE_S
 
 
 def json_schema() -> dict[str, Any]:

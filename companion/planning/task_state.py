@@ -23,7 +23,7 @@ The word of the flight (after Section III-A of the paper):
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Set
 from dataclasses import dataclass, replace
 
 from companion.ltl.monitor import Runs
@@ -152,21 +152,29 @@ class TaskState:
         names = (r.conjunct.name for r in self._readings if not r.runs.states)
         return tuple(dict.fromkeys(names))
 
-    def problem(self) -> tuple[Problem, list[list[Letter]]]:
-        """The planning problem from here, and what each conjunct has read with this position."""
+    def problem(
+        self, fallen: Set[Fact] = frozenset(), returned: Set[Fact] = frozenset()
+    ) -> tuple[Problem, list[list[Letter]]]:
+        """The planning problem from here, and what each conjunct has read with this position.
+
+        Args:
+            fallen: events that are supposed to hold no longer.
+            returned: beliefs that are supposed to be held again.
+        """
+        facts, withdrawn = self.facts - fallen, self.withdrawn - returned
         if self._is_read:
             states = tuple(r.runs.states for r in self._readings)
             histories = [r.letters for r in self._readings]
             waiting = [r.since_s for r in self._readings]
-            unread = self.risen - self.facts
+            unread = self.risen - facts
         else:
-            letter = self._letter(self.facts)
+            letter = self._letter(facts)
             states = tuple(r.runs.after(letter).states for r in self._readings)
             histories = [[*r.letters, letter] for r in self._readings]
             waiting = [r.since_with(letter, self._reached_s) for r in self._readings]
             unread = frozenset()
-        is_en_route = AT_HERE in self.facts
-        problem = self._planner.problem(self.facts, states, self.withdrawn, is_en_route, unread)
+        is_en_route = AT_HERE in facts
+        problem = self._planner.problem(facts, states, withdrawn, is_en_route, unread)
         if self._has_completed:
             since_ms = tuple(round(1000 * min(marks, default=0.0)) for marks in waiting)
             problem = replace(problem, waiting_since_ms=since_ms)
@@ -266,6 +274,16 @@ class TaskState:
         self._failed = frozenset()
         self.withdrawn = (self.withdrawn | lost) - held
         return sorted(lost), sorted(held)
+
+    @property
+    def returning(self) -> frozenset[Fact]:
+        """The withdrawn beliefs that are held again when their time has come."""
+        return self.withdrawn & self._returns_s.keys()
+
+    @property
+    def is_cut_off(self) -> bool:
+        """Whether the map contradicts a belief."""
+        return bool(self._cut_off)
 
     def restore(self, now_s: float, predicates: frozenset[str]) -> list[Fact]:
         """Holds beliefs again whose time has come, or whose predicate is named; which ones.

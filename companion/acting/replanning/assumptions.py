@@ -8,11 +8,16 @@ a belief that was withdrawn stays so; one that comes back allows for a better pl
 
 from __future__ import annotations
 
+import math
+
 from companion.acting.flight import Flight
 from companion.flight_events.facts import in_words
 from companion.mission.facts import Fact
 from companion.planning.lasso import Lasso
 from companion.planning.planner import Planner
+
+FLAPPING_S = 1.0
+"""Time in which changes of one event make one new plan."""
 
 
 class Assumptions:
@@ -32,6 +37,7 @@ class Assumptions:
         self._values: dict[Fact, bool] = {}
         self._foreseen: frozenset[Fact] = frozenset()
         self._positions = 0
+        self._replanned_s: dict[Fact, float] = {}
         self.may_do_better = False
 
     def note_restored_beliefs(self) -> None:
@@ -41,6 +47,10 @@ class Assumptions:
     def forget_restored_beliefs(self) -> None:
         """A plan is made, or was asked for, with the beliefs that have come back."""
         self.may_do_better = False
+
+    def note_replan(self) -> None:
+        """A new plan is due now, for what is wrong among other things."""
+        self._replanned_s |= dict.fromkeys(self.wrong, self._flight.now_s)
 
     def renew(self) -> None:
         """Every event keeps its present value.
@@ -68,7 +78,10 @@ class Assumptions:
 
     @property
     def wrong(self) -> list[Fact]:
-        """The events that are not as predicted, now or in the next letter."""
+        """The events that are not as predicted, now or in the next letter.
+
+        One that has just made a new plan may flap; it is looked at again a second later.
+        """
         task = self._flight.task
         is_still_unread = task.positions == self._positions
         news = task.risen - self._foreseen if is_still_unread else task.risen
@@ -76,7 +89,8 @@ class Assumptions:
         return [
             fact
             for fact, holds in self._values.items()
-            if (fact in task.facts) != holds or (fact in read_next) != holds
+            if ((fact in task.facts) != holds or (fact in read_next) != holds)
+            and self._flight.now_s - self._replanned_s.get(fact, -math.inf) >= FLAPPING_S
         ]
 
     @property

@@ -13,9 +13,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from companion.acting.flight import Flight
-from companion.acting.replanning.assumptions import Assumptions
+from companion.acting.replanning.assumptions import FLAPPING_S, Assumptions
 from companion.acting.replanning.engine_search import EngineSearch
-from companion.acting.replanning.explanation import ExplanationSearch
+from companion.acting.replanning.explanation import ExplanationSearch, what_decides
 from companion.acting.replanning.reachability import Reachability
 from companion.errors import NoPlanError, SearchLimit
 from companion.flight_events.facts import PlacesCutOff
@@ -28,7 +28,7 @@ COMPARED = 1000
 """Actions of two plans after which they are taken for the same."""
 MAX_IDLE_REPLANS = 5
 """Replans without a completed skill between them after which it is given up."""
-PATIENCE_S = 5.0
+MAP_SETTLES_S = 5.0
 """How long a replan waits for a map that goes on changing while the vehicle holds."""
 
 PlanFailure = NoPlanError | SearchLimit
@@ -78,6 +78,8 @@ class Replanner:
         self._explanation: ExplanationSearch | None = None
         self._idle_replans = 0
         self._positions = 0
+        self._looked_at: tuple[object, ...] = ()
+        self._looked_s = 0.0
 
     @property
     def is_explaining(self) -> bool:
@@ -87,7 +89,10 @@ class Replanner:
     def begin(self, reason: str) -> DueReplan:
         """Another plan is due from now on."""
         self.abandon()
-        self._count_idle()
+        if self._assumptions.wrong:  # the world has changed: the plan before was none that failed
+            self._assumptions.note_replan()
+        else:
+            self._count_idle()
         return DueReplan(reason, self._flight.now_s)
 
     def abandon(self) -> None:
@@ -104,10 +109,11 @@ class Replanner:
         """The part of a tick; the plan, or why there is none, when that is known."""
         reachability, flight = self.reachability, self._flight
         reachability.search()
-        if not reachability.is_known and flight.now_s < due.since_s + PATIENCE_S:
+        if not reachability.is_known and flight.now_s < due.since_s + MAP_SETTLES_S:
             return None
         self.follow_map()
         problem, histories = flight.task.problem()
+        self._looked_at, self._looked_s = what_decides(problem), flight.now_s
         if self._explanation is not None:
             if self._explanation.is_about(problem):
                 return self._explanation.step()
@@ -131,6 +137,15 @@ class Replanner:
             return found
         self._explanation = ExplanationSearch(self._planner, problem)
         return self._explanation.step()
+
+    def looks_again(self) -> bool:
+        """Whether something has changed since the last look for a plan, a second ago or more."""
+        self.reachability.search()
+        is_early = self._flight.now_s - self._looked_s < FLAPPING_S
+        if is_early or not self.reachability.is_known:
+            return False
+        self.follow_map()
+        return what_decides(self._flight.task.problem()[0]) != self._looked_at
 
     def follow_map(self) -> PlacesCutOff | None:
         """Takes the map over into moves and beliefs; returns what was given up, if anything."""

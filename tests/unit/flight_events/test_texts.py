@@ -30,6 +30,7 @@ from companion.flight_events.plans import (
     EngineFailed,
     LapCompleted,
     NoPlanFound,
+    PlanAwaited,
     PlanMade,
     PlannedAction,
     PlannedLasso,
@@ -90,6 +91,10 @@ TEXTS: list[tuple[FlightEvent, str]] = [
         "replan 2: target found -> (move(Home, A), wait)^w",
     ),
     (NoPlanFound(3, "low battery", "no plan: why"), "replan 3: low battery: no plan: why"),
+    (
+        PlanAwaited("no plan: visit cannot hold from here.", 60.0, "covered"),
+        "no plan: visit cannot hold from here. Holding for up to 60 s for a change of covered",
+    ),
     (
         EngineFailed("the engine lpg did not answer in 10 s"),
         "the engine lpg did not answer in 10 s; the built-in search plans",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import pytest
 from rig import Rig
@@ -68,7 +68,8 @@ def engine() -> SlowEngine:
 
 def asked_for() -> Mission:
     events = [event("found"), event("lost")]
-    return mission("G (F at(A) | found) & G ((found & !lost) -> F at(B))", events=events)
+    asked = mission("G (F at(A) | found) & G ((found & !lost) -> F at(B))", events=events)
+    return replace(asked, patience_s=0.0)
 
 
 @pytest.fixture

@@ -1,0 +1,86 @@
+"""Whether a vehicle without a plan holds for a while, and looks again, before it gives up.
+
+A place that is covered for a moment, or a door that is closed for a minute, is no reason to leave a
+task. So the vehicle holds for `patience_s` of the mission where something may change that its plan
+depends on: a belief that comes back, an event that can fall, the map. It does not hold where time
+is short or lost: while an event of the battery holds, after a violation, where the search was given
+up at a limit, and where there would be no plan either if all of that had changed.
+
+The time counts from the first look without a plan since a skill was completed. So an event that
+flaps between a plan and none does not keep the vehicle in the air for ever.
+"""
+
+from __future__ import annotations
+
+from companion.acting.flight import Flight
+from companion.errors import NoPlanError, SearchLimit
+from companion.planning.planner import Planner
+
+BATTERY = frozenset({"BATTERY_STATUS", "SYS_STATUS"})
+"""Messages whose events mean that the flight has to end."""
+
+
+class Patience:
+    """How long a plan is waited for.
+
+    Attributes:
+        hopes: what may change so that there is a plan, in words; none where nothing can.
+
+    Args:
+        planner: of the mission.
+        flight: knows what holds.
+    """
+
+    def __init__(self, planner: Planner, flight: Flight) -> None:
+        self.hopes: list[str] = []
+        self._planner = planner
+        self._flight = flight
+        self._since_s = 0.0
+        self._positions = -1
+
+    def begin(self, failure: NoPlanError | SearchLimit) -> None:
+        """There is no plan, or still none; why."""
+        task = self._flight.task
+        if self._positions != task.positions:
+            self._positions, self._since_s = task.positions, self._flight.now_s
+        is_lost = isinstance(failure, SearchLimit) or bool(task.violated)
+        self.hopes = [] if is_lost else self._find_hopes()
+
+    @property
+    def left_s(self) -> float:
+        """How much of it is left."""
+        return self._planner.mission.patience_s - (self._flight.now_s - self._since_s)
+
+    @property
+    def lasts(self) -> bool:
+        """Whether the vehicle holds."""
+        is_landed = self._flight.progress.is_landed_by_plan
+        return self.left_s > 0 and bool(self.hopes) and not is_landed and not self._is_battery_low
+
+    def _find_hopes(self) -> list[str]:
+        """What may change, if there is a plan with all of it, as far as a search can tell."""
+        task, mission = self._flight.task, self._planner.mission
+        falling = {
+            event.fact
+            for event in mission.events.values()
+            if not event.latch and event.fact in task.facts
+        }
+        restored = {name for event in mission.events.values() for name in event.restores}
+        returning = {
+            belief
+            for belief in task.withdrawn
+            if belief in task.returning or belief.predicate in restored
+        }
+        if task.is_cut_off:
+            return [*sorted(falling | returning), "the map"]
+        try:
+            has_plan = self._planner.replan(*task.problem(falling, returning)) is not None
+        except SearchLimit:
+            has_plan = False
+        return sorted(falling | returning) if has_plan else []
+
+    @property
+    def _is_battery_low(self) -> bool:
+        events = self._planner.mission.events.values()
+        holding = (event for event in events if event.fact in self._flight.task.facts)
+        return any(event.when.signal.message in BATTERY for event in holding)
