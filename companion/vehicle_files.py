@@ -72,6 +72,12 @@ MaxAcceleration = Annotated[
     float, _positive("Greatest acceleration that the position controller asks for, m/s2.")
 ]
 Jerk = Annotated[float, _positive("Jerk of trajectories, m/s3.", most=1000)]
+Response = Annotated[
+    float, Field(ge=0, le=2, description="How much later than told its acceleration comes, s.")
+]
+FeedForward = Annotated[
+    float, Field(ge=0, le=2, description="Share of a trajectory's acceleration that it is told.")
+]
 Carrot = Annotated[float, _positive("Greatest distance of a setpoint from the vehicle, m.")]
 
 
@@ -91,6 +97,8 @@ class VehicleEntry(BaseModel):
     braking_mps2: Override[Braking] = None
     max_acceleration_mps2: Override[MaxAcceleration] = None
     jerk_mps3: Override[Jerk] = None
+    response_s: Override[Response] = None
+    feed_forward: Override[FeedForward] = None
     carrot_m: Override[Carrot] = None
 
 
@@ -110,6 +118,8 @@ class VehicleFile(BaseModel):
     braking_mps2: Braking
     max_acceleration_mps2: MaxAcceleration
     jerk_mps3: Jerk
+    response_s: Response
+    feed_forward: FeedForward
     carrot_m: Carrot
 
 

@@ -29,6 +29,8 @@ class VehicleProfile:
         braking_mps2: of a stop before an obstacle that no route leads round.
         max_acceleration_mps2: that the vehicle's position controller asks for.
         jerk_mps3: of trajectories.
+        response_s: how much later than it is asked for its acceleration comes.
+        feed_forward: share of a trajectory's acceleration that it is told.
         carrot_m: greatest distance of a setpoint from the vehicle.
 
     >>> VehicleProfile(radius_m=0.5).clearance_m
@@ -46,6 +48,8 @@ class VehicleProfile:
     braking_mps2: float = 4.0
     max_acceleration_mps2: float = 5.0  # PX4's MPC_ACC_HOR_MAX
     jerk_mps3: float = 8.0  # PX4's MPC_JERK_MAX
+    response_s: float = 0.15  # 1 / PX4's MC_ROLL_P
+    feed_forward: float = 1.1  # PX4's MPC_XY_VEL_D_ACC takes a share of 0.2 away again
     carrot_m: float = 1.5
 
     @property

@@ -22,6 +22,7 @@ def a_rig(**fields: object) -> Rig:
 
 def tick(rig: Rig, leaf: Behaviour) -> Status:
     rig.pass_time()
+    rig.flight.brake()
     leaf.tick_once()
     return leaf.status
 

@@ -76,6 +76,7 @@ class Rig(Happened):
         """One tick, in the order of `Sortie.step`."""
         self.pass_time()
         self.executive.sense(readings)
+        self.flight.brake()
         status = self.executive.tick()
         self._collect()
         return status

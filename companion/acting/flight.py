@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from companion.acting.symbols import Symbols
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.skills import SymbolMoved
 from companion.motion.live_speed_limit import LiveSpeedLimit
 from companion.motion.routes import RouteMap
+from companion.motion.trajectory import Sample, Stop, Trajectory, times
 from companion.planning.task_state import TaskState
 from companion.vehicle.port import Setpoint, Vehicle, hold_at
 from companion.vehicle_profile import VehicleProfile
@@ -63,6 +64,9 @@ class Flight:
     belief_retry_s: float | None = None
     reports: list[Stamped] = field(default_factory=list)
     _setpoint: Setpoint | None = field(default=None, init=False)
+    _stop: Stop | None = field(default=None, init=False)
+    _stop_begin_s: float = field(default=0.0, init=False)
+    _streamed_s: float = field(default=0.0, init=False)
 
     def report(self, event: FlightEvent) -> None:
         """Notes something that happened now."""
@@ -82,19 +86,75 @@ class Flight:
         value = self.symbols[place]
         self.report(SymbolMoved(place, value.position, value.source))
 
+    @property
+    def setpoint(self) -> Setpoint | None:
+        """What is streamed; None while it is not known where the vehicle is told to be."""
+        return self._setpoint
+
+    @property
+    def stop(self) -> Stop | None:
+        """How it brakes along the path that was flown before; None if it does not."""
+        return self._stop
+
+    @property
+    def stopping_s(self) -> float:
+        """The time since that began."""
+        return self.now_s - self._stop_begin_s
+
+    def led(self, flown: Trajectory | Stop, t_s: float) -> Sample:
+        """A moment with the acceleration that the vehicle is told: that of a little later.
+
+        Its own follows by `response_s`, and its controller takes a share away (`feed_forward`).
+        """
+        profile = self.profile
+        later = flown.sample(t_s + profile.response_s).acceleration
+        return replace(flown.sample(t_s), acceleration=times(later, profile.feed_forward))
+
+    def brake(self) -> None:
+        """Goes on with a stop; once a tick, before anything else acts."""
+        if self._stop is None:
+            return
+        sample = self.led(self._stop, self.stopping_s)
+        self._stream(
+            Setpoint(sample.position, sample.velocity, sample.acceleration, sample.yaw_rad)
+        )
+        if sample.is_finished:
+            self._stop = None
+
     def fly(self, setpoint: Setpoint) -> None:
         """Streams a setpoint from now on."""
-        self._setpoint = setpoint
-        self.vehicle.fly(setpoint)
+        self._stop = None
+        self._stream(setpoint)
+
+    def stop_along(self, stop: Stop, time_s: float) -> None:
+        """Comes to rest along a path, and stays at its end.
+
+        Args:
+            stop: how.
+            time_s: its time at the setpoint that was streamed last.
+        """
+        self._stop, self._stop_begin_s = stop, self._streamed_s - time_s
+        self.brake()
 
     def forget_setpoint(self) -> None:
         """Holds from now on where the vehicle is, not where its last setpoint was."""
-        self._setpoint = None
+        self._setpoint = self._stop = None
 
     def hold(self) -> None:
         """Stays where the last setpoint was, or where the vehicle is in the air."""
         state = self.vehicle.state
+        if self._stop is not None:
+            return
         if self._setpoint is not None:
             self.fly(hold_at(self._setpoint.position, self._setpoint.yaw_rad))
         elif state is not None and not state.is_landed:
             self.fly(hold_at(state.position, state.yaw_rad))
+
+    def hold_here(self) -> None:
+        """Stays where the vehicle is now, wherever its last setpoint was."""
+        self.forget_setpoint()
+        self.hold()
+
+    def _stream(self, setpoint: Setpoint) -> None:
+        self._setpoint, self._streamed_s = setpoint, self.now_s
+        self.vehicle.fly(setpoint)

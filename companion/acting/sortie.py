@@ -116,6 +116,7 @@ class Sortie:
             if loss := loss_of_control(self.phase, state, flight):
                 self._lose(loss, state)
                 return
+            flight.brake()
         _WORK[self.phase](self, state)
 
     # -- the operator --------------------------------------------------------------------------
@@ -264,7 +265,7 @@ class Sortie:
     def _pursue_goal(self, _: VehicleState) -> None:
         outcome = self._flight.vehicle.pursue(GOALS[self.phase])
         if self.phase is Phase.OFFBOARD:
-            self._flight.hold()
+            self._flight.hold_here()  # it may still rise
         if outcome is Progress.DONE:
             is_entered = self.phase is Phase.OFFBOARD
             self._on(self._goes_on if is_entered else SortieEvent.REACHED)

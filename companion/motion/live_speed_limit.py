@@ -13,7 +13,6 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from companion.geometry import Ned
 from companion.motion.profile import SpeedLimits
 from companion.motion.trajectory import Sample
 
@@ -83,11 +82,10 @@ class LiveSpeedLimit:
         if speed_mps <= self.now_mps * (1 + _ROUNDING):
             return sample, 1.0
         rate = self.now_mps / speed_mps
-        velocity = _times(sample.velocity, rate)
-        acceleration = _times(sample.velocity, self._change_mps2 / speed_mps)
-        return replace(sample, velocity=velocity, acceleration=acceleration), rate
-
-
-def _times(vector: Ned, factor: float) -> Ned:
-    north, east, down = vector
-    return (north * factor, east * factor, down * factor)
+        along_mps2 = sum(a * v for a, v in zip(sample.acceleration, sample.velocity, strict=True))
+        share = (self._change_mps2 - rate**2 * along_mps2 / speed_mps) / speed_mps
+        slower = sample.slower(rate)
+        north, east, down = (
+            a + share * v for a, v in zip(slower.acceleration, sample.velocity, strict=True)
+        )
+        return replace(slower, acceleration=(north, east, down)), rate

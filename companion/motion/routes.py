@@ -22,6 +22,7 @@ import numpy as np
 import numpy.typing as npt
 
 from companion.geometry import Ned, NorthEast
+from companion.motion.blends import Blend
 from companion.motion.cost_to_go import CostToGo
 from companion.motion.distance_maps import DistanceMaps
 from companion.motion.free_space import FreeSpace
@@ -29,6 +30,7 @@ from companion.motion.grid import OccupancyGrid, cells_inside
 from companion.motion.grid_graph import Cell
 from companion.motion.line_of_sight import Points
 from companion.motion.regions import Regions
+from companion.motion.rounding import Waypoints, rounded
 from companion.motion.string_pulling import length, pull_string
 
 
@@ -49,13 +51,15 @@ class PlaceRegion:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Route:
-    """Straight legs from where the vehicle is to a place.
+    """Straight legs from where the vehicle is to a place, and how their corners are rounded.
 
     Attributes:
         waypoints: (n, 3) float, NED metres, n >= 2; the first is the start, the last the place.
+        blends: at each corner, None where it is not rounded; () if none is.
     """
 
     waypoints: npt.NDArray[np.float64]
+    blends: tuple[Blend | None, ...] = ()
 
     @property
     def length_m(self) -> float:
@@ -173,11 +177,13 @@ class RouteMap:
             place: where to fly.
         """
         is_clear = self._space.keeps_away(self._space.point(start), self._space.point(stop))
-        route = self.route(stop, place) if is_clear else None
-        return Route(np.vstack([start, route.waypoints])) if route else None
+        waypoints = self._waypoints(stop, place) if is_clear else None
+        if waypoints is None:
+            return None
+        return self._rounded(np.vstack([start, waypoints]), place, first_moved=2)
 
     def route(self, start: Ned, place: str) -> Route | None:
-        """The shortest route to a place, after string pulling; None if there is none.
+        """The shortest route to a place, after string pulling and rounding; None if there is none.
 
         A start that is not free (the vehicle has drifted, or something has come near it) is left by
         a leg to the nearest free cell within ENTRY_M that comes no nearer to obstacles than the
@@ -186,6 +192,11 @@ class RouteMap:
         Raises:
             KeyError: there is no such place.
         """
+        waypoints = self._waypoints(start, place)
+        return self._rounded(waypoints, place) if waypoints is not None else None
+
+    def _waypoints(self, start: Ned, place: str) -> npt.NDArray[np.float64] | None:
+        """(n, 3) the legs of a route, before rounding."""
         entry = self._entry((start[0], start[1]), place)
         if entry is None:
             return None
@@ -197,7 +208,18 @@ class RouteMap:
         points = np.vstack([path[:kept], pull_string(path[kept:], legs)])
         plane = points * space.grid.cell_m + space.grid.origin
         plane[0], plane[-1] = start[:2], goal[:2]  # exactly, whatever the rounding
-        return Route(_with_altitude(plane, start[2], goal[2]))
+        return _with_altitude(plane, start[2], goal[2])
+
+    def _rounded(
+        self, waypoints: npt.NDArray[np.float64], place: str, first_moved: int = 1
+    ) -> Route:
+        space = self._space
+        legs = _ClearLegs(space, self._others[place])
+
+        def are_clear(a: Waypoints, b: Waypoints) -> npt.NDArray[np.bool_]:
+            return legs.are_clear(space.point(a), space.point(b))
+
+        return Route(*rounded(waypoints, are_clear, first_moved))
 
     def _entry(self, start: NorthEast, place: str) -> tuple[CostToGo, Cell] | None:
         """The cost-to-go of a place and the cell where a route enters it; None if there is none."""

@@ -1,11 +1,10 @@
 """Trajectories: position, velocity and heading along a route at each time.
 
-The vehicle follows the legs of a route exactly, from rest (or from a motion along the first leg)
-to rest. On each leg the speed changes as fast as the limits of acceleration and jerk allow
-(`profile.py`), with no acceleration at the corners. There the direction of the velocity jumps, so
-the speed is limited: the jump may not exceed what the vehicle can make up in CORNER_TIME_S,
-
-    |v_after - v_before| = 2 v sin(turn / 2) <= acceleration * CORNER_TIME_S.
+The vehicle follows the route exactly, from rest (or from a motion along the first leg) to rest. On
+each leg the speed changes as fast as the limits of acceleration and jerk allow (`profile.py`), with
+no acceleration at both ends. Each rounded corner (`blends.py`) is passed at the greatest constant
+speed that those limits allow across; at one that is not rounded the vehicle stops. So neither
+velocity nor acceleration jumps.
 
 A pass forwards over the corners and one backwards make these speeds reachable (the usual
 time-optimal scaling along a given path: Biagiotti and Melchiorri, Trajectory Planning for
@@ -18,24 +17,22 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from dataclasses import dataclass
-from itertools import pairwise
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import accumulate, pairwise
 
 import numpy as np
 import numpy.typing as npt
+import ruckig
 
 from companion.geometry import Ned, wrap_angle
+from companion.motion.path import Path, StraightLeg, Turn
 from companion.motion.profile import REST, Motion, SpeedLimits, quickest
 from companion.motion.routes import Route
 
-# At 2 m/s2 a jump of 0.3 m/s. PX4's cascade with its default gains, 5 m/s2 at most and the
-# setpoint's acceleration fed forward then stays within 0.1 m of the legs (test_trajectory.py).
-CORNER_TIME_S = 0.15
 YAW_RATE_RADPS = 1.5
 AT_REST: Ned = (0.0, 0.0, 0.0)
 
-_MIN_LEG_M = 1e-3  # waypoints nearer than that to the one before are left out
-_STRAIGHT = 1e-6  # radians; legs that turn by less are one
 _REACH = (
     0.99  # share of a leg that a change of speed may take; profiles that just fit are not found
 )
@@ -48,7 +45,7 @@ class Sample:
     """A moment of a trajectory, in the mission's frame.
 
     Attributes:
-        acceleration: along the leg, for feed-forward; a tracker without it lags behind.
+        acceleration: for feed-forward; a tracker without it lags behind.
         yaw_rad: heading, 0 is north, positive to the east, in (-pi, pi].
         is_finished: the end of the route has been reached, at rest.
     """
@@ -58,6 +55,11 @@ class Sample:
     acceleration: Ned
     yaw_rad: float
     is_finished: bool
+
+    def slower(self, rate: float) -> Sample:
+        """The same moment while the trajectory's time runs at a rate."""
+        velocity, acceleration = times(self.velocity, rate), times(self.acceleration, rate**2)
+        return replace(self, velocity=velocity, acceleration=acceleration)
 
 
 class Trajectory:
@@ -71,6 +73,7 @@ class Trajectory:
 
     Attributes:
         duration_s: time from the start to the end at rest.
+        path: what is flown.
     """
 
     duration_s: float
@@ -78,25 +81,11 @@ class Trajectory:
     def __init__(
         self, route: Route, limits: SpeedLimits, yaw_rad: float = 0.0, start: Motion = REST
     ) -> None:
-        waypoints = _corners(route.waypoints)
-        legs = np.diff(waypoints, axis=0)
-        lengths = np.linalg.norm(legs, axis=1)
         self._end = _ned(route.waypoints[-1])
-        self._corners = waypoints[:-1]
-        self._directions = legs / lengths[:, None]
-        each = [limits.along(down) for _, _, down in self._directions.tolist()]
-        motions = _corner_motions(self._directions, lengths.tolist(), start, each)
-        self._profiles = [
-            quickest(length, before, after.speed_mps, along)
-            for length, (before, after), along in zip(
-                lengths.tolist(), pairwise(motions), each, strict=True
-            )
-        ]
-        self._begin_s = [0.0]
-        for profile in self._profiles:
-            self._begin_s.append(self._begin_s[-1] + profile.duration)
+        self.path, self._profiles = _flown(route, limits, start)
+        self._begin_s = [0.0, *accumulate(profile.duration for profile in self._profiles)]
         self.duration_s = self._begin_s.pop()
-        self._turns = _turns(self._directions, self._begin_s, yaw_rad)
+        self._turns = _turns(self.path.pieces, self._begin_s, yaw_rad)
 
     def sample(self, t_s: float) -> Sample:
         """Position, velocity and heading at a time since the start.
@@ -108,34 +97,72 @@ class Trajectory:
         yaw_rad = self._yaw(t_s)
         if t_s >= self.duration_s:
             return Sample(self._end, AT_REST, AT_REST, yaw_rad, True)
-        leg = self._leg(t_s)
-        (along,), (speed,), (change,) = self._profiles[leg].at_time(t_s - self._begin_s[leg])
-        direction = self._directions[leg]
-        return Sample(
-            _ned(self._corners[leg] + along * direction),
-            _ned(speed * direction),
-            _ned(change * direction),
-            yaw_rad,
-            False,
-        )
+        return sample_at(self.path, *self.progress(t_s), yaw_rad)
+
+    def progress(self, t_s: float) -> tuple[float, Motion]:
+        """The distance along the path at a time, and the motion there."""
+        t_s = max(0.0, t_s)
+        if t_s >= self.duration_s:
+            return self.path.length_m, REST
+        piece = bisect_right(self._begin_s, t_s) - 1
+        (along_m,), (mps,), (mps2,) = self._profiles[piece].at_time(t_s - self._begin_s[piece])
+        return self.path.begin_m(piece) + along_m, Motion(mps, mps2)
 
     def ahead(self, t_s: float) -> npt.NDArray[np.float64]:
-        """(n, 3) points of the legs that are left at a time, n >= 2."""
-        t_s = max(0.0, t_s)
-        here = self.sample(t_s).position
-        if t_s >= self.duration_s:
-            return np.array([here, self._end])
-        return np.vstack([here, self._corners[self._leg(t_s) + 1 :], self._end])
-
-    def _leg(self, t_s: float) -> int:
-        """The leg that is flown at a time from the start on, before the end."""
-        return bisect_right(self._begin_s, t_s) - 1
+        """(n, 3) points of the path that is left at a time, n >= 2."""
+        return self.path.ahead(self.progress(t_s)[0])
 
     def _yaw(self, t_s: float) -> float:
         """The heading: from that at the leg's beginning towards the leg, at a limited rate."""
         latest = bisect_right(self._turns, t_s, key=lambda turn: turn[0]) - 1
         begin_s, from_rad, turn_rad = self._turns[latest]
         return wrap_angle(from_rad + _limited(turn_rad, YAW_RATE_RADPS * (t_s - begin_s)))
+
+
+class Stop:
+    """The way to rest along the path of a trajectory that is given up, unless it soon rests itself.
+
+    Args:
+        trajectory: that was flown until now.
+        t_s: its time now.
+        motion: along its path now; it may be flown more slowly than it says.
+        limits: of the stop.
+
+    Attributes:
+        duration_s: time to the end at rest.
+    """
+
+    duration_s: float
+
+    def __init__(
+        self, trajectory: Trajectory, t_s: float, motion: Motion, limits: SpeedLimits
+    ) -> None:
+        self._trajectory, self._begin_s = trajectory, t_s
+        self._begin_m, _ = trajectory.progress(t_s)
+        stop_m = _RUN_OUT * limits.stop_m(motion)
+        self._profile: ruckig.Trajectory | None = None
+        self.duration_s = max(0.0, trajectory.duration_s - t_s)
+        if self._begin_m + stop_m < trajectory.path.length_m:
+            self._profile = quickest(stop_m, motion, 0.0, limits)
+            self.duration_s = self._profile.duration
+
+    def sample(self, t_s: float) -> Sample:
+        """As that of a trajectory, since the stop began."""
+        if self._profile is None:
+            return self._trajectory.sample(self._begin_s + t_s)
+        (along_m,), (mps,), (mps2,) = self._profile.at_time(min(t_s, self.duration_s))
+        yaw_rad = self._trajectory.sample(self._begin_s).yaw_rad
+        path, is_finished = self._trajectory.path, t_s >= self.duration_s
+        motion = REST if is_finished else Motion(mps, mps2)
+        sample = sample_at(path, self._begin_m + along_m, motion, yaw_rad)
+        return replace(sample, is_finished=is_finished)
+
+
+def sample_at(path: Path, along_m: float, motion: Motion, yaw_rad: float) -> Sample:
+    """The moment at which a vehicle passes a point of a path."""
+    position, direction, curvature = path.at(along_m)
+    change = motion.acceleration_mps2 * direction + motion.speed_mps**2 * curvature
+    return Sample(_ned(position), _ned(motion.speed_mps * direction), _ned(change), yaw_rad, False)
 
 
 def motion_of(velocity: Ned, acceleration: Ned) -> Motion:
@@ -162,40 +189,70 @@ def run_out(position: Ned, velocity: Ned, acceleration: Ned, limits: SpeedLimits
     return (north, east, down)
 
 
-def _corners(waypoints: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    """The waypoints at which the route begins, turns or ends; the end alone if it has no length."""
-    kept = [waypoints[0]]
-    for waypoint in waypoints[1:-1]:
-        if np.linalg.norm(waypoint - kept[-1]) >= _MIN_LEG_M:
-            kept.append(waypoint)
-    while kept and np.linalg.norm(waypoints[-1] - kept[-1]) < _MIN_LEG_M:
-        kept.pop()
-    points = np.array([*kept, waypoints[-1]])
-    legs = np.diff(points, axis=0)
-    directions = legs / np.linalg.norm(legs, axis=1)[:, None]
-    is_turn = np.linalg.norm(np.diff(directions, axis=0), axis=1) > _STRAIGHT
-    inner = np.flatnonzero(is_turn) + 1
-    return np.asarray(points[np.unique([0, *inner.tolist(), len(points) - 1])])
+@dataclass(frozen=True, slots=True)
+class _Evenly:
+    """A profile of constant speed, read like Ruckig's."""
+
+    speed_mps: float
+    duration: float
+
+    def at_time(self, t_s: float) -> tuple[list[float], list[float], list[float]]:
+        return [self.speed_mps * t_s], [self.speed_mps], [0.0]
+
+
+def _flown(
+    route: Route, limits: SpeedLimits, start: Motion
+) -> tuple[Path, list[ruckig.Trajectory | _Evenly]]:
+    """The path of a route, and how fast each of its pieces is flown.
+
+    A first corner for which a start is too fast is not rounded: a stop takes less room.
+    """
+    path = Path(route)
+    each, motions = _motions(path, limits, start)
+    if len(motions) > 2 and motions[1] == REST and isinstance(path.pieces[1], Turn):
+        path = Path(route, keeps_first_turn=False)
+        each, motions = _motions(path, limits, start)
+    profiles: list[ruckig.Trajectory | _Evenly] = []
+    leg = -1
+    for piece in path.pieces:
+        speed_mps = motions[leg + 1].speed_mps
+        if isinstance(piece, StraightLeg):
+            leg += 1
+            end_mps = motions[leg + 1].speed_mps
+            profiles.append(quickest(piece.length_m, motions[leg], end_mps, each[leg]))
+        else:
+            profiles.append(_Evenly(speed_mps, piece.length_m / speed_mps))
+    return path, profiles
+
+
+def _motions(
+    path: Path, limits: SpeedLimits, start: Motion
+) -> tuple[list[SpeedLimits], list[Motion]]:
+    """The limits along each leg, and the motion at the beginning of each and at the end."""
+    legs = [piece for piece in path.pieces if isinstance(piece, StraightLeg)]
+    each = [limits.along(float(leg.direction[2])) for leg in legs]
+    corners_mps = [
+        here.blend.speed_mps(limits) if isinstance(here, Turn) else 0.0
+        for here, behind in pairwise(path.pieces)
+        if isinstance(behind, StraightLeg)
+    ]
+    return each, _corner_motions([leg.length_m for leg in legs], corners_mps, start, each)
 
 
 def _corner_motions(
-    directions: npt.NDArray[np.float64],
-    lengths_m: list[float],
-    start: Motion,
-    limits: list[SpeedLimits],
+    lengths_m: list[float], corners_mps: list[float], start: Motion, limits: list[SpeedLimits]
 ) -> list[Motion]:
     """The motion at the beginning of each leg and at the end of the last, which is at rest.
 
     Args:
+        lengths_m: of the legs, without the blends at their ends.
+        corners_mps: greatest speeds at the corners between them.
+        start: lowered to what the first leg allows.
         limits: along each leg.
     """
     if not lengths_m:
         return [REST]
-    half_jump = np.linalg.norm(np.diff(directions, axis=0), axis=1) / 2  # sin(turn / 2)
-    first = limits[0]
-    corners = first.acceleration_mps2 * CORNER_TIME_S / (2 * np.maximum(half_jump, 1e-9))
-    legs = [min(a.speed_mps, b.speed_mps) for a, b in pairwise(limits)]
-    max_mps = [*np.minimum(corners, legs).tolist(), 0.0]
+    first, max_mps = limits[0], [*corners_mps, 0.0]
     rooms_m = [_REACH * length_m for length_m in lengths_m]
     start = Motion(min(start.speed_mps, first.speed_mps), start.acceleration_mps2)
     ends = _reachable(max_mps, rooms_m, start, limits)
@@ -232,17 +289,24 @@ def _can_brake(start: Motion, end_mps: float, room_m: float, limits: SpeedLimits
 
 
 def _turns(
-    directions: npt.NDArray[np.float64], leg_begin_s: list[float], yaw_rad: float
+    pieces: Sequence[StraightLeg | Turn], begins_s: list[float], yaw_rad: float
 ) -> list[tuple[float, float, float]]:
-    """For each leg with a heading: when it begins, the heading then, and the turn to make."""
+    """For each piece with a heading: when it begins, the heading then, and the turn to make."""
     turns = [(0.0, wrap_angle(yaw_rad), 0.0)]
-    for (north, east, _), begin_s in zip(directions.tolist(), leg_begin_s, strict=True):
+    for piece, begin_s in zip(pieces, begins_s, strict=True):
+        north, east, _ = piece.direction.tolist()
         if math.hypot(north, east) < _MIN_LEVEL_SHARE:
             continue
         last_s, last_rad, last_turn_rad = turns[-1]
         now_rad = last_rad + _limited(last_turn_rad, YAW_RATE_RADPS * (begin_s - last_s))
         turns.append((begin_s, now_rad, wrap_angle(math.atan2(east, north) - now_rad)))
     return turns
+
+
+def times(vector: Ned, factor: float) -> Ned:
+    """A vector, longer by a factor."""
+    north, east, down = vector
+    return (north * factor, east * factor, down * factor)
 
 
 def _limited(angle_rad: float, max_rad: float) -> float:

@@ -12,6 +12,7 @@ from time import perf_counter
 
 from benches import Row, timed
 from benches.shipped import shipped
+from companion.acting.flight import TICK_S
 from companion.app import Companion
 from companion.flight_events.event import Stamped
 from companion.flight_events.sortie import Phase, PhaseEntered, ReturnBegun
@@ -31,11 +32,13 @@ class Tracking:
     Attributes:
         gaps_m: from the newest setpoint to the vehicle, once per tick of the task in OFFBOARD, so
             not while a plan lands the vehicle.
+        velocities: how it truly moves then, and when.
         clearances_m: from the vehicle's centre to what is truly nearest, once per tick.
     """
 
     simulation: Simulation | None = None
     gaps_m: list[float] = field(default_factory=list)
+    velocities: list[tuple[float, Ned]] = field(default_factory=list)
     clearances_m: list[float] = field(default_factory=list)
     is_on_task: bool = False
     setpoint: Ned | None = None
@@ -65,8 +68,22 @@ class Tracking:
         truth = self.simulation.flight.position
         self.clearances_m.append(self.simulation.true_map.clearance_m(truth[:2]))
         is_followed = self.is_on_task and self.simulation.mode == "OFFBOARD"
+        is_followed = is_followed and self.simulation.is_armed
         if is_followed and self.setpoint is not None:
             self.gaps_m.append(distance(self.setpoint, truth))
+            self.velocities.append((now_s, self.simulation.flight.velocity))
+
+    @property
+    def speed_mps(self) -> float:
+        """The greatest true speed."""
+        return max(math.hypot(*velocity) for _, velocity in self.velocities)
+
+    @property
+    def acceleration_mps2(self) -> float:
+        """The greatest true acceleration, over two ticks."""
+        pairs = zip(self.velocities, self.velocities[2:], strict=False)
+        over_s = 2 * TICK_S
+        return max(distance(a, b) / over_s for (s, a), (t, b) in pairs if t - s < 1.1 * over_s)
 
 
 def timed_steps(companion: Companion) -> list[float]:
@@ -108,5 +125,12 @@ def flying(runs: int) -> Iterator[Row]:
         square = sum(gap_m**2 for gap_m in seen.gaps_m) / len(seen.gaps_m)
         yield Row(f"{each.name}: gap to setpoint, RMS", 100 * math.sqrt(square), "cm")
         yield Row(f"{each.name}: gap to setpoint, worst", 100 * max(seen.gaps_m), "cm")
+        limits = mission.speed_limits
+        yield Row(f"{each.name}: duration", flight.now_s, "s")
+        yield Row(
+            f"{each.name}: greatest speed", 100 * seen.speed_mps / limits.speed_mps, "% of limit"
+        )
+        share = seen.acceleration_mps2 / limits.acceleration_mps2
+        yield Row(f"{each.name}: greatest acceleration", 100 * share, "% of limit")
         yield Row(f"{each.name}: least clearance", 100 * min(seen.clearances_m), "cm")
         yield Row(f"{each.name}: slowest tick of {len(ticks_s)}", 1000 * max(ticks_s), "ms")

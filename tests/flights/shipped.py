@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 from lockstep import Lockstep
 
+from companion.acting.flight import TICK_S
 from companion.flight_events.event import FlightEvent
 from companion.flight_events.facts import BeliefWithdrawn, MissionEventChanged
 from companion.flight_events.plans import NoPlanFound, PlanReplaced
@@ -53,12 +54,14 @@ class ShippedFlight(Lockstep):
         truth: where the vehicle truly was at each tick.
         clearance_m: from the vehicle's centre to the nearest wall or obstacle that was truly there,
             at worst.
+        velocities: how it truly moved at each tick in OFFBOARD; None at the others.
     """
 
     def __init__(self, mission: str, scenario: str, seed: int) -> None:
         self.mission = load_mission(MISSIONS / f"{mission}.yaml")
         self.truth: list[Ned] = []
         self.clearance_m = math.inf
+        self.velocities: list[Ned | None] = []
         super().__init__(self.mission, read_scenario(MISSIONS / f"{scenario}.sim.yaml"), seed=seed)
         self.until_the_end()
 
@@ -66,8 +69,21 @@ class ShippedFlight(Lockstep):
         super().tick()
         position = self.simulation.flight.position
         self.truth.append(position)
+        is_ours = self.simulation.mode == "OFFBOARD" and self.simulation.is_armed
+        self.velocities.append(self.simulation.flight.velocity if is_ours else None)
         assert self.simulation.true_map is not None
         self.clearance_m = min(self.clearance_m, self.simulation.true_map.clearance_m(position[:2]))
+
+    @property
+    def speed_mps(self) -> float:
+        """The greatest true speed in OFFBOARD."""
+        return max(math.hypot(*velocity) for velocity in self.velocities if velocity)
+
+    @property
+    def acceleration_mps2(self) -> float:
+        """The greatest true acceleration in OFFBOARD, over two ticks."""
+        pairs = zip(self.velocities, self.velocities[2:], strict=False)
+        return max(distance(a, b) / (2 * TICK_S) for a, b in pairs if a and b)
 
     def crossings(self, east_m: float) -> list[float]:
         """Where the vehicle crossed a line from south to north: metres north, in order."""

@@ -22,11 +22,11 @@ from companion.geometry import NorthEast, wrap_angle
 from companion.motion.free_space import ENTRY_M
 from companion.motion.grid import OccupancyGrid
 from companion.motion.line_of_sight import LineOfSight
+from companion.motion.path import Path
 from companion.motion.profile import SpeedLimits, flight_time_s
 from companion.motion.regions import Regions
 from companion.motion.routes import PlaceRegion, Route, RouteMap
 from companion.motion.trajectory import (
-    CORNER_TIME_S,
     YAW_RATE_RADPS,
     Trajectory,
     motion_of,
@@ -192,14 +192,14 @@ def test_lengths_are_close_to_the_optimum_of_a_visibility_graph(
     place = PlaceRegion((*grid.centre(*free[goal].tolist()), 0.0), 0.0, False)
     routes = RouteMap(grid, {"goal": place}, WIDE, 2 * grid.cell_m)
     optimum = nx.single_source_dijkstra_path_length(visible, goal)
-    for i, cell in enumerate(free.tolist()):
+    for i, cell in list(enumerate(free.tolist()))[::5]:
         start = grid.centre(*cell)
         route = routes.route((*start, 0.0), "goal")
         assert (route is not None) == (i in optimum)
         if route is not None:
-            assert route.length_m <= 1.03 * optimum[i] + 1e-9
+            assert Path(route).length_m <= 1.25 * optimum[i] + 1e-9  # corners may be moved outwards
             assert routes.distance_m(start, "goal") <= 1.03 * optimum[i] + 1e-9
-            assert routes.distance_m(start, "goal") >= route.length_m - 1e-9
+            assert routes.distance_m(start, "goal") >= optimum[i] - 1e-9
 
 
 @FAST
@@ -283,6 +283,57 @@ def test_a_start_beside_the_free_cells_is_left_across_no_obstacle(
     )
 
 
+@FAST
+@given(grids(edge=24), st.data())
+def test_a_rounded_path_keeps_the_clearance_and_enters_no_other_region(
+    grid: OccupancyGrid, data: st.DataObject
+) -> None:
+    """Between the waypoints too: the points that are flown lie in free cells alone."""
+    is_free = brute_force_distance(grid) >= 1.5 * grid.cell_m
+    free = np.argwhere(is_free).tolist()
+    assume(free)
+    start = draw_position(data, grid, free)
+    places = {
+        name: PlaceRegion((*draw_position(data, grid, free), -2.0), radius * grid.cell_m, True)
+        for name, radius in (("goal", 0.5), ("X", data.draw(st.floats(0.5, 3.0))))
+    }
+    assume(math.dist(start, places["X"].position[:2]) > places["X"].radius_m)
+    route = RouteMap(grid, places, WIDE, 1.5 * grid.cell_m).route((*start, -1.0), "goal")
+    assume(route is not None)
+    assert route is not None
+    path = Path(route)
+    assume(path.length_m > 0)
+    flown = np.array([path.at(s).position[:2] for s in np.linspace(0, path.length_m, 1000)])
+    cells = np.floor((flown - grid.origin) / grid.cell_m).astype(int)
+    assert is_free[cells[:, 0], cells[:, 1]].all()
+    away_m = np.linalg.norm(flown - places["X"].position[:2], axis=1)
+    assert away_m.min() >= places["X"].radius_m - 1e-9
+
+
+@settings(FAST, max_examples=30)
+@given(grids(edge=24), st.floats(0.3, 4.0), st.floats(0.3, 5.0), st.data())
+def test_along_a_rounded_route_neither_velocity_nor_acceleration_jumps(
+    grid: OccupancyGrid, speed: float, acceleration: float, data: st.DataObject
+) -> None:
+    free = np.argwhere(brute_force_distance(grid) >= grid.cell_m).tolist()
+    assume(free)
+    start, goal = draw_position(data, grid, free), draw_position(data, grid, free)
+    routes = RouteMap(grid, {"goal": PlaceRegion((*goal, -2.0), 0.5, True)}, WIDE, grid.cell_m)
+    route = routes.route((*start, -1.0), "goal")
+    assume(route is not None)
+    assert route is not None
+    trajectory = Trajectory(route, SpeedLimits(speed, acceleration, JERK))
+    times, dt_s = np.linspace(0, trajectory.duration_s, 1000, retstep=True)
+    samples = [trajectory.sample(float(t_s)) for t_s in times]
+    velocities = np.array([sample.velocity for sample in samples])
+    changes = np.array([sample.acceleration for sample in samples])
+    assert np.linalg.norm(velocities, axis=1).max() <= speed + 1e-6
+    assert np.linalg.norm(changes, axis=1).max() <= acceleration + 1e-6
+    assert np.linalg.norm(np.diff(velocities, axis=0), axis=1).max() <= acceleration * dt_s + 1e-6
+    most_mps3 = JERK * math.hypot(1, math.pi)  # across, and along in a turn by 180 degrees
+    assert np.linalg.norm(np.diff(changes, axis=0), axis=1).max() <= most_mps3 * dt_s + 1e-5
+
+
 coordinates = st.floats(-10, 10).map(lambda x: round(x, 2))
 waypoints = st.lists(st.tuples(coordinates, coordinates, coordinates), min_size=2, max_size=6)
 speeds, accelerations = st.floats(0.3, 4.0), st.floats(0.3, 5.0)
@@ -317,21 +368,6 @@ def test_a_trajectory_keeps_its_limits_and_its_route(
     for position in positions[::50]:
         off_m = min(distance_to_leg(a, b, position) for a, b in pairwise(route.waypoints))
         assert off_m < 1e-9
-
-
-@FAST
-@given(waypoints, speeds, accelerations)
-def test_the_velocity_jumps_at_corners_by_a_bounded_amount_and_nowhere_else(
-    corners: list[tuple[float, float, float]], speed: float, acceleration: float
-) -> None:
-    assume(all(math.dist(a, b) > 1.0 for a, b in pairwise(corners)))
-    trajectory = Trajectory(Route(np.array(corners)), SpeedLimits(speed, acceleration, JERK))
-    dt_s = 0.5 / speed / 20  # at most one corner in each step
-    times = np.arange(0.0, trajectory.duration_s, dt_s).tolist()
-    velocities = np.array([trajectory.sample(t_s).velocity for t_s in times])
-    jumps = np.linalg.norm(np.diff(velocities, axis=0), axis=1) - acceleration * dt_s
-    assert np.all(jumps <= acceleration * CORNER_TIME_S + 1e-9)
-    assert np.count_nonzero(jumps > 1e-9) <= len(corners) - 2
 
 
 @FAST

@@ -121,7 +121,7 @@ def test_mistakes_in_a_mission_are_placed(
     [
         ({"climb_mps": "fast"}, "6:12", "climb_mps is 'fast', expected a number"),
         ({"version": 2}, "1:10", "version is 2, expected 1"),
-        ({"colour": "red"}, "13:1", "unknown key 'colour'"),
+        ({"colour": "red"}, "15:1", "unknown key 'colour'"),
     ],
 )
 def test_mistakes_in_a_profile_are_placed(

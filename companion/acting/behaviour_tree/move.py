@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-import numpy as np
 from py_trees.common import Status
 
 from companion.acting.behaviour_tree.leaf import Leaf
@@ -15,8 +14,15 @@ from companion.flight_events.tree import LeafType
 from companion.geometry import distance
 from companion.motion.profile import SpeedLimits
 from companion.motion.routes import Route
-from companion.motion.trajectory import AT_REST, Sample, Trajectory, motion_of, run_out
-from companion.vehicle.port import Setpoint, VehicleState, hold_at
+from companion.motion.trajectory import (
+    AT_REST,
+    Sample,
+    Stop,
+    Trajectory,
+    motion_of,
+    run_out,
+)
+from companion.vehicle.port import Setpoint, VehicleState
 
 ARRIVAL_M = 0.3
 """How near to a place the vehicle has to come to be there."""
@@ -24,8 +30,14 @@ ARRIVAL_TIMEOUT_S = 15.0
 """How long it may take to come that near after the trajectory has ended, or to catch up."""
 SLOW_MPS = 0.2
 """A vehicle slower than this begins a route as if it were at rest."""
-LAG_SHARE = 0.6
-"""Of the gate's carrot: distance behind the trajectory at which the trajectory waits."""
+FOLLOWS_SHARE, LAG_SHARE, WAITS_SHARE = 0.4, 0.6, 0.7
+"""Of the gate's carrot: distances behind the trajectory from which on it is slowed, at which the
+vehicle counts as behind, and at which the trajectory waits for it."""
+UNFORESEEN_SHARE, TURNING_SHARE = 0.85, 0.5
+"""Of the acceleration: with what a new plan begins at speed, or a stop that no obstacle asks for;
+and such a stop in a turn, which takes acceleration too."""
+STRAIGHT_MPS2 = 0.5
+"""A vehicle with less acceleration across its path may begin a route that leads straight on."""
 ASTRAY_SHARE = 14 / 15
 """Of the gate's carrot: distance at which a vehicle that has come to rest takes a new way; the gate
 would soon hold it there, away from a trajectory that waits for it."""
@@ -34,10 +46,11 @@ would soon hold it there, away from a trajectory that waits for it."""
 class MoveCommand(Leaf):
     """move_cmd(c, w): flies a clear route to a place.
 
-    The trajectory waits for a vehicle that has fallen behind, so that its setpoint never runs
+    It begins at the setpoint that the vehicle follows, at its speed, so that no setpoint jumps. The
+    trajectory is slowed for a vehicle that falls behind, and waits, so that its setpoint never runs
     away; the gate would hold it otherwise. It is slowed to the speed limit in force. A fast vehicle
-    that cannot stop straight ahead on a clear leg leaves its new route while it brakes; it begins
-    again from where it has come to rest.
+    that cannot stop straight ahead on a clear leg comes to rest along the path that it flew, and
+    begins there. An interrupted flight comes to rest so, too.
 
     When the map has changed, what is left of the trajectory is looked at again. If it is no
     longer clear there are, in this order: another route, flown into without a stop; a stop
@@ -58,65 +71,102 @@ class MoveCommand(Leaf):
     def initialise(self) -> None:
         """Finds the route from where the vehicle is, and how fast, now."""
         state = self._flight.vehicle.state
-        self._trajectory: Trajectory | None = None
+        self._trajectory: Trajectory | Stop | None = None
+        self._is_waiting = False
         if state is not None:
             self._begin(state)
         self._start_s = self._flight.now_s
 
     def _begin(self, state: VehicleState) -> None:
-        seen = Sample(state.position, state.velocity, AT_REST, state.yaw_rad, False)
-        self._trajectory = self._from_motion(seen) or self._from_rest(state)
-        self._told: RouteBlocked | None = None
-        self._is_braking = False
-        self._map_version = self._flight.routes.version
+        """A new route; a stop that is under way goes on while there is none at this speed."""
+        now, is_stopping = self._told_motion(state), self._flight.stop is not None
+        self._is_turning = is_stopping and _across_mps2(now) > STRAIGHT_MPS2
+        self._trajectory = None if self._is_turning else self._from_motion(now, self._gentle(now))
+        self._is_waiting = self._trajectory is None and is_stopping
         self._time_s = 0.0
+        if self._trajectory is None and not is_stopping:
+            self._trajectory = self._from_rest(now)
+            self._time_s = -TICK_S  # its acceleration is told early; so it grows more gently
+        self._is_braking = False
+        self._flown_s, self._rate = self._time_s, 1.0
+        self._told: RouteBlocked | None = None
+        self._map_version = self._flight.routes.version
         self._waited_s = 0.0
 
-    def _from_motion(self, now: Sample) -> Trajectory | None:
+    def _wait(self, state: VehicleState) -> None:
+        """Begins when a stop has ended, or leads straight on at last."""
+        is_straight = self._is_turning and _across_mps2(self._told_motion(state)) <= STRAIGHT_MPS2
+        if self._flight.stop is None or is_straight:
+            self._begin(state)
+
+    def _told_motion(self, state: VehicleState) -> Sample:
+        """The motion that the vehicle is told, if it follows that; else its own."""
+        flight = self._flight
+        told = flight.setpoint
+        within_m = LAG_SHARE * flight.profile.carrot_m
+        if told is None or distance(told.position, state.position) >= within_m:
+            return Sample(state.position, state.velocity, AT_REST, state.yaw_rad, False)
+        if flight.stop is not None:
+            return flight.stop.sample(flight.stopping_s)
+        return Sample(told.position, AT_REST, AT_REST, told.yaw_rad, False)
+
+    def _gentle(self, now: Sample) -> SpeedLimits:
+        """The limits of a change of plan at speed; no acceleration of it was told early."""
+        limits = self._flight.speed_limit.for_trajectory
+        share = TURNING_SHARE if _across_mps2(now) > STRAIGHT_MPS2 else UNFORESEEN_SHARE
+        return replace(
+            limits,
+            acceleration_mps2=share * limits.acceleration_mps2,
+            jerk_mps3=limits.jerk_mps3 / 2,
+        )
+
+    def _from_motion(self, now: Sample, limits: SpeedLimits) -> Trajectory | None:
         """A trajectory that begins at some speed; None if there is none, or hardly any speed."""
         if math.hypot(*now.velocity) <= SLOW_MPS:
             return None
-        limits = self._flight.speed_limit.for_trajectory
         stop = run_out(now.position, now.velocity, now.acceleration, limits)
         route = self._flight.routes.route_from_motion(now.position, stop, self._place)
         return _along(route, limits, now) if route else None
 
-    def _from_rest(self, state: VehicleState) -> Trajectory | None:
+    def _from_rest(self, now: Sample) -> Trajectory | None:
         """A trajectory from rest; None if no clear route leads to the place."""
-        route = self._flight.routes.route(state.position, self._place)
-        still = Sample(state.position, AT_REST, AT_REST, state.yaw_rad, False)
+        route = self._flight.routes.route(now.position, self._place)
+        still = replace(now, velocity=AT_REST, acceleration=AT_REST)
         return _along(route, self._flight.speed_limit.for_trajectory, still) if route else None
 
     def update(self) -> Status:
         """One setpoint along the trajectory; SUCCESS at the place."""
         flight, state = self._flight, self._flight.vehicle.state
+        if state is not None and self._is_waiting:
+            self._wait(state)
+            if self._is_waiting:
+                return Status.RUNNING
         if state is not None:
             self._follow_map(state)
         if self._trajectory is None or state is None:
-            return self._hold_and_fail(f"no clear route to {self._place}")
+            return self._stop_and_fail(f"no clear route to {self._place}")
         elapsed_s = flight.now_s - self._start_s
         if self._timeout_s is not None and elapsed_s > self._timeout_s:
-            return self._hold_and_fail(f"not there after {self._timeout_s:.0f} s")
-        sample, rate = flight.speed_limit.slowed(self._trajectory.sample(self._time_s))
+            return self._stop_and_fail(f"not there after {self._timeout_s:.0f} s")
+        self._flown_s = self._time_s
+        sample = self._sample()
         gap_m = distance(sample.position, state.position)
         is_behind = gap_m >= LAG_SHARE * flight.profile.carrot_m
         is_astray = gap_m >= ASTRAY_SHARE * flight.profile.carrot_m
         if is_astray and math.hypot(*state.velocity) <= SLOW_MPS:
             self._begin(state)
             return Status.RUNNING
-        flight.fly(
-            hold_at(sample.position, sample.yaw_rad)
-            if is_behind
-            else Setpoint(sample.position, sample.velocity, sample.acceleration, sample.yaw_rad)
-        )
+        following = _following(gap_m / flight.profile.carrot_m)
+        sample, self._rate = sample.slower(following), self._rate * following
+        flight.fly(Setpoint(sample.position, sample.velocity, sample.acceleration, sample.yaw_rad))
         if sample.is_finished and gap_m < ARRIVAL_M and not self._is_braking:
             return Status.SUCCESS
         if self._time_s > self._trajectory.duration_s + ARRIVAL_TIMEOUT_S:
-            return self._hold_and_fail(f"still {gap_m:.1f} m from {self._place}")
-        self._time_s += 0.0 if is_behind else rate * TICK_S
+            return self._stop_and_fail(f"still {gap_m:.1f} m from {self._place}")
+        self._time_s += self._rate * TICK_S
         self._waited_s = self._waited_s + TICK_S if is_behind else 0.0
         if self._waited_s > ARRIVAL_TIMEOUT_S:
-            return self._hold_and_fail(f"stuck on the way to {self._place}")
+            return self._stop_and_fail(f"stuck on the way to {self._place}")
         return Status.RUNNING
 
     def terminate(self, new_status: Status) -> None:
@@ -124,7 +174,26 @@ class MoveCommand(Leaf):
         if new_status is Status.FAILURE:
             self.failed_at = self._flight.task.positions
         if new_status is Status.INVALID and self.status is Status.RUNNING:
-            self._flight.hold()
+            self._brake()
+
+    def _sample(self) -> Sample:
+        """What may be flown of the trajectory now; sets how fast its time runs."""
+        assert self._trajectory is not None
+        led = self._flight.led(self._trajectory, self._time_s)
+        slowed, self._rate = self._flight.speed_limit.slowed(led)
+        return slowed
+
+    def _brake(self) -> None:
+        """Comes to rest along the path, from the setpoint that was flown last."""
+        flight, trajectory = self._flight, self._trajectory
+        if isinstance(trajectory, Stop):
+            flight.stop_along(trajectory, self._flown_s)
+        elif self._is_waiting or trajectory is None or flight.setpoint is None:
+            flight.hold()
+        else:
+            now = trajectory.sample(self._flown_s).slower(self._rate)
+            stop = _stop(trajectory, self._flown_s, now, self._gentle(now))
+            flight.stop_along(stop, 0.0) if stop else flight.hold()
 
     def _follow_map(self, state: VehicleState) -> None:
         """Leaves a trajectory that is no longer clear, and goes on from a stop."""
@@ -134,15 +203,16 @@ class MoveCommand(Leaf):
         if self._is_braking:
             has_stopped = math.hypot(*state.velocity) <= SLOW_MPS
             if has_stopped and trajectory.sample(self._time_s).is_finished:
-                self._adopt(self._from_rest(state), is_braking=False)
-        elif self._map_version != routes.version:
+                self._adopt(self._from_rest(self._told_motion(state)), is_braking=False)
+        elif isinstance(trajectory, Trajectory) and self._map_version != routes.version:
             self._map_version = routes.version
             if not routes.is_clear(trajectory.ahead(self._time_s)):
-                self._avoid(trajectory.sample(self._time_s))
+                self._avoid(trajectory)
 
-    def _avoid(self, now: Sample) -> None:
-        """Another route without a stop, or a stop."""
-        around = self._from_motion(now)
+    def _avoid(self, trajectory: Trajectory) -> None:
+        """Another route without a stop, or a stop along the path."""
+        now = trajectory.sample(self._time_s).slower(self._rate)
+        around = self._from_motion(now, self._flight.speed_limit.for_trajectory)
         if around is not None:
             self._adopt(around, is_braking=False)
             return
@@ -150,23 +220,45 @@ class MoveCommand(Leaf):
             self._flight.speed_limit.for_trajectory,
             acceleration_mps2=self._flight.profile.braking_mps2,
         )
-        stop = run_out(now.position, now.velocity, now.acceleration, braking)
-        straight = Route(np.array([now.position, stop]))
-        self._adopt(_along(straight, braking, now), is_braking=True)
+        self._adopt(_stop(trajectory, self._time_s, now, braking), is_braking=True)
 
-    def _adopt(self, trajectory: Trajectory | None, is_braking: bool) -> None:
+    def _adopt(self, trajectory: Trajectory | Stop | None, is_braking: bool) -> None:
         self._trajectory, self._is_braking = trajectory, is_braking
         self._map_version = self._flight.routes.version
-        self._time_s = 0.0
+        self._time_s, self._rate = 0.0, 1.0
         response = RouteResponse.STOPPING if is_braking else RouteResponse.ANOTHER_ROUTE
         blocked = RouteBlocked(self._place, response if trajectory else RouteResponse.NO_ROUTE)
         if blocked != self._told:
             self._flight.report(blocked)
         self._told = blocked
 
-    def _hold_and_fail(self, why: str) -> Status:
-        self._flight.hold()
+    def _stop_and_fail(self, why: str) -> Status:
+        self._brake()
         return self.fail(why)
+
+
+def _across_mps2(now: Sample) -> float:
+    """The part of the acceleration that turns the velocity."""
+    along_mps2 = motion_of(now.velocity, now.acceleration).acceleration_mps2
+    return math.sqrt(max(0.0, math.hypot(*now.acceleration) ** 2 - along_mps2**2))
+
+
+def _following(gap_share: float) -> float:
+    """How fast the time of a trajectory runs for a vehicle so far behind, in shares of the carrot.
+
+    >>> _following(0.3), _following(0.55), _following(0.8)
+    (1.0, 0.5, 0.0)
+    """
+    rate = (WAITS_SHARE - gap_share) / (WAITS_SHARE - FOLLOWS_SHARE)
+    return round(min(max(rate, 0.0), 1.0), 9)
+
+
+def _stop(trajectory: Trajectory, t_s: float, now: Sample, limits: SpeedLimits) -> Stop | None:
+    """A stop along the path of a trajectory, from the motion there now; None if there is none."""
+    try:
+        return Stop(trajectory, t_s, motion_of(now.velocity, now.acceleration), limits)
+    except ArithmeticError:
+        return None
 
 
 def _along(route: Route, limits: SpeedLimits, now: Sample) -> Trajectory | None:

@@ -24,6 +24,7 @@ from companion.flight_events.sortie import (
     VehicleCrashed,
     WeakFailsafeAccepted,
 )
+from companion.geometry import distance
 from companion.mission.model import Otherwise
 from companion.outcomes import Refusal
 from companion.planning.effort import Effort
@@ -362,10 +363,13 @@ def test_the_vehicle_does_not_fly_on_after_a_stop() -> None:
     run.until(Phase.TASK)
     for _ in range(40):
         run.step()
+    before = run.vehicle.setpoint
     run.sortie.stop()
-    run.step()
+    for _ in range(40):
+        run.step()
     held = run.vehicle.setpoint
-    assert held is not None and held.velocity == (0.0, 0.0, 0.0)
+    assert before is not None and held is not None and held.velocity == (0.0, 0.0, 0.0)
+    assert 0.5 < distance(held.position, before.position) < 2.0  # it takes that to stop
     for _ in range(40):
         run.step()
     assert run.vehicle.setpoint == held

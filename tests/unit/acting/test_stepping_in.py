@@ -37,7 +37,7 @@ def flown() -> SortieRig:
 
 def test_a_pause_freezes_the_task(flown: SortieRig) -> None:
     assert flown.sortie.pause() is None
-    flown.run(1.0)
+    flown.run(3.0)
     held, positions = flown.position, flown.rig.task.positions
     flown.run(30.0)
     assert math.dist(flown.position, held) < 1e-6

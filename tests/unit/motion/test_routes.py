@@ -9,6 +9,7 @@ import pytest
 
 from companion.geometry import NorthEast, is_in_polygon
 from companion.motion.grid import OccupancyGrid
+from companion.motion.path import Path
 from companion.motion.routes import PlaceRegion, Route, RouteMap
 
 WIDE: list[NorthEast] = [(-9, -9), (-9, 99), (99, 99), (99, -9)]
@@ -69,7 +70,7 @@ def test_the_altitude_changes_evenly_along_the_way() -> None:
     waypoints = route_of(routes, (2.5, 1.5), "B").waypoints
     along = np.cumsum(np.linalg.norm(np.diff(waypoints[:, :2], axis=0), axis=1))
     assert len(waypoints) > 2
-    assert waypoints[1:, 2] == pytest.approx(-1.0 - along / along[-1])
+    assert waypoints[1:, 2] == pytest.approx(-1.0 - along / along[-1], abs=1e-3)
 
 
 def test_straight_up_is_a_route() -> None:
@@ -146,7 +147,8 @@ def test_a_route_goes_around_the_region_of_another_place() -> None:
     route = route_of(RouteMap(empty, places, WIDE, 0.3), (3.0, 1.0), "B")
     assert distance_to_route(route, (3.0, 5.0)) >= 1.0 - 1e-9
     shortest = 2 * (math.sqrt(16 - 1) + math.asin(1 / 4))  # two tangents and the arc between
-    assert shortest < math.sqrt(route.length_m**2 - 1.0) < 1.01 * shortest  # it sinks by 1 m
+    flown_m = Path(route).length_m
+    assert shortest < math.sqrt(flown_m**2 - 1.0) < 1.01 * shortest  # it sinks by 1 m
 
 
 def test_a_place_that_the_task_does_not_mention_may_be_crossed() -> None:

@@ -9,7 +9,7 @@ import pytest
 
 from companion.motion.profile import Motion, SpeedLimits, flight_time_s
 from companion.motion.routes import Route
-from companion.motion.trajectory import AT_REST, CORNER_TIME_S, YAW_RATE_RADPS, Trajectory, run_out
+from companion.motion.trajectory import AT_REST, YAW_RATE_RADPS, Trajectory, run_out
 
 JERK = 8.0  # m/s3
 
@@ -61,15 +61,15 @@ def test_a_route_of_no_length_is_finished_at_once() -> None:
 
 
 @pytest.mark.parametrize("turn_deg", [5, 30, 90, 150, 180])
-def test_the_jump_of_the_velocity_at_a_corner_is_bounded(turn_deg: float) -> None:
+def test_at_a_corner_that_is_not_rounded_the_vehicle_stops(turn_deg: float) -> None:
     turn = math.radians(turn_deg)
     end = (10 + 10 * math.cos(turn), 10 * math.sin(turn), 0)
-    trajectory = Trajectory(route_of((0, 0, 0), (10, 0, 0), end), SpeedLimits(2.0, 2.0, JERK))
-    corner_s = trajectory.duration_s / 2  # by symmetry
-    before = np.array(trajectory.sample(corner_s - 1e-6).velocity)
-    after = np.array(trajectory.sample(corner_s + 1e-6).velocity)
-    expected = min(2.0 * CORNER_TIME_S, 2 * 2.0 * math.sin(turn / 2))  # or no slowing at all
-    assert np.linalg.norm(after - before) == pytest.approx(expected, abs=1e-4)
+    limits = SpeedLimits(2.0, 2.0, JERK)
+    trajectory = Trajectory(route_of((0, 0, 0), (10, 0, 0), end), limits)
+    assert trajectory.duration_s == pytest.approx(2 * flight_time_s(10.0, limits))
+    at_corner = trajectory.sample(trajectory.duration_s / 2)
+    assert at_corner.position == pytest.approx((10, 0, 0), abs=1e-6)
+    assert at_corner.velocity == pytest.approx((0, 0, 0), abs=1e-3)
 
 
 def test_a_waypoint_on_a_straight_line_does_not_slow_the_vehicle() -> None:
@@ -78,22 +78,6 @@ def test_a_waypoint_on_a_straight_line_does_not_slow_the_vehicle() -> None:
         route_of((0, 0, 0), (2, 0, 0), (2.1, 0, 0), (9, 0, 0)), SpeedLimits(2.0, 1.0, JERK)
     )
     assert divided.duration_s == pytest.approx(straight.duration_s)
-
-
-def test_a_short_leg_before_a_sharp_corner_slows_the_legs_before_it() -> None:
-    limits = SpeedLimits(2.0, 1.0, JERK)
-    trajectory = Trajectory(route_of((0, 0, 0), (9, 0, 0), (9.2, 0.02, 0), (9.2, 9, 0)), limits)
-    half_turn = (math.pi / 2 - math.atan2(0.02, 0.2)) / 2
-    corner_mps = 1.0 * CORNER_TIME_S / (2 * math.sin(half_turn))
-    speed_there = limits.reached_mps(corner_mps, math.hypot(0.2, 0.02))  # at the turn before it
-    assert speed_there < 1.0 < 1.0 * CORNER_TIME_S / (2 * math.sin(math.atan2(0.02, 0.2) / 2))
-    speeds = [
-        math.hypot(*sample.velocity)
-        for sample in map(trajectory.sample, np.arange(0, trajectory.duration_s, 1e-3).tolist())
-        if 8.999 < sample.position[0] < 9.001
-    ]
-    assert speeds == pytest.approx([speed_there] * len(speeds), abs=0.01)
-    assert speeds
 
 
 def test_the_heading_turns_towards_each_leg_at_a_limited_rate() -> None:
@@ -124,38 +108,6 @@ def test_flight_time_is_the_duration_of_one_leg(distance_m: float) -> None:
 
 def test_flight_time_of_no_route_is_infinite() -> None:
     assert flight_time_s(math.inf, SpeedLimits(2.0, 1.0, JERK)) == math.inf
-
-
-@pytest.mark.parametrize("turn_deg", [30, 90, 150])
-def test_a_vehicle_like_px4_stays_within_ten_centimetres_of_the_legs(turn_deg: float) -> None:
-    """PX4's position and velocity gains (MPC_XY_P, MPC_XY_VEL_P_ACC), no integrators.
-
-    The setpoint's acceleration, taken from its velocities, is fed forward; the vehicle's own is
-    limited to 5 m/s2 and lags by 0.1 s.
-    """
-    turn, dt_s = math.radians(turn_deg), 0.01
-    corner, heading = np.array([6.0, 0, 0]), np.array([math.cos(turn), math.sin(turn), 0.0])
-    route = Route(np.array([np.zeros(3), corner, corner + 6 * heading]))
-    trajectory = Trajectory(route, SpeedLimits(2.0, 2.0, JERK))
-    position, velocity, acceleration = np.zeros(3), np.zeros(3), np.zeros(3)
-    last = np.zeros(3)
-    worst_m = 0.0
-    for step in range(round(trajectory.duration_s / dt_s) + 100):
-        sample = trajectory.sample(step * dt_s)
-        fed_forward, last = (np.array(sample.velocity) - last) / dt_s, np.array(sample.velocity)
-        fed_forward *= min(1.0, 2.0 / max(float(np.linalg.norm(fed_forward)), 1e-9))
-        velocity_setpoint = last + 0.95 * (np.array(sample.position) - position)
-        wanted = fed_forward + 1.8 * (velocity_setpoint - velocity)
-        wanted *= min(1.0, 5.0 / max(float(np.linalg.norm(wanted)), 1e-9))
-        acceleration += (wanted - acceleration) * dt_s / 0.1
-        velocity += acceleration * dt_s
-        position += velocity * dt_s
-        on_first = np.array([np.clip(position[0], 0, 6), 0, 0])
-        on_second = corner + np.clip((position - corner) @ heading, 0, 6) * heading
-        off_m = min(np.linalg.norm(position - on_first), np.linalg.norm(position - on_second))
-        worst_m = max(worst_m, float(off_m))
-    assert worst_m < 0.1
-    assert np.linalg.norm(position - route.waypoints[-1]) < 0.1
 
 
 def test_a_vehicle_in_motion_brakes_on_its_course_before_it_turns_back() -> None:

@@ -1,0 +1,175 @@
+"""Blends: a corner between two legs, rounded by two clothoids.
+
+The first clothoid leaves the first leg with no curvature, which grows evenly along it; the second
+is its mirror image and joins the second leg. At a constant speed v the acceleration across rises
+and falls evenly, from zero to zero, as it does along a leg under a limit of jerk: so neither
+velocity nor acceleration jumps anywhere. With the turn T and the length L of both together
+
+    greatest curvature k = 2 T / L,   v^2 k <= acceleration,   v^3 2 k / L <= jerk
+
+(Shin and Singh, Path Generation for Robot Vehicles Using Composite Clothoid Segments, 1990; Walton
+and Meek, A controlled clothoid spline, Computers and Graphics 29, 2005). Points on them are Fresnel
+integrals. Left out: the jerk along the path, v^3 k^2, which is T times the one across at most.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+from scipy.special import fresnel
+
+from companion.motion.profile import SpeedLimits
+
+_CHORDS, _CHORD_M = 8, 0.25  # the least number of points on a blend, and how far apart they are
+
+Vector = npt.NDArray[np.float64]
+"""(3,) or (n, 3) NED."""
+
+
+@dataclass(frozen=True, eq=False)
+class Blend:
+    """A rounded corner.
+
+    Attributes:
+        corner: where the two legs meet.
+        before: direction of the first leg, of length 1.
+        after: direction of the second leg, of length 1; neither the same nor the opposite one.
+        reach_m: how far before the corner the first leg is left, and behind it the second joined.
+
+    >>> north, east = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
+    >>> quarter = Blend(np.zeros(3), north, east, 1.0)
+    >>> round(quarter.length_m, 2), quarter.position(0.0).tolist()
+    (1.68, [-1.0, 0.0, 0.0])
+    """
+
+    corner: Vector
+    before: Vector
+    after: Vector
+    reach_m: float
+
+    @cached_property
+    def turn_rad(self) -> float:
+        """The angle between the legs."""
+        chord, sum_ = self.after - self.before, self.after + self.before
+        return 2 * math.atan2(float(np.linalg.norm(chord)), float(np.linalg.norm(sum_)))
+
+    @cached_property
+    def length_m(self) -> float:
+        """The length of both clothoids."""
+        along, aside = self._whole
+        return 2 * self.reach_m / (along + aside * math.tan(self.turn_rad / 2))
+
+    @property
+    def depth_m(self) -> float:
+        """How near it comes to the corner."""
+        _, aside = self._whole
+        return self.length_m / 2 * aside / math.cos(self.turn_rad / 2)
+
+    def position(self, along_m: npt.ArrayLike) -> Vector:
+        """(..., 3) the points at distances (...) along it."""
+        along_m = np.asarray(along_m, dtype=np.float64)
+        parts = _clothoid(self.turn_rad, self._share(along_m))
+        along, aside = (self.length_m / 2 * part[..., None] for part in parts)
+        begin = self.corner - self.reach_m * self.before
+        end = self.corner + self.reach_m * self.after
+        return np.where(
+            (along_m <= self.length_m / 2)[..., None],
+            begin + along * self.before + aside * self._aside,
+            end - along * self.after + aside * self._aside_after,
+        )
+
+    def direction(self, along_m: npt.ArrayLike) -> Vector:
+        """(..., 3) the directions of flight there, of length 1."""
+        turned = self._turned(np.asarray(along_m, dtype=np.float64))[..., None]
+        return np.asarray(np.cos(turned) * self.before + np.sin(turned) * self._aside)
+
+    def curvature(self, along_m: float) -> Vector:
+        """How the direction changes there, per metre."""
+        along = np.asarray(along_m, dtype=np.float64)
+        turned = self._turned(along)
+        inwards = np.cos(turned) * self._aside - np.sin(turned) * self.before
+        return np.asarray(2 * self.turn_rad / self.length_m * self._share(along) * inwards)
+
+    def chords(self, from_m: float = 0.0) -> Vector:
+        """(n, 3) points on it from a distance along it to its end; evenly spaced, n >= 2."""
+        return self.position(self._evenly(from_m))
+
+    def tangents(self) -> Vector:
+        """(n, 3) where it begins, where the tangents at its `chords` meet, and where it ends.
+
+        The curve lies between these legs and the chords.
+        """
+        along_m = self._evenly(0.0)
+        points, ways = self.position(along_m), self.direction(along_m)
+        plane = np.stack([self.before, self._aside], axis=1)
+        chords, ways_2d = np.diff(points, axis=0) @ plane, ways @ plane
+        ahead_m = cross(chords, ways_2d[1:]) / cross(ways_2d[:-1], ways_2d[1:])
+        meets = points[:-1] + ahead_m[:, None] * ways[:-1]
+        return np.vstack([points[:1], meets, points[-1:]])
+
+    def speed_mps(self, limits: SpeedLimits) -> float:
+        """The greatest constant speed along it."""
+        across_mps = math.sqrt(limits.acceleration_mps2 * self.length_m / (2 * self.turn_rad))
+        jerk_mps = math.cbrt(limits.jerk_mps3 * self.length_m**2 / (4 * self.turn_rad))
+        slowest_mps = min(limits.along(down).speed_mps for down in self._steepest())
+        return min(across_mps, jerk_mps, slowest_mps)
+
+    def _evenly(self, from_m: float) -> npt.NDArray[np.float64]:
+        count = _CHORDS + math.ceil((self.length_m - from_m) / _CHORD_M)
+        return np.linspace(from_m, self.length_m, count)
+
+    @cached_property
+    def _whole(self) -> tuple[float, float]:
+        """How far a clothoid of length 1 leads along its leg, and aside."""
+        along, aside = _clothoid(self.turn_rad, np.ones(()))
+        return float(along), float(aside)
+
+    @cached_property
+    def _aside(self) -> Vector:
+        """Across the first leg, to the inside, of length 1."""
+        aside = self.after - math.cos(self.turn_rad) * self.before
+        return np.asarray(aside / math.sin(self.turn_rad))
+
+    @cached_property
+    def _aside_after(self) -> Vector:
+        """Across the second leg, to the inside, of length 1."""
+        aside = math.cos(self.turn_rad) * self.after - self.before
+        return np.asarray(aside / math.sin(self.turn_rad))
+
+    def _share(self, along_m: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+        """How much of one clothoid lies between there and its straight end."""
+        return np.minimum(along_m, self.length_m - along_m) / (self.length_m / 2)
+
+    def _turned(self, along_m: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+        """The angles between the first leg and the directions there."""
+        turned = self.turn_rad / 2 * self._share(along_m) ** 2
+        return np.where(along_m <= self.length_m / 2, turned, self.turn_rad - turned)
+
+    def _steepest(self) -> list[float]:
+        """Components down of the directions of which one is the steepest."""
+        level, down = float(self.before[2]), float(self._aside[2])
+        peak = math.atan2(down, level)  # the turn at which it is steepest downwards
+        inside = [
+            sign * math.hypot(level, down)
+            for sign, at in ((1.0, peak), (-1.0, peak + math.pi))
+            if 0.0 < at < self.turn_rad
+        ]
+        return [level, float(self.after[2]), *inside]
+
+
+def cross(a: Vector, b: Vector) -> Vector:
+    """(n,) areas between vectors (n, 2); positive where the second lies to the first's right."""
+    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
+
+
+def _clothoid(
+    turn_rad: float, share: npt.NDArray[np.float64]
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """Points of a clothoid of length 1 that turns by half of an angle: how far along, and aside."""
+    scale = math.sqrt(turn_rad / math.pi)
+    aside, along = fresnel(share * scale)
+    return along / scale, aside / scale

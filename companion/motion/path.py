@@ -1,0 +1,131 @@
+"""Paths: the legs and rounded corners of a route, by the distance along them."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from dataclasses import dataclass
+from itertools import accumulate
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from companion.motion.blends import Blend, Vector
+from companion.motion.rounding import corners
+from companion.motion.routes import Route
+
+
+class PathPoint(NamedTuple):
+    """A point of a path.
+
+    Attributes:
+        position: in the mission's frame.
+        direction: of flight, of length 1.
+        curvature: how the direction changes, per metre.
+    """
+
+    position: Vector
+    direction: Vector
+    curvature: Vector
+
+
+@dataclass(frozen=True, eq=False)
+class StraightLeg:
+    """What is straight between two corners.
+
+    Attributes:
+        begin: its first point.
+        direction: of length 1.
+        length_m: its length.
+    """
+
+    begin: Vector
+    direction: Vector
+    length_m: float
+
+    def at(self, along_m: float) -> PathPoint:
+        """The point at a distance along it."""
+        return PathPoint(self.begin + along_m * self.direction, self.direction, np.zeros(3))
+
+    def chords(self, from_m: float) -> npt.NDArray[np.float64]:
+        """(2, 3) a point on it and its end."""
+        return np.array([self.at(from_m).position, self.at(self.length_m).position])
+
+
+@dataclass(frozen=True, eq=False)
+class Turn:
+    """A rounded corner."""
+
+    blend: Blend
+
+    @property
+    def direction(self) -> Vector:
+        """Of the leg behind it, to which the heading turns."""
+        return self.blend.after
+
+    @property
+    def length_m(self) -> float:
+        """Its length."""
+        return self.blend.length_m
+
+    def at(self, along_m: float) -> PathPoint:
+        """The point at a distance along it."""
+        blend = self.blend
+        return PathPoint(
+            blend.position(along_m), blend.direction(along_m), blend.curvature(along_m)
+        )
+
+    def chords(self, from_m: float) -> npt.NDArray[np.float64]:
+        """(n, 3) points on it from one of them to its end."""
+        return self.blend.chords(from_m)
+
+
+class Path:
+    """The pieces of a route in the order of flight: a leg, and a turn if its corner is rounded.
+
+    Args:
+        route: whose path it is.
+        keeps_first_turn: without it the first corner is not rounded.
+
+    Attributes:
+        pieces: none if the route has no length.
+        length_m: of all of them.
+    """
+
+    def __init__(self, route: Route, keeps_first_turn: bool = True) -> None:
+        waypoints = route.waypoints if route.blends else corners(route.waypoints)
+        blends = list(route.blends or (None,) * (len(waypoints) - 2))
+        if blends and not keeps_first_turn:
+            blends[0] = None
+        self._end = waypoints[-1]
+        reaches = np.array([0.0, *(blend.reach_m if blend else 0.0 for blend in blends), 0.0])
+        self.pieces: list[StraightLeg | Turn] = []
+        for index, leg in enumerate(np.diff(waypoints, axis=0)):
+            way_m = float(np.linalg.norm(leg))
+            if index and (blend := blends[index - 1]):
+                self.pieces.append(Turn(blend))
+            begin = waypoints[index] + reaches[index] * leg / way_m
+            length_m = way_m - reaches[index] - reaches[index + 1]
+            self.pieces.append(StraightLeg(begin, leg / way_m, length_m))
+        self._begins_m = [0.0, *accumulate(piece.length_m for piece in self.pieces)]
+        self.length_m = self._begins_m.pop()
+
+    def begin_m(self, index: int) -> float:
+        """How far along the path a piece begins."""
+        return self._begins_m[index]
+
+    def at(self, along_m: float) -> PathPoint:
+        """The point at a distance along it, up to its length."""
+        index = self._index(along_m)
+        return self.pieces[index].at(along_m - self._begins_m[index])
+
+    def ahead(self, along_m: float) -> npt.NDArray[np.float64]:
+        """(n, 3) points from a distance along it to its end, n >= 2; of a turn, its chords."""
+        if along_m >= self.length_m:
+            return np.array([self._end, self._end])
+        index = self._index(along_m)
+        here = self.pieces[index].chords(along_m - self._begins_m[index])
+        return np.vstack([here, *(piece.chords(0.0)[1:] for piece in self.pieces[index + 1 :])])
+
+    def _index(self, along_m: float) -> int:
+        return max(0, bisect_right(self._begins_m, along_m) - 1)
