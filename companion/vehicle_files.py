@@ -4,9 +4,10 @@
     radius_m: 0.35
     ...
 
-A profile has all its keys. A mission or scenario names one (`vehicle: NAME`) and may override
-single values of it (`vehicle: {profile: NAME, radius_m: 0.4}`). Without the key the default
-profile is meant; it is built in, for where it has no file.
+A profile has all its keys; how the vehicle responds may be left out, and is then PX4's. A mission
+or scenario names one (`vehicle: NAME`) and may override single values of it
+(`vehicle: {profile: NAME, radius_m: 0.4}`). Without the key the default profile is meant; it is
+built in, for where it has no file.
 
 A door: it opens the file that is named.
 """
@@ -118,8 +119,8 @@ class VehicleFile(BaseModel):
     braking_mps2: Braking
     max_acceleration_mps2: MaxAcceleration
     jerk_mps3: Jerk
-    response_s: Response
-    feed_forward: FeedForward
+    response_s: Response = VehicleProfile().response_s
+    feed_forward: FeedForward = VehicleProfile().feed_forward
     carrot_m: Carrot
 
 
