@@ -96,15 +96,14 @@ class Blend:
 
     def chords(self, from_m: float = 0.0) -> Vector:
         """(n, 3) points on it from a distance along it to its end; evenly spaced, n >= 2."""
-        return self.position(self._evenly(from_m))
+        return self._outline[0] if from_m == 0.0 else self.position(self._evenly(from_m))
 
     def tangents(self) -> Vector:
         """(n, 3) where it begins, where the tangents at its `chords` meet, and where it ends.
 
         The curve lies between these legs and the chords.
         """
-        along_m = self._evenly(0.0)
-        points, ways = self.position(along_m), self.direction(along_m)
+        points, ways = self._outline
         plane = np.stack([self.before, self._aside], axis=1)
         chords, ways_2d = np.diff(points, axis=0) @ plane, ways @ plane
         ahead_m = cross(chords, ways_2d[1:]) / cross(ways_2d[:-1], ways_2d[1:])
@@ -117,6 +116,12 @@ class Blend:
         jerk_mps = math.cbrt(limits.jerk_mps3 * self.length_m**2 / (4 * self.turn_rad))
         slowest_mps = min(limits.along(down).speed_mps for down in self._steepest())
         return min(across_mps, jerk_mps, slowest_mps)
+
+    @cached_property
+    def _outline(self) -> tuple[Vector, Vector]:
+        """(n, 3) points along it, and the directions there."""
+        along_m = self._evenly(0.0)
+        return self.position(along_m), self.direction(along_m)
 
     def _evenly(self, from_m: float) -> npt.NDArray[np.float64]:
         count = _CHORDS + math.ceil((self.length_m - from_m) / _CHORD_M)

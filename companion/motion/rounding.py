@@ -149,13 +149,18 @@ def _is_flyable(
     before, after = points[index - 1], points[index + 1]
     if blend.turn_rad > MAX_TURN_RAD or blend.turn_rad < _STRAIGHT:
         return False
-    paths = [np.array([before, blend.corner, after]), blend.chords(), blend.tangents()]
+    curves = [blend.chords(), blend.tangents()]
     if previous is not None:
         is_turn = _STRAIGHT < previous.turn_rad < MAX_TURN_RAD
         leg_m = float(np.linalg.norm(blend.corner - before))
         if not is_turn or previous.reach_m + blend.reach_m > 2 * _LEG_SHARE * leg_m:
             return False
-        paths += [previous.chords(), previous.tangents()]
+        curves += [previous.chords(), previous.tangents()]
+    legs = [np.array([before, blend.corner, after])]
+    return all(_is_clear(paths, are_clear) for paths in (curves, legs))  # the short ones first
+
+
+def _is_clear(paths: list[Waypoints], are_clear: AreClear) -> bool:
     starts = np.vstack([path[:-1] for path in paths])
     ends = np.vstack([path[1:] for path in paths])
     return bool(are_clear(starts, ends).all())
