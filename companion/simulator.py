@@ -14,12 +14,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from companion.errors import LinkError
+from companion.errors import Collided, LinkError
 
 START_TIMEOUT_S = 30.0
 END_TIMEOUT_S = 5.0
-DAMAGED_EXIT_CODE = 5
-"""Of `sitl`, when its vehicle has hit something."""
 
 
 class SimulatorChild:
@@ -62,7 +60,7 @@ def simulator(options: list[str], log: Path) -> Iterator[SimulatorChild]:
         except subprocess.TimeoutExpired:
             child.kill()
             child.wait()
-        simulated.is_damaged = child.returncode == DAMAGED_EXIT_CODE
+        simulated.is_damaged = child.returncode == Collided.exit_code
 
 
 def _await_start(child: subprocess.Popen[bytes], log: Path) -> None:

@@ -19,7 +19,7 @@ from typing import Annotated, Any
 import typer
 
 from companion.clock import ScaledClock
-from companion.errors import CompanionError
+from companion.errors import Collided, CompanionError
 from companion.geometry import GlobalOrigin
 from sitl.link.routing import LinkName
 from sitl.link.server import PORTS, Server
@@ -27,7 +27,6 @@ from sitl.simulation import Simulation
 from sitl.world.scenario import PX4_HOME, Scenario, read_scenario
 
 PERIOD_S = 0.004  # the loop looks at the clock this often, and at once when a datagram arrives
-DAMAGED_EXIT_CODE = 5
 MAX_JUMP_S = 0.1  # wall time; more than this behind, simulated time slows down
 
 
@@ -116,7 +115,7 @@ def simulate(
             typer.echo(f"{check}: a good scenario, {count} event{plural}")
             return
         if _simulate(scenario, speed, instance, home, seed, quiet, _Stop(attended)):
-            raise typer.Exit(DAMAGED_EXIT_CODE)
+            raise typer.Exit(Collided.exit_code)
     except CompanionError as error:
         typer.echo(str(error), err=True)
         raise typer.Exit(error.exit_code) from error

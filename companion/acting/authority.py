@@ -18,8 +18,7 @@ from companion.vehicle.port import Mode, VehicleState
 LINK_LOST_S = 10.0
 """Silence after which the sortie is given up; the autopilot's failsafe flies since long."""
 MOST_DOUBT_M = 1.0
-"""A vehicle that stands further away than this and the radius of home is not there, however bad its
-position is."""
+"""The most that is added to the radius of home for the accuracy of the position."""
 FRESH_S = 0.5
 """Age of the position up to which an operator may give control back."""
 
@@ -32,11 +31,16 @@ def loss_of_link(state: VehicleState, now_s: float) -> LinkError | None:
     return LinkError(f"no position from the vehicle for {silence_s:.0f} s")
 
 
-def loss_of_home(gap_m: float, state: VehicleState, home: Place) -> Aborted | None:
-    """Whether the vehicle stands elsewhere than where the mission begins.
+def not_at_home(gap_m: float, state: VehicleState, home: Place) -> Aborted | None:
+    """Returns why the mission may not begin where the vehicle stands; None if it may.
 
-    What the autopilot says that its position may be wrong by is no reason: a vehicle that has
-    landed at home by an estimate that wanders stands beside it, and may begin again.
+    The accuracy that the autopilot tells is added to the radius of home: a vehicle that has landed
+    there by an estimate that wanders stands beside it, and may begin again.
+
+    Args:
+        gap_m: from the vehicle to home.
+        state: of the vehicle.
+        home: where the mission begins.
     """
     if gap_m <= home.radius_m + min(state.accuracy_m, MOST_DOUBT_M):
         return None

@@ -9,7 +9,8 @@ Plans change as little as possible. An event that matters, but leaves the rest o
 one, changes nothing. A belief that comes back makes a new plan at the next completed skill.
 
 A plan that ends at rest satisfies the task when the rest is reached. Each position of the word is
-reported when it is left, and so is each conjunct that it violates. For a violated task a plan is
+reported when it is left, and so is each conjunct that it violates. Without a plan the vehicle holds
+while one may become possible again (replanning/patience.py). For a violated task a plan is
 searched again, which says that there is none; on the way home after that no event is watched but
 one by which all violated lines begin anew.
 """
@@ -144,7 +145,7 @@ class Executive:
             case ExecutiveState.REPLANNING | ExecutiveState.EXPLAINING:
                 assert self._due is not None
                 self._plan_again(self._due)
-            case ExecutiveState.WAITING:
+            case ExecutiveState.AWAITING_PLAN:
                 assert self._due is not None and self.failure is not None
                 self._wait(self.failure, self._due)
         return self.status
@@ -276,7 +277,7 @@ class Executive:
         if not patience.lasts:
             self._give_up(failure, reason)
             return
-        self.state = ExecutiveState.WAITING
+        self.state = ExecutiveState.AWAITING_PLAN
         if is_news:
             why, left_s = str(failure).splitlines()[0], round(patience.left_s, 1)
             self._flight.report(PlanAwaited(why, left_s, ", ".join(patience.hopes)))

@@ -15,7 +15,7 @@ class ExecutiveState(Enum):
     GROUNDED = "goes on in the air, while the vehicle is on the ground by what has failed"
     REPLANNING = "a plan is due: routes are searched, or an engine plans; the vehicle holds"
     EXPLAINING = "searches for the reason why there is no plan; the vehicle holds"
-    WAITING = "has no plan, and waits for a change; the vehicle holds"
+    AWAITING_PLAN = "has no plan, and waits for a change; the vehicle holds"
     SATISFIED = "the task is satisfied"
     WITHOUT_PLAN = "the task has no plan"
 

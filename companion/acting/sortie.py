@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from companion.acting.authority import loss_of_control, loss_of_home, loss_of_link, not_handed_over
+from companion.acting.authority import loss_of_control, loss_of_link, not_at_home, not_handed_over
 from companion.acting.crash_watch import Crash, CrashWatch
 from companion.acting.ending import ending
 from companion.acting.executive import Executive
@@ -244,7 +244,7 @@ class Sortie:
         gap_m = vehicle.gap_m(home.position)
         if gap_m is None:
             return
-        if elsewhere := loss_of_home(gap_m, state, home):
+        if elsewhere := not_at_home(gap_m, state, home):
             self._give_up(elsewhere)
             return
         vehicle.stand_at(home.position)

@@ -33,9 +33,7 @@ from companion.motion.routes import Route
 YAW_RATE_RADPS = 1.5
 AT_REST: Ned = (0.0, 0.0, 0.0)
 
-_REACH = (
-    0.99  # share of a leg that a change of speed may take; profiles that just fit are not found
-)
+_REACH = 0.99  # share of a leg that a change of speed may take; one that just fits is not found
 _RUN_OUT = 1.03  # of the shortest distance to a stop; more than 1 / _REACH
 _MIN_LEVEL_SHARE = 1e-3  # of a leg; a steeper leg has no heading
 

@@ -4,7 +4,8 @@
 2. A search in flight is small. If it finds no plan, the reason is searched for, a part in each
    tick; a change meanwhile, of more than costs, begins anew.
 3. An engine from outside is waited for; where it fails, the built-in search is asked.
-4. Plans between which no skill is completed lead nowhere; after some in a row it is given up.
+4. Plans for failed skills between which no skill is completed lead nowhere; after some in a row it
+   is given up. A plan for an event is none of them: the one before was not wrong.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from companion.planning.planner import Planner
 COMPARED = 1000
 """Actions of two plans after which they are taken for the same."""
 MAX_IDLE_REPLANS = 5
-"""Replans without a completed skill between them after which it is given up."""
+"""Replans, other than for events, without a completed skill between them: then it is given up."""
 MAP_SETTLES_S = 5.0
 """How long a replan waits for a map that goes on changing while the vehicle holds."""
 

@@ -42,7 +42,7 @@ def test_a_cloud_is_waited_for() -> None:
     rig = under_way(patrol())
     rig.tick(reading("covered"))
     tick_for(rig, 50.0)
-    assert rig.executive.state is ExecutiveState.WAITING
+    assert rig.executive.state is ExecutiveState.AWAITING_PLAN
     assert rig.one(PlanAwaited).hopes == "covered"
     rig.tick(reading("covered", 0.0))
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
@@ -142,6 +142,6 @@ def test_an_operator_may_pause_and_go_on_meanwhile() -> None:
     rig.executive.pause()
     rig.executive.resume()
     tick_for(rig, 2.0)
-    assert rig.executive.state is ExecutiveState.WAITING
+    assert rig.executive.state is ExecutiveState.AWAITING_PLAN
     rig.tick(reading("covered", 0.0))
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
