@@ -116,8 +116,8 @@ class Document:
                 node = node.entries[str(key)].node
             elif isinstance(node, SequenceNode) and isinstance(key, int) and key < len(node.items):
                 node = node.items[key]
-            elif isinstance(node, ScalarNode) and key == 0:
-                continue  # one text may stand where a list is expected
+            elif isinstance(node, ScalarNode) and key in (0, keys[-1]):
+                continue  # one text may stand where a list, or a mapping of it, is expected
             else:
                 return node, False
         return node, True

@@ -18,26 +18,25 @@ from pathlib import Path
 from companion.documents import Document, Given, Source, did_you_mean, read_source, validate
 from companion.errors import FormulaError, MissionError
 from companion.geometry import ned_from_enu
-from companion.ltl.formula import Formula, Operator, eventually
+from companion.ltl.formula import Operator
 from companion.ltl.parser import parse
 from companion.maps import map_of_boxes, read_map
 from companion.mission.conditions import parse_condition
 from companion.mission.facts import AT, HERE, Fact
-from companion.mission.literals import parse_fact, parse_literals
+from companion.mission.literals import parse_fact
 from companion.mission.model import Event, Limits, Mission, Otherwise, Place, Skill
 from companion.mission.one_place import check_one_place
 from companion.mission.pddl_domain import with_domain
 from companion.mission.schema import MapEntry, MissionFile
 from companion.mission.sites import check_limits, check_places
 from companion.mission.skills import build_skills
+from companion.mission.task_lines import line_names, read_task
 from companion.mission.tree import read_tree
 from companion.mission.tree_nodes import Tree
 from companion.mission.vocabulary import Vocabulary
 from companion.motion.grid import OccupancyGrid
 from companion.vehicle_files import read_vehicle
 
-GOAL = "goal"  # name of the conjunct that a plain goal makes
-_TASK_HINT = "add task: {NAME: FORMULA}, what must hold, or goal: FACTS, what must hold once"
 _SHOWN = 20  # names listed in a message
 
 
@@ -66,10 +65,7 @@ def load_mission(source: Given, folder: Path | None = None) -> Mission:
     _check_names(file, document)
     limits = _limits(file)
     check_limits(limits, document)
-    places = {
-        name: Place(name, ned_from_enu(p.east_m, p.north_m, p.up_m), p.radius_m)
-        for name, p in file.places.items()
-    }
+    places = _places(file)
     grid = _grid(file.map, read.folder, document)
     vehicle = read_vehicle(file.vehicle, read.folder, document)
     check_places(places, limits, grid, vehicle.clearance_m, document)
@@ -83,6 +79,7 @@ def load_mission(source: Given, folder: Path | None = None) -> Mission:
     pulses = {name for name, event in events.items() if event.is_pulse}
     _check_reachable_names(skills, given, pulses, document)
     sets = {name: tuple(members) for name, members in file.sets.items()}
+    task, priorities = read_task(file, document, vocabulary)
     return Mission(
         name=file.name,
         path=str(read.path or ""),
@@ -95,10 +92,11 @@ def load_mission(source: Given, folder: Path | None = None) -> Mission:
         events=events,
         skills=skills,
         initially=initially,
-        task=_task(file, document, vocabulary),
+        task=task,
         otherwise=Otherwise(file.otherwise),
         patience_s=file.patience_s,
         tree=_tree(file, document, skills, sets, vocabulary),
+        priorities=priorities,
     )
 
 
@@ -122,6 +120,13 @@ def _tree(
         where = document.key_at("subtrees")
         raise MissionError("there are subtrees, and no tree", where, "add tree: [...] to use them")
     return None
+
+
+def _places(file: MissionFile) -> dict[str, Place]:
+    return {
+        name: Place(name, ned_from_enu(p.east_m, p.north_m, p.up_m), p.radius_m)
+        for name, p in file.places.items()
+    }
 
 
 def _limits(file: MissionFile) -> Limits:
@@ -221,7 +226,7 @@ def _events(file: MissionFile, document: Document) -> dict[str, Event]:
                 "a command is there at the moment when it comes: remove for_s",
             )
         for index, conjunct in enumerate(entry.restarts):
-            lines = [*file.task, *([GOAL] if file.goal is not None else [])]
+            lines = line_names(file)
             if conjunct not in lines:
                 raise MissionError(
                     f"{name} restarts {conjunct}, which the task does not have",
@@ -302,27 +307,3 @@ def _check_reachable_names(
                     "it is no event, no effect, no belief and not listed in initially. "
                     f"{did_you_mean(name, sorted(sources))}".rstrip(),
                 )
-
-
-def _task(file: MissionFile, document: Document, vocabulary: Vocabulary) -> dict[str, Formula]:
-    if file.goal is None and not file.task and not file.tree:
-        raise MissionError(
-            "the mission has neither a task nor a goal nor a tree", document.where(), _TASK_HINT
-        )
-    if file.goal is not None and GOAL in file.task:
-        raise MissionError(
-            "a line of the task is called goal, and there is a goal",
-            document.key_at("task", GOAL),
-            "choose another name for the line",
-        )
-    task = {}
-    for name, text in file.task.items():
-        with document.locating("task", name):
-            task[name] = parse(text)
-            vocabulary.check(text)
-    if file.goal is not None:
-        with document.locating("goal"):
-            parse_literals(file.goal)
-            vocabulary.check(file.goal)
-        task[GOAL] = eventually(parse(file.goal))
-    return task

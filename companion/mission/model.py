@@ -272,7 +272,8 @@ class Mission:
 
     Attributes:
         sets: members of each set: places, and objects that are no places.
-        task: named conjuncts, in the order of the file; a plain goal is the conjunct `goal`.
+        task: named lines, in the order of the file; a plain goal is the line `goal`.
+        priorities: of the lines that may be dropped; the higher, the more important.
         initially: facts that hold at the start, beliefs left out; all others are false.
         grid: what the vehicle is told of the map beforehand.
         tree: the plan, if it was written by hand; the task is then not planned for.
@@ -295,6 +296,12 @@ class Mission:
     tree: Tree | None = None
     vehicle: VehicleProfile = field(default_factory=VehicleProfile)
     patience_s: float = PATIENCE_S
+    priorities: Mapping[str, int] = field(default_factory=dict)
+
+    @property
+    def optional(self) -> tuple[str, ...]:
+        """The lines that may be dropped, the most important first, ties in file order."""
+        return tuple(sorted(self.priorities, key=lambda line: -self.priorities[line]))
 
     @property
     def speed_limits(self) -> SpeedLimits:

@@ -14,15 +14,12 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
-from pydantic_core import PydanticCustomError
 
+from companion.mission.keys import Name, Text, given
+from companion.mission.line_entry import TaskKey
 from companion.mission.model import PATIENCE_S
 from companion.vehicle_files import VehicleEntry, VehicleKey
 
-Name = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$", max_length=40)]
-"""Of a place, set, event, skill, parameter, component or conjunct."""
-
-Text = Annotated[str, Field(min_length=1)]
 PATIENCE = "Seconds to hold without a plan, where one may come back, before `otherwise`."
 
 
@@ -81,13 +78,6 @@ class PlaceEntry(StrictModel):
     ] = 0.6
 
 
-def _given(value: Any) -> Any:
-    """Refuses an optional key without a value: that is a line somebody forgot."""
-    if value is None:
-        raise PydanticCustomError("empty", "has no value; write one, or remove the key")
-    return value
-
-
 class EventEntry(StrictModel):
     """A fact that the vehicle observes and cannot choose."""
 
@@ -101,7 +91,7 @@ class EventEntry(StrictModel):
     ]
     until: Annotated[
         Text | None,
-        BeforeValidator(_given, json_schema_input_type=Text),
+        BeforeValidator(given, json_schema_input_type=Text),
         Field(description="Condition that makes it false again; without it, not `when`."),
     ] = None
     latch: Annotated[bool, Field(description="Once true, true for ever.")] = False
@@ -149,7 +139,7 @@ class SkillEntry(StrictModel):
     ] = []
     precondition: Annotated[
         Text | None,
-        BeforeValidator(_given, json_schema_input_type=Text),
+        BeforeValidator(given, json_schema_input_type=Text),
         Field(description="Facts joined by &, ! for not, e.g. at(r) & targetFound."),
     ] = None
     assumes: Annotated[
@@ -159,7 +149,7 @@ class SkillEntry(StrictModel):
     ] = []
     effect: Annotated[
         Text | None,
-        BeforeValidator(_given, json_schema_input_type=Text),
+        BeforeValidator(given, json_schema_input_type=Text),
         Field(
             description="Facts that hold afterwards (! no longer), e.g. at(to) & !at(from). An "
             "effect with a condition stands in parentheses: free & (has(p) & lit -> seen(p)); the "
@@ -168,7 +158,7 @@ class SkillEntry(StrictModel):
     ] = None
     cost: Annotated[
         Literal["flight_time"] | float | None,
-        BeforeValidator(_given, json_schema_input_type=Literal["flight_time"] | float),
+        BeforeValidator(given, json_schema_input_type=Literal["flight_time"] | float),
         Field(
             description="flight_time (the default of a skill that flies) or seconds "
             "(default of all others: 1)."
@@ -190,7 +180,7 @@ class SkillEntry(StrictModel):
     ] = True
     retry_after_s: Annotated[
         float | None,
-        BeforeValidator(_given, json_schema_input_type=Annotated[float, Field(gt=0)]),
+        BeforeValidator(given, json_schema_input_type=Annotated[float, Field(gt=0)]),
         Field(
             gt=0,
             description="Seconds after which what the skill assumes is believed again after a "
@@ -207,7 +197,7 @@ class SkillEntry(StrictModel):
     ] = 1
     timeout_s: Annotated[
         float | None,
-        BeforeValidator(_given, json_schema_input_type=Annotated[float, Field(gt=0)]),
+        BeforeValidator(given, json_schema_input_type=Annotated[float, Field(gt=0)]),
         Field(gt=0, description="Longest time of one try, seconds; without it no limit."),
     ] = None
 
@@ -262,7 +252,7 @@ class MissionFile(StrictModel):
     ] = {}
     domain: Annotated[
         Text | None,
-        BeforeValidator(_given, json_schema_input_type=Text),
+        BeforeValidator(given, json_schema_input_type=Text),
         Field(
             description="PDDL domain file, relative to this file: its actions are skills, its "
             "types sets, its predicate at(place) is where the vehicle is. Under skills stands for "
@@ -272,7 +262,7 @@ class MissionFile(StrictModel):
     ] = None
     problem: Annotated[
         Text | None,
-        BeforeValidator(_given, json_schema_input_type=Text),
+        BeforeValidator(given, json_schema_input_type=Text),
         Field(
             description="PDDL problem file, relative to this file: objects (those with the name "
             "of a place are that place), facts that hold at the start, and the goal, if neither "
@@ -298,16 +288,10 @@ class MissionFile(StrictModel):
             "e.g. [at(Home)]; all others are false, but for beliefs.",
         ),
     ] = []
-    task: Annotated[
-        dict[Name, Text],
-        Field(
-            description="Name: formula in linear temporal logic, e.g. G F at(A). All of them must "
-            "hold. May be left out if there is a goal."
-        ),
-    ] = {}
+    task: TaskKey = {}
     goal: Annotated[
         Text | None,
-        BeforeValidator(_given, json_schema_input_type=Text),
+        BeforeValidator(given, json_schema_input_type=Text),
         Field(
             description="Facts that have to hold together once, joined by &, ! for not, e.g. "
             "delivered(p1) & delivered(p2): a task that needs no temporal logic. With a task both "
@@ -316,7 +300,7 @@ class MissionFile(StrictModel):
     ] = None
     tree: Annotated[
         list[Any] | None,
-        BeforeValidator(_given, json_schema_input_type=list[Any]),
+        BeforeValidator(given, json_schema_input_type=list[Any]),
         Field(
             min_length=1,
             description="A behaviour tree written by hand, in place of a planner: a list of "

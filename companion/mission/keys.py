@@ -1,0 +1,20 @@
+"""What the keys of a mission file have in common: names, texts, values that are there."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from pydantic import Field
+from pydantic_core import PydanticCustomError
+
+Name = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$", max_length=40)]
+"""Of a place, set, event, skill, parameter, component or conjunct."""
+
+Text = Annotated[str, Field(min_length=1)]
+
+
+def given(value: Any) -> Any:
+    """Refuses an optional key without a value: that is a line somebody forgot."""
+    if value is None:
+        raise PydanticCustomError("empty", "has no value; write one, or remove the key")
+    return value

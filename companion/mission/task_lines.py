@@ -1,0 +1,66 @@
+"""Reads the lines of a mission's task: formulas by name, and which of them may be dropped.
+
+A plain goal is a line as well, of the name `goal`. A line with a priority may be dropped where no
+plan keeps it. One line at least has none: it says when the mission is done, and when it has failed.
+"""
+
+from __future__ import annotations
+
+from companion.documents import Document
+from companion.errors import MissionError
+from companion.ltl.formula import Formula, eventually
+from companion.ltl.parser import parse
+from companion.mission.literals import parse_literals
+from companion.mission.schema import MissionFile
+from companion.mission.vocabulary import Vocabulary
+
+GOAL = "goal"  # name of the line that a plain goal makes
+_TASK_HINT = "add task: {NAME: FORMULA}, what must hold, or goal: FACTS, what must hold once"
+
+
+def line_names(file: MissionFile) -> list[str]:
+    """The names of all lines, in the order of the file."""
+    return [*file.task, *([GOAL] if file.goal is not None else [])]
+
+
+def read_task(
+    file: MissionFile, document: Document, vocabulary: Vocabulary
+) -> tuple[dict[str, Formula], dict[str, int]]:
+    """The formulas of all lines, and the priorities of those that may be dropped.
+
+    Raises:
+        MissionError: there are none, one is no formula, or all of them may be dropped.
+    """
+    if file.goal is None and not file.task and not file.tree:
+        raise MissionError(
+            "the mission has neither a task nor a goal nor a tree", document.where(), _TASK_HINT
+        )
+    if file.goal is not None and GOAL in file.task:
+        raise MissionError(
+            "a line of the task is called goal, and there is a goal",
+            document.key_at("task", GOAL),
+            "choose another name for the line",
+        )
+    task = {}
+    for name, line in file.task.items():
+        with document.locating("task", name, "formula"):
+            task[name] = parse(line.formula)
+            vocabulary.check(line.formula)
+    if file.goal is not None:
+        with document.locating("goal"):
+            parse_literals(file.goal)
+            vocabulary.check(file.goal)
+        task[GOAL] = eventually(parse(file.goal))
+    return task, _priorities(file, document)
+
+
+def _priorities(file: MissionFile, document: Document) -> dict[str, int]:
+    given = {name: line.priority for name, line in file.task.items() if line.priority is not None}
+    if given and len(given) == len(line_names(file)) and not file.tree:
+        raise MissionError(
+            "every line of the task may be dropped, so nothing must hold",
+            document.where("task"),
+            "write the line without which the mission has failed as NAME: FORMULA, without "
+            "a priority",
+        )
+    return given
