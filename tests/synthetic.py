@@ -112,6 +112,7 @@ def mission(
     events: Iterable[Event] = (),
     initially: Iterable[str] = ("at(H)",),
     otherwise: Otherwise = Otherwise.LAND,
+    priorities: Mapping[str, int] | None = None,
 ) -> Mission:
     """A mission that starts at H and can move; a task that is one text is called "task"."""
     lines = {"task": task} if isinstance(task, str) else task
@@ -130,6 +131,7 @@ def mission(
         initially=frozenset(map(Fact.parse, initially)),
         task={name: parse(text) for name, text in lines.items()},
         otherwise=otherwise,
+        priorities=priorities or {},
     )
 
 

@@ -55,7 +55,7 @@ def test_a_search_that_is_given_up_is_told_from_no_plan(
     companion: Companion, monkeypatch: pytest.MonkeyPatch, command: str
 ) -> None:
     tiny = Effort(product_edges=5, dijkstra_steps=5, held_karp_additions=5, loop_steps=5)
-    monkeypatch.setattr("companion.planning.planner.BEFORE_FLIGHT", tiny)
+    monkeypatch.setattr("companion.planning.solver.BEFORE_FLIGHT", tiny)
     ended = companion(command, SURVEILLANCE)
     assert ended.code == 7
     assert ended.err.startswith("the search was given up at its limit of 5 edges of the product")
@@ -132,3 +132,48 @@ def test_pddl_where_nothing_can_be_written(companion: Companion, tmp_path: Path)
     ended = companion("plan", SURVEILLANCE, "--pddl", tmp_path / "file" / "below")
     assert ended.code == 1
     assert "cannot write to" in ended.err
+
+
+TWO_LINES = """\
+version: 1
+name: dropped
+map: {east_m: [-2, 12], north_m: [-2, 12]}
+limits: {speed_mps: 2, up_m: [0.5, 4], fence: [[-1, -1], [11, -1], [11, 11], [-1, 11]]}
+places:
+  Home: {east_m: 0, north_m: 0, up_m: 2}
+  A: {east_m: 5, north_m: 0, up_m: 2}
+sets: {Place: [Home, A]}
+skills:
+  move:
+    parameters: {from: Place, to: Place}
+    precondition: at(from)
+    effect: at(to) & !at(from)
+    execute: fly(to)
+initially: [at(Home)]
+task:
+  stay: G at(Home)
+  visit: {formula: F at(A), priority: 3}
+"""
+
+
+def test_what_a_plan_drops_is_told(companion: Companion, tmp_path: Path) -> None:
+    path = tmp_path / "dropped.yaml"
+    path.write_text(TWO_LINES)
+    told = companion("plan", path).out.partition("dropped    ")[2].splitlines()
+    assert told[:2] == ["visit: no plan keeps it", "  stay, visit cannot hold together from here."]
+    answer = json.loads(companion("plan", path, "--json").out)
+    assert answer["dropped"] == [{"line": "visit", "reason": "no plan keeps it"}]
+    checked = companion("check", path).out.splitlines()
+    assert "task       visit: 2 states, priority 3" in checked
+    assert "dropped    visit: no plan keeps it" in checked
+    assert json.loads(companion("check", path, "--json").out)["dropped"] == [told[0]]
+
+
+def test_pddl_has_the_lines_that_are_kept(companion: Companion, tmp_path: Path) -> None:
+    path = tmp_path / "dropped.yaml"
+    path.write_text(TWO_LINES)
+    companion("plan", path, "--pddl", tmp_path / "two")
+    path.write_text(TWO_LINES.replace("  visit: {formula: F at(A), priority: 3}\n", ""))
+    companion("plan", path, "--pddl", tmp_path / "one")
+    for name in ("domain.pddl", "problem.pddl"):
+        assert (tmp_path / "two" / name).read_text() == (tmp_path / "one" / name).read_text()

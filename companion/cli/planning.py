@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import time
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from textwrap import indent
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -37,8 +39,9 @@ def check(
 ) -> None:
     """Reads, translates and plans a mission; needs no vehicle.
 
-    It says when each event holds, and notices what is allowed and hardly meant: an event that
-    nothing uses, a line that holds from the start on, a patrol that a rest fulfils.
+    It says when each event holds, and which lines of the task the plan drops. It notices what is
+    allowed and hardly meant: an event that nothing uses, a line that holds from the start on, a
+    patrol that a rest fulfils.
     """
     try:
         checked = _Checked.read(mission, within)
@@ -54,8 +57,11 @@ def check(
     for name, duration in checked.events.items():
         typer.echo(f"event      {name}: {duration}")
     for name, states in checked.states.items():
-        typer.echo(f"task       {name}: {states} states")
+        rank = f", priority {checked.priorities[name]}" if name in checked.priorities else ""
+        typer.echo(f"task       {name}: {states} states{rank}")
     typer.echo(f"plan       {checked.plan}")
+    for line in checked.dropped:
+        typer.echo(f"dropped    {line}")
     for notice in checked.notices:
         typer.echo(f"notice     {notice}")
     typer.echo("ok")
@@ -99,9 +105,11 @@ def plan(
     """Prints the plan: a prefix that is flown once and a loop that is flown for ever.
 
     A plan takes events as they are: it assumes that none of them changes. --at, --set, --unset and
-    --without ask "what if", e.g. --at A --set targetFound.
+    --without ask "what if", e.g. --at A --set targetFound. Lines of the task with a priority that
+    it cannot keep are dropped, and it says why.
     """
     from companion.planning.explain import NoPlan
+    from companion.planning.optional_lines import without_lines
 
     planner = _planner(mission)
     facts = [*(holds or ()), *(f"!{fact}" for fact in fails or ())]
@@ -109,7 +117,9 @@ def plan(
     if planner.mission.tree:
         raise CompanionError("the mission has a tree of its own, so there is nothing to plan")
     if pddl is not None:
-        _write_pddl(problem, histories, pddl, encoding, objective)
+        dropped = [each.line for each in planner.dropped(problem)]
+        kept = without_lines(dropped, problem, histories)
+        _write_pddl(*kept, pddl, encoding, objective)
         return
     start_s = time.perf_counter()
     try:
@@ -124,9 +134,9 @@ def plan(
         )
     except NoPlan as reason:
         if as_json:
-            nothing = {"prefix": None, "loop": None, "reason": reason.explanation.as_json()}
+            nothing = dict.fromkeys(("prefix", "loop", "dropped"))
             asked = _as_json(planner, problem, time.perf_counter() - start_s)
-            typer.echo(json.dumps(asked | nothing))
+            typer.echo(json.dumps(asked | nothing | {"reason": reason.explanation.as_json()}))
         raise
     search_s = time.perf_counter() - start_s
     if as_json:
@@ -134,6 +144,18 @@ def plan(
         typer.echo(json.dumps(answer, indent=2))
     else:
         _print(solution)
+        _print_dropped(planner, problem, solution)
+
+
+def _print_dropped(planner: Planner, problem: Problem, solution: Solution) -> None:
+    """Prints the lines of the task that a plan does not keep, with what they conflict with."""
+    from companion.planning.optional_lines import NO_PLAN
+
+    for each in solution.dropped:
+        typer.echo(f"dropped    {each}")
+        if each.reason == NO_PLAN:
+            why = planner.why_dropped(problem, solution.dropped, each.line)
+            typer.echo(indent(str(why).removeprefix("no plan: "), "  "))
 
 
 def _planner(path: Path) -> Planner:
@@ -169,6 +191,8 @@ class _Checked:
     Attributes:
         events: when each of them holds, in words.
         states: of each conjunct's automaton.
+        priorities: of the lines of the task that may be dropped.
+        dropped: lines of the task that the plan does not keep, and why.
         notices: what is allowed, and hardly meant.
     """
 
@@ -176,7 +200,9 @@ class _Checked:
     places: tuple[str, ...]
     events: dict[str, str]
     states: dict[str, int]
+    priorities: Mapping[str, int]
     plan: str
+    dropped: tuple[str, ...]
     notices: tuple[str, ...]
 
     @classmethod
@@ -191,14 +217,16 @@ class _Checked:
         tree = planner.mission.tree
         if tree is not None:
             planner.actions_of(tree)
-        lasso = None if tree else planner.plan().lasso
+        found = None if tree else planner.plan()
         return cls(
             planner.mission.name,
             tuple(planner.mission.places),
             {name: event.duration for name, event in planner.mission.events.items()},
             {c.name: c.automaton.states for c in planner.conjuncts},
-            str(lasso or "a tree of its own"),
-            tuple(map(str, notices(planner, lasso))),
+            planner.mission.priorities,
+            str(found or "a tree of its own"),
+            tuple(map(str, found.dropped)) if found else (),
+            tuple(map(str, notices(planner, found))),
         )
 
     def as_json(self) -> dict[str, Any]:
@@ -207,13 +235,14 @@ class _Checked:
             "mission": self.mission,
             "automata": self.states,
             "plan": self.plan,
+            "dropped": list(self.dropped),
             "notices": list(self.notices),
         }
 
 
 def _write_pddl(
     problem: Problem,
-    histories: list[list[Letter]],
+    histories: Sequence[Sequence[Letter]],
     folder: Path,
     encoding: Encoding,
     objective: Objective,

@@ -156,7 +156,7 @@ def explaining(
     core = list(range(len(problem.conjuncts)))  # indices of a conflicting set
     for i in tuple(core):
         rest = [j for j in core if j != i]
-        if is_solvable(_only(problem, rest)) is False:
+        if is_solvable(problem.only(rest)) is False:
             core = rest
         yield None
     withdrawn, restoring = tuple(sorted(problem.withdrawn)), []
@@ -173,15 +173,6 @@ def explaining(
     concerned = needed if unreachable or no_route else mentioned | _in_the_way(problem)
     events = {event: event in problem.facts for event in sorted(concerned & world.events)}
     yield Explanation(conflict, unreachable, no_route, events, withdrawn, tuple(restoring))
-
-
-def _only(problem: Problem, indices: list[int]) -> Problem:
-    return replace(
-        problem,
-        conjuncts=tuple(problem.conjuncts[i] for i in indices),
-        automaton_states=tuple(problem.automaton_states[i] for i in indices),
-        waiting_since_ms=(),
-    )
 
 
 def _with(problem: Problem, belief: Fact) -> Problem:

@@ -12,7 +12,8 @@ A, and then away, before it may rest.
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from companion.flight_events.plans import PlannedAction, PlannedLasso
@@ -68,6 +69,16 @@ class Problem:
     unread: frozenset[Fact] = frozenset()
     waiting_since_ms: tuple[int, ...] = ()
 
+    def only(self, indices: Sequence[int]) -> Problem:
+        """The same with some of the conjuncts alone."""
+        since_ms = self.waiting_since_ms
+        return replace(
+            self,
+            conjuncts=tuple(self.conjuncts[i] for i in indices),
+            automaton_states=tuple(self.automaton_states[i] for i in indices),
+            waiting_since_ms=tuple(since_ms[i] for i in indices) if since_ms else (),
+        )
+
 
 @dataclass(frozen=True)
 class Lasso:
@@ -121,6 +132,33 @@ def _planned(action: Action) -> PlannedAction:
     return PlannedAction(action.name, action.skill, action.arguments, action.cost_ms / 1000)
 
 
+@dataclass(frozen=True, slots=True)
+class DroppedLine:
+    """A line of the task that a plan does not keep.
+
+    Attributes:
+        reason: in words.
+    """
+
+    line: str
+    reason: str
+
+    def __str__(self) -> str:
+        return f"{self.line}: {self.reason}"
+
+
+@dataclass(frozen=True, slots=True)
+class ChosenPlan:
+    """A plan to fly.
+
+    Attributes:
+        dropped: lines of the task that it does not keep.
+    """
+
+    lasso: Lasso
+    dropped: tuple[DroppedLine, ...] = ()
+
+
 @dataclass(frozen=True)
 class Solution:
     """A plan: a lasso, and what is known of its quality.
@@ -130,6 +168,7 @@ class Solution:
         bound_ms: no lasso has a lower objective; 0 if nothing is known.
         engine: name of the planner that found it.
         has_best_prefix: whether it is proved that no lasso with this lap has a shorter prefix.
+        dropped: lines of the task that the plan does not keep, the most important one first.
     """
 
     lasso: Lasso
@@ -138,6 +177,7 @@ class Solution:
     bound_ms: int
     engine: str
     has_best_prefix: bool = False
+    dropped: tuple[DroppedLine, ...] = ()
 
     @property
     def prefix(self) -> tuple[Action, ...]:
@@ -190,6 +230,7 @@ class Solution:
             "bound_s": self.bound_s,
             "optimal": self.is_optimal,
             "engine": self.engine,
+            "dropped": [{"line": each.line, "reason": each.reason} for each in self.dropped],
             "reason": None,
         }
 

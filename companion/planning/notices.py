@@ -5,7 +5,7 @@ None of these is an error: an event may be there for people to see, a line may b
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from companion.ltl.formula import Operator
@@ -15,7 +15,7 @@ from companion.mission.model import Mission
 from companion.planning.builtin.masked_actions import KnownActions
 from companion.planning.builtin.transition_system import TransitionSystem
 from companion.planning.domain import Action, ConditionalEffect
-from companion.planning.lasso import Conjunct, Lasso
+from companion.planning.lasso import Conjunct, Lasso, Solution
 from companion.planning.planner import Planner
 
 
@@ -35,12 +35,12 @@ class Notice:
         return f"{self.subject}: {self.text}"
 
 
-def notices(planner: Planner, plan: Lasso | None) -> tuple[Notice, ...]:
+def notices(planner: Planner, plan: Solution | None) -> tuple[Notice, ...]:
     """What is odd about a mission.
 
     >>> from companion import load_mission
     >>> planner = Planner(load_mission("missions/surveillance.yaml"))
-    >>> notices(planner, planner.plan().lasso)
+    >>> notices(planner, planner.plan())
     ()
 
     Args:
@@ -50,7 +50,9 @@ def notices(planner: Planner, plan: Lasso | None) -> tuple[Notice, ...]:
     mission = planner.mission
     found = [] if mission.tree is not None else [*_unused_events(mission)]
     if plan is not None:
-        found += [*_vacuous_lines(planner), *_met_by_rest(planner.conjuncts, plan)]
+        dropped = {each.line for each in plan.dropped}
+        kept = [conjunct for conjunct in planner.conjuncts if conjunct.name not in dropped]
+        found += [*_vacuous_lines(planner), *_met_by_rest(kept, plan.lasso)]
     return tuple(found)
 
 
@@ -102,7 +104,7 @@ def _at_some_time(action: Action, open_facts: frozenset[Fact]) -> Action:
     )
 
 
-def _met_by_rest(conjuncts: tuple[Conjunct, ...], plan: Lasso) -> Iterator[Notice]:
+def _met_by_rest(conjuncts: Sequence[Conjunct], plan: Lasso) -> Iterator[Notice]:
     """What has to come again and again, where a plan lands and stays."""
     if not plan.ends_at_rest:
         return

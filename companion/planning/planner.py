@@ -12,7 +12,8 @@ moves are instantiated again: other costs, and none without a route.
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 
 from companion.errors import CompanionError
 from companion.ltl.formula import conjuncts
@@ -23,9 +24,7 @@ from companion.mission.model import Mission
 from companion.mission.tree_nodes import Tree, actions
 from companion.planning.builtin.masked_actions import KnownActions
 from companion.planning.builtin.product import Product
-from companion.planning.builtin.search import Search
 from companion.planning.builtin.transition_system import TransitionSystem
-from companion.planning.check import fault
 from companion.planning.domain import (
     Action,
     FlightTime,
@@ -34,11 +33,12 @@ from companion.planning.domain import (
     instantiate,
     is_named,
 )
-from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT, Effort
-from companion.planning.explain import Explanation, NoPlan, explaining, why_no_plan, world_of
+from companion.planning.explain import Explanation, NoPlan
 from companion.planning.flight_times import flight_times, from_table, route_map
-from companion.planning.lasso import Conjunct, Lasso, Letter, Problem, Solution
+from companion.planning.lasso import Conjunct, Letter, Problem, Solution
 from companion.planning.objective import Encoding, Objective
+from companion.planning.optional_lines import without_lines
+from companion.planning.solver import Solver
 from companion.planning.supposition import supposed_facts, supposed_withdrawn
 from companion.planning.unread_rises import UnreadRises
 
@@ -48,7 +48,7 @@ BUILT_IN = "built-in"
 log = logging.getLogger(__name__)
 
 
-class Planner:
+class Planner(Solver):
     """Plans a mission from any state.
 
     >>> from companion import Planner, load_mission
@@ -80,7 +80,6 @@ class Planner:
             flight_time = flight_times(mission, route_map(mission))
         elif isinstance(flight_time, Mapping):
             flight_time = from_table(mission, flight_time)
-        self.mission = mission
         start_s = clock()
         self.model = instantiate(mission, flight_time)
         self.instantiating_s = clock() - start_s
@@ -93,7 +92,7 @@ class Planner:
         self.task_facts = mission.task_facts
         self.flight_time = flight_time
         self.without_a_move: frozenset[Fact] = frozenset()
-        self._search = Search(self.model.actions)
+        super().__init__(mission, self.model.actions)
         self._unread_rises = UnreadRises()
         self._log_sizes()
 
@@ -176,6 +175,8 @@ class Planner:
     ) -> Solution:
         """The best plan from the mission's first state, or from one that differs from it.
 
+        Lines of the task that have a priority are dropped where it cannot keep all of them.
+
         >>> from companion import Planner, load_mission
         >>> planner = Planner(load_mission("missions/surveillance.yaml"))
         >>> print(planner.plan(at="r1", facts={"targetFound"}, without={"canUpload(r1)"}))
@@ -196,21 +197,25 @@ class Planner:
             SearchLimit: the search was given up: whether there is a plan is not known.
             CompanionError: the engine failed.
         """
-        problem, histories = self.initial_problem(at=at, facts=facts, without=without)
+        whole, read = self.initial_problem(at=at, facts=facts, without=without)
+        dropped = self.dropped(whole)
+        problem, histories = without_lines([each.line for each in dropped], whole, read)
         if engine == BUILT_IN:
-            return self.solve(problem, histories, objective)
+            return replace(self.solve(problem, histories, objective), dropped=dropped)
         from companion.planning.engines import solve_with
 
         found = solve_with(problem, histories, engine, encoding, objective, timeout_s)
         if found is None:
             best = self.solve(problem, histories, objective)  # or says why there is none
             raise CompanionError(f"{engine} says that there is no plan, but there is: {best.lasso}")
-        return found
+        return replace(found, dropped=dropped)
 
     def explain(
         self, *, at: str | None = None, facts: Iterable[str] = (), without: Iterable[str] = ()
     ) -> Explanation | None:
         """Why there is no plan from a state; None if there is one. The state is as in `plan`.
+
+        It is about the lines of the task that are never dropped.
 
         >>> from companion import Planner, load_mission
         >>> planner = Planner(load_mission("missions/surveillance.yaml"))
@@ -225,8 +230,9 @@ class Planner:
             MissionError: the mission does not know one of the names.
             SearchLimit: the search was given up: whether there is a plan is not known.
         """
+        asked = self.initial_problem(at=at, facts=facts, without=without)
         try:
-            next(self.solutions(*self.initial_problem(at=at, facts=facts, without=without)))
+            next(self.solutions(*without_lines(self.mission.optional, *asked)))
         except NoPlan as reason:
             return reason.explanation
         return None
@@ -253,6 +259,8 @@ class Planner:
     ) -> Product:
         """The transition system and the automata together, explored from a state as in `plan`.
 
+        The automata are those of the lines that a plan keeps.
+
         >>> from companion import Planner, load_mission
         >>> planner = Planner(load_mission("missions/surveillance.yaml"))
         >>> graph = planner.product(at="r1", facts={"targetFound"}).to_networkx()
@@ -264,7 +272,8 @@ class Planner:
             SearchLimit: it has too many states.
         """
         problem, _ = self.initial_problem(at=at, facts=facts, without=without)
-        return self._search.product(problem)
+        dropped = [each.line for each in self.dropped(problem)]
+        return self._search.product(without_lines(dropped, problem)[0])
 
     def initial_problem(
         self, *, at: str | None = None, facts: Iterable[str] = (), without: Iterable[str] = ()
@@ -282,67 +291,3 @@ class Planner:
         runs = (Runs.begin(conjunct.automaton).after(letter) for conjunct in self.conjuncts)
         problem = self.problem(state, tuple(run.states for run in runs), withdrawn)
         return problem, [[letter] for _ in self.conjuncts]
-
-    def solutions(
-        self,
-        problem: Problem,
-        histories: Sequence[Sequence[Letter]],
-        objective: Objective = Objective.LAP,
-    ) -> Iterator[Solution]:
-        """Checked solutions, each better than the one before; the last one is the best known.
-
-        Args:
-            problem: from where to plan.
-            histories: per conjunct, the letters that it has read.
-
-        Raises:
-            NoPlan: there is none; its `explanation` says why.
-            SearchLimit: the search was given up.
-        """
-        found = False
-        for solution in self._checked(problem, histories, objective, BEFORE_FLIGHT):
-            found = True
-            yield solution
-        if not found:
-            world = world_of(self.mission, problem)
-            raise NoPlan(why_no_plan(problem, self._search.is_solvable, world))
-
-    def solve(
-        self,
-        problem: Problem,
-        histories: Sequence[Sequence[Letter]],
-        objective: Objective = Objective.LAP,
-    ) -> Solution:
-        """The best solution that is found. Raises as `solutions` does."""
-        *_, best = self.solutions(problem, histories, objective)
-        return best
-
-    def replan(self, problem: Problem, histories: Sequence[Sequence[Letter]]) -> Lasso | None:
-        """The first lasso that is found: in flight an answer has to come at once.
-
-        None if there is none; `reasons` says why.
-
-        Raises:
-            SearchLimit: the search was given up.
-        """
-        first = next(self._checked(problem, histories, Objective.LAP, IN_FLIGHT), None)
-        return first.lasso if first else None
-
-    def reasons(self, problem: Problem) -> Iterator[Explanation | None]:
-        """Why there is no plan, in parts that are quick: None until it is known."""
-        world = world_of(self.mission, problem)
-        return explaining(problem, lambda asked: self._search.is_solvable(asked, IN_FLIGHT), world)
-
-    def _checked(
-        self,
-        problem: Problem,
-        histories: Sequence[Sequence[Letter]],
-        objective: Objective,
-        effort: Effort,
-    ) -> Iterator[Solution]:
-        for solution in self._search.solutions(problem, objective, effort):
-            wrong = fault(problem, solution.lasso, histories)
-            if wrong is not None:
-                text = f"the planner made a wrong plan, {solution.lasso}: {wrong}"
-                raise CompanionError(text)
-            yield solution

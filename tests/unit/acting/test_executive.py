@@ -82,7 +82,7 @@ def test_without_a_first_plan_the_reason_is_the_answer() -> None:
 
 def test_a_first_search_that_is_given_up_names_its_limit(monkeypatch: pytest.MonkeyPatch) -> None:
     tiny = replace(BEFORE_FLIGHT, product_edges=3)
-    monkeypatch.setattr("companion.planning.planner.BEFORE_FLIGHT", tiny)
+    monkeypatch.setattr("companion.planning.solver.BEFORE_FLIGHT", tiny)
     failure = Rig(search_and_report()).executive.plan()
     assert isinstance(failure, SearchLimit)
     assert failure.limit == "3 edges of the product"
@@ -344,7 +344,7 @@ def test_a_search_that_is_given_up_in_flight_is_told_as_that(
     rig = Rig(search_and_report()).begin()
     rig.tick()
     tiny = replace(IN_FLIGHT, product_edges=3)
-    monkeypatch.setattr("companion.planning.planner.IN_FLIGHT", tiny)
+    monkeypatch.setattr("companion.planning.solver.IN_FLIGHT", tiny)
     rig.tick(reading("found"))
     assert rig.run_to_the_end() is TaskStatus.NO_PLAN
     assert isinstance(rig.executive.failure, SearchLimit)

@@ -14,7 +14,7 @@ from companion.planning.notices import notices
 
 def told(asked: Mission) -> list[str]:
     made = planner(asked)
-    return [str(notice) for notice in notices(made, made.plan().lasso)]
+    return [str(notice) for notice in notices(made, made.plan())]
 
 
 def test_an_event_that_nothing_uses_is_noticed() -> None:

@@ -1,0 +1,137 @@
+"""Answers to planning problems: checked plans, reasons, and which lines of a task can be kept.
+
+Every plan passes the independent check. Who flies asks `replan`, for the first plan, and the verbs
+whose names end in -ing, whose answers come in parts that fit into a tick; before a flight there is
+time for the best plan.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+
+from companion.errors import CompanionError
+from companion.mission.model import Mission
+from companion.planning import optional_lines
+from companion.planning.builtin.search import Search
+from companion.planning.check import fault
+from companion.planning.domain import Action
+from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT, Effort
+from companion.planning.explain import Explanation, NoPlan, explaining, why_no_plan, world_of
+from companion.planning.lasso import DroppedLine, Lasso, Letter, Problem, Solution
+from companion.planning.objective import Objective
+
+
+class Solver:
+    """Solves the problems of one mission by the built-in search.
+
+    Args:
+        mission: says of its problems what they do not say themselves.
+        actions: those that every problem begins with.
+    """
+
+    def __init__(self, mission: Mission, actions: Sequence[Action]) -> None:
+        self.mission = mission
+        self._search = Search(actions)
+
+    def solutions(
+        self,
+        problem: Problem,
+        histories: Sequence[Sequence[Letter]],
+        objective: Objective = Objective.LAP,
+    ) -> Iterator[Solution]:
+        """Checked solutions, each better than the one before; the last one is the best known.
+
+        Args:
+            problem: from where to plan.
+            histories: per conjunct, the letters that it has read.
+
+        Raises:
+            NoPlan: there is none; its `explanation` says why.
+            SearchLimit: the search was given up.
+        """
+        found = False
+        for solution in self._checked(problem, histories, objective, BEFORE_FLIGHT):
+            found = True
+            yield solution
+        if not found:
+            world = world_of(self.mission, problem)
+            raise NoPlan(why_no_plan(problem, self._search.is_solvable, world))
+
+    def solve(
+        self,
+        problem: Problem,
+        histories: Sequence[Sequence[Letter]],
+        objective: Objective = Objective.LAP,
+    ) -> Solution:
+        """The best solution that is found. Raises as `solutions` does."""
+        *_, best = self.solutions(problem, histories, objective)
+        return best
+
+    def replan(self, problem: Problem, histories: Sequence[Sequence[Letter]]) -> Lasso | None:
+        """The first lasso that is found: in flight an answer has to come at once.
+
+        None if there is none; `reasons` says why.
+
+        Raises:
+            SearchLimit: the search was given up.
+        """
+        first = next(self._checked(problem, histories, Objective.LAP, IN_FLIGHT), None)
+        return first.lasso if first else None
+
+    def reasons(self, problem: Problem) -> Iterator[Explanation | None]:
+        """Why there is no plan, in parts that are quick: None until it is known."""
+        world = world_of(self.mission, problem)
+        return explaining(problem, self._is_solvable_soon, world)
+
+    def _checked(
+        self,
+        problem: Problem,
+        histories: Sequence[Sequence[Letter]],
+        objective: Objective,
+        effort: Effort,
+    ) -> Iterator[Solution]:
+        for solution in self._search.solutions(problem, objective, effort):
+            wrong = fault(problem, solution.lasso, histories)
+            if wrong is not None:
+                text = f"the planner made a wrong plan, {solution.lasso}: {wrong}"
+                raise CompanionError(text)
+            yield solution
+
+    def dropped(self, problem: Problem) -> tuple[DroppedLine, ...]:
+        """The lines of the task that the best plan before a flight does not keep.
+
+        Args:
+            problem: with all lines.
+        """
+        optional = self.mission.optional
+        parts = optional_lines.selecting(problem, optional, self._search.is_solvable)
+        return next(dropped for dropped in parts if dropped is not None)
+
+    def why_dropped(
+        self, problem: Problem, dropped: Sequence[DroppedLine], line: str
+    ) -> Explanation:
+        """Why a plan that keeps all that it can cannot keep one more line of the task.
+
+        Args:
+            problem: with all lines.
+            dropped: what the plan does not keep.
+            line: one of these.
+        """
+        left_out = [each.line for each in dropped if each.line != line]
+        asked, _ = optional_lines.without_lines(left_out, problem)
+        return why_no_plan(asked, self._search.is_solvable, world_of(self.mission, asked))
+
+    def dropping(self, problem: Problem) -> Iterator[tuple[DroppedLine, ...] | None]:
+        """The same in flight, in parts that are quick: None until it is known."""
+        return optional_lines.selecting(problem, self.mission.optional, self._is_solvable_soon)
+
+    def taking_up(self, problem: Problem, dropped: Collection[str]) -> Iterator[bool | None]:
+        """Whether one of the lines that were dropped can be kept now, in parts that are quick.
+
+        None until it is known.
+        """
+        optional = self.mission.optional
+        return optional_lines.improving(problem, optional, dropped, self._is_solvable_soon)
+
+    def _is_solvable_soon(self, problem: Problem) -> bool | None:
+        return self._search.is_solvable(problem, IN_FLIGHT)
