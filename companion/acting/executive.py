@@ -6,13 +6,14 @@ built; the vehicle holds meanwhile. `ExecutiveState` says what the executive is 
 in replan_triggers.py why it plans again.
 
 Plans change as little as possible. An event that matters, but leaves the rest of the plan the best
-one, changes nothing. A belief that comes back makes a new plan at the next completed skill.
+one, changes nothing. A belief that comes back, or a dropped line of the task that has a plan again,
+makes a new plan at the next completed skill.
 
 A plan that ends at rest satisfies the task when the rest is reached. Each position of the word is
 reported when it is left, and so is each conjunct that it violates. Without a plan the vehicle holds
-while one may become possible again (replanning/patience.py). For a violated task a plan is
-searched again, which says that there is none; on the way home after that no event is watched but
-one by which all violated lines begin anew.
+while one may become possible again (replanning/patience.py). For a violated line a plan is
+searched again, which says that there is none if the line is never dropped; on the way home after
+that no event is watched but one by which all violated lines begin anew.
 """
 
 from __future__ import annotations
@@ -34,6 +35,7 @@ from companion.acting.positions import tell_positions
 from companion.acting.preparation import PreparedMission
 from companion.acting.replan_triggers import PlanUnderWay, ReplanTriggers
 from companion.acting.replanning.assumptions import Assumptions
+from companion.acting.replanning.optional_lines import drop
 from companion.acting.replanning.patience import Patience
 from companion.acting.replanning.replanner import DueReplan, PlanFailure, Replanner
 from companion.acting.return_home import flight_to
@@ -51,7 +53,7 @@ from companion.flight_events.plans import (
 )
 from companion.flight_events.skills import WrittenTreeFailed
 from companion.mission.model import Signal
-from companion.planning.lasso import Lasso
+from companion.planning.lasso import ChosenPlan, Lasso
 
 
 class Executive:
@@ -110,9 +112,10 @@ class Executive:
         """Takes over the first plan; returns why there is none, None if there is one."""
         flight, mission = self._flight, self._planner.mission
         task = {name: str(formula) for name, formula in mission.task.items()}
+        priorities = mission.priorities
         if mission.tree is not None:
             root = build_by_hand(flight, mission.tree, self._planner.actions_of(mission.tree))
-            flight.report(WrittenTreeAdopted(task))
+            flight.report(WrittenTreeAdopted(task, priorities))
             self._plan_state = ExecutiveState.BY_HAND
             self._take_tree(root, ExecutiveState.BY_HAND)
         else:
@@ -120,10 +123,11 @@ class Executive:
             if self._prepared.engine_failure is not None:
                 flight.report(EngineFailed(self._prepared.engine_failure))
             found = self._prepared.plan(*flight.task.problem())
-            if not isinstance(found, Lasso):
+            if not isinstance(found, ChosenPlan):
                 return found
-            self._adopt(found, ExecutiveState.EXECUTING)
-            flight.report(PlanMade(task, found.planned))
+            drop(flight, found.dropped)
+            self._adopt(found.lasso, ExecutiveState.EXECUTING)
+            flight.report(PlanMade(task, found.lasso.planned, priorities, found.lines_dropped))
         self._tell_tree()
         return None
 
@@ -254,19 +258,22 @@ class Executive:
                 is_explaining = self._replanner.is_explaining
                 explaining, replanning = ExecutiveState.EXPLAINING, ExecutiveState.REPLANNING
                 self.state = explaining if is_explaining else replanning
-            case Lasso() as lasso:
-                self._fly_on(lasso, due.reason)
+            case ChosenPlan() as plan:
+                self._fly_on(plan, due.reason)
             case failure:
                 self._wait_or_give_up(failure, due.reason)
 
-    def _fly_on(self, lasso: Lasso, reason: str) -> None:
+    def _fly_on(self, plan: ChosenPlan, reason: str) -> None:
         """Adopts a new plan; one that is the rest of the old plan is no news."""
+        lasso = plan.lasso
+        drop(self._flight, plan.dropped)
         is_kept = self.lasso is not None and self._replanner.is_rest_of(self.lasso, lasso)
         self.failure = None
         self._adopt(lasso, ExecutiveState.EXECUTING)
         if not is_kept:
             self.replans += 1
-            self._flight.report(PlanReplaced(self.replans, reason, lasso.planned))
+            dropped = plan.lines_dropped
+            self._flight.report(PlanReplaced(self.replans, reason, lasso.planned, dropped))
         self._tell_tree()
 
     def _wait_or_give_up(self, failure: PlanFailure, reason: str) -> None:

@@ -16,8 +16,10 @@ def tell_positions(flight: Flight, for_ever: bool = False) -> None:
         number, facts = position.number, tuple(sorted(position.facts))
         risen, withdrawn = tuple(sorted(position.risen)), tuple(sorted(position.withdrawn))
         restarted, reached_s = position.restarted, round(position.reached_s, 3)
-        flight.report(PositionLeft(number, facts, risen, reached_s, withdrawn, restarted, for_ever))
+        word = number, facts, risen, reached_s, withdrawn, restarted, for_ever
+        flight.report(PositionLeft(*word, position.dropped))
         for conjunct in position.violated:
-            formula = str(conjunct.formula)
-            flight.report(ConjunctViolated(conjunct.name, formula, number, facts))
+            name, formula = conjunct.name, str(conjunct.formula)
+            is_optional = name in flight.task.optional
+            flight.report(ConjunctViolated(name, formula, number, facts, is_optional))
     flight.task.left.clear()

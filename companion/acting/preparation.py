@@ -17,9 +17,9 @@ from companion.errors import NoPlanError, SearchLimit
 from companion.mission.model import Mission
 from companion.motion.live_speed_limit import LiveSpeedLimit
 from companion.motion.routes import RouteMap
-from companion.planning.engine_port import Engine, EngineFailure
+from companion.planning.engine_port import Engine
 from companion.planning.flight_times import flight_times, route_map
-from companion.planning.lasso import Lasso, Letter, Problem
+from companion.planning.lasso import ChosenPlan, Lasso, Letter, Problem
 from companion.planning.planner import Planner
 from companion.planning.task_state import TaskState
 
@@ -34,7 +34,7 @@ class FirstPlan:
     """
 
     problem: Problem
-    outcome: Lasso | PlanFailure
+    outcome: ChosenPlan | PlanFailure
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +55,9 @@ class PreparedMission:
     engine: Engine | None = None
     engine_failure: str | None = None
 
-    def plan(self, problem: Problem, histories: Sequence[Sequence[Letter]]) -> Lasso | PlanFailure:
+    def plan(
+        self, problem: Problem, histories: Sequence[Sequence[Letter]]
+    ) -> ChosenPlan | PlanFailure:
         """The plan for the run's first problem, or why there is none.
 
         It is searched if the problem is not the prepared one: an event has come before the start,
@@ -63,7 +65,7 @@ class PreparedMission:
         """
         if self.first_plan is not None and self.first_plan.problem == problem:
             return self.first_plan.outcome
-        return _solved(self.planner, problem, histories)
+        return _planned(self.planner, problem, histories)[0]
 
 
 def prepare(
@@ -78,7 +80,7 @@ def prepare(
 
     >>> from companion import load_mission
     >>> prepared = prepare(load_mission("missions/surveillance.yaml"))
-    >>> print(prepared.first_plan.outcome)
+    >>> print(prepared.first_plan.outcome.lasso)
     move(Home, A), (move(A, B), move(B, C), move(C, A))^w
 
     Args:
@@ -99,9 +101,7 @@ def prepare(
         planner.actions_of(mission.tree)  # or says which one does not exist
         return PreparedMission(mission, routes, speed_limit, planner, first_plan=None)
     problem, histories = TaskState(planner).problem()
-    answer = engine.plan(problem, histories) if engine is not None else None
-    failure = answer.reason if isinstance(answer, EngineFailure) else None
-    found = answer if isinstance(answer, Lasso) else _solved(planner, problem, histories)
+    found, failure = _planned(planner, problem, histories, engine)
     first_plan = FirstPlan(problem, found)
     anticipate_events(planner)
     return PreparedMission(mission, routes, speed_limit, planner, first_plan, engine, failure)
@@ -117,13 +117,23 @@ def anticipate_events(planner: Planner) -> None:
         task = TaskState(planner)
         task.take(event, event.fact not in task.facts)
         with suppress(SearchLimit):
-            planner.replan(*task.problem())
+            problem, histories, _ = planner.kept(*task.problem())
+            planner.replan(problem, histories)
 
 
-def _solved(
-    planner: Planner, problem: Problem, histories: Sequence[Sequence[Letter]]
-) -> Lasso | PlanFailure:
+def _planned(
+    planner: Planner,
+    problem: Problem,
+    histories: Sequence[Sequence[Letter]],
+    engine: Engine | None = None,
+) -> tuple[ChosenPlan | PlanFailure, str | None]:
+    """The plan or why there is none, and why an engine that was asked has not made it."""
+    problem, histories, dropped = planner.kept(problem, histories)
+    answer = engine.plan(problem, histories) if engine is not None else None
+    if isinstance(answer, Lasso):
+        return ChosenPlan(answer, dropped), None
+    reason = answer.reason if answer is not None else None
     try:
-        return planner.solve(problem, histories).lasso
+        return ChosenPlan(planner.solve(problem, histories).lasso, dropped), reason
     except (NoPlanError, SearchLimit) as failure:
-        return failure
+        return failure, reason

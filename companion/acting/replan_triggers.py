@@ -110,10 +110,23 @@ class ReplanTriggers:
         return plan.is_leaving and self._assumptions.may_do_better
 
     def _possible_again(self, _: PlanUnderWay) -> str | None:
-        if not self._flight.task.violated and self._replanner.plan_now() is not None:
+        if not self._flight.task.violated and self._replanner.is_possible:
             return self._assumptions.surprise or BELIEF_CAME_BACK
         self._assumptions.forget_restored_beliefs()
         return None
+
+    # -- a line that was dropped can be kept ---------------------------------------------------
+
+    def _may_take_up(self, _: PlanUnderWay) -> bool:
+        return self._flight.task.may_take_up and not self._flight.progress.is_landed_by_plan
+
+    def _taken_up(self, plan: PlanUnderWay) -> str | None:
+        """Asked once after each completed skill, before the next one begins."""
+        if plan.is_leaving:
+            self._flight.task.keep_dropped()
+            return None
+        line = self._replanner.lines.look()
+        return f"{line} has a plan again" if line is not None else None
 
     # -- the tree has failed -------------------------------------------------------------------
 
@@ -125,7 +138,7 @@ class ReplanTriggers:
         unexpected = self._assumptions.surprise or failure_of(plan.tree)
         return unexpected or self._violation or BELIEF_CAME_BACK
 
-    # -- the task is violated ------------------------------------------------------------------
+    # -- a line that the plan keeps is violated ------------------------------------------------
 
     def _is_in_vain(self, plan: PlanUnderWay) -> bool:
         """A plan that has landed the vehicle ends first."""
@@ -140,7 +153,8 @@ class ReplanTriggers:
     @property
     def _violation(self) -> str | None:
         """What is violated, in words; None if nothing is."""
-        violated = self._flight.task.violated
+        task = self._flight.task
+        violated = *task.violated, *task.violated_anew
         return f"{', '.join(violated)} violated" if violated else None
 
 
@@ -148,10 +162,11 @@ _T = ReplanTriggers
 BEFORE_THE_TREE = (
     ReplanTrigger("the map cuts off a belief of the plan", _T._map_differs, _T._cut_off_by_map),
     ReplanTrigger("the task has a plan again", _T._may_be_possible, _T._possible_again),
+    ReplanTrigger("a line that was dropped can be kept", _T._may_take_up, _T._taken_up),
 )
 AFTER_THE_TREE = (
     ReplanTrigger("the tree has failed", _T._has_failed, _T._failure),
-    ReplanTrigger("the task is violated", _T._is_in_vain, _T._in_vain),
+    ReplanTrigger("a line of the task is violated", _T._is_in_vain, _T._in_vain),
 )
 REPLAN_TRIGGERS = (*BEFORE_THE_TREE, *AFTER_THE_TREE)
 """In the order in which they are looked at in each tick; the first that has a reason decides."""

@@ -109,7 +109,6 @@ def plan(
     it cannot keep are dropped, and it says why.
     """
     from companion.planning.explain import NoPlan
-    from companion.planning.optional_lines import without_lines
 
     planner = _planner(mission)
     facts = [*(holds or ()), *(f"!{fact}" for fact in fails or ())]
@@ -117,9 +116,7 @@ def plan(
     if planner.mission.tree:
         raise CompanionError("the mission has a tree of its own, so there is nothing to plan")
     if pddl is not None:
-        dropped = [each.line for each in planner.dropped(problem)]
-        kept = without_lines(dropped, problem, histories)
-        _write_pddl(*kept, pddl, encoding, objective)
+        _write_pddl(planner, problem, histories, pddl, encoding, objective)
         return
     start_s = time.perf_counter()
     try:
@@ -143,8 +140,7 @@ def plan(
         answer = _as_json(planner, problem, search_s) | solution.as_json()
         typer.echo(json.dumps(answer, indent=2))
     else:
-        _print(solution)
-        _print_dropped(planner, problem, solution)
+        _print(planner, problem, solution)
 
 
 def _print_dropped(planner: Planner, problem: Problem, solution: Solution) -> None:
@@ -165,7 +161,7 @@ def _planner(path: Path) -> Planner:
     return Planner(load(path), clock=time.perf_counter)
 
 
-def _print(solution: Solution) -> None:
+def _print(planner: Planner, problem: Problem, solution: Solution) -> None:
     lasso = solution.lasso
     for title, actions in (("prefix", lasso.prefix), ("loop", lasso.loop)):
         typer.echo(title)
@@ -182,6 +178,7 @@ def _print(solution: Solution) -> None:
         typer.echo(f"{what}, at most {over:.1f} % over the best ({solution.engine})")
     else:
         typer.echo(f"{what}; how good that is, is not known ({solution.engine})")
+    _print_dropped(planner, problem, solution)
 
 
 @dataclass(frozen=True)
@@ -241,17 +238,19 @@ class _Checked:
 
 
 def _write_pddl(
+    planner: Planner,
     problem: Problem,
     histories: Sequence[Sequence[Letter]],
     folder: Path,
     encoding: Encoding,
     objective: Objective,
 ) -> None:
-    """Writes the problem as PDDL, two files."""
+    """Writes the problem as PDDL, two files: with the lines of the task that a plan keeps."""
     from companion.planning.compilation.encode import encode
     from companion.planning.compilation.monolithic import monolithic
     from companion.planning.compilation.pddl import to_pddl
 
+    problem, histories, _ = planner.kept(problem, histories)
     if encoding is Encoding.V1:
         problem = monolithic(problem, histories)
     texts = to_pddl(encode(problem, encoding, objective))

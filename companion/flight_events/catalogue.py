@@ -26,6 +26,8 @@ from companion.flight_events.hosting import (
 from companion.flight_events.plans import (
     EngineFailed,
     LapCompleted,
+    LineDropped,
+    LineTakenUp,
     NoPlanFound,
     PlanAwaited,
     PlanMade,
@@ -68,6 +70,8 @@ EVENTS: tuple[type[FlightEvent], ...] = (
     PlanMade,
     WrittenTreeAdopted,
     PlanReplaced,
+    LineDropped,
+    LineTakenUp,
     NoPlanFound,
     PlanAwaited,
     EngineFailed,

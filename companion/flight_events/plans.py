@@ -14,6 +14,13 @@ Task = Annotated[
     Mapping[str, str],
     Doc("each line of the task by its name: the formula, without patterns and goals"),
 ]
+Priorities = Annotated[
+    Mapping[str, int],
+    Doc("the priority of each line of the task that may be dropped, by its name"),
+]
+Dropped = Annotated[
+    tuple[str, ...], Doc("a list of the lines of the task that the plan does not keep")
+]
 Cause = Annotated[str, Doc("why there was a new plan")]
 Cost = Annotated[float, Doc("seconds that it was expected to take")]
 
@@ -60,6 +67,8 @@ class PlanMade(FlightEvent):
     number: PlanNumber = field(default=0, init=False)
     task: Task
     plan: Inline[PlannedLasso]
+    priorities: Priorities = field(default_factory=dict)
+    dropped: Dropped = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,6 +80,7 @@ class WrittenTreeAdopted(FlightEvent):
 
     number: PlanNumber = field(default=0, init=False)
     task: Task
+    priorities: Priorities = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,6 +93,34 @@ class PlanReplaced(FlightEvent):
     number: PlanNumber
     reason: Cause
     plan: Inline[PlannedLasso]
+    dropped: Dropped = ()
+
+
+@dataclass(frozen=True, slots=True)
+class LineDropped(FlightEvent):
+    """From now on plans do not keep a line of the task, as long as it cannot be kept."""
+
+    kind = "dropped"
+    template = "{line} dropped: {reason}"
+
+    line: Annotated[str, Doc("the name of the line of the task")]
+    reason: Annotated[str, Doc("why it is dropped")]
+
+
+@dataclass(frozen=True, slots=True)
+class LineTakenUp(FlightEvent):
+    """Plans keep a line of the task again, which was dropped or violated."""
+
+    kind = "taken up"
+    template = "{line} {what}"
+
+    line: Annotated[str, Doc("the name of the line of the task")]
+    anew: Annotated[bool, Doc("whether it begins anew, as it was violated")]
+
+    @property
+    def what(self) -> str:
+        """In words."""
+        return "begins anew" if self.anew else "taken up again"
 
 
 @dataclass(frozen=True, slots=True)

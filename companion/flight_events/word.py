@@ -36,6 +36,9 @@ class PositionLeft(FlightEvent):
     for_ever: Annotated[
         bool, Doc("whether the vehicle rests here, so that all positions to come are the same")
     ]
+    dropped: Annotated[
+        tuple[str, ...], Doc("a list of the lines of the task that the plan did not keep there")
+    ] = ()
 
     @property
     def listed(self) -> str:
@@ -54,3 +57,6 @@ class ConjunctViolated(FlightEvent):
     formula: Annotated[str, Doc("what is violated")]
     position: Annotated[int, Doc("the number of the position that violates it")]
     facts: Facts
+    optional: Annotated[bool, Doc("whether the line may be dropped, so that the task goes on")] = (
+        False
+    )

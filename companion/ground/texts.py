@@ -18,7 +18,7 @@ from companion.flight_events.facts import (
     PlaceLost,
 )
 from companion.flight_events.hosting import RecordingFailed, UploadNews
-from companion.flight_events.plans import NoPlanFound, PlanReplaced
+from companion.flight_events.plans import LineDropped, LineTakenUp, NoPlanFound, PlanReplaced
 from companion.flight_events.skills import SkillFailed, WrittenTreeFailed
 from companion.flight_events.sortie import RunEnded, RunFailed, SetpointRefused, VehicleCrashed
 from companion.flight_events.word import ConjunctViolated
@@ -43,17 +43,17 @@ def severity(event: FlightEvent) -> int:
     match event:
         case RunFailed() | VehicleCrashed():
             return CRITICAL
-        case ConjunctViolated() | RecordingFailed():
+        case ConjunctViolated(optional=False) | RecordingFailed():
             return ERROR
         case SkillFailed() | WrittenTreeFailed() | BeliefWithdrawn() | SetpointRefused():
             return WARNING
-        case PlaceLost():
+        case PlaceLost() | LineDropped() | ConjunctViolated():
             return WARNING
         case UploadNews(is_refused=True):
             return WARNING
         case MissionEventChanged() | BeliefRestored() | UploadNews() | RunEnded():
             return NOTICE
-        case PlanReplaced() | NoPlanFound():
+        case PlanReplaced() | NoPlanFound() | LineTakenUp():
             return NOTICE
     return INFO
 

@@ -158,6 +158,11 @@ class ChosenPlan:
     lasso: Lasso
     dropped: tuple[DroppedLine, ...] = ()
 
+    @property
+    def lines_dropped(self) -> tuple[str, ...]:
+        """Their names."""
+        return tuple(each.line for each in self.dropped)
+
 
 @dataclass(frozen=True)
 class Solution:

@@ -63,10 +63,10 @@ def selecting(
 
 def improving(
     problem: Problem, optional: Sequence[str], dropped: Collection[str], is_solvable: IsSolvable
-) -> Iterator[bool | None]:
-    """Whether a line that was dropped can be kept now, in parts of one search each.
+) -> Iterator[tuple[str, ...] | None]:
+    """The most important line that was dropped and can be kept now; found in parts of one search.
 
-    It may be at the cost of less important ones. None until it is known.
+    None until it is known; empty if there is none. It may be at the cost of less important ones.
 
     Args:
         problem: with all lines.
@@ -79,7 +79,7 @@ def improving(
             kept = {line, *(other for other in optional[:number] if other not in dropped)}
             left_out = [other for other in optional if other not in kept]
             if is_solvable(without_lines(left_out, problem)[0]):
-                yield True
+                yield (line,)
                 return
             yield None
-    yield False
+    yield ()

@@ -197,9 +197,8 @@ class Planner(Solver):
             SearchLimit: the search was given up: whether there is a plan is not known.
             CompanionError: the engine failed.
         """
-        whole, read = self.initial_problem(at=at, facts=facts, without=without)
-        dropped = self.dropped(whole)
-        problem, histories = without_lines([each.line for each in dropped], whole, read)
+        asked = self.initial_problem(at=at, facts=facts, without=without)
+        problem, histories, dropped = self.kept(*asked)
         if engine == BUILT_IN:
             return replace(self.solve(problem, histories, objective), dropped=dropped)
         from companion.planning.engines import solve_with
@@ -271,9 +270,8 @@ class Planner(Solver):
             MissionError: the mission does not know one of the names.
             SearchLimit: it has too many states.
         """
-        problem, _ = self.initial_problem(at=at, facts=facts, without=without)
-        dropped = [each.line for each in self.dropped(problem)]
-        return self._search.product(without_lines(dropped, problem)[0])
+        problem, *_ = self.kept(*self.initial_problem(at=at, facts=facts, without=without))
+        return self._search.product(problem)
 
     def initial_problem(
         self, *, at: str | None = None, facts: Iterable[str] = (), without: Iterable[str] = ()

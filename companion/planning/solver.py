@@ -97,15 +97,23 @@ class Solver:
                 raise CompanionError(text)
             yield solution
 
-    def dropped(self, problem: Problem) -> tuple[DroppedLine, ...]:
-        """The lines of the task that the best plan before a flight does not keep.
+    def kept(
+        self, problem: Problem, histories: optional_lines.Histories
+    ) -> tuple[Problem, list[Sequence[Letter]], tuple[DroppedLine, ...]]:
+        """A problem with the lines of the task that a plan can keep, before a flight.
 
         Args:
             problem: with all lines.
+            histories: per conjunct, the letters that it has read.
+
+        Returns:
+            The problem, the histories of its conjuncts, and the lines that are dropped.
         """
         optional = self.mission.optional
         parts = optional_lines.selecting(problem, optional, self._search.is_solvable)
-        return next(dropped for dropped in parts if dropped is not None)
+        dropped = next(dropped for dropped in parts if dropped is not None)
+        names = [each.line for each in dropped]
+        return *optional_lines.without_lines(names, problem, histories), dropped
 
     def why_dropped(
         self, problem: Problem, dropped: Sequence[DroppedLine], line: str
@@ -122,13 +130,15 @@ class Solver:
         return why_no_plan(asked, self._search.is_solvable, world_of(self.mission, asked))
 
     def dropping(self, problem: Problem) -> Iterator[tuple[DroppedLine, ...] | None]:
-        """The same in flight, in parts that are quick: None until it is known."""
+        """The lines to drop in flight, in parts that are quick: None until they are known."""
         return optional_lines.selecting(problem, self.mission.optional, self._is_solvable_soon)
 
-    def taking_up(self, problem: Problem, dropped: Collection[str]) -> Iterator[bool | None]:
-        """Whether one of the lines that were dropped can be kept now, in parts that are quick.
+    def taking_up(
+        self, problem: Problem, dropped: Collection[str]
+    ) -> Iterator[tuple[str, ...] | None]:
+        """The most important of the dropped lines that can be kept now, in parts that are quick.
 
-        None until it is known.
+        None until it is known; empty if there is none.
         """
         optional = self.mission.optional
         return optional_lines.improving(problem, optional, dropped, self._is_solvable_soon)

@@ -11,13 +11,15 @@ The word of the flight (after Section III-A of the paper):
    the place that the vehicle reaches. So an event can never break `X` by itself.
 5. An interrupted flight leaves the vehicle at no place: `at(here)` holds and no other `at`.
 6. What was read is kept when a plan is made anew, where the paper starts from the automaton's
-   initial states. Only an event may say that a conjunct begins anew (`restarts`).
+   initial states. Only an event may say that a line which must hold begins anew (`restarts`).
 7. A conjunct that no continuation can satisfy any more is violated by the position read last. No
    plan leads there: it takes an event or a failure that the vehicle could not choose.
 8. What has to be met again and again waits since the position that met it last. Once two tries in a
    row were interrupted it waits since the last of them: others may be reached where it is not.
 9. A lap of the task is over when every acceptance mark has been met since the lap before, by
    whatever plans.
+10. A line that the present plan drops is read on. If it was violated, it begins anew with the plan
+   that takes it up; plans are made as if it had. It has no part in laps.
 """
 
 from __future__ import annotations
@@ -26,16 +28,14 @@ import math
 from collections.abc import Iterable, Set
 from dataclasses import dataclass, replace
 
-from companion.ltl.monitor import Runs
 from companion.mission.facts import AT, HERE, Fact, at
 from companion.mission.model import Event
 from companion.planning.domain import Action
 from companion.planning.lasso import Conjunct, Letter, Problem
 from companion.planning.planner import Planner
+from companion.planning.readings import Reading
 
 AT_HERE = at(HERE)
-MAX_TRIES = 2
-"""Interrupted in a row, after which what was tried waits its turn again."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +50,7 @@ class Position:
         withdrawn: beliefs that were not held.
         restarted: names of conjuncts that begin anew with this position.
         violated: conjuncts that no continuation can satisfy since this position.
+        dropped: names of the lines that the plan did not keep, in the order of the file.
     """
 
     number: int
@@ -59,55 +60,7 @@ class Position:
     withdrawn: frozenset[Fact]
     restarted: tuple[str, ...]
     violated: tuple[Conjunct, ...]
-
-
-class Reading:
-    """What one conjunct has read: the letters, and where its automaton may be after them.
-
-    Attributes:
-        since_s: for each acceptance mark, since when it waits.
-        left_to_meet: the marks that were not met yet in this lap of the task.
-    """
-
-    def __init__(self, conjunct: Conjunct) -> None:
-        self._begin = Runs.begin(conjunct.automaton)
-        self.conjunct = conjunct
-        self.restart(0.0)
-        self.begin_lap()
-
-    def restart(self, now_s: float) -> None:
-        """Begins anew."""
-        self.letters: list[Letter] = []
-        self.runs = self._begin
-        self.since_s = [now_s] * self.conjunct.automaton.marks
-        self._tries = [0] * self.conjunct.automaton.marks
-
-    def begin_lap(self) -> None:
-        """Every mark is to be met again."""
-        self.left_to_meet = frozenset(range(self.conjunct.automaton.marks))
-
-    def since_with(self, letter: Letter, reached_s: float) -> list[float]:
-        """Since when each mark waits, with one more position."""
-        met = self.runs.marks_met(letter)
-        return [reached_s if mark in met else since for mark, since in enumerate(self.since_s)]
-
-    def try_in_vain(self, letter: Letter, begun_s: float) -> None:
-        """A position with this letter was not reached."""
-        for mark in self.runs.marks_met(letter):
-            self._tries[mark] += 1
-            if self._tries[mark] >= MAX_TRIES:
-                self.since_s[mark] = begun_s
-
-    def read(self, letter: Letter, reached_s: float) -> bool:
-        """One more position; whether it violates the conjunct, which it did not before."""
-        could_hold = bool(self.runs.states)
-        self.since_s = self.since_with(letter, reached_s)
-        for mark in self.runs.marks_met(letter):
-            self._tries[mark] = 0
-            self.left_to_meet -= {mark}
-        self.runs = self.runs.after(letter)
-        self.letters.append(letter)
-        return could_hold and not self.runs.states
+    dropped: tuple[str, ...] = ()
 
 
 class TaskState:
@@ -121,10 +74,14 @@ class TaskState:
         laps: how many laps of the task they were.
         left: those of them that nobody has collected yet.
         running: the action under way.
+        optional: lines of the task that may be dropped.
+        dropped: those of them that the present plan does not keep.
+        may_take_up: whether a skill was completed since it was last asked if they can be kept.
     """
 
     def __init__(self, planner: Planner) -> None:
         self._planner = planner
+        self.optional = frozenset(planner.mission.priorities)
         self._readings = [Reading(conjunct) for conjunct in planner.conjuncts]
         self._is_read = False
         self._restarted: tuple[str, ...] = ()
@@ -138,6 +95,8 @@ class TaskState:
         self._reached_s, self._has_completed = 0.0, False
         self.left: list[Position] = []
         self.running: Action | None = None
+        self.dropped: frozenset[str] = frozenset()
+        self.may_take_up = False
         self._interrupted: Action | None = None
         self._departed_from: frozenset[Fact] = frozenset()
 
@@ -148,7 +107,17 @@ class TaskState:
 
     @property
     def violated(self) -> tuple[str, ...]:
-        """Names of the conjuncts that no continuation of what was read can satisfy."""
+        """The lines that no continuation of what was read can satisfy, and that must hold."""
+        return tuple(line for line in self._violated if line not in self.optional)
+
+    @property
+    def violated_anew(self) -> tuple[str, ...]:
+        """Those that may be dropped, which the present plan was to keep."""
+        optional = (line for line in self._violated if line in self.optional)
+        return tuple(line for line in optional if line not in self.dropped)
+
+    @property
+    def _violated(self) -> tuple[str, ...]:
         names = (r.conjunct.name for r in self._readings if not r.runs.states)
         return tuple(dict.fromkeys(names))
 
@@ -157,21 +126,27 @@ class TaskState:
     ) -> tuple[Problem, list[list[Letter]]]:
         """The planning problem from here, and what each conjunct has read with this position.
 
+        It has all lines of the task. Those that may be dropped, and are violated, begin anew.
+
         Args:
             fallen: events that are supposed to hold no longer.
             returned: beliefs that are supposed to be held again.
         """
         facts, withdrawn = self.facts - fallen, self.withdrawn - returned
+        lost = self.optional.intersection(self._violated)
+        readings = [
+            r.anew(self._reached_s) if r.conjunct.name in lost else r for r in self._readings
+        ]
         if self._is_read:
-            states = tuple(r.runs.states for r in self._readings)
-            histories = [r.letters for r in self._readings]
-            waiting = [r.since_s for r in self._readings]
+            states = tuple(r.runs.states for r in readings)
+            histories = [r.letters for r in readings]
+            waiting = [r.since_s for r in readings]
             unread = self.risen - facts
         else:
             letter = self._letter(facts)
-            states = tuple(r.runs.after(letter).states for r in self._readings)
-            histories = [[*r.letters, letter] for r in self._readings]
-            waiting = [r.since_with(letter, self._reached_s) for r in self._readings]
+            states = tuple(r.runs.after(letter).states for r in readings)
+            histories = [[*r.letters, letter] for r in readings]
+            waiting = [r.since_with(letter, self._reached_s) for r in readings]
             unread = frozenset()
         is_en_route = AT_HERE in facts
         problem = self._planner.problem(facts, states, withdrawn, is_en_route, unread)
@@ -195,14 +170,16 @@ class TaskState:
         facts = self.facts | letter & self._planner.task_facts
         risen = (self.risen - self.facts) & facts
         number, restarted = self.positions, self._restarted
+        dropped = tuple(line for line in self._planner.mission.task if line in self.dropped)
         self.left.append(
-            Position(number, facts, risen, reached_s, self.withdrawn, restarted, violated)
+            Position(number, facts, risen, reached_s, self.withdrawn, restarted, violated, dropped)
         )
         self._is_read = True
         self.risen = frozenset()
         self._restarted = ()
         self.positions += 1
-        if self._readings and not any(r.left_to_meet for r in self._readings):
+        kept = [r for r in self._readings if r.conjunct.name not in self.dropped]
+        if kept and not any(r.left_to_meet for r in kept):
             self.laps += 1
             for reading in self._readings:
                 reading.begin_lap()
@@ -214,6 +191,7 @@ class TaskState:
         self.withdrawn = frozenset(b for b in self.withdrawn if HERE not in b.arguments)
         self._is_read = False
         self.running = self._interrupted = None
+        self.may_take_up = bool(self.dropped)
 
     def interrupt(self) -> None:
         """Ends the action under way without its effect."""
@@ -241,6 +219,29 @@ class TaskState:
         self.facts = self.facts - {AT_HERE} | self._departed_from
         self.running, self._interrupted = flight, None
         return flight
+
+    def drop(self, lines: Iterable[str]) -> tuple[str, ...]:
+        """The plan from now on keeps all lines but these; which of those that it keeps begin anew.
+
+        They were violated: what they have read is forgotten.
+        """
+        self.dropped = frozenset(lines)
+        self.may_take_up = False
+        anew = self.violated_anew
+        for line in anew:
+            self._restart(line)
+        return anew
+
+    def keep_dropped(self) -> None:
+        """No dropped line can be kept here; it is asked again when a skill was completed."""
+        self.may_take_up = False
+
+    def _restart(self, line: str) -> None:
+        """The conjuncts of a line begin anew with the position that is left next."""
+        for reading in self._readings:
+            if reading.conjunct.name == line:
+                reading.restart(self._reached_s)
+                self._restarted = tuple(dict.fromkeys((*self._restarted, line)))
 
     def depart(self) -> None:
         """The vehicle is at no place, and leaves the one where it is."""
@@ -304,11 +305,9 @@ class TaskState:
         self.facts = self.facts | fact if holds else self.facts - fact
         if holds:
             self.risen |= fact
-        for reading in self._readings:
-            name = reading.conjunct.name
-            if holds and name in event.restarts:
-                reading.restart(self._reached_s)
-                self._restarted = tuple(dict.fromkeys((*self._restarted, name)))
+        for line in self._planner.mission.task:
+            if holds and line in event.restarts:
+                self._restart(line)
 
     def _letter(self, facts: frozenset[Fact]) -> Letter:
         """What the automata read at a position with some facts."""

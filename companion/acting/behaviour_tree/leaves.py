@@ -42,7 +42,8 @@ class AssumptionsHold(Leaf):
 class Precondition(Leaf):
     """Green block: the precondition holds, so the present position is left.
 
-    Before it, nothing of the action has begun: the moment for a better plan, if there may be one. A
+    Before it, nothing of the action has begun: the moment for a better plan, if there may be one,
+    and to wait until it is known whether a line of the task that was dropped can be taken up. A
     retry goes on with a flight that has failed from where that has ended.
 
     Args:
@@ -63,6 +64,9 @@ class Precondition(Leaf):
         task, intention = self._flight.task, self._intention
         if self._assumptions is not None and self._assumptions.may_do_better:
             return self.fail("")
+        if task.may_take_up and not self._flight.progress.is_landed_by_plan:
+            self._flight.hold()
+            return Status.RUNNING
         if intention.tries.is_any and (again := task.begin_again(intention.actions)) is not None:
             intention.action = again
             return Status.SUCCESS

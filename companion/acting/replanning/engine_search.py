@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from companion.acting.replanning.explanation import what_decides
 from companion.planning.engine_port import Engine, EngineFailure, EngineJob
 from companion.planning.lasso import Lasso, Letter, Problem
 
@@ -19,18 +18,12 @@ class EngineSearch:
     def __init__(self, engine: Engine) -> None:
         self._engine = engine
         self._job: EngineJob | None = None
-        self._about: tuple[object, ...] = ()
-
-    def is_outdated_by(self, problem: Problem) -> bool:
-        """Whether it works on a problem that differs from this one in more than costs."""
-        return self._job is not None and self._about != what_decides(problem)
 
     def step(
         self, problem: Problem, histories: Sequence[Sequence[Letter]], now_s: float
     ) -> Lasso | EngineFailure | None:
         """The part of a tick; the answer when it is known. What is outdated is abandoned before."""
         if self._job is None:
-            self._about = what_decides(problem)
             self._job = self._engine.begin(problem, histories, now_s)
         answer = self._job.answer(now_s)
         if answer is not None:

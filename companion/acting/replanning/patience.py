@@ -8,12 +8,15 @@ up at a limit, and where there would be no plan either if all of that had change
 
 The time counts from the first look without a plan since a skill was completed. So an event that
 flaps between a plan and none does not keep the vehicle in the air for ever.
+
+All of it is about the lines of the task that are never dropped.
 """
 
 from __future__ import annotations
 
 from companion.acting.flight import Flight
 from companion.errors import NoPlanError, SearchLimit
+from companion.planning.optional_lines import without_lines
 from companion.planning.planner import Planner
 
 BATTERY = frozenset({"BATTERY_STATUS", "SYS_STATUS"})
@@ -74,7 +77,8 @@ class Patience:
         if task.is_cut_off:
             return [*sorted(falling | returning), "the map"]
         try:
-            has_plan = self._planner.replan(*task.problem(falling, returning)) is not None
+            asked = without_lines(mission.optional, *task.problem(falling, returning))
+            has_plan = self._planner.replan(*asked) is not None
         except SearchLimit:
             has_plan = False
         return sorted(falling | returning) if has_plan else []

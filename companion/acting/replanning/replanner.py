@@ -1,7 +1,8 @@
 """Plans again in flight, in parts that each fit into a tick; the vehicle holds meanwhile.
 
 1. A plan waits until the routes on the map are known, but not for ever: a map may go on changing.
-2. A search in flight is small. If it finds no plan, the reason is searched for, a part in each
+2. A search in flight is small. It is for the lines of the task that can be kept, which are chosen
+   first; if it finds no plan, the reason is searched for. Both are done in parts, some in each
    tick; a change meanwhile, of more than costs, begins anew.
 3. An engine from outside is waited for; where it fails, the built-in search is asked.
 4. Plans for failed skills between which no skill is completed lead nowhere; after some in a row it
@@ -10,19 +11,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from companion.acting.flight import Flight
 from companion.acting.replanning.assumptions import FLAPPING_S, Assumptions
 from companion.acting.replanning.engine_search import EngineSearch
-from companion.acting.replanning.explanation import ExplanationSearch, what_decides
+from companion.acting.replanning.optional_lines import OptionalLines
 from companion.acting.replanning.reachability import Reachability
+from companion.acting.replanning.search_in_parts import SearchInParts, what_decides
 from companion.errors import NoPlanError, SearchLimit
 from companion.flight_events.facts import PlacesCutOff
 from companion.flight_events.plans import EngineFailed
 from companion.planning.engine_port import Engine, EngineFailure
-from companion.planning.lasso import Lasso, Letter, Problem
+from companion.planning.explain import Explanation, NoPlan
+from companion.planning.lasso import ChosenPlan, Lasso, Letter, Problem
+from companion.planning.optional_lines import without_lines
 from companion.planning.planner import Planner
 
 COMPARED = 1000
@@ -55,6 +59,7 @@ class Replanner:
 
     Attributes:
         reachability: the moves that the map leaves.
+        lines: which of the task plans keep.
 
     Args:
         planner: the mission's planner.
@@ -76,7 +81,8 @@ class Replanner:
         self._flight = flight
         self._assumptions = assumptions
         self._engine = EngineSearch(engine) if engine is not None else None
-        self._explanation: ExplanationSearch | None = None
+        self.lines = OptionalLines(planner, flight)
+        self._explanation: SearchInParts[Explanation] | None = None
         self._idle_replans = 0
         self._positions = 0
         self._looked_at: tuple[object, ...] = ()
@@ -99,6 +105,7 @@ class Replanner:
     def abandon(self) -> None:
         """Nobody waits for a plan any more."""
         self._explanation = None
+        self.lines.abandon()
         if self._engine is not None:
             self._engine.abandon()
 
@@ -106,7 +113,7 @@ class Replanner:
         """Plans that led nowhere do not count any more: the operator wants to go on."""
         self._idle_replans = 0
 
-    def step(self, due: DueReplan) -> Lasso | PlanFailure | None:
+    def step(self, due: DueReplan) -> ChosenPlan | PlanFailure | None:
         """The part of a tick; the plan, or why there is none, when that is known."""
         reachability, flight = self.reachability, self._flight
         reachability.search()
@@ -115,29 +122,43 @@ class Replanner:
         self.follow_map()
         problem, histories = flight.task.problem()
         self._looked_at, self._looked_s = what_decides(problem), flight.now_s
-        if self._explanation is not None:
-            if self._explanation.is_about(problem):
-                return self._explanation.step()
+        if self.lines.is_outdated_by(problem):
+            self.abandon()
             self._count_idle()  # what flaps must not be asked about for ever
-        if self._engine is not None and self._engine.is_outdated_by(problem):
-            self._engine.abandon()
-            self._count_idle()
         self._assumptions.forget_restored_beliefs()
         if self._planner.mission.tree is not None:
             return NoPlanError("no plan: the mission has a tree of its own")
         if self._idle_replans > MAX_IDLE_REPLANS:
             return NoPlanError(f"no plan: {MAX_IDLE_REPLANS} plans in a row led nowhere")
+        dropped = self.lines.choose(problem)
+        if dropped is None:
+            return None
+        kept = without_lines([each.line for each in dropped], problem, histories)
+        found = self._plan(*kept)
+        return ChosenPlan(found, dropped) if isinstance(found, Lasso) else found
+
+    def _plan(
+        self, problem: Problem, histories: Sequence[Sequence[Letter]]
+    ) -> Lasso | PlanFailure | None:
+        """The part of a tick of planning for the lines that are kept."""
+        if self._explanation is not None:
+            return self._explain(self._explanation)
         if self._engine is not None:
-            match self._engine.step(problem, histories, flight.now_s):
+            match self._engine.step(problem, histories, self._flight.now_s):
                 case EngineFailure(reason):
-                    flight.report(EngineFailed(reason))
+                    self._flight.report(EngineFailed(reason))
                 case answer:
                     return answer
         found = self._search(problem, histories)
         if found is not None:
             return found
-        self._explanation = ExplanationSearch(self._planner, problem)
-        return self._explanation.step()
+        self._explanation = SearchInParts(problem, self._planner.reasons(problem))
+        return self._explain(self._explanation)
+
+    def _explain(self, search: SearchInParts[Explanation]) -> NoPlan | None:
+        """The part of a tick of finding out why there is no plan."""
+        explanation = search.step()
+        return NoPlan(explanation) if explanation is not None else None
 
     def looks_again(self) -> bool:
         """Whether something has changed since the last look for a plan, a second ago or more."""
@@ -156,8 +177,16 @@ class Replanner:
         return change.cut_off
 
     def plan_now(self) -> Lasso | None:
-        """The plan that would be made now; None if none is found."""
-        found = self._search(*self._flight.task.problem())
+        """The plan that would be made now for the lines that are kept; None if none is found."""
+        return self._plan_without(self._flight.task.dropped)
+
+    @property
+    def is_possible(self) -> bool:
+        """Whether there is a plan for the lines of the task that are never dropped."""
+        return self._plan_without(self._flight.task.optional) is not None
+
+    def _plan_without(self, lines: Collection[str]) -> Lasso | None:
+        found = self._search(*without_lines(lines, *self._flight.task.problem()))
         return found if isinstance(found, Lasso) else None
 
     def search_confirms(self, lasso: Lasso) -> bool:

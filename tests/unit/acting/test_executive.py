@@ -23,8 +23,8 @@ from companion.acting.replan_triggers import (
     ReplanTriggers,
 )
 from companion.acting.replanning.assumptions import FLAPPING_S
-from companion.acting.replanning.explanation import SEARCHES_PER_TICK
 from companion.acting.replanning.replanner import MAX_IDLE_REPLANS
+from companion.acting.replanning.search_in_parts import SEARCHES_PER_TICK
 from companion.errors import NoPlanError, SearchLimit
 from companion.flight_events.facts import BeliefWithdrawn, MissionEventChanged
 from companion.flight_events.plans import (
@@ -532,6 +532,7 @@ def test_the_triggers_are_looked_at_in_their_order() -> None:
     assert [trigger.name for trigger in REPLAN_TRIGGERS] == [
         "the map cuts off a belief of the plan",
         "the task has a plan again",
+        "a line that was dropped can be kept",
         "the tree has failed",
-        "the task is violated",
+        "a line of the task is violated",
     ]

@@ -16,7 +16,7 @@ from companion.flight_events.plans import PlanMade
 from companion.mission.tree_nodes import Act
 from companion.motion.routes import RouteMap
 from companion.planning.builtin import restrictions
-from companion.planning.lasso import Lasso
+from companion.planning.lasso import ChosenPlan, Lasso
 from companion.planning.planner import Planner
 
 ROUND = "G F at(A) & G F at(B)"
@@ -28,8 +28,8 @@ def begun(prepared: PreparedMission) -> ActingParts:
 
 
 def first_lasso(prepared: PreparedMission) -> Lasso:
-    assert prepared.first_plan is not None and isinstance(prepared.first_plan.outcome, Lasso)
-    return prepared.first_plan.outcome
+    assert prepared.first_plan is not None and isinstance(prepared.first_plan.outcome, ChosenPlan)
+    return prepared.first_plan.outcome.lasso
 
 
 def forbid(monkeypatch: pytest.MonkeyPatch, owner: object, *names: str) -> None:

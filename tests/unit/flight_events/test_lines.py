@@ -74,7 +74,7 @@ def test_keys_stand_in_the_order_of_the_fields() -> None:
         '{"t_s": 1.25, "kind": "replan", "text": "replan 1: denied -> (wait)^w", '
         '"number": 1, "reason": "denied", "prefix": [], '
         '"loop": [{"action": "wait", "skill": "wait", "arguments": [], "cost_s": 0.1}], '
-        '"prefix_cost_s": 0.0, "lap_cost_s": 0.1}'
+        '"prefix_cost_s": 0.0, "lap_cost_s": 0.1, "dropped": []}'
     )
 
 

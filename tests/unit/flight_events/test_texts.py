@@ -29,6 +29,8 @@ from companion.flight_events.hosting import (
 from companion.flight_events.plans import (
     EngineFailed,
     LapCompleted,
+    LineDropped,
+    LineTakenUp,
     NoPlanFound,
     PlanAwaited,
     PlanMade,
@@ -90,6 +92,9 @@ TEXTS: list[tuple[FlightEvent, str]] = [
         PlanReplaced(2, "target found", PlannedLasso((), (MOVE, WAIT), 0.0, 5.9)),
         "replan 2: target found -> (move(Home, A), wait)^w",
     ),
+    (LineDropped("far", "no plan keeps it"), "far dropped: no plan keeps it"),
+    (LineTakenUp("far", anew=False), "far taken up again"),
+    (LineTakenUp("far", anew=True), "far begins anew"),
     (NoPlanFound(3, "low battery", "no plan: why"), "replan 3: low battery: no plan: why"),
     (
         PlanAwaited("no plan: visit cannot hold from here.", 60.0, "covered"),

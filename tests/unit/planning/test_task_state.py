@@ -319,3 +319,67 @@ def test_who_departs_leaves_the_position_as_it_was() -> None:
     task.depart()
     assert [set(position.facts) for position in task.left] == [{"at(H)"}]
     assert task.facts == {"at(here)"}
+
+
+# -- lines that may be dropped ---------------------------------------------------------------------
+
+CALM = event("wind")
+OPTIONAL = mission({"go": "G F at(A)", "calm": "G !wind"}, events=[CALM], priorities={"calm": 1})
+
+
+def test_a_line_that_may_be_dropped_is_no_violation_of_the_task() -> None:
+    task = state(OPTIONAL)
+    task.take(CALM, True)
+    perform(task, "move(H, A)")
+    assert (task.violated, task.violated_anew) == ((), ("calm",))
+    (position,) = task.left
+    assert [conjunct.name for conjunct in position.violated] == ["calm"]
+
+
+def test_a_violated_line_is_planned_for_as_if_it_began_anew() -> None:
+    task = state(OPTIONAL)
+    task.take(CALM, True)
+    task.begin(action(task, "move(H, A)"))
+    assert letters(task, 1) == [] and letters(task) == [{"at(H)", "wind"}]
+    assert task.problem()[0].automaton_states[1] == task.problem()[0].conjuncts[1].automaton.initial
+
+
+def test_a_line_that_is_taken_up_after_a_violation_begins_anew() -> None:
+    task = state(OPTIONAL)
+    task.take(CALM, True)
+    assert task.drop(["calm"]) == ()
+    perform(task, "move(H, A)")
+    assert task.may_take_up and task.violated_anew == ()
+    task.take(CALM, False)
+    assert task.drop([]) == ("calm",)
+    perform(task, "move(A, H)")
+    task.leave()
+    assert [(p.dropped, p.restarted) for p in task.left] == [
+        (("calm",), ()),
+        ((), ("calm",)),
+        ((), ()),
+    ]
+    assert letters(task, 1) == [{"at(A)"}, {"at(H)"}] and task.violated_anew == ()
+
+
+def test_a_dropped_line_has_no_part_in_laps() -> None:
+    lines = {"go": "G F at(A)", "far": "G F at(B)"}
+    task = state(mission(lines, priorities={"far": 1}))
+    task.drop(["far"])
+    for name in ("move(H, A)", "move(A, H)", "move(H, A)", "move(A, H)"):
+        perform(task, name)
+    assert task.laps == 2
+    task.drop([])
+    for name in ("move(H, A)", "move(A, H)"):
+        perform(task, name)
+    assert task.laps == 2
+
+
+def test_since_when_a_dropped_line_waits_is_known_when_it_is_taken_up() -> None:
+    task = state(mission({"go": "G F at(A)", "far": "G F at(B)"}, priorities={"far": 1}))
+    task.drop(["far"])
+    for now_s, name in enumerate(("move(H, A)", "move(A, H)", "move(H, A)"), 1):
+        performed = action(task, name)
+        task.begin(performed)
+        task.complete(performed, float(now_s))
+    assert task.problem()[0].waiting_since_ms == (3000, 0)

@@ -96,11 +96,12 @@ def test_a_text_of_many_lines_is_one_line_of_the_file(run: RunFolder) -> None:
 
 
 def test_each_plan_is_a_file_by_its_number(run: RunFolder) -> None:
-    run.report(Stamped(0.0, PlanMade({"visit": "F at(A)"}, REST)))
+    task = {"visit": "F at(A)", "look": "F at(B)"}
+    run.report(Stamped(0.0, PlanMade(task, REST, {"look": 2}, ("look",))))
     run.report(Stamped(9.0, PlanReplaced(1, "target found", REST)))
     about: list[dict[str, object]] = [
-        {"number": 0, "task": {"visit": "F at(A)"}},
-        {"number": 1, "reason": "target found"},
+        {"number": 0, "task": task, "priorities": {"look": 2}, "dropped": ["look"]},
+        {"number": 1, "reason": "target found", "dropped": []},
     ]
     for number, known in enumerate(about):
         text = (run.folder / f"plan-{number}.json").read_text(encoding="utf-8")
