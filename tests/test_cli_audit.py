@@ -195,25 +195,30 @@ Write = Callable[..., Path]
 
 
 class Begun(NamedTuple):
-    """A position with which conjuncts begin anew."""
+    """A position with which conjuncts begin anew, or at which they are dropped."""
 
     facts: str
-    restarted: tuple[str, ...]
+    restarted: tuple[str, ...] = ()
+    dropped: tuple[str, ...] = ()
 
 
 @pytest.fixture
 def write(tmp_path: Path) -> Iterator[Write]:
     """Writes the record of a flight; its positions are given by their facts in one text."""
 
-    def written(task: dict[str, str], *positions: str | Begun, rests: bool = False) -> Path:
-        happened: list[FlightEvent] = [WrittenTreeAdopted(task)]
+    def written(
+        task: dict[str, str],
+        *positions: str | Begun,
+        rests: bool = False,
+        priorities: dict[str, int] | None = None,
+    ) -> Path:
+        happened: list[FlightEvent] = [WrittenTreeAdopted(task, priorities or {})]
         for number, given in enumerate(positions):
-            begun = given if isinstance(given, Begun) else Begun(given, ())
+            begun = given if isinstance(given, Begun) else Begun(given)
             is_last = number == len(positions) - 1
             facts = tuple(begun.facts.split())
-            happened.append(
-                PositionLeft(number, facts, (), 0.0, (), begun.restarted, rests and is_last)
-            )
+            rest = rests and is_last, begun.dropped
+            happened.append(PositionLeft(number, facts, (), 0.0, (), begun.restarted, *rest))
         happened.append(TaskSatisfied())
         lines = [line_of(Stamped(1.0 * i, event)) for i, event in enumerate(happened)]
         text = "".join(json.dumps(line) + "\n" for line in lines)
@@ -303,6 +308,48 @@ def test_a_violation_stays_one_when_its_conjunct_begins_anew(
 ) -> None:
     anew = Begun("", ("it",))
     assert outcomes(companion, write({"it": "G !p"}, "p", anew))[1] == {"it": ("violated", 0)}
+
+
+DROPPED = [Begun("", dropped=("it",)), Begun("q", dropped=("it",))]
+
+
+@pytest.mark.parametrize(
+    ("formula", "positions", "outcome", "told"),
+    [
+        ("G F p", ["p", *DROPPED], "unfulfilled", "priority 2, dropped at positions 1 to 2"),
+        ("G !q", ["", *DROPPED], "violated", "priority 2, dropped at positions 1 to 2"),
+        ("G !p", ["p", DROPPED[0]], "violated", "priority 2, dropped at position 1"),
+        ("F p", ["", DROPPED[0], ""], "unfulfilled", "priority 2, dropped at position 1"),
+        ("G p", [*DROPPED, "p"], "violated", "priority 2, dropped at positions 0 to 1"),
+        ("F q", [DROPPED[0], "", DROPPED[1]], "fulfilled", "priority 2, dropped at positions 0, 2"),
+        ("F p", ["p"], "fulfilled", "priority 2, never dropped"),
+    ],
+)
+def test_a_line_that_may_be_dropped_is_told_and_is_no_failure(
+    formula: str,
+    positions: list[str | Begun],
+    outcome: str,
+    told: str,
+    companion: Companion,
+    write: Write,
+) -> None:
+    run = write({"it": formula}, *positions, rests=True, priorities={"it": 2})
+    code, found = outcomes(companion, run)
+    assert (code, found["it"][0]) == (0, outcome)
+    assert f"\n           {told}\n" in companion("audit", run).out
+
+
+def test_a_line_that_was_violated_is_judged_from_where_it_was_taken_up(
+    companion: Companion, write: Write
+) -> None:
+    positions = ["p", Begun("", dropped=("it",)), Begun("", ("it",)), ""]
+    run = write({"it": "G !p"}, *positions, rests=True, priorities={"it": 1})
+    (conjunct,) = json.loads(companion("audit", run, "--json").out)["conjuncts"]
+    assert (conjunct["outcome"], conjunct["whole"]) == ("satisfied", "violated")
+    assert (conjunct["priority"], conjunct["dropped"]) == (1, [[1, 1]])
+    told = companion("audit", run).out
+    assert "violated over the whole flight; satisfied since position 2" in told
+    assert "it is dropped" in told
 
 
 def test_a_record_that_told_of_no_violation_is_noticed(companion: Companion, write: Write) -> None:

@@ -50,11 +50,14 @@ def audit(
     A line that an event has made begin anew (restarts) counts from there on, which is not its truth
     over the whole flight: both are told, and the exit code goes by the former.
 
+    A line with a priority is told with the positions at which it was dropped. If it was violated it
+    counts from where it was taken up again. It changes no exit code.
+
     \b
     Exit codes:
       0  the flight satisfies the task, or nothing speaks against it so far
       2  RUN is no run folder, or a line of it is not as documented
-      6  a conjunct is violated, or is not fulfilled by the rest at the end
+      6  a conjunct that may not be dropped is violated, or is not fulfilled by the rest at the end
 
     A run that was cut off is audited as far as it goes. What the lines of events.jsonl mean is said
     in docs/run-folder.md.
@@ -75,7 +78,7 @@ def audit(
         typer.echo(json.dumps(answer, indent=2))
     else:
         _print(run, record, result)
-    failed = dict.fromkeys(f.name for f in result.findings if f.outcome.is_failure)
+    failed = dict.fromkeys(f.name for f in result.findings if f.is_failure)
     if failed:
         raise TaskViolated(f"the flight does not satisfy the task: {', '.join(failed)}")
 
@@ -96,11 +99,22 @@ def _print(run: Path, record: RunRecord, result: Audit) -> None:
     for finding in result.findings:
         words = WORDS[finding.outcome.value].format(finding.position)
         typer.echo(f"{finding.name:<10} {words:<26} {finding.formula}")
+        if finding.priority is not None:
+            typer.echo(f"{'':<10} priority {finding.priority}, {_dropped(finding)}")
         if finding.since:
             whole, since = IS_HELD[finding.whole.value], IS_HELD[finding.outcome.value]
             typer.echo(
                 f"{'':<10} {whole} over the whole flight; {since} since position {finding.since}"
             )
+
+
+def _dropped(finding: Finding) -> str:
+    """Where a line of the task was dropped."""
+    if not finding.dropped:
+        return "never dropped"
+    spans = [f"{a} to {b}" if a < b else str(a) for a, b in finding.dropped]
+    is_one = len(spans) == 1 and finding.dropped[0][0] == finding.dropped[0][1]
+    return f"dropped at position{'s' * (not is_one)} {', '.join(spans)}"
 
 
 def _row(position: PositionLeft, time_s: float, findings: tuple[Finding, ...]) -> str:
@@ -109,6 +123,7 @@ def _row(position: PositionLeft, time_s: float, findings: tuple[Finding, ...]) -
     states = "".join(SYMBOLS[finding.states[position.number].value] for finding in findings)
     notes = [f"{name} had risen" for name in sorted(position.risen)]
     notes += [f"{name} begins anew" for name in sorted(position.restarted)]
+    notes += [f"{name} is dropped" for name in sorted(position.dropped)]
     withdrawn = ", ".join(sorted(position.withdrawn))
     notes += [f"without {withdrawn}"] if withdrawn else []
     notes += ["and so for ever"] if position.for_ever else []

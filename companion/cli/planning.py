@@ -135,10 +135,9 @@ def plan(
             asked = _as_json(planner, problem, time.perf_counter() - start_s)
             typer.echo(json.dumps(asked | nothing | {"reason": reason.explanation.as_json()}))
         raise
-    search_s = time.perf_counter() - start_s
     if as_json:
-        answer = _as_json(planner, problem, search_s) | solution.as_json()
-        typer.echo(json.dumps(answer, indent=2))
+        asked = _as_json(planner, problem, time.perf_counter() - start_s)
+        typer.echo(json.dumps(asked | solution.as_json(), indent=2))
     else:
         _print(planner, problem, solution)
 

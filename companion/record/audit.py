@@ -7,12 +7,16 @@ direct semantics of LTL decides each conjunct without any automaton.
 An event may have made conjuncts begin anew (`restarts`); what such a conjunct had read before is
 then dropped, but a violation that has happened stays one. That is not the formula's truth over the
 whole flight, so the outcome without any restart stands beside it.
+
+A line with a priority is dropped where no plan keeps it. It is read on, and judged like all others;
+but the flight does not fail for it. If it was violated it begins anew when it is taken up, and is
+judged from there on. The positions at which it was dropped are named.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 
 from companion.flight_events.word import PositionLeft
@@ -46,6 +50,8 @@ class Finding:
             and UNFULFILLED if the rest does that follows for ever; else OPEN: it holds so far.
         since: the position with which it began anew last, 0 if it never did. What was read before
             is dropped, but for a violation.
+        priority: of a line that may be dropped; None for all others.
+        dropped: first and last position of each span in which the plan did not keep it.
         whole: the outcome over the whole flight, as if it had never begun anew; not the same as
             `outcome` where the paper's forgetting is asked for by `restarts`.
         states: what the word says after each position.
@@ -58,6 +64,13 @@ class Finding:
     since: int
     whole: ConjunctOutcome
     states: tuple[TruthValue, ...]
+    priority: int | None = None
+    dropped: tuple[tuple[int, int], ...] = ()
+
+    @property
+    def is_failure(self) -> bool:
+        """Whether the flight has failed for it."""
+        return self.outcome.is_failure and self.priority is None
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +88,7 @@ class Audit:
     @property
     def is_failure(self) -> bool:
         """Whether the flight does not satisfy the task."""
-        return any(finding.outcome.is_failure for finding in self.findings)
+        return any(finding.is_failure for finding in self.findings)
 
 
 def audit(record: RunRecord) -> Audit:
@@ -91,7 +104,7 @@ def audit(record: RunRecord) -> Audit:
     ]
     found = {(reading.name, number) for reading in readings for number in reading.violated}
     differs = tuple(sorted(found ^ record.violations))
-    return Audit(tuple(_finding(reading, record.positions) for reading in readings), differs)
+    return Audit(tuple(_finding(reading, record) for reading in readings), differs)
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,6 +123,11 @@ class _Reading:
     states: tuple[TruthValue, ...]
     violated: tuple[int, ...]
 
+    @property
+    def since_begun(self) -> _Reading:
+        """The same without what was before it has begun."""
+        return replace(self, violated=tuple(n for n in self.violated if n >= self.begun))
+
 
 def _read(
     name: str, formula: Formula, positions: Iterable[PositionLeft], begins_anew: bool = True
@@ -126,15 +144,40 @@ def _read(
     return _Reading(name, formula, begun, tuple(states), tuple(violated))
 
 
-def _finding(reading: _Reading, positions: tuple[PositionLeft, ...]) -> Finding:
-    outcome, number = _outcome(reading, positions)
+def _finding(reading: _Reading, record: RunRecord) -> Finding:
+    positions, priority = record.positions, record.priorities.get(reading.name)
+    judged = reading if priority is None else reading.since_begun
+    outcome, number = _outcome(judged, positions)
     whole = outcome
     if reading.begun:
         never_anew = _read(reading.name, reading.formula, positions, begins_anew=False)
         whole, _ = _outcome(never_anew, positions)
     return Finding(
-        reading.name, reading.formula, outcome, number, reading.begun, whole, reading.states
+        name=reading.name,
+        formula=reading.formula,
+        outcome=outcome,
+        position=number,
+        since=reading.begun,
+        whole=whole,
+        states=reading.states,
+        priority=priority,
+        dropped=_spans(p.number for p in positions if reading.name in p.dropped),
     )
+
+
+def _spans(numbers: Iterable[int]) -> tuple[tuple[int, int], ...]:
+    """The spans of successive numbers.
+
+    >>> _spans([2, 3, 4, 7])
+    ((2, 4), (7, 7))
+    """
+    spans: list[tuple[int, int]] = []
+    for number in numbers:
+        if spans and spans[-1][1] == number - 1:
+            spans[-1] = (spans[-1][0], number)
+        else:
+            spans.append((number, number))
+    return tuple(spans)
 
 
 def _outcome(
@@ -169,6 +212,8 @@ def as_json(record: RunRecord, result: Audit) -> Mapping[str, object]:
                 "position": finding.position,
                 "since": finding.since,
                 "whole": finding.whole.value,
+                "priority": finding.priority,
+                "dropped": [list(span) for span in finding.dropped],
             }
             for finding in result.findings
         ],
@@ -180,6 +225,7 @@ def as_json(record: RunRecord, result: Audit) -> Mapping[str, object]:
                 "risen": sorted(position.risen),
                 "withdrawn": sorted(position.withdrawn),
                 "restarted": sorted(position.restarted),
+                "dropped": sorted(position.dropped),
                 "states": [finding.states[position.number].value for finding in result.findings],
             }
             for position, time_s in zip(record.positions, record.times_s, strict=True)

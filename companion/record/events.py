@@ -31,6 +31,7 @@ class RunRecord:
     """What a run left behind of its task.
 
     Attributes:
+        priorities: of the lines of the task that may be dropped.
         positions: the word; the vehicle may rest at the last one for ever.
         times_s: when each position was left, in seconds since the run began.
         violations: conjunct and position of each violation that was found in flight.
@@ -40,6 +41,7 @@ class RunRecord:
     """
 
     task: Mapping[str, Formula]
+    priorities: Mapping[str, int]
     positions: tuple[PositionLeft, ...]
     times_s: tuple[float, ...]
     violations: frozenset[tuple[str, int]]
@@ -84,6 +86,7 @@ def _record(
     events: Iterable[tuple[Stamped, Location | KeyPath]], name: str, is_torn: bool
 ) -> RunRecord:
     task: dict[str, Formula] | None = None
+    priorities: Mapping[str, int] = {}
     positions: list[PositionLeft] = []
     times_s: list[float] = []
     violations: set[tuple[str, int]] = set()
@@ -91,8 +94,8 @@ def _record(
     ending: RunEnded | None = None
     for stamped, where in events:
         match stamped.event:
-            case PlanMade(task=texts) | WrittenTreeAdopted(task=texts):
-                task = _formulas(texts, where)
+            case PlanMade() | WrittenTreeAdopted() as first:
+                task, priorities = _formulas(first.task, where), first.priorities
             case PositionLeft() as position:
                 _demand_next(position.number, len(positions), where)
                 positions.append(position)
@@ -107,7 +110,7 @@ def _record(
         why = f": {ending.text}" if ending else ""
         raise MissionError(f"{name}: no plan was made in this run, so nothing was flown{why}")
     word = tuple(positions), tuple(times_s), frozenset(violations)
-    return RunRecord(task, *word, tree, ending, is_torn)
+    return RunRecord(task, priorities, *word, tree, ending, is_torn)
 
 
 def _is_json(text: bytes) -> bool:
