@@ -51,8 +51,9 @@ def selecting(
     dropped = list(optional)
     if is_solvable(without_lines(dropped, problem)[0]):
         for line in optional:
-            yield None
             rest = [other for other in dropped if other != line]
+            if rest:
+                yield None
             found = is_solvable(without_lines(rest, problem)[0]) if rest else whole
             if found:
                 dropped = rest

@@ -17,7 +17,7 @@ from lockstep import Lockstep
 from companion.acting.flight import TICK_S
 from companion.flight_events.event import FlightEvent
 from companion.flight_events.facts import BeliefWithdrawn, MissionEventChanged
-from companion.flight_events.plans import NoPlanFound, PlanReplaced
+from companion.flight_events.plans import LineDropped, LineTakenUp, NoPlanFound, PlanReplaced
 from companion.flight_events.skills import (
     PlaceReached,
     RouteBlocked,
@@ -33,7 +33,10 @@ from companion.planning.domain import Action, departures, instantiate
 from sitl.world.scenario import read_scenario
 
 MISSIONS = Path(__file__).parents[2] / "missions"
-TOLD = (MissionEventChanged, SkillCompleted, SkillFailed, BeliefWithdrawn, RouteBlocked, RunEnded)
+TOLD = (
+    *(MissionEventChanged, SkillCompleted, SkillFailed, BeliefWithdrawn, RouteBlocked, RunEnded),
+    *(LineDropped, LineTakenUp),
+)
 
 
 class Replanned(NamedTuple):

@@ -12,6 +12,7 @@ import pytest
 from shipped import Replanned, ShippedFlight, Story, distance_from_home_m
 
 from companion.flight_events.facts import BeliefWithdrawn, MissionEventChanged
+from companion.flight_events.plans import LineDropped, LineTakenUp
 from companion.flight_events.skills import (
     RouteBlocked,
     RouteResponse,
@@ -19,6 +20,7 @@ from companion.flight_events.skills import (
     SkillFailed,
 )
 from companion.flight_events.sortie import RunFailed, TaskSatisfied
+from companion.planning.optional_lines import NO_PLAN as NO_PLAN_KEEPS_IT
 from companion.vehicle_profile import VehicleProfile
 
 QUAD = VehicleProfile()
@@ -85,6 +87,18 @@ SHIPPED = (
         "return_home",
         [
             *("Gate", "Store", "Dock", "Gate"),
+            *(*noticed("calledHome", "called home"), "Home", TaskSatisfied()),
+        ],
+    ),
+    Shipped(
+        "night_watch",
+        "night_watch",
+        [
+            *("Gate", "Dock", "Store", "Gate"),
+            *(MissionEventChanged("dockInUse", holds=True), LineDropped("dock", NO_PLAN_KEEPS_IT)),
+            *(Replanned("dock in use"), "Gate", "Store", "Gate", "Store"),
+            *(MissionEventChanged("dockInUse", holds=False), "Gate"),
+            *(LineTakenUp("dock", anew=False), Replanned("dock has a plan again"), "Dock"),
             *(*noticed("calledHome", "called home"), "Home", TaskSatisfied()),
         ],
     ),

@@ -1,4 +1,5 @@
 // The task: for each conjunct its automaton. Where it may be is filled, what is accepting has a ring.
+// What the plan drops is told, and read on.
 
 import { byId, html, svg } from "./dom.js";
 
@@ -11,12 +12,14 @@ export class TaskView {
       this.rows = state.automata.map(drawn);
       byId("automata").replaceChildren(...this.rows.map((row) => row.element));
     }
-    if (this.told === state.touched.states) return;
-    this.told = state.touched.states;
+    const version = ["automata", "states", "dropped", "taken up"].map((kind) => state.touched[kind]).join();
+    if (this.told === version) return;
+    this.told = version;
     this.rows?.forEach((row, i) => {
       const here = state.states[i] ?? [];
       row.nodes.forEach((node, n) => node.toggleAttribute("data-here", here.includes(n)));
       row.element.toggleAttribute("data-violated", !here.length);
+      row.element.toggleAttribute("data-dropped", state.dropped.has(row.conjunct));
     });
   }
 }
@@ -37,9 +40,10 @@ function drawn({ conjunct, formula, accepting, arrows }) {
   }, ...lines, ...nodes);
   const element = html("div", { class: "conjunct" },
     html("div", { class: "says" }, html("strong", {}, conjunct),
-      html("span", { class: "verdict" }, " violated"), html("code", { title: formula }, formula)),
+      html("span", { class: "verdict" }, " violated"), html("span", { class: "left-out" }, " dropped"),
+      html("code", { title: formula }, formula)),
     drawing);
-  return { element, nodes };
+  return { element, nodes, conjunct };
 }
 
 // Onwards above the middle, back below it, to itself a loop on top; each ends in a small head.

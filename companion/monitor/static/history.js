@@ -60,7 +60,7 @@ export class History {
 function fresh() {
   return {
     time_s: -Infinity, count: 0, touched: {}, nodes: [], statuses: [], said: [], legs: [],
-    automata: [], states: [], withdrawn: new Set(), facts: new Map(), cells: new Map(),
+    automata: [], states: [], dropped: new Set(), withdrawn: new Set(), facts: new Map(), cells: new Map(),
     plan: null, phase: "", ending: null, planned_s: 0,
   };
 }
@@ -92,6 +92,12 @@ function apply(state, event) {
       break;
     case "states":
       state.states = event.states;
+      break;
+    case "dropped":
+      state.dropped.add(event.line);
+      break;
+    case "taken up":
+      state.dropped.delete(event.line);
       break;
     case "withdrawn":
       state.withdrawn.add(event.belief);
