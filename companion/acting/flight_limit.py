@@ -70,6 +70,8 @@ class LimitWatch:
         """How the flight has ended, with what is known of the task; None if not at its limit."""
         if self.called_home_for is None:
             return None
-        names = ", ".join(self._flight.task.violated)
+        task = self._flight.task
+        names, dropped = ", ".join(task.violated), ", ".join(sorted(task.dropped))
         verdict = f"{names} violated" if names else "the task holds so far"
+        verdict += f", without {dropped}" if dropped else ""
         return EndedAtLimit(self.called_home_for, verdict)

@@ -70,6 +70,7 @@ class TaskState:
         facts: what holds, without the beliefs.
         risen: events that have risen since the last letter was read.
         withdrawn: beliefs that were disproved, or that the map contradicts.
+        completed: how many skills were completed, each of which has appended a position.
         positions: how many positions have been left.
         laps: how many laps of the task they were.
         left: those of them that nobody has collected yet.
@@ -92,7 +93,7 @@ class TaskState:
         self._failed: frozenset[Fact] = frozenset()
         self._cut_off: frozenset[Fact] = frozenset()
         self.positions = self.laps = 0
-        self._reached_s, self._has_completed = 0.0, False
+        self._reached_s, self.completed = 0.0, 0
         self.left: list[Position] = []
         self.running: Action | None = None
         self.dropped: frozenset[str] = frozenset()
@@ -150,7 +151,7 @@ class TaskState:
             unread = frozenset()
         is_en_route = AT_HERE in facts
         problem = self._planner.problem(facts, states, withdrawn, is_en_route, unread)
-        if self._has_completed:
+        if self.completed:
             since_ms = tuple(round(1000 * min(marks, default=0.0)) for marks in waiting)
             problem = replace(problem, waiting_since_ms=since_ms)
         return problem, histories
@@ -186,7 +187,8 @@ class TaskState:
 
     def complete(self, action: Action, now_s: float) -> None:
         """Appends the position that an action leads to."""
-        self._reached_s, self._has_completed = now_s, True
+        self._reached_s = now_s
+        self.completed += 1
         self.facts = action.apply(self.facts)
         self.withdrawn = frozenset(b for b in self.withdrawn if HERE not in b.arguments)
         self._is_read = False

@@ -8,12 +8,16 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 from browsing import LIMIT_S, Open, Watched
 from playwright.sync_api import Browser, ViewportSize, sync_playwright
 
+from companion import load_mission, simulate
+
+NIGHT_WATCH = Path(__file__).parents[2] / "missions" / "night_watch.yaml"
 CHROMIUM = shutil.which("chromium")
 
 
@@ -52,7 +56,22 @@ def open_page(browser: Browser) -> Iterator[Open]:
 @pytest.fixture
 def recorded(surveillance_run: Path) -> Iterator[str]:
     """The address of a replay."""
-    command = [sys.executable, "-m", "companion", "replay", str(surveillance_run), "--port", "0"]
+    with replayed(surveillance_run) as address:
+        yield address
+
+
+@pytest.fixture
+def watch_recorded(tmp_path: Path) -> Iterator[str]:
+    """The address of a replay of a flight that drops a line of its task, and takes it up again."""
+    simulate(load_mission(NIGHT_WATCH), folder=tmp_path / "run")
+    with replayed(tmp_path / "run") as address:
+        yield address
+
+
+@contextmanager
+def replayed(run: Path) -> Iterator[str]:
+    """The address of a replay of a run."""
+    command = [sys.executable, "-m", "companion", "replay", str(run), "--port", "0"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         address = re.search(r"http://\S+", process.stdout.readline())

@@ -69,3 +69,18 @@ def test_it_fits_the_window_at_any_time(width: int, recorded: str, open_page: Op
     for selector in ("#hall", "#time", "#lines", "#tree", "#automata"):
         box = replay.page.locator(selector).bounding_box()
         assert box and box["x"] >= 0 and box["x"] + box["width"] <= width, selector
+
+
+def test_a_line_that_is_dropped_is_told_as_long_as_it_is(
+    watch_recorded: str, open_page: Open
+) -> None:
+    replay = open_page(watch_recorded)
+    replay.until("document.querySelector('#lines')?.innerText.includes('dock taken up again')")
+    replay.page.keyboard.press(" ")
+    told = "[...document.querySelectorAll('.conjunct[data-dropped] strong')].map(e => e.innerText)"
+    replay.page.locator("#lines button", has_text="dock dropped: no plan keeps it").click()
+    replay.until(f"{told}.join() === 'dock'")
+    assert replay.page.locator("[data-dropped] .left-out").is_visible()
+    replay.page.locator("#lines button", has_text="dock taken up again").click()
+    replay.until(f"{told}.length === 0")
+    assert not replay.page.locator(".conjunct .left-out").first.is_visible()

@@ -13,6 +13,8 @@ from companion.flight_events.plans import LineDropped, LineTakenUp
 from companion.planning.lasso import DroppedLine, Problem
 from companion.planning.planner import Planner
 
+LED_NOWHERE = "several plans in a row led nowhere"
+
 
 class OptionalLines:
     """Knows which lines to drop.
@@ -35,6 +37,11 @@ class OptionalLines:
     def abandon(self) -> None:
         """Nobody asks any more which lines to drop."""
         self._dropping = self._taking_up = None
+
+    @property
+    def all_in_vain(self) -> tuple[DroppedLine, ...]:
+        """All of them, to be dropped where plans led nowhere."""
+        return tuple(DroppedLine(line, LED_NOWHERE) for line in self._planner.mission.optional)
 
     def choose(self, problem: Problem) -> tuple[DroppedLine, ...] | None:
         """The lines that a new plan has to drop; None until it is known.

@@ -5,8 +5,9 @@
    first; if it finds no plan, the reason is searched for. Both are done in parts, some in each
    tick; a change meanwhile, of more than costs, begins anew.
 3. An engine from outside is waited for; where it fails, the built-in search is asked.
-4. Plans for failed skills between which no skill is completed lead nowhere; after some in a row it
-   is given up. A plan for an event is none of them: the one before was not wrong.
+4. Plans for failed skills between which no skill is completed lead nowhere; after some in a row all
+   optional lines are dropped, and without any it is given up. A plan for an event is none of them:
+   the one before was not wrong.
 """
 
 from __future__ import annotations
@@ -84,7 +85,7 @@ class Replanner:
         self.lines = OptionalLines(planner, flight)
         self._explanation: SearchInParts[Explanation] | None = None
         self._idle_replans = 0
-        self._positions = 0
+        self._completed = 0
         self._looked_at: tuple[object, ...] = ()
         self._looked_s = 0.0
 
@@ -128,9 +129,10 @@ class Replanner:
         self._assumptions.forget_restored_beliefs()
         if self._planner.mission.tree is not None:
             return NoPlanError("no plan: the mission has a tree of its own")
-        if self._idle_replans > MAX_IDLE_REPLANS:
+        is_in_vain = self._idle_replans > MAX_IDLE_REPLANS
+        if is_in_vain and flight.task.dropped == flight.task.optional:
             return NoPlanError(f"no plan: {MAX_IDLE_REPLANS} plans in a row led nowhere")
-        dropped = self.lines.choose(problem)
+        dropped = self.lines.all_in_vain if is_in_vain else self.lines.choose(problem)
         if dropped is None:
             return None
         kept = without_lines([each.line for each in dropped], problem, histories)
@@ -209,6 +211,6 @@ class Replanner:
 
     def _count_idle(self) -> None:
         """Counts replans between which the task's word has not grown."""
-        positions = self._flight.task.positions
-        self._idle_replans = 0 if positions > self._positions else self._idle_replans + 1
-        self._positions = positions
+        completed = self._flight.task.completed
+        self._idle_replans = 0 if completed > self._completed else self._idle_replans + 1
+        self._completed = completed

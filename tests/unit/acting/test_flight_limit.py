@@ -77,6 +77,15 @@ def test_after_its_time_in_the_middle_of_a_leg() -> None:
     assert run.reports[-1].event == EndedAtLimit("25 s", "the task holds so far")
 
 
+def test_what_is_dropped_at_the_end_is_told() -> None:
+    lines = {"patrol": PATROL, "dry": "G !at(C)", "far": "G F at(C)"}
+    asked = mission(lines, places="HABC", priorities={"far": 1})
+    run = SortieRig(asked, limit=FlightLimit(laps=2)).until(Phase.ENDED)
+    told = EndedAtLimit("2 laps", "the task holds so far, without far")
+    assert run.reports[-1].event == told and run.sortie.failure is None
+    assert run.places == ["A", "B", "A", "B"]
+
+
 def test_a_task_that_ends_before_ends_as_ever() -> None:
     run = SortieRig(mission("F at(A)"), limit=FlightLimit(laps=1, duration_s=500.0)).until(
         Phase.ENDED

@@ -7,10 +7,11 @@ from dataclasses import replace
 
 import pytest
 from rig import Rig
-from synthetic import command, event, facts_of, mission, reading
+from synthetic import command, event, facts_of, mission, reading, skill
 
 from companion.acting.executive_states import ExecutiveState, TaskStatus
 from companion.acting.flight import TICK_S
+from companion.acting.replanning.optional_lines import LED_NOWHERE
 from companion.flight_events.facts import MissionEventChanged
 from companion.flight_events.plans import (
     LineDropped,
@@ -24,7 +25,7 @@ from companion.flight_events.skills import PlaceReached
 from companion.flight_events.word import ConjunctViolated
 from companion.ltl.semantics import holds
 from companion.mission.facts import Fact
-from companion.mission.model import Event, Mission, Otherwise
+from companion.mission.model import Command, Event, Mission, Otherwise
 from companion.planning.engine_port import EngineFailure, EngineJob
 from companion.planning.lasso import Lasso, Letter, Problem
 from companion.planning.optional_lines import NO_PLAN
@@ -188,6 +189,17 @@ def test_there_is_no_hope_in_what_helps_an_optional_line_alone() -> None:
     rig.tick(reading("rain"))
     rig.run(lambda: rig.executive.status is TaskStatus.NO_PLAN)
     assert not rig.of(PlanAwaited)
+
+
+def test_what_is_tried_in_vain_for_an_optional_line_does_not_end_the_mission() -> None:
+    """A skill that assumes nothing may fail again and again."""
+    lines = {"near": "F at(A) & F at(H)", "look": "F seen"}
+    look = skill("look", Command(25, 31010, "MAV_CMD_USER_1", ()), "", "at(H)", (), "seen")
+    rig = Rig(mission(lines, skills=[look], priorities={"look": 1})).begin()
+    rig.vehicle.answers = [(0.1, Failed("denied"))] * 50
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED
+    assert rig.of(LineDropped)[-1] == LineDropped("look", LED_NOWHERE)
+    assert places(rig) == ["A", "H"]
 
 
 def test_laps_are_those_of_the_lines_that_are_kept() -> None:
