@@ -6,6 +6,8 @@ when it is taken up again.
 
 from __future__ import annotations
 
+from copy import copy
+
 from companion.ltl.monitor import Runs
 from companion.planning.lasso import Conjunct, Letter
 
@@ -36,7 +38,7 @@ class Reading:
 
     def anew(self, now_s: float) -> Reading:
         """Another one of the same conjunct, which begins now."""
-        fresh = Reading(self.conjunct)
+        fresh = copy(self)  # nothing of it is changed in place
         fresh.restart(now_s)
         return fresh
 

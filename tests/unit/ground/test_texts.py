@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.flight_events.hosting import MissionReady, MissionUnreadable, UploadChecked
-from companion.flight_events.plans import NoPlanFound
+from companion.flight_events.plans import LineDropped, LineTakenUp, NoPlanFound
 from companion.flight_events.skills import PlaceReached, SkillFailed
 from companion.flight_events.sortie import RunFailed, TaskSatisfied
 from companion.flight_events.word import ConjunctViolated
@@ -50,6 +50,12 @@ def test_what_is_worse_has_the_smaller_number() -> None:
     reached = PlaceReached("A", "move(H, A)")
     numbers = [severity(event) for event in (violated, failed, no_plan, reached)]
     assert numbers == sorted(set(numbers))
+
+
+def test_what_becomes_of_a_line_that_may_be_dropped_is_no_error() -> None:
+    violated = ConjunctViolated("far", "G !low", position=1, facts=("low",), optional=True)
+    assert severity(violated) == severity(LineDropped("far", "no plan keeps it")) == WARNING
+    assert severity(LineTakenUp("far", anew=True)) == dialect.MAV_SEVERITY_NOTICE
 
 
 def test_a_refused_upload_is_a_warning_and_an_accepted_one_a_notice() -> None:
