@@ -3,7 +3,8 @@
 This is the written form, in people's units (east, north, up; seconds). loader.py makes the
 checked `Mission` of model.py from it. The descriptions become the JSON Schema
 (missions/mission.schema.json, by scripts/make_schema.py) that editors complete from, and the
-hints of error messages; so they are written for the author of a mission.
+hints of error messages; so they are written for the author of a mission. Map, limits and places are
+in world_schema.py.
 
 Small languages inside texts are not parsed here: formulas and facts (companion/ltl/formula.py),
 conditions (conditions.py), `execute` (execution.py).
@@ -13,79 +14,22 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
-from pydantic_core import PydanticCustomError
+from pydantic import BeforeValidator, ConfigDict, Field
 
 from companion.mission.model import PATIENCE_S
+from companion.mission.world_schema import (
+    LimitsEntry,
+    MapEntry,
+    Name,
+    PlaceEntry,
+    PointEntry,
+    StrictModel,
+    Text,
+    given,
+)
 from companion.vehicle_files import VehicleEntry, VehicleKey
 
-Name = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$", max_length=40)]
-"""Of a place, set, event, skill, parameter, component or conjunct."""
-
-Text = Annotated[str, Field(min_length=1)]
 PATIENCE = "Seconds to hold without a plan, where one may come back, before `otherwise`."
-
-
-class StrictModel(BaseModel):
-    """A mapping of a mission file; unknown keys are refused."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-
-
-Span = Annotated[tuple[float, float], Field(description="[from, to], metres from home.")]
-
-
-class WallEntry(StrictModel):
-    """A box on the map that is occupied."""
-
-    east_m: Span
-    north_m: Span
-
-
-class MapEntry(StrictModel):
-    """An area with walls, in place of a map file; what lies outside of it is occupied."""
-
-    east_m: Span
-    north_m: Span
-    cell_m: Annotated[float, Field(ge=0.01, le=10, description="Edge of a cell, metres.")] = 0.1
-    walls: Annotated[
-        list[WallEntry], Field(description="Boxes: [{east_m: [4, 5], north_m: [0, 6]}, ...].")
-    ] = []
-
-
-class LimitsEntry(StrictModel):
-    """What no setpoint may leave."""
-
-    speed_mps: Annotated[float, Field(gt=0, le=20, description="Greatest speed, m/s.")]
-    up_m: Annotated[
-        tuple[float, float],
-        Field(description="Lowest and highest flight altitude above home, metres: [0.5, 4.0]."),
-    ]
-    fence: Annotated[
-        list[tuple[float, float]],
-        Field(
-            min_length=3,
-            description="Corners of the area that is never left: [[east, north], ...], metres.",
-        ),
-    ]
-
-
-class PlaceEntry(StrictModel):
-    """A point, in metres from the home position, with a region around it."""
-
-    east_m: Annotated[float, Field(description="Metres east of home.")]
-    north_m: Annotated[float, Field(description="Metres north of home.")]
-    up_m: Annotated[float, Field(description="Metres above home.")]
-    radius_m: Annotated[
-        float, Field(gt=0, description="at(place) holds within this distance, metres.")
-    ] = 0.6
-
-
-def _given(value: Any) -> Any:
-    """Refuses an optional key without a value: that is a line somebody forgot."""
-    if value is None:
-        raise PydanticCustomError("empty", "has no value; write one, or remove the key")
-    return value
 
 
 class EventEntry(StrictModel):
@@ -101,7 +45,7 @@ class EventEntry(StrictModel):
     ]
     until: Annotated[
         Text | None,
-        BeforeValidator(_given, json_schema_input_type=Text),
+        BeforeValidator(given, json_schema_input_type=Text),
         Field(description="Condition that makes it false again; without it, not `when`."),
     ] = None
     latch: Annotated[bool, Field(description="Once true, true for ever.")] = False
@@ -149,7 +93,7 @@ class SkillEntry(StrictModel):
     ] = []
     precondition: Annotated[
         Text | None,
-        BeforeValidator(_given, json_schema_input_type=Text),
+        BeforeValidator(given, json_schema_input_type=Text),
         Field(description="Facts joined by &, ! for not, e.g. at(r) & targetFound."),
     ] = None
     assumes: Annotated[
@@ -159,7 +103,7 @@ class SkillEntry(StrictModel):
     ] = []
     effect: Annotated[
         Text | None,
-        BeforeValidator(_given, json_schema_input_type=Text),
+        BeforeValidator(given, json_schema_input_type=Text),
         Field(
             description="Facts that hold afterwards (! no longer), e.g. at(to) & !at(from). An "
             "effect with a condition stands in parentheses: free & (has(p) & lit -> seen(p)); the "
@@ -168,7 +112,7 @@ class SkillEntry(StrictModel):
     ] = None
     cost: Annotated[
         Literal["flight_time"] | float | None,
-        BeforeValidator(_given, json_schema_input_type=Literal["flight_time"] | float),
+        BeforeValidator(given, json_schema_input_type=Literal["flight_time"] | float),
         Field(
             description="flight_time (the default of a skill that flies) or seconds "
             "(default of all others: 1)."
@@ -190,7 +134,7 @@ class SkillEntry(StrictModel):
     ] = True
     retry_after_s: Annotated[
         float | None,
-        BeforeValidator(_given, json_schema_input_type=Annotated[float, Field(gt=0)]),
+        BeforeValidator(given, json_schema_input_type=Annotated[float, Field(gt=0)]),
         Field(
             gt=0,
             description="Seconds after which what the skill assumes is believed again after a "
@@ -207,8 +151,16 @@ class SkillEntry(StrictModel):
     ] = 1
     timeout_s: Annotated[
         float | None,
-        BeforeValidator(_given, json_schema_input_type=Annotated[float, Field(gt=0)]),
+        BeforeValidator(given, json_schema_input_type=Annotated[float, Field(gt=0)]),
         Field(gt=0, description="Longest time of one try, seconds; without it no limit."),
+    ] = None
+    look_at: Annotated[
+        Name | PointEntry | None,
+        BeforeValidator(given, json_schema_input_type=Name | PointEntry),
+        Field(
+            description="What the vehicle looks at meanwhile: a parameter, a place, or a point "
+            "{east_m, north_m}."
+        ),
     ] = None
 
 
@@ -262,7 +214,7 @@ class MissionFile(StrictModel):
     ] = {}
     domain: Annotated[
         Text | None,
-        BeforeValidator(_given, json_schema_input_type=Text),
+        BeforeValidator(given, json_schema_input_type=Text),
         Field(
             description="PDDL domain file, relative to this file: its actions are skills, its "
             "types sets, its predicate at(place) is where the vehicle is. Under skills stands for "
@@ -272,7 +224,7 @@ class MissionFile(StrictModel):
     ] = None
     problem: Annotated[
         Text | None,
-        BeforeValidator(_given, json_schema_input_type=Text),
+        BeforeValidator(given, json_schema_input_type=Text),
         Field(
             description="PDDL problem file, relative to this file: objects (those with the name "
             "of a place are that place), facts that hold at the start, and the goal, if neither "
@@ -307,7 +259,7 @@ class MissionFile(StrictModel):
     ] = {}
     goal: Annotated[
         Text | None,
-        BeforeValidator(_given, json_schema_input_type=Text),
+        BeforeValidator(given, json_schema_input_type=Text),
         Field(
             description="Facts that have to hold together once, joined by &, ! for not, e.g. "
             "delivered(p1) & delivered(p2): a task that needs no temporal logic. With a task both "
@@ -316,7 +268,7 @@ class MissionFile(StrictModel):
     ] = None
     tree: Annotated[
         list[Any] | None,
-        BeforeValidator(_given, json_schema_input_type=list[Any]),
+        BeforeValidator(given, json_schema_input_type=list[Any]),
         Field(
             min_length=1,
             description="A behaviour tree written by hand, in place of a planner: a list of "
