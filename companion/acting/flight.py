@@ -70,6 +70,10 @@ class Flight:
     _stop_begin_s: float = field(default=0.0, init=False)
     _streamed_s: float = field(default=0.0, init=False)
 
+    def elapsed_s(self, since_s: float) -> float:
+        """Time since a step before; no more than two ticks, so that nothing jumps after a stall."""
+        return min(self.now_s - since_s, 2 * TICK_S)
+
     def report(self, event: FlightEvent) -> None:
         """Notes something that happened now."""
         self.add_report(Stamped(round(self.now_s, 3), event))
@@ -176,8 +180,8 @@ class Flight:
         now_rad = before.yaw_rad if before is not None else 0.0
         if heading_rad is None:
             return now_rad
-        since_s = min(self.now_s - self._streamed_s, TICK_S)
-        return turned(now_rad, heading_rad, self.profile.yaw_rate_radps * since_s)
+        most_rad = self.profile.yaw_rate_radps * self.elapsed_s(self._streamed_s)
+        return turned(now_rad, heading_rad, most_rad)
 
 
 def _rest_at(position: Ned) -> Sample:

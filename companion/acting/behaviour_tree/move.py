@@ -87,6 +87,7 @@ class MoveCommand(Leaf):
         state = self._flight.vehicle.state
         self._trajectory: Trajectory | Stop | None = None
         self._is_waiting = False
+        self._updated_s: float | None = None
         if state is not None:
             self._begin(state)
         self._start_s = self._flight.now_s
@@ -105,7 +106,8 @@ class MoveCommand(Leaf):
         self._flown_s, self._rate = self._time_s, 1.0
         self._told: RouteBlocked | None = None
         self._map_version = self._flight.routes.version
-        self._waited_s = 0.0
+        self._updated_s = None
+        self._in_time_s = self._flight.now_s
 
     def _wait(self, state: VehicleState) -> None:
         """Begins when a stop has ended, or leads straight on at last."""
@@ -155,6 +157,7 @@ class MoveCommand(Leaf):
             self._wait(state)
             if self._is_waiting:
                 return Status.RUNNING
+        self._advance()
         if state is not None:
             self._follow_map(state)
         if self._trajectory is None or state is None:
@@ -178,9 +181,9 @@ class MoveCommand(Leaf):
             return Status.SUCCESS
         if self._time_s > self._trajectory.duration_s + ARRIVAL_TIMEOUT_S + self._heading.turn_s:
             return self._stop_and_fail(self._why_not_there(gap_m, state))
-        self._time_s += self._rate * TICK_S
-        self._waited_s = self._waited_s + TICK_S if is_behind else 0.0
-        if self._waited_s > ARRIVAL_TIMEOUT_S:
+        self._updated_s = flight.now_s
+        self._in_time_s = self._in_time_s if is_behind else flight.now_s
+        if flight.now_s - self._in_time_s > ARRIVAL_TIMEOUT_S:
             return self._stop_and_fail(f"stuck on the way to {self._place}")
         return Status.RUNNING
 
@@ -190,6 +193,11 @@ class MoveCommand(Leaf):
             self.failed_at = self._flight.task.positions
         if new_status is Status.INVALID and self.status is Status.RUNNING:
             self._brake()
+
+    def _advance(self) -> None:
+        """The trajectory's time runs, from one update to the next."""
+        if self._updated_s is not None:
+            self._time_s += self._rate * self._flight.elapsed_s(self._updated_s)
 
     def _sample(self) -> Sample:
         """What may be flown of the trajectory now; sets how fast its time runs."""
