@@ -65,12 +65,10 @@ def _hears(
     while link.wait(clock.wall_s_until(until_s)):
         if companion.is_idle:
             return True
-        arrived = link.receive()
+        arrived, now_s = link.receive(), clock.now_s()
         heard += arrived
-        if companion.is_urgent(now_s := clock.now_s(), arrived):
+        if now_s >= until_s or companion.is_urgent(now_s, arrived):
             return now_s < until_s
-        if now_s >= until_s:
-            return False
     return False
 
 
