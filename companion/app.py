@@ -12,7 +12,7 @@ from typing import Protocol
 from companion.acting.authority import loss_of_link
 from companion.acting.flight_limit import NO_LIMIT, FlightLimit
 from companion.acting.phases import ON_THE_GROUND
-from companion.acting.preparation import PreparedMission, prepare
+from companion.acting.preparation import Preparation, PreparedMission, prepare
 from companion.errors import CompanionError
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.hosting import (
@@ -23,7 +23,7 @@ from companion.flight_events.hosting import (
     UploadChecked,
 )
 from companion.flight_events.sortie import Phase
-from companion.ground.component import WANTED, Component
+from companion.ground.component import COMMANDS, WANTED, Component
 from companion.ground.operations import MonitorPage, SystemStatus, UploadService
 from companion.ground.parameters import BELIEF_RETRY, SPEED_MAX
 from companion.mavlink.framing import Message, source
@@ -37,20 +37,6 @@ from companion.vehicle.wire import AUTOPILOT, Wire
 BEGINNING = (*ON_THE_GROUND, Phase.ARMING, Phase.TAKE_OFF)
 RETURN = "MAV_CMD_NAV_RETURN_TO_LAUNCH"
 NOTHING_FLOWN = Refusal("nothing is flown")
-
-
-class Preparation(Protocol):
-    """A mission that is being prepared for a run."""
-
-    def done(self) -> bool:
-        """Whether there is a result. It may not block."""
-
-    def result(self) -> PreparedMission:
-        """The prepared mission, once that is done.
-
-        Raises:
-            CompanionError: it cannot be flown.
-        """
 
 
 class Host(Protocol):
@@ -161,8 +147,18 @@ class Companion:
         """The terminal is gone: the flight goes on, and its record says so."""
         self._has_hung_up = True
 
-    def step(self, now_s: float, datagrams: list[bytes]) -> list[bytes]:
-        """One tick: reads what arrived, acts, returns what has to leave."""
+    def is_urgent(self, now_s: float, datagrams: list[bytes]) -> bool:
+        """Whether they change an event that the plan watches; they are for the next step yet."""
+        if self._run is None or not self._run.watched:
+            return False
+        messages = self._wire.peek(datagrams)
+        return self._run.is_urgent(now_s, messages, self._component.foresee(messages))
+
+    def step(self, now_s: float, datagrams: list[bytes], is_tick: bool = True) -> list[bytes]:
+        """One tick: reads what arrived, acts, returns what has to leave.
+
+        Or a step between two ticks: what is planned anew in it is flown in it, too.
+        """
         self._now_s = now_s
         if self._host is not None and self._preparation is not None and self._is_prepared:
             self._launch(self._host, self._preparation)
@@ -178,7 +174,7 @@ class Companion:
             self._idle(messages)
             return self._wire.pack(self._component.transmit(now_s, self._is_stopping))
         self._follow_parameters()
-        reports = run.step(now_s, messages, asked)
+        reports = run.step(now_s, messages, asked, is_tick)
         for stamped in reports:
             self._component.tell(now_s, stamped.event)
         self.failure = run.sortie.failure
@@ -340,4 +336,6 @@ class Companion:
         """What is decoded depends on the events of the mission."""
         vehicle = self._run.vehicle if self._run else None
         wanted = vehicle.wanted if vehicle else TELEMETRY
-        self._wire.listen(wanted | WANTED, vehicle.continual if vehicle else frozenset())
+        continual = vehicle.continual if vehicle else frozenset()
+        telling = vehicle.telling | COMMANDS if vehicle else frozenset()
+        self._wire.listen(wanted | WANTED, continual, telling)

@@ -22,19 +22,22 @@ def fly(companion: Companion, link: UdpLink, clock: ScaledClock, timeout_s: floa
     """Drives a companion over a link, at 20 Hz of the clock's time, until it has ended.
 
     While nothing is flown, what arrives is answered at once: a file comes as a request after the
-    other, and each would wait for the next tick.
+    other, and each would wait for the next tick. In flight, the change of an event that the plan
+    watches is answered by one step between two ticks, which moves none of them.
 
     Raises:
         LinkTimeout: no vehicle was heard in time (seconds of the clock's time).
     """
     begun_s = next_tick_s = clock.now_s()
-    was_flying = False
+    was_flying, is_tick = False, True
     while not companion.has_ended:
-        is_tick = not (companion.is_idle and link.wait(clock.wall_s_until(next_tick_s)))
+        heard: list[bytes] = []
+        may_answer = is_tick or companion.is_idle
+        is_tick = not (may_answer and _hears(companion, link, clock, next_tick_s, heard))
         if is_tick:
             clock.sleep_until(next_tick_s)
         now_s = clock.now_s()
-        link.send(companion.step(now_s, link.receive()))
+        link.send(companion.step(now_s, heard + link.receive(), is_tick))
         if companion.is_waiting and now_s - begun_s > timeout_s:
             raise LinkTimeout(
                 f"no vehicle on {link.endpoint} after {timeout_s:.0f} s: {link.account()}\n"
@@ -49,6 +52,24 @@ def fly(companion: Companion, link: UdpLink, clock: ScaledClock, timeout_s: floa
             log.debug("tick %.0f ms late", 1000 * (now_s - next_tick_s))
         if is_tick or now_s > next_tick_s:
             next_tick_s = max(next_tick_s + TICK_S, now_s)
+
+
+def _hears(
+    companion: Companion, link: UdpLink, clock: ScaledClock, until_s: float, heard: list[bytes]
+) -> bool:
+    """Waits for what a step should answer before a time; whether it has come.
+
+    Args:
+        heard: what else arrives meanwhile is added, for the next step.
+    """
+    while link.wait(clock.wall_s_until(until_s)):
+        if companion.is_idle:
+            return True
+        arrived, now_s = link.receive(), clock.now_s()
+        heard += arrived
+        if now_s >= until_s or companion.is_urgent(now_s, arrived):
+            return now_s < until_s
+    return False
 
 
 def _set_aside() -> None:

@@ -14,12 +14,14 @@ from companion.acting.flight_limit import NO_LIMIT, FlightLimit
 from companion.acting.preparation import PreparedMission
 from companion.acting.sortie import Sortie
 from companion.flight_events.event import Stamped
+from companion.flight_events.sortie import Phase
 from companion.geometry import Ned
 from companion.mavlink.framing import Message
-from companion.mission.model import Signal
+from companion.mission.facts import Fact
 from companion.motion.sensed_map import SensedMap
 from companion.vehicle.gate import Envelope
 from companion.vehicle.offboard import MavlinkVehicle
+from companion.vehicle.signals import Reading
 from companion.vehicle.telemetry import Telemetry
 from companion.vehicle.wire import Wire
 
@@ -63,7 +65,7 @@ class Run:
         limit: FlightLimit = NO_LIMIT,
     ) -> None:
         mission = prepared.mission
-        detector = EventDetector(mission.events)
+        self._detector = detector = EventDetector(mission.events)
         home, limits, profile = mission.home, mission.limits, mission.vehicle
         self.mission = mission
         self.recorder = recorder
@@ -97,16 +99,34 @@ class Run:
         )
         self._map = SensedMap(mission.grid)
 
+    @property
+    def watched(self) -> frozenset[Fact]:
+        """The events whose change the plan under way watches for; none while no plan is flown."""
+        is_flown = self.sortie.phase is Phase.TASK
+        return self.executive.watched if is_flown else frozenset()
+
+    def is_urgent(self, now_s: float, messages: list[Message], asked: list[Reading]) -> bool:
+        """Whether messages that are not taken yet, or what they ask for, change one of these."""
+        readings = asked + self.vehicle.foresee(messages)
+        return not self.watched.isdisjoint(self._detector.foresee(now_s, readings))
+
     def step(
-        self, now_s: float, messages: list[Message], asked: list[tuple[Signal, float]]
+        self, now_s: float, messages: list[Message], asked: list[Reading], is_tick: bool = True
     ) -> list[Stamped]:
-        """One tick: reads what arrived and acts; returns what happened."""
+        """One tick, or a step between two: reads what arrived and acts; returns what happened.
+
+        A plan that is made in a tick is flown from the next one on. One that is made between two
+        ticks is flown at once: that is what the step is for.
+        """
+        plan = self.executive.lasso
         self.flight.speed_limit.advance(now_s)
         self.vehicle.set_speed_limit(self.flight.speed_limit.now_mps)
         readings = asked + self.vehicle.receive(now_s, messages)
         if any([self._map.integrate(scan) for scan in self.vehicle.scans]):
             self.flight.routes.see(self._map.grid)
         self.sortie.step(now_s, readings)
+        if not is_tick and self.executive.lasso is not plan:
+            self.sortie.step(now_s, [])
         return self.flight.collect_reports()
 
     def record(self, now_s: float, packets: list[bytes], reports: list[Stamped]) -> None:

@@ -4,10 +4,10 @@
     radius_m: 0.35
     ...
 
-A profile has all its keys; how the vehicle responds may be left out, and is then PX4's. A mission
-or scenario names one (`vehicle: NAME`) and may override single values of it
-(`vehicle: {profile: NAME, radius_m: 0.4}`). Without the key the default profile is meant; it is
-built in, for where it has no file.
+A profile has all its keys; how the vehicle responds and turns may be left out, and is then that of
+the default profile. A mission or scenario names one (`vehicle: NAME`) and may override single
+values of it (`vehicle: {profile: NAME, radius_m: 0.4}`). Without the key the default profile is
+meant; it is built in, for where it has no file.
 
 A door: it opens the file that is named.
 """
@@ -79,6 +79,9 @@ Response = Annotated[
 FeedForward = Annotated[
     float, Field(ge=0, le=2, description="Share of a trajectory's acceleration that it is told.")
 ]
+YawRate = Annotated[
+    float, _positive("How fast it is turned, rad/s: 1.5 is 86 degrees a second.", most=10)
+]
 Carrot = Annotated[float, _positive("Greatest distance of a setpoint from the vehicle, m.")]
 
 
@@ -100,6 +103,7 @@ class VehicleEntry(BaseModel):
     jerk_mps3: Override[Jerk] = None
     response_s: Override[Response] = None
     feed_forward: Override[FeedForward] = None
+    yaw_rate_radps: Override[YawRate] = None
     carrot_m: Override[Carrot] = None
 
 
@@ -121,6 +125,7 @@ class VehicleFile(BaseModel):
     jerk_mps3: Jerk
     response_s: Response = VehicleProfile().response_s
     feed_forward: FeedForward = VehicleProfile().feed_forward
+    yaw_rate_radps: YawRate = VehicleProfile().yaw_rate_radps
     carrot_m: Carrot
 
 

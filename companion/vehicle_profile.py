@@ -31,6 +31,7 @@ class VehicleProfile:
         jerk_mps3: of trajectories.
         response_s: how much later than it is asked for its acceleration comes.
         feed_forward: share of a trajectory's acceleration that it is told.
+        yaw_rate_radps: how fast it is turned, on the spot and in flight.
         carrot_m: greatest distance of a setpoint from the vehicle.
 
     >>> VehicleProfile(radius_m=0.5).clearance_m
@@ -50,6 +51,7 @@ class VehicleProfile:
     jerk_mps3: float = 8.0  # PX4's MPC_JERK_MAX
     response_s: float = 0.15  # 1 / PX4's MC_ROLL_P
     feed_forward: float = 1.1  # PX4's MPC_XY_VEL_D_ACC takes a share of 0.2 away again
+    yaw_rate_radps: float = 1.5  # 86 degrees a second; PX4's MPC_YAWRAUTO_MAX is 60
     carrot_m: float = 1.5
 
     @property

@@ -35,6 +35,7 @@ class FakeVehicle:
         answers: seconds and outcome for each command, in the order they are sent; then DONE.
         drift: where the point settles relative to its setpoint.
         is_stuck: it moves no longer.
+        is_turning: its heading is that of its setpoint.
         flown: every setpoint that it was given; None when it was released.
         sent: every command, as (component, command, parameters).
         patience: how long the answer of each is waited for.
@@ -55,6 +56,7 @@ class FakeVehicle:
         self.answers: list[tuple[float, Outcome]] = []
         self.drift: Ned = (0.0, 0.0, 0.0)
         self.is_stuck = False
+        self.is_turning = True
         self.flown: list[Setpoint | None] = []
         self.sent: list[tuple[int, int, tuple[float, ...]]] = []
         self.patience: list[float | None] = []
@@ -92,11 +94,14 @@ class FakeVehicle:
         if self.state is None:
             return
         position, velocity = self.state.position, (0.0, 0.0, 0.0)
+        yaw_rad = self.state.yaw_rad
         if self.setpoint is not None and not self.is_stuck and self.state.mode is Mode.OFFBOARD:
             velocity = self.setpoint.velocity
             reach_m = (math.hypot(*velocity) + CLOSING_MPS) * dt_s
             position = _towards(position, _sum(self.setpoint.position, self.drift), reach_m)
-        self.change(stamp_s=now_s, mode_s=now_s, position=position, velocity=velocity)
+            yaw_rad = self.setpoint.yaw_rad if self.is_turning else yaw_rad
+        heard = {"position": position, "velocity": velocity, "yaw_rad": yaw_rad}
+        self.change(stamp_s=now_s, mode_s=now_s, **heard)
 
     def gap_m(self, place: Ned) -> float | None:
         return None if self.state is None else math.dist(self.state.position[:2], place[:2])

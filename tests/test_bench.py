@@ -36,11 +36,12 @@ BENCH = Path(__file__).parents[1] / "scripts" / "bench"
         ),
         (
             "flying",
-            8,
+            9,
             {
                 "cost-to-go of a place",
                 "cost-to-go repaired",
                 "physics and control",
+                "event to setpoint of the new plan",
                 "pack MAVLink",
                 "parse MAVLink",
             },

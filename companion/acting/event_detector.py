@@ -59,6 +59,15 @@ class EventDetector:
         changes += self._changes(now_s)
         return list(_last_two(changes))
 
+    def foresee(self, now_s: float, readings: Sequence[tuple[Signal, float]]) -> frozenset[str]:
+        """The events that readings would change; nothing is taken."""
+        if not readings:
+            return frozenset()
+        trial = EventDetector(self._events)
+        trial._values, trial._since_s = self._values.copy(), self._since_s.copy()
+        trial._holds, trial._spent = self._holds.copy(), self._spent.copy()
+        return frozenset(name for name, _ in trial.update(now_s, readings))
+
     def _changes(self, now_s: float) -> Iterator[Change]:
         for name, event in self._events.items():
             is_met = self._is_met(event.when)

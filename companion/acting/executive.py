@@ -52,6 +52,7 @@ from companion.flight_events.plans import (
     WrittenTreeAdopted,
 )
 from companion.flight_events.skills import WrittenTreeFailed
+from companion.mission.facts import Fact
 from companion.mission.model import Signal
 from companion.planning.lasso import ChosenPlan, Lasso
 
@@ -153,6 +154,13 @@ class Executive:
                 assert self._due is not None and self.failure is not None
                 self._wait(self.failure, self._due)
         return self.status
+
+    @property
+    def watched(self) -> frozenset[Fact]:
+        """The events that the leftmost branch of the tree watches now."""
+        is_watching = self.state in (ExecutiveState.EXECUTING, ExecutiveState.LEAVING)
+        is_watching = is_watching and not self._flight.progress.is_landed_by_plan
+        return self._assumptions.watched if is_watching else frozenset()
 
     def go_to(self, place: str) -> bool:
         """Replaces the plan by a flight to a place and rest; False if no route leads there.

@@ -7,11 +7,13 @@ from dataclasses import dataclass, field, replace
 from companion.acting.symbols import Symbols
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.skills import SymbolMoved
+from companion.geometry import Ned
+from companion.motion.heading import turned
 from companion.motion.live_speed_limit import LiveSpeedLimit
 from companion.motion.routes import RouteMap
-from companion.motion.trajectory import Sample, Stop, Trajectory, times
+from companion.motion.trajectory import AT_REST, Sample, Stop, Trajectory, times
 from companion.planning.task_state import TaskState
-from companion.vehicle.port import Setpoint, Vehicle, hold_at
+from companion.vehicle.port import Setpoint, Vehicle
 from companion.vehicle_profile import VehicleProfile
 
 TICK_S = 0.05
@@ -68,6 +70,10 @@ class Flight:
     _stop_begin_s: float = field(default=0.0, init=False)
     _streamed_s: float = field(default=0.0, init=False)
 
+    def elapsed_s(self, since_s: float) -> float:
+        """Time since a step before; no more than two ticks, so that nothing jumps after a stall."""
+        return min(self.now_s - since_s, 2 * TICK_S)
+
     def report(self, event: FlightEvent) -> None:
         """Notes something that happened now."""
         self.add_report(Stamped(round(self.now_s, 3), event))
@@ -115,16 +121,19 @@ class Flight:
         if self._stop is None:
             return
         sample = self.led(self._stop, self.stopping_s)
-        self._stream(
-            Setpoint(sample.position, sample.velocity, sample.acceleration, sample.yaw_rad)
-        )
+        self._stream(sample, None)
         if sample.is_finished:
             self._stop = None
 
-    def fly(self, setpoint: Setpoint) -> None:
-        """Streams a setpoint from now on."""
+    def fly(self, sample: Sample, heading_rad: float | None = None) -> None:
+        """Streams a moment of a flight from now on.
+
+        Args:
+            sample: where the vehicle shall be, and how it shall move.
+            heading_rad: to which it turns, as fast as it may; None to keep the heading.
+        """
         self._stop = None
-        self._stream(setpoint)
+        self._stream(sample, heading_rad)
 
     def stop_along(self, stop: Stop, time_s: float) -> None:
         """Comes to rest along a path, and stays at its end.
@@ -140,21 +149,40 @@ class Flight:
         """Holds from now on where the vehicle is, not where its last setpoint was."""
         self._setpoint = self._stop = None
 
-    def hold(self) -> None:
-        """Stays where the last setpoint was, or where the vehicle is in the air."""
+    def hold(self, heading_rad: float | None = None) -> None:
+        """Stays where the last setpoint was, or where the vehicle is in the air.
+
+        Args:
+            heading_rad: to which it turns; None to keep the heading.
+        """
         state = self.vehicle.state
         if self._stop is not None:
             return
         if self._setpoint is not None:
-            self.fly(hold_at(self._setpoint.position, self._setpoint.yaw_rad))
+            self.fly(_rest_at(self._setpoint.position), heading_rad)
         elif state is not None and not state.is_landed:
-            self.fly(hold_at(state.position, state.yaw_rad))
+            self.fly(_rest_at(state.position), heading_rad)
 
     def hold_here(self) -> None:
         """Stays where the vehicle is now, wherever its last setpoint was."""
         self.forget_setpoint()
         self.hold()
 
-    def _stream(self, setpoint: Setpoint) -> None:
+    def _stream(self, sample: Sample, heading_rad: float | None) -> None:
+        yaw_rad = self._turned(heading_rad)
+        setpoint = Setpoint(sample.position, sample.velocity, sample.acceleration, yaw_rad)
         self._setpoint, self._streamed_s = setpoint, self.now_s
         self.vehicle.fly(setpoint)
+
+    def _turned(self, heading_rad: float | None) -> float:
+        """The heading that is told next: that of before, turned no faster than the vehicle may."""
+        before = self._setpoint or self.vehicle.state
+        now_rad = before.yaw_rad if before is not None else 0.0
+        if heading_rad is None:
+            return now_rad
+        most_rad = self.profile.yaw_rate_radps * self.elapsed_s(self._streamed_s)
+        return turned(now_rad, heading_rad, most_rad)
+
+
+def _rest_at(position: Ned) -> Sample:
+    return Sample(position, AT_REST, AT_REST, is_finished=True)

@@ -11,6 +11,7 @@ import math
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from typing import Protocol
 
 from companion.acting.replanning.replanner import PlanFailure
 from companion.errors import NoPlanError, SearchLimit
@@ -66,6 +67,20 @@ class PreparedMission:
         if self.first_plan is not None and self.first_plan.problem == problem:
             return self.first_plan.outcome
         return _planned(self.planner, problem, histories)[0]
+
+
+class Preparation(Protocol):
+    """A mission that is being prepared for a run."""
+
+    def done(self) -> bool:
+        """Whether there is a result. It may not block."""
+
+    def result(self) -> PreparedMission:
+        """The prepared mission, once that is done.
+
+        Raises:
+            CompanionError: it cannot be flown.
+        """
 
 
 def prepare(

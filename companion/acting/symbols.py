@@ -95,6 +95,10 @@ class Symbols:
         """The present value of a symbol."""
         return self._values[name]
 
+    def heading_rad(self, name: str) -> float | None:
+        """With what heading the vehicle arrives, at whatever waypoint; None for any."""
+        return self._places[name].heading_rad
+
     def refuse(self, name: str, now_s: float) -> None:
         """A flight to the present waypoint has failed."""
         value = self._values[name]

@@ -42,6 +42,7 @@ LEAVES = {
     LeafType.WITHDRAW: ("Action", "WithdrawBeliefs"),
     LeafType.UPDATE_PARAM: ("Action", "UpdateParam"),
     LeafType.MOVE_CMD: ("Action", "MoveCommand"),
+    LeafType.LOOK_AT: ("Action", "LookAt"),
     LeafType.COMMAND: ("Action", "SendCommand"),
     LeafType.WAIT: ("Action", "Wait"),
     LeafType.LAND: ("Action", "Land"),

@@ -35,6 +35,7 @@ class LeafType(Enum):
     WITHDRAW = "withdraw"
     UPDATE_PARAM = "update_param"
     MOVE_CMD = "move_cmd"
+    LOOK_AT = "look_at"
     COMMAND = "command"
     WAIT = "wait"
     LAND = "land"

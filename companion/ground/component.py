@@ -48,7 +48,7 @@ DENIED: int = dialect.MAV_RESULT_DENIED
 UNSUPPORTED: int = dialect.MAV_RESULT_UNSUPPORTED
 NOT_NOW: int = dialect.MAV_RESULT_TEMPORARILY_REJECTED
 
-COMMANDS = ("COMMAND_LONG", "COMMAND_INT")
+COMMANDS = frozenset({"COMMAND_LONG", "COMMAND_INT"})
 REQUESTED: dict[int, Callable[[], Message]] = {
     dialect.MAVLINK_MSG_ID_AUTOPILOT_VERSION: about.autopilot_version,
     about.ProtocolVersion.id: about.protocol_version,
@@ -111,6 +111,11 @@ class Component:
                 service(self, message)
         return self._events
 
+    def foresee(self, messages: list[Message]) -> list[tuple[Signal, float]]:
+        """The same of messages that are not taken yet; nothing is done or answered."""
+        commands = [m for m in messages if m.get_type() in COMMANDS and self._is_for_us(m)]
+        return [reading for m in commands for reading in self._awaited(m.command)]
+
     def tell(self, now_s: float, event: FlightEvent) -> None:
         """Puts an event that is news for people into the queue of texts."""
         if event.is_told:
@@ -153,15 +158,18 @@ class Component:
         self._out.append(answer)
 
     def _do(self, command: int, parameters: list[float]) -> int:
-        entry = dialect.enums["MAV_CMD"].get(command)
-        name = entry.name if entry else ""
-        is_awaited = name in self._operations.awaited
-        if is_awaited:
-            self._events.append((Signal(COMMAND, "", name), 1.0))
+        is_awaited = bool(readings := self._awaited(command))
+        self._events += readings
         action = self.ACTIONS.get(command)
         if action is None or (is_awaited and command not in self.ALSO_WITH_EVENTS):
             return ACCEPTED if is_awaited else UNSUPPORTED
         return action(self, parameters)
+
+    def _awaited(self, command: int) -> list[tuple[Signal, float]]:
+        """The reading of a command that the mission's events wait for; none of any other."""
+        entry = dialect.enums["MAV_CMD"].get(command)
+        is_awaited = entry is not None and entry.name in self._operations.awaited
+        return [(Signal(COMMAND, "", entry.name), 1.0)] if is_awaited else []
 
     def _result(self, refusal: Refusal | None) -> int:
         """Returns the MAV_RESULT of a request; a refusal is also told as a text."""
@@ -273,8 +281,7 @@ class Component:
     """Of these, those that do what they do also if an event waits for them."""
 
     SERVICES: ClassVar[dict[str, Callable[[Component, Message], None]]] = {
-        "COMMAND_LONG": _command,
-        "COMMAND_INT": _command,
+        **dict.fromkeys(COMMANDS, _command),
         "PARAM_REQUEST_LIST": _list,
         "PARAM_REQUEST_READ": _read,
         "PARAM_SET": _write,

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import BeforeValidator, Field
 
 from companion.mission.keys import Name, Text, given
+from companion.mission.world_schema import StrictModel
 
 Priority = Annotated[int, Field(ge=1, le=1_000_000)]
 
 
-class LineEntry(BaseModel):
+class LineEntry(StrictModel):
     """A line of the task; one with a priority is dropped where no plan keeps it."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     formula: Annotated[Text, Field(description="What must hold, in linear temporal logic.")]
     priority: Annotated[

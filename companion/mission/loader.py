@@ -12,28 +12,31 @@ Whether the task can be fulfilled is found by the planner.
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 
 from companion.documents import Document, Given, Source, did_you_mean, read_source, validate
 from companion.errors import FormulaError, MissionError
-from companion.geometry import ned_from_enu
+from companion.geometry import ned_from_enu, wrap_angle
 from companion.ltl.formula import Operator
 from companion.ltl.parser import parse
 from companion.maps import map_of_boxes, read_map
 from companion.mission.conditions import parse_condition
 from companion.mission.facts import AT, HERE, Fact
 from companion.mission.literals import parse_fact
+from companion.mission.looking import check_looking
 from companion.mission.model import Event, Limits, Mission, Otherwise, Place, Skill
 from companion.mission.one_place import check_one_place
 from companion.mission.pddl_domain import with_domain
-from companion.mission.schema import MapEntry, MissionFile
+from companion.mission.schema import MissionFile
 from companion.mission.sites import check_limits, check_places
 from companion.mission.skills import build_skills
 from companion.mission.task_lines import line_names, read_task
 from companion.mission.tree import read_tree
 from companion.mission.tree_nodes import Tree
 from companion.mission.vocabulary import Vocabulary
+from companion.mission.world_schema import MapEntry, PlaceEntry
 from companion.motion.grid import OccupancyGrid
 from companion.vehicle_files import read_vehicle
 
@@ -65,7 +68,7 @@ def load_mission(source: Given, folder: Path | None = None) -> Mission:
     _check_names(file, document)
     limits = _limits(file)
     check_limits(limits, document)
-    places = _places(file)
+    places = {name: _place(name, entry) for name, entry in file.places.items()}
     grid = _grid(file.map, read.folder, document)
     vehicle = read_vehicle(file.vehicle, read.folder, document)
     check_places(places, limits, grid, vehicle.clearance_m, document)
@@ -79,6 +82,7 @@ def load_mission(source: Given, folder: Path | None = None) -> Mission:
     pulses = {name for name, event in events.items() if event.is_pulse}
     _check_reachable_names(skills, given, pulses, document)
     sets = {name: tuple(members) for name, members in file.sets.items()}
+    check_looking(skills, places, sets, document)
     task, priorities = read_task(file, document, vocabulary)
     return Mission(
         name=file.name,
@@ -98,6 +102,13 @@ def load_mission(source: Given, folder: Path | None = None) -> Mission:
         tree=_tree(file, document, skills, sets, vocabulary),
         priorities=priorities,
     )
+
+
+def _place(name: str, entry: PlaceEntry) -> Place:
+    position = ned_from_enu(entry.east_m, entry.north_m, entry.up_m)
+    heading_deg = entry.heading_deg
+    heading_rad = None if heading_deg is None else wrap_angle(math.radians(heading_deg))
+    return Place(name, position, entry.radius_m, heading_rad)
 
 
 def _text(source: Source, document: Document) -> str:
@@ -120,13 +131,6 @@ def _tree(
         where = document.key_at("subtrees")
         raise MissionError("there are subtrees, and no tree", where, "add tree: [...] to use them")
     return None
-
-
-def _places(file: MissionFile) -> dict[str, Place]:
-    return {
-        name: Place(name, ned_from_enu(p.east_m, p.north_m, p.up_m), p.radius_m)
-        for name, p in file.places.items()
-    }
 
 
 def _limits(file: MissionFile) -> Limits:

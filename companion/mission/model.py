@@ -20,12 +20,30 @@ from companion.vehicle_profile import VehicleProfile
 
 
 @dataclass(frozen=True, slots=True)
+class PointOfInterest:
+    """What the vehicle looks at: a place, or a point to which it need not be able to fly."""
+
+    name: str
+    position: NorthEast
+
+
+@dataclass(frozen=True, slots=True)
 class Place:
-    """A named point with a region around it; `at(name)` holds inside the region."""
+    """A named point with a region around it; `at(name)` holds inside the region.
+
+    Attributes:
+        heading_rad: with which the vehicle arrives, clockwise from north; None for any.
+    """
 
     name: str
     position: Ned
     radius_m: float
+    heading_rad: float | None = None
+
+    @property
+    def point(self) -> PointOfInterest:
+        """The place as something to look at."""
+        return PointOfInterest(self.name, (self.position[0], self.position[1]))
 
 
 @dataclass(frozen=True, slots=True)
@@ -219,6 +237,7 @@ class Skill:
         timeout_s: longest time of one try; None for no limit.
         is_planned: whether the planner may use it; if not it only refines other skills.
         retry_after_s: time after which a belief that its failure withdrew is held again.
+        look_at: what the vehicle looks at meanwhile: one of its parameters, or always the same.
     """
 
     name: str
@@ -234,6 +253,7 @@ class Skill:
     distinct: tuple[tuple[str, ...], ...] = ()
     is_planned: bool = True
     retry_after_s: float | None = None
+    look_at: str | PointOfInterest | None = None
 
     @property
     def origin(self) -> str | None:

@@ -3,7 +3,8 @@
 This is the written form, in people's units (east, north, up; seconds). loader.py makes the
 checked `Mission` of model.py from it. The descriptions become the JSON Schema
 (missions/mission.schema.json, by scripts/make_schema.py) that editors complete from, and the
-hints of error messages; so they are written for the author of a mission.
+hints of error messages; so they are written for the author of a mission. Map, limits and places are
+in world_schema.py.
 
 Small languages inside texts are not parsed here: formulas and facts (companion/ltl/formula.py),
 conditions (conditions.py), `execute` (execution.py).
@@ -13,69 +14,21 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import BeforeValidator, ConfigDict, Field
 
 from companion.mission.keys import Name, Text, given
 from companion.mission.line_entry import TaskKey
 from companion.mission.model import PATIENCE_S
+from companion.mission.world_schema import (
+    LimitsEntry,
+    MapEntry,
+    PlaceEntry,
+    PointEntry,
+    StrictModel,
+)
 from companion.vehicle_files import VehicleEntry, VehicleKey
 
 PATIENCE = "Seconds to hold without a plan, where one may come back, before `otherwise`."
-
-
-class StrictModel(BaseModel):
-    """A mapping of a mission file; unknown keys are refused."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-
-
-Span = Annotated[tuple[float, float], Field(description="[from, to], metres from home.")]
-
-
-class WallEntry(StrictModel):
-    """A box on the map that is occupied."""
-
-    east_m: Span
-    north_m: Span
-
-
-class MapEntry(StrictModel):
-    """An area with walls, in place of a map file; what lies outside of it is occupied."""
-
-    east_m: Span
-    north_m: Span
-    cell_m: Annotated[float, Field(ge=0.01, le=10, description="Edge of a cell, metres.")] = 0.1
-    walls: Annotated[
-        list[WallEntry], Field(description="Boxes: [{east_m: [4, 5], north_m: [0, 6]}, ...].")
-    ] = []
-
-
-class LimitsEntry(StrictModel):
-    """What no setpoint may leave."""
-
-    speed_mps: Annotated[float, Field(gt=0, le=20, description="Greatest speed, m/s.")]
-    up_m: Annotated[
-        tuple[float, float],
-        Field(description="Lowest and highest flight altitude above home, metres: [0.5, 4.0]."),
-    ]
-    fence: Annotated[
-        list[tuple[float, float]],
-        Field(
-            min_length=3,
-            description="Corners of the area that is never left: [[east, north], ...], metres.",
-        ),
-    ]
-
-
-class PlaceEntry(StrictModel):
-    """A point, in metres from the home position, with a region around it."""
-
-    east_m: Annotated[float, Field(description="Metres east of home.")]
-    north_m: Annotated[float, Field(description="Metres north of home.")]
-    up_m: Annotated[float, Field(description="Metres above home.")]
-    radius_m: Annotated[
-        float, Field(gt=0, description="at(place) holds within this distance, metres.")
-    ] = 0.6
 
 
 class EventEntry(StrictModel):
@@ -199,6 +152,14 @@ class SkillEntry(StrictModel):
         float | None,
         BeforeValidator(given, json_schema_input_type=Annotated[float, Field(gt=0)]),
         Field(gt=0, description="Longest time of one try, seconds; without it no limit."),
+    ] = None
+    look_at: Annotated[
+        Name | PointEntry | None,
+        BeforeValidator(given, json_schema_input_type=Name | PointEntry),
+        Field(
+            description="What the vehicle looks at meanwhile: a parameter, a place, or a point "
+            "{east_m, north_m}."
+        ),
     ] = None
 
 

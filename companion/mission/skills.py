@@ -16,7 +16,8 @@ from companion.errors import MissionError
 from companion.mission.execution import parse_execution
 from companion.mission.facts import Atom, spelled
 from companion.mission.literals import parse_effect, parse_fact, parse_literals
-from companion.mission.model import Do, Execution, Fly, Skill
+from companion.mission.looking import look_at
+from companion.mission.model import Do, Execution, Fly, PointOfInterest, Skill
 from companion.mission.schema import MissionFile, SkillEntry
 from companion.mission.vocabulary import Domain, Vocabulary
 
@@ -138,7 +139,8 @@ class _SkillBuilder:
         conditions = [literal for when in conditional for literal in when.condition]
         literals = (*precondition, *changed, *conditions)
         mentioned = [*(literal.atom for literal in literals), *assumes]
-        self._refuse_unused(mentioned, execute)
+        looked_at = look_at(self.name, entry, self.file, self.document)
+        self._refuse_unused(mentioned, execute, looked_at)
         return Skill(
             name=self.name,
             parameters=tuple(entry.parameters.items()),
@@ -153,6 +155,7 @@ class _SkillBuilder:
             distinct=tuple(map(tuple, entry.distinct)),
             is_planned=entry.planned,
             retry_after_s=entry.retry_after_s,
+            look_at=looked_at,
         )
 
     def _execute(self, domains: Mapping[str, Domain]) -> tuple[Execution, ...]:
@@ -235,8 +238,14 @@ class _SkillBuilder:
                     f"{self.document.key_at('events', atom.predicate).inside}",
                 )
 
-    def _refuse_unused(self, atoms: list[Atom], execute: tuple[Execution, ...]) -> None:
-        used = {argument for atom in atoms for argument in atom.arguments}
+    def _refuse_unused(
+        self,
+        atoms: list[Atom],
+        execute: tuple[Execution, ...],
+        looked_at: str | PointOfInterest | None,
+    ) -> None:
+        used: set[str | PointOfInterest | None] = {looked_at}
+        used |= {argument for atom in atoms for argument in atom.arguments}
         used |= {step.place for step in execute if isinstance(step, Fly)}
         used |= {word for step in execute if isinstance(step, Do) for word in step.arguments}
         for parameter in self.entry.parameters:
@@ -244,7 +253,7 @@ class _SkillBuilder:
                 raise MissionError(
                     f"the parameter {parameter} of {self.name} is not used",
                     self.document.key_at("skills", self.name, "parameters", parameter),
-                    "use it in precondition, assumes, effect or execute, or remove it",
+                    "use it in precondition, assumes, effect, execute or look_at, or remove it",
                 )
 
     def _cost_s(self, execute: tuple[Execution, ...]) -> float | None:

@@ -73,7 +73,7 @@ class LiveSpeedLimit:
         >>> limit.set_operator_limit(1.0)
         >>> limit.advance(10.0), limit.advance(10.25)
         (None, None)
-        >>> sample = Sample((0.0, 0.0, 0.0), (2.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, False)
+        >>> sample = Sample((0.0, 0.0, 0.0), (2.0, 0.0, 0.0), (0.0, 0.0, 0.0), False)
         >>> slowed, rate = limit.slowed(sample)
         >>> slowed.velocity[0], slowed.acceleration[0], rate
         (1.5, -2.0, 0.75)

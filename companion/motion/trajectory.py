@@ -10,7 +10,7 @@ A pass forwards over the corners and one backwards make these speeds reachable (
 time-optimal scaling along a given path: Biagiotti and Melchiorri, Trajectory Planning for
 Automatic Machines and Robots, 2008, chapters 3 and 9). Sampling a trajectory integrates nothing.
 
-The heading turns towards the leg that is flown, at YAW_RATE_RADPS.
+A sample says in which direction the leg leads; how the vehicle turns is not the trajectory's.
 """
 
 from __future__ import annotations
@@ -25,12 +25,11 @@ import numpy as np
 import numpy.typing as npt
 import ruckig
 
-from companion.geometry import Ned, wrap_angle
+from companion.geometry import Ned
 from companion.motion.path import Path, StraightLeg, Turn
 from companion.motion.profile import REST, Motion, SpeedLimits, quickest
 from companion.motion.routes import Route
 
-YAW_RATE_RADPS = 1.5
 AT_REST: Ned = (0.0, 0.0, 0.0)
 
 _REACH = 0.99  # share of a leg that a change of speed may take; one that just fits is not found
@@ -44,15 +43,16 @@ class Sample:
 
     Attributes:
         acceleration: for feed-forward; a tracker without it lags behind.
-        yaw_rad: heading, 0 is north, positive to the east, in (-pi, pi].
         is_finished: the end of the route has been reached, at rest.
+        course_rad: direction of the leg over ground, 0 is north, positive to the east, in
+            (-pi, pi]; None before a leg that is not too steep to have one.
     """
 
     position: Ned
     velocity: Ned
     acceleration: Ned
-    yaw_rad: float
     is_finished: bool
+    course_rad: float | None = None
 
     def slower(self, rate: float) -> Sample:
         """The same moment while the trajectory's time runs at a rate."""
@@ -66,7 +66,6 @@ class Trajectory:
     Args:
         route: the legs to fly.
         limits: of the speed along them.
-        yaw_rad: heading before the first leg.
         start: motion at the start, along the first leg; lowered to what the route allows.
 
     Attributes:
@@ -76,26 +75,24 @@ class Trajectory:
 
     duration_s: float
 
-    def __init__(
-        self, route: Route, limits: SpeedLimits, yaw_rad: float = 0.0, start: Motion = REST
-    ) -> None:
+    def __init__(self, route: Route, limits: SpeedLimits, start: Motion = REST) -> None:
         self._end = _ned(route.waypoints[-1])
         self.path, self._profiles = _flown(route, limits, start)
         self._begin_s = [0.0, *accumulate(profile.duration for profile in self._profiles)]
         self.duration_s = self._begin_s.pop()
-        self._turns = _turns(self.path.pieces, self._begin_s, yaw_rad)
+        self._courses = _courses(self.path.pieces, self._begin_s)
 
     def sample(self, t_s: float) -> Sample:
-        """Position, velocity and heading at a time since the start.
+        """Position, velocity and course at a time since the start.
 
         Args:
             t_s: seconds; before 0 the start, after the duration the end, at rest.
         """
         t_s = max(0.0, t_s)
-        yaw_rad = self._yaw(t_s)
+        course_rad = self._course(t_s)
         if t_s >= self.duration_s:
-            return Sample(self._end, AT_REST, AT_REST, yaw_rad, True)
-        return sample_at(self.path, *self.progress(t_s), yaw_rad)
+            return Sample(self._end, AT_REST, AT_REST, True, course_rad)
+        return replace(sample_at(self.path, *self.progress(t_s)), course_rad=course_rad)
 
     def progress(self, t_s: float) -> tuple[float, Motion]:
         """The distance along the path at a time, and the motion there."""
@@ -110,11 +107,10 @@ class Trajectory:
         """(n, 3) points of the path that is left at a time, n >= 2."""
         return self.path.ahead(self.progress(t_s)[0])
 
-    def _yaw(self, t_s: float) -> float:
-        """The heading: from that at the leg's beginning towards the leg, at a limited rate."""
-        latest = bisect_right(self._turns, t_s, key=lambda turn: turn[0]) - 1
-        begin_s, from_rad, turn_rad = self._turns[latest]
-        return wrap_angle(from_rad + _limited(turn_rad, YAW_RATE_RADPS * (t_s - begin_s)))
+    def _course(self, t_s: float) -> float | None:
+        """That of the latest leg that has one."""
+        begun = bisect_right(self._courses, t_s, key=lambda course: course[0])
+        return self._courses[begun - 1][1] if begun else None
 
 
 class Stop:
@@ -149,18 +145,16 @@ class Stop:
         if self._profile is None:
             return self._trajectory.sample(self._begin_s + t_s)
         (along_m,), (mps,), (mps2,) = self._profile.at_time(min(t_s, self.duration_s))
-        yaw_rad = self._trajectory.sample(self._begin_s).yaw_rad
         path, is_finished = self._trajectory.path, t_s >= self.duration_s
         motion = REST if is_finished else Motion(mps, mps2)
-        sample = sample_at(path, self._begin_m + along_m, motion, yaw_rad)
-        return replace(sample, is_finished=is_finished)
+        return replace(sample_at(path, self._begin_m + along_m, motion), is_finished=is_finished)
 
 
-def sample_at(path: Path, along_m: float, motion: Motion, yaw_rad: float) -> Sample:
+def sample_at(path: Path, along_m: float, motion: Motion) -> Sample:
     """The moment at which a vehicle passes a point of a path."""
     position, direction, curvature = path.at(along_m)
     change = motion.acceleration_mps2 * direction + motion.speed_mps**2 * curvature
-    return Sample(_ned(position), _ned(motion.speed_mps * direction), _ned(change), yaw_rad, False)
+    return Sample(_ned(position), _ned(motion.speed_mps * direction), _ned(change), False)
 
 
 def motion_of(velocity: Ned, acceleration: Ned) -> Motion:
@@ -286,29 +280,22 @@ def _can_brake(start: Motion, end_mps: float, room_m: float, limits: SpeedLimits
     return ahead_m + limits.change_m(speed_mps, end_mps) <= room_m
 
 
-def _turns(
-    pieces: Sequence[StraightLeg | Turn], begins_s: list[float], yaw_rad: float
-) -> list[tuple[float, float, float]]:
-    """For each piece with a heading: when it begins, the heading then, and the turn to make."""
-    turns = [(0.0, wrap_angle(yaw_rad), 0.0)]
+def _courses(
+    pieces: Sequence[StraightLeg | Turn], begins_s: list[float]
+) -> list[tuple[float, float]]:
+    """For each piece that is not too steep: when it begins, and its course."""
+    courses = []
     for piece, begin_s in zip(pieces, begins_s, strict=True):
         north, east, _ = piece.direction.tolist()
-        if math.hypot(north, east) < _MIN_LEVEL_SHARE:
-            continue
-        last_s, last_rad, last_turn_rad = turns[-1]
-        now_rad = last_rad + _limited(last_turn_rad, YAW_RATE_RADPS * (begin_s - last_s))
-        turns.append((begin_s, now_rad, wrap_angle(math.atan2(east, north) - now_rad)))
-    return turns
+        if math.hypot(north, east) >= _MIN_LEVEL_SHARE:
+            courses.append((begin_s, math.atan2(east, north)))
+    return courses
 
 
 def times(vector: Ned, factor: float) -> Ned:
     """A vector, longer by a factor."""
     north, east, down = vector
     return (north * factor, east * factor, down * factor)
-
-
-def _limited(angle_rad: float, max_rad: float) -> float:
-    return math.copysign(min(abs(angle_rad), max_rad), angle_rad)
 
 
 def _ned(vector: npt.NDArray[np.float64]) -> Ned:

@@ -23,7 +23,17 @@ from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
 from companion.mission.facts import ANYWHERE, HERE, Atom, Fact, spelled
-from companion.mission.model import Do, Fly, Literal, Mission, Primitive, Skill, Wait, flies
+from companion.mission.model import (
+    Do,
+    Fly,
+    Literal,
+    Mission,
+    PointOfInterest,
+    Primitive,
+    Skill,
+    Wait,
+    flies,
+)
 
 FlightTime = Callable[[str, str], float]
 """Seconds of flight from one place to another; inf where no route exists."""
@@ -55,12 +65,17 @@ class ConditionalEffect(Generic[P]):
 
 @dataclass(frozen=True, slots=True)
 class Refinement:
-    """What a skill that refines another one does, how often it is tried, and how long each time."""
+    """What a skill that refines another one does, how often it is tried, and how long each time.
+
+    Attributes:
+        look_at: what the vehicle looks at meanwhile; None for what the skill that it refines says.
+    """
 
     name: str
     steps: tuple[Step, ...]
     tries: int
     timeout_s: float | None
+    look_at: PointOfInterest | None = None
 
 
 Step = Primitive | Refinement
@@ -81,6 +96,7 @@ class Action:
         execute: what the vehicle does, one step after the other, with places filled in.
         conditional: effects that depend on the facts before the action.
         retry_after_s: time after which what it assumes is believed again; None is never.
+        look_at: what the vehicle looks at meanwhile; None for nothing of its own.
     """
 
     skill: str
@@ -96,6 +112,7 @@ class Action:
     timeout_s: float | None
     conditional: tuple[ConditionalEffect[Fact], ...] = ()
     retry_after_s: float | None = None
+    look_at: PointOfInterest | None = None
     name: str = field(init=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -237,10 +254,17 @@ def _refined(mission: Mission, skill: Skill, binding: dict[str, str]) -> tuple[S
             own = _own(inner, step, binding)
             name = spelled(inner.name, tuple(own.values()))
             below = _refined(mission, inner, own)
-            steps.append(Refinement(name, below, inner.tries, inner.timeout_s))
+            look_at = _look_at(mission, inner, own)
+            steps.append(Refinement(name, below, inner.tries, inner.timeout_s, look_at))
         else:
             steps.append(step)
     return tuple(steps)
+
+
+def _look_at(mission: Mission, skill: Skill, binding: dict[str, str]) -> PointOfInterest | None:
+    if not isinstance(skill.look_at, str):
+        return skill.look_at
+    return mission.places[binding[skill.look_at]].point
 
 
 def _destination(steps: tuple[Step, ...]) -> str | None:
@@ -287,6 +311,7 @@ def _instance(
             for when in skill.conditional
         ),
         retry_after_s=skill.retry_after_s,
+        look_at=_look_at(mission, skill, binding),
     )
 
 

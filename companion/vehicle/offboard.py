@@ -20,7 +20,6 @@ Source: https://mavlink.io/en/services/command.html, PX4's offboard mode.
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 from companion.geometry import Ned
@@ -44,6 +43,7 @@ from companion.vehicle.port import (
     VehicleState,
 )
 from companion.vehicle.ranging import Ranging
+from companion.vehicle.signals import Reading, SignalReader
 from companion.vehicle.telemetry import TELEMETRY, Telemetry
 from companion.vehicle.wire import AUTOPILOT, COMPONENT, Wire
 
@@ -54,8 +54,6 @@ ASK_AGAIN_S = 2.0
 """Pause before a command that was accepted without effect is sent again."""
 
 ALL_BUT_YAW_RATE = dialect.POSITION_TARGET_TYPEMASK_YAW_RATE_IGNORE
-NOT_KNOWN = {("BATTERY_STATUS", "battery_remaining"): -1, ("SYS_STATUS", "battery_remaining"): -1}
-"""Values that mean "not known"; they are never handed on as numbers."""
 
 SCAN = "OBSTACLE_DISTANCE"
 PROTOCOL = frozenset({"COMMAND_ACK", "PARAM_VALUE", SCAN})
@@ -96,13 +94,11 @@ class MavlinkVehicle:
         self._telemetry = telemetry
         self._envelope = envelope
         self._takeoff_up_m = takeoff_up_m
-        self._signals: dict[str, list[Signal]] = {}
-        for signal in signals:
-            self._signals.setdefault(signal.message, []).append(signal)
+        self._signals = SignalReader(signals)
         self._ranging = Ranging()
         self._commands = CommandSender()
         self._parameters = ParameterReader()
-        self._readings: list[tuple[Signal, float]] = []
+        self._readings: list[Reading] = []
         self._setpoint: Setpoint | None = None
         self._pursuit: Pursuit | None = None
         self._first_mode: Mode | None = None
@@ -113,14 +109,19 @@ class MavlinkVehicle:
     @property
     def wanted(self) -> frozenset[str]:
         """Names of the messages that are read here."""
-        return PROTOCOL | TELEMETRY | self._signals.keys()
+        return PROTOCOL | TELEMETRY | self.telling
 
     @property
     def continual(self) -> frozenset[str]:
         """Of these, those of which only the newest counts."""
-        return CONTINUAL - self._signals.keys()
+        return CONTINUAL - self.telling
 
-    def receive(self, now_s: float, messages: list[Message]) -> list[tuple[Signal, float]]:
+    @property
+    def telling(self) -> frozenset[str]:
+        """Of these, those with signals."""
+        return self._signals.messages
+
+    def receive(self, now_s: float, messages: list[Message]) -> list[Reading]:
         """Takes what arrived; returns the signals in it, in order."""
         self._now_s = now_s
         self._readings = []
@@ -129,6 +130,11 @@ class MavlinkVehicle:
         home = self._telemetry.home
         self.scans = self._ranging.scans(now_s, home[:2]) if home else []
         return self._readings
+
+    def foresee(self, messages: list[Message]) -> list[Reading]:
+        """The signals in messages that are not taken yet."""
+        ours = [message for message in messages if source(message)[0] == self._wire.system]
+        return [reading for message in ours for reading in self._signals.read(message)]
 
     def transmit(self, now_s: float) -> list[Message]:
         """What has to leave now: commands, questions, and at most one setpoint."""
@@ -318,8 +324,7 @@ class MavlinkVehicle:
             self._watch_authority()
         elif kind == SCAN and component == SCANNER:
             self._ranging.take_scan(message)
-        for signal in self._signals.get(kind, ()):
-            self._read(signal, message)
+        self._readings += self._signals.read(message)
 
     def _watch_authority(self) -> None:
         """Rule 5, from the first goal on. The mode of a goal's start is ours until it was left.
@@ -337,10 +342,3 @@ class MavlinkVehicle:
             has_landed and heard.mode in (Mode.LOITER, Mode.OFFBOARD, self._first_mode)
         ):
             self.takeover = Takeover(heard.mode, heard.is_failsafe)
-
-    def _read(self, signal: Signal, message: Message) -> None:
-        if signal.instance and message.name != signal.instance:
-            return
-        value = getattr(message, signal.field)
-        if math.isfinite(value) and value != NOT_KNOWN.get((signal.message, signal.field)):
-            self._readings.append((signal, float(value)))

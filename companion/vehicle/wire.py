@@ -26,21 +26,29 @@ class Wire:
         self._codec = MavlinkCodec(0, COMPONENT)
         self._wanted: frozenset[int] = frozenset()
         self._continual: frozenset[int] = frozenset()
+        self._telling: frozenset[int] = frozenset()
 
     @property
     def system(self) -> int:
         """The vehicle's system id, and our own; 0 until an autopilot was heard."""
         return self._codec.system
 
-    def listen(self, wanted: frozenset[str], continual: frozenset[str]) -> None:
+    def listen(
+        self,
+        wanted: frozenset[str],
+        continual: frozenset[str],
+        telling: frozenset[str] = frozenset(),
+    ) -> None:
         """What to decode from now on, by names of messages.
 
         Args:
             wanted: all that somebody reads; heartbeats always.
             continual: those of which only the newest of a tick counts.
+            telling: those that may tell an event of the mission.
         """
         self._wanted = _ids(wanted | {"HEARTBEAT"})
         self._continual = _ids(continual)
+        self._telling = _ids(telling)
 
     def parse(self, datagrams: list[bytes]) -> list[Message]:
         """The messages of a tick, in order, from whomever and for whomever."""
@@ -53,6 +61,11 @@ class Wire:
                 self._codec = MavlinkCodec(source(message)[0], COMPONENT)
                 return messages[at:]
         return []
+
+    def peek(self, datagrams: list[bytes]) -> list[Message]:
+        """The messages that may tell an event; all are parsed when they are taken."""
+        frames = choose(datagrams, self._telling, frozenset())
+        return [message for frame in frames for message in self._codec.parse(frame)]
 
     def pack(self, messages: list[Message]) -> list[bytes]:
         """A datagram for each message; none before the system is known."""

@@ -18,7 +18,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 
-from companion.geometry import NorthEast, wrap_angle
+from companion.geometry import NorthEast
 from companion.motion.free_space import ENTRY_M
 from companion.motion.grid import OccupancyGrid
 from companion.motion.line_of_sight import LineOfSight
@@ -26,12 +26,7 @@ from companion.motion.path import Path
 from companion.motion.profile import SpeedLimits, flight_time_s
 from companion.motion.regions import Regions
 from companion.motion.routes import PlaceRegion, Route, RouteMap
-from companion.motion.trajectory import (
-    YAW_RATE_RADPS,
-    Trajectory,
-    motion_of,
-    run_out,
-)
+from companion.motion.trajectory import Trajectory, motion_of, run_out
 
 JERK = 8.0  # m/s3
 
@@ -341,12 +336,12 @@ jerks = st.floats(2.0, 40.0)
 
 
 @FAST
-@given(waypoints, speeds, accelerations, st.floats(-math.pi, math.pi))
+@given(waypoints, speeds, accelerations)
 def test_a_trajectory_keeps_its_limits_and_its_route(
-    corners: list[tuple[float, float, float]], speed: float, acceleration: float, yaw_rad: float
+    corners: list[tuple[float, float, float]], speed: float, acceleration: float
 ) -> None:
     route = Route(np.array(corners))
-    trajectory = Trajectory(route, SpeedLimits(speed, acceleration, JERK), yaw_rad)
+    trajectory = Trajectory(route, SpeedLimits(speed, acceleration, JERK))
     times, dt_s = np.linspace(-0.1, trajectory.duration_s + 0.1, 1500, retstep=True)
     samples = [trajectory.sample(float(t_s)) for t_s in times]
     positions = np.array([sample.position for sample in samples])
@@ -363,8 +358,6 @@ def test_a_trajectory_keeps_its_limits_and_its_route(
     steps = np.linalg.norm(np.diff(positions, axis=0), axis=1)
     assert np.all(steps <= (rates[:-1] + rates[1:]) / 2 * dt_s + acceleration * dt_s**2 + 1e-9)
     assert steps.sum() <= route.length_m + 1e-6
-    turns = [wrap_angle(b.yaw_rad - a.yaw_rad) for a, b in pairwise(samples)]
-    assert np.abs(turns).max() <= YAW_RATE_RADPS * dt_s + 1e-9
     for position in positions[::50]:
         off_m = min(distance_to_leg(a, b, position) for a, b in pairwise(route.waypoints))
         assert off_m < 1e-9
@@ -418,7 +411,7 @@ def test_a_turn_in_flight_goes_on_from_the_motion_and_keeps_the_limits(
     assert math.dist(now.position, stop) >= limits.stop_m(motion)
     for further in ([], [(stop[0] + on_m, stop[1] - 1.0, stop[2])]):
         route = Route(np.array([now.position, stop, *further]))
-        turned = Trajectory(route, limits, now.yaw_rad, motion)
+        turned = Trajectory(route, limits, motion)
         first = turned.sample(0.0)
         assert np.allclose(first.position, now.position, atol=1e-9)
         assert np.allclose(first.velocity, now.velocity, atol=1e-6)

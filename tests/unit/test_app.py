@@ -75,6 +75,13 @@ class World:
     def sleep_until(self, time_s: float) -> None:
         self.now = max(self.now, time_s) + self.late_s
 
+    def wall_s_until(self, time_s: float) -> float:
+        return time_s - self.now
+
+    def wait(self, timeout_s: float) -> bool:
+        """All arrives with the tick."""
+        return False
+
     def receive(self) -> list[bytes]:
         self.ticks.append(self.now)
         return [] if self.is_silent else [*self._answers, *self.autopilot.telemetry()]

@@ -74,12 +74,12 @@ class Line(Notes):
 
     def receive(self) -> list[bytes]:
         self._stream(self.now)
-        self.steps_s.append(self.now)
         arrived = [datagram for at_s, datagram in self._under_way if at_s <= self.now]
         self._under_way = [each for each in self._under_way if each[0] > self.now]
         return arrived
 
     def send(self, datagrams: list[bytes]) -> None:
+        self.steps_s.append(self.now)
         for answer in self._autopilot.answer(datagrams):
             self._under_way.append((self.now + UNDER_WAY_S, answer))
         heard: list[Any] = [m for d in datagrams for m in self._ear.parse(d)]

@@ -51,7 +51,7 @@ def test_checked_in_schema_is_the_generated_one() -> None:
     """If this fails: python scripts/make_schema.py."""
     schema = json_schema()
     assert json.loads((MISSIONS / "vehicle.schema.json").read_text()) == schema
-    optional = {"response_s", "feed_forward"}
+    optional = {"response_s", "feed_forward", "yaw_rate_radps"}
     assert list(schema["required"]) == ["version", *(v for v in VALUES if v not in optional)]
     assert all(part.get("description") for part in schema["properties"].values())
 
@@ -122,7 +122,7 @@ def test_mistakes_in_a_mission_are_placed(
     [
         ({"climb_mps": "fast"}, "6:12", "climb_mps is 'fast', expected a number"),
         ({"version": 2}, "1:10", "version is 2, expected 1"),
-        ({"colour": "red"}, "15:1", "unknown key 'colour'"),
+        ({"colour": "red"}, "16:1", "unknown key 'colour'"),
     ],
 )
 def test_mistakes_in_a_profile_are_placed(

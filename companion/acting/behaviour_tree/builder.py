@@ -17,7 +17,8 @@ refinement. A plan needs no such check, as it is replaced when its place is lost
 
 A refinement of several steps is a sequence of them; a step that is itself a skill is refined in
 turn, until all leaves are primitives. Whatever a refinement is, all of it is tried so often, each
-time within the time limit; what is tried once has no decorator.
+time within the time limit; what is tried once has no decorator. Where a skill looks at something, a
+leaf that flies, commands or waits is a Sequence (no memory): LookAt | leaf.
 """
 
 from __future__ import annotations
@@ -32,6 +33,7 @@ from py_trees.decorators import Inverter, Repeat, Retry
 from companion.acting.behaviour_tree import landing
 from companion.acting.behaviour_tree.deadline import Deadline
 from companion.acting.behaviour_tree.intention import Intention
+from companion.acting.behaviour_tree.leaf import Leaf
 from companion.acting.behaviour_tree.leaves import (
     AssumptionsHold,
     Effects,
@@ -42,10 +44,11 @@ from companion.acting.behaviour_tree.leaves import (
     UpdateParam,
     Withdraw,
 )
+from companion.acting.behaviour_tree.look_at import LookAt
 from companion.acting.behaviour_tree.move import MoveCommand
 from companion.acting.flight import Flight
 from companion.acting.replanning.assumptions import Assumptions
-from companion.mission.model import Charge, Command, Fly, Land, TakeOff, Wait
+from companion.mission.model import Charge, Command, Fly, Land, PointOfInterest, TakeOff, Wait
 from companion.planning.domain import Refinement, Step
 from companion.planning.lasso import Lasso
 
@@ -102,7 +105,7 @@ def action_tree(
         ends_lap: whether the action is the last one of the loop.
     """
     action = intention.action
-    steps = Refinement("steps", action.execute, action.tries, action.timeout_s)
+    steps = Refinement("steps", action.execute, action.tries, action.timeout_s, action.look_at)
     refinement = _refinement(flight, steps)
     if assumptions is None and action.destination is None:
         at_place = Sequence("at its place", memory=False)
@@ -123,39 +126,47 @@ def action_tree(
 
 def move_tree(flight: Flight, place: str, tries: int, timeout_s: float | None) -> Behaviour:
     """The tree of a flight to a place: MAX_TRY(m) of Fig. 6."""
-    return _tried(_flight_to(flight, place, timeout_s), tries)
+    return _tried(_flight_to(flight, place, timeout_s, None), tries)
 
 
 def _tried(child: Behaviour, tries: int) -> Behaviour:
     return Retry(f"MAX_TRY({tries})", child, tries) if tries > 1 else child
 
 
-def _refinement(flight: Flight, skill: Refinement, within_s: float | None = None) -> Behaviour:
+def _refinement(
+    flight: Flight,
+    skill: Refinement,
+    within_s: float | None = None,
+    look_at: PointOfInterest | None = None,
+) -> Behaviour:
     """The steps of a skill, so often tried as it says.
 
     Args:
         flight: what the leaves act on.
         skill: what is done.
         within_s: the time limit of the skill that it refines.
+        look_at: what that skill looks at; its own goes before.
     """
     limit_s = within_s if skill.timeout_s is None else skill.timeout_s
-    once = _one_try(flight, skill, limit_s)
+    once = _one_try(flight, skill, limit_s, skill.look_at or look_at)
     if skill.tries > 1 and _touches_ground(skill.steps):
         once = _sequence("another try", [landing.BeginAgain(flight), once])
     return _tried(once, skill.tries)
 
 
-def _one_try(flight: Flight, skill: Refinement, limit_s: float | None) -> Behaviour:
+def _one_try(
+    flight: Flight, skill: Refinement, limit_s: float | None, look_at: PointOfInterest | None
+) -> Behaviour:
     """One try: a single step is itself, several are a sequence, in time together.
 
     A command among them may take all of that time.
     """
     match skill.steps:
         case (Fly(place),):
-            return _flight_to(flight, place, skill.timeout_s)
+            return _flight_to(flight, place, skill.timeout_s, look_at)
         case (Command() as command,):
-            return SendCommand(flight, command, limit_s)
-    steps = [_step(flight, step, limit_s) for step in skill.steps]
+            return _looking(flight, SendCommand(flight, command, limit_s), look_at)
+    steps = [_step(flight, step, limit_s, look_at) for step in skill.steps]
     once = steps[0] if len(steps) == 1 else _sequence(skill.name, steps)
     return Deadline(flight, once, skill.timeout_s) if skill.timeout_s is not None else once
 
@@ -169,19 +180,31 @@ def _touches_ground(steps: Many[Step]) -> bool:
     )
 
 
-def _flight_to(flight: Flight, place: str, timeout_s: float | None) -> Behaviour:
-    move = MoveCommand(flight, place, timeout_s)
-    return _sequence("move", [UpdateParam(flight, place, move), move])
+def _flight_to(
+    flight: Flight, place: str, timeout_s: float | None, look_at: PointOfInterest | None
+) -> Behaviour:
+    move = MoveCommand(flight, place, timeout_s, look_at.position if look_at else None)
+    return _sequence("move", [UpdateParam(flight, place, move), _looking(flight, move, look_at)])
 
 
-def _step(flight: Flight, step: Step, limit_s: float | None) -> Behaviour:
+def _looking(flight: Flight, leaf: Leaf, look_at: PointOfInterest | None) -> Behaviour:
+    if look_at is None:
+        return leaf
+    looking = Sequence("looking", memory=False)
+    looking.add_children([LookAt(flight, look_at, leaf), leaf])
+    return looking
+
+
+def _step(
+    flight: Flight, step: Step, limit_s: float | None, look_at: PointOfInterest | None
+) -> Behaviour:
     match step:
         case Fly(place):
-            return _flight_to(flight, place, None)
+            return _flight_to(flight, place, None, look_at)
         case Command():
-            return SendCommand(flight, step, limit_s)
+            return _looking(flight, SendCommand(flight, step, limit_s), look_at)
         case Wait(duration_s):
-            return Rest(flight, duration_s)
+            return _looking(flight, Rest(flight, duration_s), look_at)
         case Land():
             return landing.LandVehicle(flight, "land")
         case TakeOff():
@@ -189,7 +212,7 @@ def _step(flight: Flight, step: Step, limit_s: float | None) -> Behaviour:
         case Charge(percent):
             return landing.ChargeBattery(flight, percent)
         case Refinement():
-            return _refinement(flight, step, limit_s)
+            return _refinement(flight, step, limit_s, look_at)
 
 
 def _sequence(name: str, children: Many[Behaviour]) -> Behaviour:

@@ -7,11 +7,12 @@ from dataclasses import replace
 
 from py_trees.common import Status
 
+from companion.acting.behaviour_tree.flight_heading import FlightHeading
 from companion.acting.behaviour_tree.leaf import Leaf
 from companion.acting.flight import TICK_S, Flight
 from companion.flight_events.skills import RouteBlocked, RouteResponse
 from companion.flight_events.tree import LeafType
-from companion.geometry import distance
+from companion.geometry import NorthEast, distance
 from companion.motion.profile import SpeedLimits
 from companion.motion.routes import Route
 from companion.motion.trajectory import (
@@ -22,7 +23,7 @@ from companion.motion.trajectory import (
     motion_of,
     run_out,
 )
-from companion.vehicle.port import Setpoint, VehicleState
+from companion.vehicle.port import VehicleState
 
 ARRIVAL_M = 0.3
 """How near to a place the vehicle has to come to be there."""
@@ -58,21 +59,35 @@ class MoveCommand(Leaf):
 
     Attributes:
         failed_at: how many positions the word had when it failed last; None if it never has.
+
+    Args:
+        flight: what it acts on.
+        place: where it flies to.
+        timeout_s: longest time; None for no limit.
+        look_at: point that the vehicle looks at; None to look where it flies.
     """
 
     does = LeafType.MOVE_CMD
 
-    def __init__(self, flight: Flight, place: str, timeout_s: float | None) -> None:
+    def __init__(
+        self,
+        flight: Flight,
+        place: str,
+        timeout_s: float | None,
+        look_at: NorthEast | None = None,
+    ) -> None:
         super().__init__(flight, f"move_cmd {place}")
         self.failed_at: int | None = None
         self._place = place
         self._timeout_s = timeout_s
+        self._heading = FlightHeading(flight, place, look_at)
 
     def initialise(self) -> None:
         """Finds the route from where the vehicle is, and how fast, now."""
         state = self._flight.vehicle.state
         self._trajectory: Trajectory | Stop | None = None
         self._is_waiting = False
+        self._updated_s: float | None = None
         if state is not None:
             self._begin(state)
         self._start_s = self._flight.now_s
@@ -91,7 +106,8 @@ class MoveCommand(Leaf):
         self._flown_s, self._rate = self._time_s, 1.0
         self._told: RouteBlocked | None = None
         self._map_version = self._flight.routes.version
-        self._waited_s = 0.0
+        self._updated_s = None
+        self._in_time_s = self._flight.now_s
 
     def _wait(self, state: VehicleState) -> None:
         """Begins when a stop has ended, or leads straight on at last."""
@@ -105,10 +121,10 @@ class MoveCommand(Leaf):
         told = flight.setpoint
         within_m = LAG_SHARE * flight.profile.carrot_m
         if told is None or distance(told.position, state.position) >= within_m:
-            return Sample(state.position, state.velocity, AT_REST, state.yaw_rad, False)
+            return Sample(state.position, state.velocity, AT_REST, is_finished=False)
         if flight.stop is not None:
             return flight.stop.sample(flight.stopping_s)
-        return Sample(told.position, AT_REST, AT_REST, told.yaw_rad, False)
+        return Sample(told.position, AT_REST, AT_REST, is_finished=False)
 
     def _gentle(self, now: Sample) -> SpeedLimits:
         """The limits of a change of plan at speed; no acceleration of it was told early."""
@@ -141,6 +157,7 @@ class MoveCommand(Leaf):
             self._wait(state)
             if self._is_waiting:
                 return Status.RUNNING
+        self._advance()
         if state is not None:
             self._follow_map(state)
         if self._trajectory is None or state is None:
@@ -158,14 +175,15 @@ class MoveCommand(Leaf):
             return Status.RUNNING
         following = _following(gap_m / flight.profile.carrot_m)
         sample, self._rate = sample.slower(following), self._rate * following
-        flight.fly(Setpoint(sample.position, sample.velocity, sample.acceleration, sample.yaw_rad))
-        if sample.is_finished and gap_m < ARRIVAL_M and not self._is_braking:
+        is_at_end = sample.is_finished and not self._is_braking
+        flight.fly(sample, self._heading.wanted(sample, state, is_at_end))
+        if is_at_end and gap_m < ARRIVAL_M and self._heading.is_reached(state):
             return Status.SUCCESS
-        if self._time_s > self._trajectory.duration_s + ARRIVAL_TIMEOUT_S:
-            return self._stop_and_fail(f"still {gap_m:.1f} m from {self._place}")
-        self._time_s += self._rate * TICK_S
-        self._waited_s = self._waited_s + TICK_S if is_behind else 0.0
-        if self._waited_s > ARRIVAL_TIMEOUT_S:
+        if self._time_s > self._trajectory.duration_s + ARRIVAL_TIMEOUT_S + self._heading.turn_s:
+            return self._stop_and_fail(self._why_not_there(gap_m, state))
+        self._updated_s = flight.now_s
+        self._in_time_s = self._in_time_s if is_behind else flight.now_s
+        if flight.now_s - self._in_time_s > ARRIVAL_TIMEOUT_S:
             return self._stop_and_fail(f"stuck on the way to {self._place}")
         return Status.RUNNING
 
@@ -176,12 +194,22 @@ class MoveCommand(Leaf):
         if new_status is Status.INVALID and self.status is Status.RUNNING:
             self._brake()
 
+    def _advance(self) -> None:
+        """The trajectory's time runs, from one update to the next."""
+        if self._updated_s is not None:
+            self._time_s += self._rate * self._flight.elapsed_s(self._updated_s)
+
     def _sample(self) -> Sample:
         """What may be flown of the trajectory now; sets how fast its time runs."""
         assert self._trajectory is not None
         led = self._flight.led(self._trajectory, self._time_s)
         slowed, self._rate = self._flight.speed_limit.slowed(led)
         return slowed
+
+    def _why_not_there(self, gap_m: float, state: VehicleState) -> str:
+        if gap_m >= ARRIVAL_M:
+            return f"still {gap_m:.1f} m from {self._place}"
+        return f"at {self._place}, but {self._heading.error_deg(state)} degrees off the heading"
 
     def _brake(self) -> None:
         """Comes to rest along the path, from the setpoint that was flown last."""
@@ -264,6 +292,6 @@ def _stop(trajectory: Trajectory, t_s: float, now: Sample, limits: SpeedLimits) 
 def _along(route: Route, limits: SpeedLimits, now: Sample) -> Trajectory | None:
     """A trajectory that goes on from a motion; None, and so a hold, if there is none."""
     try:
-        return Trajectory(route, limits, now.yaw_rad, motion_of(now.velocity, now.acceleration))
+        return Trajectory(route, limits, motion_of(now.velocity, now.acceleration))
     except ArithmeticError:
         return None

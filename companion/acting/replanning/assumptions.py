@@ -77,6 +77,11 @@ class Assumptions:
         self._values = {fact: holds for fact, holds in self._values.items() if fact in relevant}
 
     @property
+    def watched(self) -> frozenset[Fact]:
+        """The events whose next change matters: those of the plan that have not just flapped."""
+        return frozenset(fact for fact in self._values if not self._may_flap(fact))
+
+    @property
     def wrong(self) -> list[Fact]:
         """The events that are not as predicted, now or in the next letter.
 
@@ -90,8 +95,12 @@ class Assumptions:
             fact
             for fact, holds in self._values.items()
             if ((fact in task.facts) != holds or (fact in read_next) != holds)
-            and self._flight.now_s - self._replanned_s.get(fact, -math.inf) >= FLAPPING_S
+            and not self._may_flap(fact)
         ]
+
+    def _may_flap(self, fact: Fact) -> bool:
+        """Whether it has just made a new plan."""
+        return self._flight.now_s - self._replanned_s.get(fact, -math.inf) < FLAPPING_S
 
     @property
     def surprise(self) -> str | None:

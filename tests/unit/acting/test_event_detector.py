@@ -203,3 +203,26 @@ def test_what_was_ended_rises_anew_when_its_condition_does() -> None:
 def test_conditions_that_hold_together_do_not_flap() -> None:
     overlapping = event(until="BATTERY_STATUS.battery_remaining < 50")
     assert changes(overlapping, [(t, 20.0) for t in range(6)]) == [(0, True), (0, False)]
+
+
+EVENTS = {
+    "low": event("low", until="BATTERY_STATUS.battery_remaining > 80", for_s=0.5),
+    "empty": event("empty", "BATTERY_STATUS.battery_remaining < 10"),
+    "called": event("called", "COMMAND.MAV_CMD_USER_1"),
+    "latched": event("latched", "COMMAND.MAV_CMD_USER_1", latch=True),
+}
+ONE_CALL = (Signal(COMMAND, "", "MAV_CMD_USER_1"), 1.0)
+heard = st.lists(st.one_of(st.just(ONE_CALL), st.integers(0, 100).map(lambda v: (LEVEL, float(v)))))
+
+
+@given(st.lists(st.tuples(st.floats(0.01, 1.0), heard), max_size=20))
+def test_what_is_foreseen_comes_and_nothing_is_taken_before(
+    steps: list[tuple[float, list[tuple[Signal, float]]]],
+) -> None:
+    detector, other, now_s = EventDetector(EVENTS), EventDetector(EVENTS), 0.0
+    for passed_s, readings in steps:
+        now_s += passed_s
+        foreseen = detector.foresee(now_s, readings)
+        found = detector.update(now_s, readings)
+        assert found == other.update(now_s, readings)
+        assert foreseen == ({name for name, _ in found} if readings else set())

@@ -9,7 +9,7 @@ import pytest
 
 from companion.motion.profile import Motion, SpeedLimits, flight_time_s
 from companion.motion.routes import Route
-from companion.motion.trajectory import AT_REST, YAW_RATE_RADPS, Trajectory, run_out
+from companion.motion.trajectory import AT_REST, Trajectory, run_out
 
 JERK = 8.0  # m/s3
 
@@ -52,12 +52,10 @@ def test_before_the_start_and_after_the_end_the_vehicle_rests() -> None:
 
 
 def test_a_route_of_no_length_is_finished_at_once() -> None:
-    trajectory = Trajectory(
-        route_of((1, 2, -3), (1, 2, -3)), SpeedLimits(2.0, 1.0, JERK), yaw_rad=0.5
-    )
+    trajectory = Trajectory(route_of((1, 2, -3), (1, 2, -3)), SpeedLimits(2.0, 1.0, JERK))
     assert trajectory.duration_s == 0.0
     sample = trajectory.sample(0.0)
-    assert (sample.position, sample.yaw_rad, sample.is_finished) == ((1, 2, -3), 0.5, True)
+    assert (sample.position, sample.course_rad, sample.is_finished) == ((1, 2, -3), None, True)
 
 
 @pytest.mark.parametrize("turn_deg", [5, 30, 90, 150, 180])
@@ -80,22 +78,22 @@ def test_a_waypoint_on_a_straight_line_does_not_slow_the_vehicle() -> None:
     assert divided.duration_s == pytest.approx(straight.duration_s)
 
 
-def test_the_heading_turns_towards_each_leg_at_a_limited_rate() -> None:
+def test_the_course_is_that_of_the_leg_and_of_the_last_one_at_the_end() -> None:
     trajectory = Trajectory(
-        route_of((0, 0, 0), (0, -5, 0), (-5, -5, 0)), SpeedLimits(1.0, 1.0, JERK), yaw_rad=0.0
+        route_of((0, 0, 0), (0, -5, 0), (-5, -5, 0)), SpeedLimits(1.0, 1.0, JERK)
     )
-    assert trajectory.sample(0.0).yaw_rad == 0.0
-    assert trajectory.sample(0.5).yaw_rad == pytest.approx(-0.5 * YAW_RATE_RADPS)
-    assert trajectory.sample(2.0).yaw_rad == pytest.approx(-math.pi / 2)
-    assert abs(trajectory.sample(trajectory.duration_s).yaw_rad) == pytest.approx(math.pi)
+    assert trajectory.sample(-1.0).course_rad == trajectory.sample(0.0).course_rad == -math.pi / 2
+    last = trajectory.sample(trajectory.duration_s).course_rad
+    assert last is not None and abs(last) == pytest.approx(math.pi)
+    assert trajectory.sample(1000.0).course_rad == last
 
 
-def test_the_heading_turns_on_at_the_end_and_keeps_on_a_vertical_leg() -> None:
-    south = Trajectory(route_of((0, 0, 0), (-0.1, 0, 0)), SpeedLimits(1.0, 1.0, JERK), yaw_rad=1.0)
-    assert abs(south.sample(south.duration_s).yaw_rad) < 3
-    assert abs(south.sample(10.0).yaw_rad) == pytest.approx(math.pi)
-    climb = Trajectory(route_of((0, 0, 0), (0, 0, -3)), SpeedLimits(1.0, 1.0, JERK), yaw_rad=1.0)
-    assert climb.sample(1.0).yaw_rad == 1.0
+def test_a_steep_leg_has_no_course_of_its_own() -> None:
+    limits = SpeedLimits(1.0, 1.0, JERK)
+    climb = Trajectory(route_of((0, 0, 0), (0, 0, -3)), limits)
+    assert climb.sample(1.0).course_rad is None
+    after = Trajectory(route_of((0, 0, 0), (0, 5, 0), (0, 5, -3)), limits)
+    assert after.sample(after.duration_s - 0.1).course_rad == math.pi / 2
 
 
 @pytest.mark.parametrize("distance_m", [0.0, 0.3, 4.0, 4.1, 25.0])

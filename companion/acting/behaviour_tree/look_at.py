@@ -1,0 +1,58 @@
+"""The leaf that turns: a step of a skill with `look_at` begins when the vehicle looks there."""
+
+from __future__ import annotations
+
+import math
+
+from py_trees.common import Status
+
+from companion.acting.behaviour_tree.leaf import Leaf
+from companion.acting.flight import Flight
+from companion.flight_events.tree import LeafType
+from companion.mission.model import PointOfInterest
+from companion.motion.heading import HEADING_TOLERANCE_RAD, error_rad, towards
+
+TURN_TIMEOUT_S = 15.0
+"""How long a turn may take beyond what the vehicle needs for half of one."""
+
+
+class LookAt(Leaf):
+    """Turns to a point on the spot, until the vehicle looks at it.
+
+    A step that holds the vehicle then keeps the heading, and a flight goes on looking at the point
+    by itself. On the ground, and where the point is too near to be in any direction, nothing turns.
+
+    Args:
+        flight: what it acts on.
+        point: what is looked at.
+        before: the step; once that is under way nothing is left to do.
+    """
+
+    does = LeafType.LOOK_AT
+
+    def __init__(self, flight: Flight, point: PointOfInterest, before: Leaf) -> None:
+        super().__init__(flight, f"look at {point.name}")
+        self._point = point
+        self._before = before
+
+    def initialise(self) -> None:
+        """Starts the time."""
+        most_s = TURN_TIMEOUT_S + math.pi / self._flight.profile.yaw_rate_radps
+        self._end_s = self._flight.now_s + most_s
+
+    def update(self) -> Status:
+        """SUCCESS when the vehicle looks there."""
+        flight, state = self._flight, self._flight.vehicle.state
+        if self._before.status is Status.RUNNING or flight.progress.is_landed_by_plan:
+            return Status.SUCCESS
+        heading_rad = towards(state.position, self._point.position) if state is not None else None
+        if state is None or heading_rad is None:
+            return Status.SUCCESS
+        off_rad = error_rad(state.yaw_rad, heading_rad)
+        flight.hold(heading_rad)
+        if off_rad <= HEADING_TOLERANCE_RAD:
+            return Status.SUCCESS
+        if flight.now_s > self._end_s:
+            left_deg = round(math.degrees(off_rad))
+            return self.fail(f"{left_deg} degrees off the direction of {self._point.name}")
+        return Status.RUNNING

@@ -1,0 +1,120 @@
+"""What skills look at: `look_at` names a parameter, a place, or a point."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from itertools import product
+
+from companion.documents import Document, did_you_mean
+from companion.errors import MissionError
+from companion.geometry import horizontal_distance
+from companion.mission.facts import AT
+from companion.mission.model import (
+    Command,
+    Do,
+    Fly,
+    Place,
+    PointOfInterest,
+    Skill,
+    Wait,
+    flies,
+)
+from companion.mission.schema import MissionFile, SkillEntry
+from companion.mission.world_schema import PointEntry
+from companion.motion.heading import FACING_M
+
+
+def look_at(
+    name: str, entry: SkillEntry, file: MissionFile, document: Document
+) -> str | PointOfInterest | None:
+    """The parameter of a skill, or the point, that it looks at.
+
+    Raises:
+        MissionError: there is no such parameter or place, or the parameter may be an object.
+    """
+    wanted, where = entry.look_at, document.where("skills", name, "look_at")
+    if isinstance(wanted, PointEntry):
+        text = f"east {wanted.east_m:g} m, north {wanted.north_m:g} m"
+        return PointOfInterest(text, (wanted.north_m, wanted.east_m))
+    if wanted is None:
+        return None
+    if wanted in entry.parameters:
+        for member in file.sets[entry.parameters[wanted]]:
+            if member not in file.places:
+                hint = f"places are {', '.join(file.places)}"
+                raise MissionError(f"{name} cannot look at {member}, no place", where, hint)
+        return wanted
+    if wanted not in file.places:
+        known = [*entry.parameters, *file.places]
+        raise MissionError(
+            f"{name} looks at {wanted}, which is no parameter or place",
+            where,
+            f"write a place, or {{east_m: 0, north_m: 0}}. {did_you_mean(wanted, known)}".rstrip(),
+        )
+    place = file.places[wanted]
+    return PointOfInterest(wanted, (place.north_m, place.east_m))
+
+
+def check_looking(
+    skills: Mapping[str, Skill],
+    places: Mapping[str, Place],
+    sets: Mapping[str, tuple[str, ...]],
+    document: Document,
+) -> None:
+    """Refuses what can never be looked at.
+
+    Raises:
+        MissionError: a skill has no step in which the companion turns the vehicle; or it stays at a
+            place, and looks at one that lies there.
+    """
+    for skill in skills.values():
+        if skill.look_at is None:
+            continue
+        where = document.where("skills", skill.name, "look_at")
+        if not _turns(skill, skills):
+            raise MissionError(
+                f"{skill.name} does not fly, command or wait, so it looks at nothing",
+                where,
+                "remove look_at: the autopilot lands and takes off with the heading that it has",
+            )
+        if flies(skill, skills):
+            continue
+        for stays, looks in _pairs(skill, places, sets):
+            if horizontal_distance(stays.position, looks.position) < FACING_M:
+                what = f"{skill.name} looks at {looks.name} from {stays.name}"
+                hint = f"look at what is {FACING_M:g} m away; distinct: keeps parameters apart"
+                raise MissionError(f"{what}: no direction leads there", where, hint)
+
+
+def _turns(skill: Skill, skills: Mapping[str, Skill]) -> bool:
+    """Whether the companion has the vehicle in its hands in one of its steps."""
+    return any(
+        isinstance(step, Fly | Command | Wait)
+        or (isinstance(step, Do) and _turns(skills[step.skill], skills))
+        for step in skill.execute
+    )
+
+
+def _pairs(
+    skill: Skill, places: Mapping[str, Place], sets: Mapping[str, tuple[str, ...]]
+) -> Iterator[tuple[Place, PointOfInterest]]:
+    """Where it may stay, and what it looks at from there."""
+    members = {name: sets[set_name] for name, set_name in skill.parameters}
+    target = skill.look_at
+    if isinstance(target, str):
+        looked_at, points = target, [places[place].point for place in members[target]]
+    else:
+        assert target is not None
+        looked_at, points = target.name, [target]
+    for here in _stays(skill):
+        is_one = here == looked_at
+        is_distinct = not is_one and any({here, looked_at} <= {*g} for g in skill.distinct)
+        for stays, point in product(members.get(here, (here,)), points):
+            if not is_distinct if stays == point.name else not is_one:
+                yield places[stays], point
+
+
+def _stays(skill: Skill) -> list[str]:
+    """The parameter or place at which it begins; none if it says nothing of that."""
+    atoms = [literal.atom for literal in skill.precondition if literal.is_positive]
+    return [atom.arguments[0] for atom in atoms if atom.predicate == AT]
