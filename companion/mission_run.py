@@ -14,9 +14,11 @@ from companion.acting.flight_limit import NO_LIMIT, FlightLimit
 from companion.acting.preparation import PreparedMission
 from companion.acting.sortie import Sortie
 from companion.flight_events.event import Stamped
+from companion.flight_events.skills import ClearanceChanged
 from companion.geometry import Ned
 from companion.mavlink.framing import Message
 from companion.mission.model import Signal
+from companion.motion.position_error import AddedClearance
 from companion.motion.sensed_map import SensedMap
 from companion.vehicle.gate import Envelope
 from companion.vehicle.offboard import MavlinkVehicle
@@ -96,6 +98,7 @@ class Run:
             limit,
         )
         self._map = SensedMap(mission.grid)
+        self._added_clearance = AddedClearance(profile.deviation_m)
 
     def step(
         self, now_s: float, messages: list[Message], asked: list[tuple[Signal, float]]
@@ -107,6 +110,7 @@ class Run:
         if any([self._map.integrate(scan) for scan in self.vehicle.scans]):
             self.flight.routes.see(self._map.grid)
         self.sortie.step(now_s, readings)
+        self._follow_accuracy()
         return self.flight.collect_reports()
 
     def record(self, now_s: float, packets: list[bytes], reports: list[Stamped]) -> None:
@@ -118,6 +122,16 @@ class Run:
         for stamped in reports:
             time_s = round(stamped.time_s - self.start_s, 3)
             self.recorder.report(Stamped(time_s, stamped.event))
+
+    def _follow_accuracy(self) -> None:
+        """Routes keep more from obstacles where the position is good for less."""
+        state, added = self.vehicle.state, self._added_clearance
+        if self.sortie.has_ended or state is None:
+            return
+        if added.follow(state.accuracy_m):
+            self.flight.routes.add_clearance(added.metres)
+            clearance_m = round(self.mission.vehicle.clearance_m + added.metres, 3)
+            self.flight.report(ClearanceChanged(clearance_m, round(state.accuracy_m, 3)))
 
     def adjust(self, speed_max_mps: float, belief_retry_s: float) -> None:
         """Takes over the companion's parameters; a flight under way is slowed, if need be."""

@@ -33,6 +33,7 @@ from companion.flight_events.plans import (
     WrittenTreeAdopted,
 )
 from companion.flight_events.skills import (
+    ClearanceChanged,
     PlaceReached,
     RouteBlocked,
     SkillCompleted,
@@ -77,6 +78,7 @@ EVENTS: tuple[type[FlightEvent], ...] = (
     SkillFailed,
     WrittenTreeFailed,
     RouteBlocked,
+    ClearanceChanged,
     SymbolMoved,
     MissionEventChanged,
     PlaceLost,

@@ -30,6 +30,7 @@ _WANTED = _CONTINUAL | {
     dialect.MAVLINK_MSG_ID_HOME_POSITION,
     dialect.MAVLINK_MSG_ID_EXTENDED_SYS_STATE,
     dialect.MAVLINK_MSG_ID_BATTERY_STATUS,
+    dialect.MAVLINK_MSG_ID_ESTIMATOR_STATUS,
 }
 SETPOINT_OLD_S = 1.0
 """Age from which on a setpoint is not shown: nothing is streamed any more."""

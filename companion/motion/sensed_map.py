@@ -6,14 +6,14 @@ section 3): 0.7 and 0.4 as probabilities. Clamps at both ends keep the map ready
 scans with a hit make a free cell occupied, nine without free it again.
 
 The prior map weighs more:
-- An echo within EXPLAINED_M of a wall of the prior map is that wall, displaced by an error of the
-  position or of the map; the margin that routes keep (0.25 m, `mission/loader.py`) covers it.
+- An echo near a wall of the prior map is that wall, displaced by an error of the map (EXPLAINED_M)
+  or of the position (`position_error.py`); what routes keep from obstacles covers either.
 - A beam passes a cell only if its two neighbours get as far. So no beam that grazes a wall or a
   corner wears it away, and a wall of the prior map goes only when beams pass through it clearly,
-  for seconds.
+  for seconds: by twice the error of the position, as they may meet it at a slant.
 
-Left out: tilt, the third dimension, and errors of the position beyond EXPLAINED_M, which show up
-as obstacles.
+So an obstacle that stands nearer to a told wall than the position is good for is not seen.
+Left out: tilt, and the third dimension.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ from scipy import ndimage
 
 from companion.geometry import NorthEast
 from companion.motion.grid import OccupancyGrid
+from companion.motion.position_error import greatest_error_m
 
 HIT_LOG_ODDS = 0.85
 """Added by a hit: the log-odds of 0.7."""
@@ -39,7 +40,7 @@ REACH_M = 8.0
 """Echoes from farther away are not used: at 2 m above ground a beam that is tilted by 14 degrees,
 the tilt of an acceleration of 2.5 m/s2, meets the ground there."""
 EXPLAINED_M = 0.25
-"""An echo this close to a wall of the prior map is taken for that wall."""
+"""An echo this close to a wall of the prior map is that wall, however good the position is."""
 _BEHIND_M = 0.0051  # the cell of an echo is looked for this far behind it
 _DIAGONAL = 1.5  # cells; next to each other, corners included
 
@@ -59,6 +60,7 @@ class RangeScan:
         first_rad: direction of the first beam, 0 is north, positive to the east.
         step_rad: angle from one beam to the next; negative to the left.
         range_m: greatest distance that is measured.
+        accuracy_m: of the position: a standard deviation, north and east together.
     """
 
     stamp_s: float
@@ -67,6 +69,7 @@ class RangeScan:
     first_rad: float
     step_rad: float
     range_m: float
+    accuracy_m: float = 0.0
 
 
 class SensedMap:
@@ -84,7 +87,7 @@ class SensedMap:
         walls = prior.occupied
         self._log_odds = np.where(walls, WALL_LOG_ODDS, MIN_LOG_ODDS).ravel()
         self._max_log_odds = np.where(walls, WALL_LOG_ODDS, MAX_LOG_ODDS).ravel()
-        self._cell_of_echo = _cell_of_echo(prior)
+        self._nearest_wall, self._to_wall_m = _nearest_walls(prior)
         self._find_surface()
 
     def integrate(self, scan: RangeScan) -> bool:
@@ -117,6 +120,7 @@ class SensedMap:
         self._surface = np.flatnonzero(is_raised & ~is_inside)
         cells = np.stack(np.divmod(self._surface, cols)) + 0.5
         self._centres = cells * self.grid.cell_m + np.array(self.grid.origin)[:, None]
+        self._is_told = self._max_log_odds[self._surface] == WALL_LOG_ODDS
 
     def _hits(self, scan: RangeScan, reach_m: float) -> Cells:
         """The cells that echoes come from, some of them twice; echoes off the map are left out.
@@ -130,10 +134,14 @@ class SensedMap:
         ends_m = scan.distances_m[beams] + _BEHIND_M
         north = scan.position[0] - self.grid.origin[0] + ends_m * np.cos(angles)
         east = scan.position[1] - self.grid.origin[1] + ends_m * np.sin(angles)
-        row = np.floor(north / self.grid.cell_m).astype(np.intp)
-        col = np.floor(east / self.grid.cell_m).astype(np.intp)
+        cell_m = self.grid.cell_m
+        row = np.floor(north / cell_m).astype(np.intp)
+        col = np.floor(east / cell_m).astype(np.intp)
         is_on_map = (row >= 0) & (row < rows) & (col >= 0) & (col < cols)
-        hits = self._cell_of_echo[row[is_on_map] * cols + col[is_on_map]]
+        own = row[is_on_map] * cols + col[is_on_map]
+        explained_m = max(EXPLAINED_M, _DIAGONAL * cell_m, greatest_error_m(scan.accuracy_m))
+        is_wall = self._to_wall_m[own] <= explained_m
+        hits = np.where(is_wall, self._nearest_wall[own], own)
         return np.asarray(hits[hits >= 0])
 
     def _passed(self, scan: RangeScan, reach_m: float) -> Cells:
@@ -155,18 +163,21 @@ class SensedMap:
         bearing -= turn * np.floor(bearing / turn)  # a fifth of the time of %
         nearest = np.rint(bearing)
         beam = nearest.astype(np.intp) % round(turn)
-        is_clear = (beam < count) & (
-            away_m < clear_m[np.minimum(beam, count - 1)] - _DIAGONAL * cell_m
-        )
+        beyond_m = np.where(self._is_told[near], self._beyond_told_m(scan), _DIAGONAL * cell_m)
+        is_clear = (beam < count) & (away_m < clear_m[np.minimum(beam, count - 1)] - beyond_m)
         aside = np.abs(bearing - nearest)[is_clear] * abs(scan.step_rad)
         is_crossed = away_m[is_clear] * np.sin(aside) <= math.sqrt(0.5) * cell_m
         return np.asarray(self._surface[near[is_clear][is_crossed]])
 
+    def _beyond_told_m(self, scan: RangeScan) -> float:
+        """How far a beam has to get behind a wall of the prior map to have passed it."""
+        return max(_DIAGONAL * self.grid.cell_m, 2 * greatest_error_m(scan.accuracy_m))
 
-def _cell_of_echo(prior: OccupancyGrid) -> Cells:
-    """(rows * cols,) for an echo in each cell, the flat index of the cell that it comes from.
 
-    Outside the map everything is a wall; an echo from there is negative.
+def _nearest_walls(prior: OccupancyGrid) -> tuple[Cells, Floats]:
+    """(rows * cols,) the wall that is nearest to each cell, and how far away it is, in metres.
+
+    Outside the map everything is a wall, of which the index is negative.
     """
     rows, cols = prior.occupied.shape
     away, nearest = ndimage.distance_transform_edt(
@@ -175,6 +186,4 @@ def _cell_of_echo(prior: OccupancyGrid) -> Cells:
     away, (row, col) = away[1:-1, 1:-1], nearest[:, 1:-1, 1:-1] - 1
     is_on_map = (row >= 0) & (row < rows) & (col >= 0) & (col < cols)
     wall = np.where(is_on_map, row * cols + col, -1)
-    own = np.arange(rows * cols).reshape(rows, cols)
-    is_explained = away <= max(EXPLAINED_M, _DIAGONAL * prior.cell_m)
-    return np.asarray(np.where(is_explained, wall, own).ravel(), dtype=np.intp)
+    return np.asarray(wall.ravel(), dtype=np.intp), np.asarray(away.ravel())
