@@ -14,7 +14,9 @@ from companion.geometry import Ned, distance, horizontal_distance
 SETTLING_S = 10.0
 """Time over which the standing vehicle's position is averaged."""
 SETTLED_M = 0.05
-"""A vehicle this near to where it should stand needs no averaging, and moves no frame."""
+"""A vehicle this near to where it should stand moves no frame."""
+EXACT_M = 0.1
+"""A position that is as good as this is not averaged."""
 MOVED_M = 1.0
 """A jump from the mean: the vehicle was carried there, and the averaging begins anew."""
 
@@ -51,13 +53,18 @@ class MissionFrame:
             self._mean = _between(self._mean, local, min(share, 1.0))
         self._heard_s, self._newest = now_s, local
 
-    def gap_m(self, place: Ned) -> float | None:
-        """How far from a place the vehicle stands; None until that is certain."""
+    def gap_m(self, place: Ned, accuracy_m: float) -> float | None:
+        """How far from a place the vehicle stands; None until that is certain.
+
+        Args:
+            place: in the mission's frame.
+            accuracy_m: of the position, as the autopilot tells it.
+        """
         if self._mean is None or self.origin is None:
             return None
         north, east, _ = self.origin
         there = (north + place[0], east + place[1], 0.0)
-        is_there = all(
+        is_there = accuracy_m <= EXACT_M and all(
             horizontal_distance(each, there) <= SETTLED_M for each in (self._mean, self._newest)
         )
         if not is_there and self._heard_s - self._since_s < SETTLING_S:

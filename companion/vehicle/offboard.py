@@ -215,7 +215,7 @@ class MavlinkVehicle:
 
     def gap_m(self, place: Ned) -> float | None:
         """How far from a place the vehicle stands; None until that is certain."""
-        return self._telemetry.frame.gap_m(place)
+        return self._telemetry.frame.gap_m(place, self._telemetry.accuracy_m)
 
     def stand_at(self, place: Ned) -> None:
         """Lays the mission's frame, before the first sortie."""
