@@ -19,9 +19,9 @@ from companion.geometry import Ned
 from companion.mavlink.framing import Message
 from companion.mission.model import Signal
 from companion.motion.position_error import AddedClearance
-from companion.motion.sensed_map import SensedMap
 from companion.vehicle.gate import Envelope
 from companion.vehicle.offboard import MavlinkVehicle
+from companion.vehicle.surroundings import Surroundings
 from companion.vehicle.telemetry import Telemetry
 from companion.vehicle.wire import Wire
 
@@ -97,7 +97,7 @@ class Run:
             may_yield,
             limit,
         )
-        self._map = SensedMap(mission.grid)
+        self._surroundings = Surroundings(mission.grid, telemetry)
         self._added_clearance = AddedClearance(profile.deviation_m)
 
     def step(
@@ -107,8 +107,8 @@ class Run:
         self.flight.speed_limit.advance(now_s)
         self.vehicle.set_speed_limit(self.flight.speed_limit.now_mps)
         readings = asked + self.vehicle.receive(now_s, messages)
-        if any([self._map.integrate(scan) for scan in self.vehicle.scans]):
-            self.flight.routes.see(self._map.grid)
+        if self._surroundings.take(self.vehicle.scans):
+            self.flight.routes.see(self._surroundings.grid)
         self.sortie.step(now_s, readings)
         self._follow_accuracy()
         return self.flight.collect_reports()

@@ -13,7 +13,7 @@ from enum import Enum, StrEnum
 from typing import Protocol
 
 from companion.geometry import Ned, NorthEast
-from companion.motion.sensed_map import RangeScan
+from companion.motion.range_scan import RangeScan
 from companion.outcomes import Refusal
 
 MODE_KNOWN_S = 1.5

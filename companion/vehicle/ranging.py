@@ -16,14 +16,13 @@ from __future__ import annotations
 import math
 from bisect import bisect_left
 from collections import deque
-from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
 
 from companion.geometry import NorthEast, wrap_angle
 from companion.mavlink.framing import Message, dialect
-from companion.motion.sensed_map import RangeScan
+from companion.motion.range_scan import RangeScan
 
 AHEAD_S = 0.05
 """How far position and heading are carried on, along the line through the last two."""
@@ -41,18 +40,15 @@ class Ranging:
     def __init__(self) -> None:
         self._positions: deque[tuple[float, float, float]] = deque(maxlen=_KEPT)
         self._yaws: deque[tuple[float, float]] = deque(maxlen=_KEPT)
-        self._accuracy_m = 0.0
         self._waiting: deque[Message] = deque(maxlen=_KEPT)
 
     def take_pose(self, message: Message) -> None:
-        """A message of the vehicle's pose, or of how good it is; others, and nan, are passed."""
+        """A LOCAL_POSITION_NED or ATTITUDE; others, and numbers that are not finite, are passed."""
         kind = message.get_type()
         if kind == "LOCAL_POSITION_NED" and math.isfinite(message.x + message.y):
             _keep(self._positions, (message.time_boot_ms / 1e3, message.x, message.y))
         elif kind == "ATTITUDE" and math.isfinite(message.yaw):
             _keep(self._yaws, (message.time_boot_ms / 1e3, message.yaw))
-        elif kind == "ESTIMATOR_STATUS" and math.isfinite(message.pos_horiz_accuracy):
-            self._accuracy_m = message.pos_horiz_accuracy
 
     def take_scan(self, message: Message) -> None:
         """An OBSTACLE_DISTANCE."""
@@ -74,7 +70,7 @@ class Ranging:
             elif pose := self._pose(boot_s):
                 (north, east), yaw_rad = pose
                 scan = range_scan(message, now_s, (north - home[0], east - home[1]), yaw_rad)
-                found += [replace(scan, accuracy_m=self._accuracy_m)] if scan else []
+                found += [scan] if scan else []
         return found
 
     def _is_ahead(self, boot_s: float) -> bool:

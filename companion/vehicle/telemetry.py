@@ -97,6 +97,16 @@ class Telemetry:
         self.frame.lay(place)
         self._state = None
 
+    def move(self, by: NorthEast, most_m: float) -> None:
+        """The vehicle is so much further than its position says: the frame is moved.
+
+        Args:
+            by: north and east.
+            most_m: that the frame may be moved by in all.
+        """
+        self.frame.move(by, most_m)
+        self._state = None
+
     def local(self, position: Ned) -> Ned:
         """A position of the mission's frame in the autopilot's local frame."""
         home = self.home
