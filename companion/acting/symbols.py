@@ -95,6 +95,10 @@ class Symbols:
         """The present value of a symbol."""
         return self._values[name]
 
+    def radius_m(self, name: str) -> float:
+        """Radius of a place's region."""
+        return self._places[name].radius_m
+
     def refuse(self, name: str, now_s: float) -> None:
         """A flight to the present waypoint has failed."""
         value = self._values[name]

@@ -47,7 +47,10 @@ class Room:
 
 
 class ClearanceLevel:
-    """Routes at one clearance. Free cells are found when they are first asked for.
+    """Routes at one clearance. The cost-to-go is found when it is first asked for.
+
+    Attributes:
+        space: the free cells now.
 
     Args:
         room: what all levels share.
@@ -59,15 +62,13 @@ class ClearanceLevel:
         self._room = room
         self._grid = grid
         self._clearance_m = clearance_m
-        self._space: FreeSpace | None = None
+        self.space = self._free_space()
         self._maps: DistanceMaps | None = None
 
     @property
-    def space(self) -> FreeSpace:
-        """The free cells."""
-        if self._space is None:
-            self._space = self._free_space()
-        return self._space
+    def is_used(self) -> bool:
+        """Whether a route was looked for at this clearance."""
+        return self._maps is not None
 
     @property
     def maps(self) -> DistanceMaps:
@@ -79,9 +80,9 @@ class ClearanceLevel:
 
     def see(self, grid: OccupancyGrid) -> bool:
         """Takes over a map of which other cells are occupied; true if other cells are free now."""
-        self._grid, before = grid, self._space
-        self._space = None
-        if before is None or np.array_equal(before.free, self.space.free):
+        self._grid, before = grid, self.space
+        self.space = self._free_space()
+        if np.array_equal(before.free, self.space.free):
             return False
         if self._maps is not None:
             self._maps.see(self.space.free)
@@ -93,10 +94,6 @@ class ClearanceLevel:
             self.see(self._grid)
         if self._maps is not None:
             self._maps.aim(place, self.space.point(self._room.goals[place]))
-
-    def find(self, max_cells: int) -> bool:
-        """Searches about `max_cells` cells of the distance maps in use; true if all are found."""
-        return self._maps is None or self._maps.find(max_cells)
 
     def above(self, added_m: float) -> ClearanceLevel:
         """A level of a greater clearance on the same map."""
@@ -127,7 +124,7 @@ class ClearanceLevel:
 
     def _free_space(self) -> FreeSpace:
         is_inside = self._room.is_inside
-        free = (self._grid.distance_m >= self._clearance_m) & is_inside
+        free = (self._grid.distance_m >= self._clearance_m) & ~self._grid.occupied & is_inside
         opened = self._opened([goal[:2] for goal in self._room.goals.values()])
         if opened is not None:
             free |= opened

@@ -113,7 +113,9 @@ class RouteMap:
 
     def find(self, max_cells: int) -> bool:
         """Searches about `max_cells` cells of outdated distance maps; True once all are current."""
-        return all(level.find(max_cells) for level in self._levels)
+        first, *lower = self._levels
+        used = [first, *(level for level in lower if level.is_used)]
+        return all(level.maps.find(max_cells) for level in used)
 
     def aim(self, place: str, goal: Ned) -> None:
         """Lets routes to a place end at another point; its region stays where it is."""

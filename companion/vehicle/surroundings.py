@@ -1,9 +1,9 @@
 """The surroundings as range scans show them: what is new in them, and where the vehicle is in them.
 
-Walls that the map tells are the measure: a scan that does not lie on them is off by what the
-position is, and the mission's frame is moved by a part of that. So a vehicle that sees told walls
-keeps its distance from them, whatever its GPS says. Where the position is exact the walls may be
-off instead; then nothing is moved.
+Walls that the map tells are the measure: a scan that does not lie on them is off by what position
+and heading are, and the mission's frame is moved by a part of that. So a vehicle that sees told
+walls keeps its distance from them, whatever its GPS says. Where the position is exact the walls may
+be off instead; then nothing is moved.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from companion.motion.grid import OccupancyGrid
 from companion.motion.position_error import greatest_error_m
 from companion.motion.range_scan import RangeScan
 from companion.motion.sensed_map import SensedMap
-from companion.motion.wall_alignment import WallAlignment
+from companion.motion.wall_alignment import GREATEST_TURN_RAD, WallAlignment
 from companion.vehicle.mission_frame import EXACT_M
 from companion.vehicle.telemetry import Telemetry
 
@@ -35,6 +35,7 @@ class Surroundings:
         self._map = SensedMap(prior)
         self._walls = WallAlignment(prior)
         self._telemetry = telemetry
+        self._turn_rad = 0.0  # by what the heading was off last
 
     @property
     def grid(self) -> OccupancyGrid:
@@ -50,6 +51,9 @@ class Surroundings:
         if accuracy_m <= EXACT_M:
             return scan
         greatest_m = greatest_error_m(accuracy_m)
-        north, east = self._walls.displacement(scan, greatest_m)
-        self._telemetry.move((SHARE * north, SHARE * east), greatest_m)
-        return replace(scan, position=(scan.position[0] + north, scan.position[1] + east))
+        turned = replace(scan, first_rad=scan.first_rad + self._turn_rad)
+        off = self._walls.displacement(turned, greatest_m)
+        self._telemetry.move((SHARE * off.north_m, SHARE * off.east_m), greatest_m)
+        turn_rad = self._turn_rad + off.turn_rad
+        self._turn_rad = min(max(turn_rad, -GREATEST_TURN_RAD), GREATEST_TURN_RAD)
+        return off.applied(turned)

@@ -26,6 +26,9 @@ from companion.vehicle.port import Setpoint, VehicleState
 
 ARRIVAL_M = 0.3
 """How near to a place the vehicle has to come to be there."""
+ARRIVAL_SIGMAS = 2.0
+"""The same in standard deviations of the position, where that is more: a vehicle that hovers
+wanders by about one of them. The place's own radius is the most."""
 ARRIVAL_TIMEOUT_S = 15.0
 """How long it may take to come that near after the trajectory has ended, or to catch up."""
 SLOW_MPS = 0.2
@@ -159,7 +162,7 @@ class MoveCommand(Leaf):
         following = _following(gap_m / flight.profile.carrot_m)
         sample, self._rate = sample.slower(following), self._rate * following
         flight.fly(Setpoint(sample.position, sample.velocity, sample.acceleration, sample.yaw_rad))
-        if sample.is_finished and gap_m < ARRIVAL_M and not self._is_braking:
+        if sample.is_finished and gap_m < self._arrival_m(state) and not self._is_braking:
             return Status.SUCCESS
         if self._time_s > self._trajectory.duration_s + ARRIVAL_TIMEOUT_S:
             return self._stop_and_fail(f"still {gap_m:.1f} m from {self._place}")
@@ -182,6 +185,10 @@ class MoveCommand(Leaf):
         led = self._flight.led(self._trajectory, self._time_s)
         slowed, self._rate = self._flight.speed_limit.slowed(led)
         return slowed
+
+    def _arrival_m(self, state: VehicleState) -> float:
+        wander_m = ARRIVAL_SIGMAS * state.accuracy_m
+        return max(ARRIVAL_M, min(wander_m, self._flight.symbols.radius_m(self._place)))
 
     def _brake(self) -> None:
         """Comes to rest along the path, from the setpoint that was flown last."""
