@@ -14,14 +14,16 @@ from companion.acting.flight_limit import NO_LIMIT, FlightLimit
 from companion.acting.preparation import PreparedMission
 from companion.acting.sortie import Sortie
 from companion.flight_events.event import Stamped
+from companion.flight_events.skills import ClearanceChanged
 from companion.flight_events.sortie import Phase
 from companion.geometry import Ned
 from companion.mavlink.framing import Message
 from companion.mission.facts import Fact
-from companion.motion.sensed_map import SensedMap
+from companion.motion.position_error import AddedClearance
 from companion.vehicle.gate import Envelope
 from companion.vehicle.offboard import MavlinkVehicle
 from companion.vehicle.signals import Reading
+from companion.vehicle.surroundings import Surroundings
 from companion.vehicle.telemetry import Telemetry
 from companion.vehicle.wire import Wire
 
@@ -97,7 +99,8 @@ class Run:
             may_yield,
             limit,
         )
-        self._map = SensedMap(mission.grid)
+        self._surroundings = Surroundings(mission.grid, telemetry)
+        self._added_clearance = AddedClearance(profile.deviation_m)
 
     @property
     def watched(self) -> frozenset[Fact]:
@@ -122,11 +125,12 @@ class Run:
         self.flight.speed_limit.advance(now_s)
         self.vehicle.set_speed_limit(self.flight.speed_limit.now_mps)
         readings = asked + self.vehicle.receive(now_s, messages)
-        if any([self._map.integrate(scan) for scan in self.vehicle.scans]):
-            self.flight.routes.see(self._map.grid)
+        if self._surroundings.take(self.vehicle.scans):
+            self.flight.routes.see(self._surroundings.grid)
         self.sortie.step(now_s, readings)
         if not is_tick and self.executive.lasso is not plan:
             self.sortie.step(now_s, [])
+        self._follow_accuracy()
         return self.flight.collect_reports()
 
     def record(self, now_s: float, packets: list[bytes], reports: list[Stamped]) -> None:
@@ -138,6 +142,16 @@ class Run:
         for stamped in reports:
             time_s = round(stamped.time_s - self.start_s, 3)
             self.recorder.report(Stamped(time_s, stamped.event))
+
+    def _follow_accuracy(self) -> None:
+        """Routes keep more from obstacles where the position is good for less."""
+        state, added = self.vehicle.state, self._added_clearance
+        if self.sortie.has_ended or state is None:
+            return
+        if added.follow(state.accuracy_m):
+            self.flight.routes.add_clearance(added.metres)
+            clearance_m = round(self.mission.vehicle.clearance_m + added.metres, 3)
+            self.flight.report(ClearanceChanged(clearance_m, round(state.accuracy_m, 3)))
 
     def adjust(self, speed_max_mps: float, belief_retry_s: float) -> None:
         """Takes over the companion's parameters; a flight under way is slowed, if need be."""

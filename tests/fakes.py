@@ -10,7 +10,7 @@ import math
 from dataclasses import replace
 
 from companion.geometry import Ned
-from companion.motion.sensed_map import RangeScan
+from companion.motion.range_scan import RangeScan
 from companion.outcomes import Refusal
 from companion.vehicle.port import (
     Failed,

@@ -12,13 +12,12 @@ from companion.acting.phases import ON_THE_GROUND, UNDER_TASK
 from companion.errors import Aborted, CompanionError, LinkError
 from companion.flight_events.sortie import Phase
 from companion.mission.model import Place
+from companion.motion.position_error import greatest_error_m
 from companion.outcomes import Refusal
 from companion.vehicle.port import Mode, VehicleState
 
 LINK_LOST_S = 10.0
 """Silence after which the sortie is given up; the autopilot's failsafe flies since long."""
-MOST_DOUBT_M = 1.0
-"""The most that is added to the radius of home for the accuracy of the position."""
 FRESH_S = 0.5
 """Age of the position up to which an operator may give control back."""
 
@@ -34,7 +33,7 @@ def loss_of_link(state: VehicleState, now_s: float) -> LinkError | None:
 def not_at_home(gap_m: float, state: VehicleState, home: Place) -> Aborted | None:
     """Returns why the mission may not begin where the vehicle stands; None if it may.
 
-    The accuracy that the autopilot tells is added to the radius of home: a vehicle that has landed
+    What the position may be off by is added to the radius of home: a vehicle that has landed
     there by an estimate that wanders stands beside it, and may begin again.
 
     Args:
@@ -42,7 +41,7 @@ def not_at_home(gap_m: float, state: VehicleState, home: Place) -> Aborted | Non
         state: of the vehicle.
         home: where the mission begins.
     """
-    if gap_m <= home.radius_m + min(state.accuracy_m, MOST_DOUBT_M):
+    if gap_m <= home.radius_m + greatest_error_m(state.accuracy_m):
         return None
     what = f"the vehicle stands {gap_m:.1f} m from {home.name}"
     return Aborted(f"{what}, where the mission begins; put it there")

@@ -8,12 +8,13 @@ from companion.acting.symbols import Symbols
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.skills import SymbolMoved
 from companion.geometry import Ned
+from companion.motion.drag_estimate import DragEstimate
 from companion.motion.heading import turned
 from companion.motion.live_speed_limit import LiveSpeedLimit
 from companion.motion.routes import RouteMap
 from companion.motion.trajectory import AT_REST, Sample, Stop, Trajectory, times
 from companion.planning.task_state import TaskState
-from companion.vehicle.port import Setpoint, Vehicle
+from companion.vehicle.port import Setpoint, Vehicle, VehicleState
 from companion.vehicle_profile import VehicleProfile
 
 TICK_S = 0.05
@@ -50,6 +51,7 @@ class Flight:
         symbols: where each place is to be flown to; read late, so that it may change in flight.
         now_s: time of the tick; the sortie writes it before all else.
         progress: of the present plan; the executive gives each plan its own.
+        drag: of the vehicle, as it is learnt in flight; the sortie feeds it.
         belief_retry_s: time after which a belief that a failure withdrew is held again, where the
             mission does not say; None is never. The run writes it, as the operator sets it.
         reports: what happened and has not been collected yet; the flight's own methods write it.
@@ -63,6 +65,7 @@ class Flight:
     symbols: Symbols
     now_s: float = 0.0
     progress: PlanProgress = field(default_factory=PlanProgress)
+    drag: DragEstimate = field(default_factory=DragEstimate)
     belief_retry_s: float | None = None
     reports: list[Stamped] = field(default_factory=list)
     _setpoint: Setpoint | None = field(default=None, init=False)
@@ -110,11 +113,22 @@ class Flight:
     def led(self, flown: Trajectory | Stop, t_s: float) -> Sample:
         """A moment with the acceleration that the vehicle is told: that of a little later.
 
-        Its own follows by `response_s`, and its controller takes a share away (`feed_forward`).
+        Its own follows by `response_s`, its controller takes a share away (`feed_forward`), and the
+        air takes what its drag is.
         """
         profile = self.profile
-        later = flown.sample(t_s + profile.response_s).acceleration
-        return replace(flown.sample(t_s), acceleration=times(later, profile.feed_forward))
+        later = flown.sample(t_s + profile.response_s)
+        north, east, down = times(later.acceleration, profile.feed_forward)
+        v_north, v_east, _ = times(later.velocity, self.drag.per_s)
+        told = (north + v_north, east + v_east, down)
+        return replace(flown.sample(t_s), acceleration=told)
+
+    def learn(self, state: VehicleState) -> None:
+        """Takes what the vehicle's motion says of its drag; once a tick."""
+        if state.is_landed:
+            self.drag.pause()
+        else:
+            self.drag.take(state.measured_s, state.velocity[:2], state.thrust_mps2)
 
     def brake(self) -> None:
         """Goes on with a stop; once a tick, before anything else acts."""

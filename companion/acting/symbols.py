@@ -99,6 +99,10 @@ class Symbols:
         """With what heading the vehicle arrives, at whatever waypoint; None for any."""
         return self._places[name].heading_rad
 
+    def radius_m(self, name: str) -> float:
+        """Radius of a place's region."""
+        return self._places[name].radius_m
+
     def refuse(self, name: str, now_s: float) -> None:
         """A flight to the present waypoint has failed."""
         value = self._values[name]

@@ -35,6 +35,7 @@ from companion.flight_events.plans import (
     WrittenTreeAdopted,
 )
 from companion.flight_events.skills import (
+    ClearanceChanged,
     PlaceReached,
     RouteBlocked,
     SkillCompleted,
@@ -81,6 +82,7 @@ EVENTS: tuple[type[FlightEvent], ...] = (
     SkillFailed,
     WrittenTreeFailed,
     RouteBlocked,
+    ClearanceChanged,
     SymbolMoved,
     MissionEventChanged,
     PlaceLost,

@@ -75,6 +75,20 @@ class RouteBlocked(FlightEvent):
 
 
 @dataclass(frozen=True, slots=True)
+class ClearanceChanged(FlightEvent):
+    """Routes keep more from obstacles, or less, as the position is good for less, or more."""
+
+    kind = "clearance"
+    template = (
+        "routes keep {clearance_m:.1f} m from obstacles where there is room: "
+        "the position is good for {accuracy_m:.2f} m"
+    )
+
+    clearance_m: Annotated[float, Doc("that routes keep from obstacles, where there is room")]
+    accuracy_m: Annotated[float, Doc("standard deviation of the position, by the autopilot")]
+
+
+@dataclass(frozen=True, slots=True)
 class SymbolMoved(FlightEvent):
     """A place is flown to at another waypoint."""
 

@@ -42,8 +42,9 @@ def check_places(
     """
     for place in places.values():
         problem = (
-            _map_problem(place, grid, clearance_m)
+            _off_map_problem(place, grid)
             or _fence_problem(place, limits)
+            or _room_problem(place, grid, clearance_m)
             or _altitude_problem(place, limits)
         )
         if problem:
@@ -52,28 +53,38 @@ def check_places(
             raise MissionError(f"place {place.name} {what}", where, hint)
 
 
-def _map_problem(place: Place, grid: OccupancyGrid, clearance_m: float) -> tuple[str, str] | None:
-    north_east = (place.position[0], place.position[1])
-    clearance = grid.clearance_m(north_east)
-    if clearance >= clearance_m:
+def _off_map_problem(place: Place, grid: OccupancyGrid) -> tuple[str, str] | None:
+    if grid.contains(*grid.cell(place.position[:2])):
         return None
-    if not grid.contains(*grid.cell(north_east)):
-        south, west = grid.origin
-        rows, cols = grid.occupied.shape
-        north, east = south + rows * grid.cell_m, west + cols * grid.cell_m
-        return (
-            "is outside the map",
-            f"the map spans east_m {west:g} to {east:g}, north_m {south:g} to {north:g}",
-        )
+    south, west = grid.origin
+    rows, cols = grid.occupied.shape
+    north, east = south + rows * grid.cell_m, west + cols * grid.cell_m
+    return (
+        "is outside the map",
+        f"the map spans east_m {west:g} to {east:g}, north_m {south:g} to {north:g}",
+    )
+
+
+def _room_problem(place: Place, grid: OccupancyGrid, clearance_m: float) -> tuple[str, str] | None:
+    """A place on the map whose cell has no room all over: no route leads to it."""
+    north_east = place.position[:2]
+    cell = grid.cell(north_east)
+    if grid.distance_m[cell] >= clearance_m:
+        return None
     nearest = _nearest_free(north_east, grid, clearance_m)
     advice = (
         f"the nearest point with room is east_m: {nearest[1]:.2f}, north_m: {nearest[0]:.2f}"
         if nearest
         else "no point of the map has that much room; check the map's resolution"
     )
-    if clearance == 0:
+    if grid.occupied[cell]:
         return "is in a wall, or where the map knows nothing", advice
-    return f"is only {clearance:.2f} m from a wall, {clearance_m:g} m are needed", advice
+    clearance = grid.clearance_m(north_east)
+    if clearance < clearance_m:
+        return f"is only {clearance:.2f} m from a wall, {clearance_m:g} m are needed", advice
+    width, least = f"{grid.cell_m:g} m wide", f"{grid.distance_m[cell]:.2f} m"
+    what = f"is too near to a wall: its cell of the map, {width}, comes within {least} of it"
+    return f"{what}, {clearance_m:g} m are needed", advice
 
 
 def _nearest_free(position: NorthEast, grid: OccupancyGrid, clearance_m: float) -> NorthEast | None:

@@ -22,7 +22,7 @@ from companion.errors import CompanionError
 from companion.flight_events.catalogue import FOR_PROGRAMS
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.plans import PlanMade, WrittenTreeAdopted
-from companion.flight_events.skills import SymbolMoved
+from companion.flight_events.skills import ClearanceChanged, SymbolMoved
 from companion.flight_events.tree import ActionTreeNode, TreeBuilt
 from companion.flight_events.word import PositionLeft
 from companion.geometry import Ned, enu_from_ned
@@ -141,6 +141,8 @@ class Follower:
             case PositionLeft() if self._task is not None:
                 self._task.read(frozenset(event.facts), event.restarted)
                 yield AutomataMoved(self._task.states)
+            case ClearanceChanged():
+                self._routes.add_clearance(event.clearance_m - self._scene.clearance_m)
             case SymbolMoved():
                 self._routes.aim(event.place, event.position)
             case TreeBuilt() if not self._is_written:

@@ -13,8 +13,8 @@ from companion.geometry import Ned, enu_from_ned
 from companion.mavlink.framing import MavlinkCodec, Message, choose, dialect, source
 from companion.mavlink.px4_modes import mode_name
 from companion.motion.grid import OccupancyGrid
-from companion.motion.sensed_map import SensedMap
 from companion.vehicle.ranging import Ranging
+from companion.vehicle.surroundings import Surroundings
 from companion.vehicle.telemetry import Telemetry
 
 AUTOPILOT = dialect.MAV_COMP_ID_AUTOPILOT1
@@ -30,6 +30,7 @@ _WANTED = _CONTINUAL | {
     dialect.MAVLINK_MSG_ID_HOME_POSITION,
     dialect.MAVLINK_MSG_ID_EXTENDED_SYS_STATE,
     dialect.MAVLINK_MSG_ID_BATTERY_STATUS,
+    dialect.MAVLINK_MSG_ID_ESTIMATOR_STATUS,
 }
 SETPOINT_OLD_S = 1.0
 """Age from which on a setpoint is not shown: nothing is streamed any more."""
@@ -82,8 +83,8 @@ class Watcher:
     """
 
     def __init__(self, told: OccupancyGrid) -> None:
-        self._map = SensedMap(told)
         self._telemetry = Telemetry()
+        self._surroundings = Surroundings(told, self._telemetry)
         self._ranging = Ranging()
         self._codec = MavlinkCodec(0, 0)
         self._system = 0
@@ -94,7 +95,7 @@ class Watcher:
     @property
     def grid(self) -> OccupancyGrid:
         """The map as it is known now."""
-        return self._map.grid
+        return self._surroundings.grid
 
     @property
     def position(self) -> Ned | None:
@@ -108,8 +109,7 @@ class Watcher:
             for message in self._codec.parse(frame):
                 self._take(now_s, message)
         if home := self._telemetry.home:
-            for scan in self._ranging.scans(now_s, home[:2]):
-                self._map.integrate(scan)
+            self._surroundings.take(self._ranging.scans(now_s, home[:2]))
 
     def _take(self, now_s: float, message: Message) -> None:
         system, component = source(message)

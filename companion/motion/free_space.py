@@ -1,13 +1,15 @@
 """Free space: the cells that are free, the legs that keep clear, and where a route begins.
 
-A cell is free if the next obstacle is at least the clearance away and the fence holds all of the
-cell. A route begins in a free cell, or near one if the vehicle has drifted or something has come
-near it. Points are in cells (`line_of_sight.py`), positions in metres.
+A cell is free if the next obstacle is at least the clearance away from all of it, and the fence
+holds all of it (`clearance_level.py`). A route begins in a free cell, or near one if the vehicle
+has drifted or something has come near it. Points are in cells (`line_of_sight.py`), positions in
+metres.
 """
 
 from __future__ import annotations
 
 import math
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -38,6 +40,12 @@ class _View(NamedTuple):
     cells: npt.NDArray[np.int_]
 
 
+def points_of(grid: OccupancyGrid, positions: npt.ArrayLike) -> Points:
+    """Positions (..., 2 or 3) metres in units of cells."""
+    plane = np.asarray(positions, dtype=np.float64)[..., :2]
+    return np.asarray((plane - grid.origin) / grid.cell_m)
+
+
 class FreeSpace:
     """The free cells of one map.
 
@@ -47,26 +55,37 @@ class FreeSpace:
 
     Args:
         grid: the map.
+        free: see above.
         is_inside: (rows, cols) cells that the fence holds.
-        clearance_m: least distance from a free cell's centre to an occupied cell's centre.
+        clearance_m: that free cells have, but near some places.
     """
 
     def __init__(
-        self, grid: OccupancyGrid, is_inside: npt.NDArray[np.bool_], clearance_m: float
+        self,
+        grid: OccupancyGrid,
+        free: npt.NDArray[np.bool_],
+        is_inside: npt.NDArray[np.bool_],
+        clearance_m: float,
     ) -> None:
         self.grid = grid
-        self.free: npt.NDArray[np.bool_] = (grid.distance_m >= clearance_m) & is_inside
+        self.free = free
         self._is_inside = is_inside
         self._clearance_m = clearance_m
-        self._free_sight = LineOfSight(self.free)
-        self._open_sight = LineOfSight(~grid.occupied)
-        self._parts = ndimage.label(self.free)[0]
+        self._free_sight = LineOfSight(free)
         self._views: dict[NorthEast, _View] = {}
+
+    @cached_property
+    def _open_sight(self) -> LineOfSight:
+        return LineOfSight(~self.grid.occupied)
+
+    @cached_property
+    def _parts(self) -> npt.NDArray[np.int32]:
+        """(rows, cols) the number of the connected part that a free cell belongs to."""
+        return np.asarray(ndimage.label(self.free)[0])
 
     def point(self, positions: npt.ArrayLike) -> Points:
         """Positions, given by north, east and perhaps down, in units of cells."""
-        plane = np.asarray(positions, dtype=np.float64)[..., :2]
-        return np.asarray((plane - self.grid.origin) / self.grid.cell_m)
+        return points_of(self.grid, positions)
 
     def is_free(self, cell: Cell) -> bool:
         """Whether a cell is free; one off the map is not."""

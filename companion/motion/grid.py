@@ -1,8 +1,9 @@
 """Occupancy grid and its distance field: the cells that are free, and the nearest obstacles.
 
 Row 0 is the southmost row and column 0 the westmost column, so that row grows with north and
-column with east. Cells outside the grid count as occupied. The distance field is the exact
-Euclidean transform between cell centres (scipy.ndimage), computed once per map.
+column with east. Cells outside the grid count as occupied. An occupied cell is solid up to its
+edges: all distances are to edges, never to centres. The distance field tells how near any point of
+a cell may be; the distance of one position is exact.
 """
 
 from __future__ import annotations
@@ -32,11 +33,14 @@ class OccupancyGrid:
     cell_m: float
     origin: NorthEast
     distance_m: npt.NDArray[np.float64] = field(init=False, repr=False, compare=False)
-    """(rows, cols) metres from each cell's centre to the nearest occupied cell's centre."""
+    """(rows, cols) metres from the nearest point of each cell to the nearest occupied cell's edge;
+    0 in an occupied cell and in those around it."""
 
     def __post_init__(self) -> None:
+        # Two squares (i, j) cells apart, centre to centre, have a gap of (max(i - 1, 0), max(j - 1,
+        # 0)) cells: the distance between their centres if the walls were a cell thicker.
         padded = np.pad(self.occupied, 1, constant_values=True)  # outside is occupied
-        distance = ndimage.distance_transform_edt(~padded, sampling=self.cell_m)
+        distance = ndimage.distance_transform_edt(~_thickened(padded), sampling=self.cell_m)
         object.__setattr__(self, "distance_m", np.asarray(distance)[1:-1, 1:-1])
 
     def cell(self, position: NorthEast) -> tuple[int, int]:
@@ -59,9 +63,32 @@ class OccupancyGrid:
         return bool(0 <= row < rows and 0 <= col < cols)
 
     def clearance_m(self, position: NorthEast) -> float:
-        """Distance from the cell of a position to the nearest obstacle; 0 outside the grid."""
+        """Distance to the nearest occupied cell's edge; 0 in an occupied cell or off the grid."""
         row, col = self.cell(position)
-        return float(self.distance_m[row, col]) if self.contains(row, col) else 0.0
+        if not self.contains(row, col):
+            return 0.0
+        point = (np.array(position) - self.origin) / self.cell_m
+        least = self.distance_m[row, col] / self.cell_m
+        reach = math.ceil(least) + 3  # it is less than a diagonal further from the point than least
+        first = np.array((row - reach, col - reach))
+        south, west = np.maximum(first, 0)
+        near = self.occupied[south : row + reach + 1, west : col + reach + 1]
+        cells = np.argwhere(near) + np.array((south, west))
+        gaps = np.maximum(np.maximum(cells - point, point - cells - 1), 0.0)
+        away = np.hypot(gaps[:, 0], gaps[:, 1]).min(initial=math.inf)
+        to_rim = np.minimum(point, np.array(self.occupied.shape) - point).min()
+        return float(min(away, to_rim)) * self.cell_m
+
+
+def _thickened(occupied: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+    """The occupied cells and the eight around each."""
+    rows = occupied.copy()
+    rows[1:] |= occupied[:-1]
+    rows[:-1] |= occupied[1:]
+    thick = rows.copy()
+    thick[:, 1:] |= rows[:, :-1]
+    thick[:, :-1] |= rows[:, 1:]
+    return thick
 
 
 def cells_inside(grid: OccupancyGrid, polygon: Sequence[NorthEast]) -> npt.NDArray[np.bool_]:

@@ -23,9 +23,9 @@ import numpy.typing as npt
 
 from companion.geometry import Ned, NorthEast
 from companion.motion.blends import Blend
+from companion.motion.clearance_level import ClearanceLevel, Room, levels_above
 from companion.motion.cost_to_go import CostToGo
-from companion.motion.distance_maps import DistanceMaps
-from companion.motion.free_space import FreeSpace
+from companion.motion.free_space import FreeSpace, points_of
 from companion.motion.grid import OccupancyGrid, cells_inside
 from companion.motion.grid_graph import Cell
 from companion.motion.line_of_sight import Points
@@ -77,7 +77,7 @@ class RouteMap:
         grid: the map as it is known at first.
         places: by name.
         fence: north-east corners of the polygon that no route leaves.
-        clearance_m: least distance from a free cell's centre to an occupied cell's centre.
+        clearance_m: the least distance of a route to an obstacle.
     """
 
     def __init__(
@@ -88,64 +88,70 @@ class RouteMap:
         clearance_m: float,
     ) -> None:
         self.version = 0
-        self._clearance_m = clearance_m
-        self._is_inside = cells_inside(grid, fence)
-        self._space = space = FreeSpace(grid, self._is_inside, clearance_m)
+        self._grid = grid
+        self._goals = {name: place.position for name, place in places.items()}
         exclusive = {name: place for name, place in places.items() if place.is_exclusive}
         regions = Regions(
             tuple(exclusive),
-            space.point(np.array([place.position for place in exclusive.values()]).reshape(-1, 3)),
+            points_of(grid, np.array([p.position for p in exclusive.values()]).reshape(-1, 3)),
             np.array([place.radius_m for place in exclusive.values()]) / grid.cell_m,
         )
         self._others = {name: regions.without(name) for name in places}
-        self._goals = {name: place.position for name, place in places.items()}
-        goals = {name: space.point(goal) for name, goal in self._goals.items()}
-        self._distance_maps = DistanceMaps(goals, regions, space.free)
+        self._room = Room(clearance_m, cells_inside(grid, fence), regions, self._goals)
+        self._least = ClearanceLevel(self._room, grid, clearance_m)
+        self._levels = [self._least]
 
     def see(self, grid: OccupancyGrid) -> None:
         """Takes over a map with the same cells, of which others are occupied."""
-        before, self._space = self._space, FreeSpace(grid, self._is_inside, self._clearance_m)
-        if not np.array_equal(before.free, self._space.free):
-            self._distance_maps.see(self._space.free)
-            self.version += 1
+        self._grid = grid
+        self.version += any([level.see(grid) for level in self._levels])
+
+    def add_clearance(self, added_m: float) -> None:
+        """Routes keep so much more from obstacles, where the map has the room."""
+        self._levels = [*levels_above(self._least, added_m), self._least]
+        self.version += 1
 
     def find(self, max_cells: int) -> bool:
         """Searches about `max_cells` cells of outdated distance maps; True once all are current."""
-        return self._distance_maps.find(max_cells)
+        first, *lower = self._levels
+        used = [first, *(level for level in lower if level.is_used)]
+        return all(level.maps.find(max_cells) for level in used)
 
     def aim(self, place: str, goal: Ned) -> None:
         """Lets routes to a place end at another point; its region stays where it is."""
         if self._goals[place] != goal:
             self._goals[place] = goal
-            self._distance_maps.aim(place, self._space.point(goal))
+            for level in self._levels:
+                level.aim(place)
 
     def goal(self, place: str) -> Ned:
         """The point where routes to a place end now."""
         return self._goals[place]
 
     def is_clear(self, path: npt.NDArray[np.float64]) -> bool:
-        """Whether a path crosses free cells only; (n, 2) or (n, 3) metres.
+        """Whether a path has the least clearance, inside the fence; (n, 2) or (n, 3) metres.
 
         A path that begins in no free cell may lead out of there: its first leg must stay as far
         from obstacles as its start, less a cell.
         """
-        points = self._space.point(path)
-        legs = self._space.is_clear(points[:-1], points[1:])
-        if self._space.is_clear(points[0], points[0]):
+        space = self._least.space
+        points = space.point(path)
+        legs = space.is_clear(points[:-1], points[1:])
+        if space.is_clear(points[0], points[0]):
             return bool(legs.all())
-        return bool(self._space.keeps_away(points[0], points[1]) and legs[1:].all())
+        return bool(space.keeps_away(points[0], points[1]) and legs[1:].all())
 
     def is_free(self, position: NorthEast) -> bool:
-        """Whether a position has the clearance and lies inside the fence."""
-        return self._space.is_free(self._space.grid.cell(position))
+        """Whether a position has the least clearance and lies inside the fence."""
+        return self._least.space.is_free(self._grid.cell(position))
 
     def is_connected(self, start: NorthEast, place: str) -> bool:
         """Whether free cells lead from near a start to a place, whatever regions lie between.
 
         Quick: a place that is cut off is known without a search.
         """
-        goal = self._space.grid.cell(self._goals[place][:2])
-        return self._space.is_connected(start, goal)
+        goal = self._grid.cell(self._goals[place][:2])
+        return self._least.space.is_connected(start, goal)
 
     def distance_m(self, start: NorthEast, place: str) -> float:
         """Length of the path along cells to a place, in the plane; inf if there is none.
@@ -156,7 +162,7 @@ class RouteMap:
         entry = self._entry(start, place)
         if entry is None:
             return math.inf
-        (to_go, cell), grid = entry, self._space.grid
+        (_, to_go, cell), grid = entry, self._grid
         goal = self._goals[place][:2]
         if to_go.cost[cell] == 0:
             return math.dist(start, goal)
@@ -167,20 +173,19 @@ class RouteMap:
     def route_from_motion(self, start: Ned, stop: Ned, place: str) -> Route | None:
         """A route whose first leg leads to where the vehicle can stop, straight ahead.
 
-        None if that leg comes closer to obstacles than the start or the clearance allows, by more
-        than a cell, or if no path leads on from there. What is left then is a route from a start
-        at rest, from which the vehicle deviates while it brakes.
+        None if that leg comes closer to obstacles than the start or the least clearance allows, by
+        more than a cell, or if no path leads on from there. What is left then is a route from a
+        start at rest, from which the vehicle deviates while it brakes.
 
         Args:
             start: where the vehicle is.
             stop: where it can come to rest.
             place: where to fly.
         """
-        is_clear = self._space.keeps_away(self._space.point(start), self._space.point(stop))
-        waypoints = self._waypoints(stop, place) if is_clear else None
-        if waypoints is None:
+        least = self._least.space
+        if not least.keeps_away(least.point(start), least.point(stop)):
             return None
-        return self._rounded(np.vstack([start, waypoints]), place, first_moved=2)
+        return self._route(stop, place, flown=[start])
 
     def route(self, start: Ned, place: str) -> Route | None:
         """The shortest route to a place, after string pulling and rounding; None if there is none.
@@ -192,40 +197,38 @@ class RouteMap:
         Raises:
             KeyError: there is no such place.
         """
-        waypoints = self._waypoints(start, place)
-        return self._rounded(waypoints, place) if waypoints is not None else None
+        return self._route(start, place, flown=[])
 
-    def _waypoints(self, start: Ned, place: str) -> npt.NDArray[np.float64] | None:
-        """(n, 3) the legs of a route, before rounding."""
-        entry = self._entry((start[0], start[1]), place)
+    def _route(self, start: Ned, place: str, flown: list[Ned]) -> Route | None:
+        """A route to a place, after points that are flown anyway."""
+        entry = self._entry(start[:2], place)
         if entry is None:
             return None
-        (to_go, cell), space = entry, self._space
-        goal = self._goals[place]
+        level, to_go, cell = entry
+        space = level.around(*(point[:2] for point in (*flown, start)))
+        goal, others = self._goals[place], self._others[place]
         path = np.vstack([space.point(start), to_go.path(cell) + 0.5, space.point(goal)])
         kept = 0 if space.is_clear(path[0], path[0]) else 1  # the leg out of the clearance band
-        legs = _ClearLegs(space, self._others[place].around(path))
-        points = np.vstack([path[:kept], pull_string(path[kept:], legs)])
-        plane = points * space.grid.cell_m + space.grid.origin
+        near = _ClearLegs(space, others.around(path))
+        points = np.vstack([path[:kept], pull_string(path[kept:], near)])
+        plane = points * self._grid.cell_m + self._grid.origin
         plane[0], plane[-1] = start[:2], goal[:2]  # exactly, whatever the rounding
-        return _with_altitude(plane, start[2], goal[2])
-
-    def _rounded(
-        self, waypoints: npt.NDArray[np.float64], place: str, first_moved: int = 1
-    ) -> Route:
-        space = self._space
-        legs = _ClearLegs(space, self._others[place])
+        waypoints = np.vstack([*flown, _with_altitude(plane, start[2], goal[2])])
+        legs = _ClearLegs(space, others)
 
         def are_clear(a: Waypoints, b: Waypoints) -> npt.NDArray[np.bool_]:
             return legs.are_clear(space.point(a), space.point(b))
 
-        return Route(*rounded(waypoints, are_clear, first_moved))
+        return Route(*rounded(waypoints, are_clear, first_moved=1 + len(flown)))
 
-    def _entry(self, start: NorthEast, place: str) -> tuple[CostToGo, Cell] | None:
-        """The cost-to-go of a place and the cell where a route enters it; None if there is none."""
-        to_go = self._distance_maps.cost_to_go(place) if self.is_connected(start, place) else None
-        cell = self._space.entry(start, self._others[place], to_go.cost) if to_go else None
-        return (to_go, cell) if to_go and cell else None
+    def _entry(self, start: NorthEast, place: str) -> tuple[ClearanceLevel, CostToGo, Cell] | None:
+        """Where a route to a place enters free cells, at the highest level that leads there."""
+        if not self.is_connected(start, place):
+            return None
+        for level in self._levels:
+            if entry := level.entry(start, place, self._others[place]):
+                return (level, *entry)
+        return None
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,8 @@ scans with a hit make a free cell occupied, nine without free it again.
 
 The prior map weighs more:
 - An echo within EXPLAINED_M of a wall of the prior map is that wall, displaced by an error of the
-  position or of the map; the margin that routes keep (0.25 m, `mission/loader.py`) covers it.
+  position or of the map. An error of the position that is larger is taken out of a scan before
+  (`wall_alignment.py`); what is left the margin of routes covers.
 - A beam passes a cell only if its two neighbours get as far. So no beam that grazes a wall or a
   corner wears it away, and a wall of the prior map goes only when beams pass through it clearly,
   for seconds.
@@ -19,14 +20,13 @@ as obstacles.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 from scipy import ndimage
 
-from companion.geometry import NorthEast
 from companion.motion.grid import OccupancyGrid
+from companion.motion.range_scan import REACH_M, RangeScan, echoes
 
 HIT_LOG_ODDS = 0.85
 """Added by a hit: the log-odds of 0.7."""
@@ -35,9 +35,6 @@ MISS_LOG_ODDS = 0.41
 MIN_LOG_ODDS, MAX_LOG_ODDS = -1.0, 3.5
 WALL_LOG_ODDS = 10.0
 """Of a wall of the prior map, and its upper clamp: 25 scans through it."""
-REACH_M = 8.0
-"""Echoes from farther away are not used: at 2 m above ground a beam that is tilted by 14 degrees,
-the tilt of an acceleration of 2.5 m/s2, meets the ground there."""
 EXPLAINED_M = 0.25
 """An echo this close to a wall of the prior map is taken for that wall."""
 _BEHIND_M = 0.0051  # the cell of an echo is looked for this far behind it
@@ -46,27 +43,6 @@ _DIAGONAL = 1.5  # cells; next to each other, corners included
 Floats = npt.NDArray[np.float64]
 Cells = npt.NDArray[np.intp]
 """(n,) flat indices, row * cols + col."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class RangeScan:
-    """Distances all around, from where the vehicle was when they were measured.
-
-    Attributes:
-        stamp_s: time of reception.
-        position: of the vehicle, in the mission's frame.
-        distances_m: (n,) along each beam; inf: nothing within the range; nan: not known.
-        first_rad: direction of the first beam, 0 is north, positive to the east.
-        step_rad: angle from one beam to the next; negative to the left.
-        range_m: greatest distance that is measured.
-    """
-
-    stamp_s: float
-    position: NorthEast
-    distances_m: Floats
-    first_rad: float
-    step_rad: float
-    range_m: float
 
 
 class SensedMap:
@@ -125,13 +101,8 @@ class SensedMap:
         wire: an echo comes from a face, and the cell is behind it.
         """
         rows, cols = self.grid.occupied.shape
-        (beams,) = np.nonzero(scan.distances_m <= reach_m)  # nan is none
-        angles = scan.first_rad + scan.step_rad * beams
-        ends_m = scan.distances_m[beams] + _BEHIND_M
-        north = scan.position[0] - self.grid.origin[0] + ends_m * np.cos(angles)
-        east = scan.position[1] - self.grid.origin[1] + ends_m * np.sin(angles)
-        row = np.floor(north / self.grid.cell_m).astype(np.intp)
-        col = np.floor(east / self.grid.cell_m).astype(np.intp)
+        ends = echoes(scan, reach_m, _BEHIND_M) - self.grid.origin
+        row, col = np.floor(ends / self.grid.cell_m).astype(np.intp).T
         is_on_map = (row >= 0) & (row < rows) & (col >= 0) & (col < cols)
         hits = self._cell_of_echo[row[is_on_map] * cols + col[is_on_map]]
         return np.asarray(hits[hits >= 0])

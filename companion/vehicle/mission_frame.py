@@ -4,17 +4,20 @@ Its origin is the home position: at first that of the first HOME_POSITION heard.
 of an estimate, and PX4 takes another one when it arms; both are off by what the estimate wanders.
 So the frame settles before the first sortie: the vehicle stands where the mission begins, and the
 mean of where it is heard to stand is laid there. After that the frame is kept for good, whatever
-HOME_POSITION says: the walls of the map do not move where the vehicle lands and arms again.
+HOME_POSITION says: the walls of the map do not move where the vehicle lands and arms again. Only
+what the vehicle sees of these walls moves it, by what the position is wrong by (surroundings.py).
 """
 
 from __future__ import annotations
 
-from companion.geometry import Ned, distance, horizontal_distance
+from companion.geometry import Ned, NorthEast, distance, horizontal_distance
 
 SETTLING_S = 10.0
 """Time over which the standing vehicle's position is averaged."""
 SETTLED_M = 0.05
-"""A vehicle this near to where it should stand needs no averaging, and moves no frame."""
+"""A vehicle this near to where it should stand moves no frame."""
+EXACT_M = 0.1
+"""A position that is as good as this is not averaged."""
 MOVED_M = 1.0
 """A jump from the mean: the vehicle was carried there, and the averaging begins anew."""
 
@@ -30,7 +33,7 @@ class MissionFrame:
     def __init__(self) -> None:
         self.origin: Ned | None = None
         self.altitude_m = 0.0
-        self._is_laid = False
+        self._laid: Ned | None = None
         self._mean: Ned | None = None
         self._since_s = self._heard_s = 0.0
         self._newest: Ned = (0.0, 0.0, 0.0)
@@ -51,13 +54,18 @@ class MissionFrame:
             self._mean = _between(self._mean, local, min(share, 1.0))
         self._heard_s, self._newest = now_s, local
 
-    def gap_m(self, place: Ned) -> float | None:
-        """How far from a place the vehicle stands; None until that is certain."""
+    def gap_m(self, place: Ned, accuracy_m: float) -> float | None:
+        """How far from a place the vehicle stands; None until that is certain.
+
+        Args:
+            place: in the mission's frame.
+            accuracy_m: of the position, as the autopilot tells it.
+        """
         if self._mean is None or self.origin is None:
             return None
         north, east, _ = self.origin
         there = (north + place[0], east + place[1], 0.0)
-        is_there = all(
+        is_there = accuracy_m <= EXACT_M and all(
             horizontal_distance(each, there) <= SETTLED_M for each in (self._mean, self._newest)
         )
         if not is_there and self._heard_s - self._since_s < SETTLING_S:
@@ -66,13 +74,27 @@ class MissionFrame:
 
     def lay(self, place: Ned) -> None:
         """The vehicle stands at a place: moves the frame so that this is so, the first time."""
-        if self._is_laid or self._mean is None or self.origin is None:
+        if self._laid is not None or self._mean is None or self.origin is None:
             return
-        self._is_laid = True
         origin = (self._mean[0] - place[0], self._mean[1] - place[1], self._mean[2])
         if distance(origin, self.origin) > SETTLED_M:
             self.altitude_m -= origin[2] - self.origin[2]
             self.origin = origin
+        self._laid = self.origin
+
+    def move(self, by: NorthEast, most_m: float) -> None:
+        """Positions in the frame become greater by so much; not before it is laid.
+
+        Args:
+            by: north and east.
+            most_m: greatest distance from where it was laid.
+        """
+        if self._laid is None or self.origin is None:
+            return
+        north, east, down = self.origin
+        moved = (north - by[0], east - by[1], down)
+        if horizontal_distance(moved, self._laid) <= most_m:
+            self.origin = moved
 
 
 def _between(start: Ned, end: Ned, share: float) -> Ned:

@@ -27,7 +27,7 @@ from companion.mavlink.commands import CommandSender, Parameters
 from companion.mavlink.framing import Message, dialect, source
 from companion.mavlink.payload_commands import why_not_sent
 from companion.mission.model import Signal
-from companion.motion.sensed_map import RangeScan
+from companion.motion.range_scan import RangeScan
 from companion.outcomes import Refusal
 from companion.vehicle.gate import Envelope, admit
 from companion.vehicle.goals import APPROACHES, Pursuit
@@ -221,7 +221,7 @@ class MavlinkVehicle:
 
     def gap_m(self, place: Ned) -> float | None:
         """How far from a place the vehicle stands; None until that is certain."""
-        return self._telemetry.frame.gap_m(place)
+        return self._telemetry.frame.gap_m(place, self._telemetry.accuracy_m)
 
     def stand_at(self, place: Ned) -> None:
         """Lays the mission's frame, before the first sortie."""

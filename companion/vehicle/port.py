@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from enum import Enum, StrEnum
 from typing import Protocol
 
-from companion.geometry import Ned
-from companion.motion.sensed_map import RangeScan
+from companion.geometry import Ned, NorthEast
+from companion.motion.range_scan import RangeScan
 from companion.outcomes import Refusal
 
 MODE_KNOWN_S = 1.5
@@ -51,6 +51,8 @@ class VehicleState:
         landed_since_s: since when it is, or is not, landed.
         measured_s: when the position and the velocity were measured, by the autopilot's clock.
         tilt_rad: angle between the body's axis and the vertical.
+        thrust_mps2: horizontal acceleration, north and east, that the tilt of a vehicle stands for
+            whose thrust carries its weight.
         accuracy_m: standard deviation of the horizontal position, as the autopilot estimates it; 0
             while it says nothing of that.
     """
@@ -68,6 +70,7 @@ class VehicleState:
     landed_since_s: float = 0.0
     measured_s: float = 0.0
     tilt_rad: float = 0.0
+    thrust_mps2: NorthEast = (0.0, 0.0)
     accuracy_m: float = 0.0
 
     def is_mode_known(self, now_s: float) -> bool:

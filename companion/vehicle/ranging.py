@@ -22,7 +22,7 @@ import numpy as np
 
 from companion.geometry import NorthEast, wrap_angle
 from companion.mavlink.framing import Message, dialect
-from companion.motion.sensed_map import RangeScan
+from companion.motion.range_scan import RangeScan
 
 AHEAD_S = 0.05
 """How far position and heading are carried on, along the line through the last two."""

@@ -11,7 +11,7 @@ import math
 from collections import deque
 from collections.abc import Callable
 
-from companion.geometry import Ned
+from companion.geometry import Ned, NorthEast
 from companion.mavlink.framing import Message, dialect
 from companion.mavlink.px4_modes import mode_name
 from companion.mavlink.sequence import SequenceTracker
@@ -20,6 +20,8 @@ from companion.vehicle.port import Mode, VehicleState
 
 KNOWN_MODES = {mode.value: mode for mode in Mode}
 MAX_TEXTS = 5
+MOST_TILT_RAD = math.radians(60.0)  # beyond, no weight is carried
+GRAVITY_MPS2 = 9.81
 
 
 class Telemetry:
@@ -28,6 +30,7 @@ class Telemetry:
     Attributes:
         frame: of the mission.
         heartbeat_s: when the newest heartbeat was heard.
+        accuracy_m: as in VehicleState.
         texts: what the autopilot said lately in STATUSTEXT, newest last.
     """
 
@@ -44,7 +47,8 @@ class Telemetry:
         self._position: tuple[float, Ned, Ned] | None = None  # stamp, position, velocity
         self._yaw_rad: float | None = None
         self._battery_percent: int | None = None
-        self._measured_s = self._tilt_rad = self._accuracy_m = 0.0
+        self._measured_s = self._tilt_rad = self.accuracy_m = 0.0
+        self._thrust_mps2: NorthEast = (0.0, 0.0)
         self._state: VehicleState | None = None  # of what was heard so far, once it was asked for
 
     @property
@@ -84,12 +88,23 @@ class Telemetry:
             landed_since_s=self._landed_since_s,
             measured_s=self._measured_s,
             tilt_rad=self._tilt_rad,
-            accuracy_m=self._accuracy_m,
+            thrust_mps2=self._thrust_mps2,
+            accuracy_m=self.accuracy_m,
         )
 
     def stand_at(self, place: Ned) -> None:
         """The vehicle stands at a place, before its first sortie: the frame is laid so."""
         self.frame.lay(place)
+        self._state = None
+
+    def move(self, by: NorthEast, most_m: float) -> None:
+        """The vehicle is so much further than its position says: the frame is moved.
+
+        Args:
+            by: north and east.
+            most_m: that the frame may be moved by in all.
+        """
+        self.frame.move(by, most_m)
         self._state = None
 
     def local(self, position: Ned) -> Ned:
@@ -128,6 +143,8 @@ class Telemetry:
             self._yaw_rad = message.yaw
         if math.isfinite(message.roll) and math.isfinite(message.pitch):
             self._tilt_rad = math.acos(math.cos(message.roll) * math.cos(message.pitch))
+            if math.isfinite(message.yaw) and self._tilt_rad < MOST_TILT_RAD:
+                self._thrust_mps2 = _thrust(message.roll, message.pitch, message.yaw)
 
     def _on_home(self, _: float, message: Message) -> None:
         position = (message.x, message.y, message.z)
@@ -147,12 +164,21 @@ class Telemetry:
 
     def _on_estimator(self, _: float, message: Message) -> None:
         if math.isfinite(message.pos_horiz_accuracy):
-            self._accuracy_m = message.pos_horiz_accuracy
+            self.accuracy_m = message.pos_horiz_accuracy
 
     def _on_text(self, _: float, message: Message) -> None:
         text = message.text.rstrip("\t\0 ")
         if text and text not in self.texts:
             self.texts.append(text)
+
+
+def _thrust(roll: float, pitch: float, yaw: float) -> NorthEast:
+    """Horizontal acceleration of a vehicle whose thrust carries its weight: g tan(tilt)."""
+    forward = -math.tan(pitch)
+    right = math.tan(roll) / math.cos(pitch)
+    north = forward * math.cos(yaw) - right * math.sin(yaw)
+    east = forward * math.sin(yaw) + right * math.cos(yaw)
+    return (GRAVITY_MPS2 * north, GRAVITY_MPS2 * east)
 
 
 _HANDLERS: dict[str, Callable[[Telemetry, float, Message], None]] = {

@@ -25,8 +25,9 @@ from companion.mavlink.framing import MavlinkCodec, Message, dialect, split_fram
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
 from companion.motion.grid import OccupancyGrid
+from companion.motion.range_scan import RangeScan
 from companion.motion.routes import RouteMap
-from companion.motion.sensed_map import RangeScan, SensedMap
+from companion.motion.sensed_map import SensedMap
 from companion.planning.flight_times import route_map
 from sitl.flight.controllers import Cascade, TrajectorySetpoint
 from sitl.flight.mixer import Motors

@@ -13,10 +13,10 @@ and reports. Four cases:
     GPS lost       dead reckoning: the velocity's error is a random walk of 0.1 m/s per root of a
                    second, so the position's deviation grows as 0.1 sqrt(t^3 / 3)
 
-The accuracy that is told is the root of the sum of these variances and of what PX4's filter claims
-with a perfect receiver. A fix after a loss takes the estimate back at once, as PX4's estimator
-resets its position. Height comes from the barometer, attitude and rates from inertial sensors: they
-stay true.
+The accuracy that is told is the root of the sum of these variances, and of CLAIMED_M, which a
+filter with a perfect receiver claims. A fix after a loss takes the estimate back at once, as PX4's
+estimator resets its position. Height comes from the barometer, attitude and rates from inertial
+sensors: they stay true.
 
 Source: Gauss-Markov errors of GPS after Parkinson and Spilker, Global Positioning System, vol. 1.
 """
@@ -31,7 +31,7 @@ from sitl.flight.physics import FlightState
 
 WANDER_S = 60.0
 VELOCITY_WALK = 0.1  # m/s per sqrt(s): a calm consumer IMU without a magnetometer's help
-CLAIMED_M = 0.5  # EKF2_GPS_P_NOISE: PX4's filter takes no receiver for better
+CLAIMED_M = 0.05  # as with motion capture, or a receiver with corrections (RTK)
 NEGLIGIBLE_M = 1e-3
 
 

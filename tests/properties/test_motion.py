@@ -60,10 +60,12 @@ def draw_position(data: st.DataObject, grid: OccupancyGrid, cells: list[list[int
 
 
 def brute_force_distance(grid: OccupancyGrid) -> Array:
-    """Least distance over all occupied cells and a rim of occupied ones."""
+    """Least gap between each cell and an occupied one, or the rim, edge to edge."""
     occupied = np.argwhere(np.pad(grid.occupied, 1, constant_values=True)) - 1
     cells = np.argwhere(np.ones_like(grid.occupied))
-    distance = np.linalg.norm(cells[:, None] - occupied[None], axis=2).min(axis=1)
+    gaps = np.maximum(np.abs(cells[:, None] - occupied[None]) - 1, 0)
+    gaps[np.all(cells[:, None] == occupied[None], axis=2)] = 0
+    distance = np.linalg.norm(gaps, axis=2).min(axis=1)
     return np.asarray(distance.reshape(grid.occupied.shape) * grid.cell_m)
 
 
@@ -121,6 +123,47 @@ def test_a_quick_look_dismisses_no_clear_leg_and_most_others(
 
 
 @FAST
+@given(grids(), st.data())
+def test_the_distance_of_a_position_is_that_to_the_nearest_edge(
+    grid: OccupancyGrid, data: st.DataObject
+) -> None:
+    position = draw_position(data, grid, np.argwhere(np.ones_like(grid.occupied)).tolist())
+    cells = np.argwhere(np.pad(grid.occupied, 1, constant_values=True)) - 1
+    point = (np.array(position) - grid.origin) / grid.cell_m
+    gaps = np.maximum(np.maximum(cells - point, point - cells - 1), 0)
+    nearest_m = np.linalg.norm(gaps, axis=1).min() * grid.cell_m
+    assert grid.clearance_m(position) == pytest.approx(nearest_m, abs=1e-9)
+    assert grid.distance_m[grid.cell(position)] <= nearest_m + 1e-9
+
+
+@FAST
+@given(grids(edge=24), st.floats(0.5, 4.0), st.data())
+def test_added_clearance_is_kept_where_there_is_room_and_closes_no_way(
+    grid: OccupancyGrid, added: float, data: st.DataObject
+) -> None:
+    """A route exists exactly if one does without, and keeps it all where the map allows that."""
+    least_m = grid.cell_m
+    free = np.argwhere(brute_force_distance(grid) >= least_m).tolist()
+    assume(free)
+    start, goal = draw_position(data, grid, free), draw_position(data, grid, free)
+    routes = RouteMap(grid, {"goal": PlaceRegion((*goal, -2.0), 0.5, True)}, WIDE, least_m)
+    plain = routes.route((*start, -1.0), "goal")
+    routes.add_clearance(added * grid.cell_m)
+    wide = routes.route((*start, -1.0), "goal")
+    assert (wide is None) == (plain is None)
+    if wide is None:
+        return
+    assert routes.is_clear(wide.waypoints)
+    wanted_m = least_m + added * grid.cell_m
+    room = brute_force_distance(grid) >= wanted_m
+    parts = ndimage.label(room)[0]
+    if room[grid.cell(start)] and parts[grid.cell(start)] == parts[grid.cell(goal)]:
+        for a, b in pairwise(wide.waypoints[:, :2]):
+            for point in np.linspace(a, b, 20):
+                assert grid.clearance_m((point[0], point[1])) >= wanted_m - 1e-6
+
+
+@FAST
 @given(st.integers(0, 999))
 def test_regions_around_a_path_are_all_that_its_legs_can_enter(seed: int) -> None:
     chance = np.random.default_rng(seed)
@@ -133,7 +176,7 @@ def test_regions_around_a_path_are_all_that_its_legs_can_enter(seed: int) -> Non
 
 
 @FAST
-@given(grids(), st.sampled_from([1.0, 2.0, 2.5]), st.data())
+@given(grids(), st.sampled_from([0.0, 1.0, 1.4]), st.data())
 def test_legs_keep_the_clearance_and_exist_where_cells_connect(
     grid: OccupancyGrid, clearance: float, data: st.DataObject
 ) -> None:
@@ -154,10 +197,9 @@ def test_legs_keep_the_clearance_and_exist_where_cells_connect(
     points = (route.waypoints[:, :2] - grid.origin) / grid.cell_m
     not_free = np.argwhere(~np.pad(is_free, 1)) - 1.0
     assert not meets(points[:-1], points[1:], not_free, grown=-1e-6).any()
-    occupied = np.argwhere(grid.occupied) + 0.5
     for a, b in pairwise(points):
-        for centre in occupied:  # half a cell's diagonal: from the free cell's centre to the leg
-            assert distance_to_leg(a, b, centre) >= clearance - math.sqrt(0.5) - 1e-6
+        for point in np.linspace(a, b, 50) * grid.cell_m + grid.origin:
+            assert grid.clearance_m((point[0], point[1])) >= clearance_m - 1e-6
 
 
 @settings(FAST, max_examples=25)

@@ -17,7 +17,8 @@ from scipy import ndimage
 
 from companion.geometry import NorthEast
 from companion.motion.grid import OccupancyGrid
-from companion.motion.sensed_map import REACH_M, RangeScan, SensedMap
+from companion.motion.range_scan import REACH_M, RangeScan
+from companion.motion.sensed_map import SensedMap
 from sitl.world.lidar import STEP_RAD, Lidar, LidarSpec
 
 FAST = settings(max_examples=25, deadline=None, derandomize=True)

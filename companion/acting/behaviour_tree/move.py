@@ -27,6 +27,11 @@ from companion.vehicle.port import VehicleState
 
 ARRIVAL_M = 0.3
 """How near to a place the vehicle has to come to be there."""
+ARRIVAL_SIGMAS = 2.0
+"""The same in standard deviations of the position, where that is more: a vehicle that hovers
+wanders by about one of them. The place's own radius is the most."""
+ARRIVAL_MPS = 0.5
+"""A vehicle that is faster than this still swings past, towards what stands behind the place."""
 ARRIVAL_TIMEOUT_S = 15.0
 """How long it may take to come that near after the trajectory has ended, or to catch up."""
 SLOW_MPS = 0.2
@@ -177,7 +182,7 @@ class MoveCommand(Leaf):
         sample, self._rate = sample.slower(following), self._rate * following
         is_at_end = sample.is_finished and not self._is_braking
         flight.fly(sample, self._heading.wanted(sample, state, is_at_end))
-        if is_at_end and gap_m < ARRIVAL_M and self._heading.is_reached(state):
+        if is_at_end and self._is_there(gap_m, state) and self._heading.is_reached(state):
             return Status.SUCCESS
         if self._time_s > self._trajectory.duration_s + ARRIVAL_TIMEOUT_S + self._heading.turn_s:
             return self._stop_and_fail(self._why_not_there(gap_m, state))
@@ -206,8 +211,14 @@ class MoveCommand(Leaf):
         slowed, self._rate = self._flight.speed_limit.slowed(led)
         return slowed
 
+    def _is_there(self, gap_m: float, state: VehicleState) -> bool:
+        """Whether the vehicle is at the place, as well as its position can tell, and slow."""
+        wander_m = ARRIVAL_SIGMAS * state.accuracy_m
+        near_m = max(ARRIVAL_M, min(wander_m, self._flight.symbols.radius_m(self._place)))
+        return gap_m < near_m and math.hypot(*state.velocity) < ARRIVAL_MPS
+
     def _why_not_there(self, gap_m: float, state: VehicleState) -> str:
-        if gap_m >= ARRIVAL_M:
+        if not self._is_there(gap_m, state):
             return f"still {gap_m:.1f} m from {self._place}"
         return f"at {self._place}, but {self._heading.error_deg(state)} degrees off the heading"
 

@@ -40,6 +40,7 @@ from companion.flight_events.plans import (
     WrittenTreeAdopted,
 )
 from companion.flight_events.skills import (
+    ClearanceChanged,
     PlaceReached,
     RouteBlocked,
     RouteResponse,
@@ -115,6 +116,10 @@ TEXTS: list[tuple[FlightEvent, str]] = [
     (RouteBlocked("A", RouteResponse.ANOTHER_ROUTE), "the way to A is not clear: another route"),
     (RouteBlocked("A", RouteResponse.STOPPING), "the way to A is not clear: stopping"),
     (RouteBlocked("A", RouteResponse.NO_ROUTE), "the way to A is not clear: no route"),
+    (
+        ClearanceChanged(1.2, 0.254),
+        "routes keep 1.2 m from obstacles where there is room: the position is good for 0.25 m",
+    ),
     (
         SymbolMoved("A", (10.758, 3.337, -2.0), "samples of the region"),
         "A is now 3.3 m east, 10.8 m north (samples of the region)",

@@ -120,8 +120,9 @@ SPOILT: list[tuple[str, str, str, str]] = [
     ("cost: 10", "cost: §flight_time", "upload does not fly", "write seconds"),
     ("cost: 10", "cost: §0", "cost is 0", "more than 0"),
     # places on the map
-    ("  A: {east_m: 5,", "  §A: {east_m: 0.2,", "place A is in a wall", "east_m: 1.25"),
-    ("  A: {east_m: 5,", "  §A: {east_m: 0.8,", "only 0.50 m from a wall", "east_m: 1.25"),
+    ("  A: {east_m: 5,", "  §A: {east_m: 0.2,", "place A is in a wall", "east_m: 1.75"),
+    ("  A: {east_m: 5,", "  §A: {east_m: 0.8,", "only 0.30 m from a wall", "east_m: 1.75"),
+    ("  A: {east_m: 5,", "  §A: {east_m: 1.2,", "its cell of the map, 0.5 m wide, comes", "1.75"),
     ("  A: {east_m: 5,", "  §A: {east_m: -5,", "outside the map", "east_m 0 to 10"),
     (
         "  A: {east_m: 5, north_m: 7",
@@ -381,7 +382,7 @@ def test_clearance_decides_to_the_cell(load: Load, good: str) -> None:
     assert accepted == [
         x
         for x in (0.25 + 0.5 * c for c in range(20))
-        if min(x - 0.25, 9.75 - x) >= QUAD.clearance_m
+        if min(x - 0.75, 9.25 - x) >= QUAD.clearance_m  # its cell's edges, to those of the walls
     ]
 
 

@@ -189,7 +189,7 @@ def test_cells_that_were_seen_are_those_of_the_companions_own_map(tmp_path: Path
             assert occupied[row, col] != is_occupied
             occupied[row, col] = is_occupied
     assert flight.companion._run is not None
-    assert np.array_equal(occupied, flight.companion._run._map.grid.occupied)
+    assert np.array_equal(occupied, flight.companion._run._surroundings.grid.occupied)
     assert np.any(occupied != mission.grid.occupied)
 
 

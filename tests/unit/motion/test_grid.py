@@ -28,8 +28,10 @@ def test_contains(cell: tuple[int, int], is_on_grid: bool) -> None:
     assert GRID.contains(*cell) is is_on_grid
 
 
-def test_the_rim_is_one_cell_from_the_occupied_outside() -> None:
+def test_the_outside_is_occupied_up_to_the_rim() -> None:
     empty = OccupancyGrid(np.zeros((5, 5), dtype=np.bool_), 0.2, (0.0, 0.0))
-    assert empty.clearance_m((0.1, 0.5)) == pytest.approx(0.2)
-    assert empty.clearance_m((0.5, 0.5)) == pytest.approx(0.6)
+    assert empty.clearance_m((0.13, 0.5)) == pytest.approx(0.13)
+    assert empty.clearance_m((0.5, 0.5)) == pytest.approx(0.5)
     assert empty.clearance_m((-0.1, 0.5)) == 0.0
+    assert empty.distance_m[0, 0] == 0.0  # its outer edges are on the rim
+    assert empty.distance_m[2, 2] == pytest.approx(0.4)

@@ -52,21 +52,21 @@ ROOM = grid_of(
 
 
 def test_a_route_begins_at_the_start_and_ends_at_the_place_exactly() -> None:
-    routes = RouteMap(ROOM, {"B": at(4.3, 8.1)}, WIDE, 1.0)
+    routes = RouteMap(ROOM, {"B": at(4.3, 8.1)}, WIDE, 0.0)
     waypoints = route_of(routes, (1.2, 1.3), "B").waypoints
     assert waypoints[0].tolist() == [1.2, 1.3, -1.0]
     assert waypoints[-1].tolist() == [4.3, 8.1, -2.0]
 
 
 def test_a_free_line_of_sight_is_one_leg_of_its_own_length() -> None:
-    routes = RouteMap(ROOM, {"B": at(1.4, 8.6)}, WIDE, 1.0)
+    routes = RouteMap(ROOM, {"B": at(1.4, 8.6)}, WIDE, 0.0)
     route = route_of(routes, (1.5, 1.5), "B")
     assert len(route.waypoints) == 2
     assert route.length_m == pytest.approx(math.dist((1.5, 1.5, -1.0), (1.4, 8.6, -2.0)))
 
 
 def test_the_altitude_changes_evenly_along_the_way() -> None:
-    routes = RouteMap(ROOM, {"B": at(3.5, 7.0)}, WIDE, 1.0)
+    routes = RouteMap(ROOM, {"B": at(3.5, 7.0)}, WIDE, 0.0)
     waypoints = route_of(routes, (2.5, 1.5), "B").waypoints
     along = np.cumsum(np.linalg.norm(np.diff(waypoints[:, :2], axis=0), axis=1))
     assert len(waypoints) > 2
@@ -74,7 +74,7 @@ def test_the_altitude_changes_evenly_along_the_way() -> None:
 
 
 def test_straight_up_is_a_route() -> None:
-    routes = RouteMap(ROOM, {"B": at(1.5, 1.5)}, WIDE, 1.0)
+    routes = RouteMap(ROOM, {"B": at(1.5, 1.5)}, WIDE, 0.0)
     route = route_of(routes, (1.5, 1.5), "B")
     assert route.length_m == pytest.approx(1.0)
     assert routes.distance_m((1.5, 1.5), "B") == 0.0
@@ -82,25 +82,25 @@ def test_straight_up_is_a_route() -> None:
 
 def test_a_place_behind_a_wall_has_no_route() -> None:
     walled = grid_of("...#...", "...#...")
-    routes = RouteMap(walled, {"B": at(1.0, 6.0)}, WIDE, 0.5)
+    routes = RouteMap(walled, {"B": at(1.0, 6.0)}, WIDE, 0.0)
     assert routes.route((1.0, 1.0, -1.0), "B") is None
     assert routes.distance_m((1.0, 1.0), "B") == math.inf
 
 
 @pytest.mark.parametrize("place", [at(1.5, 4.5), at(2.5, 4.5), at(50.0, 50.0)])
 def test_a_place_too_close_to_an_obstacle_or_off_the_map_has_no_route(place: PlaceRegion) -> None:
-    routes = RouteMap(ROOM, {"B": place}, WIDE, 1.5)
+    routes = RouteMap(ROOM, {"B": place}, WIDE, 0.5)
     assert routes.route((1.5, 1.5, -1.0), "B") is None
 
 
 def test_an_unknown_place_is_a_mistake_of_the_caller() -> None:
     with pytest.raises(KeyError):
-        RouteMap(ROOM, {}, WIDE, 1.0).distance_m((1.5, 1.5), "B")
+        RouteMap(ROOM, {}, WIDE, 0.0).distance_m((1.5, 1.5), "B")
 
 
 def test_a_start_inside_the_clearance_band_leaves_it_by_the_shortest_way() -> None:
     empty = OccupancyGrid(np.zeros((40, 80), dtype=np.bool_), 0.1, (0.0, 0.0))
-    routes = RouteMap(empty, {"B": at(2.0, 6.0)}, WIDE, 0.6)
+    routes = RouteMap(empty, {"B": at(2.0, 6.0)}, WIDE, 0.5)
     assert not routes.is_free((0.35, 2.0))
     waypoints = route_of(routes, (0.35, 2.0), "B").waypoints
     assert waypoints[0].tolist() == [0.35, 2.0, -1.0]
@@ -109,7 +109,7 @@ def test_a_start_inside_the_clearance_band_leaves_it_by_the_shortest_way() -> No
 
 def test_a_start_far_from_free_cells_has_no_route() -> None:
     empty = OccupancyGrid(np.zeros((80, 80), dtype=np.bool_), 0.1, (0.0, 0.0))
-    routes = RouteMap(empty, {"B": at(4.0, 4.0)}, WIDE, 2.0)
+    routes = RouteMap(empty, {"B": at(4.0, 4.0)}, WIDE, 1.9)
     assert routes.route((0.5, 4.0, -1.0), "B") is None
     assert routes.route((-50.0, 4.0, -1.0), "B") is None
 
@@ -117,14 +117,14 @@ def test_a_start_far_from_free_cells_has_no_route() -> None:
 def test_the_way_out_of_the_band_does_not_pass_a_thin_wall() -> None:
     occupied = np.zeros((40, 41), dtype=np.bool_)
     occupied[:, 8] = True  # a strip of 0.8 m, too narrow to be free, west of a thin wall
-    routes = RouteMap(OccupancyGrid(occupied, 0.1, (0.0, 0.0)), {"B": at(2, 3)}, WIDE, 0.5)
+    routes = RouteMap(OccupancyGrid(occupied, 0.1, (0.0, 0.0)), {"B": at(2, 3)}, WIDE, 0.4)
     assert routes.route((2.0, 0.75, -1.0), "B") is None
     assert routes.route((2.0, 0.95, -1.0), "B") is not None
 
 
 def test_a_start_on_the_edge_of_a_free_cell_has_a_route() -> None:
     empty = OccupancyGrid(np.zeros((40, 80), dtype=np.bool_), 0.1, (0.0, 0.0))
-    routes = RouteMap(empty, {"B": at(2.0, 6.0)}, WIDE, 0.55)
+    routes = RouteMap(empty, {"B": at(2.0, 6.0)}, WIDE, 0.45)
     assert routes.is_free((0.55, 2.0)) and not routes.is_free((0.45, 2.0))
     for start in [(0.5, 2.0), (0.5, 2.05), (0.5, 0.5)]:
         assert routes.route((*start, -1.0), "B") is not None
@@ -144,7 +144,7 @@ def test_the_fence_agrees_with_the_polygon_rule() -> None:
 def test_a_route_goes_around_the_region_of_another_place() -> None:
     empty = OccupancyGrid(np.zeros((60, 100), dtype=np.bool_), 0.1, (0.0, 0.0))
     places = {"B": at(3.0, 9.0), "X": at(3.0, 5.0, radius_m=1.0)}
-    route = route_of(RouteMap(empty, places, WIDE, 0.3), (3.0, 1.0), "B")
+    route = route_of(RouteMap(empty, places, WIDE, 0.2), (3.0, 1.0), "B")
     assert distance_to_route(route, (3.0, 5.0)) >= 1.0 - 1e-9
     shortest = 2 * (math.sqrt(16 - 1) + math.asin(1 / 4))  # two tangents and the arc between
     flown_m = Path(route).length_m
@@ -154,13 +154,13 @@ def test_a_route_goes_around_the_region_of_another_place() -> None:
 def test_a_place_that_the_task_does_not_mention_may_be_crossed() -> None:
     empty = OccupancyGrid(np.zeros((60, 100), dtype=np.bool_), 0.1, (0.0, 0.0))
     places = {"B": at(3.0, 9.0), "X": at(3.0, 5.0, radius_m=1.0, is_exclusive=False)}
-    assert len(route_of(RouteMap(empty, places, WIDE, 0.3), (3.0, 1.0), "B").waypoints) == 2
+    assert len(route_of(RouteMap(empty, places, WIDE, 0.2), (3.0, 1.0), "B").waypoints) == 2
 
 
 def test_a_vehicle_leaves_the_region_it_is_in_and_does_not_come_back() -> None:
     corridor = OccupancyGrid(np.zeros((12, 100), dtype=np.bool_), 0.1, (0.0, 0.0))
     places = {"W": at(0.6, 1.0), "E": at(0.6, 9.0), "X": at(0.6, 5.0, radius_m=0.8)}
-    routes = RouteMap(corridor, places, WIDE, 0.3)  # X closes the corridor
+    routes = RouteMap(corridor, places, WIDE, 0.2)  # X closes the corridor
     assert routes.route((0.6, 5.0, -1.0), "E") is not None
     assert routes.route((0.6, 5.7, -1.0), "W") is not None
     assert routes.route((0.6, 1.0, -1.0), "X") is not None
@@ -174,7 +174,7 @@ def test_leaving_a_region_costs_no_detour() -> None:
     grid = OccupancyGrid(occupied, 0.1, (0.0, 0.0))
     lengths = [
         route_of(
-            RouteMap(grid, {"B": at(5.0, 9.0), "X": at(4.8, 2.0, 2.5, leaving)}, WIDE, 0.5),
+            RouteMap(grid, {"B": at(5.0, 9.0), "X": at(4.8, 2.0, 2.5, leaving)}, WIDE, 0.0),
             (4.8, 2.0),
             "B",
         ).length_m
@@ -186,13 +186,13 @@ def test_leaving_a_region_costs_no_detour() -> None:
 def test_a_place_inside_the_region_of_another_cannot_be_entered() -> None:
     empty = OccupancyGrid(np.zeros((60, 60), dtype=np.bool_), 0.1, (0.0, 0.0))
     places = {"B": at(3.0, 3.2), "X": at(3.0, 3.0, radius_m=1.0)}
-    routes = RouteMap(empty, places, WIDE, 0.3)
+    routes = RouteMap(empty, places, WIDE, 0.2)
     assert routes.route((1.0, 1.0, -1.0), "B") is None
     assert routes.route((3.0, 3.0, -1.0), "B") is not None
 
 
 def test_a_route_from_motion_leads_to_where_the_vehicle_can_stop() -> None:
-    routes = RouteMap(ROOM, {"A": at(4.5, 1.5)}, WIDE, 0.9)
+    routes = RouteMap(ROOM, {"A": at(4.5, 1.5)}, WIDE, 0.0)
     start, stop = (1.5, 1.5, -1.0), (1.5, 2.5, -1.0)
     route = routes.route_from_motion(start, stop, "A")
     onward = routes.route(stop, "A")
@@ -207,7 +207,7 @@ def test_a_vehicle_may_run_out_a_cell_nearer_than_the_clearance(
 ) -> None:
     """It would do so in any case; a route that begins where it was would only leave it behind."""
     corridor = OccupancyGrid(np.zeros((12, 100), dtype=np.bool_), 0.1, (0.0, 0.0))
-    routes = RouteMap(corridor, {"A": at(0.55, 9.0)}, WIDE, 0.5)
+    routes = RouteMap(corridor, {"A": at(0.55, 9.0)}, WIDE, 0.4)
     route = routes.route_from_motion((0.45, 2.0, -1.0), (north_m, 4.0, -1.0), "A")
     assert (route is not None) == is_near
 
@@ -215,14 +215,14 @@ def test_a_vehicle_may_run_out_a_cell_nearer_than_the_clearance(
 def test_a_vehicle_does_not_run_out_of_the_fence() -> None:
     fence: list[NorthEast] = [(-9, -9), (-9, 3.5), (99, 3.5), (99, -9)]
     room = OccupancyGrid(np.zeros((40, 100), dtype=np.bool_), 0.1, (0.0, 0.0))
-    routes = RouteMap(room, {"A": at(2.0, 1.0)}, fence, 0.5)
+    routes = RouteMap(room, {"A": at(2.0, 1.0)}, fence, 0.4)
     ends = [routes.route_from_motion((2.0, 2.0, -1.0), (2.0, e, -1.0), "A") for e in (3.3, 3.7)]
     assert [end is not None for end in ends] == [True, False]
 
 
 @pytest.mark.parametrize("stop", [(2.5, 4.5, -1.0), (1.5, 20.0, -1.0)])
 def test_a_route_does_not_begin_through_a_wall(stop: tuple[float, float, float]) -> None:
-    routes = RouteMap(ROOM, {"A": at(4.5, 1.5)}, WIDE, 0.9)
+    routes = RouteMap(ROOM, {"A": at(4.5, 1.5)}, WIDE, 0.0)
     assert routes.route_from_motion((1.5, 1.5, -1.0), stop, "A") is None
 
 
@@ -236,10 +236,10 @@ def test_routes_are_those_of_a_map_made_anew() -> None:
         grid_of("##########", row, "#........#", "####.#####", "#........#", "##########")
         for row in ("#...#....#", "#........#")
     )
-    routes = RouteMap(left, places, WIDE, 1.0)
+    routes = RouteMap(left, places, WIDE, 0.0)
     for grid in (right, ROOM, left):
         routes.see(grid)
-        fresh = RouteMap(grid, places, WIDE, 1.0)
+        fresh = RouteMap(grid, places, WIDE, 0.0)
         for start in ((1.5, 1.5), (4.5, 8.5), (4.5, 1.5)):
             assert routes.distance_m(start, "B") == fresh.distance_m(start, "B")
             assert routes.is_free(start) == fresh.is_free(start)
@@ -252,7 +252,7 @@ def test_routes_are_those_of_a_map_made_anew() -> None:
 def test_paths_are_found_in_parts_until_all_are_known() -> None:
     """At least one in each part, however small."""
     places = {name: at(3.5, 0.5 + i) for i, name in enumerate("ABCD", start=2)}
-    routes = RouteMap(grid_of(*["." * 10] * 8), places, WIDE, 0.5)
+    routes = RouteMap(grid_of(*["." * 10] * 8), places, WIDE, 0.0)
     assert not routes.find(0)
     assert [routes.find(1) for _ in range(5)] == [False, False, False, True, True]
     routes.see(grid_of(*["." * 10] * 7, "." * 9 + "#"))
@@ -262,7 +262,7 @@ def test_paths_are_found_in_parts_until_all_are_known() -> None:
 
 def test_a_place_that_was_covered_has_its_paths_again() -> None:
     empty, covered = grid_of("......", "......"), grid_of("....##", "....##")
-    routes = RouteMap(empty, {"B": at(1.0, 5.5)}, WIDE, 0.5)
+    routes = RouteMap(empty, {"B": at(1.0, 5.5)}, WIDE, 0.0)
     before = routes.distance_m((0.5, 0.5), "B")
     routes.see(covered)
     assert routes.distance_m((0.5, 0.5), "B") == math.inf
@@ -274,7 +274,7 @@ EMPTY = OccupancyGrid(np.zeros((80, 80), dtype=np.bool_), 0.1, (0.0, 0.0))
 
 
 def test_the_version_changes_with_the_free_cells_alone() -> None:
-    routes = RouteMap(EMPTY, {}, WIDE, 0.6)
+    routes = RouteMap(EMPTY, {}, WIDE, 0.5)
     before = routes.version
     occupied = EMPTY.occupied.copy()
     occupied[0, 0] = True  # all that is near to it is near to the outer walls too
@@ -289,7 +289,7 @@ def with_crate() -> RouteMap:
     """A crate of 1 m x 1 m in the middle of 8 m x 8 m, and 0.6 m around it."""
     occupied = np.zeros((80, 80), dtype=np.bool_)
     occupied[35:45, 35:45] = True
-    routes = RouteMap(EMPTY, {}, WIDE, 0.6)
+    routes = RouteMap(EMPTY, {}, WIDE, 0.5)
     routes.see(OccupancyGrid(occupied, 0.1, (0.0, 0.0)))
     return routes
 
@@ -310,5 +310,5 @@ def with_crate() -> RouteMap:
     ],
 )
 def test_whether_a_path_is_clear(path: list[tuple[float, float, float]], is_clear: bool) -> None:
-    assert RouteMap(EMPTY, {}, WIDE, 0.6).is_clear(np.array(path))
+    assert RouteMap(EMPTY, {}, WIDE, 0.5).is_clear(np.array(path))
     assert with_crate().is_clear(np.array(path)) is is_clear

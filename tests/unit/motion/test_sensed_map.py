@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from companion.motion.grid import OccupancyGrid
-from companion.motion.sensed_map import REACH_M, RangeScan, SensedMap
+from companion.motion.range_scan import REACH_M, RangeScan
+from companion.motion.sensed_map import SensedMap
 
 BEAMS = 72
 STEP_RAD = 2 * math.pi / BEAMS

@@ -28,7 +28,7 @@ def at_home(home: Ned = (10.0, 20.0, 0.1)) -> MissionFrame:
 def test_a_vehicle_that_stands_where_it_should_needs_no_time_and_moves_nothing() -> None:
     frame = at_home()
     stand(frame, [(13.01, 19.0, 0.1)])
-    gap_m = frame.gap_m(PLACE)
+    gap_m = frame.gap_m(PLACE, 0.05)
     assert gap_m is not None and gap_m < 0.02
     frame.lay(PLACE)
     assert frame.origin == (10.0, 20.0, 0.1)
@@ -37,9 +37,9 @@ def test_a_vehicle_that_stands_where_it_should_needs_no_time_and_moves_nothing()
 def test_an_estimate_that_wanders_is_averaged_before_anything_is_said() -> None:
     frame = at_home()
     stand(frame, [(13.3, 19.0, 0.1)] * 100)
-    assert frame.gap_m(PLACE) is None
+    assert frame.gap_m(PLACE, 0.05) is None
     stand(frame, [(13.3, 19.2, 0.3)] * 110, start_s=5.0)
-    gap_m = frame.gap_m(PLACE)
+    gap_m = frame.gap_m(PLACE, 0.05)
     assert gap_m == pytest.approx(0.32, abs=0.02)
     frame.lay(PLACE)
     assert frame.origin == pytest.approx((10.3, 20.1, 0.2), abs=0.02)
@@ -73,7 +73,7 @@ def test_the_frame_is_kept_where_the_vehicle_lands_and_arms_again() -> None:
     stand(frame, [(18.0, 25.0, 0.0)] * 300, start_s=30.0)
     frame.lay(PLACE)
     assert frame.origin == laid
-    gap_m = frame.gap_m(PLACE)
+    gap_m = frame.gap_m(PLACE, 0.05)
     assert gap_m is not None and gap_m > 5.0
 
 
@@ -81,4 +81,27 @@ def test_a_vehicle_that_was_carried_settles_anew() -> None:
     frame = at_home()
     stand(frame, [(18.0, 25.0, 0.1)] * 300)
     frame.take_position(16.0, (13.2, 19.0, 0.1), is_standing=True)
-    assert frame.gap_m(PLACE) is None
+    assert frame.gap_m(PLACE, 0.05) is None
+
+
+def test_a_position_that_is_not_exact_is_averaged_wherever_the_vehicle_seems_to_stand() -> None:
+    """The first HOME_POSITION is the estimate of the same moment: no gap, and yet it is off."""
+    frame = at_home()
+    stand(frame, [(13.0, 19.0, 0.1)] * 20)
+    assert frame.gap_m(PLACE, 0.05) is not None
+    assert frame.gap_m(PLACE, 0.25) is None
+    stand(frame, [(13.0, 19.0, 0.1)] * 200, start_s=1.0)
+    assert frame.gap_m(PLACE, 0.25) is not None
+
+
+def test_the_frame_is_moved_only_after_it_was_laid_and_only_so_far() -> None:
+    frame = at_home()
+    frame.move((1.0, 0.0), 0.75)
+    assert frame.origin == (10.0, 20.0, 0.1)
+    stand(frame, [(13.0, 19.0, 0.1)])
+    frame.lay(PLACE)
+    for _ in range(20):
+        frame.move((0.1, -0.05), 0.75)
+    assert frame.origin is not None
+    north, east, down = frame.origin
+    assert (north, east, down) == pytest.approx((10.0 - 0.6, 20.0 + 0.3, 0.1))

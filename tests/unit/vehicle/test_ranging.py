@@ -10,7 +10,7 @@ import pytest
 from autopilot import ENVELOPE, Meeting, in_offboard
 
 from companion.mavlink.framing import MavlinkCodec, dialect
-from companion.motion.sensed_map import RangeScan
+from companion.motion.range_scan import RangeScan
 
 SCANNER = MavlinkCodec(1, 196)
 BODY, NORTH, UNKNOWN = dialect.MAV_FRAME_BODY_FRD, dialect.MAV_FRAME_GLOBAL, 65535

@@ -1,0 +1,156 @@
+"""Routes at one clearance: the cells that are free at it, and the cost-to-go of each place.
+
+The vehicle may be off from where its autopilot takes it to be. So routes keep more than the least
+clearance, where the map has room for that; a passage that is too narrow is flown at the next lower
+one. There are a few levels, and each place is flown to at the highest one that leads there.
+
+A place may itself stand nearer to an obstacle than a level asks for, and so may the vehicle. Around
+each a disc is open in which routes keep as much as the place, or the vehicle, does.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from companion.geometry import Ned, NorthEast
+from companion.motion.cost_to_go import CostToGo
+from companion.motion.distance_maps import DistanceMaps
+from companion.motion.free_space import FreeSpace
+from companion.motion.grid import OccupancyGrid
+from companion.motion.grid_graph import Cell
+from companion.motion.regions import Regions
+
+_LEVELS = 3  # above the least
+_OPEN_SHARE = 1.5  # reach of an open disc, of the way straight out to the level's clearance
+
+
+@dataclass(frozen=True, slots=True)
+class Room:
+    """What all levels share.
+
+    Attributes:
+        least_m: the clearance that no route goes below.
+        is_inside: (rows, cols) cells that the fence holds.
+        regions: of the exclusive places.
+        goals: by place, where routes to it end; changed where symbols are aimed elsewhere.
+    """
+
+    least_m: float
+    is_inside: npt.NDArray[np.bool_]
+    regions: Regions
+    goals: Mapping[str, Ned]
+
+
+class ClearanceLevel:
+    """Routes at one clearance. The cost-to-go is found when it is first asked for.
+
+    Attributes:
+        space: the free cells now.
+
+    Args:
+        room: what all levels share.
+        grid: the map as it is known now.
+        clearance_m: of this level.
+    """
+
+    def __init__(self, room: Room, grid: OccupancyGrid, clearance_m: float) -> None:
+        self._room = room
+        self._grid = grid
+        self._clearance_m = clearance_m
+        self.space = self._free_space()
+        self._maps: DistanceMaps | None = None
+
+    @property
+    def is_used(self) -> bool:
+        """Whether a route was looked for at this clearance."""
+        return self._maps is not None
+
+    @property
+    def maps(self) -> DistanceMaps:
+        """The cost-to-go of all places."""
+        if self._maps is None:
+            points = {name: self.space.point(goal) for name, goal in self._room.goals.items()}
+            self._maps = DistanceMaps(points, self._room.regions, self.space.free)
+        return self._maps
+
+    def see(self, grid: OccupancyGrid) -> bool:
+        """Takes over a map of which other cells are occupied; true if other cells are free now."""
+        self._grid, before = grid, self.space
+        self.space = self._free_space()
+        if np.array_equal(before.free, self.space.free):
+            return False
+        if self._maps is not None:
+            self._maps.see(self.space.free)
+        return True
+
+    def aim(self, place: str) -> None:
+        """The goal of a place has changed."""
+        if self._clearance_m > self._room.least_m:  # another disc is open
+            self.see(self._grid)
+        if self._maps is not None:
+            self._maps.aim(place, self.space.point(self._room.goals[place]))
+
+    def above(self, added_m: float) -> ClearanceLevel:
+        """A level of a greater clearance on the same map."""
+        return ClearanceLevel(self._room, self._grid, self._clearance_m + added_m)
+
+    def around(self, *positions: NorthEast) -> FreeSpace:
+        """The free cells with open discs around some positions."""
+        opened = self._opened(positions)
+        if opened is None:
+            return self.space
+        return FreeSpace(
+            self._grid, self.space.free | opened, self._room.is_inside, self._clearance_m
+        )
+
+    def entry(self, start: NorthEast, place: str, others: Regions) -> tuple[CostToGo, Cell] | None:
+        """Where a route to a place enters the cells from which there is a way; None without any.
+
+        Args:
+            start: of the route.
+            place: where it leads.
+            others: the regions of other places, which the leg to that cell may not enter.
+        """
+        space = self.around(start)
+        goal = self._grid.cell(self._room.goals[place][:2])
+        to_go = self.maps.cost_to_go(place) if space.is_connected(start, goal) else None
+        cell = space.entry(start, others, to_go.cost) if to_go else None
+        return (to_go, cell) if to_go and cell else None
+
+    def _free_space(self) -> FreeSpace:
+        is_inside = self._room.is_inside
+        free = (self._grid.distance_m >= self._clearance_m) & ~self._grid.occupied & is_inside
+        opened = self._opened([goal[:2] for goal in self._room.goals.values()])
+        if opened is not None:
+            free |= opened
+        return FreeSpace(self._grid, free, is_inside, self._clearance_m)
+
+    def _opened(self, positions: Iterable[NorthEast]) -> npt.NDArray[np.bool_] | None:
+        """(rows, cols) open discs around those positions that need one; None without any."""
+        grid, opened = self._grid, None
+        for position in positions:
+            row, col = cell = grid.cell(position)
+            own_m = float(grid.distance_m[cell]) if grid.contains(*cell) else 0.0
+            if not self._room.least_m <= own_m < self._clearance_m:
+                continue
+            reach = math.ceil(_OPEN_SHARE * (self._clearance_m - own_m) / grid.cell_m)
+            box = np.s_[
+                max(row - reach, 0) : row + reach + 1, max(col - reach, 0) : col + reach + 1
+            ]
+            rows, cols = np.indices(grid.occupied[box].shape)
+            north, east = rows + box[0].start - row, cols + box[1].start - col
+            is_near = np.hypot(north, east) <= reach
+            if opened is None:
+                opened = np.zeros_like(grid.occupied)
+            opened[box] |= is_near & (grid.distance_m[box] >= own_m)
+        return opened & self._room.is_inside if opened is not None else None
+
+
+def levels_above(least: ClearanceLevel, added_m: float) -> list[ClearanceLevel]:
+    """The levels at which routes keep up to so much more than the least, the highest first."""
+    return [least.above(added_m * i / _LEVELS) for i in range(_LEVELS, 0, -1) if added_m > 0]

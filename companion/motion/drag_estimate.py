@@ -1,0 +1,91 @@
+"""The drag of the vehicle, learnt in flight, so that it can be fed forward.
+
+A vehicle that is not told of its drag lags behind: PX4's controller has to build up, by position
+error, whatever thrust the air takes, and builds it up anew in each turn. PX4's built-in simulated
+quadrotor (1 /s) lags half a metre so, and swings out of its turns by as much.
+
+In level flight the thrust carries the weight, and its horizontal part accelerates the vehicle or
+is spent on drag:
+
+    g tan(tilt) = dv/dt + k (v - w)
+
+with the drag k per mass and the wind w. Over windows of a second this is linear in (k, k w), and a
+Kalman filter with three states estimates them; the wind may change. It begins without drag, and
+forgets nothing of k, which is the vehicle's. Errors of the velocity's estimate, 0.3 m/s, are noise.
+
+Left out: quadratic drag. At the speeds of a mission its slope is part of k.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from companion.geometry import NorthEast
+
+WINDOW_S = 1.0
+GAP_S = 0.3
+"""Of a window with a longer silence nothing is learnt."""
+NOISE_MPS = 0.2
+"""Standard deviation of a window's equation: errors of the velocity, in one direction."""
+UNKNOWN_PER_S, UNKNOWN_MPS2 = 0.5, 0.5
+"""Standard deviations of the drag, and of what the wind takes, before anything is known."""
+CHANGE_MPS2 = 0.05
+"""By so much may what the wind takes change in a window."""
+MOST_PER_S = 1.5
+
+
+class DragEstimate:
+    """What is known of the drag of one vehicle."""
+
+    def __init__(self) -> None:
+        self._mean = np.zeros(3)  # drag, wind's part north and east
+        self._covariance = np.diag([UNKNOWN_PER_S**2, UNKNOWN_MPS2**2, UNKNOWN_MPS2**2])
+        self._last_s = self._window_s = 0.0
+        self._begin_velocity: NorthEast | None = None
+        self._thrust = np.zeros(2)  # its integral, m/s
+        self._way = np.zeros(2)  # integral of the velocity, m
+
+    @property
+    def per_s(self) -> float:
+        """The drag per mass and speed."""
+        return min(max(float(self._mean[0]), 0.0), MOST_PER_S)
+
+    def take(self, measured_s: float, velocity: NorthEast, thrust_mps2: NorthEast) -> None:
+        """Takes what was measured of a flying vehicle.
+
+        Args:
+            measured_s: when, by the autopilot's clock.
+            velocity: north and east.
+            thrust_mps2: horizontal acceleration that the tilt stands for, north and east.
+        """
+        passed_s = measured_s - self._last_s
+        if passed_s == 0.0:
+            return
+        self._last_s = measured_s
+        if self._begin_velocity is None or not 0.0 < passed_s <= GAP_S:
+            self._begin(velocity)
+            return
+        self._window_s += passed_s
+        self._thrust += np.multiply(thrust_mps2, passed_s)
+        self._way += np.multiply(velocity, passed_s)
+        if self._window_s >= WINDOW_S:
+            self._learn(self._thrust - np.subtract(velocity, self._begin_velocity))
+            self._begin(velocity)
+
+    def pause(self) -> None:
+        """The vehicle stands on the ground, or nothing is known of it."""
+        self._begin_velocity = None
+
+    def _begin(self, velocity: NorthEast) -> None:
+        self._begin_velocity, self._window_s = velocity, 0.0
+        self._thrust, self._way = np.zeros(2), np.zeros(2)
+
+    def _learn(self, spent_mps: npt.NDArray[np.float64]) -> None:
+        """A step of the Kalman filter: (2,) what of a window's thrust was spent on drag."""
+        seconds = self._window_s * np.eye(2)
+        model = np.column_stack([self._way, -seconds])
+        prior = self._covariance + np.diag([0.0, CHANGE_MPS2**2, CHANGE_MPS2**2])
+        gain = prior @ model.T @ np.linalg.inv(model @ prior @ model.T + NOISE_MPS**2 * np.eye(2))
+        self._mean = self._mean + gain @ (spent_mps - model @ self._mean)
+        self._covariance = (np.eye(3) - gain @ model) @ prior

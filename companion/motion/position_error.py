@@ -1,0 +1,62 @@
+"""The error of the position, as the autopilot estimates it, and what motion makes of it.
+
+An autopilot tells one standard deviation of its horizontal position: `pos_horiz_accuracy` of
+ESTIMATOR_STATUS, which PX4 takes from its filter's covariance, north and east together. Towards a
+wall counts the part in one direction, a root of two less. But the map lies where such a position
+said that it began, and the velocity is as wrong as the position, which takes the vehicle off its
+route (on a PX4: 0.3 m/s, 0.25 m). These make up for that root. Three deviations are reckoned with.
+
+The error adds to the vehicle's own deviation from its route, on which it does not depend, as the
+root of the squares.
+"""
+
+from __future__ import annotations
+
+import math
+
+SIGMAS = 3.0
+MOST_M = 1.5
+"""No more is reckoned with: an autopilot that is worse off soon lands."""
+STEP_M = 0.1
+"""The clearance changes by such steps, and with it all routes."""
+
+
+def greatest_error_m(accuracy_m: float) -> float:
+    """How far the vehicle may be from where it is taken to be, towards a wall.
+
+    >>> round(greatest_error_m(0.25), 2)
+    0.75
+    """
+    return min(SIGMAS * accuracy_m, MOST_M)
+
+
+class AddedClearance:
+    """What routes keep from obstacles beside the clearance of the vehicle's profile.
+
+    It follows the accuracy in steps, and lags behind by half a step more, so that an accuracy
+    between two steps does not change all routes again and again.
+
+    Attributes:
+        metres: now.
+
+    Args:
+        deviation_m: of the vehicle from its route; the profile's clearance covers it already.
+    """
+
+    def __init__(self, deviation_m: float) -> None:
+        self.metres = 0.0
+        self._deviation_m = deviation_m
+
+    def follow(self, accuracy_m: float) -> bool:
+        """Takes the accuracy of the position; true if that changes what is added.
+
+        >>> added = AddedClearance(0.15)
+        >>> added.follow(0.05), added.follow(0.25), added.metres
+        (False, True, 0.4)
+        """
+        both_m = math.hypot(self._deviation_m, greatest_error_m(accuracy_m))
+        wanted_m = both_m - self._deviation_m
+        if abs(wanted_m - self.metres) <= STEP_M:
+            return False
+        self.metres = round(round(wanted_m / STEP_M) * STEP_M, 9)
+        return True

@@ -1,0 +1,59 @@
+"""The surroundings as range scans show them: what is new in them, and where the vehicle is in them.
+
+Walls that the map tells are the measure: a scan that does not lie on them is off by what position
+and heading are, and the mission's frame is moved by a part of that. So a vehicle that sees told
+walls keeps its distance from them, whatever its GPS says. Where the position is exact the walls may
+be off instead; then nothing is moved.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+from companion.motion.grid import OccupancyGrid
+from companion.motion.position_error import greatest_error_m
+from companion.motion.range_scan import RangeScan
+from companion.motion.sensed_map import SensedMap
+from companion.motion.wall_alignment import GREATEST_TURN_RAD, WallAlignment
+from companion.vehicle.mission_frame import EXACT_M
+from companion.vehicle.telemetry import Telemetry
+
+SHARE = 0.3
+"""Of what a scan is off by, so much moves the frame: one scan may be wrong."""
+
+
+class Surroundings:
+    """The map of a mission, corrected by scans, and the frame corrected by the map.
+
+    Args:
+        prior: the map of the mission.
+        telemetry: of the vehicle; its frame is moved.
+    """
+
+    def __init__(self, prior: OccupancyGrid, telemetry: Telemetry) -> None:
+        self._map = SensedMap(prior)
+        self._walls = WallAlignment(prior)
+        self._telemetry = telemetry
+        self._turn_rad = 0.0  # by what the heading was off last
+
+    @property
+    def grid(self) -> OccupancyGrid:
+        """The map as it is known now; another object exactly when a cell has changed."""
+        return self._map.grid
+
+    def take(self, scans: Iterable[RangeScan]) -> bool:
+        """Takes scans in, in order; true if a cell has become occupied or free."""
+        return any([self._map.integrate(self._aligned(scan)) for scan in scans])
+
+    def _aligned(self, scan: RangeScan) -> RangeScan:
+        accuracy_m = self._telemetry.accuracy_m
+        if accuracy_m <= EXACT_M:
+            return scan
+        greatest_m = greatest_error_m(accuracy_m)
+        turned = replace(scan, first_rad=scan.first_rad + self._turn_rad)
+        off = self._walls.displacement(turned, greatest_m)
+        self._telemetry.move((SHARE * off.north_m, SHARE * off.east_m), greatest_m)
+        turn_rad = self._turn_rad + off.turn_rad
+        self._turn_rad = min(max(turn_rad, -GREATEST_TURN_RAD), GREATEST_TURN_RAD)
+        return off.applied(turned)

@@ -1,0 +1,80 @@
+"""Flights whose position is not exact: a GPS that wanders, and a PX4's own drag and wander.
+
+The vehicle needs 45 cm around its centre: 35 of its own, and the 10 that are to stay free.
+"""
+
+from __future__ import annotations
+
+from math import inf
+
+import numpy as np
+import pytest
+from lockstep import Lockstep
+from scipy import ndimage
+from shipped import MISSIONS
+
+from companion.acting.flight import TICK_S
+from companion.flight_events.skills import ClearanceChanged, PlaceReached, SkillFailed
+from companion.flight_events.sortie import Phase, PhaseEntered, VehicleCrashed
+from companion.mission.loader import load_mission
+from sitl.world.scenario import read_scenario
+
+NEEDED_M = 0.45
+FLOWN_S = 45.0
+WANDER = "airframe: px4_sih\nwander: {}\n"
+GPS = "  - {at_s: 0.1, gps: {noise_m: 0.25}}\n"
+
+
+class FlightInError(Lockstep):
+    """The first part of a shipped mission whose vehicle is not where it is taken to be.
+
+    Attributes:
+        least_m: the least true distance to a wall.
+        phantoms: the most cells that were taken for occupied, half a metre from all that truly was.
+    """
+
+    def __init__(self, name: str, seed: int, differs: str = "", event: str = "") -> None:
+        self.least_m, self.phantoms = inf, 0
+        text = (MISSIONS / f"{name}.sim.yaml").read_text(encoding="utf-8")
+        text = text.replace("map: maps/", f"map: {MISSIONS}/maps/") + differs
+        if event:
+            head, _, rest = text.partition("happens:\n")
+            text = f"{head}\nhappens:\n{event}{rest}"
+        mission = load_mission(MISSIONS / f"{name}.yaml")
+        super().__init__(mission, read_scenario(text), seed=seed)
+        self.until_reported(PhaseEntered, phase=Phase.TASK)
+        told = mission.grid.occupied
+        for _ in range(round(FLOWN_S / TICK_S)):
+            self.tick()
+            if self.companion.has_ended:
+                break
+            true_map, run = self.simulation.true_map, self.companion._run
+            assert true_map is not None and run is not None
+            north, east, _ = self.simulation.flight.position
+            self.least_m = min(self.least_m, true_map.clearance_m((north, east)))
+            raised = run._surroundings.grid.occupied & ~told
+            if raised.any():
+                away = ndimage.distance_transform_edt(~true_map.occupied, sampling=true_map.cell_m)
+                self.phantoms = max(self.phantoms, int(np.count_nonzero(away[raised] > 0.5)))
+
+
+@pytest.mark.parametrize("name", ["surveillance", "inspection"])
+@pytest.mark.parametrize("seed", [0, 1])
+def test_with_noise_of_gps_it_keeps_away_from_walls_and_sees_no_others(
+    name: str, seed: int
+) -> None:
+    flight = FlightInError(name, seed, event=GPS)
+    assert flight.of(ClearanceChanged)
+    assert flight.phantoms == 0
+    assert flight.least_m >= NEEDED_M
+    assert not flight.of(VehicleCrashed)
+
+
+@pytest.mark.parametrize("name", ["surveillance", "hall_of_20"])
+@pytest.mark.parametrize("seed", [0, 1])
+def test_with_the_drag_and_the_wander_of_a_px4_it_keeps_off_the_walls(name: str, seed: int) -> None:
+    flight = FlightInError(name, seed, differs=WANDER)
+    assert flight.phantoms == 0
+    assert flight.least_m >= NEEDED_M
+    assert not flight.of(VehicleCrashed) and not flight.of(SkillFailed)
+    assert len(flight.of(PlaceReached)) >= 2
