@@ -130,7 +130,7 @@ class Run:
         self.sortie.step(now_s, readings)
         if not is_tick and self.executive.lasso is not plan:
             self.sortie.step(now_s, [])
-        self._follow_accuracy()
+        self._learn()
         return self.flight.collect_reports()
 
     def record(self, now_s: float, packets: list[bytes], reports: list[Stamped]) -> None:
@@ -143,11 +143,12 @@ class Run:
             time_s = round(stamped.time_s - self.start_s, 3)
             self.recorder.report(Stamped(time_s, stamped.event))
 
-    def _follow_accuracy(self) -> None:
-        """Routes keep more from obstacles where the position is good for less."""
+    def _learn(self) -> None:
+        """What the vehicle's drag is; and how good its position is, by what routes keep more."""
         state, added = self.vehicle.state, self._added_clearance
         if self.sortie.has_ended or state is None:
             return
+        self.flight.learn(state)
         if added.follow(state.accuracy_m):
             self.flight.routes.add_clearance(added.metres)
             clearance_m = round(self.mission.vehicle.clearance_m + added.metres, 3)

@@ -51,7 +51,7 @@ class Flight:
         symbols: where each place is to be flown to; read late, so that it may change in flight.
         now_s: time of the tick; the sortie writes it before all else.
         progress: of the present plan; the executive gives each plan its own.
-        drag: of the vehicle, as it is learnt in flight; the sortie feeds it.
+        drag: of the vehicle, as it is learnt in flight; the run feeds it.
         belief_retry_s: time after which a belief that a failure withdrew is held again, where the
             mission does not say; None is never. The run writes it, as the operator sets it.
         reports: what happened and has not been collected yet; the flight's own methods write it.

@@ -73,9 +73,17 @@ class ReplanTriggers:
         assumptions.narrow(plan.lasso)
         if self._flight.progress.is_landed_by_plan:
             return
-        if assumptions.wrong and self._replanner.search_confirms(plan.lasso):
+        if assumptions.wrong and self._is_confirmed(plan):
             assumptions.renew()
         self._reachability.look()
+
+    def _is_confirmed(self, plan: PlanUnderWay) -> bool:
+        """Whether the plan is what would be made now, by what moves cost on the present map."""
+        self._reachability.search()
+        if not self._reachability.is_known:
+            return False
+        self._replanner.follow_map()
+        return self._replanner.search_confirms(plan.lasso)
 
     def before_the_tree(self, plan: PlanUnderWay) -> str | None:
         """Why another plan is due, before the plan's tree is ticked; None if none is."""

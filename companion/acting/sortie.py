@@ -109,7 +109,6 @@ class Sortie:
         state = flight.vehicle.state
         if state is None or self.has_ended:
             return
-        flight.learn(state)
         if self.phase is not Phase.YIELDED:  # what a pilot does is not ours to judge
             if (crash := self._crash_watch.step(now_s, state)) is not self._crash:
                 self._take_crash(crash)

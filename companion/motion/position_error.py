@@ -52,7 +52,7 @@ class AddedClearance:
 
         >>> added = AddedClearance(0.15)
         >>> added.follow(0.05), added.follow(0.25), added.metres
-        (False, True, 0.4)
+        (False, True, 0.6)
         """
         both_m = math.hypot(self._deviation_m, greatest_error_m(accuracy_m))
         wanted_m = both_m - self._deviation_m

@@ -74,7 +74,7 @@ class Patience:
             for belief in task.withdrawn
             if belief in task.returning or belief.predicate in restored
         }
-        if task.is_cut_off:
+        if task.is_cut_off or self._is_walled_in:
             return [*sorted(falling | returning), "the map"]
         try:
             asked = without_lines(mission.optional, *task.problem(falling, returning))
@@ -82,6 +82,14 @@ class Patience:
         except SearchLimit:
             has_plan = False
         return sorted(falling | returning) if has_plan else []
+
+    @property
+    def _is_walled_in(self) -> bool:
+        """Whether no place can be reached from here: the vehicle, or its map, is somewhere wrong."""
+        state, routes = self._flight.vehicle.state, self._flight.routes
+        return state is not None and not any(
+            routes.is_connected(state.position[:2], place) for place in self._planner.mission.places
+        )
 
     @property
     def _is_battery_low(self) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from rig import Rig
 from synthetic import command, event, mission, reading
@@ -14,6 +15,7 @@ from companion.flight_events.plans import NoPlanFound, PlanAwaited, PlanReplaced
 from companion.flight_events.skills import PlaceReached
 from companion.mission.conditions import parse_condition
 from companion.mission.model import PATIENCE_S, Event, Mission, Signal
+from companion.motion.grid import OccupancyGrid
 from companion.vehicle.port import Failed
 
 COVERED = event("covered")
@@ -145,3 +147,15 @@ def test_an_operator_may_pause_and_go_on_meanwhile() -> None:
     assert rig.executive.state is ExecutiveState.AWAITING_PLAN
     rig.tick(reading("covered", 0.0))
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
+
+
+def test_a_vehicle_that_takes_itself_to_be_walled_in_waits_for_the_map() -> None:
+    """Walls that are none, all around it: no belief is contradicted, and no way leads anywhere."""
+    rig = under_way(mission("G F at(A) & G F at(B)"))
+    rig.run_until(PlaceReached, place="A")
+    occupied = np.ones((20, 20), dtype=np.bool_)
+    rig.flight.routes.see(OccupancyGrid(occupied, 0.5, (-2.0, -2.0)))
+    tick_for(rig, 10.0)
+    assert rig.executive.state is ExecutiveState.AWAITING_PLAN
+    rig.flight.routes.see(OccupancyGrid(np.zeros_like(occupied), 0.5, (-2.0, -2.0)))
+    rig.run_until(PlaceReached, place="B")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from rig import Rig
-from synthetic import command, mission, skill
+from synthetic import command, event, mission, reading, skill
 
 from companion.acting.executive_states import TaskStatus
 from companion.acting.replanning.reachability import BeliefChange
@@ -157,3 +157,22 @@ def test_a_new_plan_reckons_with_the_speed_limit_as_it_is_now() -> None:
     after = {action.name: action.cost_ms for action in rig.planner.model.actions}
     assert after.keys() == before.keys()
     assert all(after[name] > 2 * before[name] for name in before if "move" in name)
+
+
+# -- what moves cost when an event comes -----------------------------------------------------------
+
+
+def test_an_event_is_judged_by_what_moves_cost_on_the_map_as_it_is_then() -> None:
+    """A wall made the way to A long when the plan was made; it has gone since, and A will do."""
+    task = {"home": "G F at(H)", "there": "G F (at(B) | at(A) & open)"}
+    rig = Rig(mission(task, events=[event("open")]))
+    occupied = np.zeros((20, 20), dtype=np.bool_)
+    occupied[9:11, :13] = True
+    rig.flight.routes.see(OccupancyGrid(occupied, 0.5, (-2.0, -2.0)))
+    rig.begin()
+    for _ in range(20):
+        rig.tick()
+    show(rig)
+    rig.tick(reading("open"))
+    rig.run_until(PlanReplaced)
+    assert "move(H, A)" in str(rig.plans[-1]) and "move(A, H)" in str(rig.plans[-1])
