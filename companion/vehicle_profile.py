@@ -20,8 +20,8 @@ class VehicleProfile:
         name: of its file.
         radius_m: from the centre to the furthest point of a rotor.
         margin_m: stays free beside the vehicle, wherever it really flies.
-        deviation_m: how much nearer than its route it may come to an obstacle: tracking, map
-            cells, the way to a stop.
+        deviation_m: how much nearer than its route it may come to an obstacle: tracking,
+            the way to a stop.
         speed_mps: greatest speed; a mission may allow less.
         climb_mps: greatest vertical speed upwards.
         descent_mps: greatest vertical speed downwards.
