@@ -85,7 +85,7 @@ class Patience:
 
     @property
     def _is_walled_in(self) -> bool:
-        """Whether no place can be reached from here: the vehicle, or its map, is somewhere wrong."""
+        """Whether no place can be reached from here: the position, or the map, is wrong."""
         state, routes = self._flight.vehicle.state, self._flight.routes
         return state is not None and not any(
             routes.is_connected(state.position[:2], place) for place in self._planner.mission.places
