@@ -161,3 +161,24 @@ def test_messages_that_say_nothing_of_the_state_are_ignored() -> None:
     known = telemetry.state
     say(telemetry, dialect.MAVLink_system_time_message(1, 2), now_s=5.0)
     assert telemetry.state == known
+
+
+@pytest.mark.parametrize(
+    ("roll", "pitch", "yaw", "thrust"),
+    [
+        pytest.param(0.0, -0.1, 0.0, (0.984, 0.0), id="nose down, north"),
+        pytest.param(0.0, -0.1, math.pi / 2, (0.0, 0.984), id="nose down, east"),
+        pytest.param(0.1, 0.0, 0.0, (0.0, 0.984), id="right side down, north"),
+        pytest.param(0.1, 0.0, math.pi, (0.0, -0.984), id="right side down, south"),
+    ],
+)
+def test_a_tilt_is_an_acceleration(
+    roll: float, pitch: float, yaw: float, thrust: tuple[float, float]
+) -> None:
+    """g tan(0.1) to where the body leans; a vehicle on its side carries nothing."""
+    telemetry = heard(Autopilot())
+    say(telemetry, dialect.MAVLink_attitude_message(9_000, roll, pitch, yaw, 0.0, 0.0, 0.0))
+    assert telemetry.state is not None
+    assert telemetry.state.thrust_mps2 == pytest.approx(thrust, abs=2e-3)
+    say(telemetry, dialect.MAVLink_attitude_message(9_100, 1.5, 0.0, yaw, 0.0, 0.0, 0.0), 2.0)
+    assert telemetry.state.thrust_mps2 == pytest.approx(thrust, abs=2e-3)
