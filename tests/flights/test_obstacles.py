@@ -45,9 +45,18 @@ class Flown(Lockstep):
     """
 
     def __init__(
-        self, mission: Mission, folder: Path, obstacles: str, happens: str = "", seed: int = 0
+        self,
+        mission: Mission,
+        folder: Path,
+        obstacles: str,
+        happens: str = "",
+        seed: int = 0,
+        is_target_there: bool = True,
     ) -> None:
         text = (MISSIONS / "surveillance.sim.yaml").read_text(encoding="utf-8")
+        if not is_target_there:
+            text = text.replace("radius_m: 0.8, visit: 2", "radius_m: 0.8, visit: 99")
+            assert "visit: 99" in text
         text = text.replace("map: maps/", f"map: {MISSIONS}/maps/")
         path = folder / "world.sim.yaml"
         path.write_text(f"{text}\nobstacles:\n{obstacles}\n{happens}", encoding="utf-8")
@@ -97,7 +106,9 @@ def test_without_a_way_it_stops_gives_up_the_belief_and_flies_home(
 ) -> None:
     """Fig. 6: trans_ok(A, B) is withdrawn; the map leaves no move to the eastern places."""
     happens = appears(HALFWAY) if is_late else ""
-    flown = Flown(surveillance, tmp_path, a_crate(ACROSS, is_late), happens)
+    flown = Flown(
+        surveillance, tmp_path, a_crate(ACROSS, is_late), happens, is_target_there=False
+    )
     assert flown.is_unhurt
     assert SkillFailed("move(A, B)", "no clear route to B") in flown.events
     assert BeliefWithdrawn("trans_ok(A, B)") in flown.events
@@ -114,7 +125,7 @@ def test_a_way_that_opens_again_is_believed_in_and_the_task_goes_on(
     surveillance: Mission, tmp_path: Path
 ) -> None:
     """On the way home, without a plan, the vehicle sees that nothing stands there any more."""
-    goes = "  - {at_s: 27.5, obstacle: {name: crate, present: false}}"
+    goes = "  - {at_s: 29.5, obstacle: {name: crate, present: false}}"
     hasty = replace(surveillance, patience_s=0.0)
     flown = Flown(hasty, tmp_path, a_crate(ACROSS, True), f"{appears(HALFWAY)}\n{goes}")
     assert flown.is_unhurt

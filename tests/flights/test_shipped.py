@@ -117,9 +117,9 @@ SHIPPED = (
         "hall_of_20",
         "hall_of_20",
         [
-            *("s2", "s1", "s3"),
-            *(*noticed("targetFound", "target found"), *refused("r1")),
-            *("r2", SkillCompleted("upload(r2)"), "Home", TaskSatisfied()),
+            *("s2", "s6", "s10"),
+            *(*noticed("targetFound", "target found"), *refused("r2")),
+            *("r1", SkillCompleted("upload(r1)"), "Home", TaskSatisfied()),
         ],
     ),
 )

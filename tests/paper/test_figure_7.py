@@ -181,7 +181,7 @@ def test_the_darker_a_cell_the_shorter_the_distance_to_the_next_obstacle(
     """Section V: "The darker the color, the shorter the distance." """
     (image,) = panels[0].images
     grey = np.asarray(image.norm(np.asarray(image.get_array())))
-    by_distance = np.argsort(section_v.grid.distance_m, axis=None)
+    by_distance = np.lexsort((grey.ravel(), section_v.grid.distance_m.ravel()))
     assert np.all(np.diff(grey.ravel()[by_distance]) >= 0.0)
     assert np.ptp(grey) > 0.5
     assert image.get_cmap()(0.0)[:3] == (0.0, 0.0, 0.0)  # nought is black
