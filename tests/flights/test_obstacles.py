@@ -106,9 +106,7 @@ def test_without_a_way_it_stops_gives_up_the_belief_and_flies_home(
 ) -> None:
     """Fig. 6: trans_ok(A, B) is withdrawn; the map leaves no move to the eastern places."""
     happens = appears(HALFWAY) if is_late else ""
-    flown = Flown(
-        surveillance, tmp_path, a_crate(ACROSS, is_late), happens, is_target_there=False
-    )
+    flown = Flown(surveillance, tmp_path, a_crate(ACROSS, is_late), happens, is_target_there=False)
     assert flown.is_unhurt
     assert SkillFailed("move(A, B)", "no clear route to B") in flown.events
     assert BeliefWithdrawn("trans_ok(A, B)") in flown.events

@@ -1,0 +1,68 @@
+"""Flights of shipped missions whose position is not exact: what room is left, and what it costs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from benches import Row
+from benches.missions import Tracking
+from benches.shipped import shipped
+from companion.acting.flight_limit import FlightLimit
+from companion.api.simulating import lockstep, world_of
+from companion.flight_events.event import Stamped
+from companion.flight_events.skills import PlaceReached, RouteBlocked
+
+MISSIONS = ("surveillance", "hall_of_20")
+FLOWN = FlightLimit(duration_s=60.0)
+ERRORS = {
+    "GPS noise of 0.25 m": "\nhappens:\n  - {at_s: 0.1, gps: {noise_m: 0.25}}\n",
+    "as a PX4": "\nairframe: px4_sih\nwander: {}\n",
+}
+"""What is added to a scenario, by the name of the row."""
+
+
+@dataclass
+class Wandering(Tracking):
+    """A recorder of a flight in which nothing stands in the way that the map does not show.
+
+    Attributes:
+        reroutes: how often a way was not clear.
+        waits_s: how long each flight waited at its end until the vehicle was there.
+    """
+
+    reroutes: int = 0
+    waits_s: list[float] = field(default_factory=list)
+    moved_s: float = 0.0
+    told: tuple[float, ...] | None = None
+
+    def report(self, stamped: Stamped) -> None:
+        """Counts reroutes and arrivals."""
+        super().report(stamped)
+        if isinstance(stamped.event, RouteBlocked):
+            self.reroutes += 1
+        elif isinstance(stamped.event, PlaceReached):
+            self.waits_s.append(max(0.0, stamped.time_s - self.moved_s))
+
+    def packets(self, now_s: float, datagrams: list[bytes]) -> None:
+        """Notes when the setpoint moved last."""
+        super().packets(now_s, datagrams)
+        if self.setpoint != self.told:
+            self.told, self.moved_s = self.setpoint, now_s
+
+
+def flights(runs: int) -> Iterator[Row]:
+    """A minute of each mission, seed 0: GPS that wanders, and the drag and wander of a PX4."""
+    for each in (each for each in shipped() if each.name in MISSIONS):
+        mission = each.load()
+        text = each.scenario.read_text(encoding="utf-8")
+        text = text.replace("map: maps/", f"map: {each.scenario.parent}/maps/")
+        for name, errors in ERRORS.items():
+            seen = Wandering()
+            flight = lockstep(mission, world_of(mission, text + errors), seen, limit=FLOWN)
+            seen.simulation = flight.simulation
+            flight.fly()
+            row = f"{each.name}, {name}"
+            yield Row(f"{row}: least clearance", 100 * min(seen.clearances_m), "cm")
+            yield Row(f"{row}: reroutes", seen.reroutes, "times")
+            yield Row(f"{row}: longest arrival", max(seen.waits_s, default=0.0), "s")
