@@ -76,6 +76,7 @@ class WallAlignment:
 
     def __init__(self, prior: OccupancyGrid) -> None:
         self._grid = prior
+        self._has_walls = bool(prior.occupied.any())
         outside = ndimage.distance_transform_edt(~prior.occupied)
         inside = ndimage.distance_transform_edt(prior.occupied)
         # In cells; the face of a wall lies half a cell before the centres of its first cells.
@@ -89,6 +90,8 @@ class WallAlignment:
             scan: where the vehicle is taken to be, and what it saw.
             greatest_m: the position is off by no more.
         """
+        if not self._has_walls:
+            return NONE
         reach_m, cell_m = min(scan.range_m, REACH_M), self._grid.cell_m
         lever = _LEVER_M / cell_m
         held = _HELD * np.diag([1.0, 1.0, lever * lever])

@@ -88,6 +88,12 @@ def test_a_scan_of_a_few_echoes_or_of_none_says_nothing() -> None:
         assert WallAlignment(told).displacement(thin, GREATEST_M) is NONE
 
 
+def test_a_map_without_walls_says_nothing() -> None:
+    told = OccupancyGrid(np.zeros((80, 100), dtype=np.bool_), CELL_M, (0.0, 0.0))
+    seen = scan(room(PILLAR), (4.0, 5.0), (0.3, 0.0))
+    assert WallAlignment(told).displacement(seen, GREATEST_M) is NONE
+
+
 def test_no_more_is_told_than_the_position_may_be_off_by() -> None:
     told = room(PILLAR)
     seen = scan(told, (4.0, 4.0), (0.6, 0.0))
