@@ -32,6 +32,7 @@ class Tracking:
     Attributes:
         gaps_m: from the newest setpoint to the vehicle, once per tick of the task in OFFBOARD, so
             not while a plan lands the vehicle.
+        told_mps: how fast the newest setpoint moves.
         velocities: how it truly moves then, and when.
         clearances_m: from the vehicle's centre to what is truly nearest, once per tick.
     """
@@ -42,6 +43,7 @@ class Tracking:
     clearances_m: list[float] = field(default_factory=list)
     is_on_task: bool = False
     setpoint: Ned | None = None
+    told_mps: float = 0.0
     ear: MavlinkCodec = field(default_factory=lambda: MavlinkCodec(0, 0))
 
     def report(self, stamped: Stamped) -> None:
@@ -61,6 +63,7 @@ class Tracking:
                 if frame[7:10] == SETPOINT:
                     for message in self.ear.parse(frame):
                         self.setpoint = (message.x, message.y, message.z)
+                        self.told_mps = math.hypot(message.vx, message.vy, message.vz)
 
     def position(self, now_s: float, position: Ned) -> None:
         """Takes the truth of this tick."""

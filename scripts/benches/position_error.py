@@ -34,7 +34,6 @@ class Wandering(Tracking):
     reroutes: int = 0
     waits_s: list[float] = field(default_factory=list)
     moved_s: float = 0.0
-    told: tuple[float, ...] | None = None
 
     def report(self, stamped: Stamped) -> None:
         """Counts reroutes and arrivals."""
@@ -45,10 +44,10 @@ class Wandering(Tracking):
             self.waits_s.append(max(0.0, stamped.time_s - self.moved_s))
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
-        """Notes when the setpoint moved last."""
+        """Notes when the vehicle was told to move last."""
         super().packets(now_s, datagrams)
-        if self.setpoint != self.told:
-            self.told, self.moved_s = self.setpoint, now_s
+        if self.told_mps > 0.0:
+            self.moved_s = now_s
 
 
 def flights(runs: int) -> Iterator[Row]:
