@@ -85,9 +85,11 @@ class Executive:
         self._root: Behaviour | None = None
         self._tree_report: TreeReport | None = None
         self._assumptions = Assumptions(planner, flight)
-        self._replanner = Replanner(planner, flight, self._assumptions, prepared.engine)
-        self._triggers = ReplanTriggers(flight, self._assumptions, self._replanner)
         self._patience = Patience(planner, flight)
+        self._replanner = Replanner(
+            planner, flight, self._assumptions, self._patience, prepared.engine
+        )
+        self._triggers = ReplanTriggers(flight, self._assumptions, self._replanner)
         self._whereabouts = Whereabouts(flight, planner.mission.places)
         self._plan_state = ExecutiveState.EXECUTING
         self._paused_s = 0.0
@@ -186,6 +188,7 @@ class Executive:
     def stop(self) -> None:
         """Ends the plan, and the search for another one; the vehicle holds."""
         self._replanner.abandon()
+        self._triggers.abandon()
         if self._root is not None:
             self._root.stop(Status.INVALID)
             self._tell_tree()
@@ -288,7 +291,6 @@ class Executive:
         """Holds, and looks again, as long as there is hope for a plan."""
         patience, is_news = self._patience, self.failure is None
         self.failure = failure
-        patience.begin(failure)
         if not patience.lasts:
             self._give_up(failure, reason)
             return

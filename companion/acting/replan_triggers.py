@@ -17,6 +17,7 @@ from companion.acting.flight import Flight
 from companion.acting.replanning.assumptions import Assumptions
 from companion.acting.replanning.replanner import Replanner
 from companion.planning.lasso import Lasso
+from companion.slices import Question, ask_once
 
 BELIEF_CAME_BACK = "a belief came back"
 """Why a plan is due that nothing has gone wrong with."""
@@ -66,6 +67,13 @@ class ReplanTriggers:
         self._assumptions = assumptions
         self._replanner = replanner
         self._reachability = replanner.reachability
+        self._cut_off, self._line = Question[str](), Question[str]()
+        self._possible = Question[bool]()
+
+    def abandon(self) -> None:
+        """The plan is not flown any more: what is thought over about it is not asked again."""
+        for question in (self._cut_off, self._line, self._possible):
+            question.abandon()
 
     def look(self, plan: PlanUnderWay) -> None:
         """Looks at events and map. What events have become is taken over if the plan stays best."""
@@ -78,12 +86,19 @@ class ReplanTriggers:
         self._reachability.look()
 
     def _is_confirmed(self, plan: PlanUnderWay) -> bool:
-        """Whether the plan is what would be made now, by what moves cost on the present map."""
+        """Whether the plan is what would be made now, by what moves cost on the present map.
+
+        What takes more than a slice is not waited for: a plan is made anew then.
+        """
         self._reachability.search()
         if not self._reachability.is_known:
             return False
-        self._replanner.follow_map()
-        return self._replanner.search_confirms(plan.lasso)
+
+        def confirms() -> bool:
+            self._replanner.follow_map()
+            return self._replanner.search_confirms(plan.lasso)
+
+        return bool(ask_once(confirms))
 
     def before_the_tree(self, plan: PlanUnderWay) -> str | None:
         """Why another plan is due, before the plan's tree is ticked; None if none is."""
@@ -107,10 +122,14 @@ class ReplanTriggers:
         self._reachability.search()
         if not self._reachability.is_known:
             return None
-        cut_off = self._replanner.follow_map()
-        if cut_off is None or plan.is_leaving or self._replanner.search_confirms(plan.lasso):
-            return None
-        return cut_off.text
+
+        def news() -> str:
+            cut_off = self._replanner.follow_map()
+            if cut_off is None or plan.is_leaving or self._replanner.search_confirms(plan.lasso):
+                return ""
+            return cut_off.text
+
+        return self._cut_off.ask("the map", news) or None
 
     # -- the task has a plan again -------------------------------------------------------------
 
@@ -118,7 +137,13 @@ class ReplanTriggers:
         return plan.is_leaving and self._assumptions.may_do_better
 
     def _possible_again(self, _: PlanUnderWay) -> str | None:
-        if not self._flight.task.violated and self._replanner.is_possible:
+        task = self._flight.task
+        is_possible = None
+        if not task.violated:
+            is_possible = self._possible.ask(task.situation, lambda: self._replanner.is_possible)
+            if is_possible is None:
+                return None
+        if is_possible:
             return self._assumptions.surprise or BELIEF_CAME_BACK
         self._assumptions.forget_restored_beliefs()
         return None
@@ -129,12 +154,16 @@ class ReplanTriggers:
         return self._flight.task.may_take_up and not self._flight.progress.is_landed_by_plan
 
     def _taken_up(self, plan: PlanUnderWay) -> str | None:
-        """Asked once after each completed skill, before the next one begins."""
+        """Asked once after each completed skill."""
+        task = self._flight.task
         if plan.is_leaving:
-            self._flight.task.keep_dropped()
+            task.keep_dropped()
             return None
-        line = self._replanner.lines.look()
-        return f"{line} has a plan again" if line is not None else None
+        line = self._line.ask(task.situation, lambda: self._replanner.line_to_take_up or "")
+        if line is None:
+            return None
+        task.keep_dropped()
+        return f"{line} has a plan again" if line else None
 
     # -- the tree has failed -------------------------------------------------------------------
 

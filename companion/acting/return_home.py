@@ -15,7 +15,8 @@ from companion.acting.behaviour_tree.leaf import failure_of
 from companion.acting.flight import Flight
 from companion.mission.facts import Fact
 from companion.mission.model import Fly
-from companion.planning.domain import WAIT, departures
+from companion.planning.domain import WAIT
+from companion.planning.instances import departures
 from companion.planning.lasso import Lasso
 from companion.planning.planner import Planner
 from companion.vehicle.port import Failed, Outcome, Progress

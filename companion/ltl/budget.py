@@ -28,10 +28,13 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 from companion.errors import Location, MissionError
+from companion.slices import spent
 
 STEPS = 40_000_000
 BYTES = 200_000_000
 SPARE_STEPS = 40_000_000
+
+_STEP_US = 0.1
 
 _BITS_A_STEP = 1024
 """An operation on ints of this width takes one step more than one on small ints."""
@@ -117,7 +120,9 @@ class Budget:
         Raises:
             TranslationLimit: there are not as many steps left.
         """
-        self._spent += passes * (1 + width // _BITS_A_STEP)
+        steps = passes * (1 + width // _BITS_A_STEP)
+        spent(_STEP_US * steps)
+        self._spent += steps
         if self._spent > self.steps:
             raise TranslationLimit(f"{self.steps:,} steps of work")
 

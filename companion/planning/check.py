@@ -14,6 +14,10 @@ from companion.ltl.semantics import holds
 from companion.mission.facts import Fact
 from companion.planning.domain import Action, ConditionalEffect
 from companion.planning.lasso import Lasso, Letter, Problem, word
+from companion.slices import spent
+
+_ACTION_US = 5
+_LETTER_US = 0.5
 
 
 def fault(problem: Problem, lasso: Lasso, histories: Sequence[Sequence[Letter]]) -> str | None:
@@ -32,6 +36,7 @@ def fault(problem: Problem, lasso: Lasso, histories: Sequence[Sequence[Letter]])
     for i, action in enumerate((*lasso.prefix, *lasso.loop)):
         if i == len(lasso.prefix):
             anchor = facts
+        spent(_ACTION_US)
         if not action.is_applicable(facts):
             missing = sorted(action.requires - facts) + [f"not {f}" for f in action.forbids & facts]
             return f"{action.name} cannot be executed: {', '.join(missing)} does not hold"
@@ -40,6 +45,7 @@ def fault(problem: Problem, lasso: Lasso, histories: Sequence[Sequence[Letter]])
         return f"the loop does not close: {', '.join(sorted(facts ^ anchor))} changed"
     prefix, loop = word(problem, lasso)
     for conjunct, history in zip(problem.conjuncts, histories, strict=True):
+        spent(_LETTER_US * (len(history) + len(prefix) + len(loop)))
         if not holds(conjunct.formula, [*history, *prefix], loop):
             return f"the plan's word does not satisfy {conjunct.name}: {conjunct.formula}"
     return None

@@ -13,15 +13,14 @@ class Effort:
     """Limits of a search.
 
     Attributes:
-        product_edges: edges of the product; with more of them the search is given up. About 1 us
-            each.
+        product_edges: edges of the product; with more of them the search is given up.
         dijkstra_steps: of all shortest-path searches, one search for each target: a step for each
-            edge of the product, and 30 for each node (`Product.dijkstra_steps`). Of too many
-            targets the nearest are looked at. About 5 ns each.
+            edge of the product, and 30 for each node (`product.dijkstra_steps`). Of too many
+            targets the nearest are looked at.
         held_karp_additions: additions in the tables of exact tours; beyond them local search
-            takes their place. About 5 ns each.
+            takes their place.
         loop_steps: edges that the search for loops sees which are no cycles of the product; beyond
-            them it is not proved that no loop is better. About 5 us each.
+            them it is not proved that no loop is better.
     """
 
     product_edges: int
@@ -42,4 +41,10 @@ IN_FLIGHT = Effort(
     held_karp_additions=15_000_000,
     loop_steps=10_000,
 )
-"""Well under a second, the time after which an autopilot misses its setpoints."""
+"""Well under a second of work, which is done in slices (slices.py)."""
+
+PRODUCT_EDGE_US = 1.0
+DIJKSTRA_STEP_US = 0.005
+ADDITION_US = 0.005
+LOOP_STEP_US = 5.0
+"""What each of these takes, about."""

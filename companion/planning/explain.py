@@ -8,8 +8,8 @@ which no route leads. If one withdrawn belief alone would make the task possible
 Planning assumes that every event keeps its value. The values of events are told where nothing else
 explains why a fact is out of reach, or lines of the task cannot hold.
 
-That takes a search per conjunct and per belief, so in flight it is done in parts (`explaining`).
-What a search cannot answer within its limit leaves the conjunct in the set, and the belief out.
+That takes a search per conjunct and per belief. What a search cannot answer within its limit leaves
+the conjunct in the set, and the belief out.
 """
 
 from __future__ import annotations
@@ -21,8 +21,12 @@ from dataclasses import dataclass, replace
 from companion.errors import NoPlanError
 from companion.mission.facts import AT, Fact
 from companion.mission.model import Mission
-from companion.planning.domain import Action, departures, instantiate
+from companion.planning.domain import Action
+from companion.planning.instances import departures, instantiate
 from companion.planning.lasso import Conjunct, Problem
+from companion.slices import spent
+
+_ACTION_US = 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,24 +150,15 @@ def why_no_plan(
     problem: Problem, is_solvable: IsSolvable, world: WorldModel = NOTHING_MORE
 ) -> Explanation:
     """The reason why a problem has no plan."""
-    return next(filter(None, explaining(problem, is_solvable, world)))
-
-
-def explaining(
-    problem: Problem, is_solvable: IsSolvable, world: WorldModel = NOTHING_MORE
-) -> Iterator[Explanation | None]:
-    """Finds the reason in parts of one search each: None until it is found."""
     core = list(range(len(problem.conjuncts)))  # indices of a conflicting set
     for i in tuple(core):
         rest = [j for j in core if j != i]
         if is_solvable(problem.only(rest)) is False:
             core = rest
-        yield None
     withdrawn, restoring = tuple(sorted(problem.withdrawn)), []
     for belief in withdrawn:
         if is_solvable(_with(problem, belief)):
             restoring.append(belief)
-        yield None
     conflict = tuple(problem.conjuncts[i] for i in core)
     mentioned = frozenset[Fact]().union(*(conjunct.facts for conjunct in conflict))
     reached = _relaxed_reach(problem)
@@ -172,7 +167,7 @@ def explaining(
     no_route = _without_route(problem, mentioned | needed, reached, world)
     concerned = needed if unreachable or no_route else mentioned | _in_the_way(problem)
     events = {event: event in problem.facts for event in sorted(concerned & world.events)}
-    yield Explanation(conflict, unreachable, no_route, events, withdrawn, tuple(restoring))
+    return Explanation(conflict, unreachable, no_route, events, withdrawn, tuple(restoring))
 
 
 def _with(problem: Problem, belief: Fact) -> Problem:
@@ -185,6 +180,7 @@ def _unreachable(
     """Facts that skills make true in principle, but not from here."""
     found = []
     for fact in sorted(mentioned - reached):
+        spent(_ACTION_US * len(problem.actions))
         makers = [action for action in problem.actions if fact in _added(action)]
         needs = tuple(dict.fromkeys(action.requires - reached for action in makers))
         if makers:
@@ -216,6 +212,7 @@ def _relaxed_reach(problem: Problem) -> frozenset[Fact]:
     """Every fact that might hold at some time: actions without what they delete and forbid."""
     reached = problem.facts
     while True:
+        spent(_ACTION_US * len(problem.actions))
         grown = reached.union(*(_added(a) for a in problem.actions if a.requires <= reached))
         if grown == reached:
             return reached

@@ -12,7 +12,7 @@ from companion.mission.facts import HERE, at
 from companion.mission.model import Mission
 from companion.motion.profile import SpeedLimits, flight_time_s
 from companion.motion.routes import PlaceRegion, RouteMap
-from companion.planning.domain import FlightTime
+from companion.planning.instances import FlightTime
 
 
 def route_map(mission: Mission) -> RouteMap:

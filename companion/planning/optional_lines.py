@@ -8,7 +8,7 @@ so; else there are at most two more than optional lines.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Sequence
 
 from companion.planning.explain import IsSolvable
 from companion.planning.lasso import DroppedLine, Letter, Problem
@@ -30,10 +30,10 @@ def without_lines(
     return problem.only(kept), [histories[i] for i in kept if histories]
 
 
-def selecting(
+def select(
     problem: Problem, optional: Sequence[str], is_solvable: IsSolvable
-) -> Iterator[tuple[DroppedLine, ...] | None]:
-    """The lines to drop, found in parts of one search each: None until they are known.
+) -> tuple[DroppedLine, ...]:
+    """The lines to drop.
 
     Where there is no plan for the lines that are never dropped, all others are dropped.
 
@@ -44,30 +44,26 @@ def selecting(
     """
     whole = is_solvable(problem) if optional else True
     if whole:
-        yield ()
-        return
-    yield None
+        return ()
     reasons = dict.fromkeys(optional, NO_PLAN)
     dropped = list(optional)
     if is_solvable(without_lines(dropped, problem)[0]):
         for line in optional:
             rest = [other for other in dropped if other != line]
-            if rest:
-                yield None
             found = is_solvable(without_lines(rest, problem)[0]) if rest else whole
             if found:
                 dropped = rest
             elif found is None:
                 reasons[line] = NOT_KNOWN
-    yield tuple(DroppedLine(line, reasons[line]) for line in dropped)
+    return tuple(DroppedLine(line, reasons[line]) for line in dropped)
 
 
-def improving(
+def line_to_take_up(
     problem: Problem, optional: Sequence[str], dropped: Collection[str], is_solvable: IsSolvable
-) -> Iterator[tuple[str, ...] | None]:
-    """The most important line that was dropped and can be kept now; found in parts of one search.
+) -> str | None:
+    """The most important line that was dropped and can be kept now; None if there is none.
 
-    None until it is known; empty if there is none. It may be at the cost of less important ones.
+    It may be at the cost of less important ones.
 
     Args:
         problem: with all lines.
@@ -80,7 +76,5 @@ def improving(
             kept = {line, *(other for other in optional[:number] if other not in dropped)}
             left_out = [other for other in optional if other not in kept]
             if is_solvable(without_lines(left_out, problem)[0]):
-                yield (line,)
-                return
-            yield None
-    yield ()
+                return line
+    return None

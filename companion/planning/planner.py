@@ -19,22 +19,16 @@ from companion.errors import CompanionError
 from companion.ltl.formula import conjuncts
 from companion.ltl.monitor import Runs
 from companion.ltl.translate import translate
-from companion.mission.facts import Fact
+from companion.mission.facts import HERE, Fact
 from companion.mission.model import Mission
 from companion.mission.tree_nodes import Tree, actions
 from companion.planning.builtin.masked_actions import KnownActions
 from companion.planning.builtin.product import Product
 from companion.planning.builtin.transition_system import TransitionSystem
-from companion.planning.domain import (
-    Action,
-    FlightTime,
-    TaskModel,
-    departures,
-    instantiate,
-    is_named,
-)
+from companion.planning.domain import Action, is_named
 from companion.planning.explain import Explanation, NoPlan
 from companion.planning.flight_times import flight_times, from_table, route_map
+from companion.planning.instances import FlightTime, Instances, task_model
 from companion.planning.lasso import Conjunct, Letter, Problem, Solution
 from companion.planning.objective import Encoding, Objective
 from companion.planning.optional_lines import without_lines
@@ -81,7 +75,8 @@ class Planner(Solver):
         elif isinstance(flight_time, Mapping):
             flight_time = from_table(mission, flight_time)
         start_s = clock()
-        self.model = instantiate(mission, flight_time)
+        self._instances, self._departures = Instances(mission), Instances(mission, HERE)
+        self.model = task_model(self._instances, flight_time)
         self.instantiating_s = clock() - start_s
         self.conjuncts = tuple(
             Conjunct(name, part, translate(part))
@@ -112,14 +107,16 @@ class Planner(Solver):
 
     def reinstantiate(self) -> None:
         """Takes over flight times that have changed; what was ever believed stays a belief."""
-        known = {action: action for action in self.model.actions}  # whose bits are kept
-        model = instantiate(self.mission, self.flight_time)
+        model = task_model(self._instances, self.flight_time)
+        self._search.keep(model.actions)
         beliefs = self.model.beliefs | model.beliefs
         self.without_a_move = beliefs - model.beliefs
-        self.model = TaskModel(
-            tuple(known.get(action, action) for action in model.actions), beliefs
-        )
-        self._search.keep(self.model.actions)
+        self.model = replace(model, beliefs=beliefs)
+
+    def beliefs(self, is_en_route: bool) -> frozenset[Fact]:
+        """All that is believed unless it was disproved; between places also about `here`."""
+        known = self.model.beliefs
+        return known | self._departures.beliefs if is_en_route else known
 
     def actions_of(self, tree: Tree) -> dict[str, tuple[Action, ...]]:
         """The actions that a tree names; those from `here` start wherever that may be.
@@ -129,7 +126,7 @@ class Planner(Solver):
         Raises:
             CompanionError: one does not exist.
         """
-        anywhere = departures(self.mission, lambda origin, goal: 0.0)
+        anywhere = self._departures.actions(lambda origin, goal: 0.0)
         known = (*self.model.actions, *anywhere)
         found = {name: tuple(a for a in known if is_named(a, name)) for name in actions(tree)}
         if missing := sorted(name for name, meant in found.items() if not meant):
@@ -155,7 +152,7 @@ class Planner(Solver):
         """
         actions, beliefs = self.model.actions, self.model.beliefs
         if is_en_route:
-            extra = departures(self.mission, self.flight_time)
+            extra = self._departures.actions(self.flight_time)
             actions = (*actions, *extra)
             beliefs = beliefs.union(*(a.assumes for a in extra))
         held = facts | (beliefs - withdrawn)

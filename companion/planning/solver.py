@@ -1,8 +1,7 @@
 """Answers to planning problems: checked plans, reasons, and which lines of a task can be kept.
 
-Every plan passes the independent check. Who flies asks `replan`, for the first plan, and the verbs
-whose names end in -ing, whose answers come in parts that fit into a tick; before a flight there is
-time for the best plan.
+Every plan passes the independent check. Before a flight there is time for the best plan; in flight
+`replan` gives the first one that is found, and no search takes more than the effort of a flight.
 """
 
 from __future__ import annotations
@@ -16,7 +15,7 @@ from companion.planning.builtin.search import Search
 from companion.planning.check import fault
 from companion.planning.domain import Action
 from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT, Effort
-from companion.planning.explain import Explanation, NoPlan, explaining, why_no_plan, world_of
+from companion.planning.explain import Explanation, NoPlan, why_no_plan, world_of
 from companion.planning.lasso import DroppedLine, Lasso, Letter, Problem, Solution
 from companion.planning.objective import Objective
 
@@ -70,7 +69,7 @@ class Solver:
     def replan(self, problem: Problem, histories: Sequence[Sequence[Letter]]) -> Lasso | None:
         """The first lasso that is found: in flight an answer has to come at once.
 
-        None if there is none; `reasons` says why.
+        None if there is none; `explain_soon` says why.
 
         Raises:
             SearchLimit: the search was given up.
@@ -78,10 +77,9 @@ class Solver:
         first = next(self._checked(problem, histories, Objective.LAP, IN_FLIGHT), None)
         return first.lasso if first else None
 
-    def reasons(self, problem: Problem) -> Iterator[Explanation | None]:
-        """Why there is no plan, in parts that are quick: None until it is known."""
-        world = world_of(self.mission, problem)
-        return explaining(problem, self._is_solvable_soon, world)
+    def explain_soon(self, problem: Problem) -> Explanation:
+        """Why there is no plan, as far as searches in flight can tell."""
+        return why_no_plan(problem, self._is_solvable_soon, world_of(self.mission, problem))
 
     def _checked(
         self,
@@ -109,9 +107,7 @@ class Solver:
         Returns:
             The problem, the histories of its conjuncts, and the lines that are dropped.
         """
-        optional = self.mission.optional
-        parts = optional_lines.selecting(problem, optional, self._search.is_solvable)
-        dropped = next(dropped for dropped in parts if dropped is not None)
+        dropped = optional_lines.select(problem, self.mission.optional, self._search.is_solvable)
         names = [each.line for each in dropped]
         return *optional_lines.without_lines(names, problem, histories), dropped
 
@@ -129,19 +125,14 @@ class Solver:
         asked, _ = optional_lines.without_lines(left_out, problem)
         return why_no_plan(asked, self._search.is_solvable, world_of(self.mission, asked))
 
-    def dropping(self, problem: Problem) -> Iterator[tuple[DroppedLine, ...] | None]:
-        """The lines to drop in flight, in parts that are quick: None until they are known."""
-        return optional_lines.selecting(problem, self.mission.optional, self._is_solvable_soon)
+    def lines_to_drop(self, problem: Problem) -> tuple[DroppedLine, ...]:
+        """The lines to drop in flight."""
+        return optional_lines.select(problem, self.mission.optional, self._is_solvable_soon)
 
-    def taking_up(
-        self, problem: Problem, dropped: Collection[str]
-    ) -> Iterator[tuple[str, ...] | None]:
-        """The most important of the dropped lines that can be kept now, in parts that are quick.
-
-        None until it is known; empty if there is none.
-        """
+    def line_to_take_up(self, problem: Problem, dropped: Collection[str]) -> str | None:
+        """The most important of the dropped lines that can be kept now; None if there is none."""
         optional = self.mission.optional
-        return optional_lines.improving(problem, optional, dropped, self._is_solvable_soon)
+        return optional_lines.line_to_take_up(problem, optional, dropped, self._is_solvable_soon)
 
     def _is_solvable_soon(self, problem: Problem) -> bool | None:
         return self._search.is_solvable(problem, IN_FLIGHT)

@@ -12,7 +12,7 @@ from companion.documents import did_you_mean
 from companion.errors import MissionError
 from companion.mission.facts import AT, Fact, at
 from companion.mission.model import Mission
-from companion.planning.domain import TaskModel
+from companion.planning.instances import TaskModel
 
 
 def supposed_facts(

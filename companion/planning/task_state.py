@@ -104,7 +104,13 @@ class TaskState:
     @property
     def all_facts(self) -> frozenset[Fact]:
         """Facts and the beliefs that are held, those about `here` included."""
-        return self.problem()[0].facts
+        beliefs = self._planner.beliefs(is_en_route=AT_HERE in self.facts)
+        return self.facts | (beliefs - self.withdrawn)
+
+    @property
+    def situation(self) -> tuple[object, ...]:
+        """All that plans depend on, but for the map and the position."""
+        return self.facts, self.risen, self.withdrawn, self.positions, self.completed
 
     @property
     def violated(self) -> tuple[str, ...]:

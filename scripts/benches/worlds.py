@@ -8,9 +8,10 @@ from dataclasses import replace
 
 from benches import MISSION
 from companion.ltl.parser import parse
+from companion.mission.facts import HERE
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission, Place
-from companion.planning.domain import HERE, FlightTime
+from companion.planning.instances import FlightTime
 from companion.planning.lasso import Letter, Problem
 from companion.planning.planner import Planner
 from companion.planning.task_state import TaskState

@@ -29,7 +29,8 @@ from companion.geometry import Ned, distance
 from companion.ltl.semantics import Letter, holds
 from companion.mission.loader import load_mission
 from companion.mission.model import Fly, Mission
-from companion.planning.domain import Action, departures, instantiate
+from companion.planning.domain import Action
+from companion.planning.instances import departures, instantiate
 from sitl.world.scenario import read_scenario
 
 MISSIONS = Path(__file__).parents[2] / "missions"

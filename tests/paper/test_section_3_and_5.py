@@ -24,7 +24,7 @@ from companion.ltl.semantics import holds
 from companion.ltl.translate import translate
 from companion.mission.model import Mission, Signal
 from companion.motion.routes import RouteMap
-from companion.planning.domain import instantiate
+from companion.planning.instances import Instances
 from companion.planning.lasso import Problem, word
 from companion.planning.planner import Planner
 from companion.planning.task_state import TaskState
@@ -177,9 +177,9 @@ def test_nothing_but_the_initial_state_changes_in_flight(
     section_v: Mission, surveillance_routes: RouteMap, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Each conjunct is translated once, and skills are instantiated once, over the whole flight."""
-    translated, instantiated = Mock(wraps=translate), Mock(wraps=instantiate)
+    translated, instantiated = Mock(wraps=translate), Mock(wraps=Instances)
     monkeypatch.setattr("companion.planning.planner.translate", translated)
-    monkeypatch.setattr("companion.planning.planner.instantiate", instantiated)
+    monkeypatch.setattr("companion.planning.planner.Instances", instantiated)
     planned = {verb: Mock(wraps=getattr(Planner, verb)) for verb in ("solve", "replan")}
     for verb, mock in planned.items():
         monkeypatch.setattr(Planner, verb, lambda *args, mock=mock: mock(*args))
@@ -194,7 +194,7 @@ def test_nothing_but_the_initial_state_changes_in_flight(
     # still the best one?
     assert len(problems) == 5
     assert translated.call_count == len(automata) == 5
-    assert instantiated.call_count == 1
+    assert instantiated.call_count == 2  # from places, and from here
     for problem in problems:
         assert problem.conjuncts is rig.planner.conjuncts
         assert all(c.automaton is a for c, a in zip(problem.conjuncts, automata, strict=True))

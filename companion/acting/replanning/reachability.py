@@ -84,11 +84,11 @@ class Reachability:
         flight, state = self._flight, self._flight.vehicle.state
         is_map_new = self._instantiated_on != flight.routes.version
         if state is not None and (is_map_new or self._costed_at != flight.speed_limit.version):
-            self._instantiated_on = flight.routes.version
-            self._costed_at = flight.speed_limit.version
+            followed = flight.routes.version, flight.speed_limit.version
             for place in flight.symbols.follow_map(state.position, flight.now_s):
                 flight.tell_symbol(place)
             self._planner.reinstantiate()
+            self._instantiated_on, self._costed_at = followed
             self._cut_off = self._unreachable()
             self.has_changed = False
         lost, held = flight.task.cut_off(self._planner.without_a_move)

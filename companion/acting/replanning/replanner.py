@@ -1,9 +1,9 @@
-"""Plans again in flight, in parts that each fit into a tick; the vehicle holds meanwhile.
+"""Plans again in flight, in slices that each fit into a tick; the vehicle holds meanwhile.
 
 1. A plan waits until the routes on the map are known, but not for ever: a map may go on changing.
-2. A search in flight is small. It is for the lines of the task that can be kept, which are chosen
-   first; if it finds no plan, the reason is searched for. Both are done in parts, some in each
-   tick; a change meanwhile, of more than costs, begins anew.
+2. The moves are taken over from the map, the lines of the task that can be kept are chosen, and the
+   first plan for them that is found is taken. If there is none, the reason is searched for. Where
+   facts change meanwhile, it begins anew.
 3. An engine from outside is waited for; where it fails, the built-in search is asked.
 4. Plans for failed skills between which no skill is completed lead nowhere; after some in a row all
    optional lines are dropped, and without any it is given up. A plan for an event is none of them:
@@ -17,21 +17,23 @@ from dataclasses import dataclass
 
 from companion.acting.flight import Flight
 from companion.acting.replanning.assumptions import FLAPPING_S, Assumptions
-from companion.acting.replanning.engine_search import EngineSearch
-from companion.acting.replanning.optional_lines import OptionalLines
+from companion.acting.replanning.optional_lines import LED_NOWHERE
+from companion.acting.replanning.patience import Patience
 from companion.acting.replanning.reachability import Reachability
-from companion.acting.replanning.search_in_parts import SearchInParts, what_decides
 from companion.errors import NoPlanError, SearchLimit
 from companion.flight_events.facts import PlacesCutOff
 from companion.flight_events.plans import EngineFailed
 from companion.planning.engine_port import Engine, EngineFailure
-from companion.planning.explain import Explanation, NoPlan
-from companion.planning.lasso import ChosenPlan, Lasso, Letter, Problem
+from companion.planning.explain import NoPlan
+from companion.planning.lasso import ChosenPlan, DroppedLine, Lasso, Letter, Problem
 from companion.planning.optional_lines import without_lines
 from companion.planning.planner import Planner
+from companion.slices import InSlices, Question, spent, wait_a_tick
 
 COMPARED = 1000
 """Actions of two plans after which they are taken for the same."""
+_ADOPTION_US = 120
+"""Of a plan, for each of its actions: a long plan is adopted in a tick of its own."""
 MAX_IDLE_REPLANS = 5
 """Replans, other than for events, without a completed skill between them: then it is given up."""
 MAP_SETTLES_S = 5.0
@@ -60,12 +62,13 @@ class Replanner:
 
     Attributes:
         reachability: the moves that the map leaves.
-        lines: which of the task plans keep.
+        is_explaining: whether there is no plan, and the reason is being searched for.
 
     Args:
         planner: the mission's planner.
         flight: from where plans are made.
         assumptions: learns of the beliefs that the map gives back.
+        patience: learns why there is no plan.
         engine: who plans; None for the built-in search, which is asked where an engine fails, and
             whether the present plan is still the best one.
     """
@@ -75,24 +78,24 @@ class Replanner:
         planner: Planner,
         flight: Flight,
         assumptions: Assumptions,
+        patience: Patience,
         engine: Engine | None = None,
     ) -> None:
         self.reachability = Reachability(planner, flight)
+        self.is_explaining = False
         self._planner = planner
         self._flight = flight
         self._assumptions = assumptions
-        self._engine = EngineSearch(engine) if engine is not None else None
-        self.lines = OptionalLines(planner, flight)
-        self._explanation: SearchInParts[Explanation] | None = None
+        self._patience = patience
+        self._engine = engine
+        self._planning: InSlices[ChosenPlan | PlanFailure] | None = None
+        self._planned_in: object = None
         self._idle_replans = 0
         self._completed = 0
         self._looked_at: tuple[object, ...] = ()
         self._looked_s = 0.0
-
-    @property
-    def is_explaining(self) -> bool:
-        """Whether there is no plan, and the reason is being searched for."""
-        return self._explanation is not None
+        self._looking = Question[bool]()
+        self._unchanged: object = None
 
     def begin(self, reason: str) -> DueReplan:
         """Another plan is due from now on."""
@@ -105,71 +108,104 @@ class Replanner:
 
     def abandon(self) -> None:
         """Nobody waits for a plan any more."""
-        self._explanation = None
-        self.lines.abandon()
-        if self._engine is not None:
-            self._engine.abandon()
+        self._looking.abandon()
+        self.is_explaining = False
+        self._planned_in = None
+        if self._planning is not None:
+            self._planning.abandon()
+            self._planning = None
 
     def forgive(self) -> None:
         """Plans that led nowhere do not count any more: the operator wants to go on."""
         self._idle_replans = 0
 
     def step(self, due: DueReplan) -> ChosenPlan | PlanFailure | None:
-        """The part of a tick; the plan, or why there is none, when that is known."""
+        """The slice of a tick; the plan, or why there is none, when that is known."""
         reachability, flight = self.reachability, self._flight
         reachability.search()
         if not reachability.is_known and flight.now_s < due.since_s + MAP_SETTLES_S:
             return None
-        self.follow_map()
-        problem, histories = flight.task.problem()
-        self._looked_at, self._looked_s = what_decides(problem), flight.now_s
-        if self.lines.is_outdated_by(problem):
+        if self._planned_in is not None and self._planned_in != flight.task.situation:
             self.abandon()
             self._count_idle()  # what flaps must not be asked about for ever
+        if self._planning is None:
+            self._planning = InSlices(self._plan)
+        if not self._planning.step():
+            return None
+        found = self._planning.result
+        self.abandon()
+        return found
+
+    def _plan(self) -> ChosenPlan | PlanFailure:
+        found = self._find()
+        if isinstance(found, ChosenPlan):
+            spent(_ADOPTION_US * (len(found.lasso.prefix) + len(found.lasso.loop)))
+        else:
+            self._patience.begin(found)
+        return found
+
+    def _find(self) -> ChosenPlan | PlanFailure:
+        flight, planner = self._flight, self._planner
+        self.follow_map()
+        self._planned_in = flight.task.situation
+        problem, histories = flight.task.problem()
+        self._looked_at, self._looked_s = _what_decides(problem), flight.now_s
         self._assumptions.forget_restored_beliefs()
-        if self._planner.mission.tree is not None:
+        if planner.mission.tree is not None:
             return NoPlanError("no plan: the mission has a tree of its own")
         is_in_vain = self._idle_replans > MAX_IDLE_REPLANS
         if is_in_vain and flight.task.dropped == flight.task.optional:
             return NoPlanError(f"no plan: {MAX_IDLE_REPLANS} plans in a row led nowhere")
-        dropped = self.lines.all_in_vain if is_in_vain else self.lines.choose(problem)
-        if dropped is None:
-            return None
-        kept = without_lines([each.line for each in dropped], problem, histories)
-        found = self._plan(*kept)
+        if is_in_vain:
+            dropped = tuple(DroppedLine(line, LED_NOWHERE) for line in planner.mission.optional)
+        else:
+            dropped = planner.lines_to_drop(problem)
+        found = self._solve(*without_lines([each.line for each in dropped], problem, histories))
         return ChosenPlan(found, dropped) if isinstance(found, Lasso) else found
 
-    def _plan(
+    def _solve(
         self, problem: Problem, histories: Sequence[Sequence[Letter]]
-    ) -> Lasso | PlanFailure | None:
-        """The part of a tick of planning for the lines that are kept."""
-        if self._explanation is not None:
-            return self._explain(self._explanation)
+    ) -> Lasso | PlanFailure:
+        """A plan for the lines that are kept, or why there is none."""
         if self._engine is not None:
-            match self._engine.step(problem, histories, self._flight.now_s):
-                case EngineFailure(reason):
-                    self._flight.report(EngineFailed(reason))
-                case answer:
-                    return answer
+            answer = self._ask(self._engine, problem, histories)
+            if isinstance(answer, Lasso):
+                return answer
+            self._flight.report(EngineFailed(answer.reason))
         found = self._search(problem, histories)
         if found is not None:
             return found
-        self._explanation = SearchInParts(problem, self._planner.reasons(problem))
-        return self._explain(self._explanation)
+        self.is_explaining = True
+        return NoPlan(self._planner.explain_soon(problem))
 
-    def _explain(self, search: SearchInParts[Explanation]) -> NoPlan | None:
-        """The part of a tick of finding out why there is no plan."""
-        explanation = search.step()
-        return NoPlan(explanation) if explanation is not None else None
+    def _ask(
+        self, engine: Engine, problem: Problem, histories: Sequence[Sequence[Letter]]
+    ) -> Lasso | EngineFailure:
+        """The answer of an engine, which works beside the loop."""
+        job = engine.begin(problem, histories, self._flight.now_s)
+        try:
+            while (answer := job.answer(self._flight.now_s)) is None:
+                wait_a_tick()
+        finally:
+            job.abandon()
+        return answer
 
     def looks_again(self) -> bool:
         """Whether something has changed since the last look for a plan, a second ago or more."""
+        flight = self._flight
         self.reachability.search()
-        is_early = self._flight.now_s - self._looked_s < FLAPPING_S
-        if is_early or not self.reachability.is_known:
+        is_early = flight.now_s - self._looked_s < FLAPPING_S
+        now = flight.task.situation, flight.routes.version
+        if is_early or not self.reachability.is_known or now == self._unchanged:
             return False
+        has_changed = self._looking.ask(now, self._has_changed)
+        if has_changed is False:
+            self._unchanged = now
+        return bool(has_changed)
+
+    def _has_changed(self) -> bool:
         self.follow_map()
-        return what_decides(self._flight.task.problem()[0]) != self._looked_at
+        return _what_decides(self._flight.task.problem()[0]) != self._looked_at
 
     def follow_map(self) -> PlacesCutOff | None:
         """Takes the map over into moves and beliefs; returns what was given up, if anything."""
@@ -186,6 +222,12 @@ class Replanner:
     def is_possible(self) -> bool:
         """Whether there is a plan for the lines of the task that are never dropped."""
         return self._plan_without(self._flight.task.optional) is not None
+
+    @property
+    def line_to_take_up(self) -> str | None:
+        """The most important of the dropped lines that can be kept now; None if there is none."""
+        task = self._flight.task
+        return self._planner.line_to_take_up(task.problem()[0], task.dropped)
 
     def _plan_without(self, lines: Collection[str]) -> Lasso | None:
         found = self._search(*without_lines(lines, *self._flight.task.problem()))
@@ -214,3 +256,9 @@ class Replanner:
         completed = self._flight.task.completed
         self._idle_replans = 0 if completed > self._completed else self._idle_replans + 1
         self._completed = completed
+
+
+def _what_decides(problem: Problem) -> tuple[object, ...]:
+    """All of a problem that decides on whether there is a plan."""
+    actions = tuple(action.name for action in problem.actions)
+    return actions, problem.facts, problem.withdrawn, problem.automaton_states

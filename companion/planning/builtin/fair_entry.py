@@ -21,6 +21,9 @@ from companion.planning.builtin.costs import UNREACHABLE_MS, Costs
 from companion.planning.builtin.loop_entry import ProductPlan
 from companion.planning.builtin.product import Product
 from companion.planning.builtin.shortest_paths import Edge, ShortestPaths
+from companion.slices import spent
+
+_NODE_US = 5
 
 
 def entered_fairly(
@@ -58,6 +61,7 @@ def _best_entry(
     prefix_ms = paths.from_start[nodes]
     met_ms = prefix_ms[:, np.newaxis] + _met_after(product, loop)
     for place, node in enumerate(nodes):
+        spent(_NODE_US * len(nodes))
         for passed, passed_ms in paths.passed(node):
             marks = list(indices(product.marks[passed]))
             met_ms[place, marks] = np.minimum(met_ms[place, marks], passed_ms)
@@ -88,6 +92,7 @@ def _met_after(product: Product, loop: list[Edge]) -> Costs:
     until_ms = reached_ms - reached_ms[:, np.newaxis] + lap_ms * is_next_lap
     met = np.full((len(loop), product.all_marks.bit_length()), UNREACHABLE_MS)
     for place, edge in enumerate(loop):
+        spent(_NODE_US)
         for mark in indices(product.marks[edge.end]):
             met[:, mark] = np.minimum(met[:, mark], until_ms[:, place])
     return met

@@ -15,8 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from companion.planning.builtin.costs import UNREACHABLE_MS, Costs, Marks
+from companion.planning.effort import ADDITION_US
+from companion.slices import spent
 
-_CHUNK = 2_000_000  # additions at once; bounds memory
+_CHUNK = 400_000  # additions at once; bounds memory, and fits into a slice
 
 
 def table_additions(marks: Marks) -> int:
@@ -132,6 +134,7 @@ class _Tables:
         other_legs = legs[self._others]
         costs = np.full((len(sets), legs.shape[1]), UNREACHABLE_MS)
         for target in range(len(self._others)):
+            spent(ADDITION_US * costs.size)
             np.minimum(costs, reached[:, target, None] + other_legs[target], out=costs)
         costs[-1] = np.minimum(costs[-1], legs[self._anchor])
         return costs
@@ -208,6 +211,7 @@ def _table(between: Costs, marks: NDArray[np.int64], last: Costs) -> Costs:
             following = sets | marks
             onward = np.where(following == sets, UNREACHABLE_MS, table[following, targets])
             table[sets[:, 0]] = (onward[:, None, :] + between).min(axis=2)
+            spent(ADDITION_US * onward.size * len(marks))
     return table
 
 

@@ -30,9 +30,11 @@ from companion.ltl.bitsets import indices
 from companion.ltl.components import reaching, strong_components
 from companion.planning.builtin.fact_bits import FactBits
 from companion.planning.builtin.masked_automaton import MaskedAutomaton, RestrictedConjunct
+from companion.slices import spent
 
 MAX_EDGES = 5_000
-"""Edges after which it stays undecided whether a conjunct is implied. About 4 us each."""
+"""Edges after which it stays undecided whether a conjunct is implied."""
+_EDGE_US = 4
 
 
 class _Followed(NamedTuple):
@@ -222,6 +224,7 @@ class _Joint:
                             pending.append((targets, after))
                         edges[-1].append((number, met | marks))
             self._edges_left -= len(edges[-1])
+            spent(_EDGE_US * len(edges[-1]))
             if self._edges_left < 0:
                 raise _Undecided
         return edges

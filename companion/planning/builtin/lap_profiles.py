@@ -15,12 +15,15 @@ from collections.abc import Iterable
 
 from companion.ltl.components import reaching, strong_components
 from companion.planning.builtin.masked_automaton import MaskedAutomaton
+from companion.slices import spent
 
 EMPTY = 0
 """The profile of the empty word."""
 
 MAX_PROFILES = 200
 """Profiles that are looked at to find how many laps a cycle of the automaton may take."""
+
+_ROW_US = 5
 
 Row = frozenset[tuple[int, int]]
 """States to which a word leads from one state, each with the marks that some run meets."""
@@ -110,6 +113,7 @@ class LapProfiles:
         seen = set(pending)
         for profile in pending:  # grows while it is read
             rows = self._rows[profile]
+            spent(_ROW_US * len(rows) * (1 + len(letters)))
             ends = [
                 state
                 for state, row in enumerate(rows)

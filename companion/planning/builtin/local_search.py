@@ -16,12 +16,18 @@ import numpy as np
 
 from companion.planning.builtin.costs import Costs, Marks
 from companion.planning.builtin.one_tree import lower_bound_ms
+from companion.planning.effort import ADDITION_US
+from companion.slices import spent
 
 PERTURBATIONS = 400
 _MIN_PERTURBED = 8  # targets; smaller tours are not perturbed
 _MAX_SPAN = 30  # targets; a perturbation of a longer part is hardly ever mended
 _MAX_STARTS = 10  # targets of the rarest mark from which a tour is built
 _MAX_SHIFTED = 3  # targets; longest part that or-opt moves
+
+_CHANGE_US = 200
+_CHANGES_ADDITIONS = 15
+_TARGET_US = 15
 
 
 class LocalSearch:
@@ -118,6 +124,7 @@ def _cheapest_insertion(first: int, between: Costs, marks: Marks) -> list[int]:
     order = [first]
     met = marks[first].copy()
     while not met.all():
+        spent(_CHANGE_US + ADDITION_US * len(order) * len(between))
         useful = np.flatnonzero((marks & ~met).any(axis=1))
         after = np.roll(order, -1)
         longer = between[order][:, useful] + between[useful][:, after].T
@@ -132,6 +139,7 @@ def _improved(order: list[int], between: Costs, marks: Marks) -> list[int]:
     """A local optimum: a tour that no single change shortens."""
     order = _exchanged(order, between, marks)
     while len(order) > 3:
+        spent(_CHANGE_US + _CHANGES_ADDITIONS * ADDITION_US * len(order) ** 2)
         along = between[order][:, order]
         changes = [_two_opt(along), *(_or_opt(along, n) for n in range(1, _MAX_SHIFTED + 1))]
         gain, places = min(changes, key=lambda change: change[0])
@@ -198,6 +206,7 @@ def _exchanged(order: list[int], between: Costs, marks: Marks) -> list[int]:
     if len(order) == len(marks):
         return order  # each target has a mark that no other has
     for place in range(len(order) - 1, -1, -1):
+        spent(_TARGET_US + ADDITION_US * len(order) * marks.shape[1])
         others = order[:place] + order[place + 1 :]
         needed = marks[order[place]] & ~marks[others].any(axis=0)
         if not needed.any() and others:

@@ -20,14 +20,18 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import csr_array
-from scipy.sparse.csgraph import dijkstra
 
 from companion.errors import SearchLimit
 from companion.ltl.bitsets import indices
 from companion.planning.builtin.costs import UNREACHABLE_MS, Costs
 from companion.planning.builtin.lap_profiles import EMPTY, LapProfiles
 from companion.planning.builtin.product import Product
-from companion.planning.builtin.shortest_paths import whole
+from companion.planning.builtin.shortest_paths import costs_between
+from companion.planning.effort import LOOP_STEP_US
+from companion.slices import spent
+
+_PLACE_US = 0.01
+_LETTER_US = 1
 
 Profiles = tuple[int, ...]
 """The profile of a word over each of the automata."""
@@ -80,6 +84,7 @@ class LoopSearch:
         profiles: Profiles = (EMPTY,) * len(self._profiles)
         for facts in letters:
             profiles = self._longer(profiles, facts)
+        spent(_LETTER_US * len(letters))
         return next((entry for entry in entries if self._accepts(profiles, entry)), None)
 
     def best(
@@ -125,6 +130,7 @@ class LoopSearch:
                     known = rank(entry.prefix_ms, lap_ms)
                     best = EnteredLoop(known, entry, lap_ms, _traced(came_from, start, node))
             self._steps_left -= len(self._steps[place])
+            spent(LOOP_STEP_US * len(self._steps[place]))
             if self._steps_left < 0:
                 raise SearchLimit("edges of the search for loops")
             for end, cost_ms, action in self._steps[place]:
@@ -197,7 +203,7 @@ class LoopSearch:
         places, ends = zip(*cheapest, strict=True)
         shape = (len(self._facts), len(self._facts))
         matrix = csr_array((np.array([*cheapest.values()], float), (places, ends)), shape=shape)
-        return whole(dijkstra(matrix))
+        return costs_between(matrix, range(len(self._facts)))
 
     @cached_property
     def _targets(self) -> list[tuple[int, int, list[int]]]:
@@ -221,6 +227,7 @@ class LoopSearch:
         back_ms: list[int] = between[:, anchor].tolist()
         over_ms = []
         for number, mark, places in self._targets:
+            spent(_PLACE_US * len(between) * len(places))
             legs = between[:, places] + between[places, anchor]
             over_ms.append((number, mark, legs.min(axis=1, initial=UNREACHABLE_MS).tolist()))
 

@@ -17,8 +17,10 @@ from companion.planning.builtin.gtsp import tours
 from companion.planning.builtin.product import Product
 from companion.planning.builtin.shortest_paths import Edge, ShortestPaths
 from companion.planning.effort import Effort
+from companion.slices import spent
 
-_CHUNK = 4_000_000  # additions at once; bounds memory
+_CHUNK = 400_000  # additions at once; bounds memory, and fits into a slice
+_NODE_US = 0.1
 _MAX_TARGETS = 400  # of a component; of more the nearest are looked at
 
 
@@ -81,6 +83,7 @@ def _essential(product: Product, nodes: NDArray[np.intp]) -> list[frozenset[int]
     """The targets of each mark that is not met with another one anyway."""
     targets_of: dict[frozenset[int], None] = {}
     for mark in range(product.all_marks.bit_length()):
+        spent(_NODE_US * len(nodes))
         targets_of[frozenset(int(n) for n in nodes if product.marks[n] >> mark & 1)] = None
     distinct = [targets for targets in targets_of if len(targets) < len(nodes)]
     return [targets for targets in distinct if not any(other < targets for other in distinct)]
@@ -100,6 +103,7 @@ class ShortestCycles:
         self.batch_size = len(nodes)
         self._paths = paths
         inside = set(nodes.tolist())
+        spent(_NODE_US * len(product.ends))
         edges = [
             (cost, node, end)
             for node in inside

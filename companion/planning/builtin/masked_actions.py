@@ -19,6 +19,10 @@ from typing import NamedTuple
 from companion.mission.facts import Fact
 from companion.planning.builtin.fact_bits import FactBits
 from companion.planning.domain import Action, ConditionalEffect
+from companion.slices import spent
+
+_MASKING_US = 5
+_GROUPING_US = 1
 
 
 class MaskedCondition(NamedTuple):
@@ -126,6 +130,7 @@ class MaskedActions:
         self._forbidding: dict[Fact, list[int]] = defaultdict(list)
         members: dict[tuple[int, ...], list[MaskedAction]] = defaultdict(list)
         for number, action in enumerate(actions, first_number):
+            spent(_MASKING_US)
             masked = self._masked(number, action)
             for fact in masked.condition.requires_always:
                 self._requiring[fact].append(number)
@@ -161,6 +166,7 @@ class MaskedActions:
         """The groups of actions that the facts at the start do not rule out."""
         unavailable = {n for fact in self._required - facts for n in self._requiring[fact]}
         unavailable.update(n for fact in self._forbidden & facts for n in self._forbidding[fact])
+        spent(_GROUPING_US * len(self._groups))
         decided = self._open.union(self._place_of[number] for number in unavailable)
         if not decided:
             return self._groups
@@ -207,9 +213,12 @@ class KnownActions:
 
     def keep(self, actions: Sequence[Action]) -> None:
         """Other actions are kept in place of those that were."""
-        self._actions = tuple(actions)
-        self._changed |= _changed_by(actions)
-        self._masked = MaskedActions(actions, 0, self._changed, self.bits)
+        self._keep(tuple(actions), self._changed | _changed_by(actions))
+
+    def _keep(self, actions: tuple[Action, ...], changed: set[Fact]) -> None:
+        """All at once, in the end: to turn actions into masks takes long, and may be abandoned."""
+        masked = MaskedActions(actions, 0, changed, self.bits)
+        self._actions, self._changed, self._masked = actions, changed, masked
 
     def state(self, facts: Iterable[Fact]) -> int:
         """The bits of those of some facts that actions change."""
@@ -220,9 +229,10 @@ class KnownActions:
         known = len(self._actions) if actions[: len(self._actions)] == self._actions else 0
         more = actions[known:]
         new = _changed_by(more) - self._changed
-        self._changed |= new
         if self._masked.relies_on(new):
-            self.keep(self._actions)
+            self._keep(self._actions, self._changed | new)
+        else:
+            self._changed |= new
         groups = self._masked.given(facts) if known else []
         if more:
             groups = groups + MaskedActions(more, known, self._changed, self.bits).given(facts)

@@ -31,8 +31,9 @@ from companion.planning.builtin.masked_actions import KnownActions
 from companion.planning.builtin.masked_automaton import MaskedAutomaton, RestrictedConjunct
 from companion.planning.builtin.restrictions import Restrictions
 from companion.planning.builtin.transition_system import Successors, TransitionSystem
-from companion.planning.effort import BEFORE_FLIGHT
+from companion.planning.effort import BEFORE_FLIGHT, PRODUCT_EDGE_US
 from companion.planning.lasso import Problem
+from companion.slices import spent
 
 if TYPE_CHECKING:
     import networkx
@@ -43,6 +44,7 @@ MIN_ONE_SHOT_GOALS = 4
 MAX_LETTERS = 2_000
 """States of the transition system up to which it is looked for conjuncts that are implied."""
 
+_NODE_US = 5
 _STEPS_OF_NODE = 30
 
 Node = tuple[int, tuple[int, ...], int]
@@ -157,11 +159,8 @@ class Product:
 
     @property
     def dijkstra_steps(self) -> int:
-        """About how many steps a shortest-path search takes, one for each edge.
-
-        A node is taken off a heap, which costs as much as thirty edges.
-        """
-        return len(self.ends) + _STEPS_OF_NODE * self.nodes
+        """About how many steps a shortest-path search takes."""
+        return dijkstra_steps(self.nodes, len(self.ends))
 
     @cached_property
     def max_laps(self) -> int:
@@ -244,12 +243,14 @@ class Product:
             costs += leaving.costs
             actions += leaving.actions
             first.append(len(ends))
+            spent(PRODUCT_EDGE_US * len(leaving.states) + _NODE_US)
             if len(ends) > self._max_edges:
                 raise SearchLimit(f"{self._max_edges:,} edges of the product")
         self.marks = [marks for _, _, marks in nodes]
         states_of: dict[tuple[int, tuple[int, ...]], int] = {}
         facts_of: dict[int, int] = {}
         self.state_of, self.facts_of = [], []
+        spent(_NODE_US * len(nodes))
         for number, (held, own, _) in enumerate(nodes):
             self.state_of.append(states_of.setdefault((held, own), number))
             self.facts_of.append(facts_of.setdefault(held, number))
@@ -270,6 +271,14 @@ class Product:
             (tuple([z for z, _ in moves]), reduce(or_, [marks for _, marks in moves], 0))
             for moves in itertools.product(*each)
         ]
+
+
+def dijkstra_steps(nodes: int, edges: int) -> int:
+    """About how many steps a shortest-path search takes, one for each edge.
+
+    A node is taken off a heap, which costs as much as thirty edges.
+    """
+    return edges + _STEPS_OF_NODE * nodes
 
 
 class _Entered(dict[int, list[int]]):

@@ -42,11 +42,14 @@ from companion.planning.domain import Action
 from companion.planning.effort import BEFORE_FLIGHT, Effort
 from companion.planning.lasso import Lasso, Problem, Solution
 from companion.planning.objective import Objective
+from companion.slices import spent
 
 ENGINE = "built-in"
 
 MAX_EDGES_WITH_GOALS = 20_000
 """Edges of a product with the one-shot goals in it, up to which it is searched to be exact."""
+
+_NODE_US = 1
 
 log = logging.getLogger(__name__)
 
@@ -140,6 +143,7 @@ def _accepting_components(product: Product) -> list[NDArray[np.intp]]:
     sources = np.repeat(np.arange(product.nodes), np.diff(product.first))
     inside = component[sources] == component[product.ends]
     has_loop = np.bincount(component[sources[inside]], minlength=count) > 0
+    spent(_NODE_US * product.nodes)
     marks = [0] * count
     for node, own in enumerate(component.tolist()):
         marks[own] |= product.marks[node]
@@ -204,6 +208,7 @@ def _best_cycle(
             prefixes = paths.from_start[batch]
             if rank(objective, int(prefixes[0]), loops.best_ms) > best[:2]:
                 break
+            spent(_NODE_US * len(batch))
             for node, prefix_ms, lap_ms in zip(batch, prefixes, loops.costs(batch), strict=True):
                 state = int(paths.state_of[node])
                 ranked = (*rank(objective, int(prefix_ms), int(lap_ms)), state)

@@ -10,10 +10,17 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from companion.planning.builtin.costs import UNREACHABLE_MS, Costs
-from companion.planning.builtin.product import Product
+from companion.planning.builtin.product import Product, dijkstra_steps
+from companion.planning.effort import DIJKSTRA_STEP_US
+from companion.slices import spent
+
+_BATCH_US = 2_000
+"""Of searches that are done together: less, and it tells that each graph is looked over first."""
+_CHOICE_US = 0.4
 
 
 class Edge(NamedTuple):
@@ -76,11 +83,11 @@ class ShortestPaths:
 
     def costs_to(self, goals: Sequence[int]) -> Costs:
         """Cost from every node to each goal, (goals, nodes)."""
-        return whole(dijkstra(self._backward, indices=goals))
+        return costs_between(self._backward, goals)
 
     def costs_from(self, sources: Sequence[int]) -> Costs:
         """Cost from each source to every node, (sources, nodes)."""
-        return whole(dijkstra(self._forward, indices=sources))
+        return costs_between(self._forward, sources)
 
     def cycle_ms(self, node: int, to_node: Costs) -> int:
         """Cost of the shortest cycle through a node, given the costs to it, (nodes,)."""
@@ -98,8 +105,10 @@ class ShortestPaths:
         path: list[Edge] = []
         node = start
         while not path or node != goal:
+            leaving = list(self._product.edges(node))
+            spent(_CHOICE_US * len(leaving))
             action, cost, node = min(
-                self._product.edges(node), key=lambda edge: (edge[1] + to_goal[edge[2]], edge[0])
+                leaving, key=lambda edge: (edge[1] + to_goal[edge[2]], edge[0])
             )
             path.append(Edge(action, cost, node))
         return path
@@ -115,6 +124,18 @@ class ShortestPaths:
         """The node of the same product state that is reached first."""
         alike = np.flatnonzero(self.state_of == self.state_of[node])
         return int(alike[self._own_from_start[alike].argmin()])
+
+
+def costs_between(matrix: csr_array, sources: Sequence[int]) -> Costs:
+    """Cost of the shortest path from each source to every node of a graph, (sources, nodes)."""
+    steps_us = DIJKSTRA_STEP_US * dijkstra_steps(matrix.shape[0], matrix.nnz)
+    batch = max(1, int(_BATCH_US / steps_us))
+    found = np.empty((len(sources), matrix.shape[0]), np.int64)
+    for start in range(0, len(sources), batch):
+        part = sources[start : start + batch]
+        found[start : start + batch] = whole(dijkstra(matrix, indices=part))
+        spent(steps_us * len(part))
+    return found
 
 
 def whole(costs: np.ndarray) -> Costs:

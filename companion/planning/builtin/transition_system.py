@@ -17,9 +17,13 @@ from companion.errors import SearchLimit
 from companion.mission.facts import Fact
 from companion.planning.builtin.masked_actions import ActionGroup, KnownActions
 from companion.planning.domain import Action
+from companion.slices import spent
 
 if TYPE_CHECKING:
     import networkx
+
+_STEP_US = 0.5
+_GROUP_US = 0.3
 
 MAX_GRAPH_STATES = 100_000
 """States of a transition system that are given out as a graph."""
@@ -90,7 +94,9 @@ class TransitionSystem:
         states = [self.start]
         seen = {self.start}
         for state in states:  # grows while it is read
-            for after in self.successors(state).states:
+            successors = self.successors(state).states
+            spent(_STEP_US * len(successors))
+            for after in successors:
                 if after not in seen:
                     seen.add(after)
                     states.append(after)
@@ -191,6 +197,7 @@ def _relaxed(
     while True:
         before = reached
         later = []
+        spent(_GROUP_US * (len(waiting) + len(possible)))
         for group in waiting:
             if group.requires & ~reached:
                 later.append(group)

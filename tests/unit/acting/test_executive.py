@@ -13,6 +13,7 @@ from happened import Replan
 from rig import Rig
 from synthetic import POSITIONS, command, event, facts_of, mission, move, reading
 
+from companion import slices
 from companion.acting import replan_triggers
 from companion.acting.executive_states import TaskStatus
 from companion.acting.flight import TICK_S
@@ -24,7 +25,6 @@ from companion.acting.replan_triggers import (
 )
 from companion.acting.replanning.assumptions import FLAPPING_S
 from companion.acting.replanning.replanner import MAX_IDLE_REPLANS
-from companion.acting.replanning.search_in_parts import SEARCHES_PER_TICK
 from companion.errors import NoPlanError, SearchLimit
 from companion.flight_events.facts import BeliefWithdrawn, MissionEventChanged
 from companion.flight_events.plans import (
@@ -190,26 +190,27 @@ def test_the_vehicle_holds_where_no_plan_is_left() -> None:
     assert rig.vehicle.setpoint == hold_at(POSITIONS["H"], 0.0)
 
 
-def test_the_reason_is_found_in_parts_while_the_vehicle_holds(
+def test_the_reason_is_found_in_slices_while_the_vehicle_holds(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Setpoints do not wait for it; what is told is what would be told at once."""
+    monkeypatch.setattr(slices, "SLICE_US", 20)
     conjuncts = {f"c{i}": f"F at({name}) | F done" for i, name in enumerate("AB" * 5)}
     rig = Rig(mission({"do": "F done", **conjuncts}, skills=[DO])).begin()
-    searches = Mock(wraps=rig.planner.reasons)
-    monkeypatch.setattr(rig.planner, "reasons", searches)
+    searches = Mock(wraps=rig.planner.explain_soon)
+    monkeypatch.setattr(rig.planner, "explain_soon", searches)
     rig.vehicle.answers = [(0.0, Failed("denied"))]
     rig.run(lambda: rig.executive.status is TaskStatus.NO_PLAN, limit_s=2.0)
     taken_s = rig.time_of(NoPlanFound) - rig.time_of(BeliefWithdrawn)
-    searched = len(conjuncts) + 1 + 1  # a search per conjunct and per belief
-    assert taken_s == pytest.approx(TICK_S * (searched / SEARCHES_PER_TICK))
+    assert taken_s > 10 * TICK_S
     assert rig.vehicle.setpoint == hold_at(POSITIONS["H"], 0.0)
     (asked,) = searches.call_args_list
     why = why_no_plan(asked.args[0], Search().is_solvable)
     assert rig.one(NoPlanFound) == NoPlanFound(1, "do failed: denied", str(why))
 
 
-def test_a_belief_that_comes_back_meanwhile_gives_a_plan() -> None:
+def test_a_belief_that_comes_back_meanwhile_gives_a_plan(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(slices, "SLICE_US", 20)
     again = replace(event("again"), restores=frozenset({"can_do"}))
     conjuncts = {f"c{i}": f"F at({name}) | F done" for i, name in enumerate("AB" * 5)}
     rig = Rig(mission({"do": "F done", **conjuncts}, skills=[DO], events=[again])).begin()
@@ -220,7 +221,10 @@ def test_a_belief_that_comes_back_meanwhile_gives_a_plan() -> None:
     assert rig.of(NoPlanFound) == []
 
 
-def test_what_flaps_while_the_reason_is_looked_for_does_not_hold_the_vehicle_for_ever() -> None:
+def test_what_flaps_while_the_reason_is_looked_for_does_not_hold_the_vehicle_for_ever(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(slices, "SLICE_US", 20)
     conjuncts = {f"c{i}": f"F at({name}) | F done" for i, name in enumerate("AB" * 5)}
     asked = mission({"do": "F done", **conjuncts}, skills=[DO], events=[FOUND])
     rig = Rig(replace(asked, patience_s=0.0)).begin()

@@ -10,7 +10,7 @@ import pytest
 from companion.errors import MissionError
 from companion.mission.loader import load_mission
 from companion.mission.model import PointOfInterest
-from companion.planning.domain import instantiate
+from companion.planning.instances import instantiate
 
 MOVE = {
     "parameters": {"from": "Place", "to": "Place"},

@@ -15,7 +15,7 @@ from companion.errors import MissionError
 from companion.ltl.parser import parse
 from companion.mission.loader import load_mission
 from companion.mission.model import Fly, Mission
-from companion.planning.domain import instantiate
+from companion.planning.instances import instantiate
 from companion.planning.planner import Planner
 
 pytestmark = pytest.mark.slow

@@ -10,7 +10,8 @@ from synthetic import facts_of
 from companion.errors import MissionError
 from companion.ltl.parser import parse
 from companion.mission.model import Mission
-from companion.planning.domain import Action, instantiate
+from companion.planning.domain import Action
+from companion.planning.instances import instantiate
 
 Load = Callable[[str], Mission]
 

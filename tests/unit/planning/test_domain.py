@@ -10,14 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from synthetic import command, facts_of, mission, move, skill
 
+from companion.mission.facts import HERE
 from companion.mission.model import Command, Fly, Mission, Wait
-from companion.planning.domain import (
-    HERE,
-    WAIT,
-    Action,
-    departures,
-    instantiate,
-)
+from companion.planning.domain import WAIT, Action
+from companion.planning.instances import departures, instantiate
 
 
 def four_seconds(origin: str, goal: str) -> float:

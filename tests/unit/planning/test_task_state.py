@@ -9,7 +9,8 @@ from synthetic import command, event, facts_of, mission
 
 from companion.ltl.automaton import successors
 from companion.mission.model import Event, Mission
-from companion.planning.domain import WAIT, Action, departures
+from companion.planning.domain import WAIT, Action
+from companion.planning.instances import departures
 from companion.planning.planner import Planner
 from companion.planning.task_state import TaskState
 

@@ -30,7 +30,7 @@ from companion.mission.model import (
     TakeOff,
     Wait,
 )
-from companion.planning.domain import instantiate
+from companion.planning.instances import instantiate
 from companion.planning.lasso import Lasso
 from companion.vehicle.port import Failed, Goal, Progress
 

@@ -96,13 +96,13 @@ def test_a_line_is_taken_up_between_two_skills() -> None:
 def test_it_is_asked_once_a_completed_skill(monkeypatch: pytest.MonkeyPatch) -> None:
     rig = Rig(asked()).begin()
     tried = []
-    taking_up = Planner.taking_up
+    line_to_take_up = Planner.line_to_take_up
 
-    def spied(planner: Planner, problem: Problem, dropped: frozenset[str]) -> object:
+    def spied(planner: Planner, problem: Problem, dropped: frozenset[str]) -> str | None:
         tried.append(rig.task.positions)
-        return taking_up(planner, problem, dropped)
+        return line_to_take_up(planner, problem, dropped)
 
-    monkeypatch.setattr(Planner, "taking_up", spied)
+    monkeypatch.setattr(Planner, "line_to_take_up", spied)
     rig.tick(reading("rain"))
     first = len(places(rig))
     rig.run_until(PlaceReached, times=first + 6)

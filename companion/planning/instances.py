@@ -1,0 +1,236 @@
+"""The instances of a mission's skills: actions, and which of them there are by what flights cost.
+
+Skills become actions by binding their parameters to the members of their sets (the paper's
+action templates, Section II-E). What a skill `assumes` is a further precondition that is taken
+for true until the skill fails (Section IV-C). Two things are added that the mission file does
+not write down:
+
+- `wait`, one step of rest, is an ordinary action. The paper's actNop, allowed once and only
+  at the end of a plan, cannot express a task whose loop is rest.
+- `here`, the place between places. A move that was interrupted leaves the vehicle at no place,
+  and then moves from `here` to every place exist, with the cost from where it is.
+
+Costs are whole milliseconds of flight, rounded to tenths of a second, so that both ways round
+the same lap cost the same and ties fall to the order of the mission file.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+from companion.mission.facts import HERE, Fact, spelled
+from companion.mission.model import Do, Fly, Literal, Mission, PointOfInterest, Skill, flies
+from companion.planning.domain import (
+    UNIT_MS,
+    WAIT,
+    Action,
+    ConditionalEffect,
+    Refinement,
+    Step,
+    destination,
+)
+from companion.slices import spent
+
+FlightTime = Callable[[str, str], float]
+"""Seconds of flight from one place to another; inf where no route exists."""
+
+_BINDING_US = 30
+_COSTING_US = 2
+
+
+@dataclass(frozen=True)
+class TaskModel:
+    """The mission's transition system, determinised: events keep their value, beliefs hold.
+
+    Attributes:
+        actions: instances of the skills, in the order of the mission file, `wait` last.
+        beliefs: all facts that some action assumes.
+    """
+
+    actions: tuple[Action, ...]
+    beliefs: frozenset[Fact]
+
+
+@dataclass(slots=True)
+class _Instance:
+    """An action, and the flight that it costs; None for an action that costs no flight."""
+
+    action: Action
+    flight: tuple[str, str] | None
+
+
+class Instances:
+    """All instances of some skills of a mission; those without a route are no actions.
+
+    What flights cost changes in flight, with the map and the speed limit; all else is made once.
+
+    Args:
+        mission: whose skills they are.
+        origin: `here` for the moves from there alone, one per flying skill and place; None for all
+            instances of all skills.
+    """
+
+    def __init__(self, mission: Mission, origin: str | None = None) -> None:
+        self._instances = list(_instances(mission, origin))
+
+    def actions(self, flight_time: FlightTime) -> tuple[Action, ...]:
+        """The actions, in the order of the mission file; one whose cost has not changed stays."""
+        found = []
+        for instance in self._instances:
+            if instance.flight is not None:
+                cost_s = flight_time(*instance.flight)
+                spent(_COSTING_US)
+                if math.isinf(cost_s):
+                    continue
+                if (cost_ms := _cost_ms(cost_s)) != instance.action.cost_ms:
+                    instance.action = replace(instance.action, cost_ms=cost_ms)
+            found.append(instance.action)
+        return tuple(found)
+
+    @cached_property
+    def beliefs(self) -> frozenset[Fact]:
+        """All facts that some instance assumes."""
+        return frozenset[Fact]().union(*(each.action.assumes for each in self._instances))
+
+
+def instantiate(mission: Mission, flight_time: FlightTime) -> TaskModel:
+    """The task model of a mission. A move whose flight time is infinite does not exist."""
+    return task_model(Instances(mission), flight_time)
+
+
+def task_model(instances: Instances, flight_time: FlightTime) -> TaskModel:
+    """The task model at what flights cost now."""
+    actions = instances.actions(flight_time)
+    beliefs = frozenset[Fact]().union(*(action.assumes for action in actions))
+    return TaskModel((*actions, WAIT), beliefs)
+
+
+def departures(mission: Mission, flight_time: FlightTime) -> tuple[Action, ...]:
+    """The moves from `here`: one per flying skill and place.
+
+    Args:
+        mission: the mission.
+        flight_time: called with `here` as the first place.
+    """
+    return Instances(mission, HERE).actions(flight_time)
+
+
+def _instances(mission: Mission, origin: str | None) -> Iterator[_Instance]:
+    for skill in mission.skills.values():
+        if skill.is_planned and (origin is None or flies(skill, mission.skills)):
+            for binding in _bindings(mission, skill, origin):
+                spent(_BINDING_US)
+                instance = _instance(mission, skill, binding)
+                if instance is not None:
+                    yield instance
+
+
+def _bindings(
+    mission: Mission, skill: Skill, origin: str | None = None
+) -> Iterator[dict[str, str]]:
+    """All bindings of a skill's parameters; `origin` fixes the place where it starts."""
+    start = skill.origin if origin else None
+    if origin and start is None:
+        return
+    names = [name for name, _ in skill.parameters]
+    domains = [
+        (origin,) if origin and name == start else mission.sets[set_name]
+        for name, set_name in skill.parameters
+    ]
+    for values in itertools.product(*domains):
+        binding = dict(zip(names, values, strict=True))
+        if all(len({binding.get(p, p) for p in g}) == len(g) for g in skill.distinct):
+            yield binding
+
+
+def _beliefs(mission: Mission, skill: Skill, binding: dict[str, str]) -> frozenset[Fact]:
+    """What a skill and those that refine it assume."""
+    assumed = {atom.instantiate(binding) for atom in skill.assumes}
+    for step in skill.execute:
+        if isinstance(step, Do):
+            inner = mission.skills[step.skill]
+            assumed |= _beliefs(mission, inner, _own(inner, step, binding))
+    return frozenset(assumed)
+
+
+def _own(inner: Skill, call: Do, binding: dict[str, str]) -> dict[str, str]:
+    """The binding of a skill that is called under a binding of the caller's."""
+    names = (name for name, _ in inner.parameters)
+    return dict(zip(names, (binding.get(w, w) for w in call.arguments), strict=True))
+
+
+def _refined(mission: Mission, skill: Skill, binding: dict[str, str]) -> tuple[Step, ...]:
+    """The steps of a skill under a binding, down to primitives."""
+    steps: list[Step] = []
+    for step in skill.execute:
+        if isinstance(step, Fly):
+            steps.append(Fly(binding.get(step.place, step.place)))
+        elif isinstance(step, Do):
+            inner = mission.skills[step.skill]
+            own = _own(inner, step, binding)
+            name = spelled(inner.name, tuple(own.values()))
+            below = _refined(mission, inner, own)
+            look_at = _look_at(mission, inner, own)
+            steps.append(Refinement(name, below, inner.tries, inner.timeout_s, look_at))
+        else:
+            steps.append(step)
+    return tuple(steps)
+
+
+def _look_at(mission: Mission, skill: Skill, binding: dict[str, str]) -> PointOfInterest | None:
+    if not isinstance(skill.look_at, str):
+        return skill.look_at
+    return mission.places[binding[skill.look_at]].point
+
+
+def _instance(mission: Mission, skill: Skill, binding: dict[str, str]) -> _Instance | None:
+    execute = _refined(mission, skill, binding)
+    goal, origin, flight = destination(execute), skill.origin, None
+    if goal is not None and origin is not None:
+        if binding[origin] == goal:
+            return None  # a flight to where one is; resting is `wait`
+        if skill.cost_s is None:
+            flight = binding[origin], goal
+    requires, forbids = _facts(skill.precondition, binding)
+    adds, deletes = _facts(skill.effect, binding)
+    assumes = _beliefs(mission, skill, binding)
+    if requires & forbids:
+        return None
+    action = Action(
+        skill=skill.name,
+        arguments=tuple(binding.values()),
+        requires=requires | assumes,
+        forbids=forbids,
+        assumes=assumes,
+        adds=adds,
+        deletes=deletes - adds,
+        cost_ms=_cost_ms(skill.cost_s or 0.0),
+        execute=execute,
+        tries=skill.tries,
+        timeout_s=skill.timeout_s,
+        conditional=tuple(
+            ConditionalEffect(*_facts(when.condition, binding), *_facts(when.effect, binding))
+            for when in skill.conditional
+        ),
+        retry_after_s=skill.retry_after_s,
+        look_at=_look_at(mission, skill, binding),
+    )
+    return _Instance(action, flight)
+
+
+def _cost_ms(cost_s: float) -> int:
+    return UNIT_MS * max(2, round(1000 * cost_s / UNIT_MS))
+
+
+def _facts(
+    literals: tuple[Literal, ...], binding: dict[str, str]
+) -> tuple[frozenset[Fact], frozenset[Fact]]:
+    """The facts of the positive and of the negative literals."""
+    return (
+        frozenset(x.atom.instantiate(binding) for x in literals if x.is_positive),
+        frozenset(x.atom.instantiate(binding) for x in literals if not x.is_positive),
+    )
