@@ -17,7 +17,8 @@ from companion.planning.lasso import Lasso, Letter, Problem, word
 from companion.slices import spent
 
 _ACTION_US = 5
-_LETTER_US = 0.5
+_CONJUNCT_US = 5
+_LETTER_US = 0.05
 
 
 def fault(problem: Problem, lasso: Lasso, histories: Sequence[Sequence[Letter]]) -> str | None:
@@ -45,7 +46,7 @@ def fault(problem: Problem, lasso: Lasso, histories: Sequence[Sequence[Letter]])
         return f"the loop does not close: {', '.join(sorted(facts ^ anchor))} changed"
     prefix, loop = word(problem, lasso)
     for conjunct, history in zip(problem.conjuncts, histories, strict=True):
-        spent(_LETTER_US * (len(history) + len(prefix) + len(loop)))
+        spent(_CONJUNCT_US + _LETTER_US * (len(history) + len(prefix) + len(loop)))
         if not holds(conjunct.formula, [*history, *prefix], loop):
             return f"the plan's word does not satisfy {conjunct.name}: {conjunct.formula}"
     return None

@@ -43,7 +43,7 @@ IN_FLIGHT = Effort(
 )
 """Well under a second of work, which is done in slices (slices.py)."""
 
-PRODUCT_EDGE_US = 1.0
+PRODUCT_EDGE_US = 0.5
 DIJKSTRA_STEP_US = 0.005
 ADDITION_US = 0.005
 LOOP_STEP_US = 5.0

@@ -13,6 +13,9 @@ from companion.mission.model import Mission
 from companion.motion.profile import SpeedLimits, flight_time_s
 from companion.motion.routes import PlaceRegion, RouteMap
 from companion.planning.instances import FlightTime
+from companion.slices import spent
+
+_DISTANCE_US = 20
 
 
 def route_map(mission: Mission) -> RouteMap:
@@ -46,6 +49,7 @@ def flight_times(
         if start is None:
             return math.inf
         now = limits() if limits else as_written
+        spent(_DISTANCE_US)
         return flight_time_s(routes.distance_m(start[:2], goal), now)
 
     return flight_time

@@ -40,6 +40,7 @@ FlightTime = Callable[[str, str], float]
 
 _BINDING_US = 30
 _COSTING_US = 2
+_BELIEVING_US = 1
 
 
 @dataclass(frozen=True)
@@ -105,6 +106,7 @@ def instantiate(mission: Mission, flight_time: FlightTime) -> TaskModel:
 def task_model(instances: Instances, flight_time: FlightTime) -> TaskModel:
     """The task model at what flights cost now."""
     actions = instances.actions(flight_time)
+    spent(_BELIEVING_US * len(actions))
     beliefs = frozenset[Fact]().union(*(action.assumes for action in actions))
     return TaskModel((*actions, WAIT), beliefs)
 

@@ -155,6 +155,7 @@ class Replanner:
             return NoPlanError("no plan: the mission has a tree of its own")
         is_in_vain = self._idle_replans > MAX_IDLE_REPLANS
         if is_in_vain and flight.task.dropped == flight.task.optional:
+            self._planned_in = None  # whatever changes now
             return NoPlanError(f"no plan: {MAX_IDLE_REPLANS} plans in a row led nowhere")
         if is_in_vain:
             dropped = tuple(DroppedLine(line, LED_NOWHERE) for line in planner.mission.optional)

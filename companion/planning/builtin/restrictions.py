@@ -10,6 +10,9 @@ from companion.planning.builtin.implied import Implications
 from companion.planning.builtin.lap_profiles import LapProfiles
 from companion.planning.builtin.masked_automaton import MaskedAutomaton, RestrictedConjunct
 from companion.planning.lasso import Conjunct
+from companion.slices import spent
+
+_LOOKING_US = 40
 
 
 class Restrictions:
@@ -58,6 +61,7 @@ class Restrictions:
     def of(self, conjunct: Conjunct, constants: Callable[[str], bool | None]) -> Restriction:
         """A conjunct's automaton, given the values of propositions; None where they change."""
         names = conjunct.automaton.propositions
+        spent(_LOOKING_US)
         values = tuple(map(constants, names))
         key = (id(conjunct), values)
         found = self._found.get(key)
