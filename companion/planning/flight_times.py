@@ -15,7 +15,7 @@ from companion.motion.routes import PlaceRegion, RouteMap
 from companion.planning.instances import FlightTime
 from companion.slices import spent
 
-_DISTANCE_US = 20
+_DISTANCE_US = 30
 
 
 def route_map(mission: Mission) -> RouteMap:

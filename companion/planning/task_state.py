@@ -34,8 +34,10 @@ from companion.planning.domain import Action
 from companion.planning.lasso import Conjunct, Letter, Problem
 from companion.planning.planner import Planner
 from companion.planning.readings import Reading
+from companion.slices import spent
 
 AT_HERE = at(HERE)
+_READING_US = 40
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,6 +141,7 @@ class TaskState:
             fallen: events that are supposed to hold no longer.
             returned: beliefs that are supposed to be held again.
         """
+        spent(_READING_US * len(self._readings))
         facts, withdrawn = self.facts - fallen, self.withdrawn - returned
         lost = self.optional.intersection(self._violated)
         readings = [

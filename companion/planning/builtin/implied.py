@@ -35,6 +35,7 @@ from companion.slices import spent
 MAX_EDGES = 5_000
 """Edges after which it stays undecided whether a conjunct is implied."""
 _EDGE_US = 4
+_READER_US = 40
 
 
 class _Followed(NamedTuple):
@@ -131,6 +132,7 @@ def is_implied(
     readers: list[MaskedAutomaton] = []
     marks = 0
     for each in (*others, part):
+        spent(_READER_US)
         readers.append(MaskedAutomaton(each.automaton, marks, bits))
         marks += each.automaton.marks
     try:

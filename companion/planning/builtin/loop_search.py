@@ -31,7 +31,8 @@ from companion.planning.effort import LOOP_STEP_US
 from companion.slices import spent
 
 _PLACE_US = 0.01
-_LETTER_US = 1
+_PROFILE_US = 0.4
+_STEP_US = 0.5
 
 Profiles = tuple[int, ...]
 """The profile of a word over each of the automata."""
@@ -84,7 +85,7 @@ class LoopSearch:
         profiles: Profiles = (EMPTY,) * len(self._profiles)
         for facts in letters:
             profiles = self._longer(profiles, facts)
-        spent(_LETTER_US * len(letters))
+            spent(_PROFILE_US * len(profiles))
         return next((entry for entry in entries if self._accepts(profiles, entry)), None)
 
     def best(
@@ -183,6 +184,7 @@ class LoopSearch:
 
     @cached_property
     def _steps(self) -> list[list[_Step]]:
+        spent(_STEP_US * len(self._product.ends))
         return [
             [
                 _Step(self._place_of[after], cost_ms, action)

@@ -44,6 +44,7 @@ MIN_ONE_SHOT_GOALS = 4
 MAX_LETTERS = 2_000
 """States of the transition system up to which it is looked for conjuncts that are implied."""
 
+_PART_US = 20
 _NODE_US = 5
 _STEPS_OF_NODE = 30
 
@@ -114,6 +115,7 @@ class Product:
             parts = restrictions.implications.without_implied(parts, letters, self._bits)
         is_worth_it = sum(part.is_one_shot for part in parts) >= min_goals
         for part in parts:
+            spent(_PART_US)
             automaton = restrictions.masked(part, marks, self._bits)
             if part.is_one_shot and is_worth_it:
                 goals.append((automaton, part.states[0]))

@@ -12,7 +12,9 @@ from companion.planning.builtin.masked_automaton import MaskedAutomaton, Restric
 from companion.planning.lasso import Conjunct
 from companion.slices import spent
 
-_LOOKING_US = 40
+_LOOKING_US = 20
+_RESTRICTING_US = 300
+_MASKING_US = 60
 
 
 class Restrictions:
@@ -39,6 +41,7 @@ class Restrictions:
         key = (id(part.restriction), first_mark)
         found = self._masked.get(key)
         if found is None:
+            spent(_MASKING_US)
             found = self._masked[key] = MaskedAutomaton(part.automaton, first_mark, bits)
         return found
 
@@ -66,6 +69,7 @@ class Restrictions:
         key = (id(conjunct), values)
         found = self._found.get(key)
         if found is None:
+            spent(_RESTRICTING_US)
             fixed = {n: v for n, v in zip(names, values, strict=True) if v is not None}
             found = (conjunct, restricted(conjunct.automaton, fixed))
             self._found[key] = found  # holding the conjunct keeps its identity its own

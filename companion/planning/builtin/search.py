@@ -49,7 +49,8 @@ ENGINE = "built-in"
 MAX_EDGES_WITH_GOALS = 20_000
 """Edges of a product with the one-shot goals in it, up to which it is searched to be exact."""
 
-_NODE_US = 1
+_NODE_US = 2
+_EDGE_US = 0.05
 
 log = logging.getLogger(__name__)
 
@@ -143,7 +144,7 @@ def _accepting_components(product: Product) -> list[NDArray[np.intp]]:
     sources = np.repeat(np.arange(product.nodes), np.diff(product.first))
     inside = component[sources] == component[product.ends]
     has_loop = np.bincount(component[sources[inside]], minlength=count) > 0
-    spent(_NODE_US * product.nodes)
+    spent(_NODE_US * product.nodes + _EDGE_US * len(product.ends))
     marks = [0] * count
     for node, own in enumerate(component.tolist()):
         marks[own] |= product.marks[node]
