@@ -147,16 +147,16 @@ class Replanner:
     def _find(self) -> ChosenPlan | PlanFailure:
         flight, planner = self._flight, self._planner
         self.follow_map()
-        self._planned_in = flight.task.situation
-        problem, histories = flight.task.problem()
-        self._looked_at, self._looked_s = _what_decides(problem), flight.now_s
+        self._looked_s = flight.now_s
         self._assumptions.forget_restored_beliefs()
         if planner.mission.tree is not None:
             return NoPlanError("no plan: the mission has a tree of its own")
         is_in_vain = self._idle_replans > MAX_IDLE_REPLANS
         if is_in_vain and flight.task.dropped == flight.task.optional:
-            self._planned_in = None  # whatever changes now
             return NoPlanError(f"no plan: {MAX_IDLE_REPLANS} plans in a row led nowhere")
+        self._planned_in = flight.task.situation
+        problem, histories = flight.task.problem()
+        self._looked_at = _what_decides(problem)
         if is_in_vain:
             dropped = tuple(DroppedLine(line, LED_NOWHERE) for line in planner.mission.optional)
         else:
