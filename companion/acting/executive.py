@@ -129,6 +129,7 @@ class Executive:
             if not isinstance(found, ChosenPlan):
                 return found
             drop(flight, found.dropped)
+            self._assumptions.renew()
             self._adopt(found.lasso, ExecutiveState.EXECUTING)
             flight.report(PlanMade(task, found.lasso.planned, priorities, found.lines_dropped))
         self._tell_tree()
@@ -176,6 +177,7 @@ class Executive:
             return False
         self._flight.task.depart()
         tell_positions(self._flight)
+        self._assumptions.renew()
         self._adopt(lasso, ExecutiveState.LEAVING)
         self._tell_tree()
         return True
@@ -315,12 +317,11 @@ class Executive:
         self._flight.report(NoPlanFound(self.replans, reason, str(failure)))
 
     def _adopt(self, lasso: Lasso, state: ExecutiveState) -> None:
-        """Ticks the tree of a plan from now on, in the air."""
+        """Ticks the tree of a plan from now on, in the air; its assumptions are known."""
         flight = self._flight
         is_landed = flight.progress.is_landed_by_plan
         flight.progress = PlanProgress()
         self.lasso = lasso
-        self._assumptions.renew()
         self._assumptions.narrow(lasso)
         self._plan_state = state
         root = build(flight, lasso, self._assumptions)

@@ -16,7 +16,6 @@ from companion.acting.flight import Flight
 from companion.mission.facts import Fact
 from companion.mission.model import Fly
 from companion.planning.domain import WAIT
-from companion.planning.instances import departures
 from companion.planning.lasso import Lasso
 from companion.planning.planner import Planner
 from companion.vehicle.port import Failed, Outcome, Progress
@@ -48,8 +47,9 @@ def flight_to(planner: Planner, place: str) -> Lasso | None:
 
     It asks for nothing that the skill that flies there would ask for otherwise.
     """
-    moves = departures(planner.mission, planner.flight_time)
-    move = next((action for action in moves if action.execute == (Fly(place),)), None)
+    move = next(
+        (action for action in planner.departures() if action.execute == (Fly(place),)), None
+    )
     if move is None:
         return None
     nothing: frozenset[Fact] = frozenset()

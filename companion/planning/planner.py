@@ -118,6 +118,10 @@ class Planner(Solver):
         known = self.model.beliefs
         return known | self._departures.beliefs if is_en_route else known
 
+    def departures(self) -> tuple[Action, ...]:
+        """The moves from `here` that exist now."""
+        return self._departures.actions(self.flight_time)
+
     def actions_of(self, tree: Tree) -> dict[str, tuple[Action, ...]]:
         """The actions that a tree names; those from `here` start wherever that may be.
 
@@ -152,7 +156,7 @@ class Planner(Solver):
         """
         actions, beliefs = self.model.actions, self.model.beliefs
         if is_en_route:
-            extra = self._departures.actions(self.flight_time)
+            extra = self.departures()
             actions = (*actions, *extra)
             beliefs = beliefs.union(*(a.assumes for a in extra))
         held = facts | (beliefs - withdrawn)

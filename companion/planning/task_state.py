@@ -65,6 +65,26 @@ class Position:
     dropped: tuple[str, ...] = ()
 
 
+@dataclass(frozen=True, slots=True)
+class Situation:
+    """What of the task's state decides on plans; the fields are those of `TaskState`."""
+
+    facts: frozenset[Fact]
+    risen: frozenset[Fact]
+    withdrawn: frozenset[Fact]
+    positions: int
+    completed: int
+
+    def changed_events(self, later: Situation) -> frozenset[Fact]:
+        """The facts that hold in one of two situations alone, or have risen in one alone."""
+        return (self.facts ^ later.facts) | (self.risen ^ later.risen)
+
+    def is_like(self, other: Situation, but_for: frozenset[Fact]) -> bool:
+        """Whether two are the same but for some events."""
+        alike = replace(other, facts=self.facts, risen=self.risen)
+        return self == alike and self.changed_events(other) <= but_for
+
+
 class TaskState:
     """The task's present state.
 
@@ -110,9 +130,9 @@ class TaskState:
         return self.facts | (beliefs - self.withdrawn)
 
     @property
-    def situation(self) -> tuple[object, ...]:
+    def situation(self) -> Situation:
         """All that plans depend on, but for the map and the position."""
-        return self.facts, self.risen, self.withdrawn, self.positions, self.completed
+        return Situation(self.facts, self.risen, self.withdrawn, self.positions, self.completed)
 
     @property
     def violated(self) -> tuple[str, ...]:

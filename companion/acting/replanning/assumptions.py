@@ -9,6 +9,7 @@ a belief that was withdrawn stays so; one that comes back allows for a better pl
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 from companion.acting.flight import Flight
 from companion.flight_events.facts import in_words
@@ -48,12 +49,17 @@ class Assumptions:
         """A plan is made, or was asked for, with the beliefs that have come back."""
         self.may_do_better = False
 
-    def note_replan(self) -> None:
-        """A new plan is due now, for what is wrong among other things."""
-        self._replanned_s |= dict.fromkeys(self.wrong, self._flight.now_s)
+    def note_replan(self, events: Iterable[Fact]) -> None:
+        """A new plan is due now, for these events among other things."""
+        self._replanned_s |= dict.fromkeys(events, self._flight.now_s)
+
+    @property
+    def flapping(self) -> frozenset[Fact]:
+        """The events that have just made a new plan: their next change makes none for a second."""
+        return frozenset(filter(self._may_flap, self._replanned_s))
 
     def renew(self) -> None:
-        """Every event keeps its present value.
+        """The plan that is made now assumes that every event keeps its present value.
 
         On the way home after a violation none is looked at but those by which all that is violated
         begins anew.

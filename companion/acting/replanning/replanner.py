@@ -28,6 +28,7 @@ from companion.planning.explain import NoPlan
 from companion.planning.lasso import ChosenPlan, DroppedLine, Lasso, Letter, Problem
 from companion.planning.optional_lines import without_lines
 from companion.planning.planner import Planner
+from companion.planning.task_state import Situation
 from companion.slices import InSlices, Question, spent, wait_a_tick
 
 COMPARED = 1000
@@ -89,7 +90,7 @@ class Replanner:
         self._patience = patience
         self._engine = engine
         self._planning: InSlices[ChosenPlan | PlanFailure] | None = None
-        self._planned_in: object = None
+        self._planned_in: Situation | None = None
         self._idle_replans = 0
         self._completed = 0
         self._looked_at: tuple[object, ...] = ()
@@ -100,8 +101,9 @@ class Replanner:
     def begin(self, reason: str) -> DueReplan:
         """Another plan is due from now on."""
         self.abandon()
-        if self._assumptions.wrong:  # the world has changed: the plan before was none that failed
-            self._assumptions.note_replan()
+        wrong = self._assumptions.wrong
+        if wrong:  # the world has changed: the plan before was none that failed
+            self._assumptions.note_replan(wrong)
         else:
             self._count_idle()
         return DueReplan(reason, self._flight.now_s)
@@ -125,7 +127,7 @@ class Replanner:
         reachability.search()
         if not reachability.is_known and flight.now_s < due.since_s + MAP_SETTLES_S:
             return None
-        if self._planned_in is not None and self._planned_in != flight.task.situation:
+        if self._has_become_outdated():
             self.abandon()
             self._count_idle()  # what flaps must not be asked about for ever
         if self._planning is None:
@@ -135,6 +137,19 @@ class Replanner:
         found = self._planning.result
         self.abandon()
         return found
+
+    def _has_become_outdated(self) -> bool:
+        """Whether something has changed that the plan in the making does not know of.
+
+        Each event makes it begin anew once a second; what it does meanwhile the plan finds wrong.
+        """
+        if self._planned_in is None:
+            return False
+        now, assumptions = self._flight.task.situation, self._assumptions
+        if self._planned_in.is_like(now, but_for=assumptions.flapping):
+            return False
+        assumptions.note_replan(self._planned_in.changed_events(now))
+        return True
 
     def _plan(self) -> ChosenPlan | PlanFailure:
         found = self._find()
@@ -155,6 +170,7 @@ class Replanner:
         if is_in_vain and flight.task.dropped == flight.task.optional:
             return NoPlanError(f"no plan: {MAX_IDLE_REPLANS} plans in a row led nowhere")
         self._planned_in = flight.task.situation
+        self._assumptions.renew()
         problem, histories = flight.task.problem()
         self._looked_at = _what_decides(problem)
         if is_in_vain:

@@ -230,14 +230,18 @@ def test_what_flaps_while_the_reason_is_looked_for_does_not_hold_the_vehicle_for
     rig = Rig(replace(asked, patience_s=0.0)).begin()
     rig.vehicle.answers = [(0.0, Failed("denied"))]
     rig.run(lambda: bool(rig.of(BeliefWithdrawn)), limit_s=2.0)
-    for i in range(100):
+    for i in range(round(2 * MAX_IDLE_REPLANS * FLAPPING_S / TICK_S)):
         rig.tick(reading("found", float(i % 2 == 0)))
     assert rig.executive.status is TaskStatus.NO_PLAN
     assert f"{MAX_IDLE_REPLANS} plans in a row led nowhere" in rig.of(NoPlanFound)[-1].explanation
 
 
-def test_a_flapping_event_makes_a_plan_a_second_and_ends_nothing() -> None:
-    """At 10 Hz for 30 s, each plan another one; a failed skill is answered at once meanwhile."""
+@pytest.mark.parametrize("slice_us", [slices.SLICE_US, 200])
+def test_a_flapping_event_makes_a_plan_a_second_and_ends_nothing(
+    slice_us: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """At 10 Hz for 30 s, each plan another one, whether it is made at once or takes ticks."""
+    monkeypatch.setattr(slices, "SLICE_US", slice_us)
     rig = Rig(mission(A_OR_B, events=[FOUND])).begin()
     for i in range(600):
         rig.tick(reading("found", float(i // 2 % 2 == 0)))

@@ -10,6 +10,8 @@ from rig import Rig
 from synthetic import event, mission, reading
 
 from companion.acting.executive_states import ExecutiveState, TaskStatus
+from companion.acting.flight import TICK_S
+from companion.acting.replanning.assumptions import FLAPPING_S
 from companion.acting.replanning.replanner import MAX_IDLE_REPLANS
 from companion.errors import NoPlanError
 from companion.flight_events.plans import EngineFailed, NoPlanFound, PlanReplaced
@@ -120,8 +122,10 @@ def test_what_changes_meanwhile_is_asked_anew(rig: Rig, engine: SlowEngine) -> N
 
 
 def test_what_flaps_is_not_asked_about_for_ever(rig: Rig, engine: SlowEngine) -> None:
-    for i in range(2 * MAX_IDLE_REPLANS):
+    flapping_s = 2 * MAX_IDLE_REPLANS * FLAPPING_S
+    for i in range(round(flapping_s / TICK_S)):
         rig.tick(reading("lost", i % 2 == 0))
+    assert len(engine.jobs) <= MAX_IDLE_REPLANS + 1
     assert rig.executive.status is TaskStatus.NO_PLAN
     assert isinstance(rig.executive.failure, NoPlanError)
     assert rig.one(NoPlanFound) and all(job.is_abandoned for job in engine.jobs)

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from rig import Rig
 from synthetic import command, event, mission, reading, skill
 
+from companion import slices
 from companion.acting.executive_states import TaskStatus
+from companion.acting.flight import TICK_S
 from companion.acting.replanning.reachability import BeliefChange
 from companion.flight_events.facts import BeliefWithdrawn, PlacesConnected, PlacesCutOff
 from companion.flight_events.plans import PlanReplaced
@@ -73,6 +76,17 @@ def test_a_task_that_speaks_of_a_belief_hears_at_once_that_the_map_contradicts_i
     assert rig.of(SkillFailed) == rig.of(BeliefWithdrawn) == []
     assert rig.executive.replans == 1
     assert "accessible(B)" in rig.positions[-1].withdrawn
+
+
+def test_the_answer_is_the_same_where_it_takes_many_ticks(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(slices, "SLICE_US", 100)
+    rig = inspection()
+    show(rig, "B")
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED
+    assert rig.one(PlanReplaced).reason == rig.one(PlacesCutOff).text
+    assert rig.time_of(PlanReplaced) > rig.time_of(PlacesCutOff) + TICK_S
+    assert rig.of(SkillFailed) == rig.of(BeliefWithdrawn) == []
+    assert rig.places == ["A", "H"]
 
 
 def test_a_way_that_is_seen_again_is_used_from_the_next_completed_skill_on() -> None:
