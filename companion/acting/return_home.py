@@ -47,9 +47,8 @@ def flight_to(planner: Planner, place: str) -> Lasso | None:
 
     It asks for nothing that the skill that flies there would ask for otherwise.
     """
-    move = next(
-        (action for action in planner.departures() if action.execute == (Fly(place),)), None
-    )
+    moves = planner.departures()
+    move = next((action for action in moves if action.execute == (Fly(place),)), None)
     if move is None:
         return None
     nothing: frozenset[Fact] = frozenset()

@@ -79,7 +79,7 @@ def test_a_task_that_speaks_of_a_belief_hears_at_once_that_the_map_contradicts_i
 
 
 def test_the_answer_is_the_same_where_it_takes_many_ticks(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(slices, "SLICE_US", 100)
+    monkeypatch.setattr(slices, "SLICE_US", 500)
     rig = inspection()
     show(rig, "B")
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
