@@ -127,6 +127,11 @@ class Question(Generic[T]):
         self.abandon()
         return answer
 
+    @property
+    def is_open(self) -> bool:
+        """Whether it was asked, and not answered yet."""
+        return self._thinking is not None
+
     def abandon(self) -> None:
         """It is not asked any more."""
         if self._thinking is not None:

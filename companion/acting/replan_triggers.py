@@ -115,7 +115,8 @@ class ReplanTriggers:
     # -- the map cuts off a belief -------------------------------------------------------------
 
     def _map_differs(self, _: PlanUnderWay) -> bool:
-        return not self._flight.progress.is_landed_by_plan and self._reachability.has_changed
+        is_news = self._reachability.has_changed or self._cut_off.is_open
+        return is_news and not self._flight.progress.is_landed_by_plan
 
     def _cut_off_by_map(self, plan: PlanUnderWay) -> str | None:
         """A belief that the plan needs was given up, once the routes on the map are known."""
