@@ -46,7 +46,7 @@ BENCH = Path(__file__).parents[1] / "scripts" / "bench"
                 "parse MAVLink",
             },
         ),
-        pytest.param("missions", 99, set(), marks=pytest.mark.long),  # flies them all
+        pytest.param("missions", 100, set(), marks=pytest.mark.long),  # flies them all
     ],
 )
 def test_every_row_is_measured(group: str, count: int, with_peer: set[str], tmp_path: Path) -> None:
