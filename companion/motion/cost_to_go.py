@@ -47,6 +47,7 @@ class CostToGo:
         searched: number of cells that were searched for it so far.
         due: (tile rows, tile cols) the cost above which cells of a tile are to be searched, inf
             where none is. While any is, costs are those of real paths, and not all are shortest.
+        is_finished: whether none is.
     """
 
     graph: GridGraph
@@ -54,11 +55,7 @@ class CostToGo:
     next_cell: Cells
     searched: int
     due: Lengths
-
-    @property
-    def is_finished(self) -> bool:
-        """Whether all costs are those of shortest paths."""
-        return bool(np.isinf(self.due).all())
+    is_finished: bool
 
     def path(self, start: Cell) -> npt.NDArray[np.int_]:
         """(n, 2) cells on the path from a cell that has one, up to the goal.
@@ -172,7 +169,8 @@ class _Draft:
     def result(self, searched: int) -> CostToGo:
         """The cost-to-go as it is now."""
         cost = self._cost.reshape(self._shape)
-        return CostToGo(self._graph, cost, self._next_cell, searched, self._due)
+        due, is_finished = self._due, self.is_finished
+        return CostToGo(self._graph, cost, self._next_cell, searched, due, is_finished)
 
     def due_cells(self, max_cells: int) -> Cells:
         """The cells to search next: of the tiles with the least costs, about so many in all."""

@@ -223,6 +223,8 @@ class RouteMap:
 
     def _entry(self, start: NorthEast, place: str) -> tuple[ClearanceLevel, CostToGo, Cell] | None:
         """Where a route to a place enters free cells, at the highest level that leads there."""
+        if entry := self._levels[0].plain_entry(start, place):
+            return (self._levels[0], *entry)
         if not self.is_connected(start, place):
             return None
         for level in self._levels:
