@@ -6,6 +6,7 @@ now. No event is watched and nothing is planned: nobody but the operator may cha
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 from py_trees.common import Status
@@ -47,7 +48,11 @@ def flight_to(planner: Planner, place: str) -> Lasso | None:
 
     It asks for nothing that the skill that flies there would ask for otherwise.
     """
-    moves = departures(planner.mission, planner.flight_time)
+
+    def flight_time(origin: str, goal: str) -> float:
+        return planner.flight_time(origin, goal) if goal == place else math.inf
+
+    moves = departures(planner.mission, flight_time)
     move = next((action for action in moves if action.execute == (Fly(place),)), None)
     if move is None:
         return None

@@ -10,12 +10,12 @@ again for a while.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterator, Mapping
 from dataclasses import dataclass
 
 from companion.geometry import Ned, distance
 from companion.mission.model import Place
-from companion.motion.routes import RouteMap
+from companion.motion.routes import CELLS_PER_TICK, RouteMap
 
 SAMPLES = 48
 INSIDE_M = 0.3
@@ -24,6 +24,10 @@ REFUSED_S = 60.0
 SAME_M = 0.2
 """Waypoints nearer to each other are the same."""
 _GOLDEN_RAD = math.pi * (3 - math.sqrt(5))
+
+
+Grounding = Generator[bool | None, None, None]
+"""The choice of a waypoint in parts: None until it is known whether there is one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,14 +71,17 @@ def is_free(routes: RouteMap, name: str, waypoint: Ned, start: Ned) -> bool:
     return routes.is_free(waypoint[:2])
 
 
-def is_reachable(routes: RouteMap, name: str, waypoint: Ned, start: Ned) -> bool:
-    """A way leads there."""
+def is_reachable(routes: RouteMap, name: str, waypoint: Ned, start: Ned) -> bool | None:
+    """A way leads there. Searches for one, a tick's part at a time."""
     routes.aim(name, waypoint)
+    if not routes.search(start[:2], name, CELLS_PER_TICK):
+        return None
     return math.isfinite(routes.distance_m(start[:2], name))
 
 
-TESTS: tuple[Callable[[RouteMap, str, Ned, Ned], bool], ...] = (is_free, is_reachable)
-"""What a waypoint has to pass: routes, symbol, waypoint, where the vehicle is."""
+TESTS: tuple[Callable[[RouteMap, str, Ned, Ned], bool | None], ...] = (is_free, is_reachable)
+"""What a waypoint has to pass: routes, symbol, waypoint, where the vehicle is. None: not yet known,
+ask again."""
 
 
 class Symbols:
@@ -108,33 +115,58 @@ class Symbols:
         value = self._values[name]
         self._refused[name].append(Value(value.position, value.source, now_s))
 
-    def ground(self, name: str, start: Ned, now_s: float) -> bool:
-        """Choose the waypoint of a symbol; False if none can be flown to, and it stays.
+    def ground(self, name: str, start: Ned, now_s: float) -> Grounding:
+        """Choose the waypoint of a symbol, in parts that each fit into a tick.
+
+        If none can be flown to, it stays. Until the choice is made, or given up by closing it,
+        routes to the place may lead to a waypoint that is only tried.
 
         Args:
             name: of the place.
             start: where the vehicle is.
             now_s: time of the choice.
         """
-        before = self._values[name]
+        before, is_grounded = self._values[name], False
         refused = [v.position for v in self._refused[name] if now_s - v.stamp_s < REFUSED_S]
-        for source, suggest in SUGGESTERS.items():
-            for waypoint in suggest(self._places[name], before):
+        try:
+            for waypoint, source in self._suggested(name):
                 if any(distance(waypoint, other) < SAME_M for other in refused):
                     continue
-                if all(passes(self._routes, name, waypoint, start) for passes in TESTS):
+                while (passes := self._passes(name, waypoint, start)) is None:
+                    yield None
+                if passes:
                     if waypoint != before.position:
                         self._values[name] = Value(waypoint, source, now_s)
-                    return True
-        self._routes.aim(name, before.position)
-        return False
+                    is_grounded = True
+                    break
+        finally:
+            self._routes.aim(name, self._values[name].position)
+        yield is_grounded
 
-    def follow_map(self, start: Ned, now_s: float) -> list[str]:
-        """Choose anew where the map has taken a waypoint away, or the way to it; what moved."""
-        moved = []
+    def _suggested(self, name: str) -> Iterator[tuple[Ned, str]]:
+        """Waypoints of a symbol, and who proposes them."""
+        place, value = self._places[name], self._values[name]
+        for source, suggest in SUGGESTERS.items():
+            for waypoint in suggest(place, value):
+                yield waypoint, source
+
+    def _passes(self, name: str, waypoint: Ned, start: Ned) -> bool | None:
+        """Whether a waypoint passes all tests; None while that is not known."""
+        for test in TESTS:
+            if not (passes := test(self._routes, name, waypoint, start)):
+                return passes
+        return True
+
+    def follow_map(self, start: Ned, now_s: float) -> Iterator[str | None]:
+        """Choose anew where the map has taken a waypoint away, or the way to it, in such parts.
+
+        Yields:
+            The names of those that move, and None after each part that does not suffice.
+        """
         for name, value in list(self._values.items()):
             if not self._routes.is_connected(start[:2], name):
-                self.ground(name, start, now_s)
+                for is_grounded in self.ground(name, start, now_s):
+                    if is_grounded is None:
+                        yield None
                 if self._values[name] is not value:
-                    moved.append(name)
-        return moved
+                    yield name

@@ -111,6 +111,11 @@ class ClearanceLevel:
             self._grid, self.space.free | opened, self._room.is_inside, self._clearance_m
         )
 
+    def is_connected(self, start: NorthEast, place: str) -> bool:
+        """Whether free cells lead from near a start to a place, whatever regions lie between."""
+        goal = self._grid.cell(self._room.goals[place][:2])
+        return self.around(start).is_connected(start, goal)
+
     def plain_entry(self, start: NorthEast, place: str) -> tuple[CostToGo, Cell] | None:
         """The same as `entry`, quickly, for a start from whose own cell a path leads on."""
         cell = self._plain_cell(start)
@@ -128,10 +133,8 @@ class ClearanceLevel:
             place: where it leads.
             others: the regions of other places, which the leg to that cell may not enter.
         """
-        space = self.around(start)
-        goal = self._grid.cell(self._room.goals[place][:2])
-        to_go = self.maps.cost_to_go(place) if space.is_connected(start, goal) else None
-        cell = space.entry(start, others, to_go.cost) if to_go else None
+        to_go = self.maps.cost_to_go(place) if self.is_connected(start, place) else None
+        cell = self.around(start).entry(start, others, to_go.cost) if to_go else None
         return (to_go, cell) if to_go and cell else None
 
     def _plain_cell(self, start: NorthEast) -> Cell | None:

@@ -20,7 +20,7 @@ Graphs, cells and flat indices are those of `grid_graph.py`.
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt

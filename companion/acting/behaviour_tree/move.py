@@ -14,7 +14,7 @@ from companion.flight_events.skills import RouteBlocked, RouteResponse
 from companion.flight_events.tree import LeafType
 from companion.geometry import NorthEast, distance
 from companion.motion.profile import SpeedLimits
-from companion.motion.routes import Route
+from companion.motion.routes import CELLS_PER_TICK, Route
 from companion.motion.trajectory import (
     AT_REST,
     Sample,
@@ -115,10 +115,14 @@ class MoveCommand(Leaf):
         self._in_time_s = self._flight.now_s
 
     def _wait(self, state: VehicleState) -> None:
-        """Begins when a stop has ended, or leads straight on at last."""
+        """Begins when a stop has ended, or leads straight on at last, and the ways are known."""
         is_straight = self._is_turning and _across_mps2(self._told_motion(state)) <= STRAIGHT_MPS2
-        if self._flight.stop is None or is_straight:
+        if (self._flight.stop is None or is_straight) and self._knows_ways(state):
             self._begin(state)
+
+    def _knows_ways(self, state: VehicleState) -> bool:
+        """Whether a route can be had without a search; else does a tick's part of it."""
+        return self._flight.routes.search(state.position[:2], self._place, CELLS_PER_TICK)
 
     def _told_motion(self, state: VehicleState) -> Sample:
         """The motion that the vehicle is told, if it follows that; else its own."""
@@ -176,7 +180,8 @@ class MoveCommand(Leaf):
         is_behind = gap_m >= LAG_SHARE * flight.profile.carrot_m
         is_astray = gap_m >= ASTRAY_SHARE * flight.profile.carrot_m
         if is_astray and math.hypot(*state.velocity) <= SLOW_MPS:
-            self._begin(state)
+            if self._knows_ways(state):
+                self._begin(state)
             return Status.RUNNING
         following = _following(gap_m / flight.profile.carrot_m)
         sample, self._rate = sample.slower(following), self._rate * following
@@ -241,17 +246,19 @@ class MoveCommand(Leaf):
             return
         if self._is_braking:
             has_stopped = math.hypot(*state.velocity) <= SLOW_MPS
-            if has_stopped and trajectory.sample(self._time_s).is_finished:
+            has_stopped = has_stopped and trajectory.sample(self._time_s).is_finished
+            if has_stopped and self._knows_ways(state):
                 self._adopt(self._from_rest(self._told_motion(state)), is_braking=False)
         elif isinstance(trajectory, Trajectory) and self._map_version != routes.version:
             self._map_version = routes.version
             if not routes.is_clear(trajectory.ahead(self._time_s)):
-                self._avoid(trajectory)
+                self._avoid(trajectory, state)
 
-    def _avoid(self, trajectory: Trajectory) -> None:
-        """Another route without a stop, or a stop along the path."""
-        now = trajectory.sample(self._time_s).slower(self._rate)
-        around = self._from_motion(now, self._flight.speed_limit.for_trajectory)
+    def _avoid(self, trajectory: Trajectory, state: VehicleState) -> None:
+        """Another route without a stop, or a stop along the path: at once, if ways are unknown."""
+        now, around = trajectory.sample(self._time_s).slower(self._rate), None
+        if self._knows_ways(state):
+            around = self._from_motion(now, self._flight.speed_limit.for_trajectory)
         if around is not None:
             self._adopt(around, is_braking=False)
             return

@@ -12,17 +12,15 @@ is no way (Fig. 6 of the paper).
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from companion.acting.flight import Flight
 from companion.flight_events.facts import PlacesConnected, PlacesCutOff
 from companion.mission.facts import Fact, spelled
+from companion.motion.routes import CELLS_PER_TICK
 from companion.planning.planner import Planner
 
-CELLS_PER_TICK = 10_000
-"""Searched in about 4 ms, and setpoints leave in the same loop; only the last search of a tick may
-be one of the whole map, 10 ms for 30,000 cells."""
 SHOWN = 6
 """So many beliefs are named at most."""
 
@@ -53,7 +51,8 @@ class Reachability:
         self._instantiated_on = self._looked_at = flight.routes.version
         self._costed_at = flight.speed_limit.version
         self._cut_off = self._unreachable()
-        self._searched_on = self._instantiated_on
+        self._searched_on = self._grounded_on = self._instantiated_on
+        self._grounding: Iterator[str | None] = iter(())
         self.has_changed = False
 
     def look(self) -> None:
@@ -73,8 +72,22 @@ class Reachability:
     def search(self) -> None:
         """Finds some of the routes that are not known yet: a part that fits into a tick."""
         routes = self._flight.routes
-        if not self.is_known and routes.find(CELLS_PER_TICK):
+        if self.is_known or not self._ground():
+            return
+        if routes.find(CELLS_PER_TICK):
             self._searched_on = routes.version
+
+    def _ground(self) -> bool:
+        """Grounds the symbols that the map has cut off, in such parts; whether that is done."""
+        flight, state = self._flight, self._flight.vehicle.state
+        if self._grounded_on != flight.routes.version and state is not None:
+            self._grounded_on = flight.routes.version
+            self._grounding = flight.symbols.follow_map(state.position, flight.now_s)
+        for moved in self._grounding:
+            if moved is None:
+                return False
+            flight.tell_symbol(moved)
+        return True
 
     def follow(self) -> BeliefChange:
         """Takes over what moves cost on the map, and at the speed limit, as they are now.
@@ -86,8 +99,8 @@ class Reachability:
         if state is not None and (is_map_new or self._costed_at != flight.speed_limit.version):
             self._instantiated_on = flight.routes.version
             self._costed_at = flight.speed_limit.version
-            for place in flight.symbols.follow_map(state.position, flight.now_s):
-                flight.tell_symbol(place)
+            while not self._ground():
+                pass
             self._planner.reinstantiate()
             self._cut_off = self._unreachable()
             self.has_changed = False
