@@ -111,6 +111,17 @@ class ClearanceLevel:
             self._grid, self.space.free | opened, self._room.is_inside, self._clearance_m
         )
 
+    def search(self, start: NorthEast, place: str, max_cells: int) -> int:
+        """Searches about `max_cells` cells for what `entry` asks for; about how many it took."""
+        if not self.is_connected(start, place):
+            return 0
+        return self.maps.search(place, max_cells, self._plain_cell(start))
+
+    def is_known(self, start: NorthEast, place: str) -> bool:
+        """Whether `entry` needs no search any more."""
+        is_known = self.maps.is_known(place, self._plain_cell(start))
+        return is_known or not self.is_connected(start, place)
+
     def is_connected(self, start: NorthEast, place: str) -> bool:
         """Whether free cells lead from near a start to a place, whatever regions lie between."""
         goal = self._grid.cell(self._room.goals[place][:2])
@@ -122,7 +133,7 @@ class ClearanceLevel:
         goal = self._grid.cell(self._room.goals[place][:2])
         if cell is None or not self.space.are_connected(cell, goal):
             return None
-        to_go = self.maps.cost_to_go(place)
+        to_go = self.maps.cost_to_go(place, cell)
         return (to_go, cell) if to_go and math.isfinite(to_go.cost[cell]) else None
 
     def entry(self, start: NorthEast, place: str, others: Regions) -> tuple[CostToGo, Cell] | None:

@@ -19,20 +19,21 @@ Graphs, cells and flat indices are those of `grid_graph.py`.
 
 from __future__ import annotations
 
+import math
 import sys
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy import sparse
+from scipy import ndimage, sparse
 from scipy.sparse import csgraph
 
-from companion.motion.grid_graph import Cell, Cells, GridGraph, Lengths, edge_lengths
+from companion.motion.grid_graph import OFFSETS, Cell, Cells, GridGraph, Lengths, edge_lengths
 
 ALL = sys.maxsize
 """More cells than any map has."""
 _ROUNDING = 1e-9  # cells; paths that differ by less are equally long
-_TILE = 32  # cells along each side; a search of few cells takes as long as its calls
+_TILE = 20  # cells along each side
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,8 +47,8 @@ class CostToGo:
             the goal and where there is no path.
         searched: number of cells that were searched for it so far.
         due: (tile rows, tile cols) the cost above which cells of a tile are to be searched, inf
-            where none is. While any is, costs are those of real paths, and not all are shortest.
-        is_finished: whether none is.
+            where none is. All costs are those of real paths; those up to the least of these, and
+            no others, are sure to be those of shortest ones.
     """
 
     graph: GridGraph
@@ -55,7 +56,10 @@ class CostToGo:
     next_cell: Cells
     searched: int
     due: Lengths
-    is_finished: bool
+
+    def is_final(self, cell: Cell | None = None) -> bool:
+        """Whether the cost of a cell, or of all, is that of a shortest path."""
+        return _is_final(self.cost, self.due, cell)
 
     def path(self, start: Cell) -> npt.NDArray[np.int_]:
         """(n, 2) cells on the path from a cell that has one, up to the goal.
@@ -108,18 +112,26 @@ def adapted(previous: CostToGo, graph: GridGraph) -> CostToGo:
     """
     gone = previous.graph.outgoing & ~graph.outgoing
     new = graph.outgoing & ~previous.graph.outgoing
-    lost = _flat(_has_lost(previous.next_cell, GridGraph(gone, gone)))
+    has_lost = _has_lost(previous.next_cell, GridGraph(gone, gone)).reshape(gone.shape)
     draft = _Draft(graph, previous.cost.copy(), previous.next_cell.copy(), previous.due.copy())
-    draft.forget(lost)
-    draft.look_at(_flat(new))
+    draft.forget(_flat(has_lost))
+    draft.look_at(_flat(_rim(has_lost) | (new != 0)))
     return draft.result(searched=0)
 
 
-def continued(to_go: CostToGo, max_cells: int) -> CostToGo:
-    """The cost-to-go after the search of about so many cells more, or of all that are due."""
+def continued(to_go: CostToGo, max_cells: int, cell: Cell | None = None) -> CostToGo:
+    """The cost-to-go after the search of about so many cells more.
+
+    Args:
+        to_go: as it is so far.
+        max_cells: see above.
+        cell: whose cost is to be final; without it those of all.
+    """
+    if to_go.is_final(cell):
+        return to_go
     draft = _Draft(to_go.graph, to_go.cost.copy(), to_go.next_cell.copy(), to_go.due.copy())
     searched = 0
-    while searched < max_cells and not draft.is_finished:
+    while searched < max_cells and not draft.is_final(cell):
         cells = draft.due_cells(max_cells - searched)
         draft.search(cells)
         searched += len(cells)
@@ -144,6 +156,17 @@ def _has_lost(next_cell: Cells, gone: GridGraph) -> npt.NDArray[np.bool_]:
     return lost
 
 
+def _rim(mask: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+    """The cells of a mask (rows, cols) from which an edge may lead out of it."""
+    reach = 2 * int(np.abs(OFFSETS).max()) + 1
+    return np.asarray(mask & ~ndimage.minimum_filter(mask, size=reach, mode="constant", cval=True))
+
+
+def _is_final(cost: Lengths, due: Lengths, cell: Cell | None) -> bool:
+    """See `CostToGo`."""
+    return bool(due.min() >= (cost[cell] if cell else math.inf))
+
+
 class _Draft:
     """A cost-to-go that is searched.
 
@@ -161,16 +184,14 @@ class _Draft:
         self._next_cell = next_cell
         self._due = due
 
-    @property
-    def is_finished(self) -> bool:
-        """Whether no cells are due."""
-        return bool(np.isinf(self._due).all())
+    def is_final(self, cell: Cell | None) -> bool:
+        """See `CostToGo`."""
+        return _is_final(self._cost.reshape(self._shape), self._due, cell)
 
     def result(self, searched: int) -> CostToGo:
         """The cost-to-go as it is now."""
         cost = self._cost.reshape(self._shape)
-        due, is_finished = self._due, self.is_finished
-        return CostToGo(self._graph, cost, self._next_cell, searched, due, is_finished)
+        return CostToGo(self._graph, cost, self._next_cell, searched, self._due)
 
     def due_cells(self, max_cells: int) -> Cells:
         """The cells to search next: of the tiles with the least costs, about so many in all."""
@@ -185,10 +206,9 @@ class _Draft:
         return _flat(is_due & (self._graph.outgoing != 0))
 
     def forget(self, cells: Cells) -> None:
-        """Some cells have lost their paths; only those without any are due in their tiles."""
+        """Some cells have lost their paths."""
         self._cost[cells] = np.inf
         self._next_cell[cells] = cells
-        self._note(cells, np.finfo(np.float64).max)
 
     def look_at(self, cells: Cells) -> None:
         """Notes those of some cells from which an edge makes a shorter path."""
@@ -218,7 +238,7 @@ class _Draft:
         self._next_cell[rim[is_exit]] = near[best][is_exit]
         self.look_from(rim)
 
-    def _note(self, cells: Cells, costs: Lengths | float) -> None:
+    def _note(self, cells: Cells, costs: Lengths) -> None:
         """Cells above some cost are due in the tiles of some cells (k,)."""
         rows, cols = np.divmod(cells, self._shape[1])
         np.minimum.at(self._due, (rows // _TILE, cols // _TILE), costs)

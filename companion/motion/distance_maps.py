@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from companion.motion.cost_to_go import ALL, CostToGo, adapted, begun, continued
-from companion.motion.grid_graph import GridGraph, edges_entering, grid_graph, overlap, union
+from companion.motion.grid_graph import Cell, GridGraph, edges_entering, grid_graph, overlap, union
 from companion.motion.line_of_sight import Points
 from companion.motion.regions import Regions
 
@@ -62,15 +62,15 @@ class DistanceMaps:
                 max_cells -= self.search(place, max_cells)
         return True
 
-    def is_known(self, place: str) -> bool:
-        """Whether the cost-to-go of a place needs no search any more."""
+    def is_known(self, place: str, cell: Cell | None = None) -> bool:
+        """Whether the cost-to-go of a place from a cell, or from all, needs no search any more."""
         if place not in self._present:
             return False
         to_go = self._present[place]
-        return to_go is None or to_go.is_finished
+        return to_go is None or to_go.is_final(cell)
 
-    def search(self, place: str, max_cells: int) -> int:
-        """Searches about `max_cells` cells for the cost-to-go of a place.
+    def search(self, place: str, max_cells: int, cell: Cell | None = None) -> int:
+        """Searches about `max_cells` cells for the cost-to-go of a place from a cell, or from all.
 
         Returns:
             About how many cells could be searched in the time that this took.
@@ -84,18 +84,22 @@ class DistanceMaps:
             used = int(_LOOK_SHARE * self._free.size)
         to_go = self._present[place]
         if to_go is not None:
-            now = continued(to_go, max_cells)
+            now = continued(to_go, max_cells, cell)
             self._present[place] = self._former[place] = now
             used += now.searched - to_go.searched
         return used
 
-    def cost_to_go(self, place: str) -> CostToGo | None:
+    def cost_to_go(self, place: str, cell: Cell | None = None) -> CostToGo | None:
         """The cost-to-go of a place; None if the place cannot be reached from its own cell.
+
+        Args:
+            place: one of the places.
+            cell: the only one whose path is asked for, if any.
 
         Raises:
             KeyError: there is no such place.
         """
-        if not self.is_known(place):
+        if not self.is_known(place, cell):
             self.search(place, ALL)
         return self._present[place]
 

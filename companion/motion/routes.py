@@ -128,15 +128,11 @@ class RouteMap:
         Raises:
             KeyError: there is no such place.
         """
-        if not self.is_connected(start, place):
-            return True
         for level in self._levels:
-            if not level.is_connected(start, place):
-                continue
-            max_cells -= level.maps.search(place, max_cells)
-            if not level.maps.is_known(place):
+            max_cells -= level.search(start, place, max_cells)
+            if not level.is_known(start, place):
                 return False
-            if level.entry(start, place, self._others[place]):
+            if level.plain_entry(start, place) or level.entry(start, place, self._others[place]):
                 return True
         return True
 

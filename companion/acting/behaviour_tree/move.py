@@ -12,7 +12,7 @@ from companion.acting.behaviour_tree.leaf import Leaf
 from companion.acting.flight import TICK_S, Flight
 from companion.flight_events.skills import RouteBlocked, RouteResponse
 from companion.flight_events.tree import LeafType
-from companion.geometry import NorthEast, distance
+from companion.geometry import Ned, NorthEast, distance
 from companion.motion.profile import SpeedLimits
 from companion.motion.routes import CELLS_PER_TICK, Route
 from companion.motion.trajectory import (
@@ -98,13 +98,17 @@ class MoveCommand(Leaf):
         self._start_s = self._flight.now_s
 
     def _begin(self, state: VehicleState) -> None:
-        """A new route; a stop that is under way goes on while there is none at this speed."""
+        """A new route; without one at this speed a stop that is under way goes on.
+
+        While the ways are being searched the vehicle holds.
+        """
         now, is_stopping = self._told_motion(state), self._flight.stop is not None
         self._is_turning = is_stopping and _across_mps2(now) > STRAIGHT_MPS2
         self._trajectory = None if self._is_turning else self._from_motion(now, self._gentle(now))
-        self._is_waiting = self._trajectory is None and is_stopping
+        is_possible = not is_stopping and (self._trajectory or self._knows_ways(now.position))
+        self._is_waiting = self._trajectory is None and not is_possible
         self._time_s = 0.0
-        if self._trajectory is None and not is_stopping:
+        if self._trajectory is None and not self._is_waiting:
             self._trajectory = self._from_rest(now)
             self._time_s = -TICK_S  # its acceleration is told early; so it grows more gently
         self._is_braking = False
@@ -115,14 +119,14 @@ class MoveCommand(Leaf):
         self._in_time_s = self._flight.now_s
 
     def _wait(self, state: VehicleState) -> None:
-        """Begins when a stop has ended, or leads straight on at last, and the ways are known."""
+        """Begins when a stop has ended, or leads straight on at last."""
         is_straight = self._is_turning and _across_mps2(self._told_motion(state)) <= STRAIGHT_MPS2
-        if (self._flight.stop is None or is_straight) and self._knows_ways(state):
+        if self._flight.stop is None or is_straight:
             self._begin(state)
 
-    def _knows_ways(self, state: VehicleState) -> bool:
-        """Whether a route can be had without a search; else does a tick's part of it."""
-        return self._flight.routes.search(state.position[:2], self._place, CELLS_PER_TICK)
+    def _knows_ways(self, start: Ned) -> bool:
+        """Whether a route from there takes no search any more; else does a tick's part of it."""
+        return self._flight.routes.search(start[:2], self._place, CELLS_PER_TICK)
 
     def _told_motion(self, state: VehicleState) -> Sample:
         """The motion that the vehicle is told, if it follows that; else its own."""
@@ -146,10 +150,12 @@ class MoveCommand(Leaf):
         )
 
     def _from_motion(self, now: Sample, limits: SpeedLimits) -> Trajectory | None:
-        """A trajectory that begins at some speed; None if there is none, or hardly any speed."""
+        """A trajectory that begins at some speed; None without one or its ways, or hardly fast."""
         if math.hypot(*now.velocity) <= SLOW_MPS:
             return None
         stop = run_out(now.position, now.velocity, now.acceleration, limits)
+        if not self._knows_ways(stop):
+            return None
         route = self._flight.routes.route_from_motion(now.position, stop, self._place)
         return _along(route, limits, now) if route else None
 
@@ -165,6 +171,7 @@ class MoveCommand(Leaf):
         if state is not None and self._is_waiting:
             self._wait(state)
             if self._is_waiting:
+                flight.hold()
                 return Status.RUNNING
         self._advance()
         if state is not None:
@@ -180,8 +187,7 @@ class MoveCommand(Leaf):
         is_behind = gap_m >= LAG_SHARE * flight.profile.carrot_m
         is_astray = gap_m >= ASTRAY_SHARE * flight.profile.carrot_m
         if is_astray and math.hypot(*state.velocity) <= SLOW_MPS:
-            if self._knows_ways(state):
-                self._begin(state)
+            self._begin(state)
             return Status.RUNNING
         following = _following(gap_m / flight.profile.carrot_m)
         sample, self._rate = sample.slower(following), self._rate * following
@@ -246,19 +252,19 @@ class MoveCommand(Leaf):
             return
         if self._is_braking:
             has_stopped = math.hypot(*state.velocity) <= SLOW_MPS
+            told = self._told_motion(state)
             has_stopped = has_stopped and trajectory.sample(self._time_s).is_finished
-            if has_stopped and self._knows_ways(state):
-                self._adopt(self._from_rest(self._told_motion(state)), is_braking=False)
+            if has_stopped and self._knows_ways(told.position):
+                self._adopt(self._from_rest(told), is_braking=False)
         elif isinstance(trajectory, Trajectory) and self._map_version != routes.version:
             self._map_version = routes.version
             if not routes.is_clear(trajectory.ahead(self._time_s)):
-                self._avoid(trajectory, state)
+                self._avoid(trajectory)
 
-    def _avoid(self, trajectory: Trajectory, state: VehicleState) -> None:
-        """Another route without a stop, or a stop along the path: at once, if ways are unknown."""
-        now, around = trajectory.sample(self._time_s).slower(self._rate), None
-        if self._knows_ways(state):
-            around = self._from_motion(now, self._flight.speed_limit.for_trajectory)
+    def _avoid(self, trajectory: Trajectory) -> None:
+        """Another route without a stop, or a stop along the path, as while ways are searched."""
+        now = trajectory.sample(self._time_s).slower(self._rate)
+        around = self._from_motion(now, self._flight.speed_limit.for_trajectory)
         if around is not None:
             self._adopt(around, is_braking=False)
             return
