@@ -83,6 +83,7 @@ class MoveCommand(Leaf):
     ) -> None:
         super().__init__(flight, f"move_cmd {place}")
         self.failed_at: int | None = None
+        self._is_searching = False  # for the ways that the last route asked for takes
         self._place = place
         self._timeout_s = timeout_s
         self._heading = FlightHeading(flight, place, look_at)
@@ -126,7 +127,9 @@ class MoveCommand(Leaf):
 
     def _knows_ways(self, start: Ned) -> bool:
         """Whether a route from there takes no search any more; else does a tick's part of it."""
-        return self._flight.routes.search(start[:2], self._place, CELLS_PER_TICK)
+        is_known = self._flight.routes.search(start[:2], self._place, CELLS_PER_TICK)
+        self._is_searching = not is_known
+        return is_known
 
     def _told_motion(self, state: VehicleState) -> Sample:
         """The motion that the vehicle is told, if it follows that; else its own."""
@@ -151,6 +154,7 @@ class MoveCommand(Leaf):
 
     def _from_motion(self, now: Sample, limits: SpeedLimits) -> Trajectory | None:
         """A trajectory that begins at some speed; None without one or its ways, or hardly fast."""
+        self._is_searching = False
         if math.hypot(*now.velocity) <= SLOW_MPS:
             return None
         stop = run_out(now.position, now.velocity, now.acceleration, limits)
@@ -257,12 +261,16 @@ class MoveCommand(Leaf):
             if has_stopped and self._knows_ways(told.position):
                 self._adopt(self._from_rest(told), is_braking=False)
         elif isinstance(trajectory, Trajectory) and self._map_version != routes.version:
-            self._map_version = routes.version
-            if not routes.is_clear(trajectory.ahead(self._time_s)):
+            if routes.is_clear(trajectory.ahead(self._time_s)):
+                self._map_version = routes.version
+            else:
                 self._avoid(trajectory)
 
     def _avoid(self, trajectory: Trajectory) -> None:
-        """Another route without a stop, or a stop along the path, as while ways are searched."""
+        """Another route without a stop, or a stop along the path.
+
+        While the ways are being searched it is flown on as far as it leaves clear room to stop.
+        """
         now = trajectory.sample(self._time_s).slower(self._rate)
         around = self._from_motion(now, self._flight.speed_limit.for_trajectory)
         if around is not None:
@@ -272,7 +280,12 @@ class MoveCommand(Leaf):
             self._flight.speed_limit.for_trajectory,
             acceleration_mps2=self._flight.profile.braking_mps2,
         )
-        self._adopt(_stop(trajectory, self._time_s, now, braking), is_braking=True)
+        stop = _stop(trajectory, self._time_s, now, braking)
+        if stop is not None and self._is_searching:
+            room = trajectory.between(self._time_s, self._time_s + stop.duration_s + 2 * TICK_S)
+            if self._flight.routes.is_clear(room):
+                return
+        self._adopt(stop, is_braking=True)
 
     def _adopt(self, trajectory: Trajectory | Stop | None, is_braking: bool) -> None:
         self._trajectory, self._is_braking = trajectory, is_braking
