@@ -128,6 +128,8 @@ class RouteMap:
         Raises:
             KeyError: there is no such place.
         """
+        if not self.is_connected(start, place):
+            return True
         for level in self._levels:
             max_cells -= level.search(start, place, max_cells)
             if not level.is_known(start, place):
