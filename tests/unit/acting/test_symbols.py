@@ -117,6 +117,30 @@ def test_a_map_that_changes_moves_only_what_it_takes_away() -> None:
     assert list(symbols.follow_map(HOME, 3.0)) == []  # it stays where it is now
 
 
+def test_a_choice_is_made_in_parts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same one as at once; if it is given up, routes lead to the waypoint of before."""
+    at_once, _ = world((5.0, 0.0))
+    assert grounded(at_once, 3.0)
+    monkeypatch.setattr("companion.acting.symbols.CELLS_PER_TICK", 500)
+    symbols, routes = world((5.0, 0.0))
+    choice = symbols.ground("A", HOME, 3.0)
+    assert next(choice) is None
+    choice.close()
+    assert routes.goal("A") == symbols["A"].position == WIDE.position
+    parts = list(symbols.ground("A", HOME, 3.0))
+    assert parts[:-1] == [None] * (len(parts) - 1) and len(parts) > 3
+    assert parts[-1] is True
+    assert routes.goal("A") == symbols["A"].position == at_once["A"].position
+
+
+def test_a_map_is_followed_in_parts(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("companion.acting.symbols.CELLS_PER_TICK", 500)
+    symbols, routes = world()
+    routes.see(grid((5.0, 0.0)))
+    *parts, moved = symbols.follow_map(HOME, 2.0)
+    assert moved == "A" and set(parts) == {None}
+
+
 # -- in flight -------------------------------------------------------------------------------------
 
 
