@@ -375,3 +375,16 @@ def with_crate() -> RouteMap:
 def test_whether_a_path_is_clear(path: list[tuple[float, float, float]], is_clear: bool) -> None:
     assert RouteMap(EMPTY, {}, WIDE, 0.5).is_clear(np.array(path))
     assert with_crate().is_clear(np.array(path)) is is_clear
+
+
+@pytest.mark.parametrize(("begin", "end"), [(0.0, 1.0), (0.3, 0.6), (0.1, 2.0), (1.0, 1.0)])
+def test_a_part_of_a_path_ends_where_it_is_cut(begin: float, end: float) -> None:
+    """In shares of its length; around the corner of the room's pillar."""
+    path = Path(route_of(RouteMap(ROOM, {"B": at(4.5, 8.5)}, WIDE, 0.0), (1.5, 1.5), "B"))
+    part = path.between(begin * path.length_m, end * path.length_m)
+    last = path.at(min(end * path.length_m, path.length_m - 1e-9))[0]
+    assert part[-1] == pytest.approx(last, abs=0.02)
+    if begin < 1.0:
+        assert part[0] == pytest.approx(path.at(begin * path.length_m)[0])
+    flown_m = np.linalg.norm(np.diff(part, axis=0), axis=1).sum()
+    assert flown_m == pytest.approx((min(end, 1.0) - begin) * path.length_m, rel=0.02)
