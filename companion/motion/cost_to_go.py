@@ -47,8 +47,9 @@ class CostToGo:
             the goal and where there is no path.
         searched: number of cells that were searched for it so far.
         due: (tile rows, tile cols) the cost above which cells of a tile are to be searched, inf
-            where none is. All costs are those of real paths; those up to the least of these, and
-            no others, are sure to be those of shortest ones.
+            where none is.
+        horizon: the least of these. All costs are those of real paths; up to here they are those
+            of shortest ones.
     """
 
     graph: GridGraph
@@ -56,10 +57,11 @@ class CostToGo:
     next_cell: Cells
     searched: int
     due: Lengths
+    horizon: float
 
     def is_final(self, cell: Cell | None = None) -> bool:
         """Whether the cost of a cell, or of all, is that of a shortest path."""
-        return _is_final(self.cost, self.due, cell)
+        return self.horizon >= (self.cost[cell] if cell else math.inf)
 
     def path(self, start: Cell) -> npt.NDArray[np.int_]:
         """(n, 2) cells on the path from a cell that has one, up to the goal.
@@ -131,7 +133,7 @@ def continued(to_go: CostToGo, max_cells: int, cell: Cell | None = None) -> Cost
         return to_go
     draft = _Draft(to_go.graph, to_go.cost.copy(), to_go.next_cell.copy(), to_go.due.copy())
     searched = 0
-    while searched < max_cells and not draft.is_final(cell):
+    while searched < max_cells and not draft.result(searched).is_final(cell):
         cells = draft.due_cells(max_cells - searched)
         draft.search(cells)
         searched += len(cells)
@@ -162,11 +164,6 @@ def _rim(mask: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
     return np.asarray(mask & ~ndimage.minimum_filter(mask, size=reach, mode="constant", cval=True))
 
 
-def _is_final(cost: Lengths, due: Lengths, cell: Cell | None) -> bool:
-    """See `CostToGo`."""
-    return bool(due.min() >= (cost[cell] if cell else math.inf))
-
-
 class _Draft:
     """A cost-to-go that is searched.
 
@@ -184,14 +181,11 @@ class _Draft:
         self._next_cell = next_cell
         self._due = due
 
-    def is_final(self, cell: Cell | None) -> bool:
-        """See `CostToGo`."""
-        return _is_final(self._cost.reshape(self._shape), self._due, cell)
-
     def result(self, searched: int) -> CostToGo:
         """The cost-to-go as it is now."""
         cost = self._cost.reshape(self._shape)
-        return CostToGo(self._graph, cost, self._next_cell, searched, self._due)
+        horizon = float(self._due.min())
+        return CostToGo(self._graph, cost, self._next_cell, searched, self._due, horizon)
 
     def due_cells(self, max_cells: int) -> Cells:
         """The cells to search next: of the tiles with the least costs, about so many in all."""
@@ -262,20 +256,19 @@ class _Subgraph:
 
     def __init__(self, graph: GridGraph, cells: Cells) -> None:
         self._count = count = len(cells)
-        self._number = np.full(graph.incoming.size, count, dtype=np.int32)
-        self._number[cells] = np.arange(count, dtype=np.int32)
-        # Rows of 16, and space for one more row. Column by column, since large arrays in between
-        # would cost more than all the rest.
+        number = np.full(graph.incoming.size, count, dtype=np.int32)
+        number[cells] = np.arange(count, dtype=np.int32)
+        # Rows of 16, and space for one more row.
         steps = graph.index_steps
         rows = (count, len(steps))
         size = count * len(steps)
         self._ends, self._lengths = np.empty(size + count, np.int32), np.empty(size + count)
         edge_lengths(graph.incoming.ravel()[cells], out=self._lengths[:size].reshape(rows))
-        ends, is_rim = self._ends[:size].reshape(rows), np.zeros(count, dtype=np.bool_)
-        for column, step in zip(ends.T, steps, strict=True):
-            column[:] = self._number.take(cells + step, mode="clip")
-            is_rim |= column == count
-        (self.rim,) = np.nonzero(is_rim)
+        columns = np.empty(rows[::-1], np.int32)  # each is looked up at once, which is quicker
+        for column, step in zip(columns, steps, strict=True):
+            number.take(cells + step, mode="clip", out=column)
+        self._ends[:size].reshape(rows)[:] = columns.T
+        (self.rim,) = np.nonzero(np.any(columns == count, axis=0))
 
     def shortest(self, exits: Lengths) -> tuple[Lengths, npt.NDArray[np.int32]]:
         """A Dijkstra search from around the cells.
