@@ -84,7 +84,7 @@ class DistanceMaps:
             used = int(_LOOK_SHARE * self._free.size)
         to_go = self._present[place]
         if to_go is not None:
-            now = continued(to_go, max_cells, cell)
+            now = continued(to_go, max(1, max_cells - used), cell)
             self._present[place] = self._former[place] = now
             used += now.searched - to_go.searched
         return used
