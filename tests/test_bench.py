@@ -27,7 +27,7 @@ BENCH = Path(__file__).parents[1] / "scripts" / "bench"
         ("translating", 28, set()),  # Spot comes with the tests alone
         (
             "planning",
-            22,
+            23,
             {
                 "plan at the start, median",
                 "replan en route, target found, median",
@@ -36,7 +36,7 @@ BENCH = Path(__file__).parents[1] / "scripts" / "bench"
         ),
         (
             "flying",
-            9,
+            10,
             {
                 "cost-to-go of a place",
                 "cost-to-go repaired",

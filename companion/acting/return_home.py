@@ -47,7 +47,7 @@ def flight_to(planner: Planner, place: str) -> Lasso | None:
 
     It asks for nothing that the skill that flies there would ask for otherwise.
     """
-    moves = planner.departures()
+    moves = planner.departures(place)
     move = next((action for action in moves if action.execute == (Fly(place),)), None)
     if move is None:
         return None

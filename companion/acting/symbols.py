@@ -15,7 +15,8 @@ from dataclasses import dataclass
 
 from companion.geometry import Ned, distance
 from companion.mission.model import Place
-from companion.motion.routes import RouteMap
+from companion.motion.routes import CELL_US, CELLS_PER_TICK, RouteMap
+from companion.slices import spent
 
 SAMPLES = 48
 INSIDE_M = 0.3
@@ -68,8 +69,11 @@ def is_free(routes: RouteMap, name: str, waypoint: Ned, start: Ned) -> bool:
 
 
 def is_reachable(routes: RouteMap, name: str, waypoint: Ned, start: Ned) -> bool:
-    """A way leads there."""
+    """A way leads there; it is searched in parts."""
     routes.aim(name, waypoint)
+    while not routes.search(start[:2], name, CELLS_PER_TICK):
+        spent(CELL_US * CELLS_PER_TICK)
+        routes.aim(name, waypoint)  # others may have chosen meanwhile
     return math.isfinite(routes.distance_m(start[:2], name))
 
 
@@ -111,6 +115,9 @@ class Symbols:
     def ground(self, name: str, start: Ned, now_s: float) -> bool:
         """Choose the waypoint of a symbol; False if none can be flown to, and it stays.
 
+        It takes long on a large map. Until the choice is made routes to the place may lead to a
+        waypoint that is only tried.
+
         Args:
             name: of the place.
             start: where the vehicle is.
@@ -118,16 +125,24 @@ class Symbols:
         """
         before = self._values[name]
         refused = [v.position for v in self._refused[name] if now_s - v.stamp_s < REFUSED_S]
-        for source, suggest in SUGGESTERS.items():
-            for waypoint in suggest(self._places[name], before):
+        try:
+            for waypoint, source in self._suggested(name):
                 if any(distance(waypoint, other) < SAME_M for other in refused):
                     continue
                 if all(passes(self._routes, name, waypoint, start) for passes in TESTS):
                     if waypoint != before.position:
                         self._values[name] = Value(waypoint, source, now_s)
                     return True
-        self._routes.aim(name, before.position)
-        return False
+            return False
+        finally:  # whether it is made or given up
+            self._routes.aim(name, self._values[name].position)
+
+    def _suggested(self, name: str) -> Iterator[tuple[Ned, str]]:
+        """Waypoints of a symbol, and who proposes them."""
+        place, value = self._places[name], self._values[name]
+        for source, suggest in SUGGESTERS.items():
+            for waypoint in suggest(place, value):
+                yield waypoint, source
 
     def follow_map(self, start: Ned, now_s: float) -> list[str]:
         """Choose anew where the map has taken a waypoint away, or the way to it; what moved."""

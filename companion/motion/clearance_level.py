@@ -26,6 +26,7 @@ from companion.motion.grid_graph import Cell
 from companion.motion.regions import Regions
 
 _LEVELS = 3  # above the least
+_MAX_STARTS = 1000  # of which the cell is kept
 _OPEN_SHARE = 1.5  # reach of an open disc, of the way straight out to the level's clearance
 
 
@@ -63,6 +64,7 @@ class ClearanceLevel:
         self._grid = grid
         self._clearance_m = clearance_m
         self.space = self._free_space()
+        self._plain: dict[NorthEast, Cell | None] = {}
         self._maps: DistanceMaps | None = None
 
     @property
@@ -82,6 +84,7 @@ class ClearanceLevel:
         """Takes over a map of which other cells are occupied; true if other cells are free now."""
         self._grid, before = grid, self.space
         self.space = self._free_space()
+        self._plain = {}
         if np.array_equal(before.free, self.space.free):
             return False
         if self._maps is not None:
@@ -108,6 +111,31 @@ class ClearanceLevel:
             self._grid, self.space.free | opened, self._room.is_inside, self._clearance_m
         )
 
+    def search(self, start: NorthEast, place: str, max_cells: int) -> int:
+        """Searches about `max_cells` cells for what `entry` asks for; about how many it took."""
+        if not self.is_connected(start, place):
+            return 0
+        return self.maps.search(place, max_cells, self._plain_cell(start))
+
+    def is_known(self, start: NorthEast, place: str) -> bool:
+        """Whether `entry` needs no search any more."""
+        is_known = self.maps.is_known(place, self._plain_cell(start))
+        return is_known or not self.is_connected(start, place)
+
+    def is_connected(self, start: NorthEast, place: str) -> bool:
+        """Whether free cells lead from near a start to a place, whatever regions lie between."""
+        goal = self._grid.cell(self._room.goals[place][:2])
+        return self.around(start).is_connected(start, goal)
+
+    def plain_entry(self, start: NorthEast, place: str) -> tuple[CostToGo, Cell] | None:
+        """The same as `entry`, quickly, for a start from whose own cell a path leads on."""
+        cell = self._plain_cell(start)
+        goal = self._grid.cell(self._room.goals[place][:2])
+        if cell is None or not self.space.are_connected(cell, goal):
+            return None
+        to_go = self.maps.cost_to_go(place, cell)
+        return (to_go, cell) if to_go and math.isfinite(to_go.cost[cell]) else None
+
     def entry(self, start: NorthEast, place: str, others: Regions) -> tuple[CostToGo, Cell] | None:
         """Where a route to a place enters the cells from which there is a way; None without any.
 
@@ -116,11 +144,17 @@ class ClearanceLevel:
             place: where it leads.
             others: the regions of other places, which the leg to that cell may not enter.
         """
-        space = self.around(start)
-        goal = self._grid.cell(self._room.goals[place][:2])
-        to_go = self.maps.cost_to_go(place) if space.is_connected(start, goal) else None
-        cell = space.entry(start, others, to_go.cost) if to_go else None
+        to_go = self.maps.cost_to_go(place) if self.is_connected(start, place) else None
+        cell = self.around(start).entry(start, others, to_go.cost) if to_go else None
         return (to_go, cell) if to_go and cell else None
+
+    def _plain_cell(self, start: NorthEast) -> Cell | None:
+        """Kept, since each place is a start of routes to all others."""
+        if start not in self._plain:
+            if len(self._plain) >= _MAX_STARTS:
+                self._plain.clear()
+            self._plain[start] = self.space.plain_cell(start, self._room.regions)
+        return self._plain[start]
 
     def _free_space(self) -> FreeSpace:
         is_inside = self._room.is_inside

@@ -1,31 +1,39 @@
 """Cost-to-go on the grid graph: each cell's distance to a goal, and the next cell on the path.
 
-A Dijkstra search from the goal against the direction of the edges finds it (scipy.sparse.csgraph).
-When the map has changed, only those cells are searched again whose path changes:
+Dijkstra searches from the goal against the direction of the edges find it (scipy.sparse.csgraph),
+some tiles of the map at a time, as the heap-cell method does it (Chacon and Vladimirsky, Fast
+two-scale methods for Eikonal equations, SIAM J. Sci. Comput. 34, 2012):
 
-1. The cells whose path uses an edge that is gone lose it. They, and those that new edges leave,
-   are searched from the cells around them, whose costs are those of real paths.
-2. Where an edge would then shorten the path of a cell around them, the region beyond is searched
-   too, and so on. In the end no edge shortens a path, and each cost is that of a real path: so
-   the costs are those of a new search, whichever regions were searched.
+1. A search finds the shortest paths from the cells of some tiles to those around them, whose costs
+   are those of real paths. Where an edge would then shorten the path of a cell around them, the
+   tile of that cell is to be searched next, with the least cost that a path from there would have.
+2. Tiles with the least such cost come first. Nearly all cells are so searched once only.
+3. In the end no edge shortens a path, and each cost is that of a real path: so they are shortest,
+   in whatever order tiles were searched.
+
+When the map has changed, only those cells are searched again whose path changes: those whose path
+uses an edge that is gone lose it, and new edges may shorten paths.
 
 Graphs, cells and flat indices are those of `grid_graph.py`.
 """
 
 from __future__ import annotations
 
+import math
+import sys
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy import sparse
+from scipy import ndimage, sparse
 from scipy.sparse import csgraph
 
-from companion.motion.grid_graph import Cell, Cells, GridGraph, Lengths, edge_lengths
+from companion.motion.grid_graph import OFFSETS, Cell, Cells, GridGraph, Lengths, edge_lengths
 
+ALL = sys.maxsize
+"""More cells than any map has."""
 _ROUNDING = 1e-9  # cells; paths that differ by less are equally long
-_MARGIN = 8  # cells around a region that is searched next
-_MARGIN_GROWTH = 2  # factor from one search to the next
+_TILE = 20  # cells along each side
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,13 +45,23 @@ class CostToGo:
         cost: (rows, cols) length of the path in cells, inf where there is none.
         next_cell: (rows * cols,) flat index of the next cell on a shortest path; the cell's own at
             the goal and where there is no path.
-        searched: number of cells that were searched to make or repair it.
+        searched: number of cells that were searched for it so far.
+        due: (tile rows, tile cols) the cost above which cells of a tile are to be searched, inf
+            where none is.
+        horizon: the least of these. All costs are those of real paths; up to here they are those
+            of shortest ones.
     """
 
     graph: GridGraph
     cost: Lengths
     next_cell: Cells
     searched: int
+    due: Lengths
+    horizon: float
+
+    def is_final(self, cell: Cell | None = None) -> bool:
+        """Whether the cost of a cell, or of all, is that of a shortest path."""
+        return self.horizon >= (self.cost[cell] if cell else math.inf)
 
     def path(self, start: Cell) -> npt.NDArray[np.int_]:
         """(n, 2) cells on the path from a cell that has one, up to the goal.
@@ -70,25 +88,56 @@ def cost_to_go(graph: GridGraph, goal: Cell) -> CostToGo:
     >>> cost_to_go(floor, (0, 0)).path((1, 3)).tolist()
     [[1, 3], [1, 2], [0, 0]]
     """
-    cost = np.full(graph.outgoing.shape, np.inf)
-    cost[goal] = 0.0
-    draft = _Draft(graph, cost, np.arange(cost.size))
-    draft.search(_flat((graph.outgoing != 0) & (cost > 0)))
-    return draft.finished()
+    return continued(begun(graph, goal), ALL)
 
 
 def repaired(previous: CostToGo, graph: GridGraph) -> CostToGo:
     """The shortest paths to the same goal on another graph; the goal is free on both maps."""
+    return continued(adapted(previous, graph), ALL)
+
+
+def begun(graph: GridGraph, goal: Cell) -> CostToGo:
+    """The cost-to-go of a free cell, before any search."""
+    cost = np.full(graph.outgoing.shape, np.inf)
+    cost[goal] = 0.0
+    draft = _Draft(graph, cost, np.arange(cost.size), _nothing_due(cost.shape))
+    draft.look_from(np.array([np.ravel_multi_index(goal, cost.shape)]))
+    return draft.result(searched=0)
+
+
+def adapted(previous: CostToGo, graph: GridGraph) -> CostToGo:
+    """The cost-to-go of the same goal on another graph, before it is searched again there.
+
+    Args:
+        previous: may be unfinished, too.
+        graph: on which the goal is still free.
+    """
     gone = previous.graph.outgoing & ~graph.outgoing
     new = graph.outgoing & ~previous.graph.outgoing
     has_lost = _has_lost(previous.next_cell, GridGraph(gone, gone)).reshape(gone.shape)
-    costs = np.where(has_lost, np.inf, previous.cost)
-    draft = _Draft(graph, costs, previous.next_cell.copy())
-    cells, margin = _flat((has_lost | (new != 0)) & (previous.cost > 0)), _MARGIN
-    while cells.size:
-        cells = draft.beyond(*draft.search(cells), margin)
-        margin *= _MARGIN_GROWTH
-    return draft.finished()
+    draft = _Draft(graph, previous.cost.copy(), previous.next_cell.copy(), previous.due.copy())
+    draft.forget(_flat(has_lost))
+    draft.look_at(_flat(_rim(has_lost) | (new != 0)))
+    return draft.result(searched=0)
+
+
+def continued(to_go: CostToGo, max_cells: int, cell: Cell | None = None) -> CostToGo:
+    """The cost-to-go after the search of about so many cells more.
+
+    Args:
+        to_go: as it is so far.
+        max_cells: see above.
+        cell: whose cost is to be final; without it those of all.
+    """
+    if to_go.is_final(cell):
+        return to_go
+    draft = _Draft(to_go.graph, to_go.cost.copy(), to_go.next_cell.copy(), to_go.due.copy())
+    searched = 0
+    while searched < max_cells and not draft.result(searched).is_final(cell):
+        cells = draft.due_cells(max_cells - searched)
+        draft.search(cells)
+        searched += len(cells)
+    return draft.result(to_go.searched + searched)
 
 
 def _has_lost(next_cell: Cells, gone: GridGraph) -> npt.NDArray[np.bool_]:
@@ -109,35 +158,68 @@ def _has_lost(next_cell: Cells, gone: GridGraph) -> npt.NDArray[np.bool_]:
     return lost
 
 
+def _rim(mask: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+    """The cells of a mask (rows, cols) from which an edge may lead out of it."""
+    reach = 2 * int(np.abs(OFFSETS).max()) + 1
+    return np.asarray(mask & ~ndimage.minimum_filter(mask, size=reach, mode="constant", cval=True))
+
+
 class _Draft:
-    """A cost-to-go that is not finished.
+    """A cost-to-go that is searched.
 
     Args:
         graph: the edges that a path may use.
         cost: (rows, cols) 0 at the goal; elsewhere the length of some real path, or inf. Changed.
         next_cell: (rows * cols,) the next cell on that path. Changed.
+        due: (tile rows, tile cols) see `CostToGo`. Changed.
     """
 
-    def __init__(self, graph: GridGraph, cost: Lengths, next_cell: Cells) -> None:
+    def __init__(self, graph: GridGraph, cost: Lengths, next_cell: Cells, due: Lengths) -> None:
         self._graph = graph
         self._shape = cost.shape
         self._cost = cost.reshape(-1)
         self._next_cell = next_cell
-        self._searched = 0
+        self._due = due
 
-    def finished(self) -> CostToGo:
-        """The result of the searches."""
+    def result(self, searched: int) -> CostToGo:
+        """The cost-to-go as it is now."""
         cost = self._cost.reshape(self._shape)
-        return CostToGo(self._graph, cost, self._next_cell, self._searched)
+        horizon = float(self._due.min())
+        return CostToGo(self._graph, cost, self._next_cell, searched, self._due, horizon)
 
-    def search(self, cells: Cells) -> tuple[Cells, Lengths]:
-        """Finds the shortest paths from some cells (n,) to those around them, and on from there.
+    def due_cells(self, max_cells: int) -> Cells:
+        """The cells to search next: of the tiles with the least costs, about so many in all."""
+        due = self._due.reshape(-1)
+        first = np.argsort(due, kind="stable")[: max(1, max_cells // _TILE**2)]
+        above = np.full(self._due.shape, np.inf)
+        above.reshape(-1)[first] = due[first]
+        due[first] = np.inf
+        rows, cols = self._shape
+        each = above.repeat(_TILE, axis=0)[:rows].repeat(_TILE, axis=1)[:, :cols]
+        is_due = self._cost.reshape(self._shape) > each
+        return _flat(is_due & (self._graph.outgoing != 0))
 
-        Returns:
-            (k,) cells around them that would have a shorter path by an edge to one of them.
-            (k,) its length.
-        """
-        self._searched += len(cells)
+    def forget(self, cells: Cells) -> None:
+        """Some cells have lost their paths."""
+        self._cost[cells] = np.inf
+        self._next_cell[cells] = cells
+
+    def look_at(self, cells: Cells) -> None:
+        """Notes those of some cells from which an edge makes a shorter path."""
+        near, costs = self._graph.successors(cells)
+        costs = np.min(costs + self._cost.take(near, mode="clip"), axis=1)
+        is_shorter = costs < self._cost[cells] - _ROUNDING
+        self._note(cells[is_shorter], costs[is_shorter])
+
+    def look_from(self, cells: Cells) -> None:
+        """Notes the cells from which an edge to one of some cells makes a shorter path."""
+        origins, costs = self._graph.predecessors(cells)
+        costs += self._cost[cells][:, None]
+        is_shorter = costs < self._cost.take(origins, mode="clip") - _ROUNDING
+        self._note(origins[is_shorter], costs[is_shorter])
+
+    def search(self, cells: Cells) -> None:
+        """Finds the shortest paths from some cells (n,) to those around them, and on from there."""
         subgraph = _Subgraph(self._graph, cells)
         rim = cells[subgraph.rim]
         near, exits = self._graph.successors(rim)
@@ -148,29 +230,17 @@ class _Draft:
         self._next_cell[cells] = np.where(following >= 0, cells.take(following, mode="clip"), cells)
         is_exit = following[subgraph.rim] > len(cells)
         self._next_cell[rim[is_exit]] = near[best][is_exit]
+        self.look_from(rim)
 
-        origins, lengths = self._graph.predecessors(rim)
-        costs = cost[subgraph.rim][:, None] + lengths
-        is_shorter = costs < self._cost.take(origins, mode="clip") - _ROUNDING
-        is_shorter &= subgraph.is_outside(origins)
-        return origins[is_shorter], costs[is_shorter]
+    def _note(self, cells: Cells, costs: Lengths) -> None:
+        """Cells above some cost are due in the tiles of some cells (k,)."""
+        rows, cols = np.divmod(cells, self._shape[1])
+        np.minimum.at(self._due, (rows // _TILE, cols // _TILE), costs)
 
-    def beyond(self, cells: Cells, costs: Lengths, margin: int) -> Cells:
-        """The cells to search next: where paths may be shorter, in a rectangle and a margin.
 
-        Args:
-            cells: (k,) whose path is shorter.
-            costs: (k,) its length.
-            margin: in cells.
-        """
-        if not cells.size:
-            return cells
-        row, col = np.divmod(cells, self._shape[1])
-        south, west = np.maximum((row.min() - margin, col.min() - margin), 0)
-        window = np.s_[south : row.max() + margin + 1, west : col.max() + margin + 1]
-        is_next = np.zeros(self._shape, dtype=np.bool_)
-        is_next[window] = self._cost.reshape(self._shape)[window] > costs.min()
-        return _flat(is_next & (self._graph.outgoing != 0))
+def _nothing_due(shape: tuple[int, ...]) -> Lengths:
+    """(tile rows, tile cols) for a map."""
+    return np.full([-(-edge // _TILE) for edge in shape], np.inf)
 
 
 class _Subgraph:
@@ -186,24 +256,19 @@ class _Subgraph:
 
     def __init__(self, graph: GridGraph, cells: Cells) -> None:
         self._count = count = len(cells)
-        self._number = np.full(graph.incoming.size, count, dtype=np.int32)
-        self._number[cells] = np.arange(count, dtype=np.int32)
-        # Rows of 16, and space for one more row. Column by column, since large arrays in between
-        # would cost more than all the rest.
+        number = np.full(graph.incoming.size, count, dtype=np.int32)
+        number[cells] = np.arange(count, dtype=np.int32)
+        # Rows of 16, and space for one more row.
         steps = graph.index_steps
         rows = (count, len(steps))
         size = count * len(steps)
         self._ends, self._lengths = np.empty(size + count, np.int32), np.empty(size + count)
         edge_lengths(graph.incoming.ravel()[cells], out=self._lengths[:size].reshape(rows))
-        ends, is_rim = self._ends[:size].reshape(rows), np.zeros(count, dtype=np.bool_)
-        for column, step in zip(ends.T, steps, strict=True):
-            column[:] = self._number.take(cells + step, mode="clip")
-            is_rim |= column == count
-        (self.rim,) = np.nonzero(is_rim)
-
-    def is_outside(self, cells: Cells) -> npt.NDArray[np.bool_]:
-        """Whether cells (...) are none of those of the subgraph."""
-        return np.asarray(self._number.take(cells, mode="clip") == self._count)
+        columns = np.empty(rows[::-1], np.int32)  # each is looked up at once, which is quicker
+        for column, step in zip(columns, steps, strict=True):
+            number.take(cells + step, mode="clip", out=column)
+        self._ends[:size].reshape(rows)[:] = columns.T
+        (self.rim,) = np.nonzero(np.any(columns == count, axis=0))
 
     def shortest(self, exits: Lengths) -> tuple[Lengths, npt.NDArray[np.int32]]:
         """A Dijkstra search from around the cells.

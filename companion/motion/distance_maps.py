@@ -1,8 +1,8 @@
 """Distance maps: the cost-to-go of every place on the map as it is known now.
 
-The cost-to-go of a place (`cost_to_go.py`) is computed when it is first asked for. When it is
-asked for after a change of the map, it is repaired from its last state. With many places that
-takes a while, so `find` does it in parts.
+The cost-to-go of a place (`cost_to_go.py`) is searched when it is first asked for. When it is
+asked for after a change of the map, it is repaired from its last state. On a large map, or with
+many places, that takes a while, so `search` and `find` do it in parts.
 """
 
 from __future__ import annotations
@@ -12,12 +12,12 @@ from collections.abc import Mapping
 import numpy as np
 import numpy.typing as npt
 
-from companion.motion.cost_to_go import CostToGo, cost_to_go, repaired
-from companion.motion.grid_graph import GridGraph, edges_entering, grid_graph, union
+from companion.motion.cost_to_go import ALL, CostToGo, adapted, begun, continued
+from companion.motion.grid_graph import Cell, GridGraph, edges_entering, grid_graph, overlap, union
 from companion.motion.line_of_sight import Points
 from companion.motion.regions import Regions
 
-_REPAIR_OVERHEAD = 2000  # cells that a search covers in the time that the smallest repair takes
+_LOOK_SHARE = 0.05  # of the time in which a cell is searched: what a look at each cell takes
 
 
 class DistanceMaps:
@@ -36,43 +36,75 @@ class DistanceMaps:
         self._regions = regions
         discs = zip(regions.names, regions.centres, regions.radii, strict=True)
         self._entering = {name: edges_entering(free.shape, *disc) for name, *disc in discs}
-        self._barred: dict[str, GridGraph] = {}
-        self._outdated: dict[str, CostToGo] = {}
+        self._entering_any = union(self._entering.values(), free.shape)
+        self._entering_several = overlap(self._entering.values(), free.shape)
+        self._former: dict[str, CostToGo] = {}
         self.see(free)
 
     def see(self, free: npt.NDArray[np.bool_]) -> None:
         """Takes over other free cells of the same map."""
         self._free = free
         self._graph: GridGraph | None = None  # made when a cost-to-go is asked for
-        self._found: dict[str, CostToGo | None] = {}
+        self._present: dict[str, CostToGo | None] = {}
 
     def aim(self, place: str, goal: Points) -> None:
         """Lets the paths to a place end at another point."""
         self._goals[place] = goal
-        self._found.pop(place, None)
-        self._outdated.pop(place, None)
+        self._present.pop(place, None)
+        self._former.pop(place, None)
 
     def find(self, max_cells: int) -> bool:
         """Searches about `max_cells` cells for what is not known yet; True once all is known."""
         for place in self._goals:
-            if place not in self._found:
+            while not self.is_known(place):
                 if max_cells <= 0:
                     return False
-                found = self.cost_to_go(place)
-                max_cells -= max(found.searched, _REPAIR_OVERHEAD) if found else 0
+                max_cells -= self.search(place, max_cells)
         return True
 
-    def cost_to_go(self, place: str) -> CostToGo | None:
-        """The cost-to-go of a place; None if the place cannot be reached from its own cell.
+    def is_known(self, place: str, cell: Cell | None = None) -> bool:
+        """Whether the cost-to-go of a place from a cell, or from all, needs no search any more."""
+        if place not in self._present:
+            return False
+        to_go = self._present[place]
+        return to_go is None or to_go.is_final(cell)
+
+    def search(self, place: str, max_cells: int, cell: Cell | None = None) -> int:
+        """Searches about `max_cells` cells for the cost-to-go of a place from a cell, or from all.
+
+        Returns:
+            About how many cells could be searched in the time that this took.
 
         Raises:
             KeyError: there is no such place.
         """
-        if place not in self._found:
-            self._found[place] = self._search(place)
-        return self._found[place]
+        used = 0
+        if place not in self._present:
+            self._present[place] = self._begun(place)
+            used = int(_LOOK_SHARE * self._free.size)
+        to_go = self._present[place]
+        if to_go is not None:
+            now = continued(to_go, max(1, max_cells - used), cell)
+            self._present[place] = self._former[place] = now
+            used += now.searched - to_go.searched
+        return used
 
-    def _search(self, place: str) -> CostToGo | None:
+    def cost_to_go(self, place: str, cell: Cell | None = None) -> CostToGo | None:
+        """The cost-to-go of a place; None if the place cannot be reached from its own cell.
+
+        Args:
+            place: one of the places.
+            cell: the only one whose path is asked for, if any.
+
+        Raises:
+            KeyError: there is no such place.
+        """
+        if not self.is_known(place, cell):
+            self.search(place, ALL)
+        return self._present[place]
+
+    def _begun(self, place: str) -> CostToGo | None:
+        """The cost-to-go of a place on the present map, before it is searched there."""
         goal = self._goals[place]
         row, col = np.floor(goal).astype(int).tolist()
         rows, cols = self._free.shape
@@ -82,15 +114,13 @@ class DistanceMaps:
         if self._regions.without(place).are_entered(centre, goal):
             return None
         graph = self._allowed(place)
-        previous = self._outdated.get(place)
-        found = repaired(previous, graph) if previous else cost_to_go(graph, (row, col))
-        self._outdated[place] = found
-        return found
+        former = self._former.get(place)
+        return adapted(former, graph) if former else begun(graph, (row, col))
 
     def _allowed(self, place: str) -> GridGraph:
         """The edges that a path to a place may use."""
         self._graph = self._graph or grid_graph(self._free)
-        if place not in self._barred:
-            others = (edges for name, edges in self._entering.items() if name != place)
-            self._barred[place] = union(others, self._free.shape)
-        return self._graph.without(self._barred[place])
+        barred = self._entering_any
+        if place in self._entering:
+            barred = barred.without(self._entering[place].without(self._entering_several))
+        return self._graph.without(barred)

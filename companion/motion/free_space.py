@@ -118,6 +118,19 @@ class FreeSpace:
             return False
         return bool(np.any(self._parts[self._near(self.grid.cell(start))] == self._parts[goal]))
 
+    def are_connected(self, a: Cell, b: Cell) -> bool:
+        """Whether free cells lead from one cell to another."""
+        return self.is_free(a) and self.is_free(b) and bool(self._parts[a] == self._parts[b])
+
+    def plain_cell(self, start: NorthEast, regions: Regions) -> Cell | None:
+        """The cell of a start that is well inside a free one, and at the border of no region.
+
+        The leg to the centre of the cell is then clear and enters no region. Most starts are
+        plain, and the test is quick.
+        """
+        cell = self.grid.cell(start)
+        return cell if self._is_plain(self.point(start), cell, regions) else None
+
     def entry(
         self, start: NorthEast, others: Regions, cost: npt.NDArray[np.float64]
     ) -> Cell | None:
@@ -128,10 +141,11 @@ class FreeSpace:
             others: regions that the leg may not enter.
             cost: (rows, cols) cost-to-go; inf where there is no path.
         """
-        own_cell, point = self.grid.cell(start), self.point(start)
-        if self._is_plain(point, own_cell, others) and math.isfinite(cost[own_cell]):
-            return own_cell
-        view = self._view(start, own_cell)
+        plain = self.plain_cell(start, others)
+        if plain is not None and math.isfinite(cost[plain]):
+            return plain
+        point = self.point(start)
+        view = self._view(start, self.grid.cell(start))
         cells = view.cells[np.isfinite(cost[view.cells[:, 0], view.cells[:, 1]])]
         near = others.near(point, self._reach + 1)
         if near.names:
@@ -174,11 +188,7 @@ class FreeSpace:
         return row, col
 
     def _is_plain(self, point: Points, cell: Cell, others: Regions) -> bool:
-        """Whether a start is well inside a free cell and not at the border of a region.
-
-        The leg to the centre of the cell is then clear and enters no region. Most starts are
-        plain, and the test is quick.
-        """
+        """Whether a start is well inside a free cell and not at the border of a region."""
         if not self.is_free(cell):
             return False
         row, col = point.tolist()

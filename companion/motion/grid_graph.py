@@ -138,6 +138,15 @@ def union(graphs: Iterable[GridGraph], shape: Cell) -> GridGraph:
     return found
 
 
+def overlap(graphs: Iterable[GridGraph], shape: Cell) -> GridGraph:
+    """The edges that at least two of several graphs of the same map have."""
+    seen, found = empty_graph(shape), empty_graph(shape)
+    for graph in graphs:
+        found = union((found, seen.without(seen.without(graph))), shape)
+        seen = union((seen, graph), shape)
+    return found
+
+
 def edge_lengths(bits: EdgeBits, out: Lengths | None = None) -> Lengths:
     """(n, 16) lengths of the edges at some cells (n,), inf where there is none."""
     return _length_table().take(bits, axis=0, out=out, mode="clip")

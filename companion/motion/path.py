@@ -127,5 +127,13 @@ class Path:
         here = self.pieces[index].chords(along_m - self._begins_m[index])
         return np.vstack([here, *(piece.chords(0.0)[1:] for piece in self.pieces[index + 1 :])])
 
+    def between(self, begin_m: float, end_m: float) -> npt.NDArray[np.float64]:
+        """(n, 3) such points from one distance along it to another, n >= 2."""
+        points = self.ahead(begin_m)
+        along_m = np.cumsum(np.linalg.norm(np.diff(points, axis=0, prepend=points[:1]), axis=1))
+        room_m = max(0.0, end_m - begin_m)
+        last = [np.interp(room_m, along_m, axis) for axis in points.T]
+        return np.vstack([points[:1], points[1:][along_m[1:] < room_m], last])
+
     def _index(self, along_m: float) -> int:
         return max(0, bisect_right(self._begins_m, along_m) - 1)

@@ -33,6 +33,11 @@ from companion.motion.regions import Regions
 from companion.motion.rounding import Waypoints, rounded
 from companion.motion.string_pulling import length, pull_string
 
+CELLS_PER_TICK = 10_000
+"""Cells that are searched at once: setpoints leave in the same loop."""
+CELL_US = 0.4
+"""What one takes, about."""
+
 
 @dataclass(frozen=True, slots=True)
 class PlaceRegion:
@@ -116,6 +121,24 @@ class RouteMap:
         first, *lower = self._levels
         used = [first, *(level for level in lower if level.is_used)]
         return all(level.maps.find(max_cells) for level in used)
+
+    def search(self, start: NorthEast, place: str, max_cells: int) -> bool:
+        """Searches about `max_cells` cells for the ways to a place; True once they are known.
+
+        Then `distance_m` and `route` from that start search nothing.
+
+        Raises:
+            KeyError: there is no such place.
+        """
+        if not self.is_connected(start, place):
+            return True
+        for level in self._levels:
+            max_cells -= level.search(start, place, max_cells)
+            if not level.is_known(start, place):
+                return False
+            if level.plain_entry(start, place) or level.entry(start, place, self._others[place]):
+                return True
+        return True
 
     def aim(self, place: str, goal: Ned) -> None:
         """Lets routes to a place end at another point; its region stays where it is."""
@@ -223,6 +246,8 @@ class RouteMap:
 
     def _entry(self, start: NorthEast, place: str) -> tuple[ClearanceLevel, CostToGo, Cell] | None:
         """Where a route to a place enters free cells, at the highest level that leads there."""
+        if entry := self._levels[0].plain_entry(start, place):
+            return (self._levels[0], *entry)
         if not self.is_connected(start, place):
             return None
         for level in self._levels:

@@ -107,6 +107,10 @@ class Trajectory:
         """(n, 3) points of the path that is left at a time, n >= 2."""
         return self.path.ahead(self.progress(t_s)[0])
 
+    def between(self, begin_s: float, end_s: float) -> npt.NDArray[np.float64]:
+        """(n, 3) points of the path that is flown from one time to another, n >= 2."""
+        return self.path.between(self.progress(begin_s)[0], self.progress(end_s)[0])
+
     def _course(self, t_s: float) -> float | None:
         """That of the latest leg that has one."""
         begun = bisect_right(self._courses, t_s, key=lambda course: course[0])

@@ -12,6 +12,7 @@ moves are instantiated again: other costs, and none without a route.
 from __future__ import annotations
 
 import logging
+import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
@@ -118,9 +119,13 @@ class Planner(Solver):
         known = self.model.beliefs
         return known | self._departures.beliefs if is_en_route else known
 
-    def departures(self) -> tuple[Action, ...]:
-        """The moves from `here` that exist now."""
-        return self._departures.actions(self.flight_time)
+    def departures(self, goal: str | None = None) -> tuple[Action, ...]:
+        """The moves from `here` that exist now, to some place or to all."""
+
+        def flight_time(origin: str, place: str) -> float:
+            return self.flight_time(origin, place) if goal in (None, place) else math.inf
+
+        return self._departures.actions(flight_time)
 
     def actions_of(self, tree: Tree) -> dict[str, tuple[Action, ...]]:
         """The actions that a tree names; those from `here` start wherever that may be.

@@ -26,7 +26,7 @@ from companion.mission.loader import load_mission
 from companion.mission.model import Mission
 from companion.motion.grid import OccupancyGrid
 from companion.motion.range_scan import RangeScan
-from companion.motion.routes import RouteMap
+from companion.motion.routes import CELLS_PER_TICK, RouteMap
 from companion.motion.sensed_map import SensedMap
 from companion.planning.flight_times import route_map
 from sitl.flight.controllers import Cascade, TrajectorySetpoint
@@ -78,6 +78,21 @@ def cost_to_go(runs: int) -> Iterator[Row]:
     peer = median(timed(lambda: ndimage.distance_transform_edt(free), runs))
     yield Row("cost-to-go of a place", ours, "ms", "scipy's EDT", peer)
     yield repairing(mission, runs)
+    yield searching(mission, runs)
+
+
+def searching(mission: Mission, runs: int) -> Row:
+    """The waypoint of a place moves, and the ways to it are searched in parts; the longest part."""
+    routes, home = route_map(mission), mission.places["Home"].position
+    north, east, down = mission.places["B"].position
+    took = []
+    for i in range(runs):
+        routes.aim("B", (north + 0.1 * (1 + i % 2), east, down))
+        parts = [timed(lambda: routes.search(home[:2], "B", CELLS_PER_TICK), 1)]
+        while not routes.search(home[:2], "B", 0):
+            parts.append(timed(lambda: routes.search(home[:2], "B", CELLS_PER_TICK), 1))
+        took.append(max(part for (part,) in parts))
+    return Row("cost-to-go in parts, longest", median(took), "ms")
 
 
 def repairing(mission: Mission, runs: int) -> Row:

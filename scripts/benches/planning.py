@@ -17,11 +17,12 @@ from benches.worlds import (
     Asked,
     interrupted,
     patrol,
+    patrol_in_a_hall,
     straight,
     target_found,
     with_implied_lines,
 )
-from companion.acting.preparation import anticipate_events
+from companion.acting.preparation import anticipate_events, prepare
 from companion.geometry import Ned
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
@@ -136,6 +137,10 @@ def large(runs: int) -> Iterator[Row]:
 
         took += timed(first, 1)
     yield Row("planner and first plan, 200 sites", median(took), "ms")
+    sites = 196 if runs >= 50 else 16
+    mission = patrol_in_a_hall(sites, 3, seed=0)
+    took = timed(lambda: prepare(mission), 1)
+    yield Row(f"preparation, {sites + 4} places in 60,000 cells", median(took), "ms")
 
 
 def _replan_ms(planner: Planner, asked: Asked) -> list[float]:

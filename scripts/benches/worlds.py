@@ -1,4 +1,4 @@
-"""The surveillance mission with more sites, at random places of an open square."""
+"""The surveillance mission with more sites, at random places of a square or of a walled hall."""
 
 from __future__ import annotations
 
@@ -6,17 +6,21 @@ import math
 import random
 from dataclasses import replace
 
+import numpy as np
+
 from benches import MISSION
 from companion.ltl.parser import parse
 from companion.mission.facts import HERE
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission, Place
+from companion.motion.grid import OccupancyGrid
 from companion.planning.instances import FlightTime
 from companion.planning.lasso import Letter, Problem
 from companion.planning.planner import Planner
 from companion.planning.task_state import TaskState
 
 SIDE_M = 100.0
+HALL_M, HALL_CELL_M = (40.0, 60.0), 0.2
 SPEED_MPS = 2.0
 Asked = tuple[Problem, list[list[Letter]]]
 """A problem, and what each conjunct has read."""
@@ -40,6 +44,38 @@ def patrol(sites: int, upload_sites: int, seed: int) -> Mission:
         sets={"Place": tuple(names), "UploadSite": tuple(uploads)},
         task={**mission.task, "search": parse(f"G ({search})")},
     )
+
+
+def patrol_in_a_hall(sites: int, upload_sites: int, seed: int) -> Mission:
+    """The same in a hall of 60,000 cells with five walls, each with three gaps."""
+    chance = random.Random(seed)
+    grid = OccupancyGrid(_walls(chance), HALL_CELL_M, (0.0, 0.0))
+    mission = patrol(sites, upload_sites, seed)
+    positions: list[tuple[float, float]] = []
+    while len(positions) < len(mission.places):
+        position = chance.uniform(1.0, HALL_M[0] - 1.0), chance.uniform(1.0, HALL_M[1] - 1.0)
+        is_apart = all(math.dist(position, other) > 1.0 for other in positions)
+        if is_apart and grid.clearance_m(position) > 0.8:
+            positions.append(position)
+    places = {
+        name: Place(name, (*position, -2.0), 0.5)
+        for name, position in zip(mission.places, positions, strict=True)
+    }
+    (north, east) = HALL_M
+    fence = ((0.0, 0.0), (north, 0.0), (north, east), (0.0, east))
+    return replace(mission, places=places, grid=grid, limits=replace(mission.limits, fence=fence))
+
+
+def _walls(chance: random.Random) -> np.ndarray[tuple[int, int], np.dtype[np.bool_]]:
+    rows, cols = (round(edge_m / HALL_CELL_M) for edge_m in HALL_M)
+    occupied = np.zeros((rows, cols), dtype=np.bool_)
+    for wall in range(1, 6):
+        col = round(cols * wall / 6)
+        occupied[:, col : col + 2] = True
+        for _ in range(3):
+            row = chance.randrange(rows - 20)
+            occupied[row : row + 18, col : col + 2] = False
+    return occupied
 
 
 def with_implied_lines(mission: Mission, sites: int, lines: int, seed: int) -> Mission:

@@ -1,13 +1,24 @@
-"""A cost-to-go repaired after any changes of the map is that of the map as it is then."""
+"""A cost-to-go repaired after any changes of the map, in any parts, is that of the map then."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 import numpy.typing as npt
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from companion.motion.cost_to_go import CostToGo, cost_to_go, repaired
+from companion.motion import cost_to_go as module
+from companion.motion.cost_to_go import (
+    CostToGo,
+    adapted,
+    begun,
+    continued,
+    cost_to_go,
+    repaired,
+)
 from companion.motion.grid_graph import GridGraph, edges_entering, grid_graph, union
 
 FAST = settings(max_examples=150, deadline=None, derandomize=True)
@@ -15,6 +26,14 @@ SHAPE = (24, 31)
 GOAL = (11, 9)
 
 Mask = npt.NDArray[np.bool_]
+
+
+@pytest.fixture(autouse=True, scope="module")
+def small_tiles() -> Iterator[None]:
+    """The maps are small, and have many tiles all the same."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "_TILE", 5)
+        yield
 
 
 @st.composite
@@ -106,3 +125,34 @@ def test_no_edge_makes_a_path_shorter(frees: list[Mask], without: GridGraph) -> 
     costs = (cost.take(ends, mode="clip") + lengths).min(axis=1).reshape(SHAPE)
     costs[GOAL] = 0.0
     np.testing.assert_allclose(to_go.cost, costs, rtol=0, atol=1e-9)
+
+
+@settings(FAST, max_examples=60)
+@given(maps(), barred(), st.integers(1, 200))
+def test_what_is_final_in_an_unfinished_search_stays(
+    frees: list[Mask], without: GridGraph, part: int
+) -> None:
+    """After each part, and where the map changes before the search has ended."""
+    graphs = [grid_graph(free).without(without) for free in frees]
+    to_go = begun(graphs[0], GOAL)
+    for graph in graphs:
+        to_go, new = adapted(to_go, graph), cost_to_go(graph, GOAL)
+        for _ in range(3):
+            final = [(r, c) for r, c in np.ndindex(SHAPE) if to_go.is_final((r, c))]
+            costs = [(to_go.cost[cell], new.cost[cell]) for cell in final]
+            np.testing.assert_allclose(*np.transpose(costs), rtol=0, atol=1e-9)
+            for cell in (cell for cell in final[::11] if np.isfinite(new.cost[cell])):
+                assert to_go.path(cell).tolist() == new.path(cell).tolist()
+            to_go = continued(to_go, part)
+    while not to_go.is_final():
+        to_go = continued(to_go, part)
+    np.testing.assert_allclose(to_go.cost, new.cost, rtol=0, atol=1e-9)
+
+
+@FAST
+@given(maps(), st.integers(0, SHAPE[0] - 1), st.integers(0, SHAPE[1] - 1))
+def test_a_search_for_one_cell_ends_with_its_cost(frees: list[Mask], row: int, col: int) -> None:
+    graph = grid_graph(frees[0])
+    to_go = continued(begun(graph, GOAL), module.ALL, (row, col))
+    assert to_go.is_final((row, col))
+    np.testing.assert_allclose(to_go.cost[row, col], cost_to_go(graph, GOAL).cost[row, col])

@@ -19,6 +19,7 @@ from companion.flight_events.facts import BeliefWithdrawn
 from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFailed
 from companion.flight_events.tree import LeafType
 from companion.mission.model import Command
+from companion.slices import InSlices
 from companion.vehicle.port import Failed, Progress
 
 
@@ -182,20 +183,40 @@ class UpdateParam(Leaf):
         super().__init__(flight, f"update_param {place}")
         self._place = place
         self._move = move
+        self._grounding: InSlices[bool] | None = None
+
+    def initialise(self) -> None:
+        """Begins with the waypoint of before, unless a flight to it has failed."""
+        flight, place, state = self._flight, self._place, self._flight.vehicle.state
+        self._before = flight.symbols[place]
+        self._has_failed = self._move.failed_at == flight.task.positions
+        if self._has_failed:
+            flight.symbols.refuse(place, flight.now_s)
+        if state is not None:
+            ground, here = flight.symbols.ground, state.position
+            self._grounding = InSlices(lambda: ground(place, here, flight.now_s))
 
     def update(self) -> Status:
-        """FAILURE if no waypoint of the place can be flown to on the map as it is known now."""
-        flight, place, state = self._flight, self._place, self._flight.vehicle.state
-        before = flight.symbols[place]
-        has_failed = self._move.failed_at == flight.task.positions
-        if has_failed:
-            flight.symbols.refuse(place, flight.now_s)
-        if state is None or not flight.symbols.ground(place, state.position, flight.now_s):
-            last_failure = self._move.feedback_message if has_failed else ""
+        """FAILURE if no waypoint of the place can be flown to on the map as it is known now.
+
+        A search for ways may take some ticks; the vehicle holds meanwhile.
+        """
+        flight, place, grounding = self._flight, self._place, self._grounding
+        if grounding is not None and not grounding.step():
+            flight.hold()
+            return Status.RUNNING
+        if grounding is None or not grounding.result:
+            last_failure = self._move.feedback_message if self._has_failed else ""
             return self.fail(last_failure or f"no waypoint of {place} can be flown to")
-        if flight.symbols[place] is not before:
+        if flight.symbols[place] is not self._before:
             flight.tell_symbol(place)
         return Status.SUCCESS
+
+    def terminate(self, new_status: Status) -> None:
+        """Leaves a waypoint that is only tried."""
+        if self._grounding is not None:
+            self._grounding.abandon()
+            self._grounding = None
 
 
 class SendCommand(Leaf):

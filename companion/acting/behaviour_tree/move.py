@@ -12,9 +12,9 @@ from companion.acting.behaviour_tree.leaf import Leaf
 from companion.acting.flight import TICK_S, Flight
 from companion.flight_events.skills import RouteBlocked, RouteResponse
 from companion.flight_events.tree import LeafType
-from companion.geometry import NorthEast, distance
+from companion.geometry import Ned, NorthEast, distance
 from companion.motion.profile import SpeedLimits
-from companion.motion.routes import Route
+from companion.motion.routes import CELLS_PER_TICK, Route
 from companion.motion.trajectory import (
     AT_REST,
     Sample,
@@ -83,6 +83,7 @@ class MoveCommand(Leaf):
     ) -> None:
         super().__init__(flight, f"move_cmd {place}")
         self.failed_at: int | None = None
+        self._is_searching = False  # for the ways that the last route asked for takes
         self._place = place
         self._timeout_s = timeout_s
         self._heading = FlightHeading(flight, place, look_at)
@@ -98,13 +99,17 @@ class MoveCommand(Leaf):
         self._start_s = self._flight.now_s
 
     def _begin(self, state: VehicleState) -> None:
-        """A new route; a stop that is under way goes on while there is none at this speed."""
+        """A new route; without one at this speed a stop that is under way goes on.
+
+        While the ways are being searched the vehicle holds.
+        """
         now, is_stopping = self._told_motion(state), self._flight.stop is not None
         self._is_turning = is_stopping and _across_mps2(now) > STRAIGHT_MPS2
         self._trajectory = None if self._is_turning else self._from_motion(now, self._gentle(now))
-        self._is_waiting = self._trajectory is None and is_stopping
+        is_possible = not is_stopping and (self._trajectory or self._knows_ways(now.position))
+        self._is_waiting = self._trajectory is None and not is_possible
         self._time_s = 0.0
-        if self._trajectory is None and not is_stopping:
+        if self._trajectory is None and not self._is_waiting:
             self._trajectory = self._from_rest(now)
             self._time_s = -TICK_S  # its acceleration is told early; so it grows more gently
         self._is_braking = False
@@ -119,6 +124,12 @@ class MoveCommand(Leaf):
         is_straight = self._is_turning and _across_mps2(self._told_motion(state)) <= STRAIGHT_MPS2
         if self._flight.stop is None or is_straight:
             self._begin(state)
+
+    def _knows_ways(self, start: Ned) -> bool:
+        """Whether a route from there takes no search any more; else does a tick's part of it."""
+        is_known = self._flight.routes.search(start[:2], self._place, CELLS_PER_TICK)
+        self._is_searching = not is_known
+        return is_known
 
     def _told_motion(self, state: VehicleState) -> Sample:
         """The motion that the vehicle is told, if it follows that; else its own."""
@@ -142,10 +153,13 @@ class MoveCommand(Leaf):
         )
 
     def _from_motion(self, now: Sample, limits: SpeedLimits) -> Trajectory | None:
-        """A trajectory that begins at some speed; None if there is none, or hardly any speed."""
+        """A trajectory that begins at some speed; None without one or its ways, or hardly fast."""
+        self._is_searching = False
         if math.hypot(*now.velocity) <= SLOW_MPS:
             return None
         stop = run_out(now.position, now.velocity, now.acceleration, limits)
+        if not self._knows_ways(stop):
+            return None
         route = self._flight.routes.route_from_motion(now.position, stop, self._place)
         return _along(route, limits, now) if route else None
 
@@ -161,6 +175,7 @@ class MoveCommand(Leaf):
         if state is not None and self._is_waiting:
             self._wait(state)
             if self._is_waiting:
+                flight.hold()
                 return Status.RUNNING
         self._advance()
         if state is not None:
@@ -241,15 +256,21 @@ class MoveCommand(Leaf):
             return
         if self._is_braking:
             has_stopped = math.hypot(*state.velocity) <= SLOW_MPS
-            if has_stopped and trajectory.sample(self._time_s).is_finished:
-                self._adopt(self._from_rest(self._told_motion(state)), is_braking=False)
+            told = self._told_motion(state)
+            has_stopped = has_stopped and trajectory.sample(self._time_s).is_finished
+            if has_stopped and self._knows_ways(told.position):
+                self._adopt(self._from_rest(told), is_braking=False)
         elif isinstance(trajectory, Trajectory) and self._map_version != routes.version:
-            self._map_version = routes.version
-            if not routes.is_clear(trajectory.ahead(self._time_s)):
+            if routes.is_clear(trajectory.ahead(self._time_s)):
+                self._map_version = routes.version
+            else:
                 self._avoid(trajectory)
 
     def _avoid(self, trajectory: Trajectory) -> None:
-        """Another route without a stop, or a stop along the path."""
+        """Another route without a stop, or a stop along the path.
+
+        While the ways are being searched it is flown on as far as it leaves clear room to stop.
+        """
         now = trajectory.sample(self._time_s).slower(self._rate)
         around = self._from_motion(now, self._flight.speed_limit.for_trajectory)
         if around is not None:
@@ -259,7 +280,12 @@ class MoveCommand(Leaf):
             self._flight.speed_limit.for_trajectory,
             acceleration_mps2=self._flight.profile.braking_mps2,
         )
-        self._adopt(_stop(trajectory, self._time_s, now, braking), is_braking=True)
+        stop = _stop(trajectory, self._time_s, now, braking)
+        if stop is not None and self._is_searching:
+            room = trajectory.between(self._time_s, self._time_s + stop.duration_s + 2 * TICK_S)
+            if self._flight.routes.is_clear(room):
+                return
+        self._adopt(stop, is_braking=True)
 
     def _adopt(self, trajectory: Trajectory | Stop | None, is_braking: bool) -> None:
         self._trajectory, self._is_braking = trajectory, is_braking

@@ -18,11 +18,10 @@ from dataclasses import dataclass
 from companion.acting.flight import Flight
 from companion.flight_events.facts import PlacesConnected, PlacesCutOff
 from companion.mission.facts import Fact, spelled
+from companion.motion.routes import CELL_US, CELLS_PER_TICK
 from companion.planning.planner import Planner
+from companion.slices import Question, spent
 
-CELLS_PER_TICK = 10_000
-"""Searched in about 4 ms, and setpoints leave in the same loop; only the last search of a tick may
-be one of the whole map, 10 ms for 30,000 cells."""
 SHOWN = 6
 """So many beliefs are named at most."""
 
@@ -54,6 +53,7 @@ class Reachability:
         self._costed_at = flight.speed_limit.version
         self._cut_off = self._unreachable()
         self._searched_on = self._instantiated_on
+        self._searching = Question[bool]()
         self.has_changed = False
 
     def look(self) -> None:
@@ -71,10 +71,23 @@ class Reachability:
         return self._flight.routes.version in (self._instantiated_on, self._searched_on)
 
     def search(self) -> None:
-        """Finds some of the routes that are not known yet: a part that fits into a tick."""
-        routes = self._flight.routes
-        if not self.is_known and routes.find(CELLS_PER_TICK):
-            self._searched_on = routes.version
+        """Finds some of the routes that are not known yet: a slice of it."""
+        version = self._flight.routes.version
+        if not self.is_known and self._searching.ask(version, self._find):
+            self._searched_on = version
+
+    def _find(self) -> bool:
+        """Finds all routes, to other waypoints where the map has taken some away."""
+        self._ground()
+        while not self._flight.routes.find(CELLS_PER_TICK):
+            spent(CELL_US * CELLS_PER_TICK)
+        return True
+
+    def _ground(self) -> None:
+        flight, state = self._flight, self._flight.vehicle.state
+        if state is not None:
+            for place in flight.symbols.follow_map(state.position, flight.now_s):
+                flight.tell_symbol(place)
 
     def follow(self) -> BeliefChange:
         """Takes over what moves cost on the map, and at the speed limit, as they are now.
@@ -85,8 +98,7 @@ class Reachability:
         is_map_new = self._instantiated_on != flight.routes.version
         if state is not None and (is_map_new or self._costed_at != flight.speed_limit.version):
             followed = flight.routes.version, flight.speed_limit.version
-            for place in flight.symbols.follow_map(state.position, flight.now_s):
-                flight.tell_symbol(place)
+            self._ground()
             self._planner.reinstantiate()
             self._instantiated_on, self._costed_at = followed
             self._cut_off = self._unreachable()

@@ -17,6 +17,7 @@ from companion.geometry import Ned, distance, horizontal_distance
 from companion.mission.model import Place
 from companion.motion.grid import OccupancyGrid
 from companion.motion.routes import PlaceRegion, RouteMap
+from companion.slices import InSlices
 
 HOME: Ned = (0.0, 0.0, -2.0)
 WIDE = Place("A", (5.0, 0.0, -2.0), 2.0)
@@ -29,6 +30,11 @@ def world(*blocked: tuple[float, float]) -> tuple[Symbols, RouteMap]:
         grid(*blocked), {"A": PlaceRegion(WIDE.position, WIDE.radius_m, False)}, FENCE, 0.6
     )
     return Symbols({"A": WIDE}, routes), routes
+
+
+def grounded(symbols: Symbols, now_s: float) -> bool:
+    """Whether A has a waypoint."""
+    return symbols.ground("A", HOME, now_s)
 
 
 def grid(*blocked: tuple[float, float]) -> OccupancyGrid:
@@ -54,13 +60,13 @@ def test_samples_lie_in_the_region_and_apart(radius_m: float) -> None:
 def test_what_can_be_flown_to_stays_as_it_is() -> None:
     symbols, _ = world()
     before = symbols["A"]
-    assert symbols.ground("A", HOME, 3.0)
+    assert grounded(symbols, 3.0)
     assert symbols["A"] is before == Value(WIDE.position, "the mission", 0.0)
 
 
 def test_an_obstacle_in_the_place_moves_its_waypoint_within_the_region() -> None:
     symbols, routes = world((5.0, 0.0))
-    assert symbols.ground("A", HOME, 3.0)
+    assert grounded(symbols, 3.0)
     value = symbols["A"]
     assert (value.source, value.stamp_s) == ("samples of the region", 3.0)
     assert horizontal_distance(value.position, WIDE.position) <= WIDE.radius_m - INSIDE_M
@@ -72,14 +78,14 @@ def test_an_obstacle_in_the_place_moves_its_waypoint_within_the_region() -> None
 def test_after_a_failure_another_waypoint_is_taken_and_the_first_one_again_later() -> None:
     symbols, _ = world()
     symbols.refuse("A", 1.0)
-    assert symbols.ground("A", HOME, 2.0)
+    assert grounded(symbols, 2.0)
     second = symbols["A"].position
     assert distance(second, WIDE.position) >= SAME_M
     symbols.refuse("A", 3.0)
-    assert symbols.ground("A", HOME, 4.0)
+    assert grounded(symbols, 4.0)
     assert min(distance(symbols["A"].position, p) for p in (second, WIDE.position)) >= SAME_M
     symbols.refuse("A", 5.0)
-    assert symbols.ground("A", HOME, 5.0 + REFUSED_S - 1.0)
+    assert grounded(symbols, 5.0 + REFUSED_S - 1.0)
     assert symbols["A"].position == WIDE.position  # its refusal is over, the others' are not
 
 
@@ -87,7 +93,7 @@ def test_a_region_without_a_free_waypoint_cannot_be_grounded_and_stays() -> None
     everywhere = [(n / 2, e / 2) for n in range(4, 17) for e in range(-6, 7)]
     symbols, routes = world(*everywhere)
     before = symbols["A"]
-    assert not symbols.ground("A", HOME, 1.0)
+    assert not grounded(symbols, 1.0)
     assert symbols["A"] is before
     assert routes.distance_m(HOME[:2], "A") == math.inf
 
@@ -98,17 +104,49 @@ def test_a_waypoint_beyond_a_wall_is_not_taken() -> None:
     place = Place("A", (7.0, 0.0, -2.0), 2.5)
     routes = RouteMap(grid(*wall), {"A": PlaceRegion(place.position, 2.5, False)}, FENCE, 0.6)
     symbols = Symbols({"A": place}, routes)
-    assert symbols.ground("A", HOME, 1.0)
+    assert grounded(symbols, 1.0)
     assert symbols["A"].position[0] < 7.0
 
 
 def test_a_map_that_changes_moves_only_what_it_takes_away() -> None:
     symbols, routes = world()
-    assert symbols.follow_map(HOME, 1.0) == []
+    assert list(symbols.follow_map(HOME, 1.0)) == []
     routes.see(grid((5.0, 0.0)))
-    assert symbols.follow_map(HOME, 2.0) == ["A"]
+    assert list(symbols.follow_map(HOME, 2.0)) == ["A"]
     routes.see(grid())
-    assert symbols.follow_map(HOME, 3.0) == []  # it stays where it is now
+    assert list(symbols.follow_map(HOME, 3.0)) == []  # it stays where it is now
+
+
+def in_small_slices(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("companion.acting.symbols.CELLS_PER_TICK", 500)
+    monkeypatch.setattr("companion.slices.SLICE_US", 100)
+
+
+def test_a_choice_is_made_in_slices(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same one as at once; if it is given up, routes lead to the waypoint of before."""
+    at_once, _ = world((5.0, 0.0))
+    assert grounded(at_once, 3.0)
+    in_small_slices(monkeypatch)
+    symbols, routes = world((5.0, 0.0))
+    given_up, choice = (InSlices(lambda: grounded(symbols, 3.0)) for _ in range(2))
+    assert not given_up.step()
+    given_up.abandon()
+    assert routes.goal("A") == symbols["A"].position == WIDE.position
+    ticks = 1
+    while not choice.step():
+        ticks += 1
+    assert choice.result and ticks > 2
+    assert routes.goal("A") == symbols["A"].position == at_once["A"].position
+
+
+def test_two_choices_at_a_time_end_as_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    in_small_slices(monkeypatch)
+    symbols, routes = world((5.0, 0.0))
+    choices = [InSlices(lambda: grounded(symbols, 3.0)) for _ in range(2)]
+    while not all([choice.step() for choice in choices]):
+        pass
+    assert all(choice.result for choice in choices)
+    assert routes.goal("A") == symbols["A"].position != WIDE.position
 
 
 # -- in flight -------------------------------------------------------------------------------------

@@ -9,8 +9,15 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from companion.motion.cost_to_go import CostToGo, cost_to_go, repaired
-from companion.motion.grid_graph import Cell, edges_entering, grid_graph, union
+from companion.motion.cost_to_go import (
+    CostToGo,
+    adapted,
+    begun,
+    continued,
+    cost_to_go,
+    repaired,
+)
+from companion.motion.grid_graph import Cell, edges_entering, grid_graph, overlap, union
 from companion.motion.line_of_sight import LineOfSight
 
 
@@ -108,3 +115,61 @@ def test_a_repair_searches_where_paths_have_changed_alone() -> None:
     cleared = repaired(filled, grid_graph(hall))
     assert 0 < cleared.searched < 0.15 * empty.searched
     assert repaired(cleared, grid_graph(hall)).searched == 0
+
+
+def test_edges_into_several_regions_are_their_overlap() -> None:
+    """What is barred to the paths to a place: the edges into all other regions."""
+    shape = (20, 20)
+    discs = [((8.0, 8.0), 4.0), ((8.0, 12.0), 4.0), ((11.0, 10.0), 3.5), ((3.0, 17.0), 2.0)]
+    entering = [edges_entering(shape, np.array(centre), radius) for centre, radius in discs]
+    every, several = union(entering, shape), overlap(entering, shape)
+    assert several.outgoing.any()
+    for own in entering:
+        others = union((edges for edges in entering if edges is not own), shape)
+        barred = every.without(own.without(several))
+        assert np.array_equal(barred.outgoing, others.outgoing)
+        assert np.array_equal(barred.incoming, others.incoming)
+
+
+PART = 3000  # cells
+
+
+def hall_with_walls() -> npt.NDArray[np.bool_]:
+    """Three walls that leave a gap each, now on one side and now on the other."""
+    free = np.ones((200, 300), dtype=np.bool_)
+    free[:150, 75] = free[50:, 150] = free[:150, 225] = False
+    return free
+
+
+@pytest.mark.parametrize("goal", [(5, 5), (100, 149), (199, 299)])
+def test_a_search_in_parts_searches_nearly_every_cell_once(goal: Cell) -> None:
+    free = hall_with_walls()
+    to_go, parts = begun(grid_graph(free), goal), [0]
+    while not to_go.is_final():
+        to_go = continued(to_go, PART)
+        parts.append(to_go.searched)
+    assert max(np.diff(parts)) <= PART + 400  # a tile more
+    assert free.sum() - 1 <= to_go.searched <= 1.15 * free.sum()
+    np.testing.assert_allclose(to_go.cost, cost_to_go(grid_graph(free), goal).cost)
+
+
+def test_a_repair_close_to_the_goal_is_done_in_parts_as_well() -> None:
+    """A door beside the goal closes: nearly all paths are lost."""
+    hall = hall_with_walls()
+    closed = hall.copy()
+    closed[150:185, 75] = False
+    to_go = adapted(on_map(hall, (160, 20)), grid_graph(closed))
+    before = to_go.searched
+    to_go = continued(to_go, PART)
+    assert 0 < to_go.searched - before <= PART + 400
+    assert not to_go.is_final() and to_go.is_final((170, 20))
+    while not to_go.is_final():
+        to_go = continued(to_go, PART)
+    np.testing.assert_allclose(to_go.cost, on_map(closed, (160, 20)).cost)
+
+
+def test_a_cell_near_the_goal_takes_a_small_search() -> None:
+    graph = grid_graph(hall_with_walls())
+    near = continued(begun(graph, (100, 20)), 10**9, (110, 40))
+    assert near.is_final((110, 40)) and not near.is_final()
+    assert near.searched < 0.1 * cost_to_go(graph, (100, 20)).searched

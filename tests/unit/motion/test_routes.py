@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from companion.geometry import NorthEast, is_in_polygon
+from companion.motion.clearance_level import ClearanceLevel
 from companion.motion.grid import OccupancyGrid
 from companion.motion.path import Path
 from companion.motion.routes import PlaceRegion, Route, RouteMap
@@ -260,6 +261,68 @@ def test_paths_are_found_in_parts_until_all_are_known() -> None:
     assert routes.find(10**6) and routes.find(0)
 
 
+HALL = np.zeros((120, 160), dtype=np.bool_)
+HALL[:90, 40] = HALL[30:, 80] = HALL[:90, 120] = True  # three walls with a gap each
+HALL_PLACES = {"A": at(1.05, 1.05), "B": at(6.05, 6.05), "C": at(11.05, 15.05)}
+
+
+def hall_routes() -> RouteMap:
+    return RouteMap(OccupancyGrid(HALL, 0.1, (0.0, 0.0)), HALL_PLACES, WIDE, 0.3)
+
+
+@pytest.mark.parametrize("start", [(1.05, 1.05), (2.0, 6.0), (11.0, 15.0), (0.1, 5.0), (6.0, 8.32)])
+@pytest.mark.parametrize("place", HALL_PLACES)
+def test_after_a_search_in_parts_a_route_is_known(
+    start: NorthEast, place: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It is that of a whole search, also from a start that stands near a wall."""
+    routes, whole = hall_routes(), hall_routes()
+    whole.find(10**9)
+    parts = 0
+    while not routes.search(start, place, 500):
+        parts += 1
+    assert parts < 60
+
+    def nothing(*_: object) -> None:
+        raise AssertionError("nothing is searched any more")
+
+    monkeypatch.setattr("companion.motion.distance_maps.continued", nothing)
+    assert routes.distance_m(start, place) == pytest.approx(whole.distance_m(start, place))
+    found, expected = (each.route((*start, -1.0), place) for each in (routes, whole))
+    assert found is not None and expected is not None
+    assert found.waypoints.tolist() == expected.waypoints.tolist()
+
+
+def test_a_near_place_takes_few_parts() -> None:
+    """Three metres through an open room, and the way to the other end of the hall."""
+    near, far = (
+        next(i for i in range(99) if routes.search(start, "A", 500))
+        for routes, start in ((hall_routes(), (3.05, 3.05)), (hall_routes(), (11.05, 15.05)))
+    )
+    assert near < 4 < 15 < far
+
+
+def test_what_is_cut_off_takes_no_search() -> None:
+    occupied = HALL.copy()
+    occupied[:, 100] = True
+    routes = RouteMap(OccupancyGrid(occupied, 0.1, (0.0, 0.0)), HALL_PLACES, WIDE, 0.3)
+    assert routes.search((1.05, 1.05), "C", 0)
+    assert routes.distance_m((1.05, 1.05), "C") == math.inf
+    assert not routes.search((1.05, 1.05), "B", 0)
+
+
+def test_the_quick_look_for_an_entry_finds_what_the_thorough_one_does(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    chance = np.random.default_rng(0)
+    starts = [(n, e) for n, e in chance.uniform((0.0, 0.0), (12.0, 16.0), (60, 2)).tolist()]
+    starts += [(n + 0.5, e) for n, e in ((1.05, 1.05), (6.05, 6.05))]  # beside a region
+    quick, thorough = hall_routes(), hall_routes()
+    found = [quick.distance_m(start, place) for start in starts for place in HALL_PLACES]
+    monkeypatch.setattr(ClearanceLevel, "plain_entry", lambda *_: None)
+    assert found == [thorough.distance_m(s, place) for s in starts for place in HALL_PLACES]
+
+
 def test_a_place_that_was_covered_has_its_paths_again() -> None:
     empty, covered = grid_of("......", "......"), grid_of("....##", "....##")
     routes = RouteMap(empty, {"B": at(1.0, 5.5)}, WIDE, 0.0)
@@ -312,3 +375,16 @@ def with_crate() -> RouteMap:
 def test_whether_a_path_is_clear(path: list[tuple[float, float, float]], is_clear: bool) -> None:
     assert RouteMap(EMPTY, {}, WIDE, 0.5).is_clear(np.array(path))
     assert with_crate().is_clear(np.array(path)) is is_clear
+
+
+@pytest.mark.parametrize(("begin", "end"), [(0.0, 1.0), (0.3, 0.6), (0.1, 2.0), (1.0, 1.0)])
+def test_a_part_of_a_path_ends_where_it_is_cut(begin: float, end: float) -> None:
+    """In shares of its length; around the corner of the room's pillar."""
+    path = Path(route_of(RouteMap(ROOM, {"B": at(4.5, 8.5)}, WIDE, 0.0), (1.5, 1.5), "B"))
+    part = path.between(begin * path.length_m, end * path.length_m)
+    last = path.at(min(end * path.length_m, path.length_m - 1e-9))[0]
+    assert part[-1] == pytest.approx(last, abs=0.02)
+    if begin < 1.0:
+        assert part[0] == pytest.approx(path.at(begin * path.length_m)[0])
+    flown_m = np.linalg.norm(np.diff(part, axis=0), axis=1).sum()
+    assert flown_m == pytest.approx((min(end, 1.0) - begin) * path.length_m, rel=0.02)

@@ -157,6 +157,22 @@ def test_a_place_that_is_not_free_does_not() -> None:
     assert leaf.feedback_message == "no waypoint of A can be flown to"
 
 
+def test_a_symbol_is_grounded_in_parts_while_the_vehicle_holds(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("companion.acting.symbols.CELLS_PER_TICK", 1)
+    monkeypatch.setattr("companion.slices.SLICE_US", 0.1)
+    rig = a_rig(grid=OccupancyGrid(np.zeros((100, 100), dtype=np.bool_), 0.1, (-2.0, -2.0)))
+    rig.flight.routes.aim("A", (5.9, 0.0, -2.0))
+    leaf = update_param(rig)
+    ticks = 1
+    while tick(rig, leaf) is Status.RUNNING:
+        ticks += 1
+    assert leaf.status is Status.SUCCESS and ticks > 3
+    assert set(rig.vehicle.flown) == {hold_at(POSITIONS["H"], 0.0)}
+    assert rig.flight.routes.goal("A") == POSITIONS["A"]
+
+
 # -- commands and rest -----------------------------------------------------------------------------
 
 

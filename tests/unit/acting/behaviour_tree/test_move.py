@@ -280,6 +280,52 @@ def test_from_a_stop_it_goes_on_where_another_way_is_left() -> None:
     assert responses(rig) == [RouteResponse.STOPPING, RouteResponse.ANOTHER_ROUTE]
 
 
+def test_a_way_round_that_takes_several_ticks_to_find_needs_no_stop(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The obstacle is far enough ahead: the vehicle flies on towards it meanwhile."""
+    monkeypatch.setattr("companion.acting.behaviour_tree.move.CELLS_PER_TICK", 1500)
+    rig = a_finer_rig()
+    leaf = MoveCommand(rig.flight, "A", None)
+    fly_until(rig, leaf, 1.0)
+    grid = crate(4.2, -0.3, 4.5, 0.3)
+    rig.flight.routes.see(grid)
+    assert tick(rig, leaf) is tick(rig, leaf) is Status.RUNNING
+    assert responses(rig) == []
+    assert run(rig, leaf) is Status.SUCCESS
+    assert responses(rig) == [RouteResponse.ANOTHER_ROUTE]
+    assert min(grid.clearance_m(s.position[:2]) for s in setpoints_since(rig, 0)) >= 0.6 - 0.1
+    assert greatest_acceleration_mps2(setpoints_since(rig, 0)) <= QUAD.acceleration_mps2 + 1e-6
+
+
+def test_a_way_that_is_not_found_in_time_is_waited_for_at_rest(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("companion.acting.behaviour_tree.move.CELLS_PER_TICK", 1)
+    rig = a_finer_rig()
+    leaf = MoveCommand(rig.flight, "A", None)
+    fly_until(rig, leaf, 1.0)
+    wall = crate(4.0, -2.0, 4.2, 3.0)
+    rig.flight.routes.see(wall)
+    assert run(rig, leaf) is Status.SUCCESS
+    assert responses(rig) == [RouteResponse.STOPPING, RouteResponse.ANOTHER_ROUTE]
+    assert min(wall.clearance_m(s.position[:2]) for s in setpoints_since(rig, 0)) >= 0.6 - 0.1
+
+
+def test_a_move_waits_for_its_way_and_holds(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("companion.acting.behaviour_tree.move.CELLS_PER_TICK", 500)
+    rig = a_finer_rig()
+    rig.flight.routes.see(crate(2.0, 2.0, 3.0, 3.0))
+    rig.flight.routes.aim("A", (5.8, 0.1, -2.0))
+    leaf = MoveCommand(rig.flight, "A", None)
+    for _ in range(3):
+        assert tick(rig, leaf) is Status.RUNNING
+    assert set(rig.vehicle.flown) == {hold_at(POSITIONS["H"], 0.0)}
+    assert run(rig, leaf) is Status.SUCCESS
+    assert rig.vehicle.flown[-1] is not None
+    assert rig.vehicle.flown[-1].position == (5.8, 0.1, -2.0)
+
+
 def test_a_change_elsewhere_leaves_the_trajectory_as_it_is() -> None:
     changed, left = a_finer_rig(), a_finer_rig()
     for rig in (changed, left):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from rig import Rig
@@ -11,9 +13,10 @@ from companion import slices
 from companion.acting.executive_states import TaskStatus
 from companion.acting.flight import TICK_S
 from companion.acting.replanning.reachability import BeliefChange
+from companion.acting.return_home import flight_to
 from companion.flight_events.facts import BeliefWithdrawn, PlacesConnected, PlacesCutOff
 from companion.flight_events.plans import PlanReplaced
-from companion.flight_events.skills import SkillFailed
+from companion.flight_events.skills import SkillFailed, SymbolMoved
 from companion.mission.model import Fly
 from companion.motion.grid import OccupancyGrid
 from companion.vehicle.port import Failed
@@ -190,3 +193,39 @@ def test_an_event_is_judged_by_what_moves_cost_on_the_map_as_it_is_then() -> Non
     rig.tick(reading("open"))
     rig.run_until(PlanReplaced)
     assert "move(H, A)" in str(rig.plans[-1]) and "move(A, H)" in str(rig.plans[-1])
+
+
+def test_a_flight_home_asks_for_the_way_home_alone() -> None:
+    """With many places on a map that has changed, all their ways would take longer than a tick."""
+    rig = Rig(mission("F at(B)", places="HABC")).begin()
+    asked: list[str] = []
+    flight_time = rig.planner.flight_time
+
+    def noted(origin: str, goal: str) -> float:
+        asked.append(goal)
+        return flight_time(origin, goal)
+
+    rig.planner.flight_time = noted
+    assert flight_to(rig.planner, "H") is not None
+    assert asked == ["H"]
+
+
+def test_a_waypoint_is_moved_in_parts_before_ways_are_searched(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    rig = inspection()
+    monkeypatch.setattr("companion.acting.symbols.CELLS_PER_TICK", 1)
+    monkeypatch.setattr(slices, "SLICE_US", 0.1)
+    occupied = np.zeros((100, 100), dtype=np.bool_)
+    rig = Rig(replace(rig.mission, grid=OccupancyGrid(occupied, 0.1, (-2.0, -2.0)))).begin()
+    covered = occupied.copy()
+    covered[86, 80] = True  # half a metre north of B
+    rig.flight.routes.see(OccupancyGrid(covered, 0.1, (-2.0, -2.0)))
+    reachability, parts = rig.executive._replanner.reachability, 0
+    while not reachability.is_known:
+        assert parts < 1000 and not rig.of(SymbolMoved)
+        reachability.search()
+        parts += 1
+        rig._collect()
+    assert parts > 3
+    assert rig.one(SymbolMoved).place == "B"
