@@ -17,7 +17,7 @@ from typing import Generic, TypeVar
 
 from greenlet import getcurrent, greenlet
 
-SLICE_US = 6_000
+SLICE_US = 8_000
 """Work of a tick, as rated; on slower machines it is more, and two in a tick must leave time."""
 
 T = TypeVar("T")
@@ -28,7 +28,7 @@ class InSlices(Generic[T]):
 
     >>> def add_up() -> int:
     ...     for _ in range(5):
-    ...         spent(3_000)
+    ...         spent(4_000)
     ...     return 5
     >>> adding = InSlices(add_up)
     >>> adding.step(), adding.step(), adding.step(), adding.result

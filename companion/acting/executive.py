@@ -262,7 +262,10 @@ class Executive:
         self.stop()
         self._flight.task.interrupt()
         self._due = self._replanner.begin(reason)
-        self._plan_again(self._due)
+        if self._triggers.has_used_slice:
+            self.state = ExecutiveState.REPLANNING
+        else:
+            self._plan_again(self._due)
 
     def _plan_again(self, due: DueReplan) -> None:
         """A part of making the plan that is due."""

@@ -56,6 +56,9 @@ class ReplanTrigger:
 class ReplanTriggers:
     """Notices what a plan did not expect.
 
+    Attributes:
+        has_used_slice: whether the plan is still the best one would take more than a slice.
+
     Args:
         flight: knows what holds now, and how far the plan has come.
         assumptions: of the plan.
@@ -69,6 +72,7 @@ class ReplanTriggers:
         self._reachability = replanner.reachability
         self._cut_off, self._line = Question[str](), Question[str]()
         self._possible = Question[bool]()
+        self.has_used_slice = False
 
     def abandon(self) -> None:
         """The plan is not flown any more: what is thought over about it is not asked again."""
@@ -77,7 +81,7 @@ class ReplanTriggers:
 
     def look(self, plan: PlanUnderWay) -> None:
         """Looks at events and map. What events have become is taken over if the plan stays best."""
-        assumptions = self._assumptions
+        assumptions, self.has_used_slice = self._assumptions, False
         assumptions.narrow(plan.lasso)
         if self._flight.progress.is_landed_by_plan:
             return
@@ -88,17 +92,21 @@ class ReplanTriggers:
     def _is_confirmed(self, plan: PlanUnderWay) -> bool:
         """Whether the plan is what would be made now, by what moves cost on the present map.
 
-        What takes more than a slice is not waited for: a plan is made anew then.
+        What takes more than a slice is not waited for: a plan is made anew then, from the next
+        tick on.
         """
         self._reachability.search()
-        if not self._reachability.is_known:
+        self.has_used_slice = not self._reachability.is_known
+        if self.has_used_slice:
             return False
 
         def confirms() -> bool:
             self._replanner.follow_map()
             return self._replanner.search_confirms(plan.lasso)
 
-        return bool(ask_once(confirms))
+        is_confirmed = ask_once(confirms)
+        self.has_used_slice = is_confirmed is None
+        return bool(is_confirmed)
 
     def before_the_tree(self, plan: PlanUnderWay) -> str | None:
         """Why another plan is due, before the plan's tree is ticked; None if none is."""

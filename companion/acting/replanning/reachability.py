@@ -12,6 +12,7 @@ is no way (Fig. 6 of the paper).
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -22,6 +23,8 @@ from companion.motion.routes import CELL_US, CELLS_PER_TICK
 from companion.planning.planner import Planner
 from companion.slices import Question, spent
 
+MAX_PARTS = 200
+"""Of the search for routes on a map that goes on changing: then a plan takes those it has."""
 SHOWN = 6
 """So many beliefs are named at most."""
 
@@ -76,18 +79,17 @@ class Reachability:
         if not self.is_known and self._searching.ask(version, self._find):
             self._searched_on = version
 
-    def _find(self) -> bool:
+    def _find(self, max_parts: int = sys.maxsize) -> bool:
         """Finds all routes, to other waypoints where the map has taken some away."""
-        self._ground()
-        while not self._flight.routes.find(CELLS_PER_TICK):
-            spent(CELL_US * CELLS_PER_TICK)
-        return True
-
-    def _ground(self) -> None:
         flight, state = self._flight, self._flight.vehicle.state
         if state is not None:
             for place in flight.symbols.follow_map(state.position, flight.now_s):
                 flight.tell_symbol(place)
+        for _ in range(max_parts):
+            if flight.routes.find(CELLS_PER_TICK):
+                break
+            spent(CELL_US * CELLS_PER_TICK)
+        return True
 
     def follow(self) -> BeliefChange:
         """Takes over what moves cost on the map, and at the speed limit, as they are now.
@@ -98,7 +100,7 @@ class Reachability:
         is_map_new = self._instantiated_on != flight.routes.version
         if state is not None and (is_map_new or self._costed_at != flight.speed_limit.version):
             followed = flight.routes.version, flight.speed_limit.version
-            self._ground()
+            self._find(MAX_PARTS)
             self._planner.reinstantiate()
             self._instantiated_on, self._costed_at = followed
             self._cut_off = self._unreachable()
