@@ -2,7 +2,8 @@
 
 The formula is unfolded (`tableau.py`), and the graph reduced (`reductions/`). A language that has a
 weak deterministic automaton gets the smallest of these, if that is no larger. G F a is also made
-from the automaton of F a (`reductions/recurrence.py`).
+from automata of F a (`reductions/recurrence.py`), and what is not deterministic is unfolded letter
+by letter as well; the smallest graph is taken.
 """
 
 from __future__ import annotations
@@ -11,14 +12,14 @@ from dataclasses import dataclass
 
 from companion.ltl.budget import Budget, TranslationLimit
 from companion.ltl.formula import Formula, negate, negation_normal_form
-from companion.ltl.graph import LabelledGraph, with_letters
+from companion.ltl.graph import LabelledGraph, is_deterministic, with_letters
 from companion.ltl.labels import Alphabet, LetterSet
 from companion.ltl.reductions.recurrence import is_recurrence, restarted
 from companion.ltl.reductions.strategy import reduced
 from companion.ltl.reductions.trimming import trimmed
 from companion.ltl.reductions.weak_determinisation import weak_deterministic
 from companion.ltl.simplify import simplified
-from companion.ltl.tableau import unfolded
+from companion.ltl.tableau import unfolded, unfolded_by_letters
 
 MAX_STATES_AGAIN = 100
 """States up to which other automata of the same formula are made, to take the smallest."""
@@ -60,23 +61,44 @@ class Construction:
             weak = self._weak(formula, graph)
             if weak and len(weak.edges) <= len(graph.edges):
                 return Constructed(weak, True)
-            if is_recurrence(formula):
-                return Constructed(self._recurring(formula, graph), False)
+            try:
+                others = self._others(formula, graph)
+            except TranslationLimit:
+                others = []
+            graph = min([graph, *others], key=lambda known: known.size)
         return Constructed(graph, False)
 
-    def _recurring(
+    def is_empty(self, formula: Formula) -> bool:
+        """Whether no word satisfies a formula in negation normal form.
+
+        Raises:
+            TranslationLimit: the extra budget does not suffice.
+        """
+        graph = trimmed(self._rough(simplified(formula, self.extra), self.extra))
+        return not graph.edges[0]
+
+    def _others(
         self, formula: Formula, graph: LabelledGraph[LetterSet]
-    ) -> LabelledGraph[LetterSet]:
-        """The smallest graph of G F a: the one that is known, or one that starts again."""
-        once = formula.operands[1]
-        try:
-            weak = self._weak(once, reduced(self._rough(once, self.extra), self.extra))
-        except TranslationLimit:
-            return graph
-        if weak is None or len(weak.edges) == 1:
-            return graph
-        found = [reduced(restarted(weak, overlaps), self.extra) for overlaps in (False, True)]
-        return min([graph, *found], key=lambda known: known.size)
+    ) -> list[LabelledGraph[LetterSet]]:
+        """Other graphs of a formula: of G F a some that start again, else a more deterministic one.
+
+        Args:
+            graph: the one that is known.
+        """
+        if is_recurrence(formula):
+            once = formula.operands[1]
+            first = reduced(self._rough(once, self.extra), self.extra)
+            found = [
+                restarted(known, self.alphabet.every, overlaps)
+                for known in (first, self._weak(once, first))
+                for overlaps in (False, True)
+                if known
+            ]
+        elif is_deterministic(graph):
+            found = []
+        else:
+            found = [unfolded_by_letters(formula, self.alphabet, self.max_states, self.extra)]
+        return [reduced(other, self.extra) for other in found if other]
 
     def _rough(self, formula: Formula, budget: Budget) -> LabelledGraph[LetterSet]:
         graph = unfolded(formula, self.alphabet, self.max_states, budget)

@@ -1,22 +1,36 @@
 """Decomposition: the graph of a conjunction from the graphs of its parts.
 
 Conjuncts that share no proposition are translated apart and intersected. Of the others, those that
-have weak deterministic automata are tried apart from the rest, and the smaller graph is taken.
+have weak deterministic automata are tried apart from the rest, and so is each that depends on no
+finite prefix; the smaller graph is taken. An a U b that the other conjuncts imply is left out, as
+Spot does it (Duret-Lutz, LTL translation improvements in Spot 1.0, IJCCBS 2014): Spot leaves out
+any, we those alone that make automata larger.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import partial, reduce
 
 from companion.ltl.budget import Budget, TranslationLimit
 from companion.ltl.construction import MAX_STATES_AGAIN, Construction
-from companion.ltl.formula import FALSE, TRUE, Formula, Operator, atoms, conjoin, release
+from companion.ltl.formula import (
+    FALSE,
+    TRUE,
+    Formula,
+    Operator,
+    atoms,
+    conjoin,
+    negate,
+    negation_normal_form,
+    release,
+    subformulas,
+)
 from companion.ltl.graph import LabelledGraph, is_deterministic
 from companion.ltl.intersection import intersection
 from companion.ltl.labels import LetterSet
-from companion.ltl.reductions.recurrence import is_recurrence
+from companion.ltl.laws.sides import is_ageless
 from companion.ltl.reductions.strategy import reduced
 from companion.ltl.reductions.trimming import trimmed
 from companion.ltl.simplify import simplified
@@ -29,11 +43,22 @@ def decomposed(formula: Formula, construction: Construction) -> LabelledGraph[Le
         TranslationLimit: the construction's limit or budget does not suffice.
     """
     groups = _independent(formula, construction.alphabet.exclusive, construction.budget)
-    graphs = [_smaller(group, construction) for group in groups]
-    whole = reduce(partial(intersection, budget=construction.budget), graphs)
-    if len(graphs) == 1 or all(map(is_deterministic, graphs)):
+    graphs = {group: _smaller(group, construction) for group in groups}
+    whole = _intersected(graphs, construction.budget)
+    if len(graphs) == 1 or all(map(is_deterministic, graphs.values())):
         return trimmed(whole)  # there is nothing more to merge
     return reduced(whole, construction.extra)
+
+
+def _intersected(
+    graphs: Mapping[Formula, LabelledGraph[LetterSet]], budget: Budget
+) -> LabelledGraph[LetterSet]:
+    """The intersection of the graphs of formulas; those that no prefix matters to come last."""
+    first, *others = sorted(graphs, key=is_ageless)
+    whole = graphs[first]
+    for formula in others:
+        whole = intersection(whole, graphs[formula], budget, suspending=is_ageless(formula))
+    return whole
 
 
 def _independent(formula: Formula, exclusive: frozenset[str], budget: Budget) -> list[Formula]:
@@ -53,33 +78,57 @@ def _independent(formula: Formula, exclusive: frozenset[str], budget: Budget) ->
 
 
 def _smaller(formula: Formula, construction: Construction) -> LabelledGraph[LetterSet]:
-    """The smaller graph: of all conjuncts, or with those that are obligations apart."""
+    """The smallest graph: of all conjuncts, of those that are needed, or of parts of these."""
     whole = construction.construct(formula)
     if whole.is_weak or not 1 < len(whole.graph.edges) <= MAX_STATES_AGAIN:
         return whole.graph
+    found = [whole.graph]
+    extra = replace(construction, budget=construction.extra)
     try:
-        product = _parted(formula, replace(construction, budget=construction.extra))
+        needed = _without_implied(formula, extra)
+        if needed is not formula:
+            found.append(extra.construct(needed).graph)
+        found += _parted(needed, extra)
     except TranslationLimit:
-        return whole.graph
-    return min(whole.graph, product or whole.graph, key=lambda graph: len(graph.edges))
+        pass  # what was found so far is right as well
+    return min(found, key=lambda graph: len(graph.edges))
 
 
-def _parted(formula: Formula, construction: Construction) -> LabelledGraph[LetterSet] | None:
-    """From obligations, other conjuncts, and each G F apart; None if all are of one kind."""
+def _without_implied(formula: Formula, construction: Construction) -> Formula:
+    """A conjunction without those a U b that the others imply; no word fulfils them and not it."""
+    if formula.operator is not Operator.AND:
+        return formula
+    parts = list(formula.operands)
+    for part in [f for f in parts if f.operator is Operator.UNTIL]:
+        others = [f for f in parts if f is not part]
+        opposite = negation_normal_form(negate(part))
+        if _may_imply(others, part) and construction.is_empty(conjoin(*others, opposite)):
+            parts = others
+    if len(parts) == len(formula.operands):
+        return formula
+    return simplified(conjoin(*parts), construction.budget)
+
+
+def _may_imply(others: Sequence[Formula], until: Formula) -> bool:
+    """Whether formulas mention what a U b waits for, and wait for something themselves."""
+    nodes = set(subformulas(conjoin(*others)))
+    awaited = atoms(until.operands[1])
+    return any(f.operator is Operator.UNTIL for f in nodes) and awaited <= {f.atom for f in nodes}
+
+
+def _parted(formula: Formula, construction: Construction) -> list[LabelledGraph[LetterSet]]:
+    """One from obligations, other conjuncts, and each ageless one apart; none if all are alike."""
     parts = _conjuncts(formula, construction.budget)
     if not parts[1:]:
-        return None
+        return []
     groups: dict[object, list[Formula]] = defaultdict(list)
     for part in parts:
-        groups[part if is_recurrence(part) else construction.construct(part).is_weak].append(part)
+        groups[part if is_ageless(part) else construction.construct(part).is_weak].append(part)
     if not groups.keys() - {False} or not groups.keys() - {True}:
-        return None
-    graphs = [
-        construction.construct(simplified(conjoin(*group), construction.budget)).graph
-        for group in groups.values()
-    ]
-    product = reduce(partial(intersection, budget=construction.budget), graphs)
-    return reduced(product, construction.extra)
+        return []
+    conjunctions = [simplified(conjoin(*group), construction.budget) for group in groups.values()]
+    graphs = {part: construction.construct(part).graph for part in conjunctions}
+    return [reduced(_intersected(graphs, construction.budget), construction.extra)]
 
 
 def _conjuncts(formula: Formula, budget: Budget) -> list[Formula]:

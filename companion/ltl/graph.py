@@ -10,11 +10,14 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import reduce
+from operator import or_
 from typing import Generic, NamedTuple
 
 from companion.ltl.automaton import BuchiAutomaton, Transition
 from companion.ltl.bitsets import indices
 from companion.ltl.budget import Budget
+from companion.ltl.components import strong_components
 from companion.ltl.labels import Alphabet, Cube, L, LetterSet
 
 Marks = int
@@ -76,6 +79,18 @@ def renumbered(
                 pending.append(target)
         kept.append([LabelledEdge(x, met, number_of[target]) for x, met, target in edges[node]])
     return LabelledGraph(kept, marks), number_of
+
+
+def accepting_nodes(graph: LabelledGraph[L]) -> set[int]:
+    """The nodes of the strongly connected components in which a run can stay and accept."""
+    every_mark = (1 << graph.marks) - 1
+    found: set[int] = set()
+    for component in strong_components(graph.successors):
+        own = set(component)
+        inside = [e.marks for node in component for e in graph.edges[node] if e.target in own]
+        if inside and reduce(or_, inside) == every_mark:
+            found |= own
+    return found
 
 
 def is_deterministic(graph: LabelledGraph[LetterSet]) -> bool:

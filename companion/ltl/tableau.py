@@ -7,7 +7,11 @@ until has its mark, on all transitions that do not postpone it.
 
 A *term* is one way to meet a set of obligations, written as a set of bits in an int: literals
 that must hold now (two bits a proposition), obligations for the next position, untils postponed.
-A term that is a subset of another asks for less, so the other is superfluous.
+A term that is a subset of another asks for less, so the other is superfluous. Where labels are sets
+of letters, a term may lose those of its letters with which another one asks for less from then on.
+
+A disjunction of one U or R and of eventual formulas waits as a whole: a U b | F c is
+b | F c | a & X(a U b | F c), since F c may as well begin later.
 
 Source: Couvreur, On-the-fly verification of linear temporal logic, FM 1999; Giannakopoulou and
 Lerda, From states to transitions, FORTE 2002; Gastin and Oddoux, Fast LTL to Büchi automata
@@ -16,18 +20,21 @@ translation, CAV 2001, for merging states and dropping transitions on the fly.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial, reduce
 from operator import or_
 
 from companion.ltl.bitsets import indices, minimal
 from companion.ltl.budget import Budget, TranslationLimit
-from companion.ltl.formula import FALSE, TRUE, Formula, Operator, release
+from companion.ltl.formula import FALSE, TRUE, Formula, Operator, disjoin, release, subformulas
 from companion.ltl.graph import LabelledEdge, LabelledGraph
-from companion.ltl.labels import Alphabet, Cube
+from companion.ltl.labels import Alphabet, Cube, L, LetterSet
+from companion.ltl.laws.sides import both_sides
 
 Term = int
 """A set of bits: literals, obligations, postponed untils. No bits: nothing is asked."""
+
+_FIXPOINTS = (Operator.UNTIL, Operator.RELEASE)
 
 
 def unfolded(
@@ -42,7 +49,20 @@ def unfolded(
         TranslationLimit: there would be more than `max_states` states, or as many transitions of
             one state, or the budget is spent.
     """
-    return _Tableau(alphabet.names, alphabet.exclusive, max_states, budget).graph(formula)
+    tableau = _Tableau(alphabet.names, alphabet.exclusive, max_states, budget)
+    return tableau.graph(formula, tableau.with_cubes)
+
+
+def unfolded_by_letters(
+    formula: Formula, alphabet: Alphabet, max_states: int, budget: Budget
+) -> LabelledGraph[LetterSet]:
+    """The same with sets of letters: more deterministic, often with other states.
+
+    Raises:
+        TranslationLimit: as `unfolded`.
+    """
+    tableau = _Tableau(alphabet.names, alphabet.exclusive, max_states, budget)
+    return tableau.graph(formula, partial(tableau.with_letters, alphabet))
 
 
 class _Tableau:
@@ -64,11 +84,39 @@ class _Tableau:
         self._obligation_of: dict[Term, Formula] = {}
         self._postponed_of: dict[Formula, Term] = {}
         self._not_later = self._literal_bits  # what a term does not ask of the next position
+        self._until, _ = both_sides()  # knows which formulas are eventual
         self._terms_of: dict[Formula, list[Term]] = {}
         self._terms_of_group: dict[Term, list[Term]] = {}
 
-    def graph(self, formula: Formula) -> LabelledGraph[Cube]:
-        """The automaton; sets of obligations with equal terms are one state."""
+    def with_cubes(self, terms: Sequence[Term]) -> list[tuple[Cube, Term]]:
+        """Terms with what they ask of the letter that is read."""
+        return [(Cube(term & self._literal_bits), term) for term in terms]
+
+    def with_letters(
+        self, alphabet: Alphabet, terms: Sequence[Term]
+    ) -> list[tuple[LetterSet, Term]]:
+        """Terms with the letters with which no other one asks for less from then on."""
+        self._budget.spend(len(terms) ** 2, alphabet.every.bit_length())
+        read = [alphabet.letters(cube) for cube, _ in self.with_cubes(terms)]
+        later = [term & ~self._literal_bits for term in terms]
+        found = []
+        for i, term in enumerate(terms):
+            letters = read[i]
+            for j, other in enumerate(later):
+                if i != j and later[i] & other == other and (later[i] != other or j < i):
+                    letters &= ~read[j]
+            if letters:
+                found.append((letters, term))
+        return found
+
+    def graph(
+        self, formula: Formula, labelled: Callable[[Sequence[Term]], list[tuple[L, Term]]]
+    ) -> LabelledGraph[L]:
+        """The automaton; sets of obligations with equal terms are one state.
+
+        Args:
+            labelled: finds the labels of the terms of a state; a term without one is left out.
+        """
         number_of: dict[tuple[Term, ...], int] = {}
         state_of: dict[Term, int] = {}
         pending: list[tuple[Term, ...]] = []
@@ -83,21 +131,24 @@ class _Tableau:
                     self._check(len(pending), "states")
             return state_of[obligations]
 
+        for node in subformulas(formula):
+            self._until.classify(node)
         state(self._obligations(formula))
         edges = []
         for terms in pending:  # grows while it is read
-            edges.append([(term, state(term & ~self._not_later)) for term in terms])
+            ways = labelled(terms)
+            edges.append([(label, t, state(t & ~self._not_later)) for label, t in ways])
         marks = {bit: 1 << i for i, bit in enumerate(self._postponed_of.values())}
         self._budget.spend(sum(map(len, edges)) * (1 + len(marks)), self._width)
         return LabelledGraph(
             [
                 [
                     LabelledEdge(
-                        Cube(term & self._literal_bits),
+                        label,
                         sum(mark for bit, mark in marks.items() if not term & bit),
                         target,
                     )
-                    for term, target in leaving
+                    for label, term, target in leaving
                 ]
                 for leaving in edges
             ],
@@ -160,15 +211,36 @@ class _Tableau:
             case Operator.AND, operands:
                 return reduce(self._product, (self._terms_of[operand] for operand in operands))
             case Operator.OR, operands:
-                return self._union(*(self._terms_of[operand] for operand in operands))
+                terms = {operand: self._terms_of[operand] for operand in operands}
+                if waiting := self._waiting(operands):
+                    terms[waiting] = self._delayed(terms[waiting], waiting, node)
+                return self._union(*terms.values())
             case Operator.UNTIL, (before, event):
                 postpone = self._obligations(node) | self._postponed(node)
                 later = self._product(self._terms_of[before], [postpone])
-                return self._union(self._terms_of[event], later)
+                events = event.operands if event.operator is Operator.OR else (event,)
+                return self._union(*(self._terms_of[f] for f in events), later)  # U waits itself
             case Operator.RELEASE, (event, kept):
                 ways = self._union(self._terms_of[event], [self._obligations(node)])
                 return self._product(self._terms_of[kept], ways)
         return [self._bit_of[node]]
+
+    def _waiting(self, alternatives: Sequence[Formula]) -> Formula | None:
+        """One that is a U or an R; None if more than that one is not eventual.
+
+        None as well if another one leads to it: then it is a state anyway.
+        """
+        rest = [f for f in alternatives if f not in self._until.pure]
+        choices = [f for f in rest or alternatives if f.operator in _FIXPOINTS]
+        if len(rest) > 1 or not choices:
+            return None
+        others = [f for f in alternatives if f is not choices[0]]
+        return None if choices[0] in subformulas(disjoin(*others)) else choices[0]
+
+    def _delayed(self, terms: Sequence[Term], part: Formula, whole: Formula) -> list[Term]:
+        """The terms of a part of a disjunction: those that wait for it wait for the whole."""
+        one, every = self._obligations(part), self._obligations(whole)
+        return [term & ~one | every if term & ~self._not_later == one else term for term in terms]
 
     def _union(self, *choices: list[Term]) -> list[Term]:
         """The terms that meet one of the choices."""

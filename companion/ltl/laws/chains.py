@@ -7,7 +7,7 @@ Efficient Büchi automata from LTL formulae, CAV 2000.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Hashable, Iterable, Sequence
+from collections.abc import Collection, Hashable, Iterable, Sequence
 
 from companion.ltl.formula import Formula, Operator, negate, next_
 from companion.ltl.laws.facts import without_facts
@@ -24,6 +24,7 @@ def chain(node: Formula, side: Side, other: Side, implication: Implication) -> F
     parts.pop(side.bottom, None)
     if side.top in parts or any(f.operator is Operator.NOT and negate(f) in parts for f in parts):
         return side.top
+    parts = dict.fromkeys(_folded(part, parts, side) for part in parts)
     eventual = {f.operands[1] for f in parts if f.operator is side.fixpoint}
     kept = []
     for part in parts:
@@ -35,12 +36,23 @@ def chain(node: Formula, side: Side, other: Side, implication: Implication) -> F
         if not is_absorbed:
             kept.append(part)
     if _is_comparable(kept):
-        shorter = without_facts(kept, _facts(kept, side), side)
+        shorter = without_facts(kept, _facts(kept, side), side, other)
+        shorter = _without_lasting_facts(shorter, side, other)
         if shorter != kept:
             return joined(operator, shorter)
         kept = _without_implied(kept, side, implication)
     kept = _grouped(_weakened(kept, side, other), side, other)
     return joined(operator, _gathered(kept, side, other))
+
+
+def _folded(part: Formula, parts: Collection[Formula], side: Side) -> Formula:
+    """F b for X F b beside b."""
+    later = part.operands[0] if part.operator is Operator.NEXT else part
+    if later is part or not side.is_far(later):
+        return part
+    body = later.operands[1]
+    events = body.operands if body.operator is side.join else (body,)
+    return later if all(event in parts for event in events) else part
 
 
 def _is_comparable(parts: Sequence[Formula]) -> bool:
@@ -61,10 +73,22 @@ def _facts(parts: Sequence[Formula], side: Side) -> list[list[Formula]]:
     return found
 
 
+def _without_lasting_facts(parts: Sequence[Formula], side: Side, other: Side) -> list[Formula]:
+    """G F a | f without a in f, if f depends on no finite prefix: a fails from some position on."""
+    ageless = [f for f in parts if f in side.pure and f in other.pure]
+    lasting = [f.operands[1] if other.is_far(f) else f for f in ageless]
+    shorter = without_facts(ageless, _facts(lasting, side), side, other)
+    found = dict(zip(ageless, shorter, strict=True))
+    return [found.get(part, part) for part in parts]
+
+
 def _without_implied(
     parts: Sequence[Formula], side: Side, implication: Implication
 ) -> list[Formula]:
-    """a | b = b if a implies b, and true if !a does; a & c | b = c | b if !a implies b."""
+    """a | b = b if a implies b, and true if !a does; a & c | b = c | b if !a implies b.
+
+    (a | c) & d | b = c & d | b if a implies b.
+    """
     kept = list(parts)
     for part in parts:
         others = [f for f in kept if f is not part]
@@ -74,14 +98,24 @@ def _without_implied(
             return [side.top]
         elif part.operator is side.meet and len(part.operands) <= MAX_OPERANDS:
             needed = [
-                x
+                _without_those_below(x, others, side, implication)
                 for x in part.operands
                 if not any(implication.is_below(implication.opposite(x), f, side) for f in others)
             ]
-            if len(needed) < len(part.operands):
+            if needed != list(part.operands):
                 kept[kept.index(part)] = joined(side.meet, needed)
                 return kept
     return kept
+
+
+def _without_those_below(
+    part: Formula, others: Sequence[Formula], side: Side, implication: Implication
+) -> Formula:
+    """A disjunction without the operands that imply one of some formulas."""
+    if part.operator is not side.join or len(part.operands) > MAX_OPERANDS:
+        return part
+    kept = [x for x in part.operands if not any(implication.is_below(x, f, side) for f in others)]
+    return joined(side.join, kept)
 
 
 def _gathered(parts: list[Formula], side: Side, other: Side) -> list[Formula]:

@@ -9,14 +9,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from companion.ltl.formula import Formula, Operator, negate, subformulas
-from companion.ltl.laws.sides import Side
+from companion.ltl.laws.sides import Side, joined
 
 MAX_NODES = 400
 """Nodes of a chain up to which it is searched."""
 
 
 def without_facts(
-    parts: Sequence[Formula], facts: Sequence[Sequence[Formula]], side: Side
+    parts: Sequence[Formula], facts: Sequence[Sequence[Formula]], side: Side, other: Side
 ) -> list[Formula]:
     """The parts of a chain of |, each without the facts of the others.
 
@@ -29,7 +29,7 @@ def without_facts(
     if sum(map(len, nodes_of)) > MAX_NODES:
         return list(parts)
     found = []
-    for i, (part, nodes) in enumerate(zip(parts, nodes_of, strict=True)):
+    for i, nodes in enumerate(nodes_of):
         values = {}
         for j, group in enumerate(facts):
             for fact in group if j != i else ():
@@ -38,8 +38,7 @@ def without_facts(
                 values[fact] = side.bottom
                 if fact.operator in (Operator.ATOM, Operator.NOT):
                     values[negate(fact)] = side.top
-        is_touched = not values.keys().isdisjoint(nodes)
-        found.append(_replaced(nodes, values) if is_touched else part)
+        found.append(_replaced(nodes, values, side, other))
     return found
 
 
@@ -53,9 +52,21 @@ def _nodes(part: Formula) -> list[Formula]:
     return nodes
 
 
-def _replaced(nodes: Sequence[Formula], values: dict[Formula, Formula]) -> Formula:
+def _replaced(
+    nodes: Sequence[Formula], values: dict[Formula, Formula], side: Side, other: Side
+) -> Formula:
+    """The last of some nodes, with values in the place of formulas.
+
+    Where G b is known to fail, a R b is b U (a & b); where F b is known, a U b is b R (a | b).
+    """
     made: dict[Formula, Formula] = {}
     for node in nodes:
         operands = tuple(made[operand] for operand in node.operands)
-        made[node] = values.get(node) or Formula(node.operator, operands, node.atom)
+        if node in values:
+            made[node] = values[node]
+        elif node.operator is other.fixpoint and other.far(node.operands[1]) in values:
+            before, event = operands
+            made[node] = side.make(event, joined(side.meet, [before, event]))
+        else:
+            made[node] = Formula(node.operator, operands, node.atom)
     return made[nodes[-1]]

@@ -28,7 +28,7 @@ def fixpoint(node: Formula, side: Side, other: Side, implication: Implication) -
         if left is side.top or (left in side.pure and left in other.pure):
             return next_(side.make(left, right.operands[0]))  # G F a U X b = X(G F a U b)
     if side.is_far(node):
-        result = _far(node, side, other)
+        result = _far(node, side, other, implication)
     else:
         result = _with_left(node, side, other, implication)
     if result is not node:
@@ -52,6 +52,11 @@ def _with_left(node: Formula, side: Side, other: Side, implication: Implication)
 
     if below(left, right):
         return right
+    if left.operator is Operator.NEXT and below(left.operands[0], implication.opposite(right)):
+        return right  # X !b U b = b
+    if right.operator is side.meet and left in right.operands:
+        if all(f in side.pure for f in right.operands if f is not left):
+            return right  # a U (a & F b) = a & F b
     if below(implication.opposite(left), right) or (left in side.pure and below(right, left)):
         return side.far(right)  # !b U b = F b, F b U b = F b
     if right.operator is side.fixpoint:
@@ -67,8 +72,9 @@ def _with_left(node: Formula, side: Side, other: Side, implication: Implication)
     if left in side.pure and left in other.pure:
         if below(right, left):
             return joined(side.meet, [left, side.far(right)])  # (G F a) U b, b implying G F a
-        if right in other.pure:  # (G F a) U G b = G b | G F a & F G b
-            return joined(side.join, [right, joined(side.meet, [left, side.far(right)])])
+        if right in other.pure and side.fixpoint is Operator.UNTIL:
+            recurring = joined(side.meet, [left, side.far(right)])
+            return joined(side.join, [right, recurring])  # (G F a) U G b = G b | G F a & F G b
     return _with_shorter_left(node, side, implication)
 
 
@@ -96,15 +102,25 @@ def _split(node: Formula, outside: list[Formula], side: Side, operator: Operator
     return joined(operator, [side.make(left, joined(operator, inside)), *outside])
 
 
-def _far(node: Formula, side: Side, other: Side) -> Formula:
+def _far(node: Formula, side: Side, other: Side, implication: Implication) -> Formula:
     """Laws of `F right`."""
     right = node.operands[1]
+    if side.fixpoint is Operator.RELEASE and right.operator is Operator.UNTIL:
+        before, event = right.operands
+        if not other.is_far(right):  # G(a U b) = G((a | b) & F b)
+            waiting = joined(side.meet, [before, event])
+            return side.far(joined(side.join, [waiting, other.far(event)]))
+    for far in right.operands if right.operator is side.meet else ():
+        if side.is_far(far):  # F(a & F b) = F b if b implies a
+            rest = joined(side.meet, [f for f in right.operands if f is not far])
+            if implication.is_below(far.operands[1], rest, side):
+                return far
     alternatives = right.operands if right.operator is side.join else (right,)
     parts = [part for f in alternatives for part in _parted(f, side, other)]
     if len(parts) > len(alternatives) or any(f not in alternatives for f in parts):
         return side.far(joined(side.join, parts))
     if len(parts) > 1:
-        shorter = without_facts(parts, [[part] for part in parts], side)
+        shorter = without_facts(parts, [[part] for part in parts], side, other)
         if shorter != parts:
             return side.far(joined(side.join, shorter))
     return _once_for_all(node, side, other) if side.fixpoint is Operator.RELEASE else node
@@ -113,12 +129,14 @@ def _far(node: Formula, side: Side, other: Side) -> Formula:
 def _parted(alternative: Formula, side: Side, other: Side) -> list[Formula]:
     """The alternatives that one under F is worth.
 
-    X G a is G a, G(b | G a) is G b | G a, G(b | F a) is G b | G F a, and G(a U b) is
-    G((a | b) & F b).
+    X G a is G a, G(b | G a) is G b | G a, G(b | F a) is G b | G F a. Under G, F(a R b) is worth
+    F(a & b | G b).
     """
     body = alternative.operands[-1] if alternative.operands else alternative
     if alternative.operator is Operator.NEXT and body in other.pure:
         return [body]
+    if alternative in other.pure and (now := _now(alternative, side, other)) is not alternative:
+        return [now]
     if not other.is_far(alternative):
         return [alternative]
     choices = body.operands if body.operator is side.join else (body,)
@@ -131,6 +149,28 @@ def _parted(alternative: Formula, side: Side, other: Side) -> list[Formula]:
         waiting = joined(side.join, [before, event])
         return [other.far(joined(side.meet, [waiting, side.far(event)]))]
     return [alternative]
+
+
+def _now(alternative: Formula, side: Side, other: Side) -> Formula:
+    """A universal formula under F without X: X G a & G(b & X c) is worth G a & G(b & c)."""
+    parts = []
+    for part in alternative.operands if alternative.operator is side.meet else (alternative,):
+        bare = part.operands[0] if part.operator is Operator.NEXT else part
+        if other.is_far(bare):
+            body = bare.operands[1]
+            inner = body.operands if body.operator is side.meet else (body,)
+            bare = other.far(joined(side.meet, [_bare(f, side, other) for f in inner]))
+        parts.append(bare)
+    return joined(side.meet, parts)
+
+
+def _bare(part: Formula, side: Side, other: Side) -> Formula:
+    """Under F G: a for X a, and for F G a."""
+    if part.operator is Operator.NEXT:
+        return part.operands[0]
+    if side.is_far(part) and other.is_far(part.operands[1]):
+        return part.operands[1].operands[1]
+    return part
 
 
 def _once_for_all(node: Formula, always: Side, eventually: Side) -> Formula:

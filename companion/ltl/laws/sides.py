@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from companion.ltl.formula import FALSE, TRUE, Formula, Operator
+from companion.ltl.formula import FALSE, TRUE, Formula, Operator, subformulas
 
 _NEUTRAL = {Operator.AND: TRUE, Operator.OR: FALSE}
 
@@ -70,6 +70,21 @@ def both_sides() -> tuple[Side, Side]:
         Side(Operator.UNTIL, Operator.OR, Operator.AND, TRUE, FALSE),
         Side(Operator.RELEASE, Operator.AND, Operator.OR, FALSE, TRUE),
     )
+
+
+def is_ageless(formula: Formula) -> bool:
+    """Whether a formula in negation normal form is seen to depend on no finite prefix.
+
+    >>> from companion.ltl.formula import negation_normal_form
+    >>> from companion.ltl.parser import parse
+    >>> [is_ageless(negation_normal_form(parse(text))) for text in ("G F a & F G b", "F a")]
+    [True, False]
+    """
+    sides = both_sides()
+    for node in subformulas(formula):
+        for side in sides:
+            side.classify(node)
+    return all(formula in side.pure for side in sides)
 
 
 def is_waiting(formula: Formula, side: Side) -> bool:

@@ -1,9 +1,12 @@
 """Recurrence: an automaton of G F a from one of F a, for an `a` that some finite prefix shows.
 
-The smallest deterministic automaton of F a has one state in which `a` has been seen. An automaton
-of G F a starts again where that state would be reached, with a mark: at its initial state, or,
-since the last letter may be the first of the next `a`, where that letter leads from there. What
-G F a says does not depend on any prefix, so every state accepts it, and may be initial.
+An automaton of F a accepts by reaching one state, in which `a` has been seen. An automaton of G F a
+starts again where that state would be reached, with a mark: at its initial state, or, since the
+last letter may be the first of the next `a`, where that letter leads from there.
+
+A deterministic automaton of F a remembers all that may be the beginning of an `a`. What G F a says
+does not depend on any prefix, so every state of it accepts the same, and may be initial. One that
+guesses where `a` begins is often smaller: 4 states for G F(a & X X X b) instead of 8.
 
 Source: Esparza, Křetínský and Sickert, One theorem to rule them all: a unified translation of LTL
 into omega-automata, LICS 2018, for the automaton of G F a.
@@ -11,9 +14,18 @@ into omega-automata, LICS 2018, for the automaton of G F a.
 
 from __future__ import annotations
 
+from functools import reduce
+from operator import or_
+
 from companion.ltl.components import strong_components
 from companion.ltl.formula import FALSE, TRUE, Formula, Operator, subformulas
-from companion.ltl.graph import LabelledEdge, LabelledGraph, reachable
+from companion.ltl.graph import (
+    LabelledEdge,
+    LabelledGraph,
+    accepting_nodes,
+    is_deterministic,
+    reachable,
+)
 from companion.ltl.labels import LetterSet
 
 
@@ -29,16 +41,24 @@ def is_recurrence(formula: Formula) -> bool:
     )
 
 
-def restarted(weak: LabelledGraph[LetterSet], overlapping: bool) -> LabelledGraph[LetterSet]:
-    """A graph of G F a, given the smallest weak deterministic one of F a.
+def restarted(
+    graph: LabelledGraph[LetterSet], every: LetterSet, overlapping: bool
+) -> LabelledGraph[LetterSet] | None:
+    """A graph of G F a, given one of F a.
 
     Args:
+        every: the set of all letters.
         overlapping: whether the last letter of an `a` counts as the first of the next.
+
+    Returns:
+        None if the graph does not accept by reaching one node that accepts everything.
     """
-    (end,) = (n for n, leaving in enumerate(weak.edges) if all(e.target == n for e in leaving))
-    again = weak.edges[0] if overlapping else [LabelledEdge(~LetterSet(0), 0, 0)]
+    end = _end(graph, every)
+    if end is None or end == 0:
+        return None
+    again = graph.edges[0] if overlapping else [LabelledEdge(every, 0, 0)]
     edges: list[list[LabelledEdge[LetterSet]]] = []
-    for leaving in weak.edges:
+    for leaving in graph.edges:
         edges.append([edge._replace(marks=0) for edge in leaving if edge.target != end])
         for last in [edge for edge in leaving if edge.target == end]:
             for first in again:
@@ -46,5 +66,17 @@ def restarted(weak: LabelledGraph[LetterSet], overlapping: bool) -> LabelledGrap
                     target = 0 if first.target == end else first.target
                     edges[-1].append(LabelledEdge(letters, 1, target))
     edges[end] = []
+    if not is_deterministic(graph):
+        return reachable(edges, 1)
     components = strong_components([[edge.target for edge in leaving] for leaving in edges])
     return reachable(edges, 1, next(nodes[0] for nodes in components if edges[nodes[0]]))
+
+
+def _end(graph: LabelledGraph[LetterSet], every: LetterSet) -> int | None:
+    """The only node in which a run may stay to accept, if it reads all letters there."""
+    accepting = accepting_nodes(graph)
+    if len(accepting) != 1:
+        return None
+    (end,) = accepting
+    read = [edge.label for edge in graph.edges[end] if edge.target == end]
+    return end if reduce(or_, read) == every else None

@@ -18,7 +18,7 @@ from companion.ltl.reductions.bisimulation import Arrows, bisimilar
 from companion.ltl.reductions.quotient import Relation, merged, merged_backwards, merged_cubes
 from companion.ltl.reductions.sharpening import sharpened
 from companion.ltl.reductions.simulation import simulators
-from companion.ltl.reductions.trimming import trimmed, trimmed_by_states
+from companion.ltl.reductions.trimming import Departures, trimmed, trimmed_by_states
 
 MAX_SIMULATED = 400
 """States up to which it is tried to find out which simulates which by letters."""
@@ -38,22 +38,23 @@ def reduced(graph: LabelledGraph[LetterSet], budget: Budget) -> LabelledGraph[Le
 
     Edges between components may have any marks, and no choice is best for all automata.
     """
-    first = _merged_in_turn(graph, False, budget)
-    if not 1 < len(first.edges) <= MAX_STATES_TWICE:
-        return first
-    second = _merged_in_turn(graph, True, budget)
-    return first if first.size <= second.size else trimmed(second)
+    best = _merged_in_turn(trimmed(graph), Departures.UNMARKED, budget)
+    if not 1 < len(best.edges) <= MAX_STATES_TWICE:
+        return best
+    for departures, known in ((Departures.AS_GIVEN, graph), (Departures.MARKED, best)):
+        start = trimmed(known, departures)
+        if start != trimmed(known):
+            other = trimmed(_merged_in_turn(start, departures, budget))
+            best = min(best, other, key=lambda found: found.size)
+    return best
 
 
 def _merged_in_turn(
-    graph: LabelledGraph[LetterSet], departures_marked: bool, budget: Budget
+    best: LabelledGraph[LetterSet], departures: Departures, budget: Budget
 ) -> LabelledGraph[LetterSet]:
-    best = trimmed(graph, departures_marked)
     try:
         for relation in _relations(budget):
-            merge = partial(
-                _merged_both_ways, relation=relation, departures_marked=departures_marked
-            )
+            merge = partial(_merged_both_ways, relation=relation, departures=departures)
             best = _repeated(merge, best)
     except TranslationLimit:
         pass  # what was found so far is right as well
@@ -61,10 +62,10 @@ def _merged_in_turn(
 
 
 def _merged_both_ways(
-    graph: LabelledGraph[LetterSet], relation: Relation, departures_marked: bool
+    graph: LabelledGraph[LetterSet], relation: Relation, departures: Departures
 ) -> LabelledGraph[LetterSet]:
-    smaller = trimmed(merged(graph, relation), departures_marked)
-    return trimmed(merged_backwards(smaller, (), relation), departures_marked)
+    smaller = trimmed(merged(graph, relation), departures)
+    return trimmed(merged_backwards(smaller, (), relation), departures)
 
 
 def _relations(budget: Budget) -> tuple[Relation, Relation]:

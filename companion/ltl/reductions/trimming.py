@@ -7,6 +7,7 @@ Source: Somenzi and Bloem, Efficient Büchi automata from LTL formulae, CAV 2000
 
 from __future__ import annotations
 
+from enum import Enum, auto
 from functools import reduce
 from operator import or_
 
@@ -16,15 +17,25 @@ from companion.ltl.graph import LabelledEdge, LabelledGraph, Marks, reachable
 from companion.ltl.labels import L
 
 
-def trimmed(graph: LabelledGraph[L], departures_marked: bool = False) -> LabelledGraph[L]:
+class Departures(Enum):
+    """The marks of edges between components: the language does not depend on them."""
+
+    UNMARKED = auto()
+    AS_GIVEN = auto()
+    MARKED = auto()
+
+
+def trimmed(
+    graph: LabelledGraph[L], departures: Departures = Departures.UNMARKED
+) -> LabelledGraph[L]:
     """Without nodes that accept nothing, and without marks that say nothing.
 
     Within a component a mark says nothing if every edge has it, or if some other mark is only
     found where it is found. A component with loops that cannot accept keeps none.
 
     Args:
-        departures_marked: whether edges that leave a component which can accept have all marks;
-            the language does not depend on the marks of edges between components.
+        departures: which marks edges between components have: none; those of their marks that say
+            something in the component that they enter; all, if that which they leave can accept.
     """
     every_mark = (1 << graph.marks) - 1
     successors = graph.successors
@@ -43,9 +54,13 @@ def trimmed(graph: LabelledGraph[L], departures_marked: bool = False) -> Labelle
     marks = max(1 if kept is None else len(kept) for kept in essential)
 
     def marks_of(edge: LabelledEdge[L], component: int) -> Marks:
-        kept = essential[component]
-        if kept is None or component_of[edge.target] != component:
-            return (1 << marks) - 1 if departures_marked and accepting[component] else 0
+        after = component_of[edge.target]
+        if after != component and departures is not Departures.AS_GIVEN:
+            is_marked = departures is Departures.MARKED and accepting[component]
+            return (1 << marks) - 1 if is_marked else 0
+        kept = essential[after]
+        if kept is None:
+            return 0
         unneeded = (1 << marks) - (1 << len(kept))  # a mark on every edge says nothing
         return unneeded | sum([1 << i for i, mark in enumerate(kept) if edge.marks & mark])
 

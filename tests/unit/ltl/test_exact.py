@@ -62,6 +62,21 @@ def test_published_formulas(formula: Formula) -> None:
     check(formula)
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "G F(a & X X X b) & F G c",
+        "G F(a & X b) & F c",
+        "G F((p0 W X(!p0 | F p1)) R (p0 | X X p3))",
+        "F b & F c & G(a -> X(!a W b)) & G(b -> X(!b W c)) & G F a & G F c & G(c -> X(!c U a))",
+        "(a U b | G F c) & (c R a | F G b)",
+        "G(a | b U c | X F d)",
+    ],
+)
+def test_what_is_suspended_restarted_or_left_out(text: str) -> None:
+    check(parse(text))
+
+
 SHAPES = {
     "small": {"propositions": 3, "size": 10},
     "large": {"propositions": 4, "size": 18},

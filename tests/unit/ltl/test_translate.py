@@ -31,6 +31,13 @@ WORDS = 24
         ("G F(a <-> X a)", 2, 1),  # it starts again where F(a <-> X a) is over
         ("G F(a & X b)", 2, 1),
         ("F(a & F c) & G F a & G F c", 1, 2),
+        ("G F(a & X X X b)", 4, 1),  # it guesses where a & X X X b begins
+        ("F c & G F(a & X X X b)", 5, 1),  # which does not matter before c
+        ("G a | G F b", 2, 1),  # it waits for b, or for nothing, in one state
+        ("a U (b | X F(c & G d))", 4, 1),
+        ("G F a U (a | b)", 3, 1),  # edges between components keep their marks
+        ("G(c -> X(!c W e)) & F e & G F c", 2, 1),  # F e follows from the others
+        ("p1 R (p2 U !p3 W p0) & X(!p1 | p1 & X p1)", 13, 1),
     ],
 )
 def test_size(text: str, states: int, marks: int) -> None:

@@ -10,9 +10,10 @@ from hypothesis import given
 from oracle import Sample, accepted, random_words, small_words
 
 from companion.ltl.budget import Budget
-from companion.ltl.graph import LabelledGraph, automaton_of, with_cubes
+from companion.ltl.graph import LabelledGraph, automaton_of, graph_of, with_cubes
 from companion.ltl.intersection import intersection
 from companion.ltl.labels import Cube, LetterSet
+from companion.ltl.parser import parse
 from companion.ltl.reductions.degeneralisation import degeneralised
 from companion.ltl.reductions.quotient import merged_cubes
 from companion.ltl.reductions.sharpening import sharpened
@@ -22,7 +23,8 @@ from companion.ltl.reductions.strategy import (
     reduced_cubes,
     reduced_cubes_by_states,
 )
-from companion.ltl.reductions.trimming import trimmed, trimmed_by_states
+from companion.ltl.reductions.trimming import Departures, trimmed, trimmed_by_states
+from companion.ltl.translate import translate
 
 SAMPLE = Sample([*small_words("ab", 200), *random_words("ab", random.Random(8), 100)])
 
@@ -49,8 +51,8 @@ def test_graphs_with_cubes(graph: LabelledGraph[Cube]) -> None:
 def test_graphs_with_sets_of_letters(graph: LabelledGraph[Cube]) -> None:
     words = language(graph)
     assert language(as_cubes(by_letters(graph))) == words
-    for departures_marked in (False, True):
-        assert language(as_cubes(trimmed(by_letters(graph), departures_marked))) == words
+    for departures in Departures:
+        assert language(as_cubes(trimmed(by_letters(graph), departures))) == words
     smaller = reduced(by_letters(graph), Budget())
     assert language(as_cubes(smaller)) == words
     assert smaller.size[0] <= graph.size[0]
@@ -77,3 +79,11 @@ def test_graphs_with_marks_on_states(graph: LabelledGraph[Cube]) -> None:
 def test_an_intersection(one: LabelledGraph[Cube], other: LabelledGraph[Cube]) -> None:
     both = intersection(by_letters(one), by_letters(other), Budget())
     assert language(as_cubes(both)) == language(one) & language(other)
+
+
+@given(graphs_of_cubes(3))
+def test_a_suspended_intersection(graph: LabelledGraph[Cube]) -> None:
+    """G F(a & X b), which no finite prefix matters to, is read where the other one can accept."""
+    recurring = graph_of(translate(parse("G F(a & X b)")), ALPHABET)
+    both = intersection(by_letters(graph), by_letters(recurring), Budget(), suspending=True)
+    assert language(as_cubes(both)) == language(graph) & language(recurring)
