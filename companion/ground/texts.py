@@ -17,7 +17,7 @@ from companion.flight_events.facts import (
     MissionEventChanged,
     PlaceLost,
 )
-from companion.flight_events.hosting import RecordingFailed, UploadNews
+from companion.flight_events.hosting import DatagramsDropped, RecordingFailed, UploadNews
 from companion.flight_events.plans import LineDropped, LineTakenUp, NoPlanFound, PlanReplaced
 from companion.flight_events.skills import SkillFailed, WrittenTreeFailed
 from companion.flight_events.sortie import RunEnded, RunFailed, SetpointRefused, VehicleCrashed
@@ -47,7 +47,7 @@ def severity(event: FlightEvent) -> int:
             return ERROR
         case SkillFailed() | WrittenTreeFailed() | BeliefWithdrawn() | SetpointRefused():
             return WARNING
-        case PlaceLost() | LineDropped() | ConjunctViolated():
+        case PlaceLost() | LineDropped() | ConjunctViolated() | DatagramsDropped():
             return WARNING
         case UploadNews(is_refused=True):
             return WARNING
