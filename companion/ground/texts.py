@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections import deque
 
+from companion.errors import printable
 from companion.flight_events.event import FlightEvent
 from companion.flight_events.facts import (
     BeliefRestored,
@@ -75,7 +76,7 @@ class StatusTextQueue:
         """Puts a text into the queue, however long it is and however many lines it has."""
         if severity > self.level:
             return
-        one_line = "; ".join(line.strip() for line in text.splitlines() if line.strip())
+        one_line = "; ".join(line.strip() for line in printable(text).splitlines() if line.strip())
         raw = one_line.encode()
         if len(raw) > LONGEST:
             one_line = raw[: LONGEST - 3].decode(errors="ignore") + "..."
