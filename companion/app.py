@@ -16,6 +16,7 @@ from companion.acting.preparation import Preparation, PreparedMission, prepare
 from companion.errors import CompanionError
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.hosting import (
+    DatagramsDropped,
     MissionReady,
     MissionUnreadable,
     RunNotBegun,
@@ -146,6 +147,10 @@ class Companion:
     def hang_up(self) -> None:
         """The terminal is gone: the flight goes on, and its record says so."""
         self._has_hung_up = True
+
+    def note_dropped(self, number: int) -> None:
+        """So many datagrams were dropped on the link so far: the record says so."""
+        self._say(DatagramsDropped(number))
 
     def is_urgent(self, now_s: float, datagrams: list[bytes]) -> bool:
         """Whether they change an event that the plan watches; they are for the next step yet."""

@@ -23,7 +23,8 @@ def fly(companion: Companion, link: UdpLink, clock: ScaledClock, timeout_s: floa
 
     While nothing is flown, what arrives is answered at once: a file comes as a request after the
     other, and each would wait for the next tick. In flight, the change of an event that the plan
-    watches is answered by one step between two ticks, which moves none of them.
+    watches is answered by one step between two ticks, which moves none of them. What a flood of
+    datagrams loses is told by the companion.
 
     Raises:
         LinkTimeout: no vehicle was heard in time (seconds of the clock's time).
@@ -38,6 +39,8 @@ def fly(companion: Companion, link: UdpLink, clock: ScaledClock, timeout_s: floa
             clock.sleep_until(next_tick_s)
         now_s = clock.now_s()
         link.send(companion.step(now_s, heard + link.receive(), is_tick))
+        if dropped := link.news_of_dropped():
+            companion.note_dropped(dropped)
         if companion.is_waiting and now_s - begun_s > timeout_s:
             raise LinkTimeout(
                 f"no vehicle on {link.endpoint} after {timeout_s:.0f} s: {link.account()}\n"

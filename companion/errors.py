@@ -12,17 +12,38 @@
 
 A message has three parts: what happened, where, what to do. Expected outcomes (a failed skill,
 a blocked route) are values and never exceptions. `cli.py` is the only place that catches.
+
+A message quotes what came from outside, and is shown on terminals: no error has control characters.
 """
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
+
+_CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
+
+
+def printable(text: str) -> str:
+    r"""A text whose control characters a terminal shows and does not obey; tabs and lines stay.
+
+    >>> print(printable("a\x1b[2Jb"))
+    a\x1b[2Jb
+    """
+    return _CONTROL.sub(lambda found: f"\\x{ord(found[0]):02x}", text)
 
 
 class CompanionError(Exception):
-    """Anything this program reports about itself or its input."""
+    """Anything this program reports about itself or its input.
+
+    Args:
+        text: what people are told.
+    """
 
     exit_code = 1
+
+    def __init__(self, text: str) -> None:
+        super().__init__(printable(text))
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +99,8 @@ class MissionError(CompanionError):
         self.where = where
         self.hint = hint
         head = f"{where}: {what}" if where else what
-        super().__init__("\n".join([head, *(f"    {line}" for line in hint.splitlines())]))
+        advice = [f"    {line}" for line in printable(hint).splitlines()]
+        super().__init__("\n".join([head, *advice]))
 
 
 _SHOWN = 80  # characters of a long formula before and after the offending token
@@ -118,6 +140,9 @@ class FormulaError(MissionError):
             before, after = "... " * (first > 0), " ..." * (at + _SHOWN < len(line))
             line = before + line[first : at + _SHOWN] + after
             at += len(before) - first
+        shown, token = printable(line[:at]), line[at : at + width]
+        at, line = len(shown), printable(line)
+        width += len(printable(token)) - len(token)
         caret = " " * at + "^" * width
         super().__init__(what, where, "\n".join(filter(None, [line, f"{caret}  {hint}".rstrip()])))
 

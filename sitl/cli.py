@@ -19,7 +19,7 @@ from typing import Annotated, Any
 import typer
 
 from companion.clock import ScaledClock
-from companion.errors import Collided, CompanionError
+from companion.errors import Collided, CompanionError, printable
 from companion.geometry import GlobalOrigin
 from sitl.link.routing import LinkName
 from sitl.link.server import PORTS, Server
@@ -161,7 +161,7 @@ def _tell(simulation: Simulation, told: int, is_quiet: bool) -> int:
     """Tells what is new in the world; returns how much was told so far."""
     for time_s, text in simulation.event_log[told:]:
         if not is_quiet:
-            print(f"sitl: {time_s:.2f} s: {text}", flush=True)
+            print(f"sitl: {time_s:.2f} s: {printable(text)}", flush=True)
     return len(simulation.event_log)
 
 

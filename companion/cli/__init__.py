@@ -10,6 +10,8 @@ them, so that `--help` answers at once.
 
 from __future__ import annotations
 
+import os
+import stat
 import sys
 
 import typer
@@ -24,6 +26,8 @@ from companion.cli.terminal import give_up
 from companion.cli.trees import tree
 from companion.errors import CompanionError
 
+OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
+
 app = typer.Typer(
     help="Plans a mission in linear temporal logic and flies it on a PX4-style vehicle.",
     epilog="Try: companion sim missions/surveillance.yaml --speed max",
@@ -37,7 +41,11 @@ app.command(hidden=True)(monitor)
 
 
 def main() -> None:
-    """Entry point: runs a command and turns errors into messages and exit codes."""
+    """Entry point: runs a command and turns errors into messages and exit codes.
+
+    What a command or its children write, only its user can change: the umask forbids others to.
+    """
+    os.umask(os.umask(OTHERS_WRITE) | OTHERS_WRITE)
     try:
         app(standalone_mode=True)
     except CompanionError as error:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from companion.errors import TaskViolated
+from companion.errors import TaskViolated, printable
 
 if TYPE_CHECKING:
     from companion.flight_events.word import PositionLeft
@@ -86,7 +86,7 @@ def audit(
 def _print(run: Path, record: RunRecord, result: Audit) -> None:
     ending = record.ending.text.partition("\n")[0] if record.ending else ""
     typer.echo(f"run        {run}")
-    typer.echo(f"ending     {ending or 'none: the run was cut off'}")
+    typer.echo(f"ending     {printable(ending) or 'none: the run was cut off'}")
     if not record.task:
         typer.echo("note       the mission has no task to hold the flight against")
     if record.is_torn:

@@ -16,6 +16,7 @@ from typing import Annotated
 import typer
 
 from companion.cli.terminal import write_at_once
+from companion.errors import printable
 
 FORMAT = "%(asctime)s.%(msecs)03d  %(name)s  %(message)s"
 TIME_FORMAT = "%H:%M:%S"
@@ -27,7 +28,7 @@ class UnblockingHandler(logging.Handler):
     def emit(self, record: logging.LogRecord) -> None:
         """Writes a record if that can be done at once."""
         try:
-            write_at_once(sys.stderr, self.format(record) + "\n")
+            write_at_once(sys.stderr, printable(self.format(record)) + "\n")
         except Exception:  # whatever is wrong with a log line, the flight goes on
             return
 

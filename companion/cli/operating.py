@@ -14,7 +14,7 @@ import typer
 
 from companion.cli.arguments import MissionFile
 from companion.cli.log_lines import Verbose
-from companion.errors import LinkError, LinkTimeout, MissionError
+from companion.errors import LinkError, LinkTimeout, MissionError, printable
 
 if TYPE_CHECKING:
     from companion.ground.station import Heard, Station
@@ -88,7 +88,7 @@ async def _upload(files: tuple[Path, ...], url: str, starts: bool, timeout_s: fl
         )
         if not verdict["is_accepted"]:
             raise MissionError(f"the companion refuses the mission\n{verdict['details']}")
-        typer.echo(f"verdict    {verdict['text']}")
+        typer.echo(f"verdict    {printable(verdict['text'])}")
         if starts:
             await _start(station)
 

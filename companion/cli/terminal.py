@@ -23,6 +23,8 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import TextIO
 
+from companion.errors import printable
+
 LINES_KEPT = 1000
 """So many lines wait for a terminal that does not read; older ones are dropped."""
 CLOSE_S = 2.0
@@ -46,8 +48,8 @@ class Terminal:
         self._dead: set[TextIO] = set()
 
     def say(self, line: str, is_error: bool = False) -> None:
-        """Prints a line now, or when the terminal takes it."""
-        self._waiting.append((sys.stderr if is_error else sys.stdout, line))
+        """Prints a line now, or when the terminal takes it; it obeys none of its characters."""
+        self._waiting.append((sys.stderr if is_error else sys.stdout, printable(line)))
         self._write()
 
     def close(self) -> None:

@@ -16,6 +16,7 @@ from companion.flight_events.facts import (
     PlacesCutOff,
 )
 from companion.flight_events.hosting import (
+    DatagramsDropped,
     MissionReady,
     MissionUnreadable,
     RecordingFailed,
@@ -111,6 +112,7 @@ EVENTS: tuple[type[FlightEvent], ...] = (
     MissionUnreadable,
     RunNotBegun,
     TerminalHungUp,
+    DatagramsDropped,
     RecordingFailed,
     TreeBuilt,
     NodesChanged,

@@ -75,6 +75,16 @@ class TerminalHungUp(FlightEvent):
 
 
 @dataclass(frozen=True, slots=True)
+class DatagramsDropped(FlightEvent):
+    """More has arrived on the link than a step takes in, or a datagram that is too long."""
+
+    kind = "link"
+    template = "datagrams dropped: {number}; too long, or too many from one sender"
+
+    number: Annotated[int, Doc("dropped since the link was opened")]
+
+
+@dataclass(frozen=True, slots=True)
 class RecordingFailed(FlightEvent):
     """The run folder cannot be written any more; the flight goes on."""
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections import deque
 
+from companion.errors import printable
 from companion.flight_events.event import FlightEvent
 from companion.flight_events.facts import (
     BeliefRestored,
@@ -17,7 +18,7 @@ from companion.flight_events.facts import (
     MissionEventChanged,
     PlaceLost,
 )
-from companion.flight_events.hosting import RecordingFailed, UploadNews
+from companion.flight_events.hosting import DatagramsDropped, RecordingFailed, UploadNews
 from companion.flight_events.plans import LineDropped, LineTakenUp, NoPlanFound, PlanReplaced
 from companion.flight_events.skills import SkillFailed, WrittenTreeFailed
 from companion.flight_events.sortie import RunEnded, RunFailed, SetpointRefused, VehicleCrashed
@@ -47,7 +48,7 @@ def severity(event: FlightEvent) -> int:
             return ERROR
         case SkillFailed() | WrittenTreeFailed() | BeliefWithdrawn() | SetpointRefused():
             return WARNING
-        case PlaceLost() | LineDropped() | ConjunctViolated():
+        case PlaceLost() | LineDropped() | ConjunctViolated() | DatagramsDropped():
             return WARNING
         case UploadNews(is_refused=True):
             return WARNING
@@ -75,7 +76,7 @@ class StatusTextQueue:
         """Puts a text into the queue, however long it is and however many lines it has."""
         if severity > self.level:
             return
-        one_line = "; ".join(line.strip() for line in text.splitlines() if line.strip())
+        one_line = "; ".join(line.strip() for line in printable(text).splitlines() if line.strip())
         raw = one_line.encode()
         if len(raw) > LONGEST:
             one_line = raw[: LONGEST - 3].decode(errors="ignore") + "..."

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from companion.errors import printable
 from companion.mavlink.framing import dialect
 from companion.mavlink.px4_modes import mode_name
 from companion.mavlink.statustext import CHUNK_BYTES
@@ -90,7 +91,7 @@ class StatusTextAssembler:
         ([], 'a!')
         """
         if number == 0:
-            return [*self._rest(), text]
+            return [*self._rest(), printable(text)]
         whole = self._rest() if number != self._id or chunk == 0 else []
         self._id = number
         self._chunks.append(text)
@@ -98,4 +99,4 @@ class StatusTextAssembler:
 
     def _rest(self) -> list[str]:
         joined, self._chunks = "".join(self._chunks), []
-        return [joined] if joined else []
+        return [printable(joined)] if joined else []

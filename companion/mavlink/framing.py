@@ -1,9 +1,10 @@
 """MAVLink 2 frames: messages to bytes and back, for one component on one link.
 
 One datagram is one parse: what a damaged datagram leaves behind never swallows the frames of the
-next one. Damaged frames and unknown messages are dropped without a count; they never raise.
+next one. Damaged frames, unknown messages and frames with an incompatibility flag that is not
+understood are dropped without a count; they never raise.
 
-Source: https://mavlink.io/en/guide/serialization.html. Signing is left out.
+Source: https://mavlink.io/en/guide/serialization.html. Signatures are skipped, not checked.
 """
 
 from __future__ import annotations
@@ -37,6 +38,7 @@ _HEADER = "<2x3BHB"
 _HEADER_SIZE = struct.calcsize(_HEADER)
 _CHECKSUM = struct.Struct("<H")
 _MAGIC_1, _MAGIC_2 = 0xFE, 0xFD
+_UNKNOWN_FLAGS = 0xFF & ~dialect.MAVLINK_IFLAG_SIGNED
 _crc = dialect.mcrf4xx
 
 Message = Any
@@ -162,18 +164,23 @@ def source(message: Message) -> tuple[int, int]:
 
 
 def split_frames(datagram: bytes) -> list[bytes]:
-    """Returns the frames of a datagram, by their headers; what is no frame is left out."""
+    """Returns the frames of a datagram, by their headers; what is no frame is left out.
+
+    A frame with an incompatibility flag that is not understood is none. It is skipped as a whole,
+    so that nothing inside it is taken for a frame.
+    """
     size = len(datagram)
     if size >= 12 and datagram[0] == _MAGIC_2 and datagram[1] == size - 12 and not datagram[2]:
         return [datagram]  # as nearly always: one frame, unsigned
     frames: list[bytes] = []
     at = 0
-    while at + 8 <= len(datagram):
+    while at + 8 <= size:
         length = frame_size(datagram, at)
         if length is None:
             at += 1
             continue
-        if at + length <= len(datagram):
+        is_understood = datagram[at] == _MAGIC_1 or not datagram[at + 2] & _UNKNOWN_FLAGS
+        if is_understood and at + length <= size:
             frames.append(datagram[at : at + length])
         at += length
     return frames

@@ -15,13 +15,11 @@ from __future__ import annotations
 import logging
 
 from companion.mavlink.framing import MavlinkCodec, choose, dialect, source
+from companion.mavlink.intake import Address
 from companion.vehicle.wire import is_autopilot
 
 SILENT_S = 3.0
 """Three heartbeats were missed: the autopilot is no longer at its address."""
-
-Address = tuple[str, int]
-"""Host and port."""
 
 _HEARTBEAT = frozenset({dialect.MAVLINK_MSG_ID_HEARTBEAT})
 

@@ -3,6 +3,9 @@
 A URL says who speaks first. `udpin` binds a port and answers the autopilot that sends heartbeats
 to it (`autopilot_address.py`; PX4 sends to 14540 by itself); `udpout` sends to an address. A bare
 `udp` means one thing to MAVSDK and another to pymavlink, so it is refused.
+
+From one `send` to the next is a step of the loop. What is received in it is bounded, whatever
+arrives (`companion/mavlink/intake.py`); the address that is sent to has a share of its own.
 """
 
 from __future__ import annotations
@@ -15,14 +18,16 @@ import time
 from dataclasses import dataclass
 
 from companion.errors import LinkError
-from companion.vehicle.autopilot_address import Address, AutopilotAddress
+from companion.mavlink.intake import LONGEST, READS, Address, Intake
+from companion.vehicle.autopilot_address import AutopilotAddress
 
 URL = re.compile(r"(?P<scheme>[a-z]+):(?://)?((?P<host>[^:/]*):)?(?P<port>\d+)/?$")
 SCHEMES = ("udp", "udpin", "udpout")
 MAX_PORT = 65535
 MAVLINK2_MAGIC = b"\xfd"
-MAX_DATAGRAM = 65535
 RECEIVE_BUFFER = 1 << 20
+HOSTS_NAMED = 8
+"""So many that were heard are named; a flood may come from any number."""
 
 log = logging.getLogger(__name__)
 
@@ -72,8 +77,9 @@ class UdpLink:
 
     def __init__(self, endpoint: Endpoint) -> None:
         self.endpoint = endpoint
-        self._heard: dict[str, int] = {}
-        self._mavlink = 0
+        self._hosts: set[str] = set()
+        self._taken = self._mavlink = 0
+        self._intake = Intake()
         self._autopilot = AutopilotAddress()
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._socket.setblocking(False)
@@ -94,25 +100,24 @@ class UdpLink:
             ) from error
 
     def receive(self) -> list[bytes]:
-        """All datagrams that have arrived."""
+        """The datagrams that have arrived, as far as this step takes them in."""
         datagrams: list[bytes] = []
-        while True:
+        for _ in range(READS):
             try:
-                datagram, sender = self._socket.recvfrom(MAX_DATAGRAM)
+                datagram, sender = self._socket.recvfrom(LONGEST + 1)
             except BlockingIOError:
-                return datagrams
+                break
             except ConnectionError:  # an ICMP "nobody listens" of an earlier send
                 continue
-            datagrams.append(datagram)
-            if sender[0] not in self._heard:
-                log.debug("first datagram from %s:%d, %d bytes", *sender, len(datagram))
-            self._heard[sender[0]] = self._heard.get(sender[0], 0) + 1
-            self._mavlink += datagram[:1] == MAVLINK2_MAGIC
-            self._autopilot.hear(time.monotonic(), sender, datagram)
+            if self._intake.takes(sender, datagram, self._peer):
+                datagrams.append(datagram)
+                self._hear(sender, datagram)
+        return datagrams
 
     def send(self, datagrams: list[bytes]) -> None:
         """Sends to the vehicle; what the network does not take is lost, as on a radio."""
-        address = self._called or self._autopilot.address
+        self._intake.begin_step()
+        address = self._peer
         if address is None:
             return
         for datagram in datagrams:
@@ -121,19 +126,34 @@ class UdpLink:
             except OSError:
                 continue
 
+    @property
+    def _peer(self) -> Address | None:
+        return self._called or self._autopilot.address
+
+    def _hear(self, sender: Address, datagram: bytes) -> None:
+        self._taken += 1
+        self._mavlink += datagram[:1] == MAVLINK2_MAGIC
+        if sender[0] not in self._hosts and len(self._hosts) < HOSTS_NAMED:
+            self._hosts.add(sender[0])
+            log.debug("first datagram from %s:%d, %d bytes", *sender, len(datagram))
+        self._autopilot.hear(time.monotonic(), sender, datagram)
+
     def wait(self, timeout_s: float) -> bool:
         """Waits until something has arrived, at most so many wall-clock seconds; whether it has."""
         return bool(select.select([self._socket], [], [], max(0.0, timeout_s))[0])
 
+    def news_of_dropped(self) -> int:
+        """How many datagrams were dropped so far, when that is news; else 0."""
+        return self._intake.news()
+
     def account(self) -> str:
         """What was heard so far, in words."""
-        total = sum(self._heard.values())
-        if not total:
+        if not self._taken:
             return "nothing arrived"
         system = self._autopilot.system
         autopilot = "no autopilot" if system is None else f"the autopilot of {system}"
         return (
-            f"{total} packets came from {', '.join(sorted(self._heard))}, "
+            f"{self._taken} packets came from {', '.join(sorted(self._hosts))}, "
             f"{self._mavlink or 'none'} of them MAVLink 2; {autopilot} was heard"
         )
 

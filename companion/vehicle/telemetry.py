@@ -11,6 +11,7 @@ import math
 from collections import deque
 from collections.abc import Callable
 
+from companion.errors import printable
 from companion.geometry import Ned, NorthEast
 from companion.mavlink.framing import Message, dialect
 from companion.mavlink.px4_modes import mode_name
@@ -167,7 +168,7 @@ class Telemetry:
             self.accuracy_m = message.pos_horiz_accuracy
 
     def _on_text(self, _: float, message: Message) -> None:
-        text = message.text.rstrip("\t\0 ")
+        text = printable(message.text.rstrip("\t\0 "))
         if text and text not in self.texts:
             self.texts.append(text)
 

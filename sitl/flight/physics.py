@@ -20,6 +20,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import resources
+from random import Random
 from typing import NamedTuple
 
 import jsbsim
@@ -41,6 +42,21 @@ STANDING_M = LEG_M - MASS_KG * 9.81 / LEG_SPRING_N_PER_M
 # only reverses it: the vehicle would go on trembling by 0.2 m/s^2 after a landing.
 _EULER, _ADAMS_BASHFORTH_2, _ADAMS_BASHFORTH_3 = 1, 3, 4
 _DRYDEN = 3  # its Tustin twin (4) fits the spectra better, but bursts at low airspeed
+
+
+_JSBSIM_SEEDS = (1 << 31) - 2
+"""JSBSim tells 1 to 2^31 - 2 apart, the states of C++'s minstd_rand0, and takes others for 1."""
+
+
+def jsbsim_seed(seed: int) -> int:
+    """JSBSim's seed for one of ours: the next number, or chance's choice for what it cannot take.
+
+    >>> jsbsim_seed(0), jsbsim_seed(7)
+    (1, 8)
+    """
+    if 0 <= seed < _JSBSIM_SEEDS:
+        return seed + 1
+    return Random(f"gusts {seed}").randint(1, _JSBSIM_SEEDS)
 
 
 class FlightState(NamedTuple):
@@ -109,7 +125,7 @@ class Physics:
         turbulence_mps: standard deviation of the vertical gusts near the ground; horizontal ones
             are about twice as strong there (MIL-F-8785C). Gusts need air that moves past the
             vehicle: in still air a hovering vehicle has none.
-        seed: of the turbulence.
+        seed: of the turbulence, any integer.
 
     Attributes:
         state: after the last step.
@@ -208,7 +224,7 @@ class Physics:
         self._fdm["ic/psi-true-rad"] = yaw_rad
 
     def _set_turbulence(self, turbulence_mps: float, seed: int) -> None:
-        self._fdm["simulation/randomseed"] = seed + 1  # JSBSim takes 0 for 1
+        self._fdm["simulation/randomseed"] = jsbsim_seed(seed)
         if turbulence_mps > 0:
             self._fdm["atmosphere/turb-type"] = _DRYDEN
             self._fdm["atmosphere/turbulence/milspec/severity"] = 3  # any but 0 switches it on

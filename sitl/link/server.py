@@ -6,8 +6,9 @@ Each link has a local port and the port where its peer is expected; instance i a
     OFFBOARD  local 14580, sends to 127.0.0.1:14540
 
 Whoever sends to the local port becomes the peer, so that a client on another port is answered
-where it is. Only this machine is listened to. Nobody listening is no error. This is the only file
-with sockets.
+where it is. Only this machine is listened to. What is received at once is bounded, on each link for
+itself (`companion/mavlink/intake.py`). Nobody listening is no error. This is the only file with
+sockets.
 """
 
 from __future__ import annotations
@@ -16,13 +17,13 @@ import select
 import socket
 
 from companion.errors import LinkError
+from companion.mavlink.intake import LONGEST, READS, Intake
 from sitl.link.routing import LinkName
 
 HOST = "127.0.0.1"
 PORTS = {LinkName.GCS: (18570, 14550), LinkName.OFFBOARD: (14580, 14540)}
 """Link -> local port, peer's port."""
 
-MAX_DATAGRAM = 65535
 BUFFER_BYTES = 1 << 20  # a client that lists all parameters at once sends and gets bursts
 
 
@@ -36,6 +37,7 @@ class Server:
     def __init__(self, instance: int) -> None:
         self.peers = {link: (HOST, peer + instance) for link, (_, peer) in PORTS.items()}
         self._sockets: dict[LinkName, socket.socket] = {}
+        self._intakes = {link: Intake() for link in PORTS}
         for link, (local, _) in PORTS.items():
             self._sockets[link] = udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
             udp.setblocking(False)
@@ -61,7 +63,7 @@ class Server:
             udp.close()
 
     def receive(self, timeout_s: float) -> list[tuple[LinkName, bytes]]:
-        """The datagrams that have arrived, in order for each link; waits for the first."""
+        """The datagrams that are taken in, in order for each link; waits for the first."""
         links = {udp: link for link, udp in self._sockets.items()}
         ready, _, _ = select.select(list(links), [], [], max(0.0, timeout_s))
         return [(links[udp], datagram) for udp in ready for datagram in self._drain(links[udp])]
@@ -76,11 +78,16 @@ class Server:
 
     def _drain(self, link: LinkName) -> list[bytes]:
         datagrams: list[bytes] = []
-        while True:
+        intake = self._intakes[link]
+        intake.begin_step()
+        for _ in range(READS):
             try:
-                datagram, self.peers[link] = self._sockets[link].recvfrom(MAX_DATAGRAM)
+                datagram, sender = self._sockets[link].recvfrom(LONGEST + 1)
             except BlockingIOError:
-                return datagrams
+                break
             except OSError:
                 continue  # ECONNREFUSED of an earlier send
-            datagrams.append(datagram)
+            if intake.takes(sender, datagram, self.peers[link]):
+                self.peers[link] = sender
+                datagrams.append(datagram)
+        return datagrams

@@ -16,6 +16,7 @@ from companion.app import Companion
 from companion.driving import fly
 from companion.errors import Aborted, LinkTimeout
 from companion.flight_events.event import Stamped
+from companion.flight_events.hosting import DatagramsDropped
 from companion.flight_events.skills import PlaceReached, SkillCompleted
 from companion.flight_events.sortie import (
     Phase,
@@ -65,6 +66,7 @@ class World:
         self.now = 0.0
         self.late_s = 0.0
         self.is_silent = False
+        self.news: list[int] = []
         self.neighbour: Callable[[list[bytes]], list[bytes]] = lambda datagrams: []
         self.ticks: list[float] = []
         self._answers: list[bytes] = []
@@ -91,6 +93,9 @@ class World:
 
     def account(self) -> str:
         return "nothing arrived"
+
+    def news_of_dropped(self) -> int:
+        return self.news.pop(0) if self.news and self.now > 4.0 else 0
 
     def fly(self, timeout_s: float = 30.0) -> World:
         fly(self.companion, self, self, timeout_s)  # type: ignore[arg-type]
@@ -167,6 +172,17 @@ def test_a_vehicle_that_falls_silent_later_is_another_matter() -> None:
     world.neighbour = falls_silent
     world.fly(timeout_s=1.0)
     assert str(world.companion.failure) == "no position from the vehicle for 10 s"
+
+
+def test_what_a_flood_has_lost_is_told_in_the_flight_and_on_its_record() -> None:
+    world = World(mission("F at(A)"))
+    world.news = [1, 3]
+    world.fly()
+    dropped = [s for s in world.notes.reports if isinstance(s.event, DatagramsDropped)]
+    assert [stamped.event for stamped in dropped] == [DatagramsDropped(1), DatagramsDropped(3)]
+    assert [stamped.time_s for stamped in dropped] == pytest.approx([4.0, 4.05], abs=0.1)
+    texts = [m.text for m in of_type(world.autopilot.heard, "STATUSTEXT")]
+    assert any(text.startswith("datagrams dropped: 3") for text in texts)
 
 
 def test_a_stop_lands() -> None:

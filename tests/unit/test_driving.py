@@ -92,6 +92,9 @@ class Line(Notes):
     def account(self) -> str:
         return "nothing arrived"
 
+    def news_of_dropped(self) -> int:
+        return 0
+
     def _ask(self, command: int) -> None:
         asked = dialect.MAVLink_command_long_message(1, 191, command, 0, 148, 0, 0, 0, 0, 0, 0)
         self._under_way.append((self.now + 2 * UNDER_WAY_S, self._station.pack(asked)))

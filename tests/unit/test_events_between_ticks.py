@@ -136,6 +136,9 @@ class Line(Notes):
     def account(self) -> str:
         return "nothing arrived"
 
+    def news_of_dropped(self) -> int:
+        return 0
+
     def _stream(self, until_s: float) -> None:
         while self._streamed_s <= until_s:
             self._under_way += [(self._streamed_s, d) for d in self.autopilot.telemetry()]

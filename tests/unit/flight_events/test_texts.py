@@ -19,6 +19,7 @@ from companion.flight_events.facts import (
     PlacesCutOff,
 )
 from companion.flight_events.hosting import (
+    DatagramsDropped,
     MissionReady,
     MissionUnreadable,
     RecordingFailed,
@@ -166,6 +167,7 @@ TEXTS: list[tuple[FlightEvent, str]] = [
     (MissionUnreadable("no such file"), "the mission cannot be read: no such file"),
     (RunNotBegun("disk full"), "nothing is flown: disk full"),
     (TerminalHungUp(), "the terminal has hung up (SIGHUP); the flight goes on"),
+    (DatagramsDropped(8), "datagrams dropped: 8; too long, or too many from one sender"),
     (
         RecordingFailed("No space left on device"),
         "the run folder cannot be written, the flight goes on: No space left on device",

@@ -144,6 +144,39 @@ def test_no_bytes_raise_and_the_next_datagram_is_heard(junk: list[bytes]) -> Non
     assert values(ear.parse(frame(5))) == [5]
 
 
+# -- incompatibility flags -------------------------------------------------------------------------
+
+
+def flagged(flags: int, number: int = 5) -> bytes:
+    """A frame with incompatibility flags and the checksum, and signature, that belong to them."""
+    is_signed = flags & dialect.MAVLINK_IFLAG_SIGNED
+    whole = bytearray(signed_frame(number) if is_signed else frame(number))
+    end = 10 + whole[1]
+    whole[2] = flags
+    crc = dialect.mcrf4xx(bytes(whole[1:end]) + bytes([value(0).crc_extra]), 0xFFFF)
+    whole[end : end + 2] = crc.to_bytes(2, "little")
+    return bytes(whole)
+
+
+def pymavlink_takes(datagram: bytes) -> bool:
+    try:
+        return bool(dialect.MAVLink(None).parse_buffer(datagram))
+    except dialect.MAVError:
+        return False
+
+
+def test_a_frame_with_a_flag_that_is_not_understood_is_dropped_alone() -> None:
+    """The specification says so of every flag but the one of signed frames, and pymavlink too."""
+    ear, known = MavlinkCodec(0, 0), {dialect.MAVLINK_MSG_ID_NAMED_VALUE_INT}
+    understood = [flags for flags in range(256) if pymavlink_takes(flagged(flags))]
+    assert understood == [0, dialect.MAVLINK_IFLAG_SIGNED]
+    for flags in range(256):
+        heard, whole = [5] * (flags in understood), flagged(flags)
+        assert values(ear.parse(whole)) == heard
+        assert choose([whole], known, set()) == [whole] * len(heard)
+        assert values(ear.parse(frame(1) + whole + frame(2))) == [1, *heard, 2]
+
+
 # -- splitting -------------------------------------------------------------------------------------
 
 MARKS = {0xFD, 0xFE}

@@ -1,12 +1,14 @@
 """The simulator's door: options, ports."""
 
 import socket
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 import typer
 
 from companion.errors import LinkError
+from companion.mavlink.intake import SENDER_FRAMES, STRANGERS_FRAMES
 from sitl.cli import default_home, main, parse_home
 from sitl.link.routing import LinkName
 from sitl.link.server import PORTS, Server
@@ -57,6 +59,22 @@ def test_the_server_answers_whoever_speaks_and_ignores_deaf_peers(instance: int)
         assert server.receive(60.0) == [(LinkName.OFFBOARD, b"hello")]
         server.send([(LinkName.OFFBOARD, b"answer")])
         assert client.recvfrom(100)[0] == b"answer"
+
+
+def test_the_server_takes_in_so_much_at_once_and_nothing_that_is_too_long(instance: int) -> None:
+    with Server(instance) as server:
+        senders = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(2)]
+        with closing(senders[0]), closing(senders[1]):
+            address = ("127.0.0.1", PORTS[LinkName.OFFBOARD][0] + instance)
+            senders[0].sendto(bytes(65_507), address)
+            assert server.receive(60.0) == []
+            assert server.peers[LinkName.OFFBOARD] == ("127.0.0.1", 14540 + instance)
+            for _ in range(STRANGERS_FRAMES):  # the first one makes it the peer
+                senders[0].sendto(b"flood", address)
+            senders[1].sendto(b"one", address)
+            received = server.receive(60.0)
+            assert received[-1] == (LinkName.OFFBOARD, b"one")
+            assert len(received) == SENDER_FRAMES + 1
 
 
 def test_a_taken_port_is_told(instance: int) -> None:

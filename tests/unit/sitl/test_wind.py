@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from companion.geometry import GlobalOrigin, euler_from_quaternion
 from sitl.flight.controllers import Cascade, TrajectorySetpoint
-from sitl.flight.physics import Physics
+from sitl.flight.physics import Physics, jsbsim_seed
 
 DT = 0.004
 SEA = GlobalOrigin(47.4, 8.5, 0.0)
@@ -82,6 +82,31 @@ def test_no_wind_no_gusts() -> None:
     for _ in range(1000):
         physics.step(cascade.step(physics.state, setpoint, DT))
     assert math.dist(physics.state.position, home) < 0.05
+
+
+def begins(seed: int) -> tuple[float, ...]:
+    """Where a vehicle is after half a second of gusts."""
+    physics = Physics(
+        origin=SEA, start=(0.0, 0.0, -5.0), wind=(3.0, 0.0, 0.0), turbulence_mps=1.0, seed=seed
+    )
+    for _ in range(125):
+        state = physics.step((0.5, 0.5, 0.5, 0.5))
+    return state.position
+
+
+def test_every_seed_has_its_own_gusts() -> None:
+    """Also those that JSBSim's generator, of modulus 2^31 - 1, cannot tell from others."""
+    limit = 2**31
+    large = [limit - 3, limit - 2, limit - 1, limit, 2 * limit, 2 * limit + 1, 2**63, 10**40]
+    seeds = [0, 1, 2, *large, -1, -2, -limit]
+    found = [begins(seed) for seed in seeds]
+    assert len(set(found)) == len(seeds)
+    assert [begins(seed) for seed in seeds] == found
+
+
+def test_a_seed_that_jsbsim_takes_is_handed_on_as_it_is() -> None:
+    """So the flights of a seed stay the same from version to version."""
+    assert [jsbsim_seed(seed) for seed in (0, 1, 2, 2**31 - 3)] == [1, 2, 3, 2**31 - 2]
 
 
 def test_a_hovering_vehicle_takes_a_step_of_wind() -> None:

@@ -12,7 +12,8 @@ from autopilot import Autopilot
 from companion.errors import LinkError
 from companion.mavlink.framing import MavlinkCodec as Speaker
 from companion.mavlink.framing import dialect
-from companion.vehicle.link import Endpoint, UdpLink, parse_url
+from companion.mavlink.intake import LONGEST, SENDER_FRAMES
+from companion.vehicle.link import HOSTS_NAMED, Endpoint, UdpLink, parse_url
 
 PATIENCE_S = 60.0  # for datagrams on the loopback; they take microseconds
 
@@ -80,9 +81,9 @@ def test_a_bare_udp_means_two_things(url: str) -> None:
 class Peer:
     """The other end, with a port of its own."""
 
-    def __init__(self) -> None:
+    def __init__(self, host: str = "127.0.0.1") -> None:
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self.socket.bind(("127.0.0.1", 0))
+        self.socket.bind((host, 0))
         self.socket.settimeout(PATIENCE_S)
 
     @property
@@ -177,6 +178,38 @@ def test_receive_takes_all_that_has_arrived_and_does_not_wait(
         listener.wait(PATIENCE_S)
         received += listener.receive()
     assert received == [heartbeat()] * 50
+
+
+def test_a_datagram_that_is_too_long_is_refused_and_told(peer: Peer, listener: UdpLink) -> None:
+    assert listener.news_of_dropped() == 0
+    empty = b"\xfe\x00\x00\x01\x01\x00\x00\x00"
+    sent = [heartbeat(), empty * (65_507 // 8), bytes(LONGEST + 1), bytes(LONGEST)]
+    assert deliver(peer, listener, *sent) == [heartbeat(), bytes(LONGEST)]
+    assert listener.news_of_dropped() == 2
+
+
+@pytest.mark.parametrize("is_listening", [True, False], ids=["udpin", "udpout"])
+def test_a_flood_does_not_displace_the_autopilot(peer: Peer, is_listening: bool) -> None:
+    flooder, host = Peer(), Endpoint(True, "127.0.0.1", 0)
+    link = UdpLink(host if is_listening else Endpoint(False, *peer.address))
+    with closing(link), closing(flooder.socket):
+        link.send([b"hello"])
+        deliver(peer, link, *[heartbeat()] * is_listening)
+        for step in range(3):
+            alien = [b for _ in range(200) for b in deliver(flooder, link, heartbeat(191))]
+            assert len(alien) == SENDER_FRAMES
+            assert deliver(peer, link, *[heartbeat()] * 30) == [heartbeat()] * 30
+            assert link.news_of_dropped() == [72, 144, 0][step]
+            link.send([])
+
+
+def test_hosts_without_number_are_not_all_kept(listener: UdpLink) -> None:
+    for number in range(20):
+        sender = Peer(f"127.0.0.{2 + number}")
+        with closing(sender.socket):
+            deliver(sender, listener, b"junk")
+    account = listener.account()
+    assert account.startswith("20 packets") and account.count("127.0.0.") == HOSTS_NAMED
 
 
 def test_what_the_network_does_not_take_is_lost() -> None:
