@@ -66,7 +66,7 @@ class Position:
 
 
 @dataclass(frozen=True, slots=True)
-class Situation:
+class TaskSituation:
     """What of the task's state decides on plans; the fields are those of `TaskState`."""
 
     facts: frozenset[Fact]
@@ -75,11 +75,11 @@ class Situation:
     positions: int
     completed: int
 
-    def changed_events(self, later: Situation) -> frozenset[Fact]:
+    def changed_events(self, later: TaskSituation) -> frozenset[Fact]:
         """The facts that hold in one of two situations alone, or have risen in one alone."""
         return (self.facts ^ later.facts) | (self.risen ^ later.risen)
 
-    def is_like(self, other: Situation, but_for: frozenset[Fact]) -> bool:
+    def is_like(self, other: TaskSituation, but_for: frozenset[Fact]) -> bool:
         """Whether two are the same but for some events."""
         alike = replace(other, facts=self.facts, risen=self.risen)
         return self == alike and self.changed_events(other) <= but_for
@@ -130,9 +130,9 @@ class TaskState:
         return self.facts | (beliefs - self.withdrawn)
 
     @property
-    def situation(self) -> Situation:
+    def situation(self) -> TaskSituation:
         """All that plans depend on, but for the map and the position."""
-        return Situation(self.facts, self.risen, self.withdrawn, self.positions, self.completed)
+        return TaskSituation(self.facts, self.risen, self.withdrawn, self.positions, self.completed)
 
     @property
     def violated(self) -> tuple[str, ...]:

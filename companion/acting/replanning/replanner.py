@@ -28,7 +28,7 @@ from companion.planning.explain import NoPlan
 from companion.planning.lasso import ChosenPlan, DroppedLine, Lasso, Letter, Problem
 from companion.planning.optional_lines import without_lines
 from companion.planning.planner import Planner
-from companion.planning.task_state import Situation
+from companion.planning.task_state import TaskSituation
 from companion.slices import InSlices, Question, spent, wait_a_tick
 
 COMPARED = 1000
@@ -90,7 +90,7 @@ class Replanner:
         self._patience = patience
         self._engine = engine
         self._planning: InSlices[ChosenPlan | PlanFailure] | None = None
-        self._planned_in: Situation | None = None
+        self._planned_in: TaskSituation | None = None
         self._idle_replans = 0
         self._completed = 0
         self._looked_at: tuple[object, ...] = ()
