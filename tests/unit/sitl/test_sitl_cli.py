@@ -8,7 +8,7 @@ import pytest
 import typer
 
 from companion.errors import LinkError
-from companion.mavlink.intake import SENDER_FRAMES, STRANGERS_FRAMES
+from companion.mavlink.intake import LONGEST, SENDER_FRAMES, STRANGERS_FRAMES
 from sitl.cli import default_home, main, parse_home
 from sitl.link.routing import LinkName
 from sitl.link.server import PORTS, Server
@@ -67,14 +67,12 @@ def test_the_server_takes_in_so_much_at_once_and_nothing_that_is_too_long(instan
         with closing(senders[0]), closing(senders[1]):
             address = ("127.0.0.1", PORTS[LinkName.OFFBOARD][0] + instance)
             senders[0].sendto(bytes(65_507), address)
-            assert server.receive(60.0) == []
-            assert server.peers[LinkName.OFFBOARD] == ("127.0.0.1", 14540 + instance)
             for _ in range(STRANGERS_FRAMES):  # the first one makes it the peer
                 senders[0].sendto(b"flood", address)
             senders[1].sendto(b"one", address)
-            received = server.receive(60.0)
-            assert received[-1] == (LinkName.OFFBOARD, b"one")
-            assert len(received) == SENDER_FRAMES + 1
+            received = [datagram for _, datagram in server.receive(60.0)]
+            assert received.count(b"flood") == SENDER_FRAMES
+            assert b"one" in received and bytes(LONGEST + 1) not in received
 
 
 def test_a_taken_port_is_told(instance: int) -> None:
