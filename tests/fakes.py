@@ -66,6 +66,8 @@ class FakeVehicle:
             "COM_OF_LOSS_T": 1.0,
             "COM_OBL_RC_ACT": 5.0,
             "COM_LOW_BAT_ACT": 3.0,
+            "GF_ACTION": 2.0,
+            "COM_RCL_EXCEPT": 0.0,
         }
         self._now_s = self._since_s = 0.0
         self._due: dict[int, tuple[float, Outcome]] = {}

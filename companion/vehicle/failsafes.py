@@ -2,15 +2,19 @@
 
 PX4's own defaults leave much of this off: without setpoints and without a pilot it sinks to the
 ground where it is, and an empty battery only warns. A companion that dies in flight relies on
-these parameters, so weak ones are refused unless the operator accepts them.
+these parameters, so weak ones are refused unless the operator accepts them. So are others that PX4
+sets well by default, where they were changed: its fence, and the loss of the pilot's radio.
 
-Source: PX4 v1.16, parameter reference (COM_*).
+Source: PX4 v1.16, parameter reference (COM_*, GF_*).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+
+IN_OFFBOARD = 4
+"""The bit of COM_RCL_EXCEPT that stands for OFFBOARD."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +41,16 @@ REQUIREMENTS: tuple[Requirement, ...] = (
         "COM_LOW_BAT_ACT",
         lambda value: value in (2, 3),
         "set 3 (return, then land) or 2 (land): what it does when the battery is low",
+    ),
+    Requirement(
+        "GF_ACTION",
+        lambda value: value in (2, 3, 5),
+        "set 2 (hold), 3 (return) or 5 (land): what it does at its own fence",
+    ),
+    Requirement(
+        "COM_RCL_EXCEPT",
+        lambda value: value.is_integer() and not int(value) & IN_OFFBOARD,
+        "clear bit 2 (4): with it the loss of the pilot's radio is ignored in OFFBOARD",
     ),
 )
 

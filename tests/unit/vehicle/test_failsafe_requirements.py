@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 from companion.vehicle.failsafes import weaknesses
@@ -10,6 +12,8 @@ STRONG: dict[str, float | None] = {
     "COM_OF_LOSS_T": 1.0,
     "COM_OBL_RC_ACT": 5.0,
     "COM_LOW_BAT_ACT": 3.0,
+    "GF_ACTION": 2.0,
+    "COM_RCL_EXCEPT": 0.0,
 }
 
 
@@ -23,10 +27,12 @@ def test_strong_failsafes_have_no_weakness() -> None:
         ("COM_OF_LOSS_T", {0.1, 0.5, 1.0}),
         ("COM_OBL_RC_ACT", {3.0, 4.0, 5.0}),
         ("COM_LOW_BAT_ACT", {2.0, 3.0}),
+        ("GF_ACTION", {2.0, 3.0, 5.0}),
+        ("COM_RCL_EXCEPT", {0.0, 1.0, 2.0, 3.0}),
     ],
 )
 def test_each_parameter_is_judged(parameter: str, strong: set[float]) -> None:
-    values = {-1.0, 0.0, 0.1, 0.5, 1.0, 1.1, 2.0, 3.0, 4.0, 5.0, 6.0, 60.0, float("nan")}
+    values = {-1.0, 0.0, 0.1, 0.5, 1.0, 1.1, 2.0, 3.0, 4.0, 5.0, 6.0, 60.0, math.inf, math.nan}
     assert {v for v in values if weaknesses({**STRONG, parameter: v}) == []} == strong
 
 
@@ -41,6 +47,6 @@ def test_no_answer_is_a_weakness() -> None:
 
 
 def test_px4_as_it_comes_is_weak_in_two() -> None:
-    """Defaults of PX4 v1.16: 1.0 s, Position, warning alone."""
-    found = weaknesses({"COM_OF_LOSS_T": 1.0, "COM_OBL_RC_ACT": 0.0, "COM_LOW_BAT_ACT": 0.0})
+    """Defaults of PX4 v1.16: 1.0 s, Position, warning alone, Hold, none."""
+    found = weaknesses({**STRONG, "COM_OBL_RC_ACT": 0.0, "COM_LOW_BAT_ACT": 0.0})
     assert [line.split()[0] for line in found] == ["COM_OBL_RC_ACT", "COM_LOW_BAT_ACT"]
