@@ -3,7 +3,8 @@
     GET /          the page        GET /NAME    its scripts and styles
     GET /stream    server-sent events (feed.py)
 
-Its content security policy lets the page load nothing from elsewhere.
+Its content security policy lets the page load nothing from elsewhere, and it answers under an
+address or a name of this machine alone (own_names.py).
 """
 
 from __future__ import annotations
@@ -18,12 +19,14 @@ from pathlib import Path
 
 import uvicorn
 from starlette.applications import Starlette
+from starlette.middleware import Middleware
 from starlette.requests import Request
 from starlette.responses import Response, StreamingResponse
 from starlette.routing import Route
 
 from companion.monitor.feed import Feed
 from companion.monitor.follower import PERIOD_S, Follower
+from companion.monitor.own_names import OwnNamesOnly
 
 STATIC = Path(__file__).parent / "static"
 TYPES = {
@@ -61,6 +64,7 @@ def application(feed: Feed) -> Starlette:
 
     return Starlette(
         routes=[Route("/", file), Route("/stream", stream), Route("/{name}", file)],
+        middleware=[Middleware(OwnNamesOnly)],
     )
 
 
