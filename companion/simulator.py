@@ -8,13 +8,13 @@ however that happens: then its standard input ends.
 from __future__ import annotations
 
 import subprocess
-import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from companion.errors import Collided, LinkError
+from companion.python_child import python_module
 
 START_TIMEOUT_S = 30.0
 END_TIMEOUT_S = 5.0
@@ -43,7 +43,7 @@ def simulator(options: list[str], log: Path) -> Iterator[SimulatorChild]:
     """
     with log.open("wb") as output:
         child = subprocess.Popen(
-            [sys.executable, "-m", "sitl", "--attended", *options],
+            python_module("sitl", "--attended", *options),
             stdout=output,
             stderr=subprocess.STDOUT,
             stdin=subprocess.PIPE,

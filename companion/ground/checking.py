@@ -9,12 +9,12 @@ from __future__ import annotations
 import json
 import os
 import subprocess
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
 from companion.ground import limited
+from companion.python_child import python_module
 
 MAX_TEXT = 2000  # characters of a result that are handed on
 _ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "NO_COLOR": "1"}
@@ -53,7 +53,7 @@ class ChildCheck:
 
     def __init__(self, folder: Path, mission: str) -> None:
         self._output = folder.with_name(folder.name + ".json")
-        command = [sys.executable, "-m", limited.__name__, str(folder)]
+        command = python_module(limited.__name__, str(folder))
         with self._output.open("wb") as output:
             self._child = subprocess.Popen(
                 [*command, "check", "--json", "--within", ".", "--", mission],

@@ -12,10 +12,10 @@ import contextlib
 import errno
 import socket
 import subprocess
-import sys
 from pathlib import Path
 
 from companion.errors import LinkError
+from companion.python_child import python_module
 
 PORTS_TRIED = 50
 
@@ -62,7 +62,7 @@ class Child:
         with listener:
             try:
                 self._process = subprocess.Popen(
-                    [sys.executable, "-m", "companion", "monitor", str(number)],
+                    python_module("companion", "monitor", str(number)),
                     stdin=subprocess.PIPE,
                     stdout=subprocess.DEVNULL,
                     pass_fds=[number],
