@@ -152,9 +152,11 @@ class Executive:
                 self._tick_by_hand(self._root)
             case ExecutiveState.REPLANNING | ExecutiveState.EXPLAINING:
                 assert self._due is not None
+                self._flight.hold()
                 self._plan_again(self._due)
             case ExecutiveState.AWAITING_PLAN:
                 assert self._due is not None and self.failure is not None
+                self._flight.hold()
                 self._wait(self.failure, self._due)
         return self.status
 

@@ -263,9 +263,11 @@ class Sortie:
             self._on(SortieEvent.CHECKED)
 
     def _pursue_goal(self, _: VehicleState) -> None:
-        outcome = self._flight.vehicle.pursue(GOALS[self.phase])
         if self.phase is Phase.OFFBOARD:
             self._flight.hold_here()  # it may still rise
+        elif self.phase in (Phase.HOLDING, Phase.LANDING):
+            self._flight.hold()  # until the autopilot does
+        outcome = self._flight.vehicle.pursue(GOALS[self.phase])
         if outcome is Progress.DONE:
             is_entered = self.phase is Phase.OFFBOARD
             self._on(self._goes_on if is_entered else SortieEvent.REACHED)
@@ -315,9 +317,6 @@ class Sortie:
             self._flight.report(failed)
             self._on(SortieEvent.NO_WAY_HOME)
 
-    def _hold(self, _: VehicleState) -> None:
-        self._flight.hold()
-
     # -- the table -----------------------------------------------------------------------------
 
     def _on(self, event: SortieEvent, news: FlightEvent | None = None) -> None:
@@ -341,7 +340,7 @@ _WORK: dict[Phase, Callable[[Sortie, VehicleState], None]] = {
     Phase.WAITING: Sortie._begin,
     Phase.CHECKING: Sortie._check_failsafes,
     Phase.TASK: Sortie._fly_task,
-    Phase.PAUSED: Sortie._hold,
+    Phase.PAUSED: lambda sortie, _: sortie._flight.hold(),
     Phase.RETURNING: Sortie._fly_home,
     Phase.YIELDED: Sortie._await_operator,
     **dict.fromkeys(GOALS, Sortie._pursue_goal),

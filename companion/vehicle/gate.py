@@ -3,12 +3,13 @@
 Rules, in this order; the first that applies decides:
 1. No position known, or none for `lost_s`, or the mode is not ours: nothing is sent.
 2. Telemetry older than `max_age_s`: hold.
-3. A number that is not finite: hold.
-4. Outside the fence or the altitude band: hold.
-5. Further from the vehicle than the carrot: hold. A setpoint that stays behind when
+3. Asked for longer ago than `lease_s`: hold. Who flies renews the setpoint in every tick.
+4. A number that is not finite: hold.
+5. Outside the fence or the altitude band: hold.
+6. Further from the vehicle than the carrot: hold. A setpoint that stays behind when
    this program dies means "hover a carrot's length ahead", never "fly to the far end".
-6. Faster than the speed limit: hold.
-7. Climbing or descending faster than the vehicle can: hold.
+7. Faster than the speed limit: hold.
+8. Climbing or descending faster than the vehicle can: hold.
 
 To hold is to be sent to the present position with no velocity. The gate knows no map: walls
 are the business of routes.
@@ -40,6 +41,7 @@ class Envelope:
         descent_mps: the same downwards.
         carrot_m: greatest distance of a setpoint from the vehicle.
         max_age_s: age of telemetry at which the vehicle holds.
+        lease_s: age of a setpoint at which the vehicle holds.
         lost_s: age of telemetry at which the stream ends and the autopilot's failsafe begins.
     """
 
@@ -50,6 +52,7 @@ class Envelope:
     descent_mps: float
     carrot_m: float
     max_age_s: float = 0.5
+    lease_s: float = 0.5
     lost_s: float = 3.0
 
 
@@ -63,12 +66,13 @@ class Verdict:
 
 def admit(
     setpoint: Setpoint,
+    asked_s: float,
     state: VehicleState | None,
     now_s: float,
     is_our_mode: bool,
     envelope: Envelope,
 ) -> Verdict:
-    """The setpoint itself, a hold in its place, or nothing."""
+    """The setpoint that was asked for at some time, a hold in its place, or nothing."""
     if state is None or not all(map(math.isfinite, (*state.position, state.yaw_rad))):
         return Verdict(None, Refusal("the position is unknown"))
     age_s = now_s - state.stamp_s
@@ -76,7 +80,7 @@ def admit(
         return Verdict(None, Refusal(f"no position for {age_s:.1f} s"))
     if not is_our_mode:
         return Verdict(None, Refusal(f"the mode is {state.mode.value}"))
-    asked = _Asked(setpoint, state, age_s, envelope)
+    asked = _Asked(setpoint, now_s - asked_s, state, age_s, envelope)
     for rule in _RULES:
         if refusal := rule(asked):
             return Verdict(hold_at(state.position, state.yaw_rad), refusal)
@@ -85,9 +89,10 @@ def admit(
 
 @dataclass(frozen=True, slots=True)
 class _Asked:
-    """What rules 2 to 7 judge: a setpoint for a vehicle whose state is so old."""
+    """What rules 2 to 8 judge: a setpoint and the vehicle's state, and how old both are."""
 
     setpoint: Setpoint
+    setpoint_age_s: float
     state: VehicleState
     age_s: float
     envelope: Envelope
@@ -96,6 +101,11 @@ class _Asked:
 def _stale(asked: _Asked) -> Refusal | None:
     is_fresh = asked.age_s <= asked.envelope.max_age_s
     return None if is_fresh else Refusal(f"the position is {asked.age_s:.1f} s old")
+
+
+def _ownerless(asked: _Asked) -> Refusal | None:
+    is_renewed = asked.setpoint_age_s <= asked.envelope.lease_s
+    return None if is_renewed else Refusal(f"not renewed for {asked.setpoint_age_s:.1f} s")
 
 
 def _not_finite(asked: _Asked) -> Refusal | None:
@@ -138,6 +148,7 @@ def _too_steep(asked: _Asked) -> Refusal | None:
 
 _RULES: Sequence[Callable[[_Asked], Refusal | None]] = (
     _stale,
+    _ownerless,
     _not_finite,
     _outside_fence,
     _outside_band,

@@ -100,6 +100,7 @@ class MavlinkVehicle:
         self._parameters = ParameterReader()
         self._readings: list[Reading] = []
         self._setpoint: Setpoint | None = None
+        self._asked_s = 0.0
         self._pursuit: Pursuit | None = None
         self._first_mode: Mode | None = None
         self._now_s = 0.0
@@ -155,8 +156,8 @@ class MavlinkVehicle:
         return self._telemetry.state
 
     def fly(self, setpoint: Setpoint) -> None:
-        """Streams a setpoint from now on."""
-        self._setpoint = setpoint
+        """Streams a setpoint from now on; it has to be renewed before its lease is over."""
+        self._setpoint, self._asked_s = setpoint, self._now_s
 
     def set_speed_limit(self, speed_mps: float) -> None:
         """The gate admits no faster setpoint from now on."""
@@ -285,8 +286,9 @@ class MavlinkVehicle:
         is_entering = self._pursuit is not None and self._pursuit.goal is Goal.OFFBOARD
         is_our_mode = is_entering or self._telemetry.mode is Mode.OFFBOARD
         is_known = self._now_s - self._telemetry.heartbeat_s < MODE_UNKNOWN_S
+        is_ours = is_our_mode and is_known
         verdict = admit(
-            self._setpoint, self.state, self._now_s, is_our_mode and is_known, self._envelope
+            self._setpoint, self._asked_s, self.state, self._now_s, is_ours, self._envelope
         )
         if verdict.setpoint is None:
             return []

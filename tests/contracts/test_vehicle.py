@@ -122,9 +122,9 @@ class TestVehicle:
         assert state is not None
         north, east, down = state.position
         goal_position = (north + 1.0, east - 0.5, down)
-        world.vehicle.fly(hold_at(goal_position, 0.0))
 
         def has_arrived() -> bool:
+            world.vehicle.fly(hold_at(goal_position, 0.0))  # renewed, or its lease ends
             now = world.vehicle.state
             return now is not None and distance(now.position, goal_position) < 0.1
 

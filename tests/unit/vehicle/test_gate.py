@@ -37,8 +37,9 @@ def verdict(
     state: VehicleState | None = STATE,
     now_s: float = NOW_S,
     is_our_mode: bool = True,
+    asked_s: float = NOW_S,
 ) -> Verdict:
-    return admit(setpoint, state, now_s, is_our_mode, ENVELOPE)
+    return admit(setpoint, asked_s, state, now_s, is_our_mode, ENVELOPE)
 
 
 def changed(vector: Ned, axis: int, number: float) -> Ned:
@@ -86,6 +87,12 @@ def test_in_a_mode_that_is_not_ours_nothing_is_sent() -> None:
 def test_old_telemetry_holds() -> None:
     assert verdict(now_s=STATE.stamp_s + 0.49) == Verdict(GOOD)
     assert verdict(now_s=STATE.stamp_s + 0.61) == held("the position is 0.6 s old")
+
+
+def test_a_setpoint_that_nobody_renews_holds() -> None:
+    assert verdict(asked_s=NOW_S - ENVELOPE.lease_s) == Verdict(GOOD)
+    assert verdict(asked_s=NOW_S - 0.61) == held("not renewed for 0.6 s")
+    assert verdict(asked_s=math.nan) == held("not renewed for nan s")
 
 
 @pytest.mark.parametrize("field", ["position", "velocity", "acceleration"])
