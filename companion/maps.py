@@ -30,6 +30,8 @@ from companion.motion.grid import OccupancyGrid
 
 MAX_EDGE_CELLS = 4000
 ROUNDING = 1e-9
+MANY = 1e9
+"""Cells beyond which it does not matter how many there would be."""
 MAX_YAML_BYTES = 64 * 1024  # a map's YAML has seven lines; more is another file
 
 _GREY_MODES = ("1", "L", "LA", "P", "RGB", "RGBA")  # Pillow's names of images with 8 bits or less
@@ -87,10 +89,12 @@ def map_of_boxes(
     for name, (first, last) in (("east_m", east_m), ("north_m", north_m)):
         if not first < last:
             raise MissionError(f"{name} of the map: {first:g} to {last:g} is no range")
-        cells = math.ceil((last - first) / cell_m - ROUNDING)
-        if cells > MAX_EDGE_CELLS:
+        needed = (last - first) / cell_m - ROUNDING
+        if needed > MAX_EDGE_CELLS:
             hint = f"At most {MAX_EDGE_CELLS} cells along an edge; use a larger cell_m."
-            raise MissionError(f"{name} of the map: {cells} cells are too many", hint=hint)
+            what = f"{name} of the map: {math.ceil(min(needed, MANY))} cells are too many"
+            raise MissionError(what, hint=hint)
+        cells = math.ceil(needed)
         edges.append(np.linspace(first, first + cells * cell_m, cells + 1))
     east, north = edges
     occupied = np.zeros((len(north) - 1, len(east) - 1), dtype=np.bool_)

@@ -28,6 +28,9 @@ from companion.mission.world_schema import (
 )
 from companion.vehicle_files import VehicleEntry, VehicleKey
 
+DAY_S = 86_400
+"""No time of a mission is longer: what is is written in another unit."""
+Duration = Annotated[float, Field(gt=0, le=DAY_S)]
 PATIENCE = "Seconds to hold without a plan, where one may come back, before `otherwise`."
 
 
@@ -52,6 +55,7 @@ class EventEntry(StrictModel):
         float,
         Field(
             ge=0,
+            le=DAY_S,
             description="Seconds a condition must hold before it counts; a command counts at once.",
         ),
     ] = 0.0
@@ -133,9 +137,10 @@ class SkillEntry(StrictModel):
     ] = True
     retry_after_s: Annotated[
         float | None,
-        BeforeValidator(given, json_schema_input_type=Annotated[float, Field(gt=0)]),
+        BeforeValidator(given, json_schema_input_type=Duration),
         Field(
             gt=0,
+            le=DAY_S,
             description="Seconds after which what the skill assumes is believed again after a "
             "failure; without it not before an event restores it.",
         ),
@@ -150,8 +155,8 @@ class SkillEntry(StrictModel):
     ] = 1
     timeout_s: Annotated[
         float | None,
-        BeforeValidator(given, json_schema_input_type=Annotated[float, Field(gt=0)]),
-        Field(gt=0, description="Longest time of one try, seconds; without it no limit."),
+        BeforeValidator(given, json_schema_input_type=Duration),
+        Field(gt=0, le=DAY_S, description="Longest time of one try, seconds; without it no limit."),
     ] = None
     look_at: Annotated[
         Name | PointEntry | None,

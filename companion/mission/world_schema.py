@@ -15,6 +15,10 @@ class StrictModel(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
+FAR_M = 10_000
+"""Nothing of a mission lies further from home: what does is written in another unit."""
+
+Metres = Annotated[float, Field(ge=-FAR_M, le=FAR_M)]
 Span = Annotated[tuple[float, float], Field(description="[from, to], metres from home.")]
 
 
@@ -41,11 +45,11 @@ class LimitsEntry(StrictModel):
 
     speed_mps: Annotated[float, Field(gt=0, le=20, description="Greatest speed, m/s.")]
     up_m: Annotated[
-        tuple[float, float],
+        tuple[Metres, Metres],
         Field(description="Lowest and highest flight altitude above home, metres: [0.5, 4.0]."),
     ]
     fence: Annotated[
-        list[tuple[float, float]],
+        list[tuple[Metres, Metres]],
         Field(
             min_length=3,
             description="Corners of the area that is never left: [[east, north], ...], metres.",
@@ -59,11 +63,11 @@ HeadingDeg = Annotated[float, Field(ge=-360, le=360)]
 class PlaceEntry(StrictModel):
     """A point, in metres from the home position, with a region around it."""
 
-    east_m: Annotated[float, Field(description="Metres east of home.")]
-    north_m: Annotated[float, Field(description="Metres north of home.")]
-    up_m: Annotated[float, Field(description="Metres above home.")]
+    east_m: Annotated[Metres, Field(description="Metres east of home.")]
+    north_m: Annotated[Metres, Field(description="Metres north of home.")]
+    up_m: Annotated[Metres, Field(description="Metres above home.")]
     radius_m: Annotated[
-        float, Field(gt=0, description="at(place) holds within this distance, metres.")
+        float, Field(gt=0, le=1000, description="at(place) holds within this distance, metres.")
     ] = 0.6
     heading_deg: Annotated[
         float | None,
@@ -80,5 +84,5 @@ class PlaceEntry(StrictModel):
 class PointEntry(StrictModel):
     """A point on the ground plan; the vehicle need not be able to be there."""
 
-    east_m: Annotated[float, Field(description="Metres east of home.")]
-    north_m: Annotated[float, Field(description="Metres north of home.")]
+    east_m: Annotated[Metres, Field(description="Metres east of home.")]
+    north_m: Annotated[Metres, Field(description="Metres north of home.")]

@@ -23,8 +23,9 @@ def _described(description: str, **limits: Any) -> Any:
     return Field(description=description, **limits)
 
 
-East = Annotated[float, _described("metres east of home")]
-North = Annotated[float, _described("metres north of home")]
+FAR_M = 10_000
+East = Annotated[float, _described("metres east of home", ge=-FAR_M, le=FAR_M)]
+North = Annotated[float, _described("metres north of home", ge=-FAR_M, le=FAR_M)]
 EastSpeed = Annotated[float, _described("m/s towards east", ge=-30, le=30)]
 NorthSpeed = Annotated[float, _described("m/s towards north", ge=-30, le=30)]
 Component = Annotated[int, _described("its MAVLink component id", ge=2, le=255)]
@@ -38,7 +39,7 @@ class StartModel(_Strict):
 
     east_m: East = 0.0
     north_m: North = 0.0
-    heading_deg: Annotated[float, _described("clockwise from north")] = 0.0
+    heading_deg: Annotated[float, _described("clockwise from north", ge=-360, le=360)] = 0.0
 
 
 class HomeModel(_Strict):
@@ -46,7 +47,7 @@ class HomeModel(_Strict):
 
     latitude_deg: Annotated[float, _described("degrees north", ge=-90, le=90)]
     longitude_deg: Annotated[float, _described("degrees east", ge=-180, le=180)]
-    altitude_m: Annotated[float, _described("above mean sea level")] = 488.0
+    altitude_m: Annotated[float, _described("above mean sea level", ge=-500, le=9000)] = 488.0
 
 
 class WindModel(_Strict):
@@ -81,7 +82,7 @@ class CircleModel(_Strict):
 
     east_m: East
     north_m: North
-    radius_m: Annotated[float, _described("metres", gt=0)]
+    radius_m: Annotated[float, _described("metres", gt=0, le=FAR_M)]
 
 
 class VisitModel(CircleModel):
@@ -120,14 +121,14 @@ class LidarModel(_Strict):
 
     component: Component = 196
     range_m: Annotated[float, _described("farther walls are not seen", gt=0, le=600)] = 12.0
-    noise_m: Annotated[float, _described("deviation of each distance", ge=0)] = 0.0
+    noise_m: Annotated[float, _described("deviation of each distance", ge=0, le=100)] = 0.0
 
 
 class BoxModel(_Strict):
     """A box with sides to the east and to the north."""
 
-    east_m: Annotated[tuple[float, float], _described("[from, to]")]
-    north_m: Annotated[tuple[float, float], _described("[from, to]")]
+    east_m: Annotated[tuple[East, East], _described("[from, to]")]
+    north_m: Annotated[tuple[North, North], _described("[from, to]")]
 
 
 class ObstacleModel(_Strict):
@@ -178,7 +179,9 @@ class GpsEventModel(_Strict):
     """The quality of GPS from now on; what is left out stays."""
 
     lost: Annotated[bool | None, _described("there is no fix")] = None
-    noise_m: Annotated[float | None, _described("deviation of the fix, metres", ge=0)] = None
+    noise_m: Annotated[float | None, _described("deviation of the fix, metres", ge=0, le=100)] = (
+        None
+    )
 
 
 class ArmingEventModel(_Strict):
