@@ -22,6 +22,7 @@ from companion.planning.domain import Action, ConditionalEffect
 from companion.slices import spent
 
 _MASKING_US = 5
+_TAKING_OVER_US = 2
 _GROUPING_US = 1
 
 
@@ -120,18 +121,28 @@ class MaskedActions:
         first_number: the place of the first one among the problem's actions.
         changed: facts that change, by these actions or others.
         bits: of the facts.
+        before: some actions with the same facts that change; of those that differ in nothing but
+            costs the masks are taken over.
     """
 
     def __init__(
-        self, actions: Sequence[Action], first_number: int, changed: set[Fact], bits: FactBits
+        self,
+        actions: Sequence[Action],
+        first_number: int,
+        changed: set[Fact],
+        bits: FactBits,
+        before: MaskedActions | None = None,
     ) -> None:
         self._changed, self._bits = changed, bits
+        self._action_of: dict[str, Action] = {}
+        self._mask_of: dict[str, MaskedAction] = {}
         self._requiring: dict[Fact, list[int]] = defaultdict(list)  # facts that do not change
         self._forbidding: dict[Fact, list[int]] = defaultdict(list)
         members: dict[tuple[int, ...], list[MaskedAction]] = defaultdict(list)
         for number, action in enumerate(actions, first_number):
-            spent(_MASKING_US)
-            masked = self._masked(number, action)
+            masked = before._taken_over(number, action) if before is not None else None
+            masked = masked or self._masked(number, action)
+            self._action_of[action.name], self._mask_of[action.name] = action, masked
             for fact in masked.condition.requires_always:
                 self._requiring[fact].append(number)
             for fact in masked.condition.forbids_always:
@@ -176,7 +187,19 @@ class MaskedActions:
         )
         return [group for group in groups if group is not None]
 
+    def _taken_over(self, number: int, action: Action) -> MaskedAction | None:
+        """The mask of an action that differs from one of these in cost and number at most."""
+        known = self._action_of.get(action.name)
+        if known is None or not _does_the_same(action, known):
+            return None
+        spent(_TAKING_OVER_US)
+        masked = self._mask_of[action.name]
+        if (masked.number, masked.cost_ms) == (number, action.cost_ms):
+            return masked
+        return masked._replace(number=number, cost_ms=action.cost_ms)
+
     def _masked(self, number: int, action: Action) -> MaskedAction:
+        spent(_MASKING_US)
         mask = self._bits.mask
         adds, deletes = mask(action.adds), mask(action.deletes)  # what changes has low bits
         condition = self._condition(action)
@@ -209,6 +232,7 @@ class KnownActions:
     def __init__(self, actions: Sequence[Action] = ()) -> None:
         self.bits = FactBits()
         self._changed: set[Fact] = set()
+        self._masked = MaskedActions((), 0, self._changed, self.bits)
         self.keep(actions)
 
     def keep(self, actions: Sequence[Action]) -> None:
@@ -217,7 +241,8 @@ class KnownActions:
 
     def _keep(self, actions: tuple[Action, ...], changed: set[Fact]) -> None:
         """All at once, in the end: to turn actions into masks takes long, and may be abandoned."""
-        masked = MaskedActions(actions, 0, changed, self.bits)
+        before = self._masked if changed == self._changed else None
+        masked = MaskedActions(actions, 0, changed, self.bits, before)
         self._actions, self._changed, self._masked = actions, changed, masked
 
     def state(self, facts: Iterable[Fact]) -> int:
@@ -237,6 +262,17 @@ class KnownActions:
         if more:
             groups = groups + MaskedActions(more, known, self._changed, self.bits).given(facts)
         return groups
+
+
+def _does_the_same(one: Action, other: Action) -> bool:
+    """Whether one was made of the other, with another cost at most: they have the same facts."""
+    return (
+        one.requires is other.requires
+        and one.forbids is other.forbids
+        and one.adds is other.adds
+        and one.deletes is other.deletes
+        and one.conditional is other.conditional
+    )
 
 
 def _changed_by(actions: Iterable[Action]) -> set[Fact]:
