@@ -24,6 +24,7 @@ INSIDE_M = 0.3
 REFUSED_S = 60.0
 SAME_M = 0.2
 """Waypoints nearer to each other are the same."""
+_CANDIDATE_US = 60
 _GOLDEN_RAD = math.pi * (3 - math.sqrt(5))
 
 
@@ -129,6 +130,7 @@ class Symbols:
             for waypoint, source in self._suggested(name):
                 if any(distance(waypoint, other) < SAME_M for other in refused):
                     continue
+                spent(_CANDIDATE_US)
                 if all(passes(self._routes, name, waypoint, start) for passes in TESTS):
                     if waypoint != before.position:
                         self._values[name] = Value(waypoint, source, now_s)

@@ -100,7 +100,8 @@ class Reachability:
         is_map_new = self._instantiated_on != flight.routes.version
         if state is not None and (is_map_new or self._costed_at != flight.speed_limit.version):
             followed = flight.routes.version, flight.speed_limit.version
-            self._find(MAX_PARTS)
+            if self._searched_on != flight.routes.version:
+                self._find(MAX_PARTS)
             self._planner.reinstantiate()
             self._instantiated_on, self._costed_at = followed
             self._cut_off = self._unreachable()
