@@ -22,6 +22,9 @@ NorthEast = tuple[float, float]
 Quaternion = tuple[float, float, float, float]
 """w, x, y, z; rotates body (forward, right, down) into NED."""
 
+FAR_M = 10_000
+"""Nothing of a mission or its world lies further from home: what does is in another unit."""
+
 EARTH_RADIUS_M = 6_371_000.0  # PX4, src/lib/geo/geo.h
 
 

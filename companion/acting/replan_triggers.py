@@ -57,7 +57,8 @@ class ReplanTriggers:
     """Notices what a plan did not expect.
 
     Attributes:
-        has_used_slice: whether the plan is still the best one would take more than a slice.
+        has_used_slice: this tick's slice went into the question whether the plan is still the best
+            one, which it could not answer.
 
     Args:
         flight: knows what holds now, and how far the plan has come.

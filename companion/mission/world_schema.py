@@ -6,6 +6,7 @@ from typing import Annotated
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
+from companion.geometry import FAR_M
 from companion.mission.keys import given
 
 
@@ -14,9 +15,6 @@ class StrictModel(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
-
-FAR_M = 10_000
-"""Nothing of a mission lies further from home: what does is written in another unit."""
 
 Metres = Annotated[float, Field(ge=-FAR_M, le=FAR_M)]
 Span = Annotated[tuple[float, float], Field(description="[from, to], metres from home.")]

@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from companion.geometry import FAR_M
 from companion.vehicle_files import VehicleEntry, VehicleKey
 
 ResultName = Literal["ACCEPTED", "TEMPORARILY_REJECTED", "DENIED", "FAILED"]
@@ -23,7 +24,6 @@ def _described(description: str, **limits: Any) -> Any:
     return Field(description=description, **limits)
 
 
-FAR_M = 10_000
 East = Annotated[float, _described("metres east of home", ge=-FAR_M, le=FAR_M)]
 North = Annotated[float, _described("metres north of home", ge=-FAR_M, le=FAR_M)]
 EastSpeed = Annotated[float, _described("m/s towards east", ge=-30, le=30)]

@@ -16,7 +16,7 @@ from happened import Happened
 from companion.acting.flight import TICK_S
 from companion.app import Companion
 from companion.flight_events.event import FlightEvent, Stamped
-from companion.flight_events.sortie import RunEnded
+from companion.flight_events.sortie import RunEnded, SetpointRefused
 from companion.geometry import Ned
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mavlink.px4_modes import MODES
@@ -156,6 +156,9 @@ class Lockstep(Happened):
     # -- companion.app.Recorder ----------------------------------------------------------------
 
     def report(self, stamped: Stamped) -> None:
+        """In no phase does a setpoint outlive who flies."""
+        if isinstance(stamped.event, SetpointRefused):
+            assert "not renewed" not in stamped.event.reason, stamped
         if stamped.event.is_told:
             self.reports.append(stamped)
 

@@ -38,8 +38,8 @@ class ReachGoals(Leaf):
     def update(self) -> Status:
         """SUCCESS when the last goal is reached."""
         flight = self._flight
-        if self._left[0] is Goal.OFFBOARD:
-            flight.hold()
+        if self._left[0] in (Goal.OFFBOARD, Goal.LANDED):
+            flight.hold()  # until the autopilot does
         outcome = flight.vehicle.pursue(self._left[0])
         if isinstance(outcome, Failed):
             return self.fail(outcome.reason)

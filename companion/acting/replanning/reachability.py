@@ -70,7 +70,7 @@ class Reachability:
 
     @property
     def is_known(self) -> bool:
-        """Whether all routes of the present map were found, so that `follow` takes no time."""
+        """Whether all routes of the present map were found."""
         return self._flight.routes.version in (self._instantiated_on, self._searched_on)
 
     def search(self) -> None:
@@ -94,7 +94,7 @@ class Reachability:
     def follow(self) -> BeliefChange:
         """Takes over what moves cost on the map, and at the speed limit, as they are now.
 
-        Beliefs that they cut off are given up.
+        Beliefs that they cut off are given up. It takes long with many places, or without routes.
         """
         flight, state = self._flight, self._flight.vehicle.state
         is_map_new = self._instantiated_on != flight.routes.version

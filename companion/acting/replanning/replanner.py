@@ -172,7 +172,7 @@ class Replanner:
         self._planned_in = flight.task.situation
         self._assumptions.renew()
         problem, histories = flight.task.problem()
-        self._looked_at = _what_decides(problem)
+        self._looked_at, self._unchanged = _what_decides(problem), None
         if is_in_vain:
             dropped = tuple(DroppedLine(line, LED_NOWHERE) for line in planner.mission.optional)
         else:
