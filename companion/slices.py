@@ -36,11 +36,13 @@ class InSlices(Generic[T]):
 
     Args:
         work: what is to be done. An exception of it leaves `step`.
+        slice_us: work of a step, as rated; None for `SLICE_US`.
     """
 
-    def __init__(self, work: Callable[[], T]) -> None:
+    def __init__(self, work: Callable[[], T], slice_us: float | None = None) -> None:
         self._routine = _Routine(self._run)
         self._work = work
+        self._slice_us = slice_us
 
     def _run(self) -> None:
         self.result = self._work()
@@ -48,7 +50,7 @@ class InSlices(Generic[T]):
     def step(self) -> bool:
         """The slice of a tick; whether the work is done."""
         if not self._routine.dead:
-            self._routine.left_us = SLICE_US
+            self._routine.left_us = self._slice_us or SLICE_US
             self._routine.parent = getcurrent()
             self._routine.switch()
         return self._routine.dead

@@ -112,7 +112,7 @@ class Executive:
             self._assumptions.note_restored_beliefs()
 
     def plan(self) -> PlanFailure | None:
-        """Takes over the first plan; returns why there is none, None if there is one."""
+        """Takes over the first plan, or searches one; why there is none, None if there is one."""
         flight, mission = self._flight, self._planner.mission
         task = {name: str(formula) for name, formula in mission.task.items()}
         priorities = mission.priorities
@@ -125,11 +125,11 @@ class Executive:
             self._replanner.follow_map()
             if self._prepared.engine_failure is not None:
                 flight.report(EngineFailed(self._prepared.engine_failure))
+            self._assumptions.renew()
             found = self._prepared.plan(*flight.task.problem())
             if not isinstance(found, ChosenPlan):
                 return found
             drop(flight, found.dropped)
-            self._assumptions.renew()
             self._adopt(found.lasso, ExecutiveState.EXECUTING)
             flight.report(PlanMade(task, found.lasso.planned, priorities, found.lines_dropped))
         self._tell_tree()

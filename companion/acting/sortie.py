@@ -14,7 +14,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from companion.acting.authority import loss_of_control, loss_of_link, not_at_home, not_handed_over
+from companion.acting.authority import loss_of_control, loss_of_link, not_handed_over
+from companion.acting.beginning import Beginning
 from companion.acting.crash_watch import Crash, CrashWatch
 from companion.acting.ending import ending
 from companion.acting.executive import Executive
@@ -81,6 +82,7 @@ class Sortie:
         self._executive = executive
         self._home = home
         self._otherwise = otherwise
+        self._beginning = Beginning(flight, executive, home)
         self._failsafes = FailsafeCheck(flight, accepts_weak_failsafes)
         self._crash_watch = CrashWatch(flight.profile)
         self._crash: Crash | None = None
@@ -240,18 +242,11 @@ class Sortie:
             self._give_up(Aborted(str(takeover)))
 
     def _begin(self, state: VehicleState) -> None:
-        vehicle, home = self._flight.vehicle, self._home
-        gap_m = vehicle.gap_m(home.position)
-        if gap_m is None:
-            return
-        if elsewhere := not_at_home(gap_m, state, home):
-            self._give_up(elsewhere)
-            return
-        vehicle.stand_at(home.position)
-        if failure := self._executive.plan():
-            self._give_up(failure)
-            return
-        self._on(SortieEvent.PLANNED)
+        outcome = self._beginning.tick(state)
+        if isinstance(outcome, CompanionError):
+            self._give_up(outcome)
+        elif outcome is Progress.DONE:
+            self._on(SortieEvent.PLANNED)
 
     def _check_failsafes(self, _: VehicleState) -> None:
         """Goes on to arming when the autopilot's failsafes are known and strong, or accepted."""

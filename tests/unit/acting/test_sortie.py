@@ -6,10 +6,12 @@ import pytest
 from sortie_rig import SortieRig
 from synthetic import command, event, mission, reading
 
+from companion.acting import beginning
 from companion.acting.authority import LINK_LOST_S
 from companion.acting.failsafe_check import ANSWER_TIMEOUT_S
 from companion.acting.phases import GOALS, TRANSITIONS, SortieEvent
 from companion.errors import Aborted, LinkError, NoPlanError, SearchLimit
+from companion.flight_events.plans import PlanMade
 from companion.flight_events.skills import PlaceReached
 from companion.flight_events.sortie import (
     GoalFailed,
@@ -524,3 +526,29 @@ def test_a_task_that_is_possible_again_on_the_way_home_ends_well() -> None:
         run.step()
     run.step(reading("low", 0.0), reading("calm"))
     assert run.until(Phase.ENDED).end == TaskSatisfied()
+
+
+def test_a_first_plan_that_has_to_be_searched_is_searched_in_slices(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """An event before the start makes another plan: it takes ticks, and no tick waits for it."""
+    monkeypatch.setattr(beginning, "GROUND_SLICE_US", 50)
+    run = SortieRig(mission("G F at(A) & G(warned -> F at(B))", events=[event("warned")]))
+    run.step(reading("warned", 1.0))
+    searching = 0
+    while run.sortie.phase is Phase.WAITING:
+        searching += 1
+        run.step()
+    assert searching > 2
+    assert "B" in str(run.one(PlanMade).plan) and run.sortie.failure is None
+
+
+def test_a_vehicle_that_is_armed_while_the_first_plan_is_searched_is_left_alone(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(beginning, "GROUND_SLICE_US", 50)
+    run = SortieRig(mission("G F at(A) & G(warned -> F at(B))", events=[event("warned")]))
+    run.step(reading("warned", 1.0))
+    run.vehicle.change(is_armed=True)
+    run.step()
+    assert run.failure == aborted("the vehicle is armed or flying already; it is left alone")

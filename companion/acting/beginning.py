@@ -1,0 +1,50 @@
+"""From a vehicle on the ground to one that may be armed: it stands at home, and there is a plan.
+
+The plan was made before the run, as a rule. Where an event has come since, another one is searched,
+in slices: heartbeats and answers go on, and nothing is timed meanwhile.
+"""
+
+from __future__ import annotations
+
+from companion.acting.authority import not_at_home
+from companion.acting.executive import Executive
+from companion.acting.flight import Flight
+from companion.acting.replanning.replanner import PlanFailure
+from companion.errors import CompanionError
+from companion.mission.model import Place
+from companion.slices import InSlices
+from companion.vehicle.port import Progress, VehicleState
+
+GROUND_SLICE_US = 30_000
+"""Work of a tick on the ground, where no setpoints leave."""
+
+
+class Beginning:
+    """The beginning of one sortie.
+
+    Args:
+        flight: of the vehicle.
+        executive: finds the plan.
+        home: where the vehicle has to stand.
+    """
+
+    def __init__(self, flight: Flight, executive: Executive, home: Place) -> None:
+        self._flight = flight
+        self._home = home
+        self._executive = executive
+        self._planning: InSlices[PlanFailure | None] | None = None
+
+    def tick(self, state: VehicleState) -> Progress | CompanionError:
+        """DONE with a plan; or why the mission cannot begin."""
+        if self._planning is None:
+            vehicle, home = self._flight.vehicle, self._home
+            gap_m = vehicle.gap_m(home.position)
+            if gap_m is None:
+                return Progress.RUNNING
+            if elsewhere := not_at_home(gap_m, state, home):
+                return elsewhere
+            vehicle.stand_at(home.position)
+            self._planning = InSlices(self._executive.plan, GROUND_SLICE_US)
+        if not self._planning.step():
+            return Progress.RUNNING
+        return self._planning.result or Progress.DONE
