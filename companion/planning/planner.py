@@ -127,6 +127,10 @@ class Planner(Solver):
 
         return self._departures.actions(flight_time)
 
+    def all_actions(self) -> tuple[Action, ...]:
+        """Those that exist now, and those from `here` as if it were anywhere."""
+        return (*self.model.actions, *self._departures.actions(lambda origin, goal: 0.0))
+
     def actions_of(self, tree: Tree) -> dict[str, tuple[Action, ...]]:
         """The actions that a tree names; those from `here` start wherever that may be.
 
@@ -135,8 +139,7 @@ class Planner(Solver):
         Raises:
             CompanionError: one does not exist.
         """
-        anywhere = self._departures.actions(lambda origin, goal: 0.0)
-        known = (*self.model.actions, *anywhere)
+        known = self.all_actions()
         found = {name: tuple(a for a in known if is_named(a, name)) for name in actions(tree)}
         if missing := sorted(name for name, meant in found.items() if not meant):
             raise CompanionError(f"the tree cannot do {missing[0]}: no such action, or no route")

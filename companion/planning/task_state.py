@@ -18,71 +18,29 @@ The word of the flight (after Section III-A of the paper):
    row were interrupted it waits since the last of them: others may be reached where it is not.
 9. A lap of the task is over when every acceptance mark has been met since the lap before, by
    whatever plans.
-10. A line that the present plan drops is read on. If it was violated, it begins anew with the plan
+10. An action may be barred: nobody knows whether it was done, and no plan does it again.
+11. A line that the present plan drops is read on. If it was violated, it begins anew with the plan
    that takes it up; plans are made as if it had. It has no part in laps.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Set
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Collection, Iterable, Set
+from dataclasses import replace
 
 from companion.mission.facts import AT, HERE, Fact, at
 from companion.mission.model import Event
 from companion.planning.domain import Action
-from companion.planning.lasso import Conjunct, Letter, Problem
+from companion.planning.lasso import Letter, Problem
 from companion.planning.planner import Planner
 from companion.planning.readings import Reading
+from companion.planning.situation import Position, TaskSituation
+from companion.planning.task_changes import TaskChange, recorded
 from companion.slices import spent
 
 AT_HERE = at(HERE)
 _READING_US = 40
-
-
-@dataclass(frozen=True, slots=True)
-class Position:
-    """A position of the word, as it was when it was left.
-
-    Attributes:
-        number: its place in the word; the first one is 0.
-        facts: what was read; of the beliefs only those that the task mentions.
-        risen: events among them that had risen before, and held no more when they were read.
-        reached_s: when it was appended.
-        withdrawn: beliefs that were not held.
-        restarted: names of conjuncts that begin anew with this position.
-        violated: conjuncts that no continuation can satisfy since this position.
-        dropped: names of the lines that the plan did not keep, in the order of the file.
-    """
-
-    number: int
-    facts: frozenset[Fact]
-    risen: frozenset[Fact]
-    reached_s: float
-    withdrawn: frozenset[Fact]
-    restarted: tuple[str, ...]
-    violated: tuple[Conjunct, ...]
-    dropped: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class TaskSituation:
-    """What of the task's state decides on plans; the fields are those of `TaskState`."""
-
-    facts: frozenset[Fact]
-    risen: frozenset[Fact]
-    withdrawn: frozenset[Fact]
-    positions: int
-    completed: int
-
-    def changed_events(self, later: TaskSituation) -> frozenset[Fact]:
-        """The facts that hold in one of two situations alone, or have risen in one alone."""
-        return (self.facts ^ later.facts) | (self.risen ^ later.risen)
-
-    def is_like(self, other: TaskSituation, but_for: frozenset[Fact]) -> bool:
-        """Whether two are the same but for some events."""
-        alike = replace(other, facts=self.facts, risen=self.risen)
-        return self == alike and self.changed_events(other) <= but_for
 
 
 class TaskState:
@@ -100,9 +58,14 @@ class TaskState:
         optional: lines of the task that may be dropped.
         dropped: those of them that the present plan does not keep.
         may_take_up: whether a skill was completed since it was last asked if they can be kept.
+        barred: names of actions that no plan may have.
+        on_change: told of each change, after it.
+        is_changing: whether one is under way.
     """
 
     def __init__(self, planner: Planner) -> None:
+        self.on_change: Callable[[TaskChange], None] = _ignore
+        self.is_changing = False
         self._planner = planner
         self.optional = frozenset(planner.mission.priorities)
         self._readings = [Reading(conjunct) for conjunct in planner.conjuncts]
@@ -120,6 +83,7 @@ class TaskState:
         self.running: Action | None = None
         self.dropped: frozenset[str] = frozenset()
         self.may_take_up = False
+        self.barred: frozenset[str] = frozenset()
         self._interrupted: Action | None = None
         self._departed_from: frozenset[Fact] = frozenset()
 
@@ -180,16 +144,21 @@ class TaskState:
             unread = frozenset()
         is_en_route = AT_HERE in facts
         problem = self._planner.problem(facts, states, withdrawn, is_en_route, unread)
+        if self.barred:
+            allowed = tuple(a for a in problem.actions if a.name not in self.barred)
+            problem = replace(problem, actions=allowed)
         if self.completed:
             since_ms = tuple(round(1000 * min(marks, default=0.0)) for marks in waiting)
             problem = replace(problem, waiting_since_ms=since_ms)
         return problem, histories
 
+    @recorded
     def begin(self, action: Action) -> None:
         """Leaves the present position for the one that an action leads to."""
         self.leave()
         self.running = action
 
+    @recorded
     def leave(self) -> None:
         """The automata read the present position, once."""
         if self._is_read:
@@ -214,6 +183,7 @@ class TaskState:
             for reading in self._readings:
                 reading.begin_lap()
 
+    @recorded
     def complete(self, action: Action, now_s: float) -> None:
         """Appends the position that an action leads to."""
         self._reached_s = now_s
@@ -224,6 +194,7 @@ class TaskState:
         self.running = self._interrupted = None
         self.may_take_up = bool(self.dropped)
 
+    @recorded
     def interrupt(self) -> None:
         """Ends the action under way without its effect."""
         if self.running is not None:
@@ -235,6 +206,7 @@ class TaskState:
             self.depart()
         self.running = None
 
+    @recorded
     def begin_again(self, actions: Iterable[Action]) -> Action | None:
         """Goes on with the flight that was interrupted last, as if it had not been.
 
@@ -251,7 +223,8 @@ class TaskState:
         self.running, self._interrupted = flight, None
         return flight
 
-    def drop(self, lines: Iterable[str]) -> tuple[str, ...]:
+    @recorded
+    def drop(self, lines: Collection[str]) -> tuple[str, ...]:
         """The plan from now on keeps all lines but these; which of those that it keeps begin anew.
 
         They were violated: what they have read is forgotten.
@@ -263,6 +236,7 @@ class TaskState:
             self._restart(line)
         return anew
 
+    @recorded
     def keep_dropped(self) -> None:
         """No dropped line can be kept here; it is asked again when a skill was completed."""
         self.may_take_up = False
@@ -274,6 +248,7 @@ class TaskState:
                 reading.restart(self._reached_s)
                 self._restarted = tuple(dict.fromkeys((*self._restarted, line)))
 
+    @recorded
     def depart(self) -> None:
         """The vehicle is at no place, and leaves the one where it is."""
         self.leave()
@@ -281,6 +256,7 @@ class TaskState:
         self.facts = self.facts - places | {AT_HERE}
         self._departed_from = places
 
+    @recorded
     def withdraw(self, beliefs: frozenset[Fact], retry_s: float | None = None) -> None:
         """Gives up beliefs; from `retry_s` on, if given, they may be held again."""
         self.withdrawn |= beliefs
@@ -290,6 +266,12 @@ class TaskState:
             if retry_s is not None:
                 self._returns_s[belief] = retry_s
 
+    @recorded
+    def bar(self, action: Action) -> None:
+        """No plan does an action again: it is not known whether it was done."""
+        self.barred |= {action.name}
+
+    @recorded
     def cut_off(self, beliefs: frozenset[Fact]) -> tuple[list[Fact], list[Fact]]:
         """Gives up the beliefs that the map contradicts, and holds again those that it did before.
 
@@ -317,6 +299,7 @@ class TaskState:
         """Whether the map contradicts a belief."""
         return bool(self._cut_off)
 
+    @recorded
     def restore(self, now_s: float, predicates: frozenset[str]) -> list[Fact]:
         """Holds beliefs again whose time has come, or whose predicate is named; which ones.
 
@@ -330,6 +313,7 @@ class TaskState:
         self.withdrawn -= set(restored)
         return restored
 
+    @recorded
     def take(self, event: Event, holds: bool) -> None:
         """Takes over an event that has changed."""
         fact = frozenset({event.fact})
@@ -343,3 +327,7 @@ class TaskState:
     def _letter(self, facts: frozenset[Fact]) -> Letter:
         """What the automata read at a position with some facts."""
         return facts | self.risen | (self._planner.model.beliefs - self.withdrawn)
+
+
+def _ignore(change: TaskChange) -> None:
+    """Nobody keeps the changes."""

@@ -28,7 +28,7 @@ from companion.planning.explain import NoPlan
 from companion.planning.lasso import ChosenPlan, DroppedLine, Lasso, Letter, Problem
 from companion.planning.optional_lines import without_lines
 from companion.planning.planner import Planner
-from companion.planning.task_state import TaskSituation
+from companion.planning.situation import TaskSituation
 from companion.slices import InSlices, Question, spent, wait_a_tick
 
 COMPARED = 1000

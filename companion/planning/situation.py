@@ -1,0 +1,53 @@
+"""A position of the word as it was left, and what of a task's state decides on plans."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from companion.mission.facts import Fact
+from companion.planning.lasso import Conjunct
+
+
+@dataclass(frozen=True, slots=True)
+class Position:
+    """A position of the word, as it was when it was left.
+
+    Attributes:
+        number: its place in the word; the first one is 0.
+        facts: what was read; of the beliefs only those that the task mentions.
+        risen: events among them that had risen before, and held no more when they were read.
+        reached_s: when it was appended.
+        withdrawn: beliefs that were not held.
+        restarted: names of conjuncts that begin anew with this position.
+        violated: conjuncts that no continuation can satisfy since this position.
+        dropped: names of the lines that the plan did not keep, in the order of the file.
+    """
+
+    number: int
+    facts: frozenset[Fact]
+    risen: frozenset[Fact]
+    reached_s: float
+    withdrawn: frozenset[Fact]
+    restarted: tuple[str, ...]
+    violated: tuple[Conjunct, ...]
+    dropped: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class TaskSituation:
+    """What of the task's state decides on plans; the fields are those of `TaskState`."""
+
+    facts: frozenset[Fact]
+    risen: frozenset[Fact]
+    withdrawn: frozenset[Fact]
+    positions: int
+    completed: int
+
+    def changed_events(self, later: TaskSituation) -> frozenset[Fact]:
+        """The facts that hold in one of two situations alone, or have risen in one alone."""
+        return (self.facts ^ later.facts) | (self.risen ^ later.risen)
+
+    def is_like(self, other: TaskSituation, but_for: frozenset[Fact]) -> bool:
+        """Whether two are the same but for some events."""
+        alike = replace(other, facts=self.facts, risen=self.risen)
+        return self == alike and self.changed_events(other) <= but_for

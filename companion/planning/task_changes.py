@@ -1,0 +1,82 @@
+"""Changes of a task's state, as data: a state is what its changes make of the first one.
+
+`recorded` marks the methods of `TaskState` that change it. Each call from outside is told with its
+arguments, as names; task_replay.py makes the same calls on another state of the same mission. So
+nothing of the state has to be written down, and nothing can be forgotten.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import wraps
+from typing import Concatenate, ParamSpec, Protocol, TypeVar
+
+from companion.mission.model import Event
+from companion.planning.domain import Action
+
+Argument = str | float | bool | None | tuple[str, ...]
+"""A name, a number, or several names."""
+
+
+@dataclass(frozen=True, slots=True)
+class TaskChange:
+    """One call that has changed a task's state.
+
+    Attributes:
+        method: of `TaskState`.
+        arguments: actions, events and facts by their names.
+    """
+
+    method: str
+    arguments: tuple[Argument, ...]
+
+
+class Recorded(Protocol):
+    """What has recorded methods.
+
+    Attributes:
+        is_changing: whether a change is under way.
+        on_change: told of each change, after it.
+    """
+
+    is_changing: bool
+    on_change: Callable[[TaskChange], None]
+
+
+P = ParamSpec("P")
+R = TypeVar("R")
+S = TypeVar("S", bound=Recorded)
+
+
+def recorded(
+    method: Callable[Concatenate[S, P], R],
+) -> Callable[Concatenate[S, P], R]:
+    """A method that changes the state; what it calls itself is part of the same change."""
+
+    @wraps(method)
+    def call(state: S, /, *arguments: P.args, **options: P.kwargs) -> R:
+        if state.is_changing:
+            return method(state, *arguments, **options)
+        named = tuple(map(_named, (*arguments, *options.values())))
+        state.is_changing = True
+        try:
+            done = method(state, *arguments, **options)
+        finally:
+            state.is_changing = False
+        if done != []:  # which says that nothing has changed
+            state.on_change(TaskChange(method.__name__, named))
+        return done
+
+    return call
+
+
+def _named(argument: object) -> Argument:
+    match argument:
+        case Action() | Event():
+            return argument.name
+        case None | bool() | int() | float() | str():
+            return argument
+        case Iterable():
+            return tuple(sorted(str(_named(each)) for each in argument))
+    raise TypeError(f"{argument!r} has no name")

@@ -1,0 +1,73 @@
+"""Makes the changes of a task's state again, on another state of the same mission."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from companion.mission.facts import Fact
+from companion.planning.planner import Planner
+from companion.planning.task_changes import TaskChange
+from companion.planning.task_state import TaskState
+
+
+class TaskReplay:
+    """Makes changes again, on a state that has had none yet.
+
+    Args:
+        state: of the mission.
+        planner: knows its actions.
+
+    Raises:
+        LookupError: by `make`: the mission has no such action or event.
+    """
+
+    def __init__(self, state: TaskState, planner: Planner) -> None:
+        self._state = state
+        self._events = planner.mission.events
+        self._actions = {action.name: action for action in planner.all_actions()}
+
+    def make(self, change: TaskChange) -> None:
+        """One change, after those before it."""
+        arguments = _READERS[change.method](self, change.arguments)
+        getattr(self._state, change.method)(*arguments)
+
+    def _of_action(self, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
+        name, *rest = arguments
+        return (self._actions[name], *rest)
+
+    def _of_actions(self, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
+        return ([self._actions[name] for name in arguments[0] if name in self._actions],)
+
+    def _of_event(self, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
+        name, *rest = arguments
+        return (self._events[name], *rest)
+
+    def _of_facts(self, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
+        facts, *rest = arguments
+        return (frozenset(map(Fact.parse, facts)), *rest)
+
+    def _as_they_are(self, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
+        return arguments
+
+    def _of_names(self, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
+        return (*arguments[:-1], frozenset(arguments[-1]))
+
+
+_Reader = Callable[[TaskReplay, tuple[Any, ...]], tuple[Any, ...]]
+_READERS: dict[str, _Reader] = {
+    "begin": TaskReplay._of_action,
+    "complete": TaskReplay._of_action,
+    "bar": TaskReplay._of_action,
+    "begin_again": TaskReplay._of_actions,
+    "take": TaskReplay._of_event,
+    "withdraw": TaskReplay._of_facts,
+    "cut_off": TaskReplay._of_facts,
+    "restore": TaskReplay._of_names,
+    "drop": TaskReplay._of_names,
+    "leave": TaskReplay._as_they_are,
+    "interrupt": TaskReplay._as_they_are,
+    "keep_dropped": TaskReplay._as_they_are,
+    "depart": TaskReplay._as_they_are,
+}
+"""How the arguments of each change are read back."""

@@ -1,0 +1,112 @@
+"""A state is what its changes make of the first one: replayed, also from text, it is the same."""
+
+from __future__ import annotations
+
+import inspect
+import json
+from collections.abc import Callable
+from typing import Any
+
+from hypothesis import given
+from hypothesis import strategies as st
+from synthetic import command, event, mission
+
+from companion.mission.model import Mission
+from companion.planning import task_replay
+from companion.planning.domain import Action
+from companion.planning.planner import Planner
+from companion.planning.readings import Reading
+from companion.planning.task_changes import TaskChange
+from companion.planning.task_replay import TaskReplay
+from companion.planning.task_state import TaskState
+
+ASKED = mission(
+    {"sites": "G F at(A) & G F at(B)", "report": "G(found -> F done)", "first": "F at(A)"},
+    skills=[command("do", "at(B)", "done")],
+    events=[event("found", restarts=["first"])],
+    priorities={"first": 2, "sites": 1},
+)
+MUTATORS = ("begin", "complete", "interrupt", "again", "take", "depart", "withdraw", "cut_off")
+CALLS = (*MUTATORS, "restore", "drop", "keep", "leave", "bar")
+
+
+def kept(asked: Mission) -> tuple[Planner, TaskState, list[TaskChange]]:
+    planner = Planner(asked, lambda origin, goal: 4.0)
+    state, changes = TaskState(planner), []
+    state.on_change = changes.append
+    return planner, state, changes
+
+
+def call(state: TaskState, planner: Planner, name: str, choice: int, now_s: float) -> None:
+    """One of the calls that acting makes, with arguments that a number chooses."""
+    actions = state.problem()[0].actions
+    action: Action = actions[choice % len(actions)]
+    assumed = action.assumes
+    calls: dict[str, Callable[[], object]] = {
+        "begin": lambda: state.begin(action),
+        "complete": lambda: state.running and state.complete(state.running, now_s),
+        "interrupt": state.interrupt,
+        "again": lambda: state.begin_again(planner.all_actions()),
+        "take": lambda: state.take(planner.mission.events["found"], choice % 2 == 0),
+        "depart": state.depart,
+        "withdraw": lambda: state.withdraw(assumed, now_s + 5.0 if choice % 2 else None),
+        "cut_off": lambda: state.cut_off(assumed),
+        "restore": lambda: state.restore(now_s, frozenset({"can_do"} if choice % 3 else ())),
+        "drop": lambda: state.drop(["sites", "first"][: choice % 3]),
+        "keep": state.keep_dropped,
+        "leave": state.leave,
+        "bar": lambda: state.bar(action),
+    }
+    calls[name]()
+
+
+def told(state: TaskState) -> dict[str, Any]:
+    """All of a state, with the actions by their names and the readings by their contents."""
+
+    def plain(value: object) -> object:
+        match value:
+            case Action():
+                return value.name
+            case Reading():
+                inner = {k: v for k, v in vars(value).items() if k not in ("conjunct", "_begin")}
+                return inner | {"runs": value.runs.states}
+            case list():
+                return [plain(each) for each in value]
+        return value
+
+    left_out = ("on_change", "_planner")
+    return {name: plain(value) for name, value in vars(state).items() if name not in left_out}
+
+
+@given(st.lists(st.tuples(st.sampled_from(CALLS), st.integers(0, 30)), max_size=40))
+def test_changes_that_are_replayed_make_the_same_state(calls: list[tuple[str, int]]) -> None:
+    planner, state, changes = kept(ASKED)
+    for number, (name, choice) in enumerate(calls):
+        call(state, planner, name, choice, 0.5 * number)
+    other_planner, again, _ = kept(ASKED)
+    replay = TaskReplay(again, other_planner)
+    for change in changes:
+        method, arguments = json.loads(json.dumps([change.method, change.arguments]))
+        replay.make(TaskChange(method, arguments))
+    assert told(again) == told(state)
+    assert again.problem()[0].actions == state.problem()[0].actions
+
+
+def test_every_change_can_be_replayed() -> None:
+    public = {n for n, _ in inspect.getmembers(TaskState, inspect.isfunction) if n[0] != "_"}
+    assert public - task_replay._READERS.keys() == {"problem"}
+    recorded = {n for n in public if hasattr(getattr(TaskState, n), "__wrapped__")}
+    assert recorded == task_replay._READERS.keys()
+
+
+def test_what_changes_nothing_is_not_kept() -> None:
+    _, state, changes = kept(ASKED)
+    state.restore(1.0, frozenset())
+    assert changes == []
+
+
+def test_a_barred_action_is_in_no_plan() -> None:
+    planner, state, _ = kept(mission("F done", skills=[command("do", "", "done")]))
+    assert "do" in {action.name for action in state.problem()[0].actions}
+    state.bar(next(a for a in planner.all_actions() if a.name == "do"))
+    assert planner.replan(*state.problem()) is None
