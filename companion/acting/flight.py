@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
+from companion.acting.journal import CommandIntended, CommandSettled, Journal, NoJournal
 from companion.acting.symbols import Symbols
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.skills import SymbolMoved
@@ -55,6 +56,7 @@ class Flight:
         belief_retry_s: time after which a belief that a failure withdrew is held again, where the
             mission does not say; None is never. The run writes it, as the operator sets it.
         reports: what happened and has not been collected yet; the flight's own methods write it.
+        journal: keeps what another process needs to go on with the flight; the run gives it.
     """
 
     vehicle: Vehicle
@@ -68,6 +70,8 @@ class Flight:
     drag: DragEstimate = field(default_factory=DragEstimate)
     belief_retry_s: float | None = None
     reports: list[Stamped] = field(default_factory=list)
+    journal: Journal = field(default_factory=NoJournal)
+    _intentions: int = field(default=0, init=False)
     _setpoint: Setpoint | None = field(default=None, init=False)
     _stop: Stop | None = field(default=None, init=False)
     _stop_begin_s: float = field(default=0.0, init=False)
@@ -94,6 +98,17 @@ class Flight:
         """Notes that a place is flown to at another waypoint."""
         value = self.symbols[place]
         self.report(SymbolMoved(place, value.position, value.source))
+
+    def intend(self, command: str) -> int:
+        """Notes that the skill under way is about to send a command; returns a number for it."""
+        self._intentions += 1
+        action = self.task.running.name if self.task.running is not None else ""
+        self.journal.note(self.now_s, CommandIntended(self._intentions, action, command))
+        return self._intentions
+
+    def settle(self, intention: int) -> None:
+        """Notes that it is known what has become of a command, or that it is given up."""
+        self.journal.note(self.now_s, CommandSettled(intention))
 
     @property
     def setpoint(self) -> Setpoint | None:

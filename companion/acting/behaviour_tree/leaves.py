@@ -22,6 +22,10 @@ from companion.mission.model import Command
 from companion.slices import InSlices
 from companion.vehicle.port import Failed, Progress
 
+RUNNING = Status.RUNNING
+DISK_S = 10.0
+"""Time in which what is intended has to be on the disk."""
+
 
 class AssumptionsHold(Leaf):
     """Leftmost branch: the events that matter to the plan still have their values."""
@@ -220,7 +224,10 @@ class UpdateParam(Leaf):
 
 
 class SendCommand(Leaf):
-    """Sends a MAVLink command to a component and waits, holding, for its final answer."""
+    """Sends a MAVLink command to a component and waits, holding, for its final answer.
+
+    That it is about to be sent is in the journal, on the disk, before it is.
+    """
 
     does = LeafType.COMMAND
 
@@ -228,32 +235,38 @@ class SendCommand(Leaf):
         super().__init__(flight, f"command {command.name}")
         self._command = command
         self._timeout_s = timeout_s
+        self._intention: int | None = None
         self._ticket: int | None = None
 
     def initialise(self) -> None:
-        """Sends it for the first time."""
-        flight, command = self._flight, self._command
-        self._ticket = flight.vehicle.send_command(
-            command.component, command.command, command.parameters, self._timeout_s
-        )
+        """Writes down what is intended."""
+        self._intention = self._flight.intend(self._command.name)
+        self._begun_s = self._flight.now_s
 
     def update(self) -> Status:
         """SUCCESS if it was accepted."""
-        flight = self._flight
+        flight, command = self._flight, self._command
         flight.hold()
-        assert self._ticket is not None
+        if self._ticket is None:
+            if not flight.journal.is_kept:
+                is_late = flight.now_s - self._begun_s > DISK_S
+                return self.fail("the journal does not reach the disk") if is_late else RUNNING
+            self._ticket = flight.vehicle.send_command(
+                command.component, command.command, command.parameters, self._timeout_s
+            )
         outcome = flight.vehicle.command_outcome(self._ticket)
         if outcome is Progress.DONE:
             return Status.SUCCESS
-        if isinstance(outcome, Failed):
-            return self.fail(outcome.reason)
-        return Status.RUNNING
+        return self.fail(outcome.reason) if isinstance(outcome, Failed) else RUNNING
 
     def terminate(self, new_status: Status) -> None:
         """Stops asking."""
-        if self._ticket is not None and new_status is not Status.RUNNING:
+        if new_status is RUNNING or self._intention is None:
+            return
+        if self._ticket is not None:
             self._flight.vehicle.forget_command(self._ticket)
-            self._ticket = None
+        self._flight.settle(self._intention)
+        self._intention = self._ticket = None
 
 
 class Rest(Leaf):

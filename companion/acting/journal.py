@@ -1,0 +1,195 @@
+"""What is kept of a flight so that another process can go on with it, as a class for each kind.
+
+The journal is written ahead: what is about to be done is on the disk before it is done. A reader
+sees what a flight has come to by putting the entries together again (`JournalledFlight`). Who
+writes them to a file is record/journal_file.py; without one nothing is kept, and nothing waits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+from typing import Protocol
+
+from companion.flight_events.sortie import Phase
+from companion.geometry import Ned
+from companion.planning.task_changes import TaskChange
+
+
+@dataclass(frozen=True, slots=True)
+class FlightBegun:
+    """A mission is about to be flown.
+
+    Attributes:
+        mission: its name.
+        digest: of all that the mission is made of.
+        system: MAVLink system id of the vehicle.
+        start_s: when the run began, on the flight's clock.
+    """
+
+    mission: str
+    digest: str
+    system: int
+    start_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class PhaseBegun:
+    """A phase of the sortie began."""
+
+    phase: Phase
+
+
+@dataclass(frozen=True, slots=True)
+class VehicleSeen:
+    """Where the vehicle is, once a second.
+
+    Attributes:
+        position: in the mission's frame.
+        origin: of that frame, in the autopilot's local frame.
+        altitude_m: of the origin above mean sea level.
+    """
+
+    position: Ned
+    origin: Ned
+    altitude_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class CommandIntended:
+    """A command of a skill is about to be sent for the first time.
+
+    Attributes:
+        number: of the intention.
+        action: that sends it.
+    """
+
+    number: int
+    action: str
+    command: str
+
+
+@dataclass(frozen=True, slots=True)
+class CommandSettled:
+    """It is known what has become of it, or nobody waits for it any more."""
+
+    number: int
+
+
+@dataclass(frozen=True, slots=True)
+class OperatorSettings:
+    """What an operator has set of the companion's parameters."""
+
+    speed_max_mps: float
+    belief_retry_s: float
+
+
+JournalEntry = (
+    FlightBegun
+    | PhaseBegun
+    | VehicleSeen
+    | CommandIntended
+    | CommandSettled
+    | OperatorSettings
+    | TaskChange
+)
+
+
+class Journal(Protocol):
+    """Keeps entries, in their order."""
+
+    def note(self, now_s: float, entry: JournalEntry) -> None:
+        """Keeps an entry, soon; it may not block."""
+
+    @property
+    def is_kept(self) -> bool:
+        """Whether all that was noted is on the disk, or never will be."""
+
+
+class NoJournal:
+    """Keeps nothing."""
+
+    is_kept = True
+
+    def note(self, now_s: float, entry: JournalEntry) -> None:
+        """Forgets it."""
+
+
+@dataclass(frozen=True)
+class JournalledFlight:
+    """What a flight had come to when the journal ended.
+
+    Attributes:
+        begun: which flight.
+        phase: where its sortie was.
+        flown: the phase before somebody else had control, or the vehicle was taken back.
+        armed_s: when it was to arm; None if it never was.
+        seen: where the vehicle was last; None if it never was seen.
+        changes: of the task's state.
+        unsettled: commands of which nobody knows whether they took effect.
+        settings: of the operator; None for the first ones.
+        time_s: of the last entry.
+    """
+
+    begun: FlightBegun
+    phase: Phase = Phase.WAITING
+    flown: Phase = Phase.WAITING
+    armed_s: float | None = None
+    seen: VehicleSeen | None = None
+    changes: tuple[TaskChange, ...] = ()
+    unsettled: tuple[CommandIntended, ...] = field(default=())
+    settings: OperatorSettings | None = None
+    time_s: float = 0.0
+
+    @property
+    def is_over(self) -> bool:
+        """Whether there is nothing to go on with: it has ended, or never begun to arm."""
+        return self.phase is Phase.ENDED or self.armed_s is None
+
+
+_ON_THE_WAY_BACK = (Phase.YIELDED, Phase.OFFBOARD)
+
+
+def put_together(entries: Iterable[tuple[float, JournalEntry]]) -> JournalledFlight | None:
+    """What a flight had come to; None if it has not begun.
+
+    >>> begun = FlightBegun("survey", "0a", system=1, start_s=0.0)
+    >>> flight = put_together([(0.0, begun), (3.5, PhaseBegun(Phase.ARMING))])
+    >>> flight.phase.name, flight.armed_s, flight.is_over
+    ('ARMING', 3.5, False)
+
+    Args:
+        entries: with their times.
+    """
+    flight: JournalledFlight | None = None
+    changes: list[TaskChange] = []
+    for time_s, entry in entries:
+        if isinstance(entry, FlightBegun):
+            flight = JournalledFlight(entry)
+        elif isinstance(entry, TaskChange):
+            changes.append(entry)
+        elif flight is not None:
+            flight = _after(flight, time_s, entry)
+        if flight is not None:
+            flight = replace(flight, time_s=time_s)
+    return None if flight is None else replace(flight, changes=tuple(changes))
+
+
+def _after(flight: JournalledFlight, time_s: float, entry: JournalEntry) -> JournalledFlight:
+    match entry:
+        case PhaseBegun(phase):
+            flown = flight.flown if phase in _ON_THE_WAY_BACK else phase
+            armed_s = flight.armed_s
+            if phase is Phase.ARMING and armed_s is None:
+                armed_s = time_s
+            return replace(flight, phase=phase, flown=flown, armed_s=armed_s)
+        case VehicleSeen():
+            return replace(flight, seen=entry)
+        case CommandIntended():
+            return replace(flight, unsettled=(*flight.unsettled, entry))
+        case CommandSettled(number):
+            left = tuple(each for each in flight.unsettled if each.number != number)
+            return replace(flight, unsettled=left)
+        case OperatorSettings():
+            return replace(flight, settings=entry)
+    return flight

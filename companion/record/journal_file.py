@@ -1,0 +1,147 @@
+"""The journal of a flight as a file: journal.jsonl, a line for each entry, only ever appended.
+
+A line has `t_s` (the flight's clock), `unix_s`, `kind` and the fields of the entry. A thread writes
+and syncs, as many entries at once as have come meanwhile; the flight never waits for the disk. When
+the power fails, what was not synced may be missing or torn at the end: a reader leaves that out.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+from pathlib import Path
+from queue import SimpleQueue
+from threading import Thread
+from typing import Any, get_args
+
+from companion.acting.journal import JournalEntry, JournalledFlight, put_together
+from companion.errors import CompanionError
+from companion.flight_events.values import Unfit, value_of
+from companion.flight_events.writing import json_of
+
+JOURNAL_FILE = "journal.jsonl"
+KINDS: dict[str, type] = {kind.__name__: kind for kind in get_args(JournalEntry)}
+
+_Noted = tuple[float, JournalEntry]
+
+
+class JournalFile:
+    """Fulfils `acting.journal.Journal`; made anew, or continued where a flight was cut off.
+
+    Args:
+        folder: of the run.
+
+    Attributes:
+        failure: why nothing can be written any more; None while it can.
+
+    Raises:
+        OSError: there can be no such file.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.failure: str | None = None
+        self._noted = self._kept = 0
+        self._queue: SimpleQueue[_Noted | None] = SimpleQueue()
+        path = folder / JOURNAL_FILE
+        whole = sum(map(len, _whole_lines(path))) if path.exists() else 0
+        self._file = path.open("r+b" if whole else "wb")
+        self._file.truncate(whole)
+        self._file.seek(whole)
+        _sync_folder(folder)
+        self._thread = Thread(target=self._write, name="journal", daemon=True)
+        self._thread.start()
+
+    def note(self, now_s: float, entry: JournalEntry) -> None:
+        """Hands an entry to the thread."""
+        self._noted += 1
+        self._queue.put((now_s, entry))
+
+    @property
+    def is_kept(self) -> bool:
+        """Whether all that was noted is on the disk, or never will be."""
+        return self._kept >= self._noted or self.failure is not None
+
+    def close(self) -> None:
+        """Writes what is left."""
+        self._queue.put(None)
+        self._thread.join()
+        self._file.close()
+
+    def _write(self) -> None:
+        while True:
+            batch = [self._queue.get()]
+            while not self._queue.empty():
+                batch.append(self._queue.get())
+            entries = [noted for noted in batch if noted is not None]
+            if self.failure is None:
+                self._append(entries)
+            self._kept += len(entries)
+            if None in batch:
+                return
+
+    def _append(self, entries: list[_Noted]) -> None:
+        unix_s = round(time.time(), 3)
+        try:
+            self._file.write(b"".join(_line(unix_s, *noted) for noted in entries))
+            self._file.flush()
+            os.fsync(self._file.fileno())
+        except OSError as error:
+            self.failure = error.strerror or str(error)
+
+
+def read_journal(folder: Path) -> tuple[JournalledFlight | None, float]:
+    """What the flight of a run folder had come to, and when on the wall clock that was.
+
+    Raises:
+        CompanionError: the journal is damaged, not at its end alone.
+        OSError: it cannot be read.
+    """
+    path = folder / JOURNAL_FILE
+    entries: list[_Noted] = []
+    unix_s = 0.0
+    for number, line in enumerate(_whole_lines(path), start=1):
+        try:
+            data = json.loads(line)
+            unix_s = float(data.pop("unix_s"))
+            time_s, kind = float(data.pop("t_s")), KINDS[data.pop("kind")]
+            entries.append((time_s, value_of(kind, {"entry": data}, "entry")))
+        except (ValueError, KeyError, TypeError, AttributeError, Unfit) as error:
+            raise CompanionError(f"{path}:{number}: this is no entry of a journal") from error
+    return put_together(entries), unix_s
+
+
+def _line(unix_s: float, now_s: float, entry: JournalEntry) -> bytes:
+    about = {"t_s": round(now_s, 3), "unix_s": unix_s, "kind": type(entry).__name__}
+    return json.dumps(about | json_of(entry)).encode() + b"\n"
+
+
+def _whole_lines(path: Path) -> list[bytes]:
+    """The lines with their ends, without what was torn at the end of the file.
+
+    Raises:
+        CompanionError: a torn line stands between whole ones.
+    """
+    lines = path.read_bytes().splitlines(keepends=True)
+    whole = [line.endswith(b"\n") and _is_json(line) for line in lines]
+    count = whole.index(False) if False in whole else len(lines)
+    if any(whole[count:]):
+        raise CompanionError(f"{path}:{count + 1}: the journal is damaged here")
+    return lines[:count]
+
+
+def _is_json(line: bytes) -> bool:
+    try:
+        value: Any = json.loads(line)
+    except ValueError:
+        return False
+    return isinstance(value, dict)
+
+
+def _sync_folder(folder: Path) -> None:
+    """The folder's entry for the file reaches the disk as well."""
+    number = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(number)
+    finally:
+        os.close(number)

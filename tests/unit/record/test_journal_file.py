@@ -1,0 +1,116 @@
+"""The journal: what was written is read, also when the power has failed at any byte."""
+
+from __future__ import annotations
+
+import os
+import threading
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from companion.acting.journal import (
+    CommandIntended,
+    CommandSettled,
+    FlightBegun,
+    JournalEntry,
+    OperatorSettings,
+    PhaseBegun,
+    VehicleSeen,
+    put_together,
+)
+from companion.errors import CompanionError
+from companion.flight_events.sortie import Phase
+from companion.planning.task_changes import TaskChange
+from companion.record.journal_file import JOURNAL_FILE, JournalFile, read_journal
+
+BEGUN = FlightBegun("survey", "ab12", system=1, start_s=0.25)
+ENTRIES: list[JournalEntry] = [
+    BEGUN,
+    PhaseBegun(Phase.ARMING),
+    TaskChange("withdraw", (("can_do", "trans_ok(A, B)"), None)),
+    TaskChange("take", ("found", True)),
+    VehicleSeen((1.0, 2.0, -3.0), (0.1, 0.2, 0.3), 488.0),
+    CommandIntended(1, "do", "MAV_CMD_USER_1"),
+    CommandSettled(1),
+    CommandIntended(2, "do", "MAV_CMD_USER_1"),
+    OperatorSettings(2.0, -1.0),
+    TaskChange("complete", ("move(A, B)", 7.5)),
+]
+
+
+def written(folder: Path, entries: list[JournalEntry]) -> Path:
+    journal = JournalFile(folder)
+    for number, entry in enumerate(entries):
+        journal.note(float(number), entry)
+    journal.close()
+    assert journal.is_kept
+    return folder / JOURNAL_FILE
+
+
+def test_what_was_written_is_read(tmp_path: Path) -> None:
+    written(tmp_path, ENTRIES)
+    flight, unix_s = read_journal(tmp_path)
+    assert flight == put_together((float(n), entry) for n, entry in enumerate(ENTRIES))
+    assert flight is not None and flight.unsettled == (ENTRIES[7],)
+    assert flight.phase is flight.flown is Phase.ARMING and flight.armed_s == 1.0
+    assert unix_s > 0
+
+
+@given(st.integers(0, 2000), st.binary(max_size=30))
+def test_a_torn_end_is_left_out_and_overwritten(
+    tmp_path_factory: pytest.TempPathFactory, cut: int, torn: bytes
+) -> None:
+    """Power fails at any byte, and leaves whatever in the sectors after it."""
+    folder = tmp_path_factory.mktemp("run")
+    path = written(folder, ENTRIES)
+    text = path.read_bytes()[:cut]
+    lines = text.count(b"\n")
+    path.write_bytes(text + torn.replace(b"\n", b"\0"))
+    flight, _ = read_journal(folder)
+    assert flight == put_together((float(n), e) for n, e in enumerate(ENTRIES[:lines]))
+    written(folder, [BEGUN])
+    assert path.read_bytes().count(b"\n") == lines + 1
+    assert read_journal(folder)[0] is not None
+
+
+def test_a_journal_that_is_damaged_in_the_middle_is_refused(tmp_path: Path) -> None:
+    path = written(tmp_path, ENTRIES)
+    lines = path.read_bytes().splitlines(keepends=True)
+    path.write_bytes(b"".join([*lines[:3], b"\0\0\0\n", *lines[4:]]))
+    with pytest.raises(CompanionError, match=r"journal\.jsonl:4: the journal is damaged"):
+        read_journal(tmp_path)
+
+
+def test_an_entry_that_is_none_is_refused(tmp_path: Path) -> None:
+    path = written(tmp_path, ENTRIES)
+    path.write_bytes(path.read_bytes().replace(b"PhaseBegun", b"PhaseEnded"))
+    with pytest.raises(CompanionError, match=r"journal\.jsonl:2: this is no entry"):
+        read_journal(tmp_path)
+
+
+def test_nothing_is_kept_before_the_disk_has_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A command waits for its intention; the flight does not."""
+    journal = JournalFile(tmp_path)
+    may_sync, sync = threading.Event(), os.fsync
+    monkeypatch.setattr(os, "fsync", lambda number: (may_sync.wait(), sync(number))[1])
+    journal.note(0.0, BEGUN)
+    assert not journal.is_kept
+    may_sync.set()
+    journal.close()
+    assert journal.is_kept
+
+
+def test_a_full_disk_stops_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    journal = JournalFile(tmp_path)
+
+    def full(number: int) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    journal.note(0.0, BEGUN)
+    journal.close()
+    assert journal.is_kept and journal.failure == "No space left on device"
