@@ -7,10 +7,10 @@ real (or scaled) time from a socket; the simulator's harness drives the same obj
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Protocol
 
 from companion.acting.authority import loss_of_link
 from companion.acting.flight_limit import NO_LIMIT, FlightLimit
+from companion.acting.journal import JournalledFlight
 from companion.acting.phases import ON_THE_GROUND
 from companion.acting.preparation import Preparation, PreparedMission, prepare
 from companion.errors import CompanionError
@@ -25,8 +25,9 @@ from companion.flight_events.hosting import (
 )
 from companion.flight_events.sortie import Phase
 from companion.ground.component import COMMANDS, WANTED, Component
-from companion.ground.operations import MonitorPage, SystemStatus, UploadService
+from companion.ground.operations import MonitorPage, SystemStatus
 from companion.ground.parameters import BELIEF_RETRY, SPEED_MAX
+from companion.host import Host
 from companion.mavlink.framing import Message, source
 from companion.mission.model import Mission
 from companion.mission_run import Recorder, Run
@@ -38,37 +39,6 @@ from companion.vehicle.wire import AUTOPILOT, Wire
 BEGINNING = (*ON_THE_GROUND, Phase.ARMING, Phase.TAKE_OFF)
 RETURN = "MAV_CMD_NAV_RETURN_TO_LAUNCH"
 NOTHING_FLOWN = Refusal("nothing is flown")
-
-
-class Host(Protocol):
-    """Keeps the files of a companion that flies several sorties, and does what takes long."""
-
-    @property
-    def uploads(self) -> UploadService | None:
-        """Missions from outside."""
-
-    def load(self, path: Path) -> Mission:
-        """Reads a mission that was accepted.
-
-        Raises:
-            CompanionError, OSError: it cannot be read after all.
-        """
-
-    def prepare(self, mission: Mission, speed_max_mps: float) -> Preparation:
-        """Begins to prepare a mission, as `preparation.prepare` does. It may not block."""
-
-    def begin_run(self, mission: Mission) -> Recorder:
-        """A recorder for one more run.
-
-        Raises:
-            OSError: there is none.
-        """
-
-    def end_run(self, recorder: Recorder) -> None:
-        """A run has ended. It may not block."""
-
-    def tell(self, stamped: Stamped) -> None:
-        """News between two runs."""
 
 
 class Companion:
@@ -86,6 +56,8 @@ class Companion:
         page: the monitor page, if there is one.
         limit: of each flight: after what the vehicle is called home.
         engine: who plans the only mission; None for the built-in search. A host knows its own.
+        goes_on: where the autopilot holds because it no longer heard us, without an operator.
+        journalled: a run that was cut off, to go on with; the mission is its own.
 
     Attributes:
         failure: why the last run did not end well.
@@ -100,6 +72,8 @@ class Companion:
         page: MonitorPage | None = None,
         limit: FlightLimit = NO_LIMIT,
         engine: Engine | None = None,
+        goes_on: bool = False,
+        journalled: JournalledFlight | None = None,
     ) -> None:
         self.failure: CompanionError | None = None
         self._wire = Wire()
@@ -108,14 +82,14 @@ class Companion:
         self._host = host
         self._mission = mission
         self._accepts_weak_failsafes = accepts_weak_failsafes
-        self._limit = limit
+        self._limit, self._goes_on = limit, goes_on
         self._run: Run | None = None
         self._preparation: Preparation | None = None
         self._is_prepared = self._is_stopping = self._has_hung_up = False
         self._adjusted = -1
         self._now_s = 0.0
         if mission is not None and recorder is not None:
-            self._begin(prepare(mission, engine=engine), recorder)
+            self._begin(prepare(mission, engine=engine), recorder, journalled)
         self._listen()
 
     # -- from outside --------------------------------------------------------------------------
@@ -251,8 +225,16 @@ class Companion:
             return Refusal("the vehicle is armed or flying already; it is left alone")
         return None
 
-    def _begin(self, prepared: PreparedMission, recorder: Recorder) -> None:
+    def _begin(
+        self,
+        prepared: PreparedMission,
+        recorder: Recorder,
+        journalled: JournalledFlight | None = None,
+    ) -> None:
         self.failure, self._adjusted = None, -1
+        if journalled is not None and (settings := journalled.settings) is not None:
+            self._component.parameters.put(SPEED_MAX, settings.speed_max_mps)
+            self._component.parameters.put(BELIEF_RETRY, settings.belief_retry_s)
         self._run = Run(
             prepared,
             recorder,
@@ -262,6 +244,8 @@ class Companion:
             self._accepts_weak_failsafes,
             may_yield=self._host is not None,
             limit=self._limit,
+            goes_on=self._goes_on,
+            journalled=journalled,
         )
 
     def _launch(self, host: Host, preparation: Preparation) -> None:

@@ -8,13 +8,14 @@ from collections.abc import Callable
 
 
 class ScaledClock:
-    """Time that runs `speed` times as fast as the machine's monotonic clock, from zero.
+    """Time that runs `speed` times as fast as the machine's monotonic clock.
 
     Args:
         speed: scaled seconds per wall-clock second.
         max_jump_s: wall-clock seconds between two readings that count at most; after a longer
             stall the clock goes on as if it had stood still for the rest.
         monotonic_s: reads the machine's clock.
+        begin_s: what it shows at first, in scaled seconds.
 
     >>> readings = iter((50.0, 50.05, 60.0))
     >>> clock = ScaledClock(2.0, max_jump_s=0.1, monotonic_s=lambda: next(readings))
@@ -27,11 +28,13 @@ class ScaledClock:
         speed: float = 1.0,
         max_jump_s: float = math.inf,
         monotonic_s: Callable[[], float] = time.monotonic,
+        begin_s: float = 0.0,
     ) -> None:
         self._speed = speed
         self._max_jump_s = max_jump_s
         self._monotonic_s = monotonic_s
-        self._start_s = self._read_s = monotonic_s()
+        self._read_s = monotonic_s()
+        self._start_s = self._read_s - begin_s / speed
 
     def now_s(self) -> float:
         """Scaled seconds since the clock was made."""

@@ -6,18 +6,31 @@ and time in, messages out; who owns the link and lives longer is `app.py`.
 
 from __future__ import annotations
 
+import math
 from typing import Protocol
 
 from companion.acting.assembly import assemble
 from companion.acting.event_detector import EventDetector
 from companion.acting.flight_limit import NO_LIMIT, FlightLimit
+from companion.acting.journal import (
+    FlightBegun,
+    Journal,
+    JournalledFlight,
+    OperatorSettings,
+    PlanNumbered,
+    VehicleSeen,
+)
+from companion.acting.phases import ON_THE_GROUND
 from companion.acting.preparation import PreparedMission
+from companion.acting.resumption import Resumption, restore
 from companion.acting.sortie import Sortie
 from companion.flight_events.event import Stamped
+from companion.flight_events.plans import NoPlanFound, PlanReplaced
 from companion.flight_events.skills import ClearanceChanged
 from companion.flight_events.sortie import Phase
 from companion.geometry import Ned
 from companion.mavlink.framing import Message
+from companion.mission.digest import digest
 from companion.mission.facts import Fact
 from companion.motion.position_error import AddedClearance
 from companion.vehicle.gate import Envelope
@@ -27,9 +40,16 @@ from companion.vehicle.surroundings import Surroundings
 from companion.vehicle.telemetry import Telemetry
 from companion.vehicle.wire import Wire
 
+SEEN_EVERY_S = 1.0
+"""How often the journal has where the vehicle is."""
+
 
 class Recorder(Protocol):
     """Keeps what happens in a run."""
+
+    @property
+    def journal(self) -> Journal:
+        """Keeps what another process needs to go on with the run."""
 
     def report(self, stamped: Stamped) -> None:
         """Something happened."""
@@ -53,6 +73,11 @@ class Run:
         accepts_weak_failsafes: fly although the autopilot's failsafes are weak.
         may_yield: wait for the operator when somebody else has taken control in flight.
         limit: after what the vehicle is called home.
+        goes_on: where the autopilot holds because it no longer heard us, without an operator.
+        journalled: a run that was cut off; this one goes on with it, in the same record.
+
+    Raises:
+        LookupError: that run was of another mission.
     """
 
     def __init__(
@@ -65,6 +90,8 @@ class Run:
         accepts_weak_failsafes: bool = False,
         may_yield: bool = False,
         limit: FlightLimit = NO_LIMIT,
+        goes_on: bool = False,
+        journalled: JournalledFlight | None = None,
     ) -> None:
         mission = prepared.mission
         self._detector = detector = EventDetector(mission.events)
@@ -72,6 +99,7 @@ class Run:
         self.mission = mission
         self.recorder = recorder
         self.start_s = start_s
+        self._wire, self._telemetry = wire, telemetry
         self.vehicle = MavlinkVehicle(
             wire,
             telemetry,
@@ -90,6 +118,8 @@ class Run:
         acting = assemble(prepared, self.vehicle, detector)
         self.flight = acting.flight
         self.executive = acting.executive
+        self._seen_s = -math.inf
+        self._keep(prepared, journalled)
         self.sortie = Sortie(
             acting.flight,
             acting.executive,
@@ -98,9 +128,26 @@ class Run:
             accepts_weak_failsafes,
             may_yield,
             limit,
+            goes_on,
+            Resumption(journalled, profile.speed_mps, lambda: wire.system) if journalled else None,
         )
         self._surroundings = Surroundings(mission.grid, telemetry)
         self._added_clearance = AddedClearance(profile.deviation_m)
+
+    def _keep(self, prepared: PreparedMission, journalled: JournalledFlight | None) -> None:
+        """From now on the journal has what another process needs to go on."""
+        flight, mission, journal = self.flight, self.mission, self.recorder.journal
+        flight.journal, flight.now_s = journal, self.start_s
+        if journalled is None:
+            about = FlightBegun(mission.name, mission.path, digest(mission), self.start_s)
+            journal.note(self.start_s, about)
+            flight.task.on_change = lambda change: journal.note(flight.now_s, change)
+            return
+        self.start_s = journalled.begun.start_s
+        self.executive.replans = journalled.replans
+        restore(journalled, flight, prepared.planner, self._detector)
+        if (seen := journalled.seen) is not None:
+            self._telemetry.frame.keep(seen.origin, seen.altitude_m)
 
     @property
     def watched(self) -> frozenset[Fact]:
@@ -131,7 +178,19 @@ class Run:
         if not is_tick and self.executive.lasso is not plan:
             self.sortie.step(now_s, [])
         self._learn()
+        self._note_vehicle(now_s)
         return self.flight.collect_reports()
+
+    def _note_vehicle(self, now_s: float) -> None:
+        """The journal has once a second where the vehicle is in the air."""
+        state, frame = self.vehicle.state, self._telemetry.frame
+        is_flown = state is not None and state.is_armed and now_s - state.stamp_s < SEEN_EVERY_S
+        if state is None or not is_flown or now_s - self._seen_s < SEEN_EVERY_S:
+            return
+        if frame.origin is not None and self.sortie.phase not in ON_THE_GROUND:
+            about = frame.origin, frame.altitude_m, self._wire.system
+            self.recorder.journal.note(now_s, VehicleSeen(state.position, *about))
+            self._seen_s = now_s
 
     def record(self, now_s: float, packets: list[bytes], reports: list[Stamped]) -> None:
         """Hands everything on to the recorder."""
@@ -140,6 +199,8 @@ class Run:
         if position is not None:
             self.recorder.position(now_s - self.start_s, position)
         for stamped in reports:
+            if isinstance(stamped.event, PlanReplaced | NoPlanFound):
+                self.recorder.journal.note(now_s, PlanNumbered(stamped.event.number))
             time_s = round(stamped.time_s - self.start_s, 3)
             self.recorder.report(Stamped(time_s, stamped.event))
 
@@ -158,6 +219,8 @@ class Run:
         """Takes over the companion's parameters; a flight under way is slowed, if need be."""
         self.flight.speed_limit.set_operator_limit(speed_max_mps)
         self.flight.belief_retry_s = belief_retry_s if belief_retry_s >= 0.0 else None
+        settings = OperatorSettings(speed_max_mps, belief_retry_s)
+        self.recorder.journal.note(self.flight.now_s, settings)
 
     def _position(self) -> Ned | None:
         state = self.vehicle.state

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from happened import Happened
 
+from companion.acting.journal import NoJournal
 from companion.flight_events.event import Stamped
 from companion.geometry import Ned
 
 
 class Notes(Happened):
     """A recorder that keeps what happens."""
+
+    journal = NoJournal()
 
     def __init__(self) -> None:
         self.reports: list[Stamped] = []

@@ -1,8 +1,9 @@
 """Authority over the vehicle: why it is no longer ours to fly, or never was, and when it is again.
 
-Control that was lost comes back only by an explicit "go on" of the operator, and only if the
-vehicle is armed, in the air and on hold (AUTO.LOITER), with no failsafe, a fresh position and a
-mode heard just now: the pilot hands it over by choosing hold, the operator takes it by saying so.
+Control that was lost comes back by two keys. The vehicle is armed, in the air and on hold
+(AUTO.LOITER), with a fresh position and a mode heard just now: the pilot hands it over by choosing
+hold, or the autopilot holds because it no longer heard us (stream_loss.py). And the operator says
+"go on", or has said beforehand that such a hold is to be gone on from.
 """
 
 from __future__ import annotations
@@ -17,15 +18,19 @@ from companion.outcomes import Refusal
 from companion.vehicle.port import Mode, VehicleState
 
 LINK_LOST_S = 10.0
-"""Silence after which the sortie is given up; the autopilot's failsafe flies since long."""
+"""Silence after which a sortie is given up whose vehicle was on the ground."""
+NEVER_BACK_S = 1800.0
+"""The same in the air: no battery lasts longer."""
+SILENT_S = 3.0
+"""Silence after which a vehicle in the air is waited for: nothing is sent, and no time counts."""
 FRESH_S = 0.5
 """Age of the position up to which an operator may give control back."""
 
 
 def loss_of_link(state: VehicleState, now_s: float) -> LinkError | None:
-    """Whether the vehicle has been silent for too long."""
+    """Whether the vehicle has been silent for too long; one in the air may come back."""
     silence_s = now_s - state.stamp_s
-    if silence_s <= LINK_LOST_S:
+    if silence_s <= (LINK_LOST_S if state.is_landed else NEVER_BACK_S):
         return None
     return LinkError(f"no position from the vehicle for {silence_s:.0f} s")
 
@@ -62,15 +67,28 @@ def loss_of_control(phase: Phase, state: VehicleState, flight: Flight) -> Compan
     return None
 
 
-def not_handed_over(state: VehicleState | None, now_s: float) -> Refusal | None:
-    """Returns why control may not be taken back now; None if it may."""
+def is_silent(state: VehicleState, now_s: float) -> bool:
+    """Whether nothing is heard of a vehicle in the air for some seconds."""
+    return now_s - state.stamp_s > SILENT_S and not state.is_landed
+
+
+def not_handed_over(
+    state: VehicleState | None, now_s: float, is_hold_by_stream_loss: bool
+) -> Refusal | None:
+    """Returns why control may not be taken back now; None if it may.
+
+    Args:
+        state: of the vehicle.
+        now_s: the time.
+        is_hold_by_stream_loss: the autopilot's failsafe is only that it no longer heard us.
+    """
     if state is None or now_s - state.stamp_s > FRESH_S:
         return Refusal("no fresh position")
     if not state.is_armed or state.is_landed:
         return Refusal("the vehicle is not in the air")
     if not state.is_mode_known(now_s):
         return Refusal("the mode is not known")
-    if state.is_failsafe:
+    if state.is_failsafe and not is_hold_by_stream_loss:
         return Refusal("a failsafe of the autopilot is active")
     if state.mode is not Mode.LOITER:
         return Refusal(f"{state.mode.value} is flown; the pilot hands over by choosing hold")

@@ -47,6 +47,10 @@ class EventDetector:
         conditions = [c for e in self._events.values() for c in (e.when, e.until) if c]
         return frozenset(c.signal for c in conditions)
 
+    def resume(self, holding: Iterable[str]) -> None:
+        """Goes on with events that held when another process looked at them last."""
+        self._holds |= dict.fromkeys(holding, True)
+
     def update(self, now_s: float, readings: Iterable[tuple[Signal, float]]) -> list[Change]:
         """Takes readings; returns the changes, the last two of each event, one after the other."""
         changes: list[Change] = []
@@ -85,7 +89,8 @@ class EventDetector:
     def _wants_to_change(self, event: Event, is_met: bool) -> bool:
         if not self._holds[event.name]:
             return is_met and event.name not in self._spent
-        if event.latch:
+        is_heard = event.when.signal.is_pulse or event.when.signal in self._values
+        if event.latch or not is_heard:  # not heard yet, after `resume`
             return False
         return self._is_met(event.until) if event.until else not is_met
 

@@ -107,7 +107,7 @@ class Flight:
         return self._intentions
 
     def settle(self, intention: int) -> None:
-        """Notes that it is known what has become of a command, or that it is given up."""
+        """Notes that a command has failed, or that it is given up."""
         self.journal.note(self.now_s, CommandSettled(intention))
 
     @property

@@ -51,9 +51,9 @@ class LimitWatch:
         self._limit, self._executive, self._flight = limit, executive, flight
         self._begun_s = 0.0
 
-    def begin(self) -> None:
-        """The vehicle is to arm now."""
-        self._begun_s = self._flight.now_s
+    def begin(self, now_s: float) -> None:
+        """The vehicle is to arm now, or was."""
+        self._begun_s = now_s
 
     @property
     def due(self) -> str | None:

@@ -22,14 +22,14 @@ class FlightBegun:
 
     Attributes:
         mission: its name.
+        path: of its file.
         digest: of all that the mission is made of.
-        system: MAVLink system id of the vehicle.
         start_s: when the run began, on the flight's clock.
     """
 
     mission: str
+    path: str
     digest: str
-    system: int
     start_s: float
 
 
@@ -41,6 +41,20 @@ class PhaseBegun:
 
 
 @dataclass(frozen=True, slots=True)
+class EndingBegun:
+    """The vehicle is to land, and the run ends like this.
+
+    Attributes:
+        reason: why it does not end well; "" if it does.
+    """
+
+    is_satisfied: bool
+    is_called_home: bool
+    reason: str
+    exit_code: int
+
+
+@dataclass(frozen=True, slots=True)
 class VehicleSeen:
     """Where the vehicle is, once a second.
 
@@ -48,11 +62,13 @@ class VehicleSeen:
         position: in the mission's frame.
         origin: of that frame, in the autopilot's local frame.
         altitude_m: of the origin above mean sea level.
+        system: MAVLink system id of the vehicle.
     """
 
     position: Ned
     origin: Ned
     altitude_m: float
+    system: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +87,14 @@ class CommandIntended:
 
 @dataclass(frozen=True, slots=True)
 class CommandSettled:
-    """It is known what has become of it, or nobody waits for it any more."""
+    """It has failed, or nobody waits for it any more. One that was done is part of its skill."""
+
+    number: int
+
+
+@dataclass(frozen=True, slots=True)
+class PlanNumbered:
+    """A plan was made, or none was found; so many there were before."""
 
     number: int
 
@@ -87,10 +110,12 @@ class OperatorSettings:
 JournalEntry = (
     FlightBegun
     | PhaseBegun
+    | EndingBegun
     | VehicleSeen
     | CommandIntended
     | CommandSettled
     | OperatorSettings
+    | PlanNumbered
     | TaskChange
 )
 
@@ -123,23 +148,29 @@ class JournalledFlight:
         begun: which flight.
         phase: where its sortie was.
         flown: the phase before somebody else had control, or the vehicle was taken back.
+        ending: how it was to end; None before it was to land.
         armed_s: when it was to arm; None if it never was.
         seen: where the vehicle was last; None if it never was seen.
         changes: of the task's state.
-        unsettled: commands of which nobody knows whether they took effect.
+        unsettled: commands of the skill under way that were done, or of which that is not known.
         settings: of the operator; None for the first ones.
+        replans: how often it has planned again.
         time_s: of the last entry.
+        away_s: since then, by the wall clock.
     """
 
     begun: FlightBegun
     phase: Phase = Phase.WAITING
     flown: Phase = Phase.WAITING
+    ending: EndingBegun | None = None
     armed_s: float | None = None
     seen: VehicleSeen | None = None
     changes: tuple[TaskChange, ...] = ()
     unsettled: tuple[CommandIntended, ...] = field(default=())
     settings: OperatorSettings | None = None
+    replans: int = 0
     time_s: float = 0.0
+    away_s: float = 0.0
 
     @property
     def is_over(self) -> bool:
@@ -147,13 +178,14 @@ class JournalledFlight:
         return self.phase is Phase.ENDED or self.armed_s is None
 
 
+_END_OF_SKILL = ("complete", "interrupt")
 _ON_THE_WAY_BACK = (Phase.YIELDED, Phase.OFFBOARD)
 
 
 def put_together(entries: Iterable[tuple[float, JournalEntry]]) -> JournalledFlight | None:
     """What a flight had come to; None if it has not begun.
 
-    >>> begun = FlightBegun("survey", "0a", system=1, start_s=0.0)
+    >>> begun = FlightBegun("survey", "survey.yaml", "0a", start_s=0.0)
     >>> flight = put_together([(0.0, begun), (3.5, PhaseBegun(Phase.ARMING))])
     >>> flight.phase.name, flight.armed_s, flight.is_over
     ('ARMING', 3.5, False)
@@ -168,6 +200,8 @@ def put_together(entries: Iterable[tuple[float, JournalEntry]]) -> JournalledFli
             flight = JournalledFlight(entry)
         elif isinstance(entry, TaskChange):
             changes.append(entry)
+            if flight is not None and entry.method in _END_OF_SKILL:
+                flight = replace(flight, unsettled=())
         elif flight is not None:
             flight = _after(flight, time_s, entry)
         if flight is not None:
@@ -183,6 +217,8 @@ def _after(flight: JournalledFlight, time_s: float, entry: JournalEntry) -> Jour
             if phase is Phase.ARMING and armed_s is None:
                 armed_s = time_s
             return replace(flight, phase=phase, flown=flown, armed_s=armed_s)
+        case EndingBegun():
+            return replace(flight, ending=entry)
         case VehicleSeen():
             return replace(flight, seen=entry)
         case CommandIntended():
@@ -190,6 +226,8 @@ def _after(flight: JournalledFlight, time_s: float, entry: JournalEntry) -> Jour
         case CommandSettled(number):
             left = tuple(each for each in flight.unsettled if each.number != number)
             return replace(flight, unsettled=left)
+        case PlanNumbered(number):
+            return replace(flight, replans=number)
         case OperatorSettings():
             return replace(flight, settings=entry)
     return flight

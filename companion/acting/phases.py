@@ -16,12 +16,15 @@ from companion.vehicle.port import Goal
 class SortieEvent(Enum):
     """What happens to a sortie."""
 
+    FOUND_AGAIN = "the companion was away, and its flight still goes on"
     PLANNED = "the vehicle stands where the mission begins, and there is a plan"
     CHECKED = "the failsafes are strong, or accepted"
     REACHED = "the phase's goal is reached"
     FAILED = "the phase's goal is not reached in its time, or refused"
     TASK_GOES_ON = "in OFFBOARD, or resumed by the operator: the task goes on"
     RETURN_GOES_ON = "in OFFBOARD, or resumed by the operator: the flight home goes on"
+    PAUSE_GOES_ON = "in OFFBOARD again, in a pause: the pause goes on"
+    LANDING_GOES_ON = "it was to land, and lands or is in OFFBOARD again: the landing goes on"
     NEEDS_TAKE_OFF = "the plan has landed the vehicle, and a new one begins in the air"
     SATISFIED = "the task is satisfied, or home is reached"
     OUT_OF_PLANS = "there is no plan, and the mission lands or cannot return"
@@ -30,7 +33,8 @@ class SortieEvent(Enum):
     PAUSED = "the operator pauses"
     CALLED_HOME = "the operator, or a limit of the flight, calls the vehicle home"
     TAKEN_OVER = "the pilot or a failsafe takes the vehicle; an operator may give it back"
-    HANDED_BACK = "the pilot holds, and the operator resumes"
+    SILENT = "nothing is heard of the vehicle in the air"
+    HANDED_BACK = "the pilot holds, and the operator resumes; or the rule of resume holds"
     HIT = "the vehicle has hit something, and still flies"
     STOPPED_IN_THE_AIR = "a stop is asked for, and the vehicle is armed"
     STOPPED = "a stop is asked for, and the vehicle is not armed or not ours"
@@ -59,6 +63,8 @@ _LANDS = "it lands where it is"
 
 TRANSITIONS = TransitionTable(
     StateTransition(_P.WAITING, _E.PLANNED, _P.CHECKING, "the autopilot is asked"),
+    StateTransition(_P.WAITING, _E.FOUND_AGAIN, _P.YIELDED, "it is waited for control"),
+    StateTransition(_P.WAITING, _E.LANDING_GOES_ON, _P.LANDING, "its landing is watched"),
     StateTransition(_P.CHECKING, _E.CHECKED, _P.ARMING, "the first command is sent"),
     StateTransition(_P.ARMING, _E.REACHED, _P.TAKE_OFF, "it climbs"),
     StateTransition(_P.ARMING, _E.FAILED, _P.ENDED, _ENDS),
@@ -66,6 +72,8 @@ TRANSITIONS = TransitionTable(
     StateTransition(_P.TAKE_OFF, _E.FAILED, _P.LANDING, _LANDS),
     StateTransition(_P.OFFBOARD, _E.TASK_GOES_ON, _P.TASK, "the plan is flown"),
     StateTransition(_P.OFFBOARD, _E.RETURN_GOES_ON, _P.RETURNING, "it flies home"),
+    StateTransition(_P.OFFBOARD, _E.PAUSE_GOES_ON, _P.PAUSED, "it holds"),
+    StateTransition(_P.OFFBOARD, _E.LANDING_GOES_ON, _P.LANDING, _LANDS),
     StateTransition(_P.OFFBOARD, _E.FAILED, _P.LANDING, _LANDS),
     StateTransition(_P.TASK, _E.SATISFIED, _P.LANDING, _LANDS),
     StateTransition(_P.TASK, _E.NEEDS_TAKE_OFF, _P.ARMING, "it takes off again"),
@@ -87,6 +95,7 @@ TRANSITIONS = TransitionTable(
     StateTransition(_P.LANDING, _E.REACHED, _P.ENDED, _ENDS),
     StateTransition(_P.LANDING, _E.FAILED, _P.ENDED, _ENDS),
     *(StateTransition(phase, _E.TAKEN_OVER, _P.YIELDED, _ENDS) for phase in UNDER_TASK),
+    *(StateTransition(phase, _E.SILENT, _P.YIELDED, _ENDS) for phase in UNDER_TASK),
     *(
         StateTransition(phase, _E.STOPPED_IN_THE_AIR, _P.HOLDING, "it holds, then lands")
         for phase in _OURS

@@ -1,10 +1,11 @@
 """One sortie from the ground to the ground: climb, fly the task, land; `phases.py` has the table.
 
 Safety comes before the phase: who takes the vehicle from us (pilot or failsafe) ends the sortie at
-once and nothing more is sent; or, where an operator may give control back, the sortie yields and
-waits for that. A vehicle that is armed or flying before we start is not ours to take, and one whose
-autopilot would not look after itself is not armed unless the operator accepts that. A stop that the
-operator asked for holds, lands, and ends.
+once and nothing more is sent; or, where control may come back, the sortie yields and waits for
+that. So it does while nothing is heard of a vehicle in the air, and after the companion was away. A
+vehicle that is armed or flying before we start is not ours to take, and one whose autopilot would
+not look after itself is not armed unless the operator accepts that. A stop that the operator asked
+for holds, lands, and ends.
 
 The operator may also pause (hold in the air, the task frozen), let it go on, and call it home.
 Whose the vehicle is, and when it is handed over again, is asked in authority.py.
@@ -14,29 +15,29 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from companion.acting.authority import loss_of_control, loss_of_link, not_handed_over
+from companion.acting.authority import is_silent, loss_of_control
 from companion.acting.beginning import Beginning
+from companion.acting.control import Control
 from companion.acting.crash_watch import Crash, CrashWatch
 from companion.acting.ending import ending
 from companion.acting.executive import Executive
-from companion.acting.executive_states import TaskStatus
 from companion.acting.failsafe_check import FailsafeCheck
 from companion.acting.flight import Flight
 from companion.acting.flight_limit import NO_LIMIT, FlightLimit, LimitWatch
+from companion.acting.flown_task import FlownTask
+from companion.acting.gate_watch import GateWatch
+from companion.acting.journal import EndingBegun, PhaseBegun
 from companion.acting.phases import GOALS, ON_THE_GROUND, TRANSITIONS, UNDER_TASK, SortieEvent
-from companion.acting.return_home import ReturnHome
+from companion.acting.resumption import Resumption
 from companion.errors import Aborted, CompanionError
 from companion.flight_events.event import FlightEvent
 from companion.flight_events.sortie import (
     ControlRegained,
     ControlYielded,
-    FlightLimitReached,
     GoalFailed,
+    LinkSilent,
     Phase,
     PhaseEntered,
-    ReturnBegun,
-    ReturnFailed,
-    SetpointRefused,
     StopRequested,
     VehicleCrashed,
 )
@@ -64,6 +65,8 @@ class Sortie:
         accepts_weak_failsafes: fly although the autopilot's failsafes are weak.
         may_yield: wait for the operator when somebody else has taken control in flight.
         limit: after what the vehicle is called home.
+        goes_on: where the autopilot holds because it no longer heard us, without an operator.
+        resumption: of a flight that has begun before the companion was cut off.
     """
 
     def __init__(
@@ -75,23 +78,24 @@ class Sortie:
         accepts_weak_failsafes: bool = False,
         may_yield: bool = False,
         limit: FlightLimit = NO_LIMIT,
+        goes_on: bool = False,
+        resumption: Resumption | None = None,
     ) -> None:
         self.phase = Phase.WAITING
         self.failure: CompanionError | None = None
         self._flight = flight
         self._executive = executive
-        self._home = home
-        self._otherwise = otherwise
         self._beginning = Beginning(flight, executive, home)
         self._failsafes = FailsafeCheck(flight, accepts_weak_failsafes)
         self._crash_watch = CrashWatch(flight.profile)
         self._crash: Crash | None = None
-        self._may_yield = may_yield
+        self._gate_watch = GateWatch(flight)
+        self._control = Control(flight, may_yield, goes_on, resumption)
         self._limit = LimitWatch(limit, executive, flight)
-        self._return_home: ReturnHome | None = None
-        self._is_frozen = False
+        self._flown = FlownTask(flight, executive, home.name, otherwise, self._limit)
+        self._resumption = resumption
+        self._after_offboard = SortieEvent.TASK_GOES_ON
         self._is_stopping = self._was_stopped = False
-        self._was_refused = False
 
     @property
     def has_ended(self) -> bool:
@@ -107,16 +111,21 @@ class Sortie:
         if self._is_stopping:
             self._stop()
         self._executive.sense(readings)
-        self._watch_gate()
+        self._gate_watch.step()
         state = flight.vehicle.state
         if state is None or self.has_ended:
             return
-        if self.phase is not Phase.YIELDED:  # what a pilot does is not ours to judge
+        self._control.step(state)
+        is_resumed = self.phase is Phase.WAITING and self._resumption is not None
+        if self.phase is not Phase.YIELDED and not is_resumed:  # else it is not ours to judge
             if (crash := self._crash_watch.step(now_s, state)) is not self._crash:
                 self._take_crash(crash)
                 return
             if loss := loss_of_control(self.phase, state, flight):
                 self._lose(loss, state)
+                return
+            if self._is_waited_for(state):
+                self._yield(SortieEvent.SILENT, LinkSilent())
                 return
             flight.brake()
         _WORK[self.phase](self, state)
@@ -131,7 +140,7 @@ class Sortie:
             return Refusal(f"no pause while {self.phase.value}")
         if self._flight.progress.is_landed_by_plan:
             return ON_THE_GROUND_BY_PLAN
-        self._freeze()
+        self._flown.interrupt()
         self._on(SortieEvent.PAUSED)
         return None
 
@@ -140,16 +149,15 @@ class Sortie:
         if self.phase in (Phase.TASK, Phase.RETURNING):
             return None
         if self.phase is Phase.PAUSED:
-            self._on(self._goes_on)
+            self._on(self._flown.goes_on)
             return None
         if self.phase is not Phase.YIELDED:
             return Refusal(f"nothing to resume while {self.phase.value}")
-        if refusal := not_handed_over(self._flight.vehicle.state, self._flight.now_s):
+        if refusal := self._control.not_handed_over():
             return refusal
-        self._flight.vehicle.regain()
-        self._flight.forget_setpoint()  # hold where it is, not where it was taken from us
-        self._flight.report(ControlRegained())
-        self._on(SortieEvent.HANDED_BACK)
+        if self._after_offboard is SortieEvent.PAUSE_GOES_ON:
+            self._after_offboard = self._flown.goes_on  # the operator ends the pause
+        self._regain(ControlRegained())
         return None
 
     def return_home(self) -> Refusal | None:
@@ -160,9 +168,8 @@ class Sortie:
             return Refusal(f"no return while {self.phase.value}")
         if self._flight.progress.is_landed_by_plan:
             return ON_THE_GROUND_BY_PLAN
-        if self._return_home is None:
-            self._executive.stop()
-            self._return_home = ReturnHome(self._flight, self._home.name)
+        self._flown.call_home()
+        self._after_offboard = self._flown.goes_on
         self._on(SortieEvent.CALLED_HOME)
         return None
 
@@ -188,13 +195,6 @@ class Sortie:
 
     # -- who has control -----------------------------------------------------------------------
 
-    def _watch_gate(self) -> None:
-        """Reports when the gate begins to hold back setpoints."""
-        refusal = self._flight.vehicle.refusal
-        if refusal is not None and not self._was_refused:
-            self._flight.report(SetpointRefused(refusal.reason))
-        self._was_refused = refusal is not None
-
     def _take_crash(self, crash: Crash | None) -> None:
         """Lands a vehicle that has hit something and still flies; lets go of any other."""
         self._crash = crash
@@ -210,43 +210,68 @@ class Sortie:
     def _lose(self, loss: CompanionError, state: VehicleState) -> None:
         """Yields to whoever has taken the vehicle in the air, or ends."""
         is_taken = self.phase in UNDER_TASK and self._flight.vehicle.takeover is not None
-        if not (is_taken and self._may_yield and state.is_armed) or state.is_landed:
+        if not (is_taken and self._control.may_yield and state.is_armed) or state.is_landed:
             self._give_up(loss)
             return
-        self._freeze()
-        self._on(SortieEvent.TAKEN_OVER, ControlYielded(str(loss)))
+        self._yield(SortieEvent.TAKEN_OVER, ControlYielded(str(loss)))
+
+    def _is_waited_for(self, state: VehicleState) -> bool:
+        """Whether nothing is heard of it in the air; a landing by plan goes on without us."""
+        is_landing = self._flight.progress.is_landed_by_plan
+        is_flown = self.phase in UNDER_TASK and not is_landing
+        return is_flown and is_silent(state, self._flight.now_s)
+
+    def _yield(self, event: SortieEvent, news: FlightEvent) -> None:
+        """Interrupts what is flown, to go on with it when control comes back."""
+        is_paused = self.phase is Phase.PAUSED
+        self._flown.interrupt()
+        self._on(event, news)
+        self._after_offboard = SortieEvent.PAUSE_GOES_ON if is_paused else self._flown.goes_on
         self._flight.vehicle.release()
 
-    def _freeze(self) -> None:
-        """Interrupts what is flown, to go on with it later."""
-        if self._return_home is None:
-            self._executive.pause()
-        else:
-            self._return_home.stop()
-        self._is_frozen = True
-
-    @property
-    def _goes_on(self) -> SortieEvent:
-        """What is flown in OFFBOARD goes on."""
-        is_task = self._return_home is None
-        return SortieEvent.TASK_GOES_ON if is_task else SortieEvent.RETURN_GOES_ON
+    def _regain(self, news: FlightEvent) -> None:
+        """Control is back: streams again, and goes on with what was interrupted."""
+        self._flight.vehicle.regain()
+        self._flight.forget_setpoint()  # hold where it is, not where it was taken from us
+        self._on(SortieEvent.HANDED_BACK, news)
 
     # -- the work of each phase ----------------------------------------------------------------
 
-    def _await_operator(self, state: VehicleState) -> None:
+    def _await_control(self, state: VehicleState) -> None:
         """Nothing is sent; ends when the vehicle has landed, or is heard no longer."""
-        takeover = self._flight.vehicle.takeover
-        if silence := loss_of_link(state, self._flight.now_s):
-            self._give_up(silence)
-        elif takeover is not None and state.is_landed and not state.is_armed:
-            self._give_up(Aborted(str(takeover)))
+        outcome = self._control.wait(state)
+        if isinstance(outcome, CompanionError):
+            self._give_up(outcome)
+        elif outcome is not None:
+            self._regain(outcome)
 
     def _begin(self, state: VehicleState) -> None:
+        if self._resumption is not None:
+            self._find_again(self._resumption, state)
+            return
         outcome = self._beginning.tick(state)
         if isinstance(outcome, CompanionError):
             self._give_up(outcome)
         elif outcome is Progress.DONE:
             self._on(SortieEvent.PLANNED)
+
+    def _find_again(self, resumption: Resumption, state: VehicleState) -> None:
+        """The companion was away; nothing is sent before control is given back."""
+        if why_not := resumption.why_not(state):
+            self._give_up(why_not)
+            return
+        self._after_offboard = resumption.goes_on_with
+        if self._after_offboard is SortieEvent.RETURN_GOES_ON:
+            self._flown.call_home()
+        if (ending := resumption.journalled.ending) is not None:
+            self.failure = resumption.failure
+            self._flown.resume_ending(ending)
+        self._flown.is_interrupted = True
+        self._limit.begin(resumption.armed_s)
+        if resumption.is_landing(state):
+            self._on(SortieEvent.LANDING_GOES_ON)
+        else:
+            self._on(SortieEvent.FOUND_AGAIN, self._control.found(resumption, state))
 
     def _check_failsafes(self, _: VehicleState) -> None:
         """Goes on to arming when the autopilot's failsafes are known and strong, or accepted."""
@@ -254,10 +279,12 @@ class Sortie:
         if isinstance(outcome, Failed):
             self._give_up(Aborted(outcome.reason))
         elif outcome is Progress.DONE:
-            self._limit.begin()
+            self._limit.begin(self._flight.now_s)
             self._on(SortieEvent.CHECKED)
 
     def _pursue_goal(self, _: VehicleState) -> None:
+        if self.phase is Phase.ARMING and not self._flight.journal.is_kept:
+            return
         if self.phase is Phase.OFFBOARD:
             self._flight.hold_here()  # it may still rise
         elif self.phase in (Phase.HOLDING, Phase.LANDING):
@@ -265,66 +292,43 @@ class Sortie:
         outcome = self._flight.vehicle.pursue(GOALS[self.phase])
         if outcome is Progress.DONE:
             is_entered = self.phase is Phase.OFFBOARD
-            self._on(self._goes_on if is_entered else SortieEvent.REACHED)
+            self._on(self._after_offboard if is_entered else SortieEvent.REACHED)
         elif isinstance(outcome, Failed):
             if self.failure is None:
                 self.failure = Aborted(outcome.reason)
             self._flight.report(GoalFailed(outcome.reason))
             self._on(SortieEvent.FAILED)
 
-    def _fly_task(self, _: VehicleState) -> None:
-        executive = self._executive
-        if limit := self._limit.due:
-            self._limit.called_home_for = limit
-            self._flight.report(FlightLimitReached(limit))
-            self.return_home()
-            return
-        status = executive.resume() if self._is_frozen else executive.tick()
-        self._is_frozen = False
-        if status is TaskStatus.NO_PLAN:
-            self._without_plan()
-        elif status is TaskStatus.SATISFIED:
-            self.failure = executive.failure  # set if this was only the way home
-            self._on(SortieEvent.SATISFIED)
-        if executive.status is TaskStatus.NEEDS_TAKE_OFF:
-            self._on(SortieEvent.NEEDS_TAKE_OFF)
-
-    def _without_plan(self) -> None:
-        """Does what the mission says for the case that no plan exists."""
-        executive, home = self._executive, self._home.name
-        may_return = self._otherwise is Otherwise.RETURN_HOME and not executive.is_leaving
-        if may_return and executive.go_to(home):
-            self._flight.report(ReturnBegun(home))
-            return
-        self.failure = executive.failure
-        is_hold = self._otherwise is Otherwise.HOLD
-        self._on(SortieEvent.LEFT_ON_HOLD if is_hold else SortieEvent.OUT_OF_PLANS)
-
-    def _fly_home(self, _: VehicleState) -> None:
-        assert self._return_home is not None
-        outcome = self._return_home.tick()
-        if outcome is Progress.DONE:
-            self._on(SortieEvent.SATISFIED)
-        elif isinstance(outcome, Failed):
-            failed = ReturnFailed(self._home.name, outcome.reason)
-            if self._limit.called_home_for is None:
-                self.failure = Aborted(failed.text)
-            self._flight.report(failed)
-            self._on(SortieEvent.NO_WAY_HOME)
+    def _fly(self, _: VehicleState) -> None:
+        event = self._flown.tick()
+        if event is not None:
+            self.failure = self._flown.failure
+            self._on(event)
 
     # -- the table -----------------------------------------------------------------------------
 
     def _on(self, event: SortieEvent, news: FlightEvent | None = None) -> None:
         """Enters the phase that an event leads to; reports that, or what says more."""
         self.phase = TRANSITIONS.next(self.phase, event)
+        self._note_phase()
         if self.phase is Phase.ENDED:
             self._flight.vehicle.release()
-            is_called_home = self._return_home is not None and not self._was_stopped
-            is_satisfied = self._executive.status is TaskStatus.SATISFIED
+            is_called_home = self._flown.is_called_home and not self._was_stopped
             at_limit = self._limit.ending()
-            self._flight.report(ending(self.failure, is_called_home, is_satisfied, at_limit))
+            how = ending(self.failure, is_called_home, self._flown.is_satisfied, at_limit)
+            self._flight.report(how)
         else:
             self._flight.report(news or PhaseEntered(self.phase))
+
+    def _note_phase(self) -> None:
+        """The journal has the phase, and how the flight is to end."""
+        journal, now_s = self._flight.journal, self._flight.now_s
+        journal.note(now_s, PhaseBegun(self.phase))
+        if self.phase in (Phase.HOLDING, Phase.LANDING):
+            reason, code = (str(self.failure), self.failure.exit_code) if self.failure else ("", 0)
+            flown = self._flown
+            about = EndingBegun(flown.is_satisfied, flown.is_called_home, reason, code)
+            journal.note(now_s, about)
 
     def _give_up(self, failure: CompanionError) -> None:
         self.failure = failure
@@ -334,10 +338,10 @@ class Sortie:
 _WORK: dict[Phase, Callable[[Sortie, VehicleState], None]] = {
     Phase.WAITING: Sortie._begin,
     Phase.CHECKING: Sortie._check_failsafes,
-    Phase.TASK: Sortie._fly_task,
+    Phase.TASK: Sortie._fly,
     Phase.PAUSED: lambda sortie, _: sortie._flight.hold(),
-    Phase.RETURNING: Sortie._fly_home,
-    Phase.YIELDED: Sortie._await_operator,
+    Phase.RETURNING: Sortie._fly,
+    Phase.YIELDED: Sortie._await_control,
     **dict.fromkeys(GOALS, Sortie._pursue_goal),
 }
 """What each phase does in a tick; ENDED does nothing."""

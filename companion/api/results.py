@@ -11,6 +11,7 @@ from time import time
 import numpy as np
 import numpy.typing as npt
 
+from companion.acting.journal import Journal, NoJournal
 from companion.errors import CompanionError
 from companion.flight_events.event import Stamped
 from companion.geometry import Ned
@@ -99,6 +100,11 @@ class Recording:
         self.positions: list[tuple[float, Ned]] = []
         self._other = other
         self._on_event = on_event
+
+    @property
+    def journal(self) -> Journal:
+        """That of the other recorder; without one nothing is kept."""
+        return self._other.journal if self._other is not None else NoJournal()
 
     def report(self, stamped: Stamped) -> None:
         """Something happened."""

@@ -33,6 +33,14 @@ Laps = Annotated[
         show_default=False,
     ),
 ]
+Resume = Annotated[
+    bool,
+    typer.Option(
+        "--resume",
+        help="Go on by itself after a hold that the autopilot has begun because it no longer heard "
+        "this program, also in a flight that this program was cut off from.",
+    ),
+]
 LimitS = Annotated[
     float | None,
     typer.Option(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import signal
-import time
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
 from functools import partial
@@ -20,6 +19,7 @@ from companion.cli.arguments import (
     LimitS,
     LogDir,
     MissionFile,
+    Resume,
     Timeout,
     load,
 )
@@ -34,12 +34,13 @@ from companion.cli.engine_options import (
 )
 from companion.cli.log_lines import Verbose
 from companion.cli.monitoring import DEFAULT_ADDRESS, Monitor, monitored
+from companion.cli.recording import close_run, flown_s, line, open_run, recorded
+from companion.cli.resuming import CutOffRun, cut_off_run
 from companion.cli.terminal import Terminal, undisturbed
 from companion.errors import CompanionError, MissionError
 from companion.planning.objective import Encoding
 
 if TYPE_CHECKING:
-    from companion.acting.flight_limit import FlightLimit
     from companion.app import Companion
     from companion.flight_events.event import Stamped
     from companion.mission.model import Mission
@@ -68,6 +69,7 @@ def run(
         bool,
         typer.Option("--wait", help="Fly when a ground station says so, and again and again."),
     ] = False,
+    resume: Resume = False,
     laps: Laps = None,
     limit_s: LimitS = None,
     engine: EngineOption = BUILT_IN,
@@ -82,6 +84,10 @@ def run(
 
     With --wait, or without MISSION, it waits on the ground for a ground station's
     MAV_CMD_MISSION_START, flies, lands, and waits again, until it is stopped.
+
+    With --resume it takes control back by itself where the autopilot holds because it no longer
+    heard us: after a gap in the link; and, started again with the same mission, after it was cut
+    off in flight. A vehicle that has landed meanwhile is not armed again.
     """
     from companion.acting.flight_limit import FlightLimit
     from companion.app import Companion
@@ -90,20 +96,26 @@ def run(
     loaded, endpoint = load(mission) if mission else None, parse_url(connect)
     limit, address = FlightLimit(laps, limit_s), monitor or DEFAULT_ADDRESS
     planner = engine_of(engine, encoding, engine_timeout)
+    cut_off = cut_off_run(log_dir, loaded) if resume else None
+    companion_of = partial(
+        Companion,
+        accepts_weak_failsafes=accept_weak_failsafes,
+        limit=limit,
+        goes_on=resume,
+        journalled=cut_off.journalled if cut_off else None,
+    )
     if loaded is None or wait:
-        _host(loaded, endpoint, accept_weak_failsafes, log_dir, address, limit, planner)
+        _host(companion_of, loaded, endpoint, log_dir, address, planner, cut_off)
         return
     terminal = Terminal()
     with (
         closing(terminal),
-        _recorded(loaded, log_dir, terminal) as folder,
+        recorded(loaded, log_dir, terminal, True, cut_off) as folder,
         monitored(address, terminal.say) as page,
     ):
         page.show(folder.folder)
-        companion = Companion(
-            loaded, folder, accept_weak_failsafes, page=page, limit=limit, engine=planner
-        )
-        _fly(companion, endpoint, terminal, speed=1.0, timeout_s=timeout)
+        companion = companion_of(loaded, folder, page=page, engine=planner)
+        _fly(companion, endpoint, terminal, 1.0, timeout, flown_s(cut_off))
         _raise(companion.failure)
 
 
@@ -144,7 +156,7 @@ def sim(
     terminal = Terminal()
     with (
         closing(terminal),
-        _recorded(loaded, log_dir, terminal) as folder,
+        recorded(loaded, log_dir, terminal) as folder,
         monitored(address, terminal.say) as page,
     ):
         page.show(folder.folder)
@@ -186,95 +198,55 @@ def _speed(text: str) -> float | None:
     return factor
 
 
-@contextmanager
-def _recorded(mission: Mission, log_dir: Path, terminal: Terminal) -> Iterator[RunFolder]:
-    """A run folder, announced at the start and at the end."""
-
-    from companion.flight_events.sortie import RunFailed
-
-    def tell(stamped: Stamped) -> None:
-        if not isinstance(stamped.event, RunFailed):  # a failure is printed once, by `main`
-            terminal.say(_line(stamped))
-
-    folder = _open_folder(mission, log_dir, tell, terminal)
-    try:
-        yield folder
-    finally:
-        _close_folder(folder, terminal)
-
-
-def _open_folder(
-    mission: Mission, log_dir: Path, tell: Callable[[Stamped], None], terminal: Terminal
-) -> RunFolder:
-    from companion.record.run_folder import RunFolder
-
-    now_s = time.time()
-    stamp = time.strftime("%Y-%m-%dT%H%M%S", time.localtime(now_s))
-    path = log_dir.expanduser() / f"{stamp}-{mission.name}"
-    number = 1
-    while path.exists():
-        number += 1
-        path = path.with_name(f"{stamp}-{mission.name}-{number}")
-    terminal.say(f"mission    {mission.name}")
-    folder = RunFolder(path, mission, now_s, tell)
-    terminal.say(f"run        {path}")
-    return folder
-
-
-def _close_folder(folder: RunFolder, terminal: Terminal) -> None:
-    folder.close()
-    terminal.say(f"results    {folder.folder}")
-
-
 def _host(
+    companion_of: Callable[..., Companion],
     mission: Mission | None,
     endpoint: Endpoint,
-    accepts_weak: bool,
     log_dir: Path,
     address: str,
-    limit: FlightLimit,
     engine: Engine | None,
+    cut_off: CutOffRun | None,
 ) -> None:
-    """Waits for ground stations to start sorties, until it is stopped."""
-    from companion.app import Companion
+    """Waits for ground stations to start sorties, until it is stopped; first goes on with one."""
     from companion.cli.hosting import SortieHost
     from companion.ground.uploads import Uploads
 
     terminal = Terminal()
 
     def tell(stamped: Stamped) -> None:
-        terminal.say(_line(stamped))
+        terminal.say(line(stamped))
 
     def close_folder(folder: RunFolder) -> None:
-        _close_folder(folder, terminal)
+        close_run(folder, terminal)
 
     with closing(terminal), monitored(address, terminal.say) as page:
 
-        def open_folder(mission: Mission) -> RunFolder:
-            folder = _open_folder(mission, log_dir, tell, terminal)
+        def open_folder(mission: Mission, cut_off: CutOffRun | None = None) -> RunFolder:
+            folder = open_run(mission, log_dir, tell, terminal, True, cut_off)
             page.show(folder.folder)
             return folder
 
         uploads = Uploads(log_dir.expanduser() / UPLOADS)
         host = SortieHost(open_folder, close_folder, tell, uploads, engine)
-        companion = Companion(mission, None, accepts_weak, host, page, limit)
+        recorder = host.go_on(open_folder(cut_off.mission, cut_off)) if cut_off else None
+        mission = cut_off.mission if cut_off else mission
+        companion = companion_of(mission, recorder, host=host, page=page, engine=engine)
         try:
             what = f"to fly {mission.name}" if mission else "and a mission"
             terminal.say(f"hosting    waits for MAV_CMD_MISSION_START {what}; Ctrl-C ends it")
-            _fly(companion, endpoint, terminal, speed=1.0, timeout_s=0.0)
+            _fly(companion, endpoint, terminal, 1.0, 0.0, flown_s(cut_off))
         finally:
             host.close()
             uploads.close()
 
 
-def _line(stamped: Stamped) -> str:
-    """An event as a line of the terminal."""
-    minutes, seconds = divmod(stamped.time_s, 60)
-    return f" {int(minutes):02d}:{seconds:04.1f}  {stamped.event.text}"
-
-
 def _fly(
-    companion: Companion, endpoint: Endpoint, terminal: Terminal, speed: float, timeout_s: float
+    companion: Companion,
+    endpoint: Endpoint,
+    terminal: Terminal,
+    speed: float,
+    timeout_s: float,
+    begin_s: float = 0.0,
 ) -> None:
     from companion.clock import ScaledClock
     from companion.driving import fly
@@ -284,7 +256,7 @@ def _fly(
     try:
         terminal.say(f"waiting    for a vehicle on {endpoint}")
         with _stoppable(companion, terminal), undisturbed(companion.hang_up):
-            fly(companion, link, ScaledClock(speed), timeout_s)
+            fly(companion, link, ScaledClock(speed, begin_s=begin_s), timeout_s)
     finally:
         link.close()
 

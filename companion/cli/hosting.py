@@ -67,6 +67,11 @@ class SortieHost:
         threading.Thread(target=work, daemon=True).start()
         return prepared
 
+    def go_on(self, folder: RunFolder) -> Recorder:
+        """A run that was cut off is the first one; it has a folder already."""
+        self._open = folder
+        return folder
+
     def begin_run(self, mission: Mission) -> Recorder:
         """Opens a run folder; the active upload is started."""
         self._open = self._open_folder(mission)

@@ -46,6 +46,17 @@ class SkillFailed(FlightEvent):
 
 
 @dataclass(frozen=True, slots=True)
+class OutcomeUnknown(FlightEvent):
+    """The companion was cut off while a skill commanded a payload."""
+
+    kind = "unknown"
+    template = "{action}: whether it was done is not known; {consequence}"
+
+    action: ActionName
+    consequence: InText[str]
+
+
+@dataclass(frozen=True, slots=True)
 class WrittenTreeFailed(FlightEvent):
     """The mission's own tree has failed."""
 

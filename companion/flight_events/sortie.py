@@ -79,6 +79,42 @@ class ControlRegained(FlightEvent):
 
 
 @dataclass(frozen=True, slots=True)
+class ControlTakenBack(FlightEvent):
+    """The autopilot has held because it no longer heard us, and that was to be gone on from."""
+
+    kind = "phase"
+    template = "the autopilot held because it no longer heard us; going on"
+
+
+@dataclass(frozen=True, slots=True)
+class LinkSilent(FlightEvent):
+    """Nothing is heard of a vehicle in the air: nothing is sent, and it is waited for."""
+
+    kind = "phase"
+    template = "nothing is heard of the vehicle; waiting for it"
+
+
+@dataclass(frozen=True, slots=True)
+class LinkBack(FlightEvent):
+    """The vehicle is heard again, and nobody has taken it meanwhile."""
+
+    kind = "phase"
+    template = "the vehicle is heard again; going on"
+
+
+@dataclass(frozen=True, slots=True)
+class FlightFoundAgain(FlightEvent):
+    """The companion was away, and finds its flight still going on; nothing is sent yet."""
+
+    kind = "phase"
+    template = "the companion was away for {away_s} s, while {phase}; {key}"
+
+    away_s: Annotated[float, Doc("from the last entry of the journal, by the wall clock")]
+    phase: InText[Phase]
+    key: InText[str]
+
+
+@dataclass(frozen=True, slots=True)
 class StopRequested(FlightEvent):
     """The operator has asked for a stop, which begins now."""
 

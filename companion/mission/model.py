@@ -238,6 +238,7 @@ class Skill:
         is_planned: whether the planner may use it; if not it only refines other skills.
         retry_after_s: time after which a belief that its failure withdrew is held again.
         look_at: what the vehicle looks at meanwhile: one of its parameters, or always the same.
+        is_repeatable: its commands may be sent again where it is not known whether they were done.
     """
 
     name: str
@@ -254,6 +255,7 @@ class Skill:
     is_planned: bool = True
     retry_after_s: float | None = None
     look_at: str | PointOfInterest | None = None
+    is_repeatable: bool = False
 
     @property
     def origin(self) -> str | None:

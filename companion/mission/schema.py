@@ -145,6 +145,14 @@ class SkillEntry(StrictModel):
             "failure; without it not before an event restores it.",
         ),
     ] = None
+    repeatable: Annotated[
+        bool,
+        Field(
+            description="true: its commands may be sent again after the companion was cut off "
+            "while it was done, and nobody knows whether they took effect. Without it, the skill "
+            "counts as failed then, and is not done again in this flight."
+        ),
+    ] = False
     tries: Annotated[
         int,
         Field(

@@ -156,6 +156,7 @@ class _SkillBuilder:
             is_planned=entry.planned,
             retry_after_s=entry.retry_after_s,
             look_at=looked_at,
+            is_repeatable=entry.repeatable,
         )
 
     def _execute(self, domains: Mapping[str, Domain]) -> tuple[Execution, ...]:

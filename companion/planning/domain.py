@@ -67,6 +67,7 @@ class Action:
         conditional: effects that depend on the facts before the action.
         retry_after_s: time after which what it assumes is believed again; None is never.
         look_at: what the vehicle looks at meanwhile; None for nothing of its own.
+        is_repeatable: its commands may be sent again where it is not known whether they were done.
     """
 
     skill: str
@@ -83,6 +84,7 @@ class Action:
     conditional: tuple[ConditionalEffect[Fact], ...] = ()
     retry_after_s: float | None = None
     look_at: PointOfInterest | None = None
+    is_repeatable: bool = False
     name: str = field(init=False, compare=False)
 
     def __post_init__(self) -> None:

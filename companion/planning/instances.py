@@ -220,6 +220,7 @@ def _instance(mission: Mission, skill: Skill, binding: dict[str, str]) -> _Insta
         ),
         retry_after_s=skill.retry_after_s,
         look_at=_look_at(mission, skill, binding),
+        is_repeatable=skill.is_repeatable,
     )
     return _Instance(action, flight)
 

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from companion.mission.facts import Fact
+from companion.planning.domain import Action
 from companion.planning.planner import Planner
 from companion.planning.task_changes import TaskChange
 from companion.planning.task_state import TaskState
@@ -26,6 +27,10 @@ class TaskReplay:
         self._state = state
         self._events = planner.mission.events
         self._actions = {action.name: action for action in planner.all_actions()}
+
+    def action(self, name: str) -> Action:
+        """The action of a name."""
+        return self._actions[name]
 
     def make(self, change: TaskChange) -> None:
         """One change, after those before it."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import os
 import time
+from dataclasses import replace
 from pathlib import Path
 from queue import SimpleQueue
 from threading import Thread
@@ -90,8 +91,12 @@ class JournalFile:
             self.failure = error.strerror or str(error)
 
 
-def read_journal(folder: Path) -> tuple[JournalledFlight | None, float]:
-    """What the flight of a run folder had come to, and when on the wall clock that was.
+def read_journal(folder: Path, now_unix_s: float) -> JournalledFlight | None:
+    """What the flight of a run folder had come to; None if it had not begun.
+
+    Args:
+        folder: of the run.
+        now_unix_s: the wall clock; one that was set back since counts as if no time had passed.
 
     Raises:
         CompanionError: the journal is damaged, not at its end alone.
@@ -108,7 +113,8 @@ def read_journal(folder: Path) -> tuple[JournalledFlight | None, float]:
             entries.append((time_s, value_of(kind, {"entry": data}, "entry")))
         except (ValueError, KeyError, TypeError, AttributeError, Unfit) as error:
             raise CompanionError(f"{path}:{number}: this is no entry of a journal") from error
-    return put_together(entries), unix_s
+    flight = put_together(entries)
+    return flight and replace(flight, away_s=max(0.0, now_unix_s - unix_s))
 
 
 def _line(unix_s: float, now_s: float, entry: JournalEntry) -> bytes:

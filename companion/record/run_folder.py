@@ -8,16 +8,19 @@
 - `flight.tlog`: every MAVLink frame in either direction behind eight bytes of time (big-endian
   microseconds since 1970), as MAVProxy and QGroundControl write it. It reaches the disk five times
   a second of the flight's time, so that others can follow it.
+- `journal.jsonl`: what another process needs to go on with the flight (journal_file.py), if asked.
 """
 
 from __future__ import annotations
 
 import json
+import os
 import struct
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from companion.acting.journal import Journal, NoJournal
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.hosting import RecordingFailed
 from companion.flight_events.plans import PlanMade, PlanReplaced
@@ -27,6 +30,7 @@ from companion.mavlink.framing import split_frames
 from companion.mission.model import Mission
 from companion.record.events import EVENTS_FILE
 from companion.record.figure import Trail, draw_flight
+from companion.record.journal_file import JournalFile
 from companion.record.scene import scene
 
 FLUSH_S = 0.2
@@ -40,15 +44,26 @@ class RunFolder:
         mission: the mission flown.
         start_unix_s: wall-clock time of the run's beginning; stamps flight.tlog alone.
         tell: called with every event that is news for people.
+        keeps_journal: so that the run can be gone on with if it is cut off.
+        is_continued: it is a folder of a run that was cut off, to go on with.
 
     Attributes:
+        journal: of the run.
         trail: where the vehicle was, by plan.
     """
 
     def __init__(
-        self, folder: Path, mission: Mission, start_unix_s: float, tell: Callable[[Stamped], None]
+        self,
+        folder: Path,
+        mission: Mission,
+        start_unix_s: float,
+        tell: Callable[[Stamped], None],
+        keeps_journal: bool = False,
+        is_continued: bool = False,
     ) -> None:
         folder.mkdir(parents=True, exist_ok=True)
+        self._journal_file = JournalFile(folder) if keeps_journal else None
+        self.journal: Journal = self._journal_file or NoJournal()
         self.folder = folder
         self._mission = mission
         self._start_unix_s = start_unix_s
@@ -56,11 +71,15 @@ class RunFolder:
         self.trail = Trail()
         self._is_failing = False
         self._flushed_s = 0.0
-        (folder / "mission.yaml").write_text(mission.text, encoding="utf-8")
-        about = json.dumps(scene(mission, start_unix_s)) + "\n"
-        (folder / "scene.json").write_text(about, encoding="utf-8")
-        self._events = (folder / EVENTS_FILE).open("w", encoding="utf-8")
-        self._tlog = (folder / "flight.tlog").open("wb")
+        if not is_continued:
+            (folder / "mission.yaml").write_text(mission.text, encoding="utf-8")
+            about = json.dumps(scene(mission, start_unix_s)) + "\n"
+            (folder / "scene.json").write_text(about, encoding="utf-8")
+        events, mode = folder / EVENTS_FILE, "a" if is_continued else "w"
+        if is_continued:
+            _cut_torn_line(events)
+        self._events = events.open(mode, encoding="utf-8")
+        self._tlog = (folder / "flight.tlog").open(f"{mode}b")
 
     def report(self, stamped: Stamped) -> None:
         """Appends a line to events.jsonl, at once; a plan also becomes a file."""
@@ -82,6 +101,8 @@ class RunFolder:
             for datagram in datagrams:
                 for frame in split_frames(datagram):
                     self._tlog.write(stamp + frame)
+            if self._journal_file is not None and self._journal_file.failure is not None:
+                raise OSError(0, self._journal_file.failure)
             if now_s - self._flushed_s >= FLUSH_S:
                 self._tlog.flush()
                 self._flushed_s = now_s
@@ -92,6 +113,8 @@ class RunFolder:
 
     def close(self) -> None:
         """Closes the files and draws the flight."""
+        if self._journal_file is not None:
+            self._journal_file.close()
         for stream in (self._events, self._tlog):
             with self._going_on():
                 stream.close()
@@ -113,3 +136,10 @@ class RunFolder:
         path = self.folder / f"plan-{number}.json"
         path.write_text(json.dumps(json_of(plan), indent=2) + "\n", encoding="utf-8")
         self.trail.begin(title)
+
+
+def _cut_torn_line(path: Path) -> None:
+    """Takes away the end of a last line that was not written whole."""
+    text = path.read_bytes() if path.exists() else b""
+    if text and not text.endswith(b"\n"):
+        os.truncate(path, text.rfind(b"\n") + 1)

@@ -82,6 +82,11 @@ class MissionFrame:
             self.origin = origin
         self._laid = self.origin
 
+    def keep(self, origin: Ned, altitude_m: float) -> None:
+        """The frame is where it was laid in this flight, by another process."""
+        self.origin = self._laid = origin
+        self.altitude_m = altitude_m
+
     def move(self, by: NorthEast, most_m: float) -> None:
         """Positions in the frame become greater by so much; not before it is laid.
 

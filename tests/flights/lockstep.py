@@ -8,12 +8,14 @@ side sends arrives at the other in the next tick. Nothing here knows a clock.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from random import Random
 from typing import Any, NamedTuple
 
 from happened import Happened
 
 from companion.acting.flight import TICK_S
+from companion.acting.journal import JournalEntry, put_together
 from companion.app import Companion
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.sortie import RunEnded, SetpointRefused
@@ -101,6 +103,22 @@ class Deaf:
         return [d for d in datagrams if not (self.is_deaf and d[7:10] == self._header)]
 
 
+class KeptJournal:
+    """A journal in memory, on a disk that has everything at once.
+
+    Attributes:
+        entries: with their times.
+    """
+
+    is_kept = True
+
+    def __init__(self) -> None:
+        self.entries: list[tuple[float, JournalEntry]] = []
+
+    def note(self, now_s: float, entry: JournalEntry) -> None:
+        self.entries.append((now_s, entry))
+
+
 class Lockstep(Happened):
     """One flight; it is also the recorder of its companion.
 
@@ -111,6 +129,7 @@ class Lockstep(Happened):
         up: the way from the vehicle to the companion.
         down: the way back.
         has_station: whether a ground station is there, with its heartbeat.
+        goes_on: as with `run --resume`.
 
     Attributes:
         companion: under test.
@@ -132,11 +151,14 @@ class Lockstep(Happened):
         up: Air = clear,
         down: Air = clear,
         has_station: bool = False,
+        goes_on: bool = False,
     ) -> None:
+        self.journal = KeptJournal()
+        self._mission, self._goes_on = mission, goes_on
         scenario, grid = world
         links = {LinkName.OFFBOARD} | ({LinkName.GCS} if has_station else set())
         self.simulation = Simulation(scenario, grid, seed=seed, links=frozenset(links))
-        self.companion = Companion(mission, self)
+        self.companion = Companion(mission, self, goes_on=goes_on)
         self.is_companion_alive = True
         self.reports: list[Stamped] = []
         self.said: list[Said] = []
@@ -152,6 +174,20 @@ class Lockstep(Happened):
         self._to_vehicle: list[tuple[LinkName, bytes]] = []
         self._was_armed = False
         self._ticks = 0
+
+    def kill(self) -> None:
+        """The companion is gone at once, with all that it knew."""
+        self.is_companion_alive = False
+        self._killed_s = self.now_s
+
+    def restart(self) -> None:
+        """Another companion begins, with the journal of the one before; time has gone on."""
+        journalled = put_together(self.journal.entries)
+        assert journalled is not None
+        journalled = replace(journalled, away_s=self.now_s - journalled.time_s)
+        again = None if journalled.is_over else journalled
+        self.companion = Companion(self._mission, self, goes_on=self._goes_on, journalled=again)
+        self.is_companion_alive = True
 
     # -- companion.app.Recorder ----------------------------------------------------------------
 

@@ -13,6 +13,7 @@ from dataclasses import replace
 import pytest
 from lockstep import Air, Cut, Deaf, Jittery, Lockstep, Lossy, Said, World
 
+from companion.acting import authority
 from companion.app import Companion
 from companion.errors import Aborted, LinkError, NoPlanError
 from companion.flight_events.facts import BeliefWithdrawn
@@ -204,17 +205,21 @@ def test_after_an_outage_the_autopilot_keeps_the_vehicle(start: Start) -> None:
     assert flight.simulation.collisions == 0
 
 
-def test_a_vehicle_that_is_silent_for_ever_ends_the_run(start: Start) -> None:
+def test_a_vehicle_that_is_silent_for_ever_ends_the_run(
+    start: Start, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It may come back, as long as a battery may last."""
+    monkeypatch.setattr(authority, "NEVER_BACK_S", 60.0)
     up = Cut()
     flight = on_the_way_to_b(start(up=up))
     up.is_cut = True
     silent_s = flight.now_s
     flight.until_the_end()
-    assert flight.now_s - silent_s == pytest.approx(10.0, abs=0.2)
+    assert flight.now_s - silent_s == pytest.approx(60.0, abs=0.2)
     assert flight.setpoints[-1].time_s - silent_s == pytest.approx(3.0, abs=0.1)
     assert flight.commands[-1].time_s < silent_s
     assert isinstance(flight.companion.failure, LinkError)
-    silence = "no position from the vehicle for 10 s"
+    silence = "no position from the vehicle for 60 s"
     assert flight.ending == RunFailed(silence, LinkError.exit_code)
     assert flight.simulation.mode == "AUTO.LOITER"
 

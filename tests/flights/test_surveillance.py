@@ -24,6 +24,7 @@ from lockstep import SETPOINT, World
 from notes import Notes
 from pymavlink import mavutil
 
+from companion.acting.journal import NoJournal
 from companion.api.simulating import lockstep
 from companion.app import Companion
 from companion.errors import LinkTimeout
@@ -84,6 +85,8 @@ class Witness:
     """A recorder that keeps the run folder, and what was true at each tick."""
 
     flown: Flown
+
+    journal = NoJournal()
 
     def __init__(self, folder: RunFolder) -> None:
         self._folder = folder

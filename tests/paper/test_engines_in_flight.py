@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from happened import Happened
 
+from companion.acting.journal import NoJournal
 from companion.api.simulating import lockstep, world_of
 from companion.flight_events.event import Stamped
 from companion.flight_events.plans import EngineFailed, PlanReplaced
@@ -32,6 +33,8 @@ pytestmark = [
 
 class Flown(Happened):
     """A flight of the paper's mission, seed 0, with all that happened."""
+
+    journal = NoJournal()
 
     def __init__(self, engine: EngineJobs) -> None:
         self.reports: list[Stamped] = []

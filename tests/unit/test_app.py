@@ -12,6 +12,7 @@ from happened import Happened, Replan
 from synthetic import PAYLOAD, POSITIONS, command, event, mission
 
 from companion.acting.flight import TICK_S
+from companion.acting.journal import NoJournal
 from companion.app import Companion
 from companion.driving import fly
 from companion.errors import Aborted, LinkTimeout
@@ -32,6 +33,8 @@ from companion.mission.model import Mission
 
 class Notes(Happened):
     """A recorder that keeps everything."""
+
+    journal = NoJournal()
 
     def __init__(self) -> None:
         self.reports: list[Stamped] = []
@@ -171,7 +174,7 @@ def test_a_vehicle_that_falls_silent_later_is_another_matter() -> None:
 
     world.neighbour = falls_silent
     world.fly(timeout_s=1.0)
-    assert str(world.companion.failure) == "no position from the vehicle for 10 s"
+    assert str(world.companion.failure) == "no position from the vehicle for 1800 s"
 
 
 def test_what_a_flood_has_lost_is_told_in_the_flight_and_on_its_record() -> None:

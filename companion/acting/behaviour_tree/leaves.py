@@ -260,12 +260,13 @@ class SendCommand(Leaf):
         return self.fail(outcome.reason) if isinstance(outcome, Failed) else RUNNING
 
     def terminate(self, new_status: Status) -> None:
-        """Stops asking."""
+        """Stops asking. What was done is settled by the end of the skill that it belongs to."""
         if new_status is RUNNING or self._intention is None:
             return
         if self._ticket is not None:
             self._flight.vehicle.forget_command(self._ticket)
-        self._flight.settle(self._intention)
+        if new_status is not Status.SUCCESS:
+            self._flight.settle(self._intention)
         self._intention = self._ticket = None
 
 

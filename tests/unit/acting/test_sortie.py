@@ -6,8 +6,8 @@ import pytest
 from sortie_rig import SortieRig
 from synthetic import command, event, mission, reading
 
-from companion.acting import beginning
-from companion.acting.authority import LINK_LOST_S
+from companion.acting import authority, beginning
+from companion.acting.authority import LINK_LOST_S, SILENT_S
 from companion.acting.failsafe_check import ANSWER_TIMEOUT_S
 from companion.acting.phases import GOALS, TRANSITIONS, SortieEvent
 from companion.errors import Aborted, LinkError, NoPlanError, SearchLimit
@@ -259,14 +259,35 @@ def test_the_pilot_wins_in_every_phase(phase: Phase) -> None:
     assert (len(run.vehicle.pursued), len(run.vehicle.flown)) == (asked, flown)
 
 
-def test_a_vehicle_that_falls_silent_is_given_up() -> None:
-    run = SortieRig(mission("G F at(A) & G F at(B)")).until(Phase.TASK)
+def fall_silent(run: SortieRig) -> float:
+    """Nothing is heard from now on; returns when the vehicle was heard last."""
     assert run.vehicle.state is not None
-    heard_s = run.vehicle.state.stamp_s
     run.vehicle.step = lambda now_s: None  # type: ignore[method-assign]
+    return run.vehicle.state.stamp_s
+
+
+def test_a_vehicle_that_falls_silent_on_the_ground_is_given_up() -> None:
+    run = SortieRig(SHORT)
+    run.vehicle.script[Goal.ARMED] = NEVER
+    heard_s = fall_silent(run.until(Phase.ARMING))
     run.until(Phase.ENDED)
     assert run.rig.flight.now_s - heard_s == pytest.approx(LINK_LOST_S, abs=0.11)
     assert run.end == RunFailed("no position from the vehicle for 10 s", LinkError.exit_code)
+
+
+def test_a_vehicle_that_falls_silent_in_the_air_is_waited_for(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Nothing is sent meanwhile, and no battery lasts for ever."""
+    monkeypatch.setattr(authority, "NEVER_BACK_S", 60.0)
+    run = SortieRig(mission("G F at(A) & G F at(B)")).until(Phase.TASK)
+    heard_s = fall_silent(run)
+    run.until(Phase.YIELDED)
+    assert run.rig.flight.now_s - heard_s == pytest.approx(SILENT_S, abs=0.11)
+    assert run.vehicle.flown[-1] is None
+    run.until(Phase.ENDED)
+    assert run.rig.flight.now_s - heard_s == pytest.approx(60.0, abs=0.11)
+    assert run.failure.exit_code == LinkError.exit_code
 
 
 @pytest.mark.parametrize("phase", [Phase.OFFBOARD, Phase.TASK])

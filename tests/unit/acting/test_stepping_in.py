@@ -145,7 +145,17 @@ def test_it_is_handed_over_only_if_all_is_so() -> None:
         {"is_failsafe": True},
         *({"mode": mode} for mode in Mode if mode is not Mode.LOITER),
     ]
-    assert not_handed_over(good, 10.0) is None
-    assert not_handed_over(None, 10.0)
+    assert not_handed_over(good, 10.0, False) is None
+    assert not_handed_over(None, 10.0, False)
     for one, other in product(wrong, wrong):
-        assert not_handed_over(replace(good, **(one | other)), 10.0)  # type: ignore[arg-type]
+        assert not_handed_over(replace(good, **(one | other)), 10.0, False)  # type: ignore[arg-type]
+
+
+def test_a_failsafe_that_only_no_longer_heard_us_is_no_obstacle() -> None:
+    held = VehicleState(
+        10.0, (0.0, 0.0, -2.0), (0.0, 0.0, 0.0), 0.0, Mode.LOITER, True, False, True, 80, 10.0
+    )
+    assert not_handed_over(held, 10.0, True) is None
+    for mode in Mode:
+        if mode is not Mode.LOITER:
+            assert not_handed_over(replace(held, mode=mode), 10.0, True)

@@ -42,6 +42,7 @@ from companion.flight_events.plans import (
 )
 from companion.flight_events.skills import (
     ClearanceChanged,
+    OutcomeUnknown,
     PlaceReached,
     RouteBlocked,
     RouteResponse,
@@ -53,10 +54,14 @@ from companion.flight_events.skills import (
 from companion.flight_events.sortie import (
     BatteryCharged,
     ControlRegained,
+    ControlTakenBack,
     ControlYielded,
     EndedAtLimit,
+    FlightFoundAgain,
     FlightLimitReached,
     GoalFailed,
+    LinkBack,
+    LinkSilent,
     Phase,
     PhaseEntered,
     ReturnBegun,
@@ -111,6 +116,10 @@ TEXTS: list[tuple[FlightEvent, str]] = [
     (SkillCompleted("upload(r1)"), "upload(r1) done"),
     (SkillFailed("upload(r1)", "denied"), "upload(r1) failed: denied"),
     (
+        OutcomeUnknown("upload(r1)", "it is taken for failed"),
+        "upload(r1): whether it was done is not known; it is taken for failed",
+    ),
+    (
         WrittenTreeFailed("upload(r1) failed: denied"),
         "the tree has failed: upload(r1) failed: denied",
     ),
@@ -152,6 +161,17 @@ TEXTS: list[tuple[FlightEvent, str]] = [
     (WeakFailsafeAccepted("COM_LOW_BAT_ACT is 0"), "accepted: COM_LOW_BAT_ACT is 0"),
     (ControlYielded(LOST), f"{LOST}; hold, then continue, gives it back"),
     (ControlRegained(), "control given back by the operator"),
+    (
+        ControlTakenBack(),
+        "the autopilot held because it no longer heard us; going on",
+    ),
+    (LinkSilent(), "nothing is heard of the vehicle; waiting for it"),
+    (LinkBack(), "the vehicle is heard again; going on"),
+    (
+        FlightFoundAgain(12.5, Phase.TASK, "hold, then continue, gives it back"),
+        "the companion was away for 12.5 s, while flying the task; "
+        "hold, then continue, gives it back",
+    ),
     (StopRequested(), "stopping as asked"),
     (FlightLimitReached("3 laps"), "3 laps flown: returning"),
     (ReturnBegun("Home"), "returning to Home"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import threading
+import time
 from pathlib import Path
 
 import pytest
@@ -25,18 +26,19 @@ from companion.flight_events.sortie import Phase
 from companion.planning.task_changes import TaskChange
 from companion.record.journal_file import JOURNAL_FILE, JournalFile, read_journal
 
-BEGUN = FlightBegun("survey", "ab12", system=1, start_s=0.25)
+BEGUN = FlightBegun("survey", "survey.yaml", "ab12", start_s=0.25)
 ENTRIES: list[JournalEntry] = [
     BEGUN,
     PhaseBegun(Phase.ARMING),
     TaskChange("withdraw", (("can_do", "trans_ok(A, B)"), None)),
     TaskChange("take", ("found", True)),
-    VehicleSeen((1.0, 2.0, -3.0), (0.1, 0.2, 0.3), 488.0),
+    VehicleSeen((1.0, 2.0, -3.0), (0.1, 0.2, 0.3), 488.0, system=1),
     CommandIntended(1, "do", "MAV_CMD_USER_1"),
     CommandSettled(1),
     CommandIntended(2, "do", "MAV_CMD_USER_1"),
+    TaskChange("complete", ("do", 7.5)),
+    CommandIntended(3, "do", "MAV_CMD_USER_1"),
     OperatorSettings(2.0, -1.0),
-    TaskChange("complete", ("move(A, B)", 7.5)),
 ]
 
 
@@ -51,11 +53,12 @@ def written(folder: Path, entries: list[JournalEntry]) -> Path:
 
 def test_what_was_written_is_read(tmp_path: Path) -> None:
     written(tmp_path, ENTRIES)
-    flight, unix_s = read_journal(tmp_path)
+    flight = read_journal(tmp_path, 0.0)
     assert flight == put_together((float(n), entry) for n, entry in enumerate(ENTRIES))
-    assert flight is not None and flight.unsettled == (ENTRIES[7],)
+    assert flight is not None and flight.unsettled == (ENTRIES[9],)
     assert flight.phase is flight.flown is Phase.ARMING and flight.armed_s == 1.0
-    assert unix_s > 0
+    later = read_journal(tmp_path, time.time() + 60.0)
+    assert later is not None and 60.0 <= later.away_s < 600.0
 
 
 @given(st.integers(0, 2000), st.binary(max_size=30))
@@ -68,11 +71,11 @@ def test_a_torn_end_is_left_out_and_overwritten(
     text = path.read_bytes()[:cut]
     lines = text.count(b"\n")
     path.write_bytes(text + torn.replace(b"\n", b"\0"))
-    flight, _ = read_journal(folder)
+    flight = read_journal(folder, 0.0)
     assert flight == put_together((float(n), e) for n, e in enumerate(ENTRIES[:lines]))
     written(folder, [BEGUN])
     assert path.read_bytes().count(b"\n") == lines + 1
-    assert read_journal(folder)[0] is not None
+    assert read_journal(folder, 0.0) is not None
 
 
 def test_a_journal_that_is_damaged_in_the_middle_is_refused(tmp_path: Path) -> None:
@@ -80,14 +83,14 @@ def test_a_journal_that_is_damaged_in_the_middle_is_refused(tmp_path: Path) -> N
     lines = path.read_bytes().splitlines(keepends=True)
     path.write_bytes(b"".join([*lines[:3], b"\0\0\0\n", *lines[4:]]))
     with pytest.raises(CompanionError, match=r"journal\.jsonl:4: the journal is damaged"):
-        read_journal(tmp_path)
+        read_journal(tmp_path, 0.0)
 
 
 def test_an_entry_that_is_none_is_refused(tmp_path: Path) -> None:
     path = written(tmp_path, ENTRIES)
     path.write_bytes(path.read_bytes().replace(b"PhaseBegun", b"PhaseEnded"))
     with pytest.raises(CompanionError, match=r"journal\.jsonl:2: this is no entry"):
-        read_journal(tmp_path)
+        read_journal(tmp_path, 0.0)
 
 
 def test_nothing_is_kept_before_the_disk_has_it(

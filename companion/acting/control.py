@@ -1,0 +1,78 @@
+"""Whether control that was lost, or interrupted, is back; asked while nothing is sent.
+
+    lost by                          back when
+    silence (nothing is heard)       OFFBOARD is heard still; else it was taken
+    somebody or a failsafe           two keys (authority.py); nobody waits without an operator
+    the companion was away           two keys; and it never was to be expected elsewhere
+
+The autopilot's hold by the loss of our stream is one key; `goes_on` is the other one, given
+beforehand.
+"""
+
+from __future__ import annotations
+
+from companion.acting.authority import loss_of_link, not_handed_over
+from companion.acting.flight import Flight
+from companion.acting.resumption import Resumption
+from companion.acting.stream_loss import StreamLossWatch
+from companion.errors import Aborted, CompanionError
+from companion.flight_events.event import FlightEvent
+from companion.flight_events.sortie import ControlTakenBack, FlightFoundAgain, LinkBack
+from companion.outcomes import Refusal
+from companion.vehicle.port import Mode, Takeover, VehicleState
+
+
+class Control:
+    """Who has control of one flight's vehicle, while it is not we.
+
+    Args:
+        flight: of the vehicle.
+        may_yield: an operator may give control back.
+        goes_on: so does a hold by the loss of our stream.
+        resumption: of a flight that has begun before the companion was cut off.
+    """
+
+    def __init__(
+        self, flight: Flight, may_yield: bool, goes_on: bool, resumption: Resumption | None
+    ) -> None:
+        self.may_yield = may_yield or goes_on
+        self._flight = flight
+        self._goes_on = goes_on
+        self._resumption = resumption
+        self._stream_loss = StreamLossWatch()
+
+    def step(self, state: VehicleState) -> None:
+        """Looks at the vehicle, in each tick of the flight."""
+        self._stream_loss.step(self._flight.now_s, state)
+
+    def not_handed_over(self) -> Refusal | None:
+        """Why an operator may not take control back now; None if that may be."""
+        state, now_s = self._flight.vehicle.state, self._flight.now_s
+        return not_handed_over(state, now_s, self._stream_loss.is_hold)
+
+    def wait(self, state: VehicleState) -> CompanionError | FlightEvent | None:
+        """Why it will not come back; or the news by which it has; None while it is waited for."""
+        vehicle, now_s = self._flight.vehicle, self._flight.now_s
+        if silence := loss_of_link(state, now_s):
+            return silence
+        if not state.is_mode_known(now_s):
+            return None
+        is_ours = state.mode is Mode.OFFBOARD and vehicle.takeover is None
+        holder = vehicle.takeover or Takeover(state.mode, state.is_failsafe)
+        if state.is_landed and not state.is_armed:
+            return Aborted(str(holder))
+        if is_ours:
+            return LinkBack() if self._resumption is None else None  # its failsafe is to come
+        if not self.may_yield:
+            return Aborted(str(holder))
+        is_by_itself = self._goes_on and self._stream_loss.is_hold
+        if is_by_itself and self._is_expected(state) and self.not_handed_over() is None:
+            return ControlTakenBack()
+        return None
+
+    def _is_expected(self, state: VehicleState) -> bool:
+        return self._resumption is None or self._resumption.why_asked(state) is None
+
+    def found(self, resumption: Resumption, state: VehicleState) -> FlightFoundAgain:
+        """What is told of a flight that is found still going on."""
+        return resumption.found(state, self._goes_on)

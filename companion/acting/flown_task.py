@@ -1,0 +1,129 @@
+"""What is flown in OFFBOARD: the task, or the flight home; interrupted, and gone on with later.
+
+The task is flown by the executive. The operator, or a limit of the flight, calls the vehicle home
+for good: from then on the flight home is what is flown.
+"""
+
+from __future__ import annotations
+
+from companion.acting.executive import Executive
+from companion.acting.executive_states import TaskStatus
+from companion.acting.flight import Flight
+from companion.acting.flight_limit import LimitWatch
+from companion.acting.journal import EndingBegun
+from companion.acting.phases import SortieEvent
+from companion.acting.return_home import ReturnHome
+from companion.errors import Aborted, CompanionError
+from companion.flight_events.sortie import FlightLimitReached, ReturnBegun, ReturnFailed
+from companion.mission.model import Otherwise
+from companion.vehicle.port import Failed, Progress
+
+
+class FlownTask:
+    """The task of one sortie, or its flight home.
+
+    Args:
+        flight: the flight.
+        executive: acts out the task.
+        home: the place to fly home to.
+        otherwise: what to do when no plan exists.
+        limit: of the flight.
+
+    Attributes:
+        failure: why it did not end well; None while it does.
+        is_interrupted: it is to be gone on with.
+    """
+
+    def __init__(
+        self,
+        flight: Flight,
+        executive: Executive,
+        home: str,
+        otherwise: Otherwise,
+        limit: LimitWatch,
+    ) -> None:
+        self.failure: CompanionError | None = None
+        self.is_interrupted = False
+        self._flight, self._executive = flight, executive
+        self._home, self._otherwise = home, otherwise
+        self._limit = limit
+        self._return_home: ReturnHome | None = None
+        self._was_satisfied = False
+
+    @property
+    def is_satisfied(self) -> bool:
+        """Whether the task is."""
+        return self._was_satisfied or self._executive.status is TaskStatus.SATISFIED
+
+    @property
+    def is_called_home(self) -> bool:
+        """Whether it is the flight home."""
+        return self._return_home is not None
+
+    @property
+    def goes_on(self) -> SortieEvent:
+        """The event by which it goes on."""
+        is_home = self.is_called_home
+        return SortieEvent.RETURN_GOES_ON if is_home else SortieEvent.TASK_GOES_ON
+
+    def call_home(self) -> None:
+        """The flight home from now on."""
+        if self._return_home is None:
+            self._executive.stop()
+            self._return_home = ReturnHome(self._flight, self._home)
+
+    def resume_ending(self, ending: EndingBegun) -> None:
+        """It is over, and was before the companion was cut off."""
+        self._was_satisfied = ending.is_satisfied
+        if ending.is_called_home:
+            self.call_home()
+
+    def interrupt(self) -> None:
+        """The vehicle holds, to go on later."""
+        if self._return_home is None:
+            self._executive.pause()
+        else:
+            self._return_home.stop()
+        self.is_interrupted = True
+
+    def tick(self) -> SortieEvent | None:
+        """One tick; what it has come to, None while it goes on."""
+        if self._return_home is not None:
+            return self._fly_home(self._return_home)
+        executive = self._executive
+        if limit := self._limit.due:
+            self._limit.called_home_for = limit
+            self._flight.report(FlightLimitReached(limit))
+            self.call_home()
+            return SortieEvent.CALLED_HOME
+        status = executive.resume() if self.is_interrupted else executive.tick()
+        self.is_interrupted = False
+        if status is TaskStatus.SATISFIED:
+            self.failure = executive.failure  # set if this was only the way home
+            return SortieEvent.SATISFIED
+        event = self._without_plan() if status is TaskStatus.NO_PLAN else None
+        needs_take_off = executive.status is TaskStatus.NEEDS_TAKE_OFF
+        return SortieEvent.NEEDS_TAKE_OFF if needs_take_off else event
+
+    def _without_plan(self) -> SortieEvent | None:
+        """Does what the mission says for the case that no plan exists."""
+        executive = self._executive
+        may_return = self._otherwise is Otherwise.RETURN_HOME and not executive.is_leaving
+        if may_return and executive.go_to(self._home):
+            self._flight.report(ReturnBegun(self._home))
+            return None
+        self.failure = executive.failure
+        is_hold = self._otherwise is Otherwise.HOLD
+        return SortieEvent.LEFT_ON_HOLD if is_hold else SortieEvent.OUT_OF_PLANS
+
+    def _fly_home(self, return_home: ReturnHome) -> SortieEvent | None:
+        outcome = return_home.tick()
+        if outcome is Progress.DONE:
+            return SortieEvent.SATISFIED
+        if not isinstance(outcome, Failed):
+            return None
+        failed = ReturnFailed(self._home, outcome.reason)
+        if self._limit.called_home_for is None:
+            self.failure = Aborted(failed.text)
+        self._flight.report(failed)
+        return SortieEvent.NO_WAY_HOME

@@ -1,0 +1,152 @@
+"""A flight that goes on after the companion was away, with its state from the journal.
+
+Nothing is sent before control is given back. Actions whose commands may have taken effect count as
+failed, are told, and are in no plan again, unless their skill may be repeated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from companion.acting.event_detector import EventDetector
+from companion.acting.flight import Flight
+from companion.acting.journal import CommandSettled, JournalledFlight
+from companion.acting.phases import SortieEvent
+from companion.errors import Aborted, CompanionError
+from companion.flight_events.facts import BeliefWithdrawn
+from companion.flight_events.skills import OutcomeUnknown
+from companion.flight_events.sortie import FlightFoundAgain, Phase
+from companion.geometry import distance
+from companion.planning.planner import Planner
+from companion.planning.task_replay import TaskReplay
+from companion.vehicle.port import Mode, VehicleState
+
+DRIFT_M = 5.0
+"""How far a vehicle in a hold may be from where it was to be expected."""
+UNSEEN_S = 3.0
+"""Time in which it may have moved since it was seen: a second to the next entry of the journal, one
+to the autopilot's failsafe, and one to stop."""
+
+TWO_KEYS = "hold, then continue, gives it back"
+STREAMED = (Phase.TASK, Phase.PAUSED, Phase.RETURNING)
+"""Phases in which setpoints are streamed for the task, so that the autopilot notices their loss."""
+
+GOES_ON_WITH = {
+    Phase.ARMING: SortieEvent.TASK_GOES_ON,
+    Phase.TAKE_OFF: SortieEvent.TASK_GOES_ON,
+    Phase.TASK: SortieEvent.TASK_GOES_ON,
+    Phase.PAUSED: SortieEvent.PAUSE_GOES_ON,
+    Phase.RETURNING: SortieEvent.RETURN_GOES_ON,
+    Phase.HOLDING: SortieEvent.LANDING_GOES_ON,
+    Phase.LANDING: SortieEvent.LANDING_GOES_ON,
+}
+"""What a flight goes on with that was in a phase; one that was left on hold does not go on."""
+
+
+@dataclass(frozen=True)
+class Resumption:
+    """What is to be gone on with.
+
+    Attributes:
+        journalled: what the flight had come to.
+        speed_mps: greatest speed of the vehicle.
+        system: MAVLink system id of the vehicle that is heard.
+    """
+
+    journalled: JournalledFlight
+    speed_mps: float
+    system: Callable[[], int]
+
+    @property
+    def goes_on_with(self) -> SortieEvent:
+        """What OFFBOARD leads to, once control is back."""
+        return GOES_ON_WITH[self.journalled.flown]
+
+    @property
+    def armed_s(self) -> float:
+        """When the vehicle was to arm."""
+        return self.journalled.armed_s or 0.0
+
+    @property
+    def failure(self) -> CompanionError | None:
+        """Why the flight was not to end well; None if it was, or was not to end."""
+        ending = self.journalled.ending
+        if ending is None or not ending.exit_code:
+            return None
+        failure = CompanionError(ending.reason)
+        failure.exit_code = ending.exit_code
+        return failure
+
+    def why_not(self, state: VehicleState) -> Aborted | None:
+        """Why nothing goes on; None if it may, once control is given back."""
+        what = "the companion was away"
+        if self.is_landing(state):
+            return None
+        if self.journalled.flown not in GOES_ON_WITH:
+            return Aborted(f"{what} while the vehicle was left on hold; it is left alone")
+        if state.is_landed and not state.is_armed:
+            return Aborted(f"{what}, and the vehicle has landed; it is not armed again")
+        return None
+
+    def is_landing(self, state: VehicleState) -> bool:
+        """Whether it lands as it was to, or has landed so; nothing has to be sent for that."""
+        has_landed = state.is_landed and not state.is_armed
+        was_to_land = self.journalled.flown is Phase.LANDING
+        return was_to_land and (has_landed or state.mode is Mode.LAND)
+
+    def why_asked(self, state: VehicleState) -> str | None:
+        """Why an operator is asked, even where the autopilot holds by the loss of our stream."""
+        journalled, seen = self.journalled, self.journalled.seen
+        if journalled.phase is Phase.YIELDED:
+            return "somebody else had control"
+        if journalled.flown not in STREAMED or seen is None:
+            return "the vehicle was not flown by setpoints"
+        if seen.system != self.system():
+            return f"the vehicle's system id is {self.system()}, and it was {seen.system}"
+        away_m = distance(seen.position, state.position)
+        if away_m > DRIFT_M + UNSEEN_S * self.speed_mps:
+            return f"the vehicle is {away_m:.0f} m from where it was"
+        return None
+
+    def found(self, state: VehicleState, goes_on: bool) -> FlightFoundAgain:
+        """What is told when the flight is found still going on."""
+        asked = self.why_asked(state)
+        key = "its own hold gives it back" if goes_on and asked is None else TWO_KEYS
+        about = f"{asked}: {key}" if asked is not None else key
+        return FlightFoundAgain(round(self.journalled.away_s, 1), self.journalled.phase, about)
+
+
+def restore(
+    journalled: JournalledFlight, flight: Flight, planner: Planner, detector: EventDetector
+) -> None:
+    """The task is where the journal has it; from now on changes are kept in it.
+
+    Raises:
+        LookupError: the journal is of another mission.
+    """
+    task, journal = flight.task, flight.journal
+    replay = TaskReplay(task, planner)
+    for change in journalled.changes:
+        replay.make(change)
+    task.left.clear()
+    events = planner.mission.events
+    detector.resume(name for name, event in events.items() if event.fact in task.facts)
+    task.on_change = lambda change: journal.note(flight.now_s, change)
+    for each in journalled.unsettled:
+        _give_up(replay, each.action, flight)
+        journal.note(flight.now_s, CommandSettled(each.number))
+    task.interrupt()
+
+
+def _give_up(replay: TaskReplay, name: str, flight: Flight) -> None:
+    """Takes an action for failed whose command may have taken effect."""
+    action = replay.action(name)
+    if action.is_repeatable:
+        flight.report(OutcomeUnknown(name, "it may be repeated"))
+        return
+    flight.report(OutcomeUnknown(name, "it is taken for failed, and not done again"))
+    flight.task.withdraw(action.assumes, None)
+    flight.task.bar(action)
+    for belief in sorted(action.assumes):
+        flight.report(BeliefWithdrawn(belief))

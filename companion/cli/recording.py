@@ -1,0 +1,93 @@
+"""The run folder of a command that flies, announced at the start and at the end."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from companion.cli.resuming import CutOffRun, mark_latest
+from companion.cli.terminal import Terminal
+
+if TYPE_CHECKING:
+    from companion.flight_events.event import Stamped
+    from companion.mission.model import Mission
+    from companion.record.run_folder import RunFolder
+
+
+@contextmanager
+def recorded(
+    mission: Mission,
+    log_dir: Path,
+    terminal: Terminal,
+    keeps_journal: bool = False,
+    cut_off: CutOffRun | None = None,
+) -> Iterator[RunFolder]:
+    """A run folder, announced at the start and at the end."""
+
+    from companion.flight_events.sortie import RunFailed
+
+    def tell(stamped: Stamped) -> None:
+        if not isinstance(stamped.event, RunFailed):  # a failure is printed once, by `main`
+            terminal.say(line(stamped))
+
+    folder = open_run(mission, log_dir, tell, terminal, keeps_journal, cut_off)
+    try:
+        yield folder
+    finally:
+        close_run(folder, terminal)
+
+
+def open_run(
+    mission: Mission,
+    log_dir: Path,
+    tell: Callable[[Stamped], None],
+    terminal: Terminal,
+    keeps_journal: bool,
+    cut_off: CutOffRun | None,
+) -> RunFolder:
+    """The folder of a run that begins, or of one that was cut off."""
+    from companion.record.run_folder import RunFolder
+
+    now_s = time.time()
+    terminal.say(f"mission    {mission.name}")
+    if cut_off is not None:
+        run_s = flown_s(cut_off) - cut_off.journalled.begun.start_s
+        path, start_s = cut_off.folder, now_s - run_s
+    else:
+        path, start_s = _new_path(mission.name, log_dir, now_s), now_s
+    folder = RunFolder(path, mission, start_s, tell, keeps_journal, cut_off is not None)
+    if keeps_journal:
+        mark_latest(path)
+    terminal.say(f"run        {path}")
+    return folder
+
+
+def _new_path(name: str, log_dir: Path, now_s: float) -> Path:
+    """Where no folder is yet, named by the time and the mission."""
+    stamp = time.strftime("%Y-%m-%dT%H%M%S", time.localtime(now_s))
+    path = log_dir.expanduser() / f"{stamp}-{name}"
+    number = 1
+    while path.exists():
+        number += 1
+        path = path.with_name(f"{stamp}-{name}-{number}")
+    return path
+
+
+def flown_s(cut_off: CutOffRun | None) -> float:
+    """What the flight's clock shows now."""
+    return cut_off.journalled.time_s + cut_off.journalled.away_s if cut_off else 0.0
+
+
+def close_run(folder: RunFolder, terminal: Terminal) -> None:
+    """Closes and announces it."""
+    folder.close()
+    terminal.say(f"results    {folder.folder}")
+
+
+def line(stamped: Stamped) -> str:
+    """An event as a line of the terminal."""
+    minutes, seconds = divmod(stamped.time_s, 60)
+    return f" {int(minutes):02d}:{seconds:04.1f}  {stamped.event.text}"
