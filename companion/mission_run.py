@@ -129,7 +129,9 @@ class Run:
             may_yield,
             limit,
             goes_on,
-            Resumption(journalled, profile.speed_mps, lambda: wire.system) if journalled else None,
+            Resumption(journalled, mission.speed_limits.speed_mps, lambda: wire.system)
+            if journalled
+            else None,
         )
         self._surroundings = Surroundings(mission.grid, telemetry)
         self._added_clearance = AddedClearance(profile.deviation_m)

@@ -1,31 +1,46 @@
 """A companion that is cut off in flight, and another one that goes on: what is sent, and when.
 
 The simulated vehicle holds, as PX4 does with COM_OBL_RC_ACT 5, once the stream of setpoints is
-lost.
+lost. The one that goes on has nothing but the journal.
 """
 
 from __future__ import annotations
 
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+from random import Random
+
 import pytest
 from lockstep import Lockstep, World
 
-from companion.flight_events.skills import PlaceReached, SkillCompleted
+from companion.acting.journal import CommandIntended, VehicleSeen
+from companion.errors import Aborted
+from companion.flight_events.facts import BeliefWithdrawn
+from companion.flight_events.skills import OutcomeUnknown, PlaceReached, SkillCompleted
 from companion.flight_events.sortie import (
+    ControlRegained,
     ControlTakenBack,
     FlightFoundAgain,
+    Phase,
+    PhaseEntered,
+    RunFailed,
     TaskSatisfied,
 )
 from companion.mavlink.framing import dialect
+from companion.mission.loader import load_mission
 from companion.mission.model import Mission
+from sitl.world.scenario import read_scenario
 
+MISSIONS = Path(__file__).parents[2] / "missions"
 CONTINUE = dialect.MAV_CMD_DO_PAUSE_CONTINUE
+RETURN = dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH
+COMPANION = 191
+PAYLOAD = 25
 BACK_S = 5.0
 """From the last key to control."""
-
-
-def actions(flight: Lockstep) -> list[str]:
-    """What was done, in order, but for flights between sites, which are begun again."""
-    return [e.action for e in flight.of(SkillCompleted)]
+CAMPAIGN = (pytest.mark.faults, pytest.mark.long)
+SENT = ("SET_POSITION_TARGET_LOCAL_NED", "COMMAND_LONG")
 
 
 @pytest.fixture
@@ -33,20 +48,184 @@ def flight(surveillance: Mission, hall: World) -> Lockstep:
     return Lockstep(surveillance, hall, has_station=True, goes_on=True)
 
 
-def kill(flight: Lockstep, away_s: float = 3.0) -> None:
+def under_way(flight: Lockstep) -> Lockstep:
+    flight.until_reported(PlaceReached, place="A").run(2.0)
+    return flight
+
+
+def cut_off(flight: Lockstep, away_s: float = 3.0) -> int:
+    """Killed, and started again; returns how much was sent before."""
     flight.kill()
     flight.run(away_s)
     flight.restart()
+    return len(flight.said)
+
+
+def sent_since(flight: Lockstep, before: int) -> list[str]:
+    kinds = (said.message.get_type() for said in flight.said[before:])
+    return [kind for kind in kinds if kind in SENT]
+
+
+def says_continue(flight: Lockstep) -> None:
+    flight.station_commands(CONTINUE, 1.0, component=COMPANION)
 
 
 def test_a_companion_that_was_killed_goes_on(flight: Lockstep) -> None:
-    flight.until_reported(PlaceReached, place="A").run(2.0)
-    sent = len(flight.said)
-    kill(flight)
-    flight.until_reported(FlightFoundAgain).until_reported(ControlTakenBack)
-    since = [said.message.get_type() for said in flight.said[sent:]]
-    assert "SET_POSITION_TARGET_LOCAL_NED" not in since and "COMMAND_LONG" not in since
+    before = cut_off(under_way(flight))
+    flight.until_reported(FlightFoundAgain)
+    assert not sent_since(flight, before)
+    flight.until_reported(ControlTakenBack)
+    assert flight.now_s - flight.time_of(FlightFoundAgain) < BACK_S
     flight.until_the_end()
     assert flight.ending == TaskSatisfied() and flight.armings == 1
-    assert actions(flight) == ["upload(r1)", "upload(r2)"][-len(actions(flight)) :]
-    assert flight.places[0] == "A"
+    assert [e.action for e in flight.of(SkillCompleted)] == ["upload(r2)"]
+    assert flight.places[0] == "A" and flight.places[-2:] == ["r2", "Home"]
+
+
+@pytest.mark.parametrize(
+    ("name", "seed"),
+    [
+        *(("surveillance", seed) for seed in range(3)),
+        *(("delivery", seed) for seed in range(4)),
+        *(pytest.param("surveillance", s, marks=CAMPAIGN) for s in range(3, 28)),
+        *(pytest.param("delivery", s, marks=CAMPAIGN) for s in range(4, 29)),
+    ],
+)
+def test_killed_at_any_time_no_action_is_done_twice(name: str, seed: int) -> None:
+    """Operators say "continue" where nobody else takes the vehicle back."""
+    chance = Random(seed)
+    mission = load_mission(MISSIONS / f"{name}.yaml")
+    world = read_scenario(MISSIONS / f"{name}.sim.yaml")
+    flight = Lockstep(mission, world, seed=seed, has_station=True, goes_on=True)
+    flight.run(chance.uniform(0.5, 50.0))
+    cut_off(flight, chance.choice([0.3, 1.0, 3.0, 8.0]))
+    while not flight.companion.has_ended:
+        assert flight.now_s < 200.0, [event.text for event in flight.events]
+        flight.run(8.0)
+        if flight.events[-1] in flight.of(FlightFoundAgain):
+            says_continue(flight)
+    done = Counter(e.action for e in flight.of(SkillCompleted))
+    unknown = {e.action for e in flight.of(OutcomeUnknown)}
+    assert max(done.values(), default=0) <= 1 and not unknown & done.keys()
+    is_left_alone = flight.ending.exit_code == Aborted.exit_code
+    assert flight.ending == TaskSatisfied() or unknown or is_left_alone
+    assert flight.armings == 1 and not flight.simulation.is_armed
+    assert flight.simulation.collisions == 0
+
+
+@pytest.mark.parametrize("seed", [0, 1, *(pytest.param(s, marks=CAMPAIGN) for s in range(2, 10))])
+def test_a_pilot_who_takes_over_meanwhile_is_left_alone(flight: Lockstep, seed: int) -> None:
+    """In whatever mode, and also if he holds: the operator has not said "continue"."""
+    chance = Random(seed)
+    under_way(flight).run(chance.uniform(0.0, 25.0))
+    flight.kill()
+    flight.run(chance.uniform(0.5, 4.0))
+    flight.station_chooses(chance.choice(["AUTO.LOITER", "AUTO.RTL", "AUTO.LAND"]))
+    flight.run(1.0)
+    flight.restart()
+    before = len(flight.said)
+    flight.run(20.0)
+    assert not sent_since(flight, before) and not flight.of(ControlTakenBack)
+
+
+def test_a_vehicle_that_has_landed_is_not_armed_again(flight: Lockstep) -> None:
+    under_way(flight).kill()
+    flight.station_chooses("AUTO.LAND")
+    flight.until(lambda: not flight.simulation.is_armed)
+    flight.restart()
+    before = len(flight.said)
+    flight.until_the_end()
+    assert flight.ending == RunFailed(
+        "the companion was away, and the vehicle has landed; it is not armed again", 5
+    )
+    flight.run(5.0)
+    assert not sent_since(flight, before) and flight.armings == 1
+
+
+def test_a_landing_that_was_to_be_is_watched_to_its_end(flight: Lockstep) -> None:
+    flight.until_reported(PhaseEntered, phase=Phase.LANDING).run(2.0)
+    before = cut_off(flight)
+    flight.until_the_end()
+    assert flight.ending == TaskSatisfied() and not sent_since(flight, before)
+
+
+def test_a_flight_that_had_not_begun_to_arm_begins_anew(flight: Lockstep) -> None:
+    flight.until_reported(PhaseEntered, phase=Phase.CHECKING)
+    cut_off(flight)
+    assert not flight.of(FlightFoundAgain)
+    flight.until_the_end()
+    assert flight.ending == TaskSatisfied()
+
+
+def test_in_the_take_off_an_operator_is_asked(flight: Lockstep) -> None:
+    """The autopilot climbs and holds by itself: that is no failsafe."""
+    flight.until_reported(PhaseEntered, phase=Phase.TAKE_OFF).run(1.0)
+    before = cut_off(flight)
+    flight.run(15.0)
+    assert flight.simulation.mode == "AUTO.LOITER" and not sent_since(flight, before)
+    says_continue(flight)
+    flight.until_reported(ControlRegained).until_the_end()
+    assert flight.ending == TaskSatisfied()
+
+
+def test_a_vehicle_that_is_elsewhere_is_asked_about(flight: Lockstep) -> None:
+    under_way(flight)
+    moved = [
+        (t, replace(e, position=(e.position[0], e.position[1] + 40.0, e.position[2])))
+        if isinstance(e, VehicleSeen)
+        else (t, e)
+        for t, e in flight.journal.entries
+    ]
+    flight.kill()
+    flight.journal.entries[:] = moved
+    flight.run(3.0)
+    flight.restart()
+    before = len(flight.said)
+    flight.run(10.0)
+    assert not sent_since(flight, before)
+    assert "from where it was: hold, then continue" in flight.one(FlightFoundAgain).text
+    says_continue(flight)
+    flight.until_reported(ControlRegained)
+
+
+def test_a_pause_goes_on(flight: Lockstep) -> None:
+    under_way(flight)
+    flight.station_commands(CONTINUE, 0.0, component=COMPANION)
+    flight.until_reported(PhaseEntered, phase=Phase.PAUSED).run(1.0)
+    cut_off(flight)
+    flight.until_reported(ControlTakenBack).run(10.0)
+    assert flight.of(PhaseEntered)[-1].phase is Phase.PAUSED
+    says_continue(flight)
+    flight.until_the_end()
+    assert flight.ending == TaskSatisfied()
+
+
+def test_a_flight_home_goes_on(flight: Lockstep) -> None:
+    under_way(flight)
+    flight.station_commands(RETURN, component=COMPANION)
+    flight.until_reported(PhaseEntered, phase=Phase.RETURNING).run(1.0)
+    cut_off(flight)
+    flight.until_the_end()
+    assert flight.exit_code == 0 and flight.places[-1:] != ["r2"]
+    assert not flight.of(SkillCompleted)
+
+
+@pytest.mark.parametrize("is_repeatable", [False, True])
+def test_what_may_have_been_done_is_not_done_again_unless_it_may_be(
+    surveillance: Mission, hall: World, is_repeatable: bool
+) -> None:
+    """Killed in the tick in which the command leaves."""
+    skills = dict(surveillance.skills)
+    skills["upload"] = replace(skills["upload"], is_repeatable=is_repeatable)
+    mission = replace(surveillance, skills=skills)
+    flight = Lockstep(mission, hall, has_station=True, goes_on=True)
+    flight.until(lambda: any(isinstance(e, CommandIntended) for _, e in flight.journal.entries))
+    cut_off(flight)
+    flight.until_the_end()
+    first = flight.one(OutcomeUnknown).action
+    commands = [s for s in flight.commands if s.message.target_component == PAYLOAD]
+    assert flight.ending == TaskSatisfied() and commands
+    done = [e.action for e in flight.of(SkillCompleted)]
+    assert first not in done
+    withdrawn = [e.belief for e in flight.of(BeliefWithdrawn)]
+    assert bool(withdrawn[:1]) and len(done) == 1
