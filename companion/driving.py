@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import gc
 import logging
+from collections.abc import Callable
 
 from companion.acting.flight import TICK_S
 from companion.app import Companion
@@ -18,7 +19,13 @@ from companion.vehicle.link import UdpLink
 log = logging.getLogger(__name__)
 
 
-def fly(companion: Companion, link: UdpLink, clock: ScaledClock, timeout_s: float) -> None:
+def fly(
+    companion: Companion,
+    link: UdpLink,
+    clock: ScaledClock,
+    timeout_s: float,
+    beat: Callable[[], None] = lambda: None,
+) -> None:
     """Drives a companion over a link, at 20 Hz of the clock's time, until it has ended.
 
     While nothing is flown, what arrives is answered at once: a file comes as a request after the
@@ -26,12 +33,20 @@ def fly(companion: Companion, link: UdpLink, clock: ScaledClock, timeout_s: floa
     watches is answered by one step between two ticks, which moves none of them. What a flood of
     datagrams loses is told by the companion.
 
+    Args:
+        companion: what is driven.
+        link: to its vehicle.
+        clock: of the flight.
+        timeout_s: in which a vehicle is heard first.
+        beat: called in each step.
+
     Raises:
         LinkTimeout: no vehicle was heard in time (seconds of the clock's time).
     """
     begun_s = next_tick_s = clock.now_s()
     was_flying, is_tick = False, True
     while not companion.has_ended:
+        beat()
         heard: list[bytes] = []
         may_answer = is_tick or companion.is_idle
         is_tick = not (may_answer and _hears(companion, link, clock, next_tick_s, heard))

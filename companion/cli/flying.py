@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import signal
+import time
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
 from functools import partial
@@ -251,13 +253,16 @@ def _fly(
     from companion.clock import ScaledClock
     from companion.driving import fly
     from companion.vehicle.link import UdpLink
+    from companion.watchdog import Watchdog
 
-    link = UdpLink(endpoint)
+    link, watchdog = UdpLink(endpoint), Watchdog(os.environ)
     try:
         terminal.say(f"waiting    for a vehicle on {endpoint}")
+        clock = ScaledClock(speed, begin_s=begin_s)
         with _stoppable(companion, terminal), undisturbed(companion.hang_up):
-            fly(companion, link, ScaledClock(speed, begin_s=begin_s), timeout_s)
+            fly(companion, link, clock, timeout_s, lambda: watchdog.beat(time.monotonic()))
     finally:
+        watchdog.close()
         link.close()
 
 
