@@ -13,7 +13,7 @@ from typing import Any
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mavlink.parameters import REAL32
 from companion.mavlink.px4_modes import custom_mode, mode_from
-from companion.mission.model import Signal
+from companion.mission.signals import Signal
 from companion.vehicle.gate import Envelope
 from companion.vehicle.offboard import MavlinkVehicle
 from companion.vehicle.port import Goal, Outcome, Progress

@@ -15,7 +15,8 @@ from companion.acting.flight import TICK_S
 from companion.acting.preparation import prepare
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.word import PositionLeft
-from companion.mission.model import Mission, Signal
+from companion.mission.model import Mission
+from companion.mission.signals import Signal
 from companion.motion.routes import RouteMap
 from companion.planning.engine_port import Engine
 from companion.planning.lasso import Lasso

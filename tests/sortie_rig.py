@@ -12,7 +12,8 @@ from companion.acting.sortie import Sortie
 from companion.flight_events.event import Stamped
 from companion.flight_events.sortie import Phase, RunEnded, RunFailed
 from companion.geometry import Ned
-from companion.mission.model import Mission, Signal
+from companion.mission.model import Mission
+from companion.mission.signals import Signal
 
 LONGEST_S = 200.0
 """How long a phase is waited for."""

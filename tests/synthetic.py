@@ -25,9 +25,9 @@ from companion.mission.model import (
     Mission,
     Otherwise,
     Place,
-    Signal,
     Skill,
 )
+from companion.mission.signals import Signal
 from companion.motion.grid import OccupancyGrid
 from companion.planning.planner import Planner
 

@@ -12,20 +12,11 @@ rise is one of them.
 
 from __future__ import annotations
 
-import operator
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from companion.mission.model import Condition, Event, Signal
-
-COMPARISONS: dict[str, Callable[[float, float], bool]] = {
-    "<": operator.lt,
-    "<=": operator.le,
-    ">": operator.gt,
-    ">=": operator.ge,
-    "==": operator.eq,
-    "!=": operator.ne,
-}
+from companion.mission.model import Event
+from companion.mission.signals import Condition, Signal
 
 Change = tuple[str, bool]
 """An event by name, and whether it holds now."""
@@ -102,8 +93,7 @@ class EventDetector:
     def _is_met(self, condition: Condition) -> bool:
         """Whether a condition holds; a signal that was never heard meets none."""
         value = self._values.get(condition.signal)
-        compare = COMPARISONS[condition.comparison]
-        return value is not None and compare(value, condition.threshold)
+        return value is not None and condition.is_met_by(value)
 
 
 def _last_two(changes: Sequence[Change]) -> Iterator[Change]:

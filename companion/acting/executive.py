@@ -53,7 +53,7 @@ from companion.flight_events.plans import (
 )
 from companion.flight_events.skills import WrittenTreeFailed
 from companion.mission.facts import Fact
-from companion.mission.model import Signal
+from companion.mission.signals import Signal
 from companion.planning.lasso import ChosenPlan, Lasso
 
 

@@ -41,7 +41,8 @@ from companion.flight_events.sortie import (
     StopRequested,
     VehicleCrashed,
 )
-from companion.mission.model import Otherwise, Place, Signal
+from companion.mission.model import Otherwise, Place
+from companion.mission.signals import Signal
 from companion.outcomes import Refusal
 from companion.vehicle.port import Failed, Progress, VehicleState
 

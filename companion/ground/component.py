@@ -36,7 +36,7 @@ from companion.ground.parameters import MONITOR, TEXT_LEVEL, CompanionParameters
 from companion.ground.texts import INFO, WARNING, StatusTextQueue, severity
 from companion.mavlink import ftp
 from companion.mavlink.framing import Message, dialect, source
-from companion.mission.model import COMMAND, Signal
+from companion.mission.signals import COMMAND, Signal
 from companion.outcomes import Refusal
 from companion.vehicle.wire import COMPONENT
 

@@ -17,7 +17,7 @@ from pymavlink.dialects.v20 import common
 
 from companion.documents import did_you_mean
 from companion.errors import FormulaError
-from companion.mission.model import COMMAND, Condition, Signal
+from companion.mission.signals import COMMAND, Condition, Signal
 
 COMMANDS: dict[str, int] = {
     entry.name: number
@@ -25,6 +25,9 @@ COMMANDS: dict[str, int] = {
     if entry.name != "MAV_CMD_ENUM_END"
 }
 """MAV_CMD name -> number."""
+
+PERCENT = range(-1, 101)
+"""Values of a field in per cent; -1 is not known."""
 
 _MESSAGES = {message.msgname: message for message in common.mavlink_map.values()}
 
@@ -56,7 +59,9 @@ def parse_condition(text: str) -> Condition:
         )
     signal = _command_signal(match) if match["message"] == COMMAND else _field_signal(match)
     if match["comparison"]:
-        return Condition(signal, match["comparison"], float(match["threshold"]))
+        condition = Condition(signal, match["comparison"], float(match["threshold"]))
+        _demand_change(condition, match)
+        return condition
     if signal.message != COMMAND:
         raise FormulaError(
             f"{text.strip()} is compared with nothing",
@@ -65,6 +70,19 @@ def parse_condition(text: str) -> Condition:
             hint="add a comparison, e.g. > 0",
         )
     return Condition(signal, "!=", 0.0)
+
+
+def _demand_change(condition: Condition, match: re.Match[str]) -> None:
+    """Refuses a percentage that is compared with what it never is, or always."""
+    message = _MESSAGES.get(condition.signal.message)
+    units = message.fieldunits_by_name if message is not None else {}
+    if units.get(condition.signal.field) != "%":
+        return
+    truths = set(map(condition.is_met_by, PERCENT))
+    if len(truths) == 1:
+        what = "always" if truths.pop() else "never"
+        hint = "a percentage is 0 to 100, or -1 while it is not known"
+        raise _error(match, "threshold", f"this is {what} so", hint)
 
 
 def command_number(name: str, text: str, offset: int) -> int:

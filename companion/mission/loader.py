@@ -67,7 +67,7 @@ def load_mission(source: Given, folder: Path | None = None) -> Mission:
     file, declared = with_domain(file, document, read.folder)
     _check_names(file, document)
     limits = _limits(file)
-    check_limits(limits, document)
+    check_limits(limits, file.limits.unusual, document)
     places = {name: _place(name, entry) for name, entry in file.places.items()}
     grid = _grid(file.map, read.folder, document)
     vehicle = read_vehicle(file.vehicle, read.folder, document)

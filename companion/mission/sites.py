@@ -12,9 +12,22 @@ from companion.geometry import NorthEast, enu_from_ned, is_in_polygon
 from companion.mission.model import Limits, Place
 from companion.motion.grid import OccupancyGrid
 
+USUAL_UP_M = 500.0
+USUAL_REACH_M = 5_000.0
+"""Beyond these, a limit was probably written in another unit."""
 
-def check_limits(limits: Limits, document: Document) -> None:
-    """Raises MissionError if the altitude band is empty."""
+
+def check_limits(limits: Limits, is_unusual: bool, document: Document) -> None:
+    """Checks the altitude band and the fence.
+
+    Args:
+        limits: of the mission.
+        is_unusual: the author says that limits beyond what is usual are meant.
+        document: where they stand.
+
+    Raises:
+        MissionError: the band is empty, or a limit is probably in another unit.
+    """
     lowest, highest = limits.up_m
     if not 0 <= lowest < highest:
         raise MissionError(
@@ -22,6 +35,17 @@ def check_limits(limits: Limits, document: Document) -> None:
             document.where("limits", "up_m"),
             "write [lowest, highest], metres above home, lowest first",
         )
+    reach_m = max(abs(metres) for corner in limits.fence for metres in corner)
+    for key, metres, usual_m in (
+        ("up_m", highest, USUAL_UP_M),
+        ("fence", reach_m, USUAL_REACH_M),
+    ):
+        if metres > usual_m and not is_unusual:
+            raise MissionError(
+                f"{key} reaches {metres:g} m from home, more than {usual_m:g} m",
+                document.where("limits", key),
+                "write metres; if it is meant, add unusual: true to the limits",
+            )
 
 
 def check_places(

@@ -53,6 +53,13 @@ class LimitsEntry(StrictModel):
             description="Corners of the area that is never left: [[east, north], ...], metres.",
         ),
     ]
+    unusual: Annotated[
+        bool,
+        Field(
+            description="true: a fence beyond 5 km or an altitude beyond 500 m is meant, and not "
+            "written in another unit."
+        ),
+    ] = False
 
 
 HeadingDeg = Annotated[float, Field(ge=-360, le=360)]

@@ -26,7 +26,7 @@ from companion.geometry import Ned
 from companion.mavlink.commands import CommandSender, Parameters
 from companion.mavlink.framing import Message, dialect, source
 from companion.mavlink.payload_commands import why_not_sent
-from companion.mission.model import Signal
+from companion.mission.signals import Signal
 from companion.motion.range_scan import RangeScan
 from companion.outcomes import Refusal
 from companion.vehicle.gate import Envelope, admit

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 
 from companion.mavlink.framing import Message
-from companion.mission.model import Signal
+from companion.mission.signals import Signal
 
 NOT_KNOWN = {("BATTERY_STATUS", "battery_remaining"): -1, ("SYS_STATUS", "battery_remaining"): -1}
 """Values that mean "not known"; they are never handed on as numbers."""

@@ -22,7 +22,8 @@ from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFa
 from companion.ltl.parser import parse
 from companion.ltl.semantics import holds
 from companion.ltl.translate import translate
-from companion.mission.model import Mission, Signal
+from companion.mission.model import Mission
+from companion.mission.signals import Signal
 from companion.motion.routes import RouteMap
 from companion.planning.instances import Instances
 from companion.planning.lasso import Problem, word

@@ -13,7 +13,8 @@ from companion.flight_events.facts import MissionEventChanged
 from companion.flight_events.plans import PlanReplaced
 from companion.flight_events.skills import PlaceReached, SkillFailed
 from companion.mission.conditions import parse_condition
-from companion.mission.model import COMMAND, Event, Mission, Signal
+from companion.mission.model import Event, Mission
+from companion.mission.signals import COMMAND, Signal
 from companion.vehicle.port import Failed, Progress
 
 ASKED = event("asked")

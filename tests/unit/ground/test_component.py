@@ -21,7 +21,7 @@ from companion.ground.operations import SystemStatus
 from companion.ground.parameters import NAMES
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mavlink.parameters import INT32, REAL32, decode, encode
-from companion.mission.model import Signal
+from companion.mission.signals import Signal
 from companion.outcomes import Refusal
 from companion.vehicle.wire import Wire
 

@@ -9,7 +9,7 @@ from pymavlink.dialects.v20 import common
 
 from companion.errors import FormulaError
 from companion.mission.conditions import COMMANDS, parse_condition
-from companion.mission.model import Condition, Signal
+from companion.mission.signals import Condition, Signal
 
 
 @pytest.mark.parametrize(
@@ -83,3 +83,21 @@ def test_every_number_on_the_wire_can_be_named(message: type, data: st.DataObjec
 def test_command_numbers_are_common_xml_s() -> None:
     assert COMMANDS["MAV_CMD_USER_1"] == common.MAV_CMD_USER_1 == 31010
     assert "MAV_CMD_ENUM_END" not in COMMANDS
+
+
+@pytest.mark.parametrize(
+    ("text", "what"),
+    [
+        ("BATTERY_STATUS.battery_remaining < -5", "never"),
+        ("BATTERY_STATUS.battery_remaining > 100", "never"),
+        ("BATTERY_STATUS.battery_remaining == 0.3", "never"),
+        ("SYS_STATUS.battery_remaining >= -1", "always"),
+    ],
+)
+def test_a_percentage_is_compared_with_what_it_may_be(text: str, what: str) -> None:
+    with pytest.raises(FormulaError, match=f"this is {what} so"):
+        parse_condition(text)
+
+
+def test_a_battery_that_is_not_known_is_a_condition() -> None:
+    assert parse_condition("BATTERY_STATUS.battery_remaining < 0").is_met_by(-1)

@@ -21,17 +21,16 @@ from companion.mission.loader import load_mission
 from companion.mission.model import (
     Charge,
     Command,
-    Condition,
     Do,
     Fly,
     Land,
     Literal,
     Mission,
     Otherwise,
-    Signal,
     TakeOff,
     Wait,
 )
+from companion.mission.signals import Condition, Signal
 from companion.mission.skills import MAX_INSTANCES
 from companion.vehicle_profile import VehicleProfile
 
@@ -67,6 +66,13 @@ SPOILT: list[tuple[str, str, str, str]] = [
     ("  speed_mps: 2.0", "  §speed: 2.0", "unknown key 'speed' in limits", "mean speed_mps?"),
     ("up_m: [0.5, 4.0]", "up_m: §[0.5]", "up_m is a list, expected more entries", "Lowest"),
     ("up_m: [0.5, 4.0]", "up_m: §[4, 0.5]", "altitudes 4 to 0.5 m", "lowest first"),
+    ("up_m: [0.5, 4.0]", "up_m: §[0.5, 4000]", "up_m reaches 4000 m", "add unusual: true"),
+    (
+        "fence: [[0, 0], [10, 0], [10,",
+        "fence: §[[0, 0], [9000, 0], [9000,",
+        "reaches 9000 m",
+        "unusual",
+    ),
     ("[10, 8.5]", "[10, §true]", "entry 2 in limits.fence.2 is true", ""),
     ("[[0, 0], [10, 0], [10, 8.5], [0, 8.5]]", "§[[0, 0], [1, 0]]", "at least 3", "Corners"),
     ("radius_m: 0.4", "radius_m: §0", "radius_m is 0, expected more than 0", "at(place)"),
@@ -431,3 +437,8 @@ def test_edits_raise_nothing_but_mission_errors(
         assert error.where.line <= text.count("\n") + text.count("\r") + 2
     else:
         assert mission.task
+
+
+def test_unusual_limits_may_be_meant(load: Load, good: str) -> None:
+    high = good.replace("up_m: [0.5, 4.0]", "up_m: [0.5, 4000]\n  unusual: true")
+    assert load(high).limits.up_m == (0.5, 4000.0)

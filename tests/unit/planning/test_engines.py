@@ -18,7 +18,8 @@ from synthetic import facts_of
 
 from companion.errors import CompanionError
 from companion.flight_events.skills import PlaceReached
-from companion.mission.model import Mission, Signal
+from companion.mission.model import Mission
+from companion.mission.signals import Signal
 from companion.motion.routes import RouteMap
 from companion.planning.builtin.search import Search
 from companion.planning.check import fault

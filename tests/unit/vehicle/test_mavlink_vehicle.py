@@ -25,7 +25,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from companion.mavlink.framing import MavlinkCodec, dialect
-from companion.mission.model import Signal
+from companion.mission.signals import Signal
 from companion.outcomes import Refusal
 from companion.vehicle.port import Failed, Goal, Mode, Progress, Setpoint, hold_at
 

@@ -14,7 +14,8 @@ from companion.acting.flight import TICK_S
 from companion.flight_events.plans import NoPlanFound, PlanAwaited, PlanReplaced
 from companion.flight_events.skills import PlaceReached
 from companion.mission.conditions import parse_condition
-from companion.mission.model import PATIENCE_S, Event, Mission, Signal
+from companion.mission.model import PATIENCE_S, Event, Mission
+from companion.mission.signals import Signal
 from companion.motion.grid import OccupancyGrid
 from companion.vehicle.port import Failed
 
