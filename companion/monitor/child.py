@@ -12,12 +12,15 @@ import contextlib
 import errno
 import socket
 import subprocess
+import sys
 from pathlib import Path
 
 from companion.errors import LinkError
 from companion.python_child import python_module
 
 PORTS_TRIED = 50
+STALLED_MS = 10_000
+"""Time after which a browser that reads nothing is let go; its connections have it from here."""
 
 
 def listen(host: str, port: int) -> socket.socket:
@@ -32,6 +35,8 @@ def listen(host: str, port: int) -> socket.socket:
         listener = socket.socket(family, socket.SOCK_STREAM)
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
+            if sys.platform == "linux":
+                listener.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, STALLED_MS)
             listener.bind((host, candidate))
             listener.listen(128)
             return listener

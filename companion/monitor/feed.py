@@ -32,6 +32,7 @@ class Feed:
         self._version = 0
         self._is_closed = False
         self._news = asyncio.Event()
+        self._history = (-1, "")
 
     def show(self, run: Follower) -> None:
         """Shows another run from now on."""
@@ -55,12 +56,23 @@ class Feed:
         yield "retry: 2000\n\n"
         while True:
             version = self._version
-            if self.run is not None and (text := cursor.news(self.run)):
+            if self.run is not None and (text := self._news_for(cursor, self.run)):
                 yield text
             if self._is_closed:
                 return
             if version == self._version:
                 await self._news.wait()
+
+    def _news_for(self, cursor: ClientCursor, run: Follower) -> str:
+        """What a client has not got yet; a whole history is written once for all who come."""
+        if cursor.has_begun(run):
+            return cursor.news(run)
+        version, text = self._history
+        if version != self._version:
+            text = ClientCursor().news(run)
+            self._history = self._version, text
+        cursor.skip(run)
+        return text
 
 
 class ClientCursor:
@@ -69,16 +81,25 @@ class ClientCursor:
     def __init__(self) -> None:
         self._run: Follower | None = None
 
+    def has_begun(self, run: Follower) -> bool:
+        """Whether it has got the beginning of a run."""
+        return run is self._run
+
+    def skip(self, run: Follower) -> None:
+        """It has got all that there is."""
+        self._run = run
+        self._events, self._snapshots = len(run.events), len(run.snapshots)
+
     def news(self, run: Follower) -> str:
         """What this client has not got yet."""
         text = ""
         most = MOST_AT_ONCE
-        if run is not self._run:
-            self._run, self._events, self._snapshots = run, 0, 0
+        if not self.has_begun(run):
+            self._events = self._snapshots = 0
             most = MOST_OF_TRAIL
             text = _message("mission", run.mission)
         events, snapshots = run.events[self._events :], run.snapshots[self._snapshots :]
-        self._events, self._snapshots = len(run.events), len(run.snapshots)
+        self.skip(run)
         if events:
             text += _message("events", [line_of(event) for event in events])
         if snapshots:

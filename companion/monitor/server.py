@@ -43,6 +43,8 @@ HEADERS = {
     "Referrer-Policy": "no-referrer",
     "Cache-Control": "no-cache",
 }
+MOST_CONNECTIONS = 256
+"""A browser has up to six; more than so many are answered with 503."""
 NICENESS = 10
 """The flight goes first."""
 LAST_WORDS_S = 0.2
@@ -107,6 +109,7 @@ async def _serve(listener: socket.socket, runs: AsyncIterator[Follower]) -> None
         access_log=False,
         lifespan="off",
         timeout_graceful_shutdown=1,
+        limit_concurrency=MOST_CONNECTIONS,
     )
     server = uvicorn.Server(config)
 

@@ -14,6 +14,7 @@ import pytest
 from companion.flight_events.event import Stamped
 from companion.flight_events.skills import PlaceReached
 from companion.flight_events.writing import line_of
+from companion.monitor import feed as feed_module
 from companion.monitor.feed import MOST_AT_ONCE, Feed, thinned
 from companion.monitor.follower import Follower
 
@@ -106,3 +107,27 @@ def test_thinning_keeps_the_newest(run: Follower) -> None:
         kept = thinned(run.snapshots, most)
         assert len(kept) == min(len(kept), most) and kept[-1] is run.snapshots[-1]
         assert [s.time_s for s in kept] == sorted({s.time_s for s in kept})
+
+
+def test_a_history_is_written_once_for_all_who_come(
+    run: Follower, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two hundred who come at once cost what one costs, until there is news."""
+    written: list[str] = []
+    message = feed_module._message
+
+    def counted(kind: str, data: Any) -> str:
+        written.append(kind)
+        return message(kind, data)
+
+    async def come() -> list[list[tuple[str, Any]]]:
+        feed = Feed()
+        feed.show(run)
+        first = [await received(feed.stream()) for _ in range(200)]
+        feed.tell()
+        return [*first, await received(feed.stream())]
+
+    monkeypatch.setattr(feed_module, "_message", counted)
+    histories = asyncio.run(come())
+    assert all(history == histories[0] for history in histories)
+    assert written == ["mission", "events", "snapshots"] * 2
