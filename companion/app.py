@@ -56,7 +56,7 @@ class Companion:
         page: the monitor page, if there is one.
         limit: of each flight: after what the vehicle is called home.
         engine: who plans the only mission; None for the built-in search. A host knows its own.
-        goes_on: where the autopilot holds because it no longer heard us, without an operator.
+        resumes: where the autopilot holds because it no longer heard us, without an operator.
         journalled: a run that was cut off, to go on with; the mission is its own.
 
     Attributes:
@@ -72,7 +72,7 @@ class Companion:
         page: MonitorPage | None = None,
         limit: FlightLimit = NO_LIMIT,
         engine: Engine | None = None,
-        goes_on: bool = False,
+        resumes: bool = False,
         journalled: JournalledFlight | None = None,
     ) -> None:
         self.failure: CompanionError | None = None
@@ -82,7 +82,7 @@ class Companion:
         self._host = host
         self._mission = mission
         self._accepts_weak_failsafes = accepts_weak_failsafes
-        self._limit, self._goes_on = limit, goes_on
+        self._limit, self._resumes = limit, resumes
         self._run: Run | None = None
         self._preparation: Preparation | None = None
         self._is_prepared = self._is_stopping = self._has_hung_up = False
@@ -244,7 +244,7 @@ class Companion:
             self._accepts_weak_failsafes,
             may_yield=self._host is not None,
             limit=self._limit,
-            goes_on=self._goes_on,
+            resumes=self._resumes,
             journalled=journalled,
         )
 

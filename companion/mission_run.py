@@ -73,7 +73,7 @@ class Run:
         accepts_weak_failsafes: fly although the autopilot's failsafes are weak.
         may_yield: wait for the operator when somebody else has taken control in flight.
         limit: after what the vehicle is called home.
-        goes_on: where the autopilot holds because it no longer heard us, without an operator.
+        resumes: where the autopilot holds because it no longer heard us, without an operator.
         journalled: a run that was cut off; this one goes on with it, in the same record.
 
     Raises:
@@ -90,7 +90,7 @@ class Run:
         accepts_weak_failsafes: bool = False,
         may_yield: bool = False,
         limit: FlightLimit = NO_LIMIT,
-        goes_on: bool = False,
+        resumes: bool = False,
         journalled: JournalledFlight | None = None,
     ) -> None:
         mission = prepared.mission
@@ -128,7 +128,7 @@ class Run:
             accepts_weak_failsafes,
             may_yield,
             limit,
-            goes_on,
+            resumes,
             Resumption(journalled, mission.speed_limits.speed_mps, lambda: wire.system)
             if journalled
             else None,

@@ -66,7 +66,15 @@ OPTIONS = {
     "tree": ["--format", "--verbose"],
     "ltl": ["--format", "--state-based", "--monolithic", "--batch", "--exclusive"],
     "run": [
-        *("--connect", "--accept-weak-failsafes", "--wait", "--laps", "--limit-s", "--timeout"),
+        *(
+            "--connect",
+            "--accept-weak-failsafes",
+            "--wait",
+            "--resume",
+            "--laps",
+            "--limit-s",
+            "--timeout",
+        ),
         *("--engine", "--encoding", "--engine-timeout", "--log-dir", "--monitor", "--verbose"),
     ],
     "sim": [

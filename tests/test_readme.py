@@ -57,6 +57,7 @@ EXIT_CODES = {REFUSED: 3}
 ELSEWHERE = {
     ".venv/bin/python scripts/bench translating planning": "tests/test_bench.py",
     "companion run missions/surveillance.yaml --wait": "tests/flights/test_ground_station.py",
+    "companion run missions/surveillance.yaml --resume": "tests/flights/test_sockets.py",
     "companion upload missions/surveillance.yaml --connect udpin://0.0.0.0:14550 --start": (
         "tests/flights/test_uploads.py"
     ),

@@ -5,7 +5,7 @@
     somebody or a failsafe           two keys (authority.py); nobody waits without an operator
     the companion was away           two keys; and it never was to be expected elsewhere
 
-The autopilot's hold by the loss of our stream is one key; `goes_on` is the other one, given
+The autopilot's hold by the loss of our stream is one key; `resumes` is the other one, given
 beforehand.
 """
 
@@ -28,16 +28,16 @@ class Control:
     Args:
         flight: of the vehicle.
         may_yield: an operator may give control back.
-        goes_on: so does a hold by the loss of our stream.
+        resumes: so does a hold by the loss of our stream.
         resumption: of a flight that has begun before the companion was cut off.
     """
 
     def __init__(
-        self, flight: Flight, may_yield: bool, goes_on: bool, resumption: Resumption | None
+        self, flight: Flight, may_yield: bool, resumes: bool, resumption: Resumption | None
     ) -> None:
-        self.may_yield = may_yield or goes_on
+        self.may_yield = may_yield or resumes
         self._flight = flight
-        self._goes_on = goes_on
+        self._resumes = resumes
         self._resumption = resumption
         self._stream_loss = StreamLossWatch()
 
@@ -65,7 +65,7 @@ class Control:
             return LinkBack() if self._resumption is None else None  # its failsafe is to come
         if not self.may_yield:
             return Aborted(str(holder))
-        is_by_itself = self._goes_on and self._stream_loss.is_hold
+        is_by_itself = self._resumes and self._stream_loss.is_hold
         if is_by_itself and self._is_expected(state) and self.not_handed_over() is None:
             return ControlTakenBack()
         return None
@@ -75,4 +75,4 @@ class Control:
 
     def found(self, resumption: Resumption, state: VehicleState) -> FlightFoundAgain:
         """What is told of a flight that is found still going on."""
-        return resumption.found(state, self._goes_on)
+        return resumption.found(state, self._resumes)

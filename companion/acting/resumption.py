@@ -109,10 +109,10 @@ class Resumption:
             return f"the vehicle is {away_m:.0f} m from where it was"
         return None
 
-    def found(self, state: VehicleState, goes_on: bool) -> FlightFoundAgain:
+    def found(self, state: VehicleState, resumes: bool) -> FlightFoundAgain:
         """What is told when the flight is found still going on."""
         asked = self.why_asked(state)
-        key = "its own hold gives it back" if goes_on and asked is None else TWO_KEYS
+        key = "its own hold gives it back" if resumes and asked is None else TWO_KEYS
         about = f"{asked}: {key}" if asked is not None else key
         return FlightFoundAgain(round(self.journalled.away_s, 1), self.journalled.phase, about)
 

@@ -66,7 +66,7 @@ class Sortie:
         accepts_weak_failsafes: fly although the autopilot's failsafes are weak.
         may_yield: wait for the operator when somebody else has taken control in flight.
         limit: after what the vehicle is called home.
-        goes_on: where the autopilot holds because it no longer heard us, without an operator.
+        resumes: where the autopilot holds because it no longer heard us, without an operator.
         resumption: of a flight that has begun before the companion was cut off.
     """
 
@@ -79,7 +79,7 @@ class Sortie:
         accepts_weak_failsafes: bool = False,
         may_yield: bool = False,
         limit: FlightLimit = NO_LIMIT,
-        goes_on: bool = False,
+        resumes: bool = False,
         resumption: Resumption | None = None,
     ) -> None:
         self.phase = Phase.WAITING
@@ -91,7 +91,7 @@ class Sortie:
         self._crash_watch = CrashWatch(flight.profile)
         self._crash: Crash | None = None
         self._gate_watch = GateWatch(flight)
-        self._control = Control(flight, may_yield, goes_on, resumption)
+        self._control = Control(flight, may_yield, resumes, resumption)
         self._limit = LimitWatch(limit, executive, flight)
         self._flown = FlownTask(flight, executive, home.name, otherwise, self._limit)
         self._resumption = resumption

@@ -103,21 +103,35 @@ def run(
         Companion,
         accepts_weak_failsafes=accept_weak_failsafes,
         limit=limit,
-        goes_on=resume,
+        resumes=resume,
         journalled=cut_off.journalled if cut_off else None,
     )
     if loaded is None or wait:
         _host(companion_of, loaded, endpoint, log_dir, address, planner, cut_off)
-        return
+    else:
+        made = partial(companion_of, loaded, engine=planner)
+        _fly_once(made, loaded, endpoint, log_dir, address, timeout, cut_off)
+
+
+def _fly_once(
+    companion_of: Callable[..., Companion],
+    mission: Mission,
+    endpoint: Endpoint,
+    log_dir: Path,
+    address: str,
+    timeout_s: float,
+    cut_off: CutOffRun | None,
+) -> None:
+    """Flies a mission, or goes on with a flight of it."""
     terminal = Terminal()
     with (
         closing(terminal),
-        recorded(loaded, log_dir, terminal, True, cut_off) as folder,
+        recorded(mission, log_dir, terminal, True, cut_off) as folder,
         monitored(address, terminal.say) as page,
     ):
         page.show(folder.folder)
-        companion = companion_of(loaded, folder, page=page, engine=planner)
-        _fly(companion, endpoint, terminal, 1.0, timeout, flown_s(cut_off))
+        companion = companion_of(folder, page=page)
+        _fly(companion, endpoint, terminal, 1.0, timeout_s, flown_s(cut_off))
         _raise(companion.failure)
 
 
@@ -230,7 +244,7 @@ def _host(
 
         uploads = Uploads(log_dir.expanduser() / UPLOADS)
         host = SortieHost(open_folder, close_folder, tell, uploads, engine)
-        recorder = host.go_on(open_folder(cut_off.mission, cut_off)) if cut_off else None
+        recorder = host.resume_run(open_folder(cut_off.mission, cut_off)) if cut_off else None
         mission = cut_off.mission if cut_off else mission
         companion = companion_of(mission, recorder, host=host, page=page, engine=engine)
         try:

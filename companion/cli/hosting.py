@@ -67,7 +67,7 @@ class SortieHost:
         threading.Thread(target=work, daemon=True).start()
         return prepared
 
-    def go_on(self, folder: RunFolder) -> Recorder:
+    def resume_run(self, folder: RunFolder) -> Recorder:
         """A run that was cut off is the first one; it has a folder already."""
         self._open = folder
         return folder

@@ -109,7 +109,7 @@ class FlightFoundAgain(FlightEvent):
     kind = "phase"
     template = "the companion was away for {away_s} s, while {phase}; {key}"
 
-    away_s: Annotated[float, Doc("from the last entry of the journal, by the wall clock")]
+    away_s: InText[float]
     phase: InText[Phase]
     key: InText[str]
 

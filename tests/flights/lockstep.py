@@ -129,7 +129,7 @@ class Lockstep(Happened):
         up: the way from the vehicle to the companion.
         down: the way back.
         has_station: whether a ground station is there, with its heartbeat.
-        goes_on: as with `run --resume`.
+        resumes: as with `run --resume`.
 
     Attributes:
         companion: under test.
@@ -151,14 +151,14 @@ class Lockstep(Happened):
         up: Air = clear,
         down: Air = clear,
         has_station: bool = False,
-        goes_on: bool = False,
+        resumes: bool = False,
     ) -> None:
         self.journal = KeptJournal()
-        self._mission, self._goes_on = mission, goes_on
+        self._mission, self._resumes = mission, resumes
         scenario, grid = world
         links = {LinkName.OFFBOARD} | ({LinkName.GCS} if has_station else set())
         self.simulation = Simulation(scenario, grid, seed=seed, links=frozenset(links))
-        self.companion = Companion(mission, self, goes_on=goes_on)
+        self.companion = Companion(mission, self, resumes=resumes)
         self.is_companion_alive = True
         self.reports: list[Stamped] = []
         self.said: list[Said] = []
@@ -186,7 +186,7 @@ class Lockstep(Happened):
         assert journalled is not None
         journalled = replace(journalled, away_s=self.now_s - journalled.time_s)
         again = None if journalled.is_over else journalled
-        self.companion = Companion(self._mission, self, goes_on=self._goes_on, journalled=again)
+        self.companion = Companion(self._mission, self, resumes=self._resumes, journalled=again)
         self.is_companion_alive = True
 
     # -- companion.app.Recorder ----------------------------------------------------------------

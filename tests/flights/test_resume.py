@@ -45,7 +45,7 @@ SENT = ("SET_POSITION_TARGET_LOCAL_NED", "COMMAND_LONG")
 
 @pytest.fixture
 def flight(surveillance: Mission, hall: World) -> Lockstep:
-    return Lockstep(surveillance, hall, has_station=True, goes_on=True)
+    return Lockstep(surveillance, hall, has_station=True, resumes=True)
 
 
 def under_way(flight: Lockstep) -> Lockstep:
@@ -96,7 +96,7 @@ def test_killed_at_any_time_no_action_is_done_twice(name: str, seed: int) -> Non
     chance = Random(seed)
     mission = load_mission(MISSIONS / f"{name}.yaml")
     world = read_scenario(MISSIONS / f"{name}.sim.yaml")
-    flight = Lockstep(mission, world, seed=seed, has_station=True, goes_on=True)
+    flight = Lockstep(mission, world, seed=seed, has_station=True, resumes=True)
     flight.run(chance.uniform(0.5, 50.0))
     cut_off(flight, chance.choice([0.3, 1.0, 3.0, 8.0]))
     while not flight.companion.has_ended:
@@ -218,7 +218,7 @@ def test_what_may_have_been_done_is_not_done_again_unless_it_may_be(
     skills = dict(surveillance.skills)
     skills["upload"] = replace(skills["upload"], is_repeatable=is_repeatable)
     mission = replace(surveillance, skills=skills)
-    flight = Lockstep(mission, hall, has_station=True, goes_on=True)
+    flight = Lockstep(mission, hall, has_station=True, resumes=True)
     flight.until(lambda: any(isinstance(e, CommandIntended) for _, e in flight.journal.entries))
     cut_off(flight)
     flight.until_the_end()

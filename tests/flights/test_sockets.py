@@ -227,6 +227,24 @@ def test_the_mission_flies_on_a_simulator_started_separately(
     assert simulator.exit_code(START_S) == 0
 
 
+def test_a_flight_that_was_killed_is_gone_on_with(run: Run, instance: int, tmp_path: Path) -> None:
+    """Killed between two sites; started again, it has the journal alone."""
+    connect = f"udpin://127.0.0.1:{COMPANION + instance}"
+    asked = "companion", "run", SURVEILLANCE, "--connect", connect, "--log-dir", tmp_path
+    run("sitl", "-i", instance, "--scenario", SURVEILLANCE.with_suffix(".sim.yaml"))
+    killed = run(*asked, "--resume")
+    killed.until_printed("at A")
+    os.kill(killed.pid, signal.SIGKILL)
+    assert killed.exit_code() == -signal.SIGKILL
+    resumed = run(*asked, "--resume")
+    assert resumed.exit_code() == 0, resumed.printed
+    assert "the companion was away" in resumed.printed
+    (folder,) = (path for path in tmp_path.iterdir() if path.is_dir() and path.name != "uploads")
+    record = read_events(folder)
+    assert record.ending is not None and record.ending.exit_code == 0
+    assert not audit(record).is_failure
+
+
 # -- the other missions ----------------------------------------------------------------------------
 
 MISSIONS = SURVEILLANCE.parent
