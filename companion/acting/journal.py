@@ -173,6 +173,11 @@ class JournalledFlight:
     away_s: float = 0.0
 
     @property
+    def positions(self) -> int:
+        """How many positions of the word had been left."""
+        return self.changes[-1].positions if self.changes else 0
+
+    @property
     def is_over(self) -> bool:
         """Whether there is nothing to go on with: it has ended, or never begun to arm."""
         return self.phase is Phase.ENDED or self.armed_s is None

@@ -13,6 +13,7 @@ from companion.acting.event_detector import EventDetector
 from companion.acting.flight import Flight
 from companion.acting.journal import CommandSettled, JournalledFlight
 from companion.acting.phases import SortieEvent
+from companion.acting.positions import tell_positions
 from companion.errors import Aborted, CompanionError
 from companion.flight_events.facts import BeliefWithdrawn
 from companion.flight_events.skills import OutcomeUnknown
@@ -129,7 +130,7 @@ def restore(
     replay = TaskReplay(task, planner)
     for change in journalled.changes:
         replay.make(change)
-    task.left.clear()
+    tell_positions(flight)  # some may be wanting in the record, which leaves out what it has
     events = planner.mission.events
     detector.resume(name for name, event in events.items() if event.fact in task.facts)
     task.on_change = lambda change: journal.note(flight.now_s, change)

@@ -58,7 +58,8 @@ def open_run(
         path, start_s = cut_off.folder, now_s - run_s
     else:
         path, start_s = _new_path(mission.name, log_dir, now_s), now_s
-    folder = RunFolder(path, mission, start_s, tell, keeps_journal, cut_off is not None)
+    cut_off_at = cut_off.journalled.positions if cut_off is not None else None
+    folder = RunFolder(path, mission, start_s, tell, keeps_journal, cut_off_at)
     if keeps_journal:
         mark_latest(path)
     terminal.say(f"run        {path}")

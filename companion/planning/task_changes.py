@@ -26,20 +26,24 @@ class TaskChange:
     Attributes:
         method: of `TaskState`.
         arguments: actions, events and facts by their names.
+        positions: how many positions of the word had been left after it.
     """
 
     method: str
     arguments: tuple[Argument, ...]
+    positions: int = 0
 
 
 class Recorded(Protocol):
     """What has recorded methods.
 
     Attributes:
+        positions: how many positions of the word have been left.
         is_changing: whether a change is under way.
         on_change: told of each change, after it.
     """
 
+    positions: int
     is_changing: bool
     on_change: Callable[[TaskChange], None]
 
@@ -65,7 +69,7 @@ def recorded(
         finally:
             state.is_changing = False
         if done != []:  # which says that nothing has changed
-            state.on_change(TaskChange(method.__name__, named))
+            state.on_change(TaskChange(method.__name__, named, state.positions))
         return done
 
     return call

@@ -14,6 +14,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import struct
 from collections.abc import Callable, Iterator
@@ -21,9 +22,12 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from companion.acting.journal import Journal, NoJournal
+from companion.errors import MissionError
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.hosting import RecordingFailed
 from companion.flight_events.plans import PlanMade, PlanReplaced
+from companion.flight_events.reading import read_line
+from companion.flight_events.word import ConjunctViolated, PositionLeft
 from companion.flight_events.writing import json_of, line_of
 from companion.geometry import Ned
 from companion.mavlink.framing import split_frames
@@ -45,7 +49,8 @@ class RunFolder:
         start_unix_s: wall-clock time of the run's beginning; stamps flight.tlog alone.
         tell: called with every event that is news for people.
         keeps_journal: so that the run can be gone on with if it is cut off.
-        is_continued: it is a folder of a run that was cut off, to go on with.
+        cut_off_at: it is the folder of a run that was cut off, to go on with: how many positions of
+            the word it had left. What was recorded of later ones is left out.
 
     Attributes:
         journal: of the run.
@@ -59,7 +64,7 @@ class RunFolder:
         start_unix_s: float,
         tell: Callable[[Stamped], None],
         keeps_journal: bool = False,
-        is_continued: bool = False,
+        cut_off_at: int | None = None,
     ) -> None:
         folder.mkdir(parents=True, exist_ok=True)
         self._journal_file = JournalFile(folder) if keeps_journal else None
@@ -71,18 +76,22 @@ class RunFolder:
         self.trail = Trail()
         self._is_failing = False
         self._flushed_s = 0.0
-        if not is_continued:
+        events = folder / EVENTS_FILE
+        self._positions = 0
+        if cut_off_at is None:
             (folder / "mission.yaml").write_text(mission.text, encoding="utf-8")
             about = json.dumps(scene(mission, start_unix_s)) + "\n"
             (folder / "scene.json").write_text(about, encoding="utf-8")
-        events, mode = folder / EVENTS_FILE, "a" if is_continued else "w"
-        if is_continued:
-            _cut_torn_line(events)
+        else:
+            self._positions = _cut(events, cut_off_at)
+        mode = "w" if cut_off_at is None else "a"
         self._events = events.open(mode, encoding="utf-8")
         self._tlog = (folder / "flight.tlog").open(f"{mode}b")
 
     def report(self, stamped: Stamped) -> None:
         """Appends a line to events.jsonl, at once; a plan also becomes a file."""
+        if _position_of(stamped.event) < self._positions:
+            return  # the run that was cut off has told it
         if stamped.event.is_told:
             self._tell(stamped)
         with self._going_on():
@@ -138,8 +147,31 @@ class RunFolder:
         self.trail.begin(title)
 
 
-def _cut_torn_line(path: Path) -> None:
-    """Takes away the end of a last line that was not written whole."""
-    text = path.read_bytes() if path.exists() else b""
-    if text and not text.endswith(b"\n"):
-        os.truncate(path, text.rfind(b"\n") + 1)
+def _position_of(event: FlightEvent) -> float:
+    """The position of the word that an event is about; inf if it is about none."""
+    match event:
+        case PositionLeft(number=number) | ConjunctViolated(position=number):
+            return number
+    return math.inf
+
+
+def _cut(path: Path, positions: int) -> int:
+    """Takes away a torn last line, and all from a position on that the journal does not have.
+
+    Returns:
+        how many positions are left.
+    """
+    lines = path.read_bytes().splitlines(keepends=True) if path.exists() else []
+    kept = count = 0
+    for line in lines:
+        try:
+            number = _position_of(read_line(line).event)
+        except MissionError:
+            break
+        if number >= positions and number != math.inf:
+            break
+        count = max(count, int(number) + 1) if number != math.inf else count
+        kept += len(line)
+    if lines:
+        os.truncate(path, kept)
+    return count

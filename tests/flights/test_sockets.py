@@ -228,7 +228,10 @@ def test_the_mission_flies_on_a_simulator_started_separately(
 
 
 def test_a_flight_that_was_killed_is_gone_on_with(run: Run, instance: int, tmp_path: Path) -> None:
-    """Killed between two sites; started again, it has the journal alone."""
+    """Killed between two sites; started again, it has the journal alone.
+
+    As with: companion run missions/surveillance.yaml --resume
+    """
     connect = f"udpin://127.0.0.1:{COMPANION + instance}"
     asked = "companion", "run", SURVEILLANCE, "--connect", connect, "--log-dir", tmp_path
     run("sitl", "-i", instance, "--scenario", SURVEILLANCE.with_suffix(".sim.yaml"))

@@ -216,3 +216,29 @@ def test_positions_are_kept_and_not_told(run: RunFolder, told: list[Stamped]) ->
     assert told == []
     (line,) = lines(run)
     assert (line["kind"], line["number"], line["facts"]) == ("position", 0, ["at(H)"])
+
+
+def position(number: int) -> PositionLeft:
+    return PositionLeft(number, ("at(A)",), (), 0.0, (), (), for_ever=False)
+
+
+@pytest.mark.parametrize("recorded", [1, 2, 3])
+@pytest.mark.parametrize("torn", ["", '{"t_s": 1.2, "ki'])
+def test_a_run_that_was_cut_off_is_gone_on_with(
+    run: RunFolder, told: list[Stamped], recorded: int, torn: str
+) -> None:
+    """Record and journal do not end at the same moment: the journal says what was."""
+    run.report(Stamped(0.0, PlanMade({"task": "F at(A)"}, REST)))
+    for number in range(recorded):
+        run.report(Stamped(1.0 + number, position(number)))
+    run.close()
+    with (run.folder / "events.jsonl").open("a", encoding="utf-8") as file:
+        file.write(torn)
+    scene = (run.folder / "scene.json").read_bytes()
+    again = RunFolder(run.folder, mission("F at(A)"), START_UNIX_S, told.append, False, 2)
+    for number in range(2):  # as the journal has them
+        again.report(Stamped(9.0, position(number)))
+    again.report(Stamped(9.5, position(2)))
+    again.close()
+    assert [line.get("number") for line in lines(again)] == [0, 0, 1, 2]
+    assert (run.folder / "scene.json").read_bytes() == scene
