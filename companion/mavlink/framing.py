@@ -163,6 +163,13 @@ def message_id(frame: bytes) -> int:
     return frame[5]
 
 
+def _is_intact(frame: bytes, crc_extra: int) -> bool:
+    """Whether the checksum of a MAVLink 2 frame is right."""
+    end = 2 + _HEADER_SIZE + frame[1]  # behind the mark and the size
+    expected = checksum(frame[1:end] + bytes([crc_extra]), 0xFFFF)
+    return bool(expected == frame[end] | frame[end + 1] << 8)
+
+
 def source(message: Message) -> tuple[int, int]:
     """Returns the system and component id that sent a message."""
     return (message.get_srcSystem(), message.get_srcComponent())
@@ -204,6 +211,8 @@ def choose(
 ) -> list[bytes]:
     """Returns the frames that are worth decoding, in order; decoding takes the longest of all.
 
+    A damaged frame of a continual message is none: it must not pass for the newest.
+
     Args:
         datagrams: of one link, as they arrived together.
         wanted: ids of the messages that somebody reads.
@@ -217,6 +226,8 @@ def choose(
         if number not in wanted:
             continue
         if number in continual and frame[0] == _MAGIC_2:
+            if not _is_intact(frame, dialect.mavlink_map[number].crc_extra):
+                continue  # it takes the place of no other
             sender_and_message = frame[5:10]
             other = newest.get(sender_and_message)
             if other is not None:
