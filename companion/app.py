@@ -16,7 +16,6 @@ from companion.acting.preparation import Preparation, PreparedMission, prepare
 from companion.errors import CompanionError
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.hosting import (
-    DatagramsDropped,
     MissionReady,
     MissionUnreadable,
     RunNotBegun,
@@ -122,9 +121,10 @@ class Companion:
         """The terminal is gone: the flight goes on, and its record says so."""
         self._has_hung_up = True
 
-    def note_dropped(self, number: int) -> None:
-        """So many datagrams were dropped on the link so far: the record says so."""
-        self._say(DatagramsDropped(number))
+    def note(self, news: list[FlightEvent]) -> None:
+        """What was dropped or refused on the link: the record says so."""
+        for event in news:
+            self._say(event)
 
     def is_urgent(self, now_s: float, datagrams: list[bytes]) -> bool:
         """Whether they change an event that the plan watches; they are for the next step yet."""

@@ -31,7 +31,7 @@ def fly(
     While nothing is flown, what arrives is answered at once: a file comes as a request after the
     other, and each would wait for the next tick. In flight, the change of an event that the plan
     watches is answered by one step between two ticks, which moves none of them. What a flood of
-    datagrams loses is told by the companion.
+    datagrams loses, and what is refused on a signed link, is told by the companion.
 
     Args:
         companion: what is driven.
@@ -54,8 +54,7 @@ def fly(
             clock.sleep_until(next_tick_s)
         now_s = clock.now_s()
         link.send(companion.step(now_s, heard + link.receive(), is_tick))
-        if dropped := link.news_of_dropped():
-            companion.note_dropped(dropped)
+        companion.note(link.news())
         if companion.is_waiting and now_s - begun_s > timeout_s:
             raise LinkTimeout(
                 f"no vehicle on {link.endpoint} after {timeout_s:.0f} s: {link.account()}\n"

@@ -21,6 +21,8 @@ import typer
 from companion.clock import ScaledClock
 from companion.errors import Collided, CompanionError, printable
 from companion.geometry import GlobalOrigin
+from companion.mavlink.key_file import signing_by
+from companion.mavlink.signing import Signing, harmless
 from sitl.link.routing import LinkName
 from sitl.link.server import PORTS, Server
 from sitl.simulation import Simulation
@@ -94,6 +96,10 @@ def simulate(
         typer.Option(parser=parse_home, metavar="LAT,LON,ALT", help="Where the vehicle starts."),
     ] = None,
     seed: Annotated[int, typer.Option(help="Of everything random: gusts, noise.")] = 0,
+    signing_key: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Sign, and want signatures; `companion key` makes one."),
+    ] = None,
     quiet: Annotated[bool, typer.Option(help="Do not tell what happens in the world.")] = False,
     attended: Annotated[
         bool, typer.Option("--attended", help="End when standard input does.", hidden=True)
@@ -114,8 +120,10 @@ def simulate(
             plural = "" if count == 1 else "s"
             typer.echo(f"{check}: a good scenario, {count} event{plural}")
             return
-        if _simulate(scenario, speed, instance, home, seed, quiet, _Stop(attended)):
-            raise typer.Exit(Collided.exit_code)
+        with signing_by(signing_key, f"sitl-{instance}", harmless) as signing:
+            stop = _Stop(attended)
+            if _simulate(scenario, speed, instance, home, seed, quiet, stop, signing):
+                raise typer.Exit(Collided.exit_code)
     except CompanionError as error:
         typer.echo(str(error), err=True)
         raise typer.Exit(error.exit_code) from error
@@ -129,6 +137,7 @@ def _simulate(
     seed: int,
     is_quiet: bool,
     stop: _Stop,
+    signing: Signing | None,
 ) -> bool:
     """Simulates until it is to end, and on until the vehicle is at rest; whether it is damaged."""
     fallback = home or default_home(dict(os.environ))
@@ -136,7 +145,7 @@ def _simulate(
     if home:
         world = replace(world, home=home)  # the command line wins over the file
     with Server(instance) as server:
-        simulation = Simulation(world, grid, seed=seed, instance=instance)
+        simulation = Simulation(world, grid, seed=seed, instance=instance, signing=signing)
         gcs, offboard = (server.peers[link][1] for link in (LinkName.GCS, LinkName.OFFBOARD))
         typer.echo(
             f"sitl: vehicle {1 + instance} in {path or 'an empty world'}, {speed:g} x real time"
@@ -152,6 +161,8 @@ def _simulate(
             datagrams = server.receive(PERIOD_S)
             server.send(simulation.step(clock.now_s(), datagrams))
             told = _tell(simulation, told, is_quiet)
+            if signing is not None and (refused := signing.news()):
+                typer.echo(f"sitl: frames refused: {refused}")
         simulation.settle()
         _tell(simulation, told, is_quiet)
         return simulation.is_damaged

@@ -13,6 +13,7 @@ from __future__ import annotations
 from random import Random
 
 from companion.mavlink.framing import MavlinkCodec, Message, source
+from companion.mavlink.signing import Signing
 from companion.motion.grid import OccupancyGrid
 from sitl.autopilot.autopilot import Autopilot
 from sitl.autopilot.parameters import Parameters, vehicle_defaults
@@ -30,6 +31,7 @@ from sitl.link.onboard_components import (
     PayloadComponent,
 )
 from sitl.link.routing import LinkName, Router, target
+from sitl.link.signed_links import signed, verified
 from sitl.link.vehicle import SimulatedVehicle
 from sitl.world.scenario import Scenario
 from sitl.world.world import World
@@ -49,6 +51,7 @@ class Simulation:
         seed: of everything random (gusts, sensors, the estimate).
         instance: the system id is 1 + instance.
         links: those with somebody at the other end; nothing is packed for the others.
+        signing: with a key, as PX4 on all links; None for links without signatures.
 
     Attributes:
         event_log: time and text of each event of the scenario so far.
@@ -62,7 +65,9 @@ class Simulation:
         seed: int,
         instance: int = 0,
         links: frozenset[LinkName] = ALL_LINKS,
+        signing: Signing | None = None,
     ) -> None:
+        self._signing = signing
         self._system = system = 1 + instance
         airframe = AIRFRAMES[scenario.airframe]
         self._physics = Physics(
@@ -165,6 +170,8 @@ class Simulation:
             Frames to send, in order, each with its link.
         """
         out: Outgoing = []
+        if self._signing is not None:
+            datagrams = verified(self._signing, now_s, datagrams)
         for link, datagram in datagrams:
             if link in self._codecs:
                 for message in self._codecs[link].parse(datagram):
@@ -174,7 +181,7 @@ class Simulation:
         while self._steps < due:
             self._steps += 1
             self._advance(out)
-        return out
+        return out if self._signing is None else signed(self._signing, now_s, out, self._local)
 
     def _receive(self, link: LinkName, message: Message, out: Outgoing) -> None:
         if source(message) in self._local:

@@ -36,7 +36,7 @@ BENCH = Path(__file__).parents[1] / "scripts" / "bench"
         ),
         (
             "flying",
-            10,
+            12,
             {
                 "cost-to-go of a place",
                 "cost-to-go repaired",
@@ -44,6 +44,8 @@ BENCH = Path(__file__).parents[1] / "scripts" / "bench"
                 "event to setpoint of the new plan",
                 "pack MAVLink",
                 "parse MAVLink",
+                "pack and sign MAVLink",
+                "verify and parse MAVLink",
             },
         ),
         pytest.param("missions", 100, set(), marks=pytest.mark.long),  # flies them all

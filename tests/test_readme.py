@@ -62,6 +62,14 @@ ELSEWHERE = {
         "tests/flights/test_uploads.py"
     ),
     "companion watch --connect udpin://0.0.0.0:14550": "tests/flights/test_uploads.py",
+    "sitl --scenario missions/surveillance.sim.yaml --signing-key vehicle.key": (
+        "tests/flights/test_signed_sockets.py"
+    ),
+    "companion run --signing-key vehicle.key": ("tests/flights/test_signed_sockets.py"),
+    "companion upload missions/surveillance.yaml --start --signing-key vehicle.key": (
+        "tests/flights/test_signed_sockets.py"
+    ),
+    "companion watch --signing-key vehicle.key": ("tests/flights/test_signed_sockets.py"),
     "companion audit runs/2026-11-21T101500-surveillance": "tests/test_cli_audit.py",
     "companion replay runs/2026-11-21T101500-surveillance": "tests/test_cli_replay.py",
     "scripts/fly --speed max": ".ci/run",
@@ -89,7 +97,7 @@ def is_quick(command: str) -> bool:
     match shlex.split(command):
         case ["companion" | "sitl", *_, "--help"]:
             return True
-        case ["companion", "check" | "plan" | "ltl" | "tree", *_]:
+        case ["companion", "check" | "key" | "plan" | "ltl" | "tree", *_]:
             return True
         case ["sitl", "--check", _]:
             return True

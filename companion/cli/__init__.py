@@ -19,6 +19,7 @@ import typer
 from companion.cli.auditing import audit
 from companion.cli.flying import run, sim
 from companion.cli.formulas import ltl
+from companion.cli.keys import key
 from companion.cli.monitoring import monitor, replay
 from companion.cli.operating import upload, watch
 from companion.cli.planning import check, plan
@@ -37,6 +38,7 @@ app = typer.Typer(
 )
 for command in (check, plan, tree, ltl, run, sim, audit, replay, upload, watch):
     app.command()(command)
+app.add_typer(key, name="key")
 app.command(hidden=True)(monitor)
 
 

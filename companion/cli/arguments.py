@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 if TYPE_CHECKING:
+    from companion.mavlink.signing import Signing
     from companion.mission.model import Mission
 
 MissionFile = Annotated[Path, typer.Argument(metavar="MISSION", help="The mission's YAML file.")]
@@ -50,7 +53,44 @@ LimitS = Annotated[
         show_default=False,
     ),
 ]
+SigningKeyFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--signing-key",
+        metavar="FILE",
+        envvar="COMPANION_SIGNING_KEY",
+        help="Sign all messages, and accept only signed ones: see `companion key --help`.",
+    ),
+]
+UnsignedVehicle = Annotated[
+    bool,
+    typer.Option(
+        "--unsigned-vehicle",
+        help="With a key: the autopilot and its devices need not sign; ground stations must.",
+    ),
+]
 DEFAULT_LOG_DIR = Path("~/.local/state/companion")
+
+
+@contextmanager
+def signing_of(
+    key: Path | None, program: str, is_vehicle_unsigned: bool
+) -> Iterator[Signing | None]:
+    """What signs and verifies the frames of a command, as long as the context lasts.
+
+    Args:
+        key: the key file; None for links without signatures.
+        program: the command, by which its time stamps are kept.
+        is_vehicle_unsigned: whether the autopilot and its devices need not sign.
+    """
+    from companion.mavlink.key_file import signing_by
+    from companion.mavlink.signing import of_signed_vehicle, of_unsigned_vehicle
+
+    if key is None and is_vehicle_unsigned:
+        raise typer.BadParameter("needs a --signing-key", param_hint="--unsigned-vehicle")
+    may_be_unsigned = of_unsigned_vehicle if is_vehicle_unsigned else of_signed_vehicle
+    with signing_by(key, program, may_be_unsigned) as signing:
+        yield signing
 
 
 def load(path: Path) -> Mission:

@@ -22,8 +22,11 @@ from companion.cli.arguments import (
     LogDir,
     MissionFile,
     Resume,
+    SigningKeyFile,
     Timeout,
+    UnsignedVehicle,
     load,
+    signing_of,
 )
 from companion.cli.engine_options import (
     BUILT_IN,
@@ -48,7 +51,7 @@ if TYPE_CHECKING:
     from companion.mission.model import Mission
     from companion.planning.engine_port import Engine
     from companion.record.run_folder import RunFolder
-    from companion.vehicle.link import Endpoint
+    from companion.vehicle.link import UdpLink
 
 OFFBOARD_PORT = 14540
 GROUND_STATION_PORT = 14550
@@ -77,6 +80,8 @@ def run(
     engine: EngineOption = BUILT_IN,
     encoding: EncodingOption = Encoding.V4,
     engine_timeout: EngineTimeout = ENGINE_TIMEOUT_S,
+    signing_key: SigningKeyFile = None,
+    unsigned_vehicle: UnsignedVehicle = False,
     timeout: Timeout = 30.0,
     log_dir: LogDir = DEFAULT_LOG_DIR,
     monitor: Monitor = None,
@@ -93,7 +98,7 @@ def run(
     """
     from companion.acting.flight_limit import FlightLimit
     from companion.app import Companion
-    from companion.vehicle.link import parse_url
+    from companion.vehicle.link import UdpLink, parse_url
 
     loaded, endpoint = load(mission) if mission else None, parse_url(connect)
     limit, address = FlightLimit(laps, limit_s), monitor or DEFAULT_ADDRESS
@@ -106,33 +111,12 @@ def run(
         resumes=resume,
         journalled=cut_off.journalled if cut_off else None,
     )
-    if loaded is None or wait:
-        _host(companion_of, loaded, endpoint, log_dir, address, planner, cut_off)
-    else:
-        made = partial(companion_of, loaded, engine=planner)
-        _fly_once(made, loaded, endpoint, log_dir, address, timeout, cut_off)
-
-
-def _fly_once(
-    companion_of: Callable[..., Companion],
-    mission: Mission,
-    endpoint: Endpoint,
-    log_dir: Path,
-    address: str,
-    timeout_s: float,
-    cut_off: CutOffRun | None,
-) -> None:
-    """Flies a mission, or goes on with a flight of it."""
-    terminal = Terminal()
-    with (
-        closing(terminal),
-        recorded(mission, log_dir, terminal, True, cut_off) as folder,
-        monitored(address, terminal.say) as page,
-    ):
-        page.show(folder.folder)
-        companion = companion_of(folder, page=page)
-        _fly(companion, endpoint, terminal, 1.0, timeout_s, flown_s(cut_off))
-        _raise(companion.failure)
+    with signing_of(signing_key, f"run-{endpoint.port}", unsigned_vehicle) as signing:
+        link_of = partial(UdpLink, endpoint, signing)
+        if loaded is None or wait:
+            _host(companion_of, loaded, link_of, log_dir, address, planner, cut_off)
+        else:
+            _fly_once(companion_of, loaded, link_of, log_dir, address, planner, cut_off, timeout)
 
 
 def sim(
@@ -162,7 +146,7 @@ def sim(
     from companion.api.simulating import lockstep, verdict, world_of
     from companion.app import Companion
     from companion.simulator import simulator
-    from companion.vehicle.link import Endpoint
+    from companion.vehicle.link import Endpoint, UdpLink
 
     factor, limit = _speed(speed), FlightLimit(laps, limit_s)
     planner = engine_of(engine, encoding, engine_timeout, None if factor else engine_duration)
@@ -189,7 +173,7 @@ def sim(
         terminal.say(f"vehicle    simulated, {factor:g} x real time; {port}")
         here = Endpoint(True, "127.0.0.1", OFFBOARD_PORT + instance)
         with simulator([str(o) for o in options], folder.folder / "sitl.log") as child:
-            _fly(companion, here, terminal, factor, timeout * factor)
+            _fly(companion, partial(UdpLink, here), terminal, factor, timeout * factor)
         _raise(verdict(companion.failure, child.is_damaged))
 
 
@@ -214,10 +198,33 @@ def _speed(text: str) -> float | None:
     return factor
 
 
+def _fly_once(
+    companion_of: Callable[..., Companion],
+    mission: Mission,
+    link_of: Callable[[], UdpLink],
+    log_dir: Path,
+    address: str,
+    engine: Engine | None,
+    cut_off: CutOffRun | None,
+    timeout_s: float,
+) -> None:
+    """Flies one mission, or goes on with one; raises what it has failed of."""
+    terminal = Terminal()
+    with (
+        closing(terminal),
+        recorded(mission, log_dir, terminal, True, cut_off) as folder,
+        monitored(address, terminal.say) as page,
+    ):
+        page.show(folder.folder)
+        companion = companion_of(mission, folder, page=page, engine=engine)
+        _fly(companion, link_of, terminal, 1.0, timeout_s, flown_s(cut_off))
+        _raise(companion.failure)
+
+
 def _host(
     companion_of: Callable[..., Companion],
     mission: Mission | None,
-    endpoint: Endpoint,
+    link_of: Callable[[], UdpLink],
     log_dir: Path,
     address: str,
     engine: Engine | None,
@@ -250,7 +257,7 @@ def _host(
         try:
             what = f"to fly {mission.name}" if mission else "and a mission"
             terminal.say(f"hosting    waits for MAV_CMD_MISSION_START {what}; Ctrl-C ends it")
-            _fly(companion, endpoint, terminal, 1.0, 0.0, flown_s(cut_off))
+            _fly(companion, link_of, terminal, 1.0, 0.0, flown_s(cut_off))
         finally:
             host.close()
             uploads.close()
@@ -258,7 +265,7 @@ def _host(
 
 def _fly(
     companion: Companion,
-    endpoint: Endpoint,
+    link_of: Callable[[], UdpLink],
     terminal: Terminal,
     speed: float,
     timeout_s: float,
@@ -266,12 +273,11 @@ def _fly(
 ) -> None:
     from companion.clock import ScaledClock
     from companion.driving import fly
-    from companion.vehicle.link import UdpLink
     from companion.watchdog import Watchdog
 
-    link, watchdog = UdpLink(endpoint), Watchdog(os.environ)
+    link, watchdog = link_of(), Watchdog(os.environ)
     try:
-        terminal.say(f"waiting    for a vehicle on {endpoint}")
+        terminal.say(f"waiting    for a vehicle on {link.endpoint}")
         clock = ScaledClock(speed, begin_s=begin_s)
         with _stoppable(companion, terminal), undisturbed(companion.hang_up):
             fly(companion, link, clock, timeout_s, lambda: watchdog.beat(time.monotonic()))

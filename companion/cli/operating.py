@@ -5,19 +5,21 @@ from __future__ import annotations
 import asyncio
 import math
 import time
-from collections.abc import AsyncGenerator
-from contextlib import ExitStack
+from collections.abc import AsyncGenerator, AsyncIterator
+from contextlib import ExitStack, asynccontextmanager
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from companion.cli.arguments import MissionFile
+from companion.cli.arguments import MissionFile, SigningKeyFile, UnsignedVehicle, signing_of
 from companion.cli.log_lines import Verbose
 from companion.errors import LinkError, LinkTimeout, MissionError, printable
 
 if TYPE_CHECKING:
     from companion.ground.station import Heard, Station
+    from companion.mavlink.signing import Signing
+    from companion.vehicle.link import Endpoint
 
 Connect = Annotated[
     str,
@@ -41,6 +43,8 @@ def upload(
     mission: MissionFile,
     connect: Connect = GROUND_STATION,
     start: Annotated[bool, typer.Option(help="Start the mission once it is accepted.")] = False,
+    signing_key: SigningKeyFile = None,
+    unsigned_vehicle: UnsignedVehicle = False,
     timeout: Timeout = 30.0,
     verbose: Verbose = False,
 ) -> None:
@@ -49,36 +53,65 @@ def upload(
     Exit code 0: accepted, 2: refused, 4: no link.
     """
     from companion.mission.files import files_of
+    from companion.vehicle.link import parse_url
 
     files = files_of(mission, mission.parent)
-    asyncio.run(_upload(files, _mavsdk_url(connect), start, timeout))
+    endpoint = parse_url(connect)
+    with signing_of(signing_key, f"upload-{endpoint.port}", unsigned_vehicle) as signing:
+        asyncio.run(_upload(files, endpoint, signing, start, timeout))
 
 
 def watch(
-    connect: Connect = GROUND_STATION, timeout: Timeout = 30.0, verbose: Verbose = False
+    connect: Connect = GROUND_STATION,
+    signing_key: SigningKeyFile = None,
+    unsigned_vehicle: UnsignedVehicle = False,
+    timeout: Timeout = 30.0,
+    verbose: Verbose = False,
 ) -> None:
     """Prints what a companion says, until its run has ended: with that run's exit code."""
-    try:
-        code = asyncio.run(_watch(_mavsdk_url(connect), timeout))
-    except KeyboardInterrupt:
-        code = 0
+    from companion.vehicle.link import parse_url
+
+    endpoint = parse_url(connect)
+    with signing_of(signing_key, f"watch-{endpoint.port}", unsigned_vehicle) as signing:
+        try:
+            code = asyncio.run(_watch(endpoint, signing, timeout))
+        except KeyboardInterrupt:
+            code = 0
     raise typer.Exit(code)
 
 
-def _mavsdk_url(url: str) -> str:
-    """Returns MAVSDK's spelling of a URL; an ambiguous `udp:` is refused as everywhere."""
-    from companion.vehicle.link import parse_url
-
-    return str(parse_url(url))
-
-
-async def _upload(files: tuple[Path, ...], url: str, starts: bool, timeout_s: float) -> None:
+@asynccontextmanager
+async def _station(
+    endpoint: Endpoint, signing: Signing | None, timeout_s: float
+) -> AsyncIterator[Station]:
+    """A ground station on a link; with a key by a relay that signs."""
+    from companion.cli.signing_relay import relayed
     from companion.ground.station import connected
+
+    typer.echo(f"waiting    for a companion on {endpoint}")
+    if signing is None:
+        async with connected(str(endpoint), timeout_s) as station:
+            yield station
+        return
+    with relayed(endpoint, signing) as relay:
+        try:
+            async with connected(relay.url, timeout_s) as station:
+                yield station
+        except LinkTimeout as error:
+            raise LinkTimeout(f"{error}\n    {endpoint}: {relay.account()}") from error
+
+
+async def _upload(
+    files: tuple[Path, ...],
+    endpoint: Endpoint,
+    signing: Signing | None,
+    starts: bool,
+    timeout_s: float,
+) -> None:
     from companion.mavlink.ftp_frames import crc32
 
     *others, mission = files
-    typer.echo(f"waiting    for a companion on {url}")
-    async with connected(url, timeout_s) as station:
+    async with _station(endpoint, signing, timeout_s) as station:
         before = await station.verdict()
         for file in others:
             await _send(station, file, mission.parent, is_needed=False)
@@ -128,15 +161,14 @@ async def _start(station: Station) -> None:
     typer.echo("started")
 
 
-async def _watch(url: str, timeout_s: float) -> int:
+async def _watch(endpoint: Endpoint, signing: Signing | None, timeout_s: float) -> int:
     from rich.console import Console
     from rich.live import Live
 
-    from companion.ground.station import COMPANION, connected
+    from companion.ground.station import COMPANION
     from companion.ground.watching import NAMES, WatchedFlight
 
-    typer.echo(f"waiting    for a companion on {url}")
-    async with connected(url, timeout_s) as station:
+    async with _station(endpoint, signing, timeout_s) as station:
         seen, messages = WatchedFlight(time.monotonic()), station.messages(NAMES)
         heard = await _next(messages)
         typer.echo(f"watching   component {COMPANION} of system {station.system}")

@@ -17,6 +17,7 @@ from companion.flight_events.facts import (
 )
 from companion.flight_events.hosting import (
     DatagramsDropped,
+    FramesRefused,
     MissionReady,
     MissionUnreadable,
     RecordingFailed,
@@ -123,6 +124,7 @@ EVENTS: tuple[type[FlightEvent], ...] = (
     RunNotBegun,
     TerminalHungUp,
     DatagramsDropped,
+    FramesRefused,
     RecordingFailed,
     TreeBuilt,
     NodesChanged,

@@ -85,6 +85,18 @@ class DatagramsDropped(FlightEvent):
 
 
 @dataclass(frozen=True, slots=True)
+class FramesRefused(FlightEvent):
+    """Frames were refused on a link with message signing."""
+
+    kind = "link"
+    template = "frames refused: {unsigned} unsigned, {forged} with another key, {old} too old"
+
+    unsigned: Annotated[int, Doc("without a signature, since the link was opened")]
+    forged: Annotated[int, Doc("with a signature that is wrong")]
+    old: Annotated[int, Doc("with a time stamp that was there before")]
+
+
+@dataclass(frozen=True, slots=True)
 class RecordingFailed(FlightEvent):
     """The run folder cannot be written any more; the flight goes on."""
 

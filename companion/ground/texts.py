@@ -18,7 +18,12 @@ from companion.flight_events.facts import (
     MissionEventChanged,
     PlaceLost,
 )
-from companion.flight_events.hosting import DatagramsDropped, RecordingFailed, UploadNews
+from companion.flight_events.hosting import (
+    DatagramsDropped,
+    FramesRefused,
+    RecordingFailed,
+    UploadNews,
+)
 from companion.flight_events.plans import LineDropped, LineTakenUp, NoPlanFound, PlanReplaced
 from companion.flight_events.skills import OutcomeUnknown, SkillFailed, WrittenTreeFailed
 from companion.flight_events.sortie import (
@@ -60,7 +65,7 @@ def severity(event: FlightEvent) -> int:
             return WARNING
         case PlaceLost() | LineDropped() | ConjunctViolated() | DatagramsDropped():
             return WARNING
-        case UploadNews(is_refused=True):
+        case UploadNews(is_refused=True) | FramesRefused():
             return WARNING
         case MissionEventChanged() | BeliefRestored() | UploadNews() | RunEnded():
             return NOTICE

@@ -4,7 +4,8 @@ One datagram is one parse: what a damaged datagram leaves behind never swallows 
 next one. Damaged frames, unknown messages and frames with an incompatibility flag that is not
 understood are dropped without a count; they never raise.
 
-Source: https://mavlink.io/en/guide/serialization.html. Signatures are skipped, not checked.
+Source: https://mavlink.io/en/guide/serialization.html. Signatures are skipped here; `signing.py`
+checks them before.
 """
 
 from __future__ import annotations
@@ -25,9 +26,11 @@ __all__ = [
     "Fields",
     "MavlinkCodec",
     "Message",
+    "checksum",
     "choose",
     "dialect",
     "frame_size",
+    "message_id",
     "source",
     "split_frames",
 ]
@@ -39,7 +42,8 @@ _HEADER_SIZE = struct.calcsize(_HEADER)
 _CHECKSUM = struct.Struct("<H")
 _MAGIC_1, _MAGIC_2 = 0xFE, 0xFD
 _UNKNOWN_FLAGS = 0xFF & ~dialect.MAVLINK_IFLAG_SIGNED
-_crc = dialect.mcrf4xx
+checksum = dialect.mcrf4xx
+"""CRC-16/MCRF4XX of bytes, from an initial value."""
 
 Message = Any
 """A pymavlink message; it never leaves the packages that speak MAVLink."""
@@ -85,13 +89,13 @@ class MavlinkCodec:
         if size < 1:
             body, size = whole[: _HEADER_SIZE + 1], 1
         body = _SIZES[size] + body
-        return b"\xfd" + body + _CHECKSUM.pack(_crc(body + layout.crc_extra, 0xFFFF))
+        return b"\xfd" + body + _CHECKSUM.pack(checksum(body + layout.crc_extra, 0xFFFF))
 
     def parse(self, datagram: bytes) -> list[Message]:
         """Returns the intact, known messages of a datagram, in order; never raises."""
         found = []
         for frame in split_frames(datagram):
-            if _message_id(frame) in dialect.mavlink_map:
+            if message_id(frame) in dialect.mavlink_map:
                 try:
                     found.append(self._mavlink.decode(bytearray(frame)))
                 except dialect.MAVError:
@@ -152,10 +156,18 @@ def _values(kind: Any) -> Callable[[Fields], Sequence[Any]]:
     return laid_out
 
 
-def _message_id(frame: bytes) -> int:
+def message_id(frame: bytes) -> int:
+    """Returns the id of the message in a frame."""
     if frame[0] == _MAGIC_2:
         return frame[7] | frame[8] << 8 | frame[9] << 16
     return frame[5]
+
+
+def _is_intact(frame: bytes, crc_extra: int) -> bool:
+    """Whether the checksum of a MAVLink 2 frame is right."""
+    end = 2 + _HEADER_SIZE + frame[1]  # behind the mark and the size
+    expected = checksum(frame[1:end] + bytes([crc_extra]), 0xFFFF)
+    return bool(expected == frame[end] | frame[end + 1] << 8)
 
 
 def source(message: Message) -> tuple[int, int]:
@@ -199,6 +211,8 @@ def choose(
 ) -> list[bytes]:
     """Returns the frames that are worth decoding, in order; decoding takes the longest of all.
 
+    A damaged frame of a continual message is none: it must not pass for the newest.
+
     Args:
         datagrams: of one link, as they arrived together.
         wanted: ids of the messages that somebody reads.
@@ -208,10 +222,12 @@ def choose(
     chosen: list[bytes] = []
     newest: dict[bytes, int] = {}
     for frame in chain.from_iterable(map(split_frames, datagrams)):
-        number = _message_id(frame)
+        number = message_id(frame)
         if number not in wanted:
             continue
         if number in continual and frame[0] == _MAGIC_2:
+            if not _is_intact(frame, dialect.mavlink_map[number].crc_extra):
+                continue  # it takes the place of no other
             sender_and_message = frame[5:10]
             other = newest.get(sender_and_message)
             if other is not None:

@@ -80,7 +80,12 @@ class Intake:
 
         Twice as many: a flood is told at once, and in a line now and then while it lasts.
         """
-        if self.dropped < max(1, 2 * self._told):
+        if not is_news(self.dropped, self._told):
             return 0
         self._told = self.dropped
         return self._told
+
+
+def is_news(count: int, told: int) -> bool:
+    """Whether a count that only grows is told again: when it has doubled since."""
+    return count >= max(1, 2 * told)

@@ -30,7 +30,7 @@ from companion.flight_events.reading import read_line
 from companion.flight_events.word import ConjunctViolated, PositionLeft
 from companion.flight_events.writing import json_of, line_of
 from companion.geometry import Ned
-from companion.mavlink.framing import split_frames
+from companion.mavlink.framing import dialect, message_id, split_frames
 from companion.mission.model import Mission
 from companion.record.events import EVENTS_FILE
 from companion.record.figure import Trail, draw_flight
@@ -38,6 +38,7 @@ from companion.record.journal_file import JournalFile
 from companion.record.scene import scene
 
 FLUSH_S = 0.2
+SETUP_SIGNING: int = dialect.MAVLINK_MSG_ID_SETUP_SIGNING
 
 
 class RunFolder:
@@ -104,12 +105,13 @@ class RunFolder:
                     self._plan(number, plan, f"replan {number}: {reason}")
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
-        """Appends frames to flight.tlog."""
+        """Appends frames to flight.tlog; none with a signing key in it."""
         stamp = struct.pack(">Q", int((self._start_unix_s + now_s) * 1e6))
         with self._going_on():
             for datagram in datagrams:
                 for frame in split_frames(datagram):
-                    self._tlog.write(stamp + frame)
+                    if message_id(frame) != SETUP_SIGNING:
+                        self._tlog.write(stamp + frame)
             if self._journal_file is not None and self._journal_file.failure is not None:
                 raise OSError(0, self._journal_file.failure)
             if now_s - self._flushed_s >= FLUSH_S:

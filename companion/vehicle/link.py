@@ -5,7 +5,9 @@ to it (`autopilot_address.py`; PX4 sends to 14540 by itself); `udpout` sends to 
 `udp` means one thing to MAVSDK and another to pymavlink, so it is refused.
 
 From one `send` to the next is a step of the loop. What is received in it is bounded, whatever
-arrives (`companion/mavlink/intake.py`); the address that is sent to has a share of its own.
+arrives (`companion/mavlink/intake.py`); the address that is sent to has a share of its own. With a
+key, frames are signed and verified here (`companion/mavlink/signing.py`), before anything is
+learned from them.
 """
 
 from __future__ import annotations
@@ -18,7 +20,10 @@ import time
 from dataclasses import dataclass
 
 from companion.errors import LinkError
+from companion.flight_events.event import FlightEvent
+from companion.flight_events.hosting import DatagramsDropped, FramesRefused
 from companion.mavlink.intake import LONGEST, READS, Address, Intake
+from companion.mavlink.signing import Signing
 from companion.vehicle.autopilot_address import AutopilotAddress
 
 URL = re.compile(r"(?P<scheme>[a-z]+):(?://)?((?P<host>[^:/]*):)?(?P<port>\d+)/?$")
@@ -71,12 +76,18 @@ def parse_url(url: str) -> Endpoint:
 class UdpLink:
     """Datagrams to and from one vehicle.
 
+    Args:
+        endpoint: our end of the link.
+        signing: signs and verifies the frames; None for a link without signatures.
+
     Raises:
         LinkError: the port cannot be opened.
     """
 
-    def __init__(self, endpoint: Endpoint) -> None:
+    def __init__(self, endpoint: Endpoint, signing: Signing | None = None) -> None:
         self.endpoint = endpoint
+        self._signing = signing
+        self._begun_s = time.monotonic()
         self._hosts: set[str] = set()
         self._taken = self._mavlink = 0
         self._intake = Intake()
@@ -110,8 +121,10 @@ class UdpLink:
             except ConnectionError:  # an ICMP "nobody listens" of an earlier send
                 continue
             if self._intake.takes(sender, datagram, self._peer):
-                datagrams.append(datagram)
-                self._hear(sender, datagram)
+                self._note(sender, datagram)
+                for accepted in self._verified(datagram):
+                    datagrams.append(accepted)
+                    self._autopilot.hear(time.monotonic(), sender, accepted)
         return datagrams
 
     def send(self, datagrams: list[bytes]) -> None:
@@ -120,6 +133,8 @@ class UdpLink:
         address = self._peer
         if address is None:
             return
+        if self._signing is not None:
+            datagrams = self._signing.send(time.monotonic() - self._begun_s, datagrams)
         for datagram in datagrams:
             try:
                 self._socket.sendto(datagram, address)
@@ -130,21 +145,34 @@ class UdpLink:
     def _peer(self) -> Address | None:
         return self._called or self._autopilot.address
 
-    def _hear(self, sender: Address, datagram: bytes) -> None:
+    def _verified(self, datagram: bytes) -> list[bytes]:
+        if self._signing is None:
+            return [datagram]
+        return self._signing.receive(time.monotonic() - self._begun_s, [datagram])
+
+    def _note(self, sender: Address, datagram: bytes) -> None:
         self._taken += 1
         self._mavlink += datagram[:1] == MAVLINK2_MAGIC
         if sender[0] not in self._hosts and len(self._hosts) < HOSTS_NAMED:
             self._hosts.add(sender[0])
             log.debug("first datagram from %s:%d, %d bytes", *sender, len(datagram))
-        self._autopilot.hear(time.monotonic(), sender, datagram)
+
+    def fileno(self) -> int:
+        """Of the socket, for those who wait for several."""
+        return self._socket.fileno()
 
     def wait(self, timeout_s: float) -> bool:
         """Waits until something has arrived, at most so many wall-clock seconds; whether it has."""
         return bool(select.select([self._socket], [], [], max(0.0, timeout_s))[0])
 
-    def news_of_dropped(self) -> int:
-        """How many datagrams were dropped so far, when that is news; else 0."""
-        return self._intake.news()
+    def news(self) -> list[FlightEvent]:
+        """How much was dropped and refused so far, when that is news."""
+        events: list[FlightEvent] = []
+        if dropped := self._intake.news():
+            events.append(DatagramsDropped(dropped))
+        if self._signing is not None and (refused := self._signing.news()):
+            events.append(FramesRefused(*refused))
+        return events
 
     def account(self) -> str:
         """What was heard so far, in words."""
@@ -152,10 +180,13 @@ class UdpLink:
             return "nothing arrived"
         system = self._autopilot.system
         autopilot = "no autopilot" if system is None else f"the autopilot of {system}"
-        return (
+        account = (
             f"{self._taken} packets came from {', '.join(sorted(self._hosts))}, "
             f"{self._mavlink or 'none'} of them MAVLink 2; {autopilot} was heard"
         )
+        if self._signing is None or not any(self._signing.refused):
+            return account
+        return f"{account}; refused: {self._signing.refused}"
 
     def close(self) -> None:
         """Frees the port."""

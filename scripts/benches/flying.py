@@ -22,6 +22,7 @@ from companion.api.simulating import lockstep, world_of
 from companion.flight_events.event import Stamped
 from companion.geometry import Ned
 from companion.mavlink.framing import MavlinkCodec, Message, dialect, split_frames
+from companion.mavlink.signing import Signing, SigningKey
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
 from companion.motion.grid import OccupancyGrid
@@ -177,6 +178,7 @@ def flying(runs: int) -> Iterator[Row]:
     yield Row("simulator and companion in lockstep", median(speeds), "x real time")
     frames = [frame for datagram in seen.datagrams for frame in split_frames(datagram)]
     yield from mavlink([f for f in frames if f[6] == AUTOPILOT], runs)
+    yield from signed([f for f in frames if f[6] == AUTOPILOT], runs)
 
 
 def serving(runs: int) -> Iterator[Row]:
@@ -235,3 +237,45 @@ def mavlink(frames: list[bytes], runs: int) -> Iterator[Row]:
     yield Row("pack MAVLink", rate(codec.pack, messages), "messages/s", "pymavlink", peer)
     peer = rate(plain.parse_buffer, frames)
     yield Row("parse MAVLink", rate(codec.parse, frames), "messages/s", "pymavlink", peer)
+
+
+def signed(frames: list[bytes], runs: int) -> Iterator[Row]:
+    """The same with signatures: what packs and signs, and what verifies and parses."""
+    frames = frames[: 200 * runs]
+    key, codec = SigningKey(bytes(range(32))), MavlinkCodec(1, AUTOPILOT)
+    messages: list[Message] = [m for frame in frames for m in codec.parse(frame)]
+    arriving = Signing(key, 0.0).send(0.0, frames)
+
+    def rate(all_of_them: Callable[[], object]) -> float:
+        return 1000 * len(frames) / median(timed(all_of_them, 3))
+
+    def pack() -> None:
+        signing = Signing(key, 0.0)
+        for message in messages:
+            signing.send(0.0, [codec.pack(message)])
+
+    def parse() -> None:
+        signing = Signing(key, 0.0)
+        for frame in arriving:
+            for accepted in signing.receive(0.0, [frame]):
+                codec.parse(accepted)
+
+    def with_key() -> Any:
+        plain = dialect.MAVLink(None, srcSystem=1, srcComponent=AUTOPILOT)
+        plain.signing.secret_key, plain.signing.sign_outgoing = key.secret, True
+        return plain
+
+    def peer_packs() -> None:
+        plain = with_key()
+        for message in messages:
+            message.pack(plain)
+
+    def peer_parses() -> None:
+        plain = with_key()
+        for frame in arriving:
+            plain.parse_buffer(frame)
+
+    peer = rate(peer_packs)
+    yield Row("pack and sign MAVLink", rate(pack), "messages/s", "pymavlink", peer)
+    peer = rate(peer_parses)
+    yield Row("verify and parse MAVLink", rate(parse), "messages/s", "pymavlink", peer)

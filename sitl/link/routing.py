@@ -7,6 +7,7 @@ PX4 forwards between its links as the MAVLink routing guide says
 2. One for this vehicle's autopilot alone, or for another component on board, stays here.
 3. A broadcast (target system 0, or no target at all) goes to every other link.
 4. One for a system or a component goes where that was heard before.
+5. SETUP_SIGNING goes nowhere: it has a key in it.
 
 STATUSTEXT of our own components goes only where a ground station's heartbeat has passed, coming in
 or forwarded (seen on PX4).
@@ -68,7 +69,7 @@ class Router:
 
     def destinations(self, message: Message, origin: LinkName | None) -> list[LinkName]:
         """The links that a message from outside, or (origin None) from on board, goes to."""
-        if target(message) in self._local:
+        if target(message) in self._local or message.get_type() == "SETUP_SIGNING":
             return []
         return [
             link

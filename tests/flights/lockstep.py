@@ -22,6 +22,7 @@ from companion.flight_events.sortie import RunEnded, SetpointRefused
 from companion.geometry import Ned
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mavlink.px4_modes import MODES
+from companion.mavlink.signing import Signing
 from companion.mission.model import Mission
 from companion.motion.grid import OccupancyGrid
 from sitl.link.routing import LinkName
@@ -130,6 +131,7 @@ class Lockstep(Happened):
         down: the way back.
         has_station: whether a ground station is there, with its heartbeat.
         resumes: as with `run --resume`.
+        vehicle: signs and verifies what the simulator sends and hears.
 
     Attributes:
         companion: under test.
@@ -152,12 +154,15 @@ class Lockstep(Happened):
         down: Air = clear,
         has_station: bool = False,
         resumes: bool = False,
+        vehicle: Signing | None = None,
     ) -> None:
         self.journal = KeptJournal()
         self._mission, self._resumes = mission, resumes
         scenario, grid = world
         links = {LinkName.OFFBOARD} | ({LinkName.GCS} if has_station else set())
-        self.simulation = Simulation(scenario, grid, seed=seed, links=frozenset(links))
+        self.simulation = Simulation(
+            scenario, grid, seed=seed, links=frozenset(links), signing=vehicle
+        )
         self.companion = Companion(mission, self, resumes=resumes)
         self.is_companion_alive = True
         self.reports: list[Stamped] = []

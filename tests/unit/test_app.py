@@ -16,8 +16,8 @@ from companion.acting.journal import NoJournal
 from companion.app import Companion
 from companion.driving import fly
 from companion.errors import Aborted, LinkTimeout
-from companion.flight_events.event import Stamped
-from companion.flight_events.hosting import DatagramsDropped
+from companion.flight_events.event import FlightEvent, Stamped
+from companion.flight_events.hosting import DatagramsDropped, FramesRefused
 from companion.flight_events.skills import PlaceReached, SkillCompleted
 from companion.flight_events.sortie import (
     Phase,
@@ -69,7 +69,7 @@ class World:
         self.now = 0.0
         self.late_s = 0.0
         self.is_silent = False
-        self.news: list[int] = []
+        self.untold: list[FlightEvent] = []
         self.neighbour: Callable[[list[bytes]], list[bytes]] = lambda datagrams: []
         self.ticks: list[float] = []
         self._answers: list[bytes] = []
@@ -97,8 +97,8 @@ class World:
     def account(self) -> str:
         return "nothing arrived"
 
-    def news_of_dropped(self) -> int:
-        return self.news.pop(0) if self.news and self.now > 4.0 else 0
+    def news(self) -> list[FlightEvent]:
+        return [self.untold.pop(0)] if self.untold and self.now > 4.0 else []
 
     def fly(self, timeout_s: float = 30.0) -> World:
         fly(self.companion, self, self, timeout_s)  # type: ignore[arg-type]
@@ -179,13 +179,18 @@ def test_a_vehicle_that_falls_silent_later_is_another_matter() -> None:
 
 def test_what_a_flood_has_lost_is_told_in_the_flight_and_on_its_record() -> None:
     world = World(mission("F at(A)"))
-    world.news = [1, 3]
+    world.untold = [DatagramsDropped(1), FramesRefused(0, 3, 0), DatagramsDropped(3)]
     world.fly()
-    dropped = [s for s in world.notes.reports if isinstance(s.event, DatagramsDropped)]
-    assert [stamped.event for stamped in dropped] == [DatagramsDropped(1), DatagramsDropped(3)]
-    assert [stamped.time_s for stamped in dropped] == pytest.approx([4.0, 4.05], abs=0.1)
+    lost = [s for s in world.notes.reports if s.event.kind == "link"]
+    assert [s.event for s in lost] == [
+        DatagramsDropped(1),
+        FramesRefused(0, 3, 0),
+        DatagramsDropped(3),
+    ]
+    assert [s.time_s for s in lost] == pytest.approx([4.0, 4.05, 4.1], abs=0.1)
     texts = [m.text for m in of_type(world.autopilot.heard, "STATUSTEXT")]
     assert any(text.startswith("datagrams dropped: 3") for text in texts)
+    assert any(text.startswith("frames refused: 0 unsigned, 3 with") for text in texts)
 
 
 def test_a_stop_lands() -> None:

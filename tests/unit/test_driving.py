@@ -16,7 +16,7 @@ from synthetic import mission
 from companion.acting.flight import TICK_S
 from companion.app import Companion
 from companion.driving import fly
-from companion.flight_events.event import Stamped
+from companion.flight_events.event import FlightEvent, Stamped
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mission.model import Mission
 from companion.mission_run import Recorder
@@ -92,8 +92,8 @@ class Line(Notes):
     def account(self) -> str:
         return "nothing arrived"
 
-    def news_of_dropped(self) -> int:
-        return 0
+    def news(self) -> list[FlightEvent]:
+        return []
 
     def _ask(self, command: int) -> None:
         asked = dialect.MAVLink_command_long_message(1, 191, command, 0, 148, 0, 0, 0, 0, 0, 0)

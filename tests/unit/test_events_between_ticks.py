@@ -20,6 +20,7 @@ from companion.acting.flight import TICK_S
 from companion.app import Companion
 from companion.clock import ScaledClock
 from companion.driving import fly
+from companion.flight_events.event import FlightEvent
 from companion.flight_events.plans import PlanReplaced
 from companion.flight_events.sortie import Phase
 from companion.flight_events.tree import NodesChanged
@@ -136,8 +137,8 @@ class Line(Notes):
     def account(self) -> str:
         return "nothing arrived"
 
-    def news_of_dropped(self) -> int:
-        return 0
+    def news(self) -> list[FlightEvent]:
+        return []
 
     def _stream(self, until_s: float) -> None:
         while self._streamed_s <= until_s:

@@ -20,6 +20,7 @@ from companion.flight_events.facts import (
 )
 from companion.flight_events.hosting import (
     DatagramsDropped,
+    FramesRefused,
     MissionReady,
     MissionUnreadable,
     RecordingFailed,
@@ -188,6 +189,7 @@ TEXTS: list[tuple[FlightEvent, str]] = [
     (RunNotBegun("disk full"), "nothing is flown: disk full"),
     (TerminalHungUp(), "the terminal has hung up (SIGHUP); the flight goes on"),
     (DatagramsDropped(8), "datagrams dropped: 8; too long, or too many from one sender"),
+    (FramesRefused(3, 1, 0), "frames refused: 3 unsigned, 1 with another key, 0 too old"),
     (
         RecordingFailed("No space left on device"),
         "the run folder cannot be written, the flight goes on: No space left on device",

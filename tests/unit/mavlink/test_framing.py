@@ -226,4 +226,7 @@ def test_of_what_comes_often_only_the_newest_of_each_sender_is_chosen() -> None:
         assert choose(frames, both, set()) == frames
         assert choose(frames, often, set()) == [third, first, other]
         assert choose([b"".join(frames)], both, often) == [third, second, other]
+        spoilt = one.pack(value(number))
+        spoilt = spoilt[:10] + bytes([spoilt[10] ^ 1]) + spoilt[11:]
+        assert choose([third, spoilt], both, often) == [third]  # newest, but damaged
     assert choose([old_frame(1), old_frame(2)], both, often) == [old_frame(1), old_frame(2)]

@@ -141,6 +141,14 @@ def test_pymavlink_reads_the_frames_back_in_order_with_their_times(run: RunFolde
     assert read == [(1, 0.0), (2, 0.0), (3, 0.0), (4, 2.5), (5, 2.55)]
 
 
+def test_a_signing_key_is_not_recorded(run: RunFolder) -> None:
+    setup = dialect.MAVLink_setup_signing_message(1, 1, [7] * 32, 0)
+    run.packets(0.0, [value(1), MavlinkCodec(255, 190).pack(setup) + value(2)])
+    run.close()
+    recorded = (run.folder / "flight.tlog").read_bytes()
+    assert bytes([7] * 32) not in recorded and value(1) in recorded and value(2) in recorded
+
+
 def size_of(path: Path) -> tuple[int, int]:
     with Image.open(path) as image:
         assert image.format == "PNG"

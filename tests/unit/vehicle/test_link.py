@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import socket
+import time
 from collections.abc import Iterator
 from contextlib import closing
 
@@ -10,9 +11,11 @@ import pytest
 from autopilot import Autopilot
 
 from companion.errors import LinkError
+from companion.flight_events.hosting import DatagramsDropped, FramesRefused
 from companion.mavlink.framing import MavlinkCodec as Speaker
 from companion.mavlink.framing import dialect
 from companion.mavlink.intake import LONGEST, SENDER_FRAMES
+from companion.mavlink.signing import Signing, SigningKey, of_signed_vehicle
 from companion.vehicle.link import HOSTS_NAMED, Endpoint, UdpLink, parse_url
 
 PATIENCE_S = 60.0  # for datagrams on the loopback; they take microseconds
@@ -181,11 +184,11 @@ def test_receive_takes_all_that_has_arrived_and_does_not_wait(
 
 
 def test_a_datagram_that_is_too_long_is_refused_and_told(peer: Peer, listener: UdpLink) -> None:
-    assert listener.news_of_dropped() == 0
+    assert listener.news() == []
     empty = b"\xfe\x00\x00\x01\x01\x00\x00\x00"
     sent = [heartbeat(), empty * (65_507 // 8), bytes(LONGEST + 1), bytes(LONGEST)]
     assert deliver(peer, listener, *sent) == [heartbeat(), bytes(LONGEST)]
-    assert listener.news_of_dropped() == 2
+    assert listener.news() == [DatagramsDropped(2)]
 
 
 @pytest.mark.parametrize("is_listening", [True, False], ids=["udpin", "udpout"])
@@ -199,8 +202,31 @@ def test_a_flood_does_not_displace_the_autopilot(peer: Peer, is_listening: bool)
             alien = [b for _ in range(200) for b in deliver(flooder, link, heartbeat(191))]
             assert len(alien) == SENDER_FRAMES
             assert deliver(peer, link, *[heartbeat()] * 30) == [heartbeat()] * 30
-            assert link.news_of_dropped() == [72, 144, 0][step]
+            dropped = [[DatagramsDropped(72)], [DatagramsDropped(144)], []]
+            assert link.news() == dropped[step]
             link.send([])
+
+
+def test_on_a_signed_link_only_a_signed_autopilot_is_answered(peer: Peer) -> None:
+    """What is refused is not learned from, and named where no vehicle was heard."""
+    key, other = SigningKey(bytes(32)), SigningKey(bytes(range(32)))
+    vehicle, forger = Signing(key, time.time()), Signing(other, time.time())
+    attacker = Peer()
+    made = Signing(key, time.time(), of_signed_vehicle)
+    with (
+        closing(UdpLink(Endpoint(True, "127.0.0.1", 0), made)) as link,
+        closing(attacker.socket),
+    ):
+        forged = [heartbeat(), *forger.send(0.0, [heartbeat()])]
+        assert deliver(attacker, link, *forged) == []
+        assert "no autopilot was heard; refused: 1 unsigned, 1 with another key" in link.account()
+        assert link.news() == [FramesRefused(1, 1, 0)] and link.news() == []
+        signed = vehicle.send(0.0, [heartbeat()])
+        assert deliver(peer, link, *signed) == signed
+        assert deliver(attacker, link, *signed) == []
+        link.send([heartbeat(191)])
+        assert vehicle.receive(0.0, [peer.socket.recv(100)])
+        assert attacker.hears_nothing()
 
 
 def test_hosts_without_number_are_not_all_kept(listener: UdpLink) -> None:

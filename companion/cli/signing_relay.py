@@ -1,0 +1,84 @@
+"""The relay by which MAVSDK speaks with a signed vehicle: MAVSDK cannot sign.
+
+Two UDP sockets in the loop of the command. One is the link to the vehicle (`vehicle/link.py`),
+where frames are signed and verified; at the other, on this machine, is MAVSDK, which gets what is
+accepted and nothing else. What another program sends there is dropped.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+
+from companion.mavlink.framing import split_frames
+from companion.mavlink.intake import LONGEST, READS, Address
+from companion.mavlink.signing import Signing
+from companion.vehicle.link import Endpoint, UdpLink
+
+HOST = "127.0.0.1"
+
+
+@contextmanager
+def relayed(endpoint: Endpoint, signing: Signing) -> Iterator[SigningRelay]:
+    """A relay in the running loop, as long as the context lasts.
+
+    Raises:
+        LinkError: the port to the vehicle cannot be opened.
+    """
+    with (
+        closing(UdpLink(endpoint, signing)) as link,
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as inner,
+    ):
+        inner.setblocking(False)
+        inner.bind((HOST, 0))
+        relay, loop = SigningRelay(link, inner), asyncio.get_running_loop()
+        loop.add_reader(link, relay.carry_in)
+        loop.add_reader(inner, relay.carry_out)
+        try:
+            yield relay
+        finally:
+            loop.remove_reader(link)
+            loop.remove_reader(inner)
+
+
+class SigningRelay:
+    """Carries datagrams between a signed link and a client that does not sign.
+
+    Args:
+        link: to the vehicle.
+        inner: the socket that the client sends to.
+
+    Attributes:
+        url: where the client finds it.
+    """
+
+    def __init__(self, link: UdpLink, inner: socket.socket) -> None:
+        self.url = f"udpout://{HOST}:{inner.getsockname()[1]}"
+        self.account = link.account
+        self._link = link
+        self._inner = inner
+        self._client: Address | None = None
+
+    def carry_in(self) -> None:
+        """From the vehicle to the client: what is accepted."""
+        for datagram in self._link.receive():
+            if self._client is not None:
+                self._inner.sendto(datagram, self._client)
+        self._link.send([])
+
+    def carry_out(self) -> None:
+        """From the client to the vehicle, signed."""
+        frames: list[bytes] = []
+        for _ in range(READS):
+            try:
+                datagram, sender = self._inner.recvfrom(LONGEST)
+            except BlockingIOError:
+                break
+            except ConnectionError:  # the client has closed its port
+                continue
+            self._client = self._client or sender
+            if sender == self._client:
+                frames += split_frames(datagram)
+        self._link.send(frames)

@@ -1,0 +1,191 @@
+"""Files of message signing: the key, and beside it the newest time stamps that were accepted.
+
+A key file has 64 hexadecimal digits, and nobody but its owner may read it. Each program keeps the
+time stamps in a file of its own, `KEY.PROGRAM.stamps`. They are written by a thread, as a whole and
+in place of the file before, so that no loop waits for a disk. A door of the composition roots;
+`signing.py` has the rules.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+import os
+import secrets
+import stat
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from pathlib import Path
+
+from companion.errors import CompanionError
+from companion.mavlink.signing import (
+    KEY_BYTES,
+    LATEST,
+    MayBeUnsigned,
+    Signing,
+    SigningKey,
+    Stamps,
+    Stream,
+)
+
+OWNER_ONLY = stat.S_IRUSR | stat.S_IWUSR
+OTHERS = stat.S_IRWXG | stat.S_IRWXO
+
+log = logging.getLogger(__name__)
+
+
+def make_key(path: Path, passphrase: str | None) -> None:
+    """Makes a key file; its key is random, or QGroundControl's of a passphrase.
+
+    Raises:
+        CompanionError: there is such a file already, or it cannot be written.
+    """
+    key = (
+        SigningKey(secrets.token_bytes(KEY_BYTES))
+        if passphrase is None
+        else SigningKey.from_passphrase(passphrase)
+    )
+    try:
+        with os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, OWNER_ONLY), "w") as f:
+            f.write(key.secret.hex() + "\n")
+    except OSError as error:
+        raise CompanionError(f"cannot make the key file {path}: {error.strerror}") from error
+
+
+def read_key(path: Path) -> SigningKey:
+    """The key of a file.
+
+    Raises:
+        CompanionError: it cannot be read, others can read it, or it has no key.
+    """
+    try:
+        with path.open(encoding="ascii") as file:
+            mode, text = os.fstat(file.fileno()).st_mode, file.read(4 * KEY_BYTES)
+    except OSError as error:
+        raise CompanionError(
+            f"cannot read the key file {path}: {error.strerror}\n"
+            f"    companion key make {path} makes one"
+        ) from error
+    except ValueError:
+        mode, text = 0, ""
+    if mode & OTHERS:
+        raise CompanionError(
+            f"others may read the key file {path}\n"
+            f"    chmod 600 {path}; if others could have read it, make another key"
+        )
+    try:
+        return SigningKey.from_hex(text.strip())
+    except CompanionError as error:
+        raise CompanionError(f"{path}: {error}") from None
+
+
+@contextmanager
+def signing_by(
+    path: Path | None, program: str, may_be_unsigned: MayBeUnsigned
+) -> Iterator[Signing | None]:
+    """Signing with the key of a file, as long as the context lasts; None without a file.
+
+    Args:
+        path: the key file.
+        program: who signs; each has time stamps of its own.
+        may_be_unsigned: which frames need no signature.
+
+    Raises:
+        CompanionError: the key or the time stamps cannot be read.
+    """
+    if path is None:
+        yield None
+        return
+    key = read_key(path)
+    with closing(StampFile(path.with_name(f"{path.name}.{program}.stamps"))) as file:
+        yield Signing(key, time.time(), may_be_unsigned, file.read(), file.write_soon)
+
+
+class StampFile:
+    """The time stamps of one program."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._news = threading.Condition()
+        self._next: Stamps | None = None
+        self._is_closing = False
+        self._writer = threading.Thread(target=self._write, daemon=True)
+        self._writer.start()
+
+    def read(self) -> dict[Stream, int]:
+        """The time stamps of the last run; none if there was none.
+
+        Raises:
+            CompanionError: the file is there and cannot be read.
+        """
+        try:
+            return _stamps_of(self._path.read_text(encoding="ascii"))
+        except FileNotFoundError:
+            return {}
+        except (OSError, TypeError, ValueError) as error:
+            raise CompanionError(
+                f"cannot read {self._path}, by which old messages are refused: {error}\n"
+                "    without it, what was sent in the last minute before now may be sent again"
+            ) from error
+
+    def write_soon(self, stamps: Stamps) -> None:
+        """Has the stamps written by the thread, instead of those that still wait."""
+        with self._news:
+            self._next = stamps
+            self._news.notify()
+
+    def close(self) -> None:
+        """Writes what still waits, and ends the thread."""
+        with self._news:
+            self._is_closing = True
+            self._news.notify()
+        self._writer.join()
+
+    def _write(self) -> None:
+        has_failed = False
+        while (stamps := self._taken()) is not None:
+            try:
+                _replace(self._path, _text_of(stamps))
+            except OSError as error:  # a full disk ends no flight
+                if not has_failed:
+                    log.warning("cannot write %s: %s", self._path, error.strerror)
+                has_failed = True
+
+    def _taken(self) -> Stamps | None:
+        """The next stamps to write; None at the end."""
+        with self._news:
+            self._news.wait_for(lambda: self._next is not None or self._is_closing)
+            stamps, self._next = self._next, None
+            return stamps
+
+
+def _text_of(stamps: Stamps) -> str:
+    named = {"/".join(map(str, stream)): stamp for stream, stamp in stamps.items()}
+    return json.dumps(named, indent=1) + "\n"
+
+
+def _stamps_of(text: str) -> dict[Stream, int]:
+    """The stamps of a file.
+
+    Raises:
+        TypeError, ValueError: it has something else.
+    """
+    stamps = {}
+    for name, stamp in dict(json.loads(text)).items():
+        system, component, link = (int(part) for part in name.split("/"))
+        if type(stamp) is not int or not 0 <= stamp < LATEST:
+            raise ValueError(f"{stamp} is no time stamp")
+        stamps[system, component, link] = stamp
+    return stamps
+
+
+def _replace(path: Path, text: str) -> None:
+    """Writes a file in place of the one before, and to the disk."""
+    partial = path.with_name(path.name + ".part")
+    with os.fdopen(os.open(partial, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, OWNER_ONLY), "w") as f:
+        f.write(text)
+        f.flush()
+        os.fsync(f.fileno())
+    os.replace(partial, path)

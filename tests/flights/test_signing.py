@@ -1,0 +1,119 @@
+"""A whole flight with keys on both sides, and with somebody on the link who has none."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+from lockstep import Lockstep, Said, World
+
+from companion.flight_events.skills import PlaceReached
+from companion.mavlink.framing import MavlinkCodec, dialect
+from companion.mavlink.px4_modes import MODES
+from companion.mavlink.signing import (
+    MayBeUnsigned,
+    Signing,
+    SigningKey,
+    of_signed_vehicle,
+    of_unsigned_vehicle,
+)
+from companion.mission.model import Mission
+
+KEY = SigningKey.from_passphrase("hall")
+NOW_S = 1.8e9
+
+
+class Attacker:
+    """On the way to the companion: replays all it hears later, and forges what would take control.
+
+    Args:
+        companion: verifies what arrives.
+    """
+
+    AFTER = 40
+    """Ticks until something is sent again."""
+
+    def __init__(self, companion: Signing) -> None:
+        self._companion = companion
+        self._captured: list[list[bytes]] = []
+        self._autopilot = MavlinkCodec(1, 1)
+        self._station = MavlinkCodec(255, 190)
+        self._other = Signing(SigningKey(bytes(32)), NOW_S + 3600.0)
+        self.sent = 0
+
+    def __call__(self, now_s: float, datagrams: list[bytes]) -> list[bytes]:
+        self._captured.append(datagrams)
+        replayed = self._captured[-self.AFTER] if len(self._captured) >= self.AFTER else []
+        replayed = [d for d in replayed if d[2]]
+        forged = self._forged()
+        attacks = [*forged, *self._other.send(now_s, forged), *replayed]
+        self.sent += len(attacks)
+        return self._companion.receive(now_s, [*attacks, *datagrams, *attacks[::-1]])
+
+    def _forged(self) -> list[bytes]:
+        """The autopilot is in another mode, disarmed; the operator pauses."""
+        main, sub = MODES["POSCTL"]
+        custom = (int(sub) << 24) | (int(main) << 16)
+        autopilot = dialect.MAVLink_heartbeat_message(2, 12, 1, custom, 4, 3)
+        pause = dialect.MAVLink_command_long_message(1, 191, 193, 0, *(0.0,) * 7)
+        return [self._autopilot.pack(autopilot), self._station.pack(pause)]
+
+
+Fly = Callable[..., Lockstep]
+
+
+@pytest.fixture(scope="module")
+def undisturbed(surveillance: Mission, hall: World) -> Lockstep:
+    return Lockstep(surveillance, hall).until_the_end()
+
+
+def test_a_flight_with_keys_is_the_flight_without(
+    surveillance: Mission, hall: World, undisturbed: Lockstep
+) -> None:
+    """The attacker on the link is refused each time, and changes no event."""
+    companion = Signing(KEY, NOW_S, of_signed_vehicle)
+    vehicle = Signing(KEY, NOW_S)
+    attacker = Attacker(companion)
+    flight = Lockstep(surveillance, hall, up=attacker, down=companion.send, vehicle=vehicle)
+    flight.until_the_end()
+    assert flight.exit_code == 0
+    assert flight.events == undisturbed.events
+    assert sum(companion.refused) == 2 * attacker.sent
+    assert not any(vehicle.refused)
+
+
+@pytest.mark.parametrize(
+    ("may_be_unsigned", "is_heard"), [(of_signed_vehicle, False), (of_unsigned_vehicle, True)]
+)
+def test_an_unsigned_autopilot_is_heard_where_that_is_said(
+    surveillance: Mission, hall: World, may_be_unsigned: MayBeUnsigned, is_heard: bool
+) -> None:
+    companion = Signing(KEY, NOW_S, may_be_unsigned)
+    flight = Lockstep(surveillance, hall, up=companion.receive, down=companion.send)
+    flight.run(8.0)
+    assert bool(flight.said) is is_heard
+
+
+def test_beside_an_unsigned_autopilot_operators_sign(surveillance: Mission, hall: World) -> None:
+    """An unsigned command gets no answer; a signed one is done."""
+    companion, station = Signing(KEY, NOW_S, of_unsigned_vehicle), Signing(KEY, NOW_S)
+    operator, heard = MavlinkCodec(255, 190), list[bytes]()
+
+    def up(now_s: float, datagrams: list[bytes]) -> list[bytes]:
+        arrived = companion.receive(now_s, heard + datagrams)
+        heard.clear()
+        return arrived
+
+    flight = Lockstep(surveillance, hall, up=up, down=companion.send)
+    flight.until_reported(PlaceReached, place="A")
+    pause = operator.pack(dialect.MAVLink_command_long_message(1, 191, 193, 0, *(0.0,) * 7))
+    heard.append(pause)
+    flight.run(1.0)
+    assert answers(flight.said) == []
+    heard.extend(station.send(flight.now_s, [pause]))
+    flight.run(1.0)
+    assert [m.result for m in answers(flight.said)] == [0]
+
+
+def answers(said: list[Said]) -> list[dialect.MAVLink_command_ack_message]:
+    return [s.message for s in said if s.message.get_type() == "COMMAND_ACK"]

@@ -1,0 +1,366 @@
+"""Signatures are pymavlink's, byte for byte; what an attacker can send changes nothing.
+
+An attacker hears all frames, forges any header, and sends at any time and on any link. It does not
+have the key.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from random import Random
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from companion.errors import CompanionError
+from companion.mavlink.framing import MavlinkCodec, dialect, split_frames
+from companion.mavlink.signing import (
+    BEHIND,
+    EPOCH_UNIX_S,
+    HARMLESS,
+    KEPT_EVERY_S,
+    LATEST,
+    REQUESTS,
+    STREAMS,
+    UNITS_PER_S,
+    MayBeUnsigned,
+    Refused,
+    Signing,
+    SigningKey,
+    Stamps,
+    harmless,
+    of_signed_vehicle,
+    of_unsigned_vehicle,
+)
+
+KEY, OTHER_KEY = SigningKey(bytes(range(32))), SigningKey(bytes(32))
+NOW_S = 1.8e9
+NOW = int((NOW_S - EPOCH_UNIX_S) * UNITS_PER_S)
+STATION, VEHICLE = MavlinkCodec(255, 190), MavlinkCodec(1, 1)
+
+
+def signing(key: SigningKey = KEY, start_unix_s: float = NOW_S, **options: Any) -> Signing:
+    return Signing(key, start_unix_s, **options)
+
+
+def start(codec: MavlinkCodec = STATION) -> bytes:
+    """An unsigned command to the companion."""
+    return codec.pack(dialect.MAVLink_command_long_message(1, 191, 300, 0, *(0.0,) * 7))
+
+
+def heartbeat(codec: MavlinkCodec = VEHICLE) -> bytes:
+    return codec.pack(dialect.MAVLink_heartbeat_message(2, 12, 0, 0, 3, 3))
+
+
+def stamp_of(frame: bytes) -> int:
+    return int.from_bytes(frame[-12:-6], "little")
+
+
+def pymavlink(key: SigningKey, link: int = 0, stamp: int = NOW) -> Any:
+    peer = dialect.MAVLink(None, srcSystem=255, srcComponent=190)
+    peer.signing.secret_key, peer.signing.link_id = key.secret, link
+    peer.signing.timestamp, peer.signing.sign_outgoing = stamp, True
+    return peer
+
+
+MESSAGES = st.sampled_from([kind for _, kind in sorted(dialect.mavlink_map.items())])
+
+
+@given(st.data())
+def test_signatures_are_those_of_pymavlink(data: st.DataObject) -> None:
+    """Both ways, for every message of the dialect and any key, link and time."""
+    key = SigningKey(data.draw(st.binary(min_size=32, max_size=32)))
+    link, start_s = data.draw(st.integers(0, 255)), data.draw(st.integers(EPOCH_UNIX_S, 2**31))
+    kind, seed = data.draw(MESSAGES), data.draw(st.integers(0, 2**32))
+    stamp = (start_s - EPOCH_UNIX_S) * UNITS_PER_S
+    payload = Random(seed).randbytes(kind.unpacker.size)
+    peer = pymavlink(key, link, stamp)
+    unsigned = bytes(message_of(kind, payload).pack(dialect.MAVLink(None, 255, 190)))
+    (ours,) = signing(key, start_s).send(0.0, [unsigned], link)
+    peer.signing.timestamp += 1
+    theirs = bytes(message_of(kind, payload).pack(peer))
+    assert ours == theirs
+    assert signing(key, start_s).receive(0.0, [theirs]) == [theirs]
+    decoded = pymavlink(key, link, stamp).decode(bytearray(ours))
+    assert decoded.get_signed() and decoded.get_msgbuf() == ours
+
+
+def message_of(kind: Any, payload: bytes) -> Any:
+    """A message with a payload, as it would be packed again."""
+    packed = bytes([len(payload), 0, 0, 0, 255, 190, *kind.id.to_bytes(3, "little")]) + payload
+    crc = dialect.mcrf4xx(packed + bytes([kind.crc_extra]), 0xFFFF)
+    frame = bytearray(b"\xfd" + packed + crc.to_bytes(2, "little"))
+    return dialect.MAVLink(None, 255, 190).decode(frame)
+
+
+def test_our_time_stamps_increase_strictly_and_follow_the_clock() -> None:
+    ours = signing()
+    sent = [f for now_s in (0.0, 0.0, 1.0, 0.5, 2.0) for f in ours.send(now_s, [start()] * 3)]
+    stamps = [stamp_of(frame) - NOW for frame in sent]
+    assert stamps == sorted(set(stamps))
+    second = UNITS_PER_S
+    assert [s for s in stamps if s > second][:6] == [second + i for i in range(1, 7)]
+    assert stamps[-3:] == [2 * second + 1, 2 * second + 2, 2 * second + 3]
+
+
+def test_what_is_signed_already_stays_as_it_is() -> None:
+    signed = signing().send(0.0, [start()])
+    assert signing(OTHER_KEY).send(0.0, signed) == signed
+
+
+# -- attacks -------------------------------------------------------------------------------------
+
+Attack = Callable[[list[bytes]], list[bytes]]
+
+
+def forged(stamp: int, codec: MavlinkCodec = STATION, link: int = 0) -> bytes:
+    """A command with a time stamp and without the right signature."""
+    (frame,) = signing(OTHER_KEY).send(0.0, [start(codec)], link)
+    return frame[:-12] + stamp.to_bytes(6, "little") + frame[-6:]
+
+
+def damaged(heard: list[bytes]) -> list[bytes]:
+    """Each bit of a frame changed once; of the header only where a frame is left."""
+    frame = heard[-1]
+    spoilt = [
+        frame[:at] + bytes([frame[at] ^ 1 << bit]) + frame[at + 1 :]
+        for at in range(3, len(frame))
+        for bit in range(8)
+    ]
+    return [f for f in spoilt if split_frames(f) == [f]]
+
+
+ATTACKS: dict[str, Attack] = {
+    "unsigned": lambda heard: [start(), start(VEHICLE), heartbeat()],
+    "MAVLink 1": lambda heard: [
+        bytes(dialect.MAVLink_heartbeat_message(2, 12, 0, 0, 3, 3).pack(v1(), True))
+    ],
+    "signature cut off": lambda heard: [
+        f[:2] + b"\0" + f[3:-15] + unflagged(f) for f in heard if f[7:10] != b"\0\0\0"
+    ],
+    "another key": lambda heard: signing(OTHER_KEY).send(9.0, [start(), heartbeat()]),
+    "the key of zeros": lambda heard: signing(SigningKey(bytes(32))).send(9.0, [start()]),
+    "damaged": damaged,
+    "replayed": lambda heard: heard * 2,
+    "replayed backwards": lambda heard: heard[::-1],
+    "poisoned with the last time stamp": lambda heard: [forged(2**48 - 2), forged(2**48 - 1)],
+    "poisoned on all links": lambda heard: [
+        forged(2**48 - 2, codec, link) for codec in (STATION, VEHICLE) for link in range(256)
+    ],
+    "many streams": lambda heard: [
+        forged(NOW + 10 * UNITS_PER_S, MavlinkCodec(n, m)) for n in range(1, 64) for m in range(32)
+    ],
+    "moved to another link": lambda heard: [f[:-13] + b"\x07" + f[-12:] for f in heard],
+    "a later time stamp": lambda heard: [
+        f[:-12] + (stamp_of(f) + UNITS_PER_S).to_bytes(6, "little") + f[-6:] for f in heard
+    ],
+}
+
+
+def v1() -> Any:
+    return dialect.MAVLink(None, srcSystem=1, srcComponent=1)
+
+
+def unflagged(frame: bytes) -> bytes:
+    """The checksum of a command that was signed, without the flag."""
+    crc = dialect.mcrf4xx(frame[1:2] + b"\0" + frame[3:-15] + bytes([152]), 0xFFFF)
+    return int(crc).to_bytes(2, "little")
+
+
+@pytest.mark.parametrize("attack", ATTACKS.values(), ids=ATTACKS)
+@pytest.mark.parametrize("is_restarted", [False, True], ids=["same run", "after a restart"])
+def test_of_an_attack_nothing_is_accepted(attack: Attack, is_restarted: bool) -> None:
+    """And who has the key is heard as before, at once."""
+    kept: list[Stamps] = []
+    ours = signing(may_be_unsigned=of_signed_vehicle, keep=kept.append)
+    station, vehicle = signing(), signing()
+    heard = []
+    for second in range(8):
+        now_s = float(second)
+        sent = station.send(now_s, [start()] * 2) + vehicle.send(now_s, [heartbeat()] * 2)
+        assert ours.receive(now_s, sent) == sent
+        heard += sent
+    now_s = 8.0
+    if is_restarted:
+        now_s = 0.0
+        later_s = NOW_S + 8.0
+        ours = signing(start_unix_s=later_s, may_be_unsigned=of_signed_vehicle, heard=kept[-1])
+    attacks = attack(heard)
+    assert attacks and ours.receive(now_s, attacks) == []
+    assert sum(ours.refused) == len(attacks)
+    sent = station.send(10.0, [start()]) + vehicle.send(10.0, [heartbeat()])
+    assert ours.receive(now_s, sent) == sent
+
+
+def test_attacks_are_frames_that_are_commands_without_signing() -> None:
+    """They are not refused for another reason."""
+    heard = signing().send(0.0, [start()])
+    ear = MavlinkCodec(0, 0)
+    for name in ("unsigned", "signature cut off", "another key", "replayed", "many streams"):
+        for frame in ATTACKS[name](heard):
+            assert len(ear.parse(frame)) == 1, name
+
+
+def test_a_frame_counts_once_on_whichever_link_it_comes() -> None:
+    vehicle = signing()
+    (sent,) = signing().send(0.0, [start()])
+    assert vehicle.receive(0.0, [sent]) == [sent]
+    assert vehicle.receive(0.1, [sent]) == []  # the same object serves all links
+
+
+def test_our_own_frames_are_not_accepted_when_they_come_back() -> None:
+    kept: list[Stamps] = []
+    ours = signing(keep=kept.append)
+    sent = ours.send(0.0, [heartbeat(), start()])
+    assert ours.receive(0.1, sent) == []
+    assert signing(heard=kept[-1]).receive(0.1, sent) == []
+
+
+def test_unsigned_and_replayed_before_the_peer_is_known() -> None:
+    """Old captures of a stream that is new: at most a minute is accepted, and after it nothing."""
+    old, recent = signing(start_unix_s=NOW_S - 61.0), signing(start_unix_s=NOW_S - 59.0)
+    ours = signing()
+    assert ours.receive(0.0, old.send(0.0, [start()])) == []
+    (first,) = recent.send(0.0, [start()])
+    assert ours.receive(0.0, [first]) == [first]
+    assert ours.receive(0.0, [first]) == []
+
+
+@given(st.lists(st.tuples(st.floats(0.0, 30.0), st.booleans()), max_size=60), st.booleans())
+def test_nothing_that_was_accepted_is_accepted_after_a_restart(
+    sent_at: list[tuple[float, bool]], is_clock_known: bool
+) -> None:
+    """Whenever the program ends: what was kept is at most `KEPT_EVERY_S` old for each stream."""
+    kept: list[Stamps] = [{}]
+    ours, station, vehicle = signing(keep=kept.append), signing(), signing()
+    accepted = []
+    for at_s, is_station in sorted(sent_at):
+        codec, peer = (STATION, station) if is_station else (VEHICLE, vehicle)
+        accepted += ours.receive(at_s, peer.send(at_s, [start(codec)]))
+    assert len(accepted) == len(sent_at)
+    again_s = NOW_S + 30.0 if is_clock_known else NOW_S - 1e6
+    again = signing(start_unix_s=again_s, heard=kept[-1])
+    assert again.receive(0.0, accepted) == []
+    late_s = 30.0 + KEPT_EVERY_S + 0.1
+    fresh = station.send(late_s, [start()])
+    assert again.receive(0.0, fresh) == fresh
+
+
+def test_a_clock_that_is_not_known_goes_on_where_it_was() -> None:
+    """As on a Raspberry Pi, which starts in 1970."""
+    kept: list[Stamps] = []
+    signing(keep=kept.append).send(0.0, [start()])
+    again = signing(start_unix_s=0.0, heard=kept[-1])
+    (sent,) = again.send(0.0, [start()])
+    assert stamp_of(sent) == NOW + 1 + KEPT_EVERY_S * UNITS_PER_S + 1
+    assert again.receive(0.0, signing(start_unix_s=NOW_S - 61.0).send(0.0, [heartbeat()])) == []
+
+
+def test_ours_follows_the_time_stamps_that_are_accepted() -> None:
+    ahead = signing(start_unix_s=NOW_S + 3600.0)
+    ours = signing()
+    assert ours.receive(0.0, ahead.send(0.0, [heartbeat()]))
+    (sent,) = ours.send(0.0, [start()])
+    assert stamp_of(sent) > NOW + 3600 * UNITS_PER_S
+    assert ahead.receive(0.0, [sent]) == [sent]
+
+
+def test_the_end_of_the_range_is_not_taken_over() -> None:
+    """Not even from who has the key: what leaves must go on."""
+    late_s = EPOCH_UNIX_S + LATEST / UNITS_PER_S
+    ours = signing()
+    assert ours.receive(0.0, signing(start_unix_s=late_s).send(0.0, [heartbeat()])) == []
+    (sent,) = ours.send(0.0, [start()])
+    assert stamp_of(sent) == NOW + 1
+
+
+def test_the_table_of_streams_is_bounded() -> None:
+    ours, peer = signing(), signing()
+    accepted = [
+        len(ours.receive(0.0, peer.send(0.0, [start(MavlinkCodec(n, 1))], link)))
+        for n in range(1, 9)
+        for link in range(64)
+    ]
+    assert sum(accepted) == STREAMS == 256
+    assert accepted[:256] == [1] * 256
+    late_s = 2 * BEHIND / UNITS_PER_S
+    fresh = peer.send(late_s, [start(MavlinkCodec(9, 1))])
+    assert ours.receive(late_s, fresh) == fresh  # in place of one that is old
+    assert ours.receive(late_s, fresh) == []
+
+
+# -- unsigned ------------------------------------------------------------------------------------
+
+
+def sample(number: int, codec: MavlinkCodec) -> bytes:
+    kind = dialect.mavlink_map[number]
+    return codec.pack(message_of(kind, bytes(kind.unpacker.size)))
+
+
+@pytest.mark.parametrize(
+    ("may_be_unsigned", "wanted"),
+    [
+        (harmless, lambda number, component: number in HARMLESS),
+        (
+            of_signed_vehicle,
+            lambda number, component: number in HARMLESS and (number, component) != (0, 1),
+        ),
+        (
+            of_unsigned_vehicle,
+            lambda number, component: number not in REQUESTS and component != 191,
+        ),
+    ],
+    ids=["PX4", "signed vehicle", "unsigned vehicle"],
+)
+def test_which_messages_may_be_unsigned(
+    may_be_unsigned: MayBeUnsigned, wanted: Callable[[int, int], bool]
+) -> None:
+    ours = signing(may_be_unsigned=may_be_unsigned)
+    for codec in (MavlinkCodec(1, 1), MavlinkCodec(1, 191), MavlinkCodec(255, 190)):
+        for number in dialect.mavlink_map:
+            frame = sample(number, codec)
+            assert bool(ours.receive(0.0, [frame])) is wanted(number, codec.component), number
+
+
+def test_px4_s_list() -> None:
+    names = {dialect.mavlink_map[number].msgname for number in HARMLESS}
+    assert names == {"HEARTBEAT", "RADIO_STATUS", "ADSB_VEHICLE", "COLLISION"}
+
+
+def test_all_that_the_companion_answers_has_to_be_signed() -> None:
+    from companion.ground.component import WANTED
+
+    assert {dialect.mavlink_map[number].msgname for number in REQUESTS} > WANTED
+
+
+# -- counts and keys -----------------------------------------------------------------------------
+
+
+def test_what_was_refused_is_told_when_it_has_doubled() -> None:
+    ours = signing()
+    told = []
+    for _ in range(9):
+        ours.receive(0.0, [start()])
+        told.append(ours.news())
+    counts = [None if refused is None else refused.unsigned for refused in told]
+    assert counts == [1, 2, None, 4, None, None, None, 8, None]
+    assert str(Refused(1, 2, 3)) == "1 unsigned, 2 with another key, 3 too old"
+
+
+def test_a_key_is_not_printed() -> None:
+    key = SigningKey.from_passphrase("secret words")
+    for text in (repr(key), str(key), f"{key}"):
+        assert text == "SigningKey(...)"
+
+
+def test_a_passphrase_makes_qgroundcontrol_s_key() -> None:
+    """SHA-256 of "abc": FIPS 180-2, B.1."""
+    assert SigningKey.from_passphrase("abc").secret.hex().startswith("ba7816bf8f01cfea414140de5dae")
+
+
+@pytest.mark.parametrize("text", ["", "00" * 31, "00" * 33, "zz" * 32, "ü"])
+def test_something_else_is_no_key(text: str) -> None:
+    with pytest.raises(CompanionError, match="a signing key"):
+        SigningKey.from_hex(text)
