@@ -21,7 +21,13 @@ from companion.flight_events.facts import (
 from companion.flight_events.hosting import DatagramsDropped, RecordingFailed, UploadNews
 from companion.flight_events.plans import LineDropped, LineTakenUp, NoPlanFound, PlanReplaced
 from companion.flight_events.skills import SkillFailed, WrittenTreeFailed
-from companion.flight_events.sortie import RunEnded, RunFailed, SetpointRefused, VehicleCrashed
+from companion.flight_events.sortie import (
+    GoalFailed,
+    RunEnded,
+    RunFailed,
+    SetpointRefused,
+    VehicleCrashed,
+)
 from companion.flight_events.word import ConjunctViolated
 from companion.mavlink.framing import Message, dialect
 from companion.mavlink.statustext import chunks
@@ -47,6 +53,8 @@ def severity(event: FlightEvent) -> int:
         case ConjunctViolated(optional=False) | RecordingFailed():
             return ERROR
         case SkillFailed() | WrittenTreeFailed() | BeliefWithdrawn() | SetpointRefused():
+            return WARNING
+        case GoalFailed():
             return WARNING
         case PlaceLost() | LineDropped() | ConjunctViolated() | DatagramsDropped():
             return WARNING

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import pytest
 from lockstep import Lockstep
-from synthetic import mission
+from synthetic import command, mission
 
 from companion.errors import Aborted
 from companion.flight_events.sortie import (
@@ -19,12 +19,16 @@ from companion.flight_events.sortie import (
     Phase,
     PhaseEntered,
     RunEnded,
+    SetpointRefused,
     StoppedAsAsked,
     TaskSatisfied,
 )
 from companion.mavlink.framing import dialect
+from companion.mission.model import Mission, Otherwise
 from sitl.world.faults import ANSWERS, Answer
 from sitl.world.scenario import read_scenario
+
+pytestmark = pytest.mark.faults
 
 STATED_WITHIN_S = 15.0
 STOPPED_S = 7.0
@@ -63,7 +67,9 @@ IN_WORDS = {
 
 
 def fly(
-    *answers: tuple[str, Answer | None, float], parameters: dict[str, float] | None = None
+    *answers: tuple[str, Answer | None, float],
+    parameters: dict[str, float] | None = None,
+    flown: Mission = SHORT,
 ) -> Lockstep:
     """A flight whose commands are answered so from some time on."""
     happens = [
@@ -71,7 +77,7 @@ def fly(
         for name, answer, at_s in answers
     ]
     world = {"version": 1, "happens": happens, "parameters": parameters or {}}
-    return Lockstep(SHORT, read_scenario(world))
+    return Lockstep(flown, read_scenario(world))
 
 
 def fly_to_the_end(flight: Lockstep, is_stopped: bool) -> Lockstep:
@@ -98,10 +104,10 @@ def stated_after_s(flight: Lockstep, asked: Asked) -> float:
 
 
 @pytest.mark.parametrize("answer", Answer)
-@pytest.mark.parametrize("command", COMMANDS)
-def test_it_is_said_what_follows(command: str, answer: Answer) -> None:
-    asked, has_effect = COMMANDS[command], ANSWERS[answer].has_effect
-    is_stopped = command in ("hold", "land")
+@pytest.mark.parametrize("asked_for", COMMANDS)
+def test_it_is_said_what_follows(asked_for: str, answer: Answer) -> None:
+    asked, has_effect = COMMANDS[asked_for], ANSWERS[answer].has_effect
+    is_stopped = asked_for in ("hold", "land")
     flight = fly_to_the_end(fly((asked.name, answer, asked.from_s)), is_stopped)
     assert stated_after_s(flight, asked) <= STATED_WITHIN_S
     if has_effect:
@@ -110,22 +116,22 @@ def test_it_is_said_what_follows(command: str, answer: Answer) -> None:
         assert not flight.simulation.is_armed
         return
     word = IN_WORDS.get(answer, answer.lower())
-    if command == "take-off":
+    if asked_for == "take-off":
         word += "|disarmed"  # 10 s after its arming, by the autopilot
     assert flight.exit_code == Aborted.exit_code
     assert flight.of(GoalFailed)[0].reason.startswith("not ")
     assert re.search(word, flight.of(GoalFailed)[0].reason)
     assert re.search(word, flight.ending.text)
-    assert_left_well(flight, command)
+    assert_left_well(flight, asked_for)
 
 
-def assert_left_well(flight: Lockstep, command: str) -> None:
+def assert_left_well(flight: Lockstep, asked_for: str) -> None:
     """Where and how the vehicle is left after a command that never had its effect."""
     up_m = -flight.simulation.flight.position[2]
     flight.run(3.0)
-    if command == "arm":
+    if asked_for == "arm":
         assert flight.armings == 0 and flight.setpoints == []
-    elif command == "land":
+    elif asked_for == "land":
         assert flight.of(GoalFailed)[-1].reason.endswith(
             "; the autopilot has the vehicle, in AUTO.LOITER"
         )
@@ -165,11 +171,25 @@ def test_without_hold_and_without_landing_the_failsafe_is_the_last_resort(answer
     assert flight.simulation.mode == "AUTO.LOITER"
 
 
-@pytest.mark.parametrize("command", COMMANDS)
-def test_a_rejection_for_a_time_only_delays(command: str) -> None:
-    asked = COMMANDS[command]
+def test_a_vehicle_that_is_left_on_hold_but_does_not_hold_is_held_until_the_last_resort() -> None:
+    """Without a payload there is no plan, and the mission holds; no setpoint is out of date."""
+    left = mission("F done", skills=[command("do", "at(A)", "done")], otherwise=Otherwise.HOLD)
+    flight = fly(("MAV_CMD_DO_SET_MODE", Answer.ACCEPTED_WITHOUT_EFFECT, 6.0), flown=left)
+    flight.until_the_end()
+    assert flight.one(GoalFailed).reason == (
+        "not holding after 12 s; setpoints end, so that the autopilot's offboard-loss failsafe "
+        "takes the vehicle"
+    )
+    assert flight.of(SetpointRefused) == []
+    flight.run(2.0)
+    assert flight.simulation.mode == "AUTO.LOITER"
+
+
+@pytest.mark.parametrize("asked_for", COMMANDS)
+def test_a_rejection_for_a_time_only_delays(asked_for: str) -> None:
+    asked = COMMANDS[asked_for]
     rejected = (asked.name, Answer.TEMPORARILY_REJECTED, asked.from_s)
-    is_stopped = command in ("hold", "land")
+    is_stopped = asked_for in ("hold", "land")
     flight = fly(rejected, (asked.name, None, STOPPED_S + 7.0 if is_stopped else 8.0))
     fly_to_the_end(flight, is_stopped)
     assert flight.exit_code == 0
