@@ -17,11 +17,13 @@ from companion.mavlink.signing import Signing
 from companion.motion.grid import OccupancyGrid
 from sitl.autopilot.autopilot import Autopilot
 from sitl.autopilot.parameters import Parameters, vehicle_defaults
+from sitl.autopilot.reboot import rebooted
 from sitl.flight.airframes import AIRFRAMES
 from sitl.flight.estimate import Estimator
 from sitl.flight.physics import FlightState, Physics
 from sitl.flight.sensors import Sensors
 from sitl.link.autopilot_component import AUTOPILOT, AutopilotComponent, Outgoing
+from sitl.link.disturbance import Disturbance
 from sitl.link.onboard_components import (
     DetectorComponent,
     LidarComponent,
@@ -33,6 +35,7 @@ from sitl.link.onboard_components import (
 from sitl.link.routing import LinkName, Router, target
 from sitl.link.signed_links import signed, verified
 from sitl.link.vehicle import SimulatedVehicle
+from sitl.world.faults import Direction, Reboot
 from sitl.world.scenario import Scenario
 from sitl.world.world import World
 
@@ -48,7 +51,7 @@ class Simulation:
     Args:
         scenario: the world.
         grid: its map, None without walls.
-        seed: of everything random (gusts, sensors, the estimate).
+        seed: of everything random (gusts, sensors, the estimate, links).
         instance: the system id is 1 + instance.
         links: those with somebody at the other end; nothing is packed for the others.
         signing: with a key, as PX4 on all links; None for links without signatures.
@@ -69,7 +72,7 @@ class Simulation:
     ) -> None:
         self._signing = signing
         self._system = system = 1 + instance
-        airframe = AIRFRAMES[scenario.airframe]
+        self._airframe = airframe = AIRFRAMES[scenario.airframe]
         self._physics = Physics(
             dt_s=DT_S,
             origin=scenario.home,
@@ -105,13 +108,16 @@ class Simulation:
             Random(f"lidar {seed}"),
         )
         self.event_log = self._world.event_log
-        self._on_board = _onboard_components(system, self._world)
-        if any(kind == "operator" for event in scenario.events for kind, _ in event.effects):
-            self._on_board.append(OperatorComponent(system, self._world.operator_commands))
+        self._on_board = _onboard_components(system, self._world, scenario)
         addresses = [(system, AUTOPILOT), *(each.address for each in self._on_board)]
         self._local = frozenset(addresses)
-        self._router = Router(links, self._local)
-        self._autopilot_component = AutopilotComponent(system, self._vehicle, links, self._router)
+        self._links = links
+        self._start_autopilot()
+        self._silent_until_s = 0.0
+        self._arriving, self._leaving = (
+            Disturbance(direction, self._world.link_qualities, seed)
+            for direction in (Direction.TO_VEHICLE, Direction.FROM_VEHICLE)
+        )
         self._codecs = {link: MavlinkCodec(system, AUTOPILOT) for link in links}
         self._steps = 0
 
@@ -170,10 +176,11 @@ class Simulation:
             Frames to send, in order, each with its link.
         """
         out: Outgoing = []
+        arrived = self._arriving.step(now_s, datagrams)
         if self._signing is not None:
-            datagrams = verified(self._signing, now_s, datagrams)
-        for link, datagram in datagrams:
-            if link in self._codecs:
+            arrived = verified(self._signing, now_s, arrived)
+        for link, datagram in arrived:
+            if link in self._codecs and not self._is_silent:
                 for message in self._codecs[link].parse(datagram):
                     self._receive(link, message, out)
         out += self._autopilot_component.flush()
@@ -181,7 +188,30 @@ class Simulation:
         while self._steps < due:
             self._steps += 1
             self._advance(out)
-        return out if self._signing is None else signed(self._signing, now_s, out, self._local)
+        if self._signing is not None:
+            out = signed(self._signing, now_s, out, self._local)
+        return self._leaving.step(now_s, out)
+
+    @property
+    def _is_silent(self) -> bool:
+        """The autopilot restarts, and nothing passes its ports."""
+        return self._truth.time_s < self._silent_until_s
+
+    def _start_autopilot(self) -> None:
+        """Its end of the links, with default streams, and nobody heard yet."""
+        self._router = Router(self._links, self._local)
+        self._autopilot_component = AutopilotComponent(
+            self._system, self._vehicle, self._links, self._router, self._world.answers
+        )
+
+    def _reboot(self, reboot: Reboot) -> None:
+        vehicle, now_s = self._vehicle, self._truth.time_s
+        autopilot = rebooted(
+            self._autopilot, vehicle.state, self._airframe.gains, recovers=reboot.recovers
+        )
+        self._autopilot = vehicle.autopilot = self._world.autopilot = autopilot
+        vehicle.booted_s, self._silent_until_s = now_s, now_s + reboot.silent_s
+        self._start_autopilot()
 
     def _receive(self, link: LinkName, message: Message, out: Outgoing) -> None:
         if source(message) in self._local:
@@ -210,10 +240,16 @@ class Simulation:
         is_worlds_turn = self._steps % WORLD_STEPS == 0
         if is_worlds_turn:
             self._world.step(state)
-        out += self._autopilot_component.step()
+            for reboot in self._world.reboots:
+                self._reboot(reboot)
+            self._world.reboots.clear()
+        if not self._is_silent:
+            out += self._autopilot_component.step()
         if is_worlds_turn:
             for component in self._on_board:
-                self._route(component.step(state), out)
+                said = component.step(state)
+                if not self._is_silent:
+                    self._route(said, out)
 
     def _frozen_truth(self) -> FlightState:
         """The state of a wreck: nothing but time goes on."""
@@ -225,7 +261,7 @@ class Simulation:
             out += [(to, frame) for to in self._router.destinations(message, None)]
 
 
-def _onboard_components(system: int, world: World) -> list[OnboardComponent]:
+def _onboard_components(system: int, world: World, scenario: Scenario) -> list[OnboardComponent]:
     components: list[OnboardComponent] = []
     if world.detector:
         components.append(DetectorComponent(system, world.detector))
@@ -233,4 +269,6 @@ def _onboard_components(system: int, world: World) -> list[OnboardComponent]:
         components.append(PayloadComponent(system, world.payload))
     if world.lidar:
         components.append(LidarComponent(system, world.lidar))
+    if any(kind == "operator" for event in scenario.events for kind, _ in event.effects):
+        components.append(OperatorComponent(system, world.operator_commands))
     return components

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import re
 import sys
+from collections.abc import Generator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from commands import Companion, Ended
@@ -30,7 +32,13 @@ settings.load_profile("untimed")
 TESTS = Path(__file__).parent
 MISSIONS = TESTS.parent / "missions"
 API = TESTS.parent / "companion" / "api"
-FLIGHTS = (TESTS / "flights", TESTS / "browser", API / "auditing.py", API / "simulating.py")
+FLIGHTS = (
+    TESTS / "flights",
+    TESTS / "faults",
+    TESTS / "browser",
+    API / "auditing.py",
+    API / "simulating.py",
+)
 """Where all tests fly; those of a module are its doctests."""
 FLOWN = frozenset({"surveillance_run"})
 """Fixtures that fly."""
@@ -54,6 +62,14 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.flight)
         elif item.path.is_relative_to(TESTS / "properties"):
             item.add_marker(pytest.mark.slow)
+
+
+@pytest.hookimpl(hookwrapper=True)
+def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, Any, None]:
+    """Adds to the failure of a fault campaign the command that repeats it."""
+    report = (yield).get_result()
+    if report.failed and item.get_closest_marker("faults"):
+        report.sections.append(("to repeat it", f"scripts/test -m faults '{item.nodeid}'"))
 
 
 def flies(item: pytest.Item) -> bool:

@@ -92,6 +92,8 @@ class CrashWatch:
     def _impact(self, state: VehicleState) -> Crash | None:
         """Compares the velocity with the newest one that is old enough."""
         before, at_s = self._velocities, state.measured_s
+        if before and before[-1][0] - at_s > GAP_S:
+            before.clear()  # the clock of an autopilot that has restarted
         if before and before[-1][0] >= at_s:
             return None
         old = [*takewhile(lambda each: each[0] <= at_s - JUMP_S + 1e-6, before)]

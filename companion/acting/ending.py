@@ -1,16 +1,19 @@
-"""The end of a sortie, as an event."""
+"""The end of a sortie: as an event, and whose the vehicle is then."""
 
 from __future__ import annotations
 
+from companion.acting.phases import TRANSITIONS, SortieEvent
 from companion.errors import CompanionError
 from companion.flight_events.sortie import (
     EndedAtLimit,
+    Phase,
     ReturnedAsAsked,
     RunEnded,
     RunFailed,
     StoppedAsAsked,
     TaskSatisfied,
 )
+from companion.vehicle.port import Mode, VehicleState
 
 
 def ending(
@@ -35,3 +38,16 @@ def ending(
     if is_called_home:
         return at_limit or ReturnedAsAsked()
     return TaskSatisfied() if is_satisfied else StoppedAsAsked()
+
+
+def last_resort(phase: Phase, state: VehicleState) -> str:
+    """Who has the vehicle when its last goal has failed in the air, to add to the reason.
+
+    A vehicle in OFFBOARD that neither holds nor lands on command is left without setpoints: its
+    autopilot's failsafe, which was looked at before arming, is all that is left.
+    """
+    if state.is_landed or TRANSITIONS.next(phase, SortieEvent.FAILED) is not Phase.ENDED:
+        return ""
+    if state.mode is Mode.OFFBOARD:
+        return "; setpoints end, so that the autopilot's offboard-loss failsafe takes the vehicle"
+    return f"; the autopilot has the vehicle, in {state.mode.value}"

@@ -19,7 +19,7 @@ from companion.acting.authority import is_silent, loss_of_control
 from companion.acting.beginning import Beginning
 from companion.acting.control import Control
 from companion.acting.crash_watch import Crash, CrashWatch
-from companion.acting.ending import ending
+from companion.acting.ending import ending, last_resort
 from companion.acting.executive import Executive
 from companion.acting.failsafe_check import FailsafeCheck
 from companion.acting.flight import Flight
@@ -283,21 +283,21 @@ class Sortie:
             self._limit.begin(self._flight.now_s)
             self._on(SortieEvent.CHECKED)
 
-    def _pursue_goal(self, _: VehicleState) -> None:
+    def _pursue_goal(self, state: VehicleState) -> None:
         if self.phase is Phase.ARMING and not self._flight.journal.is_kept:
             return
         if self.phase is Phase.OFFBOARD:
             self._flight.hold_here()  # it may still rise
-        elif self.phase in (Phase.HOLDING, Phase.LANDING):
+        elif self.phase in (Phase.HOLDING, Phase.PARTING, Phase.LANDING):
             self._flight.hold()  # until the autopilot does
         outcome = self._flight.vehicle.pursue(GOALS[self.phase])
         if outcome is Progress.DONE:
             is_entered = self.phase is Phase.OFFBOARD
             self._on(self._after_offboard if is_entered else SortieEvent.REACHED)
         elif isinstance(outcome, Failed):
-            if self.failure is None:
-                self.failure = Aborted(outcome.reason)
-            self._flight.report(GoalFailed(outcome.reason))
+            reason = outcome.reason + last_resort(self.phase, state)
+            self.failure = self.failure or Aborted(reason)
+            self._flight.report(GoalFailed(reason))
             self._on(SortieEvent.FAILED)
 
     def _fly(self, _: VehicleState) -> None:

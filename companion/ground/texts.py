@@ -29,6 +29,7 @@ from companion.flight_events.skills import OutcomeUnknown, SkillFailed, WrittenT
 from companion.flight_events.sortie import (
     ControlTakenBack,
     FlightFoundAgain,
+    GoalFailed,
     LinkSilent,
     RunEnded,
     RunFailed,
@@ -61,7 +62,9 @@ def severity(event: FlightEvent) -> int:
             return ERROR
         case SkillFailed() | WrittenTreeFailed() | BeliefWithdrawn() | SetpointRefused():
             return WARNING
-        case OutcomeUnknown() | LinkSilent() | FlightFoundAgain() | ControlTakenBack():
+        case GoalFailed() | OutcomeUnknown() | LinkSilent():
+            return WARNING
+        case FlightFoundAgain() | ControlTakenBack():
             return WARNING
         case PlaceLost() | LineDropped() | ConjunctViolated() | DatagramsDropped():
             return WARNING

@@ -29,6 +29,7 @@ SILENCE_S = 5.0
 PROGRESS_S = 10.0
 REJECTION_PAUSE_S = 1.0
 MAX_REJECTIONS = 10
+CANCELLED = 6  # MAV_RESULT_CANCELLED of common.xml, which the dialect lacks
 
 Parameters = tuple[float, float, float, float, float, float, float]
 """param1 to param7 of COMMAND_LONG."""
@@ -194,5 +195,7 @@ def result_name(result: int) -> str:
     >>> result_name(2)
     'DENIED'
     """
+    if result == CANCELLED:
+        return "CANCELLED"
     entry = dialect.enums["MAV_RESULT"].get(result)
     return entry.name.removeprefix("MAV_RESULT_") if entry else f"result {result}"

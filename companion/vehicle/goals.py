@@ -1,7 +1,8 @@
 """The table of goals: which command brings each about, in which modes, in what time.
 
 A goal is a state of the vehicle (`port.Goal`). The command is sent and, if the vehicle accepts
-it without getting there, sent again, until the state is observed or the time is up. The modes
+it without getting there, sent again, until the state is observed or the time is up: EFFECT_S
+while nothing happens, and all of the goal's time while it is under way. The modes
 listed are those that the vehicle may pass through on the way without anybody having taken it
 from us; authority is watched from the first goal on, also while the vehicle is disarmed.
 
@@ -17,7 +18,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from companion.mavlink.commands import Parameters
 from companion.mavlink.framing import dialect
@@ -26,6 +27,9 @@ from companion.vehicle.port import Goal, Mode, VehicleState
 
 NAN = math.nan
 CUSTOM_MODE_ENABLED = 1.0  # MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
+EFFECT_S = 12.0
+"""Time within which a command has to have an effect: longer than ten tries with a second between
+them, or the 10 s after an IN_PROGRESS. A PX4 is armed, or shows another mode, within a second."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +46,7 @@ class Approach:
         needs_arming: a vehicle that is not armed cannot get there.
         underway: modes that show that the vehicle is on its way and need not be asked again.
         lead_s: time to stream setpoints before asking; PX4 wants to see them first.
-        timeout_s: time after which the goal has failed.
+        timeout_s: time after which the goal has failed, though the vehicle is on its way.
     """
 
     command: int
@@ -50,7 +54,7 @@ class Approach:
     is_reached: Callable[[VehicleState], bool]
     passes: frozenset[Mode]
     keeps: frozenset[Mode] | None
-    timeout_s: float
+    timeout_s: float = math.inf
     leaves: frozenset[Mode] = frozenset()
     needs_arming: bool = False
     underway: frozenset[Mode] = frozenset()
@@ -66,6 +70,7 @@ class Pursuit:
         ticket: the command under way.
         asked: the approach to which that command belongs.
         has_failed: it was given up; the goal may be pursued anew.
+        underway_s: when the vehicle was last on its way; the start before that.
     """
 
     goal: Goal
@@ -75,6 +80,19 @@ class Pursuit:
     ticket: int | None = None
     asked: Approach | None = None
     has_failed: bool = False
+    underway_s: float = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.underway_s = self.start_s
+
+    def overdue_s(self, now_s: float, mode: Mode) -> float | None:
+        """Takes the mode; the time after which the goal has failed, None while it has not."""
+        approach = APPROACHES[self.goal]
+        if mode in approach.underway:
+            self.underway_s = now_s
+        waited_s = now_s - self.start_s
+        is_idle = now_s - self.underway_s >= EFFECT_S + approach.lead_s
+        return waited_s if is_idle or waited_s >= approach.timeout_s else None
 
 
 def _set_mode(mode: Mode) -> Parameters:
@@ -97,7 +115,6 @@ APPROACHES: dict[Goal, Approach] = {
         is_reached=lambda s: s.is_armed,
         passes=frozenset({Mode.LOITER, Mode.OFFBOARD}),
         keeps=None,
-        timeout_s=20.0,
         leaves=frozenset({Mode.OFFBOARD}),
     ),
     Goal.AIRBORNE: Approach(
@@ -116,7 +133,6 @@ APPROACHES: dict[Goal, Approach] = {
         is_reached=lambda s: s.mode is Mode.OFFBOARD,
         passes=frozenset({Mode.OFFBOARD}),
         keeps=frozenset({Mode.OFFBOARD}),
-        timeout_s=15.0,
         needs_arming=True,
         lead_s=1.0,
     ),
@@ -126,7 +142,6 @@ APPROACHES: dict[Goal, Approach] = {
         is_reached=lambda s: s.mode is Mode.LOITER,
         passes=frozenset({Mode.LOITER}),
         keeps=frozenset({Mode.LOITER}),
-        timeout_s=15.0,
     ),
     Goal.LANDED: Approach(
         command=dialect.MAV_CMD_NAV_LAND,

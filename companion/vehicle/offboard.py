@@ -238,13 +238,16 @@ class MavlinkVehicle:
         """Sends the goal's command when it is time to, unless the goal has failed."""
         approach = APPROACHES[pursuit.goal]
         elapsed_s = self._now_s - pursuit.start_s
-        if elapsed_s >= approach.timeout_s:
-            return self._failed(f"not {pursuit.goal.value} after {approach.timeout_s:.0f} s")
+        if overdue_s := pursuit.overdue_s(self._now_s, state.mode):
+            return self._failed(f"not {pursuit.goal.value} after {overdue_s:.0f} s")
         if not state.is_mode_known(self._now_s):
             return None
         if approach.needs_arming and not state.is_armed:
             return self._failed(f"not {pursuit.goal.value}: disarmed")
-        if elapsed_s < approach.lead_s or state.mode in approach.underway:
+        if state.mode in approach.underway:
+            self._end_command()  # it has had its effect
+            return None
+        if elapsed_s < approach.lead_s:
             return None
         asked = APPROACHES[Goal.HOLDING] if state.mode in approach.leaves else approach
         if asked is not pursuit.asked:

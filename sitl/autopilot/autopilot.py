@@ -58,6 +58,7 @@ class Autopilot:
         flights: the record of armings and take-offs.
         mission: flown by AUTO.MISSION.
         fence: the geofence.
+        arming_refusal: why arming is refused whatever else; None for no such reason.
         status_texts: for people, oldest first; whoever sends them empties the list.
     """
 
@@ -82,7 +83,7 @@ class Autopilot:
         self._state = state
         self._failsafe = FailsafeState()
         self._setpoint: TrajectorySetpoint | None = None
-        self._arming_refusal: str | None = None
+        self.arming_refusal: str | None = None
         self._takeoff_down_m = self._lowest_takeoff()
         self._active_mode: FlightMode = HoldMode.start(self._situation())
         self._steps_to_commander = 0
@@ -113,7 +114,7 @@ class Autopilot:
         """The reason why arming would be denied now, None if it would not."""
         mode, inputs = self.intended_mode, self._failsafe_inputs()
         return arming_denial(
-            PreflightState(mode, self._missing(mode), inputs, self.is_crashed, self._arming_refusal)
+            PreflightState(mode, self._missing(mode), inputs, self.is_crashed, self.arming_refusal)
         )
 
     # Commands. Each returns whether it was granted; a refusal leaves a status text.
@@ -213,7 +214,7 @@ class Autopilot:
 
     def refuse_arming(self, reason: str | None) -> None:
         """From now on arming is refused for a reason; None allows it again."""
-        self._arming_refusal = reason
+        self.arming_refusal = reason
 
     def report_arming_denial(self) -> None:
         """Tells people why arming would be denied."""

@@ -17,11 +17,13 @@ class Health:
 
     Attributes:
         battery: warning level.
+        knows_battery: the gauge is read; else the level stays as it is.
         position_age_s: time since the position was last measured.
     """
 
     def __init__(self, parameters: Parameters, charge: float) -> None:
         self.battery = battery_level(charge, parameters)
+        self.knows_battery = True
         self.position_age_s = 0.0
         self._parameters = parameters
         self._setpoint_s = self._ground_station_s = -math.inf
@@ -36,6 +38,8 @@ class Health:
 
     def update_battery(self, charge: float) -> BatteryLevel | None:
         """Takes a state of charge; the warning level if that has risen."""
+        if not self.knows_battery:
+            return None
         before, self.battery = self.battery, battery_level(charge, self._parameters)
         return self.battery if self.battery > before else None
 

@@ -16,7 +16,8 @@ and reports. Four cases:
 The accuracy that is told is the root of the sum of these variances, and of CLAIMED_M, which a
 filter with a perfect receiver claims. A fix after a loss takes the estimate back at once, as PX4's
 estimator resets its position. Height comes from the barometer, attitude and rates from inertial
-sensors: they stay true.
+sensors: they stay true. A jump adds to all of these for good, the fixes included, as after a reset
+to a receiver or a barometer that is off.
 
 Source: Gauss-Markov errors of GPS after Parkinson and Spilker, Global Positioning System, vol. 1.
 """
@@ -27,6 +28,7 @@ import math
 import random
 from dataclasses import dataclass
 
+from companion.geometry import Ned
 from sitl.flight.physics import FlightState
 
 WANDER_S = 60.0
@@ -105,7 +107,7 @@ class Estimator:
     Attributes:
         gps: may be replaced in flight.
         error: of the estimated position, north and east.
-        fix_error: of the receiver's fix; while there is none, that of a fix.
+        resets: how often the position was set elsewhere at once.
         time_since_fix_s: time since the last fix, 0 with one.
     """
 
@@ -116,9 +118,11 @@ class Estimator:
         wander: Wander | None = None,
     ) -> None:
         self.gps = gps
-        self.fix_error = (rng.gauss(0.0, gps.noise_m), rng.gauss(0.0, gps.noise_m))
-        self.error = self.fix_error
         self.time_since_fix_s = 0.0
+        self.resets = 0
+        self._noise = (rng.gauss(0.0, gps.noise_m), rng.gauss(0.0, gps.noise_m))
+        self._jumped: Ned = (0.0, 0.0, 0.0)
+        self.error = self.fix_error
         self._rng = rng
         self._wandering = WanderingError(wander, rng) if wander else None
         self._wander_m = wander.position_m if wander else 0.0
@@ -126,27 +130,40 @@ class Estimator:
         self._now_s: float | None = None
 
     @property
+    def fix_error(self) -> tuple[float, float]:
+        """Of the receiver's fix, north and east; while there is none, that of a fix."""
+        return (self._noise[0] + self._jumped[0], self._noise[1] + self._jumped[1])
+
+    @property
     def accuracy_m(self) -> float:
         """What the horizontal position is claimed to be good for: one standard deviation."""
         drift_m = VELOCITY_WALK * math.sqrt(2 * self.time_since_fix_s**3 / 3)
         return math.hypot(CLAIMED_M, self._wander_m, math.sqrt(2) * self.gps.noise_m, drift_m)
+
+    def jump(self, by: Ned) -> None:
+        """The estimated position is elsewhere at once, and the receiver's fixes with it."""
+        (north, east, down), (by_n, by_e, by_d) = self._jumped, by
+        self._jumped = (north + by_n, east + by_e, down + by_d)
+        self.error = (self.error[0] + by_n, self.error[1] + by_e)
+        self.resets += 1
 
     def step(self, truth: FlightState, now_s: float) -> FlightState:
         """The estimate at a time; the first call only sets the clock."""
         dt_s = 0.0 if self._now_s is None else now_s - self._now_s
         self._now_s = now_s
         gps = self.gps
-        if gps.noise_m > 0 or self.fix_error != (0.0, 0.0):
-            self._step_fix_error(gps.noise_m, dt_s)
+        if gps.noise_m > 0 or self._noise != (0.0, 0.0):
+            self._step_noise(gps.noise_m, dt_s)
         if gps.is_lost:
             self.time_since_fix_s += dt_s
             self._dead_reckon(dt_s)
         else:
+            self.resets += self.time_since_fix_s > 0
             self.time_since_fix_s = 0.0
             self.error, self._velocity_error = self.fix_error, (0.0, 0.0)
             if self._wandering is not None:
                 self._wander(self._wandering, dt_s)
-            elif self.error == (0.0, 0.0):
+            elif self.error == (0.0, 0.0) and not self._jumped[2]:
                 return truth
         return self._with_errors(truth)
 
@@ -156,14 +173,14 @@ class Estimator:
         self.error = (north + e_n, east + e_e)
         self._velocity_error = wandering.velocity
 
-    def _step_fix_error(self, noise_m: float, dt_s: float) -> None:
+    def _step_noise(self, noise_m: float, dt_s: float) -> None:
         keep = math.exp(-dt_s / WANDER_S)
         kick = noise_m * math.sqrt(1 - keep * keep)
         gauss = self._rng.gauss
-        north, east = self.fix_error
-        self.fix_error = (north * keep + gauss(0.0, kick), east * keep + gauss(0.0, kick))
-        if noise_m == 0 and math.hypot(*self.fix_error) < NEGLIGIBLE_M:
-            self.fix_error = (0.0, 0.0)
+        north, east = self._noise
+        self._noise = (north * keep + gauss(0.0, kick), east * keep + gauss(0.0, kick))
+        if noise_m == 0 and math.hypot(*self._noise) < NEGLIGIBLE_M:
+            self._noise = (0.0, 0.0)
 
     def _dead_reckon(self, dt_s: float) -> None:
         kick = VELOCITY_WALK * math.sqrt(dt_s)
@@ -178,7 +195,7 @@ class Estimator:
         (e_n, e_e), (e_vn, e_ve) = self.error, self._velocity_error
         return FlightState(
             truth.time_s,
-            (north + e_n, east + e_e, down),
+            (north + e_n, east + e_e, down + self._jumped[2]),
             (v_n + e_vn, v_e + e_ve, v_d),
             truth.attitude,
             truth.euler,

@@ -10,7 +10,7 @@ Left out so far: MAVLink FTP, events.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import ClassVar
 
 from companion.mavlink import ftp
@@ -30,6 +30,7 @@ from sitl.link.streams import Streams
 from sitl.link.telemetry.system import status
 from sitl.link.vehicle import SimulatedVehicle
 from sitl.results import MavResult
+from sitl.world.faults import ANSWERS, Answer
 
 AUTOPILOT = 1  # MAV_COMP_ID_AUTOPILOT1
 LISTED_PER_STEP = 5  # of a parameter list: 140 take 0.1 s
@@ -91,14 +92,22 @@ class AutopilotComponent:
         vehicle: the owner keeps `vehicle.state` current.
         links: those with somebody at the other end.
         router: knows where a ground station listens.
+        answers: how a MAV_CMD is taken, other than it would be; read with every command.
     """
 
     def __init__(
-        self, system: int, vehicle: SimulatedVehicle, links: frozenset[LinkName], router: Router
+        self,
+        system: int,
+        vehicle: SimulatedVehicle,
+        links: frozenset[LinkName],
+        router: Router,
+        answers: Mapping[int, Answer],
     ) -> None:
         self.address = (system, AUTOPILOT)
         self._vehicle = vehicle
         self._router = router
+        self._answers = answers
+        self._late: list[tuple[float, AutopilotLink, Message]] = []
         self._out: Outgoing = []
         self._links = {
             name: AutopilotLink(name, system, vehicle, self._out)
@@ -137,6 +146,10 @@ class AutopilotComponent:
                 self._list_parameters(link)
             for name in link.streams.due(now_s):
                 link.stream(name)
+        for due_s, link, message in self._late:
+            if due_s <= now_s:
+                link.send(message)
+        self._late = [late for late in self._late if late[0] > now_s]
         self._send_status_texts()
         return self.flush()
 
@@ -166,7 +179,6 @@ class AutopilotComponent:
 
     def _command(self, link: AutopilotLink, message: Message) -> None:
         request = request_from(message)
-        result = execute(link, request)
         system, component = source(message)
 
         def answer(value: MavResult) -> Message:
@@ -174,6 +186,14 @@ class AutopilotComponent:
                 request.command, value, 0, 0, system, component
             )
 
+        if request.command in self._answers:
+            answering = ANSWERS[self._answers[request.command]]
+            if answering.has_effect:
+                execute(link, request)
+            now_s = self._vehicle.state.time_s
+            self._late += [(now_s + s, link, answer(each)) for s, each in answering.results]
+            return
+        result = execute(link, request)
         if request.command in ACCEPTED_FIRST:
             link.send(answer(MavResult.ACCEPTED))
             link.next_step.append(answer(result))

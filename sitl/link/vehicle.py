@@ -21,6 +21,7 @@ class SimulatedVehicle:
         origin: of the local frame.
         battery: reads the gauge.
         estimator: makes the state, and tells how good it is.
+        booted_s: when the autopilot was started last.
     """
 
     autopilot: Autopilot
@@ -29,13 +30,14 @@ class SimulatedVehicle:
     sensors: Sensors
     battery: Callable[[], BatteryStatus]
     estimator: Estimator
+    booted_s: float = 0.0
 
     @property
     def boot_ms(self) -> int:
-        """Time since start, ms."""
-        return round(self.state.time_s * 1e3)
+        """Time since the autopilot was started, ms."""
+        return round((self.state.time_s - self.booted_s) * 1e3)
 
     @property
     def boot_us(self) -> int:
-        """Time since start, us."""
-        return round(self.state.time_s * 1e6)
+        """Time since the autopilot was started, us."""
+        return round((self.state.time_s - self.booted_s) * 1e6)

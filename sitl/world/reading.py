@@ -144,6 +144,10 @@ def _check_effects(
         )
     if entry.operator is not None:
         command_number(entry.operator, document, "happens", i, "operator")
+    if entry.answer is not None:
+        command_number(entry.answer.command, document, "happens", i, "answer", "command")
+    if entry.battery and entry.battery.charge is None and entry.battery.known is None:
+        raise MissionError("battery needs charge or known", document.where("happens", i, "battery"))
     if entry.gps and entry.gps.lost is None and entry.gps.noise_m is None:
         raise MissionError("gps needs lost or noise_m", document.where("happens", i, "gps"))
 

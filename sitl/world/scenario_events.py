@@ -14,7 +14,9 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from companion.geometry import Ned, ned_from_enu
+from companion.mavlink.framing import dialect
 from sitl.results import MavResult
+from sitl.world.faults import Answer, Direction, LinkQuality, Port, Reboot
 from sitl.world.payload import PayloadAnswer
 from sitl.world.visits import Circle, VisitCounter
 
@@ -36,8 +38,8 @@ class EffectReceiver(Protocol):
     def place_obstacle(self, name: str, is_present: bool) -> None:
         """Puts an obstacle there or takes it away."""
 
-    def set_charge(self, charge: float) -> None:
-        """The battery's state of charge, 0 to 1."""
+    def set_battery(self, charge: float | None, is_known: bool | None) -> None:
+        """The battery's state of charge, 0 to 1, and whether it is known; None leaves it."""
 
     def set_gps(self, is_lost: bool | None, noise_m: float | None) -> None:
         """The quality of GPS; None leaves it as it is."""
@@ -48,6 +50,20 @@ class EffectReceiver(Protocol):
     def send_operator_command(self, command: str) -> None:
         """The operator sends the companion a MAV_CMD."""
 
+    def set_link_quality(
+        self, port: Port | None, direction: Direction | None, quality: LinkQuality
+    ) -> None:
+        """What a link does to datagrams; a port or direction of None is both."""
+
+    def jump_estimate(self, by: Ned) -> None:
+        """The estimated position steps, NED."""
+
+    def reboot(self, reboot: Reboot) -> None:
+        """The autopilot restarts."""
+
+    def set_answer(self, command: int, answer: Answer | None) -> None:
+        """How the autopilot takes a MAV_CMD from now on; None is as it should."""
+
 
 EFFECTS: Mapping[str, Callable[[EffectReceiver, Any], None]] = {
     "target": lambda world, value: world.show_target(value == "seen"),
@@ -56,10 +72,20 @@ EFFECTS: Mapping[str, Callable[[EffectReceiver, Any], None]] = {
     ),
     "wind": lambda world, value: world.set_wind(ned_from_enu(value.east_mps, value.north_mps, 0.0)),
     "obstacle": lambda world, value: world.place_obstacle(value.name, value.present),
-    "battery": lambda world, value: world.set_charge(value.charge),
+    "battery": lambda world, value: world.set_battery(value.charge, value.known),
     "gps": lambda world, value: world.set_gps(value.lost, value.noise_m),
     "arming": lambda world, value: world.refuse_arming(value.refused),
     "operator": lambda world, value: world.send_operator_command(value),
+    "link": lambda world, value: world.set_link_quality(
+        value.port,
+        value.direction,
+        LinkQuality(value.loss, value.doubled, value.delay_s, value.jitter_s),
+    ),
+    "estimate": lambda world, value: world.jump_estimate(
+        ned_from_enu(value.east_m, value.north_m, value.up_m)
+    ),
+    "reboot": lambda world, value: world.reboot(Reboot(value.silent_s, value.recovers)),
+    "answer": lambda world, value: world.set_answer(getattr(dialect, value.command), value.answer),
 }
 """Key in the scenario -> what it does with the key's value."""
 

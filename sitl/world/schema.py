@@ -12,6 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from companion.geometry import FAR_M
 from companion.vehicle_files import VehicleEntry, VehicleKey
+from sitl.world.faults import Answer, Direction, Port
 
 ResultName = Literal["ACCEPTED", "TEMPORARILY_REJECTED", "DENIED", "FAILED"]
 
@@ -170,9 +171,10 @@ class ObstacleEventModel(_Strict):
 
 
 class BatteryEventModel(_Strict):
-    """The battery's charge jumps."""
+    """The battery's charge jumps, or is not known; what is left out stays."""
 
-    charge: Charge
+    charge: Annotated[float | None, _described("state of charge, 0 to 1", ge=0, le=1)] = None
+    known: Annotated[bool | None, _described("the gauge is read; false: -1 is told")] = None
 
 
 class GpsEventModel(_Strict):
@@ -191,6 +193,46 @@ class ArmingEventModel(_Strict):
     allowed: Annotated[Literal[True] | None, _described("the refusal ends")] = None
 
 
+Share = Annotated[float, _described("share of the datagrams", ge=0, le=1)]
+Late = Annotated[float, _described("seconds", ge=0, le=60)]
+Jump = Annotated[float, _described("metres", ge=-FAR_M, le=FAR_M)]
+
+
+class LinkEventModel(_Strict):
+    """What a link does to datagrams from now on; what is left out is good."""
+
+    port: Annotated[Port | None, _described("companion: 14540; ground: 14550; else both")] = None
+    direction: Annotated[Direction | None, _described("only in this direction; else in both")] = (
+        None
+    )
+    loss: Annotated[Share, _described("that are lost; 1 cuts the link")] = 0.0
+    doubled: Annotated[Share, _described("that come twice")] = 0.0
+    delay_s: Annotated[Late, _described("each comes so much later")] = 0.0
+    jitter_s: Annotated[Late, _described("and up to this later again, by chance")] = 0.0
+
+
+class EstimateEventModel(_Strict):
+    """The estimated position steps by a vector, and stays off by it."""
+
+    east_m: Jump = 0.0
+    north_m: Jump = 0.0
+    up_m: Jump = 0.0
+
+
+class RebootEventModel(_Strict):
+    """The autopilot restarts: disarmed, its clock at 0."""
+
+    silent_s: Annotated[float, _described("until it is heard again", ge=0, le=600)] = 3.0
+    recovers: Annotated[bool, _described("in the air it holds its place and stays armed")] = False
+
+
+class AnswerEventModel(_Strict):
+    """How the autopilot takes a command from now on."""
+
+    command: Annotated[str, _described("MAV_CMD_... to the autopilot")]
+    answer: Annotated[Answer | None, _described("what it answers; without it, as it should")] = None
+
+
 class ScenarioEventModel(_Strict):
     """One trigger (at_s, place or command) and its effects, once."""
 
@@ -206,12 +248,20 @@ class ScenarioEventModel(_Strict):
     payload: Annotated[PayloadEventModel | None, _described("what it answers from now on")] = None
     wind: Annotated[WindEventModel | None, _described("where the air moves to from now on")] = None
     obstacle: Annotated[ObstacleEventModel | None, _described("one appears or disappears")] = None
-    battery: Annotated[BatteryEventModel | None, _described("its charge jumps")] = None
+    battery: Annotated[
+        BatteryEventModel | None, _described("its charge jumps, or is not known")
+    ] = None
     gps: Annotated[GpsEventModel | None, _described("it is lost, found or noisy")] = None
     arming: Annotated[ArmingEventModel | None, _described("it is refused, or allowed again")] = None
     operator: Annotated[
         str | None, _described("MAV_CMD_... that the operator sends to the companion")
     ] = None
+    link: Annotated[LinkEventModel | None, _described("it loses or delays, or is good")] = None
+    estimate: Annotated[EstimateEventModel | None, _described("the position jumps")] = None
+    reboot: Annotated[RebootEventModel | None, _described("the autopilot restarts")] = None
+    answer: Annotated[AnswerEventModel | None, _described("how the autopilot takes a command")] = (
+        None
+    )
 
 
 class ScenarioModel(_Strict):

@@ -2,7 +2,8 @@
 
 The true map with its obstacles, the target detector, the payload, the lidar and charging pads; the
 schedule of the scenario's events; collisions. All of it knows the truth. An event acts on the
-vehicle by its physics (wind, charge), its estimate (GPS) and its autopilot (arming).
+vehicle by its physics (wind, charge), its estimate (GPS) and its autopilot (arming). What it does
+to links and commands is only kept here, for those who carry and answer them.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from sitl.flight.estimate import Estimator
 from sitl.flight.physics import FlightState, Physics
 from sitl.world.collision import CollisionCounter, is_wreck
 from sitl.world.detector import TargetDetector
+from sitl.world.faults import Answer, Direction, LinkQuality, Port, Reboot
 from sitl.world.lidar import Lidar
 from sitl.world.obstacles import TrueMap
 from sitl.world.payload import Payload, PayloadAnswer
@@ -32,7 +34,7 @@ class World:
         grid: of the map file, None without walls.
         physics: of the vehicle.
         estimator: of the vehicle.
-        autopilot: of the vehicle.
+        autopilot: of the vehicle, at first.
         rng: of the lidar's noise.
 
     Attributes:
@@ -40,6 +42,10 @@ class World:
         is_wreck: the vehicle has fallen over or hit the ground with its body.
         operator_commands: MAV_CMD names that the operator is to send to the companion now; who
             sends them takes them off the list.
+        autopilot: of the vehicle; another one after a reboot.
+        reboots: those that are to be done now; who does them takes them off the list.
+        link_qualities: of the links that are disturbed.
+        answers: how the autopilot takes a MAV_CMD, where it is not as it should be.
     """
 
     def __init__(
@@ -51,7 +57,7 @@ class World:
         autopilot: Autopilot,
         rng: Random,
     ) -> None:
-        self._physics, self._estimator, self._autopilot = physics, estimator, autopilot
+        self._physics, self._estimator, self.autopilot = physics, estimator, autopilot
         self._map = TrueMap(grid, scenario.obstacles)
         self.collisions = CollisionCounter(self._map.grid, scenario.vehicle.radius_m)
         self.detector = TargetDetector(scenario.detector) if scenario.detector else None
@@ -60,6 +66,9 @@ class World:
         self.event_log: list[tuple[float, str]] = []
         self.is_wreck = False
         self.operator_commands: list[str] = []
+        self.reboots: list[Reboot] = []
+        self.link_qualities: dict[tuple[Port, Direction], LinkQuality] = {}
+        self.answers: dict[int, Answer] = {}
         self._schedule = EventSchedule(scenario.events, physics.state.position)
         self._pads = scenario.pads
         self._drains_always = scenario.drains_always
@@ -80,7 +89,7 @@ class World:
 
     def _update_battery(self, state: FlightState) -> None:
         """Charging and draining of the battery; in PX4's simulator it drains while armed."""
-        physics, is_armed = self._physics, self._autopilot.is_armed
+        physics, is_armed = self._physics, self.autopilot.is_armed
         is_draining = is_armed or self._drains_always
         if physics.is_draining != is_draining:
             physics.is_draining = is_draining
@@ -100,7 +109,7 @@ class World:
 
     def _crash(self, state: FlightState, text: str) -> None:
         self.event_log.append((state.time_s, text))
-        self._autopilot.crash(text)
+        self.autopilot.crash(text)
 
     # The effects of events.
 
@@ -125,9 +134,12 @@ class World:
             if self.lidar:
                 self.lidar.set_map(self._map.grid)
 
-    def set_charge(self, charge: float) -> None:
-        """The battery's state of charge, 0 to 1."""
-        self._physics.set_charge(charge)
+    def set_battery(self, charge: float | None, is_known: bool | None) -> None:
+        """The battery's state of charge, 0 to 1, and whether it is known; None leaves it."""
+        if charge is not None:
+            self._physics.set_charge(charge)
+        if is_known is not None:
+            self.autopilot.health.knows_battery = is_known
 
     def set_gps(self, is_lost: bool | None, noise_m: float | None) -> None:
         """The quality of GPS; None leaves it as it is."""
@@ -140,8 +152,34 @@ class World:
 
     def refuse_arming(self, reason: str | None) -> None:
         """Arming is refused for this reason; None allows it."""
-        self._autopilot.refuse_arming(reason)
+        self.autopilot.refuse_arming(reason)
 
     def send_operator_command(self, command: str) -> None:
         """The operator sends the companion a MAV_CMD."""
         self.operator_commands.append(command)
+
+    def set_link_quality(
+        self, port: Port | None, direction: Direction | None, quality: LinkQuality
+    ) -> None:
+        """What a link does to datagrams; a port or direction of None is both."""
+        for each in Port if port is None else (port,):
+            for towards in Direction if direction is None else (direction,):
+                if quality == LinkQuality():
+                    self.link_qualities.pop((each, towards), None)
+                else:
+                    self.link_qualities[each, towards] = quality
+
+    def jump_estimate(self, by: Ned) -> None:
+        """The estimated position steps, NED."""
+        self._estimator.jump(by)
+
+    def reboot(self, reboot: Reboot) -> None:
+        """The autopilot restarts."""
+        self.reboots.append(reboot)
+
+    def set_answer(self, command: int, answer: Answer | None) -> None:
+        """How the autopilot takes a MAV_CMD from now on; None is as it should."""
+        if answer is None:
+            self.answers.pop(command, None)
+        else:
+            self.answers[command] = answer

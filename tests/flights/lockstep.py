@@ -26,6 +26,7 @@ from companion.mavlink.signing import Signing
 from companion.mission.model import Mission
 from companion.motion.grid import OccupancyGrid
 from sitl.link.routing import LinkName
+from sitl.results import MavResult
 from sitl.simulation import Simulation
 from sitl.world.scenario import Scenario
 
@@ -37,6 +38,8 @@ VEHICLE = 1
 """Its system id."""
 COMPANION = 191
 """Its companion's component id."""
+PAYLOAD = 25
+"""Component id of the shipped missions' payloads."""
 SETPOINT = "SET_POSITION_TARGET_LOCAL_NED"
 
 
@@ -118,6 +121,23 @@ class KeptJournal:
 
     def note(self, now_s: float, entry: JournalEntry) -> None:
         self.entries.append((now_s, entry))
+
+
+class AllButFinalAnswers:
+    """Something on the way up that the payload's final answers pass untouched."""
+
+    def __init__(self, air: Air) -> None:
+        self._air = air
+
+    def __call__(self, now_s: float, datagrams: list[bytes]) -> list[bytes]:
+        safe = [d for d in datagrams if is_final_answer(d)]
+        return self._air(now_s, [d for d in datagrams if d not in safe]) + safe
+
+
+def is_final_answer(frame: bytes) -> bool:
+    """COMMAND_ACK (id 77) of the payload, other than IN_PROGRESS; MAVLink 2 trims zeros."""
+    is_payloads_ack = frame[6] == PAYLOAD and frame[7:10] == bytes([77, 0, 0])
+    return is_payloads_ack and frame[12] != MavResult.IN_PROGRESS
 
 
 class Lockstep(Happened):

@@ -11,7 +11,18 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
-from lockstep import Air, Cut, Deaf, Jittery, Lockstep, Lossy, Said, World
+from lockstep import (
+    PAYLOAD,
+    AllButFinalAnswers,
+    Cut,
+    Deaf,
+    Jittery,
+    Lockstep,
+    Lossy,
+    Said,
+    World,
+    is_final_answer,
+)
 
 from companion.acting import authority
 from companion.app import Companion
@@ -35,7 +46,6 @@ from companion.vehicle.port import hold_at
 from sitl.results import MavResult
 from sitl.world.payload import PayloadAnswer, PayloadSite
 
-PAYLOAD = 25
 COM_OF_LOSS_T_S = 1.0  # of the simulated airframe
 
 Start = Callable[..., Lockstep]
@@ -222,23 +232,6 @@ def test_a_vehicle_that_is_silent_for_ever_ends_the_run(
     silence = "no position from the vehicle for 60 s"
     assert flight.ending == RunFailed(silence, LinkError.exit_code)
     assert flight.simulation.mode == "AUTO.LOITER"
-
-
-class AllButFinalAnswers:
-    """Something on the way up that the payload's final answers pass untouched."""
-
-    def __init__(self, air: Air) -> None:
-        self._air = air
-
-    def __call__(self, now_s: float, datagrams: list[bytes]) -> list[bytes]:
-        safe = [d for d in datagrams if is_final_answer(d)]
-        return self._air(now_s, [d for d in datagrams if d not in safe]) + safe
-
-
-def is_final_answer(frame: bytes) -> bool:
-    """COMMAND_ACK (id 77) of the payload, other than IN_PROGRESS; MAVLink 2 trims zeros."""
-    is_payloads_ack = frame[6] == PAYLOAD and frame[7:10] == bytes([77, 0, 0])
-    return is_payloads_ack and frame[12] != MavResult.IN_PROGRESS
 
 
 @pytest.mark.parametrize("seed", range(4))

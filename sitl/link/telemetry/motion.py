@@ -92,7 +92,7 @@ def vfr_hud(v: SimulatedVehicle) -> Fields:
 
 
 def odometry(v: SimulatedVehicle) -> Fields:
-    """ODOMETRY: pose in local NED, velocities along the body's axes."""
+    """ODOMETRY: pose in local NED, velocities along the body's axes; resets of the position."""
     return (
         v.boot_us,
         LOCAL_NED,
@@ -103,7 +103,7 @@ def odometry(v: SimulatedVehicle) -> Fields:
         *v.state.rates,
         UNKNOWN_COVARIANCE,
         UNKNOWN_COVARIANCE,
-        0,
+        v.estimator.resets % 256,
         8,  # MAV_ESTIMATOR_TYPE_AUTOPILOT
     )
 

@@ -55,20 +55,25 @@ def sys_status(v: SimulatedVehicle) -> Fields:
     unhealthy = (_GPS if v.autopilot.is_position_lost else 0) | (
         _GEOFENCE if v.autopilot.is_fence_breached else 0
     )
+    battery = (
+        (round(v.state.voltage_v * 1e3), _centiamperes(v.state.current_a), _percent(v.state.charge))
+        if v.autopilot.health.knows_battery
+        else (UNKNOWN_16, -1, -1)
+    )
     return (
         _SENSORS | _PREARM_CHECK,
         _SENSORS | _PREARM_CHECK,
         _SENSORS & ~unhealthy | ready,
         0,
-        round(v.state.voltage_v * 1e3),
-        _centiamperes(v.state.current_a),
-        _percent(v.state.charge),
+        *battery,
         *(0,) * 6,
     )
 
 
 def battery_status(v: SimulatedVehicle) -> Fields:
-    """BATTERY_STATUS of the one lithium polymer pack."""
+    """BATTERY_STATUS of the one lithium polymer pack; of a gauge that is not read, nothing."""
+    if not v.autopilot.health.knows_battery:
+        return (0, 1, 1, 32767, [UNKNOWN_16] * FULL_VOLTAGES, -1, -1, -1, -1, 0, 0)
     gauge = v.battery()
     cell_mv = round(v.state.voltage_v / CELLS * 1e3)
     return (
@@ -125,7 +130,7 @@ def flight_information(v: SimulatedVehicle) -> Fields:
 
 def ping(v: SimulatedVehicle) -> Fields:
     """PING to everybody, numbered by the second."""
-    return (v.boot_us, int(v.state.time_s), 0, 0)
+    return (v.boot_us, v.boot_us // 1_000_000, 0, 0)
 
 
 def timesync(v: SimulatedVehicle) -> Fields:

@@ -69,6 +69,18 @@ def test_a_fall_is_seen_before_the_heartbeat_that_tells_of_the_disarming() -> No
     assert watch([*seconds(FLYING, 1.0), *fall, *seconds(DONE, 2.0)]) is Crash.FALL
 
 
+def test_a_clock_that_begins_anew_is_no_impact() -> None:
+    """After a reboot of the autopilot; 3 s later its clock says again what it said before."""
+    watch, crash = CrashWatch(VehicleProfile()), None
+    for tick in range(140):
+        now_s = TICK_S * tick
+        before = now_s < 3.0
+        state = replace(FLYING, velocity=(2.0 if before else 0.0, 0.0, 0.0))
+        measured_s = now_s if before else now_s - 3.0
+        crash = watch.step(now_s, replace(state, stamp_s=now_s, measured_s=measured_s))
+    assert crash is None
+
+
 def test_a_wall_stops_the_vehicle_at_once_and_brakes_do_not() -> None:
     cruise = list(at([(2.0, 0.0, 0.0)] * 20))
     assert watch([*cruise, *seconds(FLYING, 1.0)]) is Crash.IMPACT

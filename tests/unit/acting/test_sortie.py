@@ -110,7 +110,8 @@ def test_a_landing_that_fails_leaves_the_failure_and_ends() -> None:
     run = SortieRig(SHORT)
     run.vehicle.script[Goal.LANDED] = (1.0, Failed("not landed"))
     run.until(Phase.ENDED)
-    assert run.end == aborted("not landed")
+    left = "setpoints end, so that the autopilot's offboard-loss failsafe takes the vehicle"
+    assert run.end == aborted(f"not landed; {left}")
 
 
 def test_the_first_failure_is_the_one_that_counts() -> None:

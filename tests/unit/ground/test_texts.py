@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from companion.flight_events.hosting import MissionReady, MissionUnreadable, UploadChecked
 from companion.flight_events.plans import LineDropped, LineTakenUp, NoPlanFound
 from companion.flight_events.skills import PlaceReached, SkillFailed
-from companion.flight_events.sortie import RunFailed, TaskSatisfied
+from companion.flight_events.sortie import GoalFailed, RunFailed, TaskSatisfied
 from companion.flight_events.word import ConjunctViolated
 from companion.ground.texts import LONGEST, MESSAGE_S, PATIENCE_S, StatusTextQueue, severity
 from companion.mavlink.framing import dialect
@@ -42,6 +42,10 @@ def together(messages: list[Any]) -> list[str]:
 def test_a_failed_run_is_critical_and_a_satisfied_one_a_notice() -> None:
     assert severity(TaskSatisfied()) == dialect.MAV_SEVERITY_NOTICE
     assert severity(RunFailed("lost", exit_code=5)) == dialect.MAV_SEVERITY_CRITICAL
+
+
+def test_a_goal_that_is_not_reached_is_a_warning() -> None:
+    assert severity(GoalFailed("not landed: denied")) == WARNING
 
 
 def test_what_is_worse_has_the_smaller_number() -> None:

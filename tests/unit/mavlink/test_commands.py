@@ -283,4 +283,5 @@ def test_whatever_is_answered_the_talk_ends_and_nothing_is_sent_after(
 
 def test_results_in_words() -> None:
     assert result_name(dialect.MAV_RESULT_TEMPORARILY_REJECTED) == "TEMPORARILY_REJECTED"
+    assert result_name(6) == "CANCELLED"
     assert result_name(99) == "result 99"

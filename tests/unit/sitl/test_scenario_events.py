@@ -135,6 +135,10 @@ def test_what_a_component_does_not_know_is_unsupported(component: int) -> None:
         ("{at_s: 1, gps: {}}", "lost or noise_m"),
         ("{at_s: 1, winds: {east_mps: 1}}", "wind"),
         ("{at_s: 1, operator: MAV_CMD_USR_1}", "MAV_CMD_USER_1"),
+        ("{at_s: 1, battery: {}}", "charge or known"),
+        ("{at_s: 1, link: {loss: 2}}", "loss"),
+        ("{at_s: 1, answer: {command: MAV_CMD_USR_1, answer: DENIED}}", "MAV_CMD_USER_1"),
+        ("{at_s: 1, answer: {command: MAV_CMD_USER_1, answer: NO}}", "NO_ANSWER"),
     ],
 )
 def test_mistakes_are_placed_and_explained(event: str, part: str) -> None:
@@ -157,3 +161,9 @@ def test_the_example_of_the_documentation_flies() -> None:
     wire.run(2.1)
     event_log = [(1.0, "wind: east_mps 2.0"), (2.0, "obstacle: name crate, present True")]
     assert wire.simulation.event_log == event_log
+
+
+def test_the_faults_of_the_documentation_are_read() -> None:
+    page = (MISSIONS.parent / "docs" / "scenario.md").read_text()
+    text = "version: 1\n" + page.split("```yaml\n")[2].split("```")[0]
+    assert len(parse_scenario(text, MISSIONS / "example.sim.yaml").events) == 6

@@ -18,6 +18,7 @@ from autopilot import (
 )
 
 from companion.mavlink.framing import dialect
+from companion.vehicle.goals import EFFECT_S
 from companion.vehicle.offboard import ASK_AGAIN_S
 from companion.vehicle.port import Failed, Goal, Mode, Progress, Setpoint, Takeover
 
@@ -73,8 +74,35 @@ def test_a_goal_is_reached_when_it_is_observed_and_not_when_it_is_accepted(
 def test_a_goal_that_is_never_observed_fails_in_its_time(meeting: Meeting) -> None:
     meeting.autopilot.is_idle = True
     outcome = meeting.pursue(Goal.ARMED)
-    assert outcome == Failed("not armed after 20 s")
-    assert meeting.now_s == pytest.approx(20.0, abs=0.2)
+    assert outcome == Failed("not armed after 12 s")
+    assert meeting.now_s == pytest.approx(EFFECT_S, abs=0.2)
+
+
+def test_a_vehicle_on_its_way_has_all_of_its_time(meeting: Meeting) -> None:
+    """The limit is for nothing that happens."""
+    meeting.pursue(Goal.ARMED)
+    meeting.autopilot.is_idle = True
+    begun_s = meeting.now_s
+    meeting.tick(act=lambda: meeting.vehicle.pursue(Goal.AIRBORNE))
+    meeting.autopilot.mode = "AUTO.TAKEOFF"
+    assert meeting.pursue(Goal.AIRBORNE) == Failed("not airborne after 60 s")
+    meeting.autopilot.mode = "AUTO.LOITER"
+    assert meeting.now_s - begun_s == pytest.approx(60.0, abs=0.2)
+    begun_s = meeting.now_s
+    assert meeting.pursue(Goal.AIRBORNE) == Failed("not airborne after 12 s")
+    assert meeting.now_s - begun_s == pytest.approx(EFFECT_S, abs=0.2)
+
+
+def test_a_command_that_was_not_answered_is_not_repeated_once_it_has_its_effect(
+    meeting: Meeting,
+) -> None:
+    meeting.pursue(Goal.ARMED)
+    meeting.autopilot.results[TAKE_OFF] = [None]
+    act = lambda: meeting.vehicle.pursue(Goal.AIRBORNE)  # noqa: E731
+    assert len(of_type(meeting.run(1.2, act=act), "COMMAND_LONG")) == 3
+    meeting.autopilot.mode = "AUTO.TAKEOFF"
+    meeting.tick(act=act)
+    assert of_type(meeting.run(8.0, act=act), "COMMAND_LONG") == []
 
 
 def test_no_answer_at_all_fails_after_silence(meeting: Meeting) -> None:
@@ -126,10 +154,10 @@ def test_a_goal_that_has_failed_may_be_pursued_again(meeting: Meeting) -> None:
 
 def test_a_goal_that_was_not_reached_in_its_time_has_all_of_it_again(meeting: Meeting) -> None:
     meeting.autopilot.is_idle = True
-    assert meeting.pursue(Goal.ARMED) == Failed("not armed after 20 s")
+    assert meeting.pursue(Goal.ARMED) == Failed("not armed after 12 s")
     first_s = meeting.now_s
-    assert meeting.pursue(Goal.ARMED) == Failed("not armed after 20 s")
-    assert meeting.now_s - first_s == pytest.approx(20.0, abs=0.2)
+    assert meeting.pursue(Goal.ARMED) == Failed("not armed after 12 s")
+    assert meeting.now_s - first_s == pytest.approx(EFFECT_S, abs=0.2)
 
 
 def test_a_new_goal_ends_the_command_of_the_old_one(meeting: Meeting) -> None:

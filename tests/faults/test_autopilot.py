@@ -1,0 +1,107 @@
+"""The autopilot reboots in flight, its estimate jumps, its battery is not known."""
+
+from __future__ import annotations
+
+from random import Random
+
+import pytest
+from campaign import actions, fly, shipped, sweep, undisturbed, world
+from lockstep import Lockstep
+from synthetic import mission
+
+from companion.errors import Aborted
+from companion.flight_events.sortie import Phase, PhaseEntered, RunEnded, TaskSatisfied
+from companion.geometry import Ned, distance
+from companion.mavlink.framing import dialect
+from companion.vehicle_profile import VehicleProfile
+from sitl.world.scenario import read_scenario
+
+pytestmark = pytest.mark.faults
+
+SURVEILLANCE, PATROL = "surveillance", "persistent_patrol"
+TOLD_WITHIN_S = 3.0
+TASK_S, LANDING_S = 5.0, 60.0
+"""Within these times the surveillance mission flies its task."""
+ROOM = mission("F (at(A) & F (at(B) & F (at(C) & F at(H))))", "HABC")
+
+
+# -- reboot ----------------------------------------------------------------------------------------
+
+
+def rebooted_flight(at_s: float, silent_s: float, recovers: bool) -> Lockstep:
+    """The surveillance mission until 10 s after the autopilot is heard again."""
+    reboot = {"at_s": at_s, "reboot": {"silent_s": silent_s, "recovers": recovers}}
+    return Lockstep(shipped(SURVEILLANCE), world(SURVEILLANCE, reboot)).run_for(
+        at_s + silent_s + 10.0
+    )
+
+
+@pytest.mark.parametrize("recovers", [True, False])
+@pytest.mark.parametrize(
+    ("silent_s", "seed"),
+    sweep((0.3, 1.0, 3.0, 8.0), range(10), few=lambda silent_s, seed: (silent_s, seed) == (3.0, 0)),
+)
+def test_a_reboot_during_the_task_ends_the_run(silent_s: float, seed: int, recovers: bool) -> None:
+    """Told within 3 s of the first that is heard again; nothing is sent from then on."""
+    at_s = Random(f"reboot {seed}").uniform(TASK_S, LANDING_S - 10.0)
+    flight = rebooted_flight(at_s, silent_s, recovers)
+    heard_s = at_s + silent_s
+    assert flight.exit_code == Aborted.exit_code
+    told_s = flight.time_of(RunEnded)
+    assert told_s <= heard_s + TOLD_WITHIN_S
+    assert [c for c in flight.commands if c.time_s > at_s + 0.1] == []
+    assert [s for s in flight.setpoints if s.time_s > told_s] == []
+    assert flight.armings == 1
+
+
+@pytest.mark.parametrize("recovers", [True, False])
+@pytest.mark.parametrize("silent_s", [0.3, 3.0])
+@pytest.mark.parametrize("phase", [Phase.ARMING, Phase.TAKE_OFF, Phase.OFFBOARD, Phase.LANDING])
+def test_nothing_arms_by_itself_after_a_reboot(
+    phase: Phase, silent_s: float, recovers: bool
+) -> None:
+    at_s = undisturbed(SURVEILLANCE).time_of(PhaseEntered, phase=phase) + 0.5
+    flight = rebooted_flight(at_s, silent_s, recovers)
+    arming = dialect.MAV_CMD_COMPONENT_ARM_DISARM
+    assert [c for c in flight.commands if c.time_s > at_s and c.message.command == arming] == []
+    assert flight.armings == 1
+    if not recovers:
+        assert flight.time_of(RunEnded) <= at_s + silent_s + TOLD_WITHIN_S
+
+
+# -- estimate --------------------------------------------------------------------------------------
+
+
+def jump(seed: int) -> Ned:
+    """A step of the estimate: up to 1 m to each side, and half a metre up or down."""
+    chance = Random(f"jump {seed}")
+    return (chance.uniform(-1, 1), chance.uniform(-1, 1), chance.uniform(-0.5, 0.5))
+
+
+@pytest.mark.parametrize("seed", sweep(range(30), few=lambda seed: seed < 4))
+def test_a_jump_of_the_estimate_changes_no_action(seed: int) -> None:
+    """In an empty room: each place is reached as estimated, and no setpoint is far from there."""
+    north_m, east_m, up_m = jump(seed)
+    at_s = Random(f"when {seed}").uniform(6.0, 20.0)
+    off = {"at_s": at_s, "estimate": {"north_m": north_m, "east_m": east_m, "up_m": up_m}}
+    flight = Lockstep(ROOM, read_scenario({"version": 1, "happens": [off]}), seed=seed)
+    positions: dict[float, Ned] = {}
+    while not flight.companion.has_ended:
+        flight.tick()
+        positions[flight.now_s] = flight.simulation._vehicle.state.position
+    assert flight.ending == TaskSatisfied()
+    assert flight.places == ["A", "B", "C", "H"]
+    farthest_m = VehicleProfile().carrot_m
+    for said in flight.setpoints:
+        sent = (said.message.x, said.message.y, said.message.z)
+        assert distance(sent, positions[said.time_s]) < farthest_m + 0.2
+
+
+# -- battery ---------------------------------------------------------------------------------------
+
+
+def test_a_battery_that_is_not_known_is_neither_full_nor_empty() -> None:
+    """The patrol recharges below 30 %: not for -1 %."""
+    unknown = {"at_s": 3, "battery": {"known": False}}
+    flight = fly(PATROL, unknown, {"at_s": 20, "battery": {"known": True}})
+    assert actions(flight) == actions(undisturbed(PATROL))

@@ -1,0 +1,71 @@
+"""Links that lose, double, delay and reorder: the same actions, and each command once."""
+
+from __future__ import annotations
+
+import pytest
+from campaign import actions, fly, modes, sweep, undisturbed
+from lockstep import PAYLOAD, AllButFinalAnswers, Lockstep, Lossy
+
+from companion.errors import Aborted
+from companion.flight_events.sortie import RunFailed
+from sitl.results import MavResult
+
+pytestmark = pytest.mark.faults
+
+SURVEILLANCE, PATROL = "surveillance", "persistent_patrol"
+SHARES = (0.05, 0.1, 0.2, 0.3)
+SEEDS = range(10)
+
+
+def assert_flown_as_without(flight: Lockstep, mission: str) -> None:
+    """The same actions; every command of ours has had its effect once."""
+    expected = undisturbed(mission)
+    assert actions(flight) == actions(expected)
+    assert modes(flight) == modes(expected)
+    assert flight.armings == expected.armings
+    assert final_answers(flight) == final_answers(expected)
+    assert flight.simulation.collisions == 0
+
+
+def final_answers(flight: Lockstep) -> list[int]:
+    """Of the payload: one for each time that it did something."""
+    return [
+        said.message.result
+        for said in flight.acknowledged
+        if said.message.get_srcComponent() == PAYLOAD
+        and said.message.result != MavResult.IN_PROGRESS
+    ]
+
+
+@pytest.mark.parametrize(("share", "seed"), sweep(SHARES, SEEDS, few=lambda _, seed: seed == 0))
+def test_loss_with_a_payload(share: float, seed: int) -> None:
+    """Its final answers pass: the command protocol sends them once, and a lost one is a failure."""
+    up, down = AllButFinalAnswers(Lossy(share, seed)), Lossy(share, 100 + seed)
+    assert_flown_as_without(fly(SURVEILLANCE, seed=seed, up=up, down=down), SURVEILLANCE)
+
+
+@pytest.mark.parametrize(
+    ("share", "seed"), sweep(SHARES, SEEDS, few=lambda share, seed: (share, seed) == (0.2, 0))
+)
+def test_loss_with_three_landings(share: float, seed: int) -> None:
+    lossy = {"at_s": 0, "link": {"port": "companion", "loss": share}}
+    assert_flown_as_without(fly(PATROL, lossy, seed=seed), PATROL)
+
+
+@pytest.mark.parametrize(
+    ("mission", "seed"),
+    sweep((SURVEILLANCE, PATROL), SEEDS, few=lambda name, seed: (name, seed) == (SURVEILLANCE, 0)),
+)
+def test_jitter_reorders_and_datagrams_come_twice(mission: str, seed: int) -> None:
+    shaken = {"at_s": 0, "link": {"port": "companion", "doubled": 0.2, "jitter_s": 0.2}}
+    assert_flown_as_without(fly(mission, shaken, seed=seed), mission)
+
+
+def test_a_blackout_of_three_seconds_ends_the_run_with_the_failsafe() -> None:
+    """PX4 holds 1 s after the last setpoint; what is heard then is a failsafe that has control."""
+    cut = {"at_s": 10, "link": {"port": "companion", "loss": 1}}
+    flight = fly(SURVEILLANCE, cut, {"at_s": 13, "link": {}})
+    why = "a failsafe of the autopilot has control, in AUTO.LOITER"
+    assert flight.ending == RunFailed(why, Aborted.exit_code)
+    assert flight.now_s == pytest.approx(13.0, abs=0.3)
+    assert flight.simulation.mode == "AUTO.LOITER"
