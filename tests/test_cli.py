@@ -57,6 +57,7 @@ def free_port() -> int:
     return port
 
 
+SIGNING = ("--signing-key", "--unsigned-vehicle")
 OPTIONS = {
     "check": ["--within", "--json", "--verbose"],
     "plan": [
@@ -68,6 +69,7 @@ OPTIONS = {
     "run": [
         *(
             "--connect",
+            *SIGNING,
             "--accept-weak-failsafes",
             "--wait",
             "--resume",
@@ -84,8 +86,9 @@ OPTIONS = {
     ],
     "audit": ["--json"],
     "replay": ["--port", "--open"],
-    "upload": ["--connect", "--start", "--timeout", "--verbose"],
-    "watch": ["--connect", "--timeout", "--verbose"],
+    "upload": ["--connect", *SIGNING, "--start", "--timeout", "--verbose"],
+    "key": [],
+    "watch": ["--connect", *SIGNING, "--timeout", "--verbose"],
 }
 
 

@@ -18,6 +18,7 @@ import psutil
 from scipy import ndimage
 
 from benches import MISSION, ROOT, Row, timed
+from companion.acting.journal import Journal, NoJournal
 from companion.api.simulating import lockstep, world_of
 from companion.flight_events.event import Stamped
 from companion.geometry import Ned
@@ -51,6 +52,7 @@ class Flight:
 
     end_s: float = 0.0
     datagrams: list[bytes] = field(default_factory=list)
+    journal: Journal = field(default_factory=NoJournal)
 
     def report(self, stamped: Stamped) -> None:
         """Events are not needed."""

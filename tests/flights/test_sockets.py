@@ -163,7 +163,7 @@ def recorded(log_dir: Path) -> list[FlightEvent]:
 
     On a busy machine the gate may hold the vehicle for a moment; that is left out.
     """
-    (folder,) = log_dir.iterdir()
+    (folder,) = (entry for entry in log_dir.iterdir() if not entry.is_symlink())
     lines = (folder / "events.jsonl").read_text(encoding="utf-8").splitlines()
     events = [read_line(line).event for line in lines]
     return [e for e in events if e.is_told and not isinstance(e, SetpointRefused)]
