@@ -18,7 +18,7 @@ from companion.motion.grid import OccupancyGrid
 from sitl.autopilot.autopilot import Autopilot
 from sitl.autopilot.parameters import Parameters, vehicle_defaults
 from sitl.autopilot.reboot import rebooted
-from sitl.flight.airframes import AIRFRAMES
+from sitl.flight.airframes import AIRFRAMES, Airframe
 from sitl.flight.estimate import Estimator
 from sitl.flight.physics import FlightState, Physics
 from sitl.flight.sensors import Sensors
@@ -73,17 +73,7 @@ class Simulation:
         self._signing = signing
         self._system = system = 1 + instance
         self._airframe = airframe = AIRFRAMES[scenario.airframe]
-        self._physics = Physics(
-            dt_s=DT_S,
-            origin=scenario.home,
-            start=scenario.start,
-            yaw_rad=scenario.yaw_rad,
-            charge=scenario.charge,
-            wind=scenario.wind,
-            linear_drag_n_per_mps=airframe.linear_drag_n_per_mps,
-            turbulence_mps=scenario.turbulence_mps,
-            seed=seed,
-        )
+        self._physics = _physics(scenario, airframe, seed)
         self._truth = state = self._physics.state
         self._estimator = Estimator(Random(f"estimate {seed}"), wander=scenario.wander)
         self._sensors = Sensors(scenario.home, Random(f"sensors {seed}"), state)
@@ -259,6 +249,20 @@ class Simulation:
     def _route(self, packed: list[PackedMessage], out: Outgoing) -> None:
         for message, frame in packed:
             out += [(to, frame) for to in self._router.destinations(message, None)]
+
+
+def _physics(scenario: Scenario, airframe: Airframe, seed: int) -> Physics:
+    return Physics(
+        dt_s=DT_S,
+        origin=scenario.home,
+        start=scenario.start,
+        yaw_rad=scenario.yaw_rad,
+        charge=scenario.charge,
+        wind=scenario.wind,
+        linear_drag_n_per_mps=airframe.linear_drag_n_per_mps,
+        turbulence_mps=scenario.turbulence_mps,
+        seed=seed,
+    )
 
 
 def _onboard_components(system: int, world: World, scenario: Scenario) -> list[OnboardComponent]:

@@ -14,6 +14,7 @@ from statistics import median
 from typing import Any
 
 from benches import ROOT, Row
+from companion.acting.journal import Journal, NoJournal
 from companion.app import Companion
 from companion.clock import ScaledClock
 from companion.driving import fly
@@ -63,6 +64,7 @@ class Answers(UdpLink):
         super().__init__(Endpoint(True, HOST, PORT))
         self.is_flown = threading.Event()
         self.times_s: list[float] = []
+        self.journal: Journal = NoJournal()
         self._is_replanned = self._is_due = False
 
     def report(self, stamped: Stamped) -> None:
@@ -104,14 +106,16 @@ def answering(runs: int) -> Iterator[Row]:
         assert sitl.stdout is not None
         sitl.stdout.readline(), sitl.stdout.readline()  # the ports are open
         link = Answers()
-        companion = Asked(load_mission(PATROL), link, accepts_weak_failsafes=True)
         asked: list[tuple[bool, float]] = []
-        asking = threading.Thread(target=ask, args=(companion, link, max(3, runs // 2), asked))
-        asking.start()
         try:
+            companion = Asked(load_mission(PATROL), link, accepts_weak_failsafes=True)
+            asking = threading.Thread(
+                target=ask, args=(companion, link, max(3, runs // 2), asked), daemon=True
+            )
+            asking.start()
             fly(companion, link, ScaledClock(), 30.0)
-        finally:
             asking.join()
+        finally:
             gc.unfreeze()
             link.close()
             sitl.terminate()

@@ -13,6 +13,7 @@ from time import thread_time
 from benches import Row, timed
 from benches.shipped import shipped
 from companion.acting.flight import TICK_S
+from companion.acting.journal import Journal, NoJournal
 from companion.app import Companion
 from companion.flight_events.event import Stamped
 from companion.flight_events.sortie import Phase, PhaseEntered, ReturnBegun
@@ -45,6 +46,7 @@ class Tracking:
     setpoint: Ned | None = None
     told_mps: float = 0.0
     ear: MavlinkCodec = field(default_factory=lambda: MavlinkCodec(0, 0))
+    journal: Journal = field(default_factory=NoJournal)
 
     def report(self, stamped: Stamped) -> None:
         """The task lasts until something else is flown than its plan."""
