@@ -96,9 +96,9 @@ def timed_steps(companion: Companion) -> list[float]:
     ticks_s: list[float] = []
     step = companion.step
 
-    def timed_step(now_s: float, datagrams: list[bytes]) -> list[bytes]:
+    def timed_step(now_s: float, datagrams: list[bytes], is_tick: bool = True) -> list[bytes]:
         start_s = thread_time()
-        packets = step(now_s, datagrams)
+        packets = step(now_s, datagrams, is_tick)
         if companion.system_status is SystemStatus.ACTIVE:
             ticks_s.append(thread_time() - start_s)
         return packets

@@ -6,6 +6,7 @@ import gc
 import subprocess
 import sys
 from collections.abc import Iterator
+from functools import partial
 from statistics import median
 from time import perf_counter
 
@@ -83,7 +84,7 @@ def replanning(runs: int) -> Iterator[Row]:
 
 
 def _phase(name: str, planner: Planner, problems: list[Asked]) -> Iterator[Row]:
-    passed = [ms for asked in problems for ms in timed(lambda a=asked: planner.replan(*a), 1)]
+    passed = [ms for asked in problems for ms in timed(partial(planner.replan, *asked), 1)]
     yield from _rows(name, passed, _peer_ms(problems[0]))
 
 
