@@ -178,7 +178,7 @@ FAST = "not flight and not slow and not alone and not sockets and not long"
             [],
             [
                 *CHECKS,
-                f"{ALL_CORES}not alone and not sockets and not long",
+                f"{ALL_CORES}not alone and not sockets and not long and not soak",
                 "pytest --quiet -m alone and not long",
             ],
         ),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -26,7 +27,7 @@ from companion.flight_events.skills import PlaceReached
 from companion.flight_events.sortie import Phase, PhaseEntered, RunFailed, StoppedAsAsked
 from companion.flight_events.word import PositionLeft
 from companion.mavlink.framing import MavlinkCodec, dialect
-from companion.record.figure import Trail, draw_flight
+from companion.record.figure import PARTS_MAX, POSITIONS_MAX, Trail, draw_flight
 from companion.record.run_folder import RunFolder
 
 START_UNIX_S = 1_700_000_000.0
@@ -188,6 +189,37 @@ def test_the_trail_has_a_part_for_each_plan() -> None:
         ("replan 1: denied", []),
         ("replan 2: denied", [(1.0, 0.0, -2.0)]),
     ]
+
+
+def test_the_trail_of_a_long_flight_stays_small_and_whole(tmp_path: Path) -> None:
+    """Hours with a new plan every minute: from the first position to the newest, evenly."""
+    trail = Trail()
+    for plan in range(500):
+        trail.begin(f"replan {plan}")
+        for i in range(POSITIONS_MAX // 4):
+            trail.add((float(plan), float(i), -2.0))
+    sizes = [len(positions) for _, positions in trail.parts]
+    assert len(sizes) == PARTS_MAX
+    assert max(sizes) <= POSITIONS_MAX
+    title, last = trail.parts[-1]
+    assert title == f"replan {PARTS_MAX - 1} and all later plans"
+    assert last[0] == (PARTS_MAX - 1.0, 0.0, -2.0)
+    assert last[-1][0] == 499.0
+    draw_flight(mission("F at(A)"), trail, tmp_path / "flight.png")
+    assert max(size_of(tmp_path / "flight.png")) < 4000
+
+
+@pytest.mark.parametrize("times", [1, 2, 10])
+def test_a_long_part_keeps_every_so_many_positions(times: int) -> None:
+    trail = Trail()
+    trail.begin("first plan")
+    for i in range(times * POSITIONS_MAX):
+        trail.add((float(i), 0.0, -2.0))
+    north = [position[0] for position in trail.parts[0][1]]
+    assert POSITIONS_MAX / 2 <= len(north) <= POSITIONS_MAX
+    (step,) = {b - a for a, b in pairwise(north)}
+    assert north[0] == 0.0
+    assert north[-1] > times * POSITIONS_MAX - 1 - step
 
 
 def test_what_was_flown_can_be_seen(tmp_path: Path) -> None:
