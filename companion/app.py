@@ -279,7 +279,8 @@ class Companion:
         at the beginning of a run which mission was started.
         """
         for message in messages:
-            if source(message) == (self._wire.system, AUTOPILOT):
+            is_theirs = source(message) == (self._wire.system, AUTOPILOT)
+            if is_theirs and self._telemetry.is_news(self._now_s, message):
                 self._telemetry.take(self._now_s, message)
         if self._preparation is not None:
             self._is_prepared = self._preparation.done()

@@ -51,6 +51,7 @@ class FakeVehicle:
         )
         self.scans: list[RangeScan] = []
         self.takeover: Takeover | None = None
+        self.is_doubted = False
         self.refusal: Refusal | None = None
         self.script: dict[Goal, tuple[float, Outcome]] = {}
         self.answers: list[tuple[float, Outcome]] = []

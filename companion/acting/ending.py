@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from companion.acting.journal import EndingBegun
 from companion.acting.phases import TRANSITIONS, SortieEvent
 from companion.errors import CompanionError
 from companion.flight_events.sortie import (
@@ -38,6 +39,14 @@ def ending(
     if is_called_home:
         return at_limit or ReturnedAsAsked()
     return TaskSatisfied() if is_satisfied else StoppedAsAsked()
+
+
+def ending_begun(
+    failure: CompanionError | None, is_called_home: bool, is_satisfied: bool
+) -> EndingBegun:
+    """What the journal has of an end that has begun, from what `ending` will have of it."""
+    reason, exit_code = (str(failure), failure.exit_code) if failure is not None else ("", 0)
+    return EndingBegun(is_satisfied, is_called_home, reason, exit_code)
 
 
 def last_resort(phase: Phase, state: VehicleState) -> str:

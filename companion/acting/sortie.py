@@ -19,14 +19,14 @@ from companion.acting.authority import is_silent, loss_of_control
 from companion.acting.beginning import Beginning
 from companion.acting.control import Control
 from companion.acting.crash_watch import Crash, CrashWatch
-from companion.acting.ending import ending, last_resort
+from companion.acting.ending import ending, ending_begun, last_resort
 from companion.acting.executive import Executive
 from companion.acting.failsafe_check import FailsafeCheck
 from companion.acting.flight import Flight
 from companion.acting.flight_limit import NO_LIMIT, FlightLimit, LimitWatch
 from companion.acting.flown_task import FlownTask
 from companion.acting.gate_watch import GateWatch
-from companion.acting.journal import EndingBegun, PhaseBegun
+from companion.acting.journal import PhaseBegun
 from companion.acting.phases import GOALS, ON_THE_GROUND, TRANSITIONS, UNDER_TASK, SortieEvent
 from companion.acting.resumption import Resumption
 from companion.errors import Aborted, CompanionError
@@ -128,6 +128,8 @@ class Sortie:
             if self._is_waited_for(state):
                 self._yield(SortieEvent.SILENT, LinkSilent())
                 return
+            if flight.vehicle.is_doubted:
+                return  # it goes on from here, or is lost
             flight.brake()
         _WORK[self.phase](self, state)
 
@@ -326,9 +328,8 @@ class Sortie:
         journal, now_s = self._flight.journal, self._flight.now_s
         journal.note(now_s, PhaseBegun(self.phase))
         if self.phase in (Phase.HOLDING, Phase.LANDING):
-            reason, code = (str(self.failure), self.failure.exit_code) if self.failure else ("", 0)
             flown = self._flown
-            about = EndingBegun(flown.is_satisfied, flown.is_called_home, reason, code)
+            about = ending_begun(self.failure, flown.is_called_home, flown.is_satisfied)
             journal.note(now_s, about)
 
     def _give_up(self, failure: CompanionError) -> None:

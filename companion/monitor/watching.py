@@ -119,7 +119,8 @@ class Watcher:
             return
         if component == AUTOPILOT:
             self._heard_s = now_s
-            if self._telemetry.take(now_s, message):
+            if self._telemetry.is_news(now_s, message):
+                self._telemetry.take(now_s, message)
                 self._ranging.take_pose(message)
             if message.get_msgId() == dialect.MAVLINK_MSG_ID_HEARTBEAT:
                 self._mode = mode_name(message.custom_mode) or "another mode"

@@ -85,6 +85,20 @@ class Pursuit:
     def __post_init__(self) -> None:
         self.underway_s = self.start_s
 
+    def admits(self, mode: Mode, is_armed: bool, first_mode: Mode | None) -> bool:
+        """Takes a mode; whether the goal passes through it, so that nobody has taken control.
+
+        The mode of the goal's start is ours until it was left. A vehicle that has landed for us
+        may fall back to the mode in which it stood at first.
+        """
+        passes = APPROACHES[self.goal].passes
+        if mode in passes:
+            self.allowed -= {self.start_mode} - passes
+            return True
+        has_landed = self.goal is Goal.LANDED and not is_armed
+        falls_back = has_landed and mode in (Mode.LOITER, Mode.OFFBOARD, first_mode)
+        return mode in self.allowed or falls_back
+
     def overdue_s(self, now_s: float, mode: Mode) -> float | None:
         """Takes the mode; the time after which the goal has failed, None while it has not."""
         approach = APPROACHES[self.goal]

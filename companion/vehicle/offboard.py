@@ -10,8 +10,8 @@ Rules:
 3. A skill's command passes the rules of `mavlink/payload_commands.py`.
 4. A goal is pursued until it is observed (`goals.py`).
 5. A mode that our goal does not pass through was chosen by somebody else, on the ground as in the
-   air: our authority ends, at once. Nothing is streamed or commanded after that, unless an operator
-   gives it back (`regain`).
+   air. From the first heartbeat of it on nothing is streamed or commanded; once it is certain
+   (`control_watch.py`), not before an operator gives control back (`regain`).
 6. A mode that was heard too long ago is not known. Until the next heartbeat no goal is reached, and
    nothing is asked for.
 
@@ -20,8 +20,6 @@ Source: https://mavlink.io/en/services/command.html, PX4's offboard mode.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from companion.geometry import Ned
 from companion.mavlink.commands import CommandSender, Parameters
 from companion.mavlink.framing import Message, dialect, source
@@ -29,7 +27,8 @@ from companion.mavlink.payload_commands import why_not_sent
 from companion.mission.signals import Signal
 from companion.motion.range_scan import RangeScan
 from companion.outcomes import Refusal
-from companion.vehicle.gate import Envelope, admit
+from companion.vehicle.control_watch import ControlState, ControlWatch
+from companion.vehicle.gate import Envelope
 from companion.vehicle.goals import APPROACHES, Pursuit
 from companion.vehicle.parameters import ParameterReader
 from companion.vehicle.port import (
@@ -43,8 +42,9 @@ from companion.vehicle.port import (
     VehicleState,
 )
 from companion.vehicle.ranging import Ranging
+from companion.vehicle.setpoint_stream import SetpointStream
 from companion.vehicle.signals import Reading, SignalReader
-from companion.vehicle.telemetry import TELEMETRY, Telemetry
+from companion.vehicle.telemetry import TELEMETRY, Telemetry, heartbeat_of
 from companion.vehicle.wire import AUTOPILOT, COMPONENT, Wire
 
 SCANNER = dialect.MAV_COMP_ID_OBSTACLE_AVOIDANCE
@@ -52,8 +52,6 @@ MODE_UNKNOWN_S = 5.0
 """Age of the autopilot's last heartbeat at which its mode is no longer known (five were missed)."""
 ASK_AGAIN_S = 2.0
 """Pause before a command that was accepted without effect is sent again."""
-
-ALL_BUT_YAW_RATE = dialect.POSITION_TARGET_TYPEMASK_YAW_RATE_IGNORE
 
 SCAN = "OBSTACLE_DISTANCE"
 PROTOCOL = frozenset({"COMMAND_ACK", "PARAM_VALUE", SCAN})
@@ -75,8 +73,6 @@ class MavlinkVehicle:
 
     Attributes:
         scans: what was heard of the surroundings since the tick before, in order.
-        takeover: who has taken control; None while it is ours.
-        refusal: why a hold is sent in place of the setpoint; None while it is not.
     """
 
     def __init__(
@@ -88,19 +84,16 @@ class MavlinkVehicle:
         takeoff_up_m: float,
     ) -> None:
         self.scans: list[RangeScan] = []
-        self.takeover: Takeover | None = None
-        self.refusal: Refusal | None = None
         self._wire = wire
         self._telemetry = telemetry
-        self._envelope = envelope
+        self._stream = SetpointStream(telemetry, envelope)
+        self._control = ControlWatch()
         self._takeoff_up_m = takeoff_up_m
         self._signals = SignalReader(signals)
         self._ranging = Ranging()
         self._commands = CommandSender()
         self._parameters = ParameterReader()
         self._readings: list[Reading] = []
-        self._setpoint: Setpoint | None = None
-        self._asked_s = 0.0
         self._pursuit: Pursuit | None = None
         self._first_mode: Mode | None = None
         self._now_s = 0.0
@@ -140,12 +133,13 @@ class MavlinkVehicle:
     def transmit(self, now_s: float) -> list[Message]:
         """What has to leave now: commands, questions, and at most one setpoint."""
         self._now_s = now_s
-        if self.takeover is not None:
+        if self._control.state is not ControlState.OURS:
             return []
+        system = self._wire.system
         return [
             *self._commands.due(now_s),
-            *self._parameters.due(now_s, (self._wire.system, AUTOPILOT)),
-            *self._admitted_setpoint(),
+            *self._parameters.due(now_s, (system, AUTOPILOT)),
+            *self._stream.due(now_s, system, self._is_our_mode),
         ]
 
     # -- port.Vehicle --------------------------------------------------------------------------
@@ -155,31 +149,46 @@ class MavlinkVehicle:
         """The newest state, None until one has been heard."""
         return self._telemetry.state
 
+    @property
+    def takeover(self) -> Takeover | None:
+        """Who has taken control; None while it is ours."""
+        return self._control.takeover
+
+    @property
+    def is_doubted(self) -> bool:
+        """Whether control may be somebody else's, by the newest heartbeat; nothing is sent."""
+        return self._control.state is ControlState.DOUBTED
+
+    @property
+    def refusal(self) -> Refusal | None:
+        """Why a hold is sent in place of the setpoint; None while it is not."""
+        return self._stream.refusal
+
     def fly(self, setpoint: Setpoint) -> None:
         """Streams a setpoint from now on; it has to be renewed before its lease is over."""
-        self._setpoint, self._asked_s = setpoint, self._now_s
+        self._stream.fly(setpoint, self._now_s)
 
     def set_speed_limit(self, speed_mps: float) -> None:
         """The gate admits no faster setpoint from now on."""
-        if speed_mps != self._envelope.speed_mps:
-            self._envelope = replace(self._envelope, speed_mps=speed_mps)
+        self._stream.set_speed_limit(speed_mps)
 
     def release(self) -> None:
         """Streams nothing and asks for nothing any longer."""
-        self._setpoint = None
+        self._stream.end()
         self._pursuit = None
         self._commands = CommandSender()
+        self._control.settle()
 
     def regain(self) -> None:
         """Takes back control that was lost; the operator has given it."""
-        self.takeover = None
+        self._control.regain()
 
     def pursue(self, goal: Goal) -> Outcome:
         """Works towards a goal; the caller asks in every tick until it is reached or has failed."""
         state, approach = self.state, APPROACHES[goal]
         if self.takeover is not None:
             return Failed(str(self.takeover))
-        if state is None:
+        if state is None or self.is_doubted:
             return Progress.RUNNING
         pursuit = self._pursuit
         if pursuit is None or pursuit.goal is not goal or pursuit.has_failed:
@@ -193,7 +202,7 @@ class MavlinkVehicle:
             if approach.keeps is not None:
                 pursuit.allowed = approach.keeps
             if goal is Goal.LANDED:
-                self._setpoint = None  # OFFBOARD on the ground is not ours to stream in
+                self._stream.end()  # OFFBOARD on the ground is not ours to stream in
             return Progress.DONE
         failure = self._ask(pursuit, state)
         pursuit.has_failed = failure is not None
@@ -281,35 +290,12 @@ class MavlinkVehicle:
 
     # -- out -----------------------------------------------------------------------------------
 
-    def _admitted_setpoint(self) -> list[Message]:
-        """The setpoint that the gate lets out, as a message; at most one."""
-        self.refusal = None
-        if self._setpoint is None:
-            return []
+    @property
+    def _is_our_mode(self) -> bool:
+        """Whether setpoints may leave: in OFFBOARD, or on the way there, as far as is known."""
         is_entering = self._pursuit is not None and self._pursuit.goal is Goal.OFFBOARD
         is_our_mode = is_entering or self._telemetry.mode is Mode.OFFBOARD
-        is_known = self._now_s - self._telemetry.heartbeat_s < MODE_UNKNOWN_S
-        is_ours = is_our_mode and is_known
-        verdict = admit(
-            self._setpoint, self._asked_s, self.state, self._now_s, is_ours, self._envelope
-        )
-        if verdict.setpoint is None:
-            return []
-        self.refusal = verdict.refusal
-        return [
-            dialect.MAVLink_set_position_target_local_ned_message(
-                int(self._now_s * 1000) & 0xFFFFFFFF,
-                self._wire.system,
-                AUTOPILOT,
-                dialect.MAV_FRAME_LOCAL_NED,
-                ALL_BUT_YAW_RATE,
-                *self._telemetry.local(verdict.setpoint.position),
-                *verdict.setpoint.velocity,
-                *verdict.setpoint.acceleration,
-                verdict.setpoint.yaw_rad,
-                0.0,
-            )
-        ]
+        return is_our_mode and self._now_s - self._telemetry.heartbeat_s < MODE_UNKNOWN_S
 
     # -- in ------------------------------------------------------------------------------------
 
@@ -324,26 +310,18 @@ class MavlinkVehicle:
         elif component == AUTOPILOT:
             if kind == "PARAM_VALUE":
                 self._parameters.take(message)
-            if self._telemetry.take(self._now_s, message):
+            is_news = self._telemetry.is_news(self._now_s, message)
+            if is_news and (kind != "HEARTBEAT" or self._is_believed(message)):
+                self._telemetry.take(self._now_s, message)
                 self._ranging.take_pose(message)
-            self._watch_authority()
         elif kind == SCAN and component == SCANNER:
             self._ranging.take_scan(message)
         self._readings += self._signals.read(message)
 
-    def _watch_authority(self) -> None:
-        """Rule 5, from the first goal on. The mode of a goal's start is ours until it was left.
-
-        A vehicle that has landed for us may fall back to the mode in which it stood at first.
-        """
-        heard, pursuit = self._telemetry, self._pursuit
-        if pursuit is None or heard.mode is None:
-            return
-        passes = APPROACHES[pursuit.goal].passes
-        has_landed = pursuit.goal is Goal.LANDED and not heard.is_armed
-        if heard.mode in passes:
-            pursuit.allowed -= {pursuit.start_mode} - passes
-        elif heard.mode not in pursuit.allowed and not (
-            has_landed and heard.mode in (Mode.LOITER, Mode.OFFBOARD, self._first_mode)
-        ):
-            self.takeover = Takeover(heard.mode, heard.is_failsafe)
+    def _is_believed(self, message: Message) -> bool:
+        """Rule 5, from the first goal on; what begins a doubt is not believed yet."""
+        pursuit, heartbeat = self._pursuit, heartbeat_of(message)
+        if pursuit is not None:
+            is_ours = pursuit.admits(heartbeat.mode, heartbeat.is_armed, self._first_mode)
+            self._control.take(self._now_s, heartbeat, is_ours)
+        return not self.is_doubted

@@ -162,6 +162,10 @@ class Vehicle(Protocol):
         """Who has taken control from us (the pilot wins); None while it is ours."""
 
     @property
+    def is_doubted(self) -> bool:
+        """Whether control may just have been taken from us; nothing is sent until that is known."""
+
+    @property
     def refusal(self) -> Refusal | None:
         """Why the vehicle is sent a hold in place of the setpoint; None while it is not."""
 

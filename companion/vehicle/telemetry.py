@@ -16,6 +16,7 @@ from companion.geometry import Ned, NorthEast
 from companion.mavlink.framing import Message, dialect
 from companion.mavlink.px4_modes import mode_name
 from companion.mavlink.sequence import SequenceTracker
+from companion.vehicle.control_watch import Heartbeat
 from companion.vehicle.mission_frame import MissionFrame
 from companion.vehicle.port import Mode, VehicleState
 
@@ -114,21 +115,26 @@ class Telemetry:
         assert home is not None
         return (position[0] + home[0], position[1] + home[1], position[2] + home[2])
 
-    def take(self, now_s: float, message: Message) -> bool:
-        """Takes over a message of the autopilot; false if a newer one has overtaken it."""
+    def is_news(self, now_s: float, message: Message) -> bool:
+        """Whether no newer message of its kind has overtaken one of the autopilot; once for each.
+
+        A text says something of its own, whenever it comes.
+        """
         kind = message.get_type()
-        handler = _HANDLERS.get(kind)
         is_overtaken = self._order.is_overtaken(now_s, kind, message.get_seq())
-        if handler is not None and (not is_overtaken or kind == "STATUSTEXT"):
+        return not is_overtaken or kind == "STATUSTEXT"
+
+    def take(self, now_s: float, message: Message) -> None:
+        """Takes over a message of the autopilot that is news."""
+        handler = _HANDLERS.get(message.get_type())
+        if handler is not None:
             handler(self, now_s, message)
             self._state = None
-        return not is_overtaken
 
     def _on_heartbeat(self, now_s: float, message: Message) -> None:
-        self.heartbeat_s = now_s
-        self.is_armed = bool(message.base_mode & dialect.MAV_MODE_FLAG_SAFETY_ARMED)
-        self.is_failsafe = message.system_status >= dialect.MAV_STATE_CRITICAL
-        self.mode = KNOWN_MODES.get(mode_name(message.custom_mode) or "", Mode.OTHER)
+        self.heartbeat_s, heartbeat = now_s, heartbeat_of(message)
+        self.mode, self.is_armed = heartbeat.mode, heartbeat.is_armed
+        self.is_failsafe = heartbeat.is_failsafe
 
     def _on_position(self, now_s: float, message: Message) -> None:
         position = (message.x, message.y, message.z)
@@ -171,6 +177,15 @@ class Telemetry:
         text = printable(message.text.rstrip("\t\0 "))
         if text and text not in self.texts:
             self.texts.append(text)
+
+
+def heartbeat_of(message: Message) -> Heartbeat:
+    """What a HEARTBEAT of the autopilot says."""
+    return Heartbeat(
+        KNOWN_MODES.get(mode_name(message.custom_mode) or "", Mode.OTHER),
+        bool(message.base_mode & dialect.MAV_MODE_FLAG_SAFETY_ARMED),
+        message.system_status >= dialect.MAV_STATE_CRITICAL,
+    )
 
 
 def _thrust(roll: float, pitch: float, yaw: float) -> NorthEast:

@@ -12,18 +12,26 @@ from autopilot import (
     LAND,
     SET_MODE,
     TAKE_OFF,
+    TICK_S,
     Meeting,
     in_offboard,
     of_type,
 )
 
 from companion.mavlink.framing import dialect
+from companion.mavlink.px4_modes import custom_mode
 from companion.vehicle.goals import EFFECT_S
 from companion.vehicle.offboard import ASK_AGAIN_S
 from companion.vehicle.port import Failed, Goal, Mode, Progress, Setpoint, Takeover
 
 SETPOINT = "SET_POSITION_TARGET_LOCAL_NED"
 AHEAD = Setpoint((0.5, 0.2, -2.0), (1.0, 0.5, 0.1), (0.3, 0.2, 0.1), 0.4)
+
+
+def heartbeat(meeting: Meeting, mode: str) -> bytes:
+    """As if from the autopilot, in another mode, and disarmed."""
+    message = dialect.MAVLink_heartbeat_message(2, 12, 1, custom_mode(mode), 3, 3)
+    return meeting.autopilot.codec.pack(message)
 
 
 # -- goals -----------------------------------------------------------------------------------------
@@ -186,6 +194,41 @@ def test_a_mode_that_we_did_not_ask_for_ends_all_at_once_and_for_good(meeting: M
     assert meeting.vehicle.takeover is not None
 
 
+@pytest.mark.parametrize("goal", [Goal.ARMED, Goal.AIRBORNE, Goal.OFFBOARD, Goal.HOLDING])
+def test_a_single_heartbeat_of_another_mode_stops_and_ends_nothing(
+    meeting: Meeting, goal: Goal
+) -> None:
+    """Forged, disarmed besides: nothing leaves until the autopilot itself is heard again."""
+    if goal is Goal.HOLDING:
+        in_offboard(meeting)
+    elif goal is not Goal.ARMED:
+        meeting.pursue(Goal.ARMED)
+    meeting.vehicle.fly(AHEAD)
+    meeting.tick(act=lambda: meeting.vehicle.pursue(goal))
+    before, meeting.is_quiet = meeting.vehicle.state, True
+    assert (
+        meeting.tick(heartbeat(meeting, "POSCTL"), act=lambda: meeting.vehicle.pursue(goal)) == []
+    )
+    assert meeting.vehicle.is_doubted and meeting.vehicle.takeover is None
+    assert meeting.vehicle.state == before
+    assert meeting.run(0.8, act=lambda: meeting.vehicle.pursue(goal)) == []
+    meeting.is_quiet = False
+    assert meeting.pursue(goal) is Progress.DONE
+    assert not meeting.vehicle.is_doubted and meeting.vehicle.takeover is None
+
+
+def test_release_ends_a_doubt(meeting: Meeting) -> None:
+    """Nothing is asked for any more, so no mode is another one."""
+    in_offboard(meeting)
+    meeting.tick(heartbeat(meeting, "POSCTL"))
+    meeting.vehicle.release()
+    assert not meeting.vehicle.is_doubted
+    meeting.autopilot.mode = "POSCTL"
+    meeting.run(1.0)
+    assert meeting.vehicle.takeover is None
+    assert meeting.vehicle.state is not None and meeting.vehicle.state.mode is Mode.POSCTL
+
+
 def test_a_failsafe_is_not_called_a_pilot(meeting: Meeting) -> None:
     in_offboard(meeting)
     meeting.autopilot.mode = "AUTO.RTL"
@@ -197,7 +240,7 @@ def test_a_failsafe_is_not_called_a_pilot(meeting: Meeting) -> None:
 def test_a_mode_that_nobody_knows_was_chosen_by_somebody_else(meeting: Meeting) -> None:
     in_offboard(meeting)
     meeting.autopilot.mode = "STABILIZED"
-    meeting.tick()
+    meeting.run(2 * TICK_S)
     assert meeting.vehicle.takeover == Takeover(Mode.OTHER, is_failsafe=False)
 
 
@@ -211,7 +254,7 @@ def test_the_pilot_wins_while_a_goal_is_pursued(meeting: Meeting, goal: Goal) ->
     meeting.run(0.5, act=lambda: meeting.vehicle.pursue(goal))
     assert meeting.vehicle.takeover is None
     meeting.autopilot.mode = "ALTCTL"
-    meeting.tick()
+    meeting.run(2 * TICK_S)
     assert meeting.vehicle.takeover == Takeover(Mode.ALTCTL, is_failsafe=False)
 
 
@@ -297,7 +340,7 @@ def test_no_mode_is_asked_for_while_the_mode_is_not_known(meeting: Meeting) -> N
     sent = meeting.run(2.0, act=lambda: meeting.vehicle.pursue(Goal.HOLDING))
     assert of_type(sent, "COMMAND_LONG") == []
     meeting.autopilot.unsent = set()
-    meeting.tick()
+    meeting.run(2 * TICK_S)
     assert meeting.vehicle.takeover == Takeover(Mode.POSCTL, is_failsafe=False)
 
 

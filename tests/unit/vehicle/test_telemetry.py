@@ -17,7 +17,8 @@ EAR = MavlinkCodec(0, 0)
 def take(telemetry: Telemetry, datagrams: list[bytes], now_s: float = 0.0) -> None:
     for datagram in datagrams:
         for message in EAR.parse(datagram):
-            telemetry.take(now_s, message)
+            if telemetry.is_news(now_s, message):
+                telemetry.take(now_s, message)
 
 
 def heard(autopilot: Autopilot, now_s: float = 0.0) -> Telemetry:

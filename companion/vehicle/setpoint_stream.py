@@ -1,0 +1,81 @@
+"""The stream of setpoints: what was asked for last, as the gate lets it out, as a message.
+
+Nothing here repeats a setpoint by itself: one leaves in a tick, and its lease ends where nobody
+renews it (`gate.py`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from companion.mavlink.framing import Message, dialect
+from companion.outcomes import Refusal
+from companion.vehicle.gate import Envelope, admit
+from companion.vehicle.port import Setpoint
+from companion.vehicle.telemetry import Telemetry
+from companion.vehicle.wire import AUTOPILOT
+
+ALL_BUT_YAW_RATE = dialect.POSITION_TARGET_TYPEMASK_YAW_RATE_IGNORE
+
+
+class SetpointStream:
+    """The setpoints of one flight.
+
+    Args:
+        telemetry: of the vehicle.
+        envelope: limits of the gate.
+
+    Attributes:
+        refusal: why a hold was sent in place of the setpoint; None while it was not.
+    """
+
+    def __init__(self, telemetry: Telemetry, envelope: Envelope) -> None:
+        self.refusal: Refusal | None = None
+        self._telemetry = telemetry
+        self._envelope = envelope
+        self._setpoint: Setpoint | None = None
+        self._asked_s = 0.0
+
+    def fly(self, setpoint: Setpoint, now_s: float) -> None:
+        """Asks for a setpoint, for the time of its lease."""
+        self._setpoint, self._asked_s = setpoint, now_s
+
+    def end(self) -> None:
+        """Nothing is asked for any longer."""
+        self._setpoint = None
+
+    def set_speed_limit(self, speed_mps: float) -> None:
+        """The gate admits no faster setpoint from now on."""
+        if speed_mps != self._envelope.speed_mps:
+            self._envelope = replace(self._envelope, speed_mps=speed_mps)
+
+    def due(self, now_s: float, system: int, is_our_mode: bool) -> list[Message]:
+        """The setpoint that the gate lets out, as a message; at most one.
+
+        Args:
+            now_s: the time.
+            system: id of the vehicle.
+            is_our_mode: it follows setpoints, or is about to.
+        """
+        self.refusal = None
+        if self._setpoint is None:
+            return []
+        state = self._telemetry.state
+        verdict = admit(self._setpoint, self._asked_s, state, now_s, is_our_mode, self._envelope)
+        if verdict.setpoint is None:
+            return []
+        self.refusal = verdict.refusal
+        return [
+            dialect.MAVLink_set_position_target_local_ned_message(
+                int(now_s * 1000) & 0xFFFFFFFF,
+                system,
+                AUTOPILOT,
+                dialect.MAV_FRAME_LOCAL_NED,
+                ALL_BUT_YAW_RATE,
+                *self._telemetry.local(verdict.setpoint.position),
+                *verdict.setpoint.velocity,
+                *verdict.setpoint.acceleration,
+                verdict.setpoint.yaw_rad,
+                0.0,
+            )
+        ]
