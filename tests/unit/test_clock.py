@@ -1,11 +1,18 @@
 """Scaled real time: its speed, its sleeps, and a machine that stalls."""
 
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.clock import ScaledClock
 
+ROOT = Path(__file__).parents[2]
 MAX_JUMP_S = 0.1
 
 
@@ -50,3 +57,36 @@ def test_a_stalled_machine_slows_it_down() -> None:
     assert clock.now_s() == pytest.approx(2.0 * MAX_JUMP_S)
     wall.now_s = 10.05
     assert clock.now_s() == pytest.approx(2.0 * (MAX_JUMP_S + 0.05))
+
+
+STAMPS = {
+    "companion/api/results.py": "the same as recording.py, for programs",
+    "companion/cli/recording.py": "the name of a run folder, and the time of its record",
+    "companion/cli/resuming.py": "how long a companion was away",
+    "companion/mavlink/key_file.py": "what signatures begin with",
+    "companion/record/journal_file.py": "the same, written down",
+}
+"""Who reads the wall clock, which may be set at any time, and for what."""
+WALL_CLOCKS = {"time", "time_ns", "now", "utcnow", "today", "localtime", "gmtime"}
+
+
+def reads_the_wall_clock(text: str) -> bool:
+    """Whether something of `time` or `datetime` is called that tells the time of day."""
+    return any(
+        isinstance(node, ast.Attribute)
+        and isinstance(node.value, ast.Name)
+        and node.value.id in ("time", "datetime", "date")
+        and node.attr in WALL_CLOCKS
+        for node in ast.walk(ast.parse(text))
+    ) or bool(re.search(r"from (time|datetime) import", text))
+
+
+def test_only_stamps_are_of_the_wall_clock() -> None:
+    """So that no timer of a flight stops or fires when it is set."""
+    readers = {
+        str(path.relative_to(ROOT))
+        for package in ("companion", "sitl")
+        for path in (ROOT / package).rglob("*.py")
+        if reads_the_wall_clock(path.read_text(encoding="utf-8"))
+    }
+    assert readers == set(STAMPS)
