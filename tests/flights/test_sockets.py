@@ -158,12 +158,18 @@ def assert_no_simulator_is_left(instance: int) -> None:
             udp.bind(("127.0.0.1", base + instance))
 
 
+def run_folder(log_dir: Path) -> Path:
+    """Of the only run."""
+    (events,) = log_dir.glob("[0-9]*/events.jsonl")
+    return events.parent
+
+
 def recorded(log_dir: Path) -> list[FlightEvent]:
     """All that people were told in the only run.
 
     On a busy machine the gate may hold the vehicle for a moment; that is left out.
     """
-    (folder,) = (entry for entry in log_dir.iterdir() if not entry.is_symlink())
+    folder = run_folder(log_dir)
     lines = (folder / "events.jsonl").read_text(encoding="utf-8").splitlines()
     events = [read_line(line).event for line in lines]
     return [e for e in events if e.is_told and not isinstance(e, SetpointRefused)]
@@ -242,8 +248,7 @@ def test_a_flight_that_was_killed_is_gone_on_with(run: Run, instance: int, tmp_p
     resumed = run(*asked, "--resume")
     assert resumed.exit_code() == 0, resumed.printed
     assert "the companion was away" in resumed.printed
-    (folder,) = (path for path in tmp_path.iterdir() if path.is_dir() and path.name != "uploads")
-    record = read_events(folder)
+    record = read_events(run_folder(tmp_path))
     assert record.ending is not None and record.ending.exit_code == 0
     assert not audit(record).is_failure
 
@@ -292,7 +297,7 @@ def fly(run: Run, mission: str, instance: int, log_dir: Path, until: str = "") -
             break
         del SPEEDS[0]
     assert code == 0, companion.printed
-    assert not audit(read_events(next(folder.iterdir()))).is_failure
+    assert not audit(read_events(run_folder(folder))).is_failure
     return achieved_in(recorded(folder))
 
 
