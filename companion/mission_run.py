@@ -110,6 +110,7 @@ class Run:
                 profile.climb_mps,
                 profile.descent_mps,
                 profile.carrot_m,
+                profile.margin_m,
             ),
             detector.signals,
             takeoff_up_m=-home.position[2],
@@ -173,6 +174,7 @@ class Run:
         plan = self.executive.lasso
         self.flight.speed_limit.advance(now_s)
         self.vehicle.set_speed_limit(self.flight.speed_limit.now_mps)
+        self.vehicle.set_violated(bool(self.flight.task.violated))
         readings = asked + self.vehicle.receive(now_s, messages)
         if self._surroundings.take(self.vehicle.scans):
             self.flight.routes.see(self._surroundings.grid)

@@ -126,7 +126,7 @@ class FakeVehicle:
             self.change(**AFTER[goal])
         return outcome
 
-    def fly(self, setpoint: Setpoint) -> None:
+    def fly(self, setpoint: Setpoint, is_for_task: bool = False) -> None:
         self.flown.append(setpoint)
 
     def release(self) -> None:

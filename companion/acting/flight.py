@@ -57,6 +57,7 @@ class Flight:
             mission does not say; None is never. The run writes it, as the operator sets it.
         reports: what happened and has not been collected yet; the flight's own methods write it.
         journal: keeps what another process needs to go on with the flight; the run gives it.
+        is_task_flown: what is flown is the plan of the task; `FlownTask` writes it.
     """
 
     vehicle: Vehicle
@@ -71,6 +72,7 @@ class Flight:
     belief_retry_s: float | None = None
     reports: list[Stamped] = field(default_factory=list)
     journal: Journal = field(default_factory=NoJournal)
+    is_task_flown: bool = False
     _intentions: int = field(default=0, init=False)
     _setpoint: Setpoint | None = field(default=None, init=False)
     _stop: Stop | None = field(default=None, init=False)
@@ -162,7 +164,7 @@ class Flight:
             heading_rad: to which it turns, as fast as it may; None to keep the heading.
         """
         self._stop = None
-        self._stream(sample, heading_rad)
+        self._stream(sample, heading_rad, self.is_task_flown)
 
     def stop_along(self, stop: Stop, time_s: float) -> None:
         """Comes to rest along a path, and stays at its end.
@@ -188,20 +190,20 @@ class Flight:
         if self._stop is not None:
             return
         if self._setpoint is not None:
-            self.fly(_rest_at(self._setpoint.position), heading_rad)
+            self._stream(_rest_at(self._setpoint.position), heading_rad)
         elif state is not None and not state.is_landed:
-            self.fly(_rest_at(state.position), heading_rad)
+            self._stream(_rest_at(state.position), heading_rad)
 
     def hold_here(self) -> None:
         """Stays where the vehicle is now, wherever its last setpoint was."""
         self.forget_setpoint()
         self.hold()
 
-    def _stream(self, sample: Sample, heading_rad: float | None) -> None:
+    def _stream(self, sample: Sample, heading_rad: float | None, is_for_task: bool = False) -> None:
         yaw_rad = self._turned(heading_rad)
         setpoint = Setpoint(sample.position, sample.velocity, sample.acceleration, yaw_rad)
         self._setpoint, self._streamed_s = setpoint, self.now_s
-        self.vehicle.fly(setpoint)
+        self.vehicle.fly(setpoint, is_for_task)
 
     def _turned(self, heading_rad: float | None) -> float:
         """The heading that is told next: that of before, turned no faster than the vehicle may."""

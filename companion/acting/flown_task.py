@@ -96,6 +96,8 @@ class FlownTask:
             self._flight.report(FlightLimitReached(limit))
             self.call_home()
             return SortieEvent.CALLED_HOME
+        is_planned = executive.lasso is not None and not executive.is_leaving
+        self._flight.is_task_flown = is_planned
         status = executive.resume() if self.is_interrupted else executive.tick()
         self.is_interrupted = False
         if status is TaskStatus.SATISFIED:
@@ -117,6 +119,7 @@ class FlownTask:
         return SortieEvent.LEFT_ON_HOLD if is_hold else SortieEvent.OUT_OF_PLANS
 
     def _fly_home(self, return_home: ReturnHome) -> SortieEvent | None:
+        self._flight.is_task_flown = False
         outcome = return_home.tick()
         if outcome is Progress.DONE:
             return SortieEvent.SATISFIED

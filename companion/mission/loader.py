@@ -71,7 +71,7 @@ def load_mission(source: Given, folder: Path | None = None) -> Mission:
     places = {name: _place(name, entry) for name, entry in file.places.items()}
     grid = _grid(file.map, read.folder, document)
     vehicle = read_vehicle(file.vehicle, read.folder, document)
-    check_places(places, limits, grid, vehicle.clearance_m, document)
+    check_places(places, limits, grid, vehicle, document)
     events = _events(file, document)
     vocabulary = Vocabulary(places, events, file.objects, declared)
     skills = build_skills(file, document, vocabulary)

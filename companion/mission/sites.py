@@ -8,9 +8,10 @@ import numpy as np
 
 from companion.documents import Document
 from companion.errors import MissionError
-from companion.geometry import NorthEast, enu_from_ned, is_in_polygon
+from companion.geometry import Ned, NorthEast, enu_from_ned, is_in_polygon
 from companion.mission.model import Limits, Place
-from companion.motion.grid import OccupancyGrid
+from companion.motion.grid import OccupancyGrid, distances_to_edge
+from companion.vehicle_profile import VehicleProfile
 
 USUAL_UP_M = 500.0
 USUAL_REACH_M = 5_000.0
@@ -52,13 +53,13 @@ def check_places(
     places: Mapping[str, Place],
     limits: Limits,
     grid: OccupancyGrid,
-    clearance_m: float,
+    vehicle: VehicleProfile,
     document: Document,
 ) -> None:
     """Checks every place.
 
     Args:
-        clearance_m: least distance from a place to an obstacle.
+        vehicle: that has room at it.
 
     Raises:
         MissionError: at the key of the first place that is too near to an obstacle, outside the
@@ -67,8 +68,8 @@ def check_places(
     for place in places.values():
         problem = (
             _off_map_problem(place, grid)
-            or _fence_problem(place, limits)
-            or _room_problem(place, grid, clearance_m)
+            or _fence_problem(place, limits, vehicle.margin_m)
+            or _room_problem(place, grid, vehicle.clearance_m)
             or _altitude_problem(place, limits)
         )
         if problem:
@@ -121,11 +122,23 @@ def _nearest_free(position: NorthEast, grid: OccupancyGrid, clearance_m: float) 
     return grid.centre(int(rows[best]), int(cols[best]))
 
 
-def _fence_problem(place: Place, limits: Limits) -> tuple[str, str] | None:
-    if is_in_polygon(place.position, limits.fence):
+def _fence_problem(place: Place, limits: Limits, margin_m: float) -> tuple[str, str] | None:
+    """A place outside the fence, or where the gate would hold the vehicle short of it."""
+    is_inside = is_in_polygon(place.position, limits.fence)
+    gap_m = min(_distances_to_edges(place.position, limits.fence))
+    if is_inside and gap_m >= margin_m:
         return None
     corners = ", ".join(f"[{east:g}, {north:g}]" for north, east in limits.fence)
-    return "is outside the fence", f"move it, or widen limits.fence: [{corners}]"
+    advice = f"move it, or widen limits.fence: [{corners}]"
+    if is_inside:
+        return f"is only {gap_m:.2f} m from the fence, {margin_m:g} m are needed", advice
+    return "is outside the fence", advice
+
+
+def _distances_to_edges(position: Ned, fence: tuple[NorthEast, ...]) -> list[float]:
+    north, east, _ = (np.array(metres) for metres in position)
+    edges = zip(fence, (*fence[1:], fence[0]), strict=True)
+    return [float(distances_to_edge(north, east, edge)) for edge in edges]
 
 
 def _altitude_problem(place: Place, limits: Limits) -> tuple[str, str] | None:

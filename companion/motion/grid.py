@@ -91,8 +91,13 @@ def _thickened(occupied: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
     return thick
 
 
-def cells_inside(grid: OccupancyGrid, polygon: Sequence[NorthEast]) -> npt.NDArray[np.bool_]:
-    """Cells with all four corners inside a polygon; the rule is `geometry.is_in_polygon`'s."""
+def cells_inside(
+    grid: OccupancyGrid, polygon: Sequence[NorthEast], margin_m: float = 0.0
+) -> npt.NDArray[np.bool_]:
+    """Cells with all four corners inside a polygon, and a margin away from its edges.
+
+    The rule is that of `geometry.is_in_polygon`.
+    """
     rows, cols = grid.occupied.shape
     north = grid.origin[0] + grid.cell_m * np.arange(rows + 1)[:, None]
     east = grid.origin[1] + grid.cell_m * np.arange(cols + 1)[None, :]
@@ -101,4 +106,25 @@ def cells_inside(grid: OccupancyGrid, polygon: Sequence[NorthEast]) -> npt.NDArr
         if e1 != e2:
             is_west = north < (n2 - n1) * (east - e1) / (e2 - e1) + n1
             inside ^= ((e1 > east) != (e2 > east)) & is_west
+    if margin_m > 0:
+        for edge in zip(polygon, [*polygon[1:], polygon[0]], strict=True):
+            inside &= distances_to_edge(north, east, edge) >= margin_m
     return inside[:-1, :-1] & inside[1:, :-1] & inside[:-1, 1:] & inside[1:, 1:]
+
+
+def distances_to_edge(
+    north: npt.NDArray[np.float64],
+    east: npt.NDArray[np.float64],
+    edge: tuple[NorthEast, NorthEast],
+) -> npt.NDArray[np.float64]:
+    """Distances from points to the nearest one of a straight edge, metres.
+
+    >>> distances_to_edge(np.array([3.0, 5.0]), np.array([1.0, 1.0]), ((0.0, 0.0), (2.0, 0.0)))
+    array([1.41421356, 3.16227766])
+    """
+    (n1, e1), (n2, e2) = edge
+    length_2 = (n2 - n1) ** 2 + (e2 - e1) ** 2
+    along = (north - n1) * (n2 - n1) + (east - e1) * (e2 - e1)
+    share = np.clip(along / length_2, 0.0, 1.0) if length_2 else np.zeros_like(along)
+    offset_n, offset_e = north - n1 - share * (n2 - n1), east - e1 - share * (e2 - e1)
+    return np.asarray(np.hypot(offset_n, offset_e))

@@ -83,6 +83,7 @@ class RouteMap:
         places: by name.
         fence: north-east corners of the polygon that no route leaves.
         clearance_m: the least distance of a route to an obstacle.
+        fence_margin_m: the same to the fence.
     """
 
     def __init__(
@@ -91,6 +92,7 @@ class RouteMap:
         places: Mapping[str, PlaceRegion],
         fence: Sequence[NorthEast],
         clearance_m: float,
+        fence_margin_m: float = 0.0,
     ) -> None:
         self.version = 0
         self._grid = grid
@@ -102,7 +104,8 @@ class RouteMap:
             np.array([place.radius_m for place in exclusive.values()]) / grid.cell_m,
         )
         self._others = {name: regions.without(name) for name in places}
-        self._room = Room(clearance_m, cells_inside(grid, fence), regions, self._goals)
+        inside = cells_inside(grid, fence, fence_margin_m)
+        self._room = Room(clearance_m, inside, regions, self._goals)
         self._least = ClearanceLevel(self._room, grid, clearance_m)
         self._levels = [self._least]
 

@@ -25,7 +25,9 @@ def route_map(mission: Mission) -> RouteMap:
         name: PlaceRegion(place.position, place.radius_m, is_exclusive=at(name) in mentioned)
         for name, place in mission.places.items()
     }
-    return RouteMap(mission.grid, sites, mission.limits.fence, mission.vehicle.clearance_m)
+    vehicle = mission.vehicle
+    fence = mission.limits.fence
+    return RouteMap(mission.grid, sites, fence, vehicle.clearance_m, vehicle.margin_m)
 
 
 def flight_times(

@@ -1,15 +1,20 @@
-"""The gate that every setpoint passes; nothing else sends one.
+"""The gate that every setpoint passes: a run-time monitor that knows nothing of plans or routes.
+
+It is small, pure, and shares no code with what it watches (ASTM F3269, run-time assurance): points,
+distances and polygons are its own, and all that it believes are the vehicle's state and the limits.
 
 Rules, in this order; the first that applies decides:
-1. No position known, or none for `lost_s`, or the mode is not ours: nothing is sent.
-2. Telemetry older than `max_age_s`: hold.
+1. Position or heading not known, no position for `lost_s`, no mode for `mode_lost_s`, not armed, or
+   in a mode that is not ours: nothing is sent.
+2. Position or heading older than `max_age_s`: hold.
 3. Asked for longer ago than `lease_s`: hold. Who flies renews the setpoint in every tick.
-4. A number that is not finite: hold.
-5. Outside the fence or the altitude band: hold.
-6. Further from the vehicle than the carrot: hold. A setpoint that stays behind when
-   this program dies means "hover a carrot's length ahead", never "fly to the far end".
-7. Faster than the speed limit: hold.
-8. Climbing or descending faster than the vehicle can: hold.
+4. Of the task's plan, when the task is violated: hold. A return or a landing goes on.
+5. A number that is not finite: hold.
+6. Outside the fence or the altitude band, or nearer than the margin to the fence: hold.
+7. Further from the vehicle than the carrot: hold. A setpoint that stays behind when this program
+   dies means "hover a carrot's length ahead", never "fly to the far end".
+8. Faster than the speed limit: hold.
+9. Climbing or descending faster than the vehicle can: hold.
 
 To hold is to be sent to the present position with no velocity. The gate knows no map: walls
 are the business of routes.
@@ -21,12 +26,14 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from companion.geometry import NorthEast, distance, is_in_polygon
 from companion.outcomes import Refusal
-from companion.vehicle.port import Setpoint, VehicleState, hold_at
+from companion.vehicle.port import Mode, Setpoint, VehicleState, hold_at
 
 SPEED_TOLERANCE = 1.01
 """Rounding of a velocity that is exactly at the limit must not stop the vehicle."""
+
+Corner = tuple[float, float]
+"""North, east; metres."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,25 +42,43 @@ class Envelope:
 
     Attributes:
         fence: polygon of north-east corners.
+        fence_margin_m: least distance from its edges.
         up_m: lowest and highest altitude above home.
         speed_mps: greatest speed.
         climb_mps: greatest vertical speed upwards.
         descent_mps: the same downwards.
         carrot_m: greatest distance of a setpoint from the vehicle.
-        max_age_s: age of telemetry at which the vehicle holds.
+        max_age_s: age of position or heading at which the vehicle holds.
         lease_s: age of a setpoint at which the vehicle holds.
-        lost_s: age of telemetry at which the stream ends and the autopilot's failsafe begins.
+        lost_s: age of the position at which the stream ends and the autopilot's failsafe begins.
+        mode_lost_s: age of the mode at which the stream ends: five heartbeats were missed.
     """
 
-    fence: tuple[NorthEast, ...]
+    fence: tuple[Corner, ...]
     up_m: tuple[float, float]
     speed_mps: float
     climb_mps: float
     descent_mps: float
     carrot_m: float
+    fence_margin_m: float = 0.0
     max_age_s: float = 0.5
     lease_s: float = 0.5
     lost_s: float = 3.0
+    mode_lost_s: float = 5.0
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """A setpoint that was asked for.
+
+    Attributes:
+        asked_s: when.
+        is_for_task: it is of the task's plan, not of a return, a landing or a hold.
+    """
+
+    setpoint: Setpoint
+    asked_s: float
+    is_for_task: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,90 +90,161 @@ class Verdict:
 
 
 def admit(
-    setpoint: Setpoint,
-    asked_s: float,
+    request: Request,
     state: VehicleState | None,
     now_s: float,
-    is_our_mode: bool,
     envelope: Envelope,
+    *,
+    is_entering: bool = False,
+    is_violated: bool = False,
 ) -> Verdict:
-    """The setpoint that was asked for at some time, a hold in its place, or nothing."""
-    if state is None or not all(map(math.isfinite, (*state.position, state.yaw_rad))):
+    """The setpoint that was asked for, a hold in its place, or nothing.
+
+    Args:
+        request: what was asked for.
+        state: of the vehicle, as last heard.
+        now_s: the time.
+        envelope: the limits.
+        is_entering: OFFBOARD is about to be asked for, and wants setpoints before.
+        is_violated: nothing can satisfy the task any more.
+    """
+    if state is None:
         return Verdict(None, Refusal("the position is unknown"))
-    age_s = now_s - state.stamp_s
-    if age_s > envelope.lost_s:
-        return Verdict(None, Refusal(f"no position for {age_s:.1f} s"))
-    if not is_our_mode:
-        return Verdict(None, Refusal(f"the mode is {state.mode.value}"))
-    asked = _Asked(setpoint, now_s - asked_s, state, age_s, envelope)
-    for rule in _RULES:
-        if refusal := rule(asked):
+    judged = _Judged(request, state, now_s, envelope, is_entering, is_violated)
+    for rule in _SILENT:
+        if refusal := rule(judged):
+            return Verdict(None, refusal)
+    for rule in _HOLD:
+        if refusal := rule(judged):
             return Verdict(hold_at(state.position, state.yaw_rad), refusal)
-    return Verdict(setpoint)
+    return Verdict(request.setpoint)
 
 
 @dataclass(frozen=True, slots=True)
-class _Asked:
-    """What rules 2 to 8 judge: a setpoint and the vehicle's state, and how old both are."""
+class _Judged:
+    """What the rules judge. A comparison that is not a number fails: each asks what is right."""
 
-    setpoint: Setpoint
-    setpoint_age_s: float
+    request: Request
     state: VehicleState
-    age_s: float
+    now_s: float
     envelope: Envelope
+    is_entering: bool
+    is_violated: bool
 
 
-def _stale(asked: _Asked) -> Refusal | None:
-    is_fresh = asked.age_s <= asked.envelope.max_age_s
-    return None if is_fresh else Refusal(f"the position is {asked.age_s:.1f} s old")
+def _unknown(judged: _Judged) -> Refusal | None:
+    is_known = _is_finite(*judged.state.position, judged.state.yaw_rad)
+    return None if is_known else Refusal("the position is unknown")
 
 
-def _ownerless(asked: _Asked) -> Refusal | None:
-    is_renewed = asked.setpoint_age_s <= asked.envelope.lease_s
-    return None if is_renewed else Refusal(f"not renewed for {asked.setpoint_age_s:.1f} s")
+def _lost(judged: _Judged) -> Refusal | None:
+    age_s = judged.now_s - judged.state.stamp_s
+    return None if age_s <= judged.envelope.lost_s else Refusal(f"no position for {age_s:.1f} s")
 
 
-def _not_finite(asked: _Asked) -> Refusal | None:
-    setpoint = asked.setpoint
+def _mode_lost(judged: _Judged) -> Refusal | None:
+    age_s = judged.now_s - judged.state.mode_s
+    return None if age_s <= judged.envelope.mode_lost_s else Refusal(f"no mode for {age_s:.1f} s")
+
+
+def _disarmed(judged: _Judged) -> Refusal | None:
+    return None if judged.state.is_armed else Refusal("the vehicle is not armed")
+
+
+def _not_ours(judged: _Judged) -> Refusal | None:
+    mode = judged.state.mode
+    is_ours = mode is Mode.OFFBOARD or judged.is_entering
+    return None if is_ours else Refusal(f"the mode is {mode.value}")
+
+
+def _stale(judged: _Judged) -> Refusal | None:
+    ages_s = ("position", judged.state.stamp_s), ("heading", judged.state.yaw_s)
+    for name, stamp_s in ages_s:
+        age_s = judged.now_s - stamp_s
+        if not age_s <= judged.envelope.max_age_s:
+            return Refusal(f"the {name} is {age_s:.1f} s old")
+    return None
+
+
+def _ownerless(judged: _Judged) -> Refusal | None:
+    age_s = judged.now_s - judged.request.asked_s
+    return None if age_s <= judged.envelope.lease_s else Refusal(f"not renewed for {age_s:.1f} s")
+
+
+def _in_vain(judged: _Judged) -> Refusal | None:
+    is_in_vain = judged.is_violated and judged.request.is_for_task
+    return Refusal("the task is violated") if is_in_vain else None
+
+
+def _not_finite(judged: _Judged) -> Refusal | None:
+    setpoint = judged.request.setpoint
     vectors = (*setpoint.position, *setpoint.velocity, *setpoint.acceleration)
-    is_finite = all(map(math.isfinite, (*vectors, setpoint.yaw_rad)))
-    return None if is_finite else Refusal("the setpoint is not finite")
+    return None if _is_finite(*vectors, setpoint.yaw_rad) else Refusal("the setpoint is not finite")
 
 
-def _outside_fence(asked: _Asked) -> Refusal | None:
-    is_inside = is_in_polygon(asked.setpoint.position, asked.envelope.fence)
+def _outside_fence(judged: _Judged) -> Refusal | None:
+    north, east, _ = judged.request.setpoint.position
+    is_inside = _is_inside((north, east), judged.envelope.fence, judged.envelope.fence_margin_m)
     return None if is_inside else Refusal("outside the fence")
 
 
-def _outside_band(asked: _Asked) -> Refusal | None:
-    low, high = asked.envelope.up_m
-    is_inside = low <= -asked.setpoint.position[2] <= high
+def _outside_band(judged: _Judged) -> Refusal | None:
+    low, high = judged.envelope.up_m
+    is_inside = low <= -judged.request.setpoint.position[2] <= high
     return None if is_inside else Refusal("outside the altitude band")
 
 
-def _too_far(asked: _Asked) -> Refusal | None:
-    gap_m = distance(asked.setpoint.position, asked.state.position)
-    is_near = gap_m <= asked.envelope.carrot_m
+def _too_far(judged: _Judged) -> Refusal | None:
+    gap_m = math.dist(judged.request.setpoint.position, judged.state.position)
+    is_near = gap_m <= judged.envelope.carrot_m
     return None if is_near else Refusal(f"{gap_m:.1f} m from the vehicle")
 
 
-def _too_fast(asked: _Asked) -> Refusal | None:
-    speed_mps = math.hypot(*asked.setpoint.velocity)
-    is_within = speed_mps <= asked.envelope.speed_mps * SPEED_TOLERANCE
+def _too_fast(judged: _Judged) -> Refusal | None:
+    speed_mps = math.hypot(*judged.request.setpoint.velocity)
+    is_within = speed_mps <= judged.envelope.speed_mps * SPEED_TOLERANCE
     return None if is_within else Refusal(f"{speed_mps:.1f} m/s is too fast")
 
 
-def _too_steep(asked: _Asked) -> Refusal | None:
-    down_mps, envelope = asked.setpoint.velocity[2], asked.envelope
+def _too_steep(judged: _Judged) -> Refusal | None:
+    down_mps, envelope = judged.request.setpoint.velocity[2], judged.envelope
     down, up = ("down", envelope.descent_mps), ("up", envelope.climb_mps)
     direction, most_mps = down if down_mps > 0 else up
     is_within = abs(down_mps) <= most_mps * SPEED_TOLERANCE
     return None if is_within else Refusal(f"{abs(down_mps):.1f} m/s {direction} is too fast")
 
 
-_RULES: Sequence[Callable[[_Asked], Refusal | None]] = (
+def _is_finite(*numbers: float) -> bool:
+    return all(map(math.isfinite, numbers))
+
+
+def _is_inside(point: Corner, fence: Sequence[Corner], margin_m: float) -> bool:
+    """Whether a point lies in a polygon and so far from its edges: crossings of a ray eastwards."""
+    north, east = point
+    is_inside = False
+    for (n1, e1), (n2, e2) in zip(fence, (*fence[1:], fence[0]), strict=True):
+        if _distance(point, (n1, e1), (n2, e2)) < margin_m:
+            return False
+        if (n1 > north) != (n2 > north) and east < e1 + (north - n1) / (n2 - n1) * (e2 - e1):
+            is_inside = not is_inside
+    return is_inside
+
+
+def _distance(point: Corner, start: Corner, end: Corner) -> float:
+    """From a point to the nearest one of an edge, metres."""
+    along = (end[0] - start[0], end[1] - start[1])
+    length_2 = along[0] ** 2 + along[1] ** 2
+    offset = (point[0] - start[0]) * along[0] + (point[1] - start[1]) * along[1]
+    share = min(max(offset / length_2, 0.0), 1.0) if length_2 else 0.0
+    return math.dist(point, (start[0] + share * along[0], start[1] + share * along[1]))
+
+
+_Rule = Callable[[_Judged], Refusal | None]
+_SILENT: Sequence[_Rule] = (_unknown, _lost, _mode_lost, _disarmed, _not_ours)
+_HOLD: Sequence[_Rule] = (
     _stale,
     _ownerless,
+    _in_vain,
     _not_finite,
     _outside_fence,
     _outside_band,

@@ -48,8 +48,6 @@ from companion.vehicle.telemetry import TELEMETRY, Telemetry, heartbeat_of
 from companion.vehicle.wire import AUTOPILOT, COMPONENT, Wire
 
 SCANNER = dialect.MAV_COMP_ID_OBSTACLE_AVOIDANCE
-MODE_UNKNOWN_S = 5.0
-"""Age of the autopilot's last heartbeat at which its mode is no longer known (five were missed)."""
 ASK_AGAIN_S = 2.0
 """Pause before a command that was accepted without effect is sent again."""
 
@@ -136,10 +134,11 @@ class MavlinkVehicle:
         if self._control.state is not ControlState.OURS:
             return []
         system = self._wire.system
+        is_entering = self._pursuit is not None and self._pursuit.goal is Goal.OFFBOARD
         return [
             *self._commands.due(now_s),
             *self._parameters.due(now_s, (system, AUTOPILOT)),
-            *self._stream.due(now_s, system, self._is_our_mode),
+            *self._stream.due(now_s, system, is_entering),
         ]
 
     # -- port.Vehicle --------------------------------------------------------------------------
@@ -164,13 +163,17 @@ class MavlinkVehicle:
         """Why a hold is sent in place of the setpoint; None while it is not."""
         return self._stream.refusal
 
-    def fly(self, setpoint: Setpoint) -> None:
+    def fly(self, setpoint: Setpoint, is_for_task: bool = False) -> None:
         """Streams a setpoint from now on; it has to be renewed before its lease is over."""
-        self._stream.fly(setpoint, self._now_s)
+        self._stream.fly(setpoint, self._now_s, is_for_task)
 
     def set_speed_limit(self, speed_mps: float) -> None:
         """The gate admits no faster setpoint from now on."""
         self._stream.set_speed_limit(speed_mps)
+
+    def set_violated(self, is_violated: bool) -> None:
+        """The gate admits no setpoint of the task's plan while the task is violated."""
+        self._stream.set_violated(is_violated)
 
     def release(self) -> None:
         """Streams nothing and asks for nothing any longer."""
@@ -287,15 +290,6 @@ class MavlinkVehicle:
         if self._pursuit is not None and self._pursuit.ticket is not None:
             self._commands.forget(self._pursuit.ticket)
             self._pursuit.ticket = None
-
-    # -- out -----------------------------------------------------------------------------------
-
-    @property
-    def _is_our_mode(self) -> bool:
-        """Whether setpoints may leave: in OFFBOARD, or on the way there, as far as is known."""
-        is_entering = self._pursuit is not None and self._pursuit.goal is Goal.OFFBOARD
-        is_our_mode = is_entering or self._telemetry.mode is Mode.OFFBOARD
-        return is_our_mode and self._now_s - self._telemetry.heartbeat_s < MODE_UNKNOWN_S
 
     # -- in ------------------------------------------------------------------------------------
 

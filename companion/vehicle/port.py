@@ -55,6 +55,7 @@ class VehicleState:
             whose thrust carries its weight.
         accuracy_m: standard deviation of the horizontal position, as the autopilot estimates it; 0
             while it says nothing of that.
+        yaw_s: when the heading was received.
     """
 
     stamp_s: float
@@ -72,6 +73,7 @@ class VehicleState:
     tilt_rad: float = 0.0
     thrust_mps2: NorthEast = (0.0, 0.0)
     accuracy_m: float = 0.0
+    yaw_s: float = 0.0
 
     def is_mode_known(self, now_s: float) -> bool:
         """Whether the mode is that of a recent heartbeat."""
@@ -181,8 +183,8 @@ class Vehicle(Protocol):
     def pursue(self, goal: Goal) -> Outcome:
         """Work towards a goal; call it every tick while the outcome is RUNNING."""
 
-    def fly(self, setpoint: Setpoint) -> None:
-        """The setpoint to stream from now on."""
+    def fly(self, setpoint: Setpoint, is_for_task: bool = False) -> None:
+        """The setpoint to stream from now on; whether it is of the task's plan."""
 
     def release(self) -> None:
         """Stream nothing and ask for nothing any longer."""

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from companion.mavlink.framing import Message, dialect
 from companion.outcomes import Refusal
-from companion.vehicle.gate import Envelope, admit
+from companion.vehicle.gate import Envelope, Request, admit
 from companion.vehicle.port import Setpoint
 from companion.vehicle.telemetry import Telemetry
 from companion.vehicle.wire import AUTOPILOT
@@ -33,35 +33,45 @@ class SetpointStream:
         self.refusal: Refusal | None = None
         self._telemetry = telemetry
         self._envelope = envelope
-        self._setpoint: Setpoint | None = None
-        self._asked_s = 0.0
+        self._request: Request | None = None
+        self._is_violated = False
 
-    def fly(self, setpoint: Setpoint, now_s: float) -> None:
+    def fly(self, setpoint: Setpoint, now_s: float, is_for_task: bool) -> None:
         """Asks for a setpoint, for the time of its lease."""
-        self._setpoint, self._asked_s = setpoint, now_s
+        self._request = Request(setpoint, now_s, is_for_task)
 
     def end(self) -> None:
         """Nothing is asked for any longer."""
-        self._setpoint = None
+        self._request = None
 
     def set_speed_limit(self, speed_mps: float) -> None:
         """The gate admits no faster setpoint from now on."""
         if speed_mps != self._envelope.speed_mps:
             self._envelope = replace(self._envelope, speed_mps=speed_mps)
 
-    def due(self, now_s: float, system: int, is_our_mode: bool) -> list[Message]:
+    def set_violated(self, is_violated: bool) -> None:
+        """Whether the gate admits no setpoint of the task's plan from now on."""
+        self._is_violated = is_violated
+
+    def due(self, now_s: float, system: int, is_entering: bool) -> list[Message]:
         """The setpoint that the gate lets out, as a message; at most one.
 
         Args:
             now_s: the time.
             system: id of the vehicle.
-            is_our_mode: it follows setpoints, or is about to.
+            is_entering: OFFBOARD is about to be asked for.
         """
         self.refusal = None
-        if self._setpoint is None:
+        if self._request is None:
             return []
-        state = self._telemetry.state
-        verdict = admit(self._setpoint, self._asked_s, state, now_s, is_our_mode, self._envelope)
+        verdict = admit(
+            self._request,
+            self._telemetry.state,
+            now_s,
+            self._envelope,
+            is_entering=is_entering,
+            is_violated=self._is_violated,
+        )
         if verdict.setpoint is None:
             return []
         self.refusal = verdict.refusal

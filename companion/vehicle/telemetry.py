@@ -48,6 +48,7 @@ class Telemetry:
         self._landed_since_s = -math.inf
         self._position: tuple[float, Ned, Ned] | None = None  # stamp, position, velocity
         self._yaw_rad: float | None = None
+        self._yaw_s = -math.inf
         self._battery_percent: int | None = None
         self._measured_s = self._tilt_rad = self.accuracy_m = 0.0
         self._thrust_mps2: NorthEast = (0.0, 0.0)
@@ -92,6 +93,7 @@ class Telemetry:
             tilt_rad=self._tilt_rad,
             thrust_mps2=self._thrust_mps2,
             accuracy_m=self.accuracy_m,
+            yaw_s=self._yaw_s,
         )
 
     def stand_at(self, place: Ned) -> None:
@@ -145,9 +147,9 @@ class Telemetry:
             is_standing = self._is_landed is True and not self.is_armed
             self.frame.take_position(now_s, position, is_standing)
 
-    def _on_attitude(self, _: float, message: Message) -> None:
+    def _on_attitude(self, now_s: float, message: Message) -> None:
         if math.isfinite(message.yaw):
-            self._yaw_rad = message.yaw
+            self._yaw_rad, self._yaw_s = message.yaw, now_s
         if math.isfinite(message.roll) and math.isfinite(message.pitch):
             self._tilt_rad = math.acos(math.cos(message.roll) * math.cos(message.pitch))
             if math.isfinite(message.yaw) and self._tilt_rad < MOST_TILT_RAD:

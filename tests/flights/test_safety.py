@@ -23,8 +23,10 @@ from lockstep import (
     World,
     is_final_answer,
 )
+from synthetic import event, mission
 
 from companion.acting import authority
+from companion.acting.replan_triggers import ReplanTriggers
 from companion.app import Companion
 from companion.errors import Aborted, LinkError, NoPlanError
 from companion.flight_events.facts import BeliefWithdrawn
@@ -39,12 +41,15 @@ from companion.flight_events.sortie import (
     StoppedAsAsked,
     StopRequested,
 )
+from companion.flight_events.word import ConjunctViolated
 from companion.geometry import distance, is_in_polygon
 from companion.mavlink.framing import dialect
-from companion.mission.model import Mission
+from companion.mission.model import Mission, Otherwise
+from companion.planning.task_state import TaskState
 from companion.vehicle.port import hold_at
 from sitl.results import MavResult
 from sitl.world.payload import PayloadAnswer, PayloadSite
+from sitl.world.scenario import read_scenario
 
 COM_OF_LOSS_T_S = 1.0  # of the simulated airframe
 
@@ -464,3 +469,39 @@ def test_a_setpoint_outside_the_fence_never_leaves(
     refused = flight.one(SetpointRefused)
     assert refused.reason == "outside the fence"
     assert [event for event in flight.story if event != refused] == undisturbed.story
+
+
+# -- a task that is violated -----------------------------------------------------------------------
+
+WATCH = mission(
+    {"watch": "G F at(A) & G F at(B)", "unseen": "G !target"},
+    events=[event("target")],
+    otherwise=Otherwise.RETURN_HOME,
+)
+SEEN = {
+    "version": 1,
+    "target": {"component": 26},
+    "happens": [{"at_s": 15, "target": "seen"}],
+}
+
+
+def test_after_a_violation_the_flight_home_passes_the_gate() -> None:
+    flight = Lockstep(WATCH, read_scenario(SEEN)).until_the_end()
+    assert flight.exit_code == NoPlanError.exit_code
+    assert flight.of(ConjunctViolated) != [] and flight.places[-1] == "H"
+    assert flight.of(SetpointRefused) == []
+
+
+def test_a_plan_that_goes_on_after_a_violation_is_held(
+    start: Start, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The gate asks the monitor itself: whoever acts has not noticed."""
+    flight = on_the_way_to_b(start())
+    monkeypatch.setattr(ReplanTriggers, "_violation", None)
+    monkeypatch.setattr(TaskState, "violated", ("safe",))
+    violated_s = flight.now_s
+    flight.run(5.0)
+    assert flight.of(SetpointRefused) == [SetpointRefused("the task is violated")]
+    held = [s.message for s in flight.setpoints if s.time_s > violated_s + 0.1]
+    assert len(held) > 90 and {(m.vx, m.vy, m.vz) for m in held} == {(0.0, 0.0, 0.0)}
+    assert math.hypot(*flight.simulation.flight.velocity) < 0.2

@@ -148,6 +148,12 @@ SPOILT: list[tuple[str, str, str, str]] = [
         "[10, 8.5]",
     ),
     (
+        "  A: {east_m: 5, north_m: 7",
+        "  §A: {east_m: 5, north_m: 8.45",
+        "place A is only 0.05 m from the fence, 0.1 m are needed",
+        "widen limits.fence",
+    ),
+    (
         "  A: {east_m: 5, north_m: 7, up_m: 1.5",
         "  §A: {east_m: 5, north_m: 7, up_m: 4.5",
         "place A is at 4.5 m, outside 0.5 to 4 m",

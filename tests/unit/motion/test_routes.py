@@ -9,7 +9,7 @@ import pytest
 
 from companion.geometry import NorthEast, is_in_polygon
 from companion.motion.clearance_level import ClearanceLevel
-from companion.motion.grid import OccupancyGrid
+from companion.motion.grid import OccupancyGrid, cells_inside
 from companion.motion.path import Path
 from companion.motion.routes import PlaceRegion, Route, RouteMap
 
@@ -140,6 +140,27 @@ def test_the_fence_agrees_with_the_polygon_rule() -> None:
         expected = all(is_in_polygon(corner, fence) for corner in corners)
         assert routes.is_free((row + 0.5, col + 0.5)) is expected
     assert not routes.is_free((-1.0, 2.0))
+
+
+def test_routes_keep_a_margin_to_the_fence() -> None:
+    """A cell is inside if none of its corners is nearer to an edge of the fence."""
+    fence: list[NorthEast] = [(0.7, 0.4), (5.3, 2.2), (4.6, 9.1), (2.5, 4.4), (0.2, 8.8)]
+    edges = list(zip(fence, [*fence[1:], fence[0]], strict=True))
+    empty = OccupancyGrid(np.zeros((24, 40), dtype=np.bool_), 0.25, (0.0, 0.0))
+    inside, within = cells_inside(empty, fence), cells_inside(empty, fence, 0.3)
+    assert not (within & ~inside).any() and inside.sum() > within.sum() > 0
+    for row, col in np.argwhere(inside):
+        corners = [(0.25 * (row + r), 0.25 * (col + c)) for r in (0, 1) for c in (0, 1)]
+        gap_m = min(dense_distance(corner, edge) for corner in corners for edge in edges)
+        if abs(gap_m - 0.3) > 1e-3:
+            assert within[row, col] == (gap_m > 0.3), (row, col)
+
+
+def dense_distance(point: NorthEast, edge: tuple[NorthEast, NorthEast]) -> float:
+    """To the nearest of a thousand points of the edge."""
+    shares = np.linspace(0.0, 1.0, 1001)[:, None]
+    along = (1 - shares) * np.array(edge[0]) + shares * np.array(edge[1])
+    return float(np.hypot(*(along - np.array(point)).T).min())
 
 
 def test_a_route_goes_around_the_region_of_another_place() -> None:

@@ -1,4 +1,8 @@
-"""The last line before the wire: each rule has a test that fails without it."""
+"""The last line before the wire: each rule has a test that fails without it.
+
+Limits are met exactly, in numbers that are exact in binary: an interval that is shifted, or an end
+that is taken for the other side, fails.
+"""
 
 from __future__ import annotations
 
@@ -12,34 +16,53 @@ from hypothesis import strategies as st
 
 from companion.geometry import Ned, distance, is_in_polygon
 from companion.outcomes import Refusal
-from companion.vehicle.gate import SPEED_TOLERANCE, Envelope, Verdict, admit
+from companion.vehicle.gate import SPEED_TOLERANCE, Envelope, Request, Verdict, admit
 from companion.vehicle.port import Mode, Setpoint, VehicleState, hold_at
 
 ENVELOPE = Envelope(
-    fence=((0.0, 0.0), (0.0, 10.0), (10.0, 10.0), (10.0, 0.0)),
+    fence=((0.0, -20.0), (0.0, 20.0), (10.0, 20.0), (10.0, -20.0)),
     up_m=(0.5, 4.0),
     speed_mps=2.0,
     climb_mps=1.5,
     descent_mps=1.0,
     carrot_m=1.5,
+    fence_margin_m=0.25,
 )
 NOW_S = 100.0
 STATE = VehicleState(
-    NOW_S - 0.1, (5.0, 5.0, -2.25), (1.0, 0.0, 0.0), 0.3, Mode.OFFBOARD, True, False, False, 80
+    stamp_s=NOW_S - 0.125,
+    position=(5.0, 15.0, -2.25),
+    velocity=(1.0, 0.0, 0.0),
+    yaw_rad=0.5,
+    mode=Mode.OFFBOARD,
+    is_armed=True,
+    is_landed=False,
+    is_failsafe=False,
+    battery_percent=80,
+    mode_s=NOW_S - 1.0,
+    yaw_s=NOW_S - 0.125,
 )
-GOOD = Setpoint((5.5, 5.0, -2.25), (1.0, 0.0, 0.0), (0.5, 0.0, 0.0), 0.2)
+GOOD = Setpoint((5.5, 15.0, -2.25), (1.0, 0.0, 0.0), (0.5, 0.0, 0.0), 0.25)
 HOLD = hold_at(STATE.position, STATE.yaw_rad)
 NOT_FINITE = [math.nan, math.inf, -math.inf]
+AFTER = 2.0**-20
+"""Just beyond."""
 
 
 def verdict(
     setpoint: Setpoint = GOOD,
     state: VehicleState | None = STATE,
-    now_s: float = NOW_S,
-    is_our_mode: bool = True,
+    envelope: Envelope = ENVELOPE,
     asked_s: float = NOW_S,
+    is_for_task: bool = False,
+    **options: bool,
 ) -> Verdict:
-    return admit(setpoint, asked_s, state, now_s, is_our_mode, ENVELOPE)
+    request = Request(setpoint, asked_s, is_for_task)
+    return admit(request, state, NOW_S, envelope, **options)
+
+
+def heard(**fields: Any) -> VehicleState:
+    return replace(STATE, **fields)
 
 
 def changed(vector: Ned, axis: int, number: float) -> Ned:
@@ -51,48 +74,93 @@ def held(refusal: str) -> Verdict:
     return Verdict(HOLD, Refusal(refusal))
 
 
+def nothing(refusal: str) -> Verdict:
+    return Verdict(None, Refusal(refusal))
+
+
 def test_a_good_setpoint_passes_as_it_is() -> None:
     assert verdict() == Verdict(GOOD)
+
+
+def test_the_limits_that_no_mission_chooses() -> None:
+    """Half a second is ten setpoints; PX4's failsafe begins a second after the last one."""
+    made = Envelope(ENVELOPE.fence, (0.5, 4.0), 2.0, 1.5, 1.0, 1.5)
+    ages_s = (made.max_age_s, made.lease_s, made.lost_s, made.mode_lost_s)
+    assert ages_s == (0.5, 0.5, 3.0, 5.0)
+    assert made.fence_margin_m == 0.0
+    assert SPEED_TOLERANCE == 1.01
 
 
 # -- nothing is sent -------------------------------------------------------------------------------
 
 
 def test_without_a_position_nothing_is_sent() -> None:
-    assert verdict(state=None) == Verdict(None, Refusal("the position is unknown"))
+    assert verdict(state=None) == nothing("the position is unknown")
 
 
 @pytest.mark.parametrize("axis", range(3))
 @pytest.mark.parametrize("number", NOT_FINITE)
 def test_a_position_that_is_not_finite_is_unknown(axis: int, number: float) -> None:
-    state = replace(STATE, position=changed(STATE.position, axis, number))
-    assert verdict(state=state) == Verdict(None, Refusal("the position is unknown"))
+    state = heard(position=changed(STATE.position, axis, number))
+    assert verdict(state=state) == nothing("the position is unknown")
+
+
+@pytest.mark.parametrize("number", NOT_FINITE)
+def test_a_heading_that_is_not_finite_is_unknown(number: float) -> None:
+    assert verdict(state=heard(yaw_rad=number)) == nothing("the position is unknown")
 
 
 def test_when_the_position_was_lost_nothing_is_sent() -> None:
     """Only silence lets the autopilot's own failsafe begin."""
-    stamp_s = STATE.stamp_s
-    assert verdict(now_s=stamp_s + 3.1) == Verdict(None, Refusal("no position for 3.1 s"))
-    assert verdict(now_s=stamp_s + 2.9).setpoint == HOLD
+    assert verdict(state=heard(stamp_s=NOW_S - 3.0)) == held("the position is 3.0 s old")
+    assert verdict(state=heard(stamp_s=NOW_S - 3.0 - AFTER)) == nothing("no position for 3.0 s")
+    assert verdict(state=heard(stamp_s=math.nan)) == nothing("no position for nan s")
 
 
-def test_in_a_mode_that_is_not_ours_nothing_is_sent() -> None:
-    state = replace(STATE, mode=Mode.POSCTL)
-    assert verdict(state=state, is_our_mode=False) == Verdict(None, Refusal("the mode is POSCTL"))
+def test_when_the_mode_was_lost_nothing_is_sent() -> None:
+    assert verdict(state=heard(mode_s=NOW_S - 5.0)) == Verdict(GOOD)
+    assert verdict(state=heard(mode_s=NOW_S - 5.0 - AFTER)) == nothing("no mode for 5.0 s")
+    assert verdict(state=heard(mode_s=math.nan)) == nothing("no mode for nan s")
+
+
+def test_a_vehicle_that_is_not_armed_is_sent_nothing() -> None:
+    assert verdict(state=heard(is_armed=False)) == nothing("the vehicle is not armed")
+
+
+@pytest.mark.parametrize("mode", [mode for mode in Mode if mode is not Mode.OFFBOARD])
+def test_another_mode_takes_setpoints_only_before_offboard_is_asked_for(mode: Mode) -> None:
+    state = heard(mode=mode)
+    assert verdict(state=state) == nothing(f"the mode is {mode.value}")
+    assert verdict(state=state, is_entering=True) == Verdict(GOOD)
 
 
 # -- hold ------------------------------------------------------------------------------------------
 
 
 def test_old_telemetry_holds() -> None:
-    assert verdict(now_s=STATE.stamp_s + 0.49) == Verdict(GOOD)
-    assert verdict(now_s=STATE.stamp_s + 0.61) == held("the position is 0.6 s old")
+    assert verdict(state=heard(stamp_s=NOW_S - 0.5, yaw_s=NOW_S - 0.5)) == Verdict(GOOD)
+    assert verdict(state=heard(stamp_s=NOW_S - 0.5 - AFTER)) == held("the position is 0.5 s old")
+    assert verdict(state=heard(yaw_s=NOW_S - 0.5 - AFTER)) == held("the heading is 0.5 s old")
+    assert verdict(state=heard(yaw_s=-math.inf)) == held("the heading is inf s old")
+    assert verdict(state=heard(yaw_s=math.nan)) == held("the heading is nan s old")
 
 
 def test_a_setpoint_that_nobody_renews_holds() -> None:
-    assert verdict(asked_s=NOW_S - ENVELOPE.lease_s) == Verdict(GOOD)
-    assert verdict(asked_s=NOW_S - 0.61) == held("not renewed for 0.6 s")
+    assert verdict(asked_s=NOW_S - 0.5) == Verdict(GOOD)
+    assert verdict(asked_s=NOW_S - 0.5 - AFTER) == held("not renewed for 0.5 s")
     assert verdict(asked_s=math.nan) == held("not renewed for nan s")
+
+
+@pytest.mark.parametrize(
+    ("is_for_task", "is_violated", "passes"),
+    [(False, False, True), (True, False, True), (False, True, True), (True, True, False)],
+)
+def test_a_plan_for_a_task_that_is_violated_holds(
+    is_for_task: bool, is_violated: bool, passes: bool
+) -> None:
+    """A return, a landing and a hold go on."""
+    found = verdict(is_for_task=is_for_task, is_violated=is_violated)
+    assert found == (Verdict(GOOD) if passes else held("the task is violated"))
 
 
 @pytest.mark.parametrize("field", ["position", "velocity", "acceleration"])
@@ -104,33 +172,44 @@ def test_a_number_that_is_not_finite_holds(field: str, axis: int, number: float)
 
 
 @pytest.mark.parametrize("number", NOT_FINITE)
-def test_a_heading_that_is_not_finite_holds(number: float) -> None:
+def test_a_heading_to_turn_to_that_is_not_finite_holds(number: float) -> None:
     assert verdict(replace(GOOD, yaw_rad=number)) == held("the setpoint is not finite")
 
 
 @pytest.mark.parametrize(
-    ("edge", "step"),
+    ("edge", "outwards"),
     [
-        ((0.2, 5.0), (-0.4, 0.0)),
-        ((9.8, 5.0), (0.4, 0.0)),
-        ((5.0, 0.2), (0.0, -0.4)),
-        ((5.0, 9.8), (0.0, 0.4)),
+        ((0.25, 5.0), (-1, 0)),
+        ((9.75, 5.0), (1, 0)),
+        ((5.0, -19.75), (0, -1)),
+        ((5.0, 19.75), (0, 1)),
     ],
 )
-def test_each_side_of_the_fence_holds(edge: tuple[float, float], step: tuple[float, float]) -> None:
-    state = replace(STATE, position=(*edge, -2.0))
-    inside = replace(GOOD, position=(*edge, -2.0))
-    outside = replace(GOOD, position=(edge[0] + step[0], edge[1] + step[1], -2.0))
-    assert verdict(inside, state) == Verdict(inside)
+def test_each_side_of_the_fence_holds(edge: tuple[float, float], outwards: tuple[int, int]) -> None:
+    """At the margin and just beyond it; far beyond the fence the margin says nothing."""
+    state = heard(position=(*edge, -2.0))
+    at_the_margin = replace(GOOD, position=(*edge, -2.0))
+    assert verdict(at_the_margin, state) == Verdict(at_the_margin)
     expected = Verdict(hold_at(state.position, state.yaw_rad), Refusal("outside the fence"))
-    assert verdict(outside, state) == expected
+    for beyond_m in (AFTER, 1.0):
+        north, east = (e + beyond_m * o for e, o in zip(edge, outwards, strict=True))
+        assert verdict(replace(GOOD, position=(north, east, -2.0)), state) == expected
+
+
+def test_the_fence_is_no_wider_without_a_margin() -> None:
+    envelope = replace(ENVELOPE, fence_margin_m=0.0)
+    for north, is_inside in ((AFTER, True), (-AFTER, False), (10 - AFTER, True), (10.25, False)):
+        state = heard(position=(min(max(north, 0.5), 9.5), 5.0, -2.0))
+        setpoint = replace(GOOD, position=(north, 5.0, -2.0))
+        assert (verdict(setpoint, state, envelope).refusal is None) is is_inside
 
 
 @pytest.mark.parametrize(
-    ("up_m", "is_within"), [(0.49, False), (0.51, True), (3.99, True), (4.01, False)]
+    ("up_m", "is_within"),
+    [(0.5 - AFTER, False), (0.5, True), (4.0, True), (4.0 + AFTER, False)],
 )
 def test_the_altitude_band_has_two_ends(up_m: float, is_within: bool) -> None:
-    state = replace(STATE, position=(5.0, 5.0, -min(max(up_m, 1.0), 3.5)))
+    state = heard(position=(5.0, 5.0, -min(max(up_m, 1.0), 3.5)))
     setpoint = replace(GOOD, position=(5.0, 5.0, -up_m))
     found = verdict(setpoint, state)
     assert (found.setpoint == setpoint) is is_within
@@ -144,26 +223,26 @@ def test_the_carrot_reaches_equally_far_in_every_direction(axis: int, sign: int)
         along = STATE.position[axis] + sign * gap_m
         return replace(GOOD, position=changed(STATE.position, axis, along))
 
-    assert verdict(beside(1.45)).refusal is None
-    assert verdict(beside(1.61)) == held("1.6 m from the vehicle")
+    assert verdict(beside(1.5)).refusal is None
+    assert verdict(beside(1.625)) == held("1.6 m from the vehicle")
 
 
 def test_the_carrot_is_a_ball_and_not_a_box() -> None:
-    corner = replace(GOOD, position=(6.0, 6.0, -3.25))
+    corner = replace(GOOD, position=(6.0, 16.0, -3.25))
     assert verdict(corner) == held("1.7 m from the vehicle")
 
 
 @pytest.mark.parametrize("velocity", [(0.0, 0.0, -2.1), (1.5, -1.5, 0.0), (-2.1, 0.0, 0.0)])
-def test_more_than_the_speed_limit_holds(velocity: tuple[float, float, float]) -> None:
+def test_more_than_the_speed_limit_holds(velocity: Ned) -> None:
     assert verdict(replace(GOOD, velocity=velocity)) == held("2.1 m/s is too fast")
 
 
 @pytest.mark.parametrize(
     ("down_mps", "refusal"),
     [
-        (-1.5, None),
+        (-1.5 * SPEED_TOLERANCE, None),
         (-1.6, "1.6 m/s up is too fast"),
-        (1.0, None),
+        (1.0 * SPEED_TOLERANCE, None),
         (1.1, "1.1 m/s down is too fast"),
     ],
 )
@@ -172,51 +251,46 @@ def test_climbs_and_descents_have_limits_of_their_own(down_mps: float, refusal: 
     assert verdict(setpoint) == (held(refusal) if refusal else Verdict(setpoint))
 
 
+def test_a_vehicle_that_cannot_climb_may_fly_level() -> None:
+    envelope = replace(ENVELOPE, climb_mps=0.0)
+    assert verdict(envelope=envelope) == Verdict(GOOD)
+    descending = replace(GOOD, velocity=(0.0, 0.0, 0.5))
+    assert verdict(descending, envelope=envelope) == Verdict(descending)
+
+
 def test_rounding_at_the_limit_does_not_stop_the_vehicle() -> None:
-    velocity = (ENVELOPE.speed_mps * (SPEED_TOLERANCE + 1) / 2, 0.0, 0.0)
-    assert verdict(replace(GOOD, velocity=velocity)).refusal is None
-
-
-def test_what_is_exactly_at_a_limit_is_within_it() -> None:
-    """At the end of each interval; the numbers are exact in binary, so rounding plays no part."""
-    state = replace(STATE, stamp_s=NOW_S, position=(5.0, 5.0, -2.0))
-    assert verdict(state=state, now_s=NOW_S + 0.5).setpoint == GOOD
-    assert verdict(state=state, now_s=NOW_S + 3.0).setpoint is not None
-    at_the_carrot = replace(GOOD, position=(6.5, 5.0, -2.0))
-    assert verdict(at_the_carrot, state).refusal is None
-    for down in (-0.5, -4.0):
-        at_the_band = replace(GOOD, position=(5.0, 5.0, down))
-        near = replace(state, position=(5.0, 5.0, (down - 2.0) / 2))
-        assert verdict(at_the_band, near).refusal is None
     fastest = replace(GOOD, velocity=(ENVELOPE.speed_mps * SPEED_TOLERANCE, 0.0, 0.0))
     assert verdict(fastest).refusal is None
+    faster = replace(GOOD, velocity=(ENVELOPE.speed_mps * SPEED_TOLERANCE + AFTER, 0.0, 0.0))
+    assert verdict(faster) == held("2.0 m/s is too fast")
 
 
 # -- whatever comes --------------------------------------------------------------------------------
 
 ANY = st.floats() | st.floats(-12, 12)
 VECTOR = st.tuples(ANY, ANY, ANY)
-NEAR = st.tuples(st.floats(-1, 11), st.floats(-1, 11), st.floats(-5, 1))
+NEAR = st.tuples(st.floats(-1, 11), st.floats(-21, 21), st.floats(-5, 1))
 SETPOINTS = st.builds(Setpoint, NEAR | VECTOR, VECTOR, VECTOR, ANY)
 STATES = st.builds(
     replace,
     st.just(STATE),
     stamp_s=st.floats(NOW_S - 5, NOW_S),
+    yaw_s=st.floats(NOW_S - 1, NOW_S),
     position=NEAR | VECTOR,
     yaw_rad=st.floats(-math.pi, math.pi),
     mode=st.sampled_from(Mode),
 )
 
 
-@given(setpoint=SETPOINTS, state=st.none() | STATES, is_our_mode=st.booleans())
+@given(setpoint=SETPOINTS, state=st.none() | STATES, is_entering=st.booleans())
 def test_what_comes_out_is_within_all_limits_or_exactly_the_hold(
-    setpoint: Setpoint, state: VehicleState | None, is_our_mode: bool
+    setpoint: Setpoint, state: VehicleState | None, is_entering: bool
 ) -> None:
-    found = verdict(setpoint, state, is_our_mode=is_our_mode)
+    found = verdict(setpoint, state, is_entering=is_entering)
     if found.setpoint is None:
         assert found.refusal
         return
-    assert state is not None and is_our_mode
+    assert state is not None and (is_entering or state.mode is Mode.OFFBOARD)
     sent = found.setpoint
     numbers = (*sent.position, *sent.velocity, *sent.acceleration, sent.yaw_rad)
     assert all(map(math.isfinite, numbers))
@@ -224,7 +298,7 @@ def test_what_comes_out_is_within_all_limits_or_exactly_the_hold(
         assert sent == hold_at(state.position, state.yaw_rad)
         return
     assert sent == setpoint
-    assert NOW_S - state.stamp_s <= ENVELOPE.max_age_s
+    assert NOW_S - min(state.stamp_s, state.yaw_s) <= ENVELOPE.max_age_s
     assert is_in_polygon(sent.position, ENVELOPE.fence)
     assert ENVELOPE.up_m[0] <= -sent.position[2] <= ENVELOPE.up_m[1]
     assert distance(sent.position, state.position) <= ENVELOPE.carrot_m
@@ -239,7 +313,7 @@ def test_a_hold_is_never_refused_for_where_the_vehicle_is_going(
 ) -> None:
     """What the gate puts in place of a setpoint passes it, unless the vehicle itself is outside."""
     found = verdict(setpoint, state)
-    if found.setpoint is None or NOW_S - state.stamp_s > ENVELOPE.max_age_s:
+    if found.setpoint is None or NOW_S - min(state.stamp_s, state.yaw_s) > ENVELOPE.max_age_s:
         return
     again = verdict(found.setpoint, state)
     assert again.setpoint == found.setpoint
@@ -248,3 +322,61 @@ def test_a_hold_is_never_refused_for_where_the_vehicle_is_going(
         Refusal("outside the fence"),
         Refusal("outside the altitude band"),
     )
+
+
+# -- the fence, against another rule ---------------------------------------------------------------
+
+METRES = st.floats(-20, 20).map(lambda metres: round(metres * 8) / 8)
+POINTS = st.tuples(METRES, METRES)
+
+
+def turns(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+@given(a=POINTS, b=POINTS, c=POINTS, point=POINTS)
+def test_a_triangle_holds_what_lies_on_the_same_side_of_all_its_edges(
+    a: tuple[float, float],
+    b: tuple[float, float],
+    c: tuple[float, float],
+    point: tuple[float, float],
+) -> None:
+    envelope = replace(ENVELOPE, fence=(a, b, c), fence_margin_m=0.0)
+    signs = [turns(a, b, point), turns(b, c, point), turns(c, a, point)]
+    if 0.0 in signs:
+        return  # on an edge
+    is_inside = min(signs) > 0 or max(signs) < 0
+    found = verdict(
+        replace(GOOD, position=(*point, -2.0)), heard(position=(*point, -2.0)), envelope
+    )
+    assert (found.refusal is None) is is_inside
+
+
+@given(point=st.tuples(st.floats(-9, 9), st.floats(-9, 9)))
+def test_the_margin_of_a_slanted_fence_is_measured_across_its_edges(
+    point: tuple[float, float],
+) -> None:
+    """A square on its corner: the distance from an edge follows from the sum of the two metres."""
+    fence = ((8.0, 0.0), (0.0, 8.0), (-8.0, 0.0), (0.0, -8.0), (0.0, -8.0))
+    gap_m = (8.0 - abs(point[0]) - abs(point[1])) / math.sqrt(2)
+    if abs(gap_m - 1.0) < 1e-9:
+        return
+    envelope = replace(ENVELOPE, fence=fence, fence_margin_m=1.0)
+    found = verdict(
+        replace(GOOD, position=(*point, -2.0)), heard(position=(*point, -2.0)), envelope
+    )
+    assert (found.refusal is None) is (gap_m > 1.0)
+
+
+@given(point=st.tuples(st.floats(-3, 3), st.floats(-3, 3)))
+def test_beyond_the_end_of_an_edge_the_margin_is_round(point: tuple[float, float]) -> None:
+    """A notch of the fence ends at (0, 0), in the middle of the room."""
+    notched = ((9.0, -9.0), (9.0, 9.0), (-9.0, 9.0), (-9.0, 0.5), (0.0, 0.0), (-9.0, -0.5))
+    fence = (*notched, (-9.0, -9.0))
+    if point[0] < 0 or abs(math.hypot(*point) - 2.0) < 1e-9:
+        return  # beside the notch
+    envelope = replace(ENVELOPE, fence=fence, fence_margin_m=2.0)
+    found = verdict(
+        replace(GOOD, position=(*point, -2.0)), heard(position=(*point, -2.0)), envelope
+    )
+    assert (found.refusal is None) is (math.hypot(*point) > 2.0)

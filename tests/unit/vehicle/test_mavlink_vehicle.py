@@ -99,7 +99,7 @@ def test_one_setpoint_leaves_per_transmit_and_none_by_itself(meeting: Meeting) -
     meeting.vehicle.fly(AHEAD)
     for _ in range(40):
         assert len(of_type(meeting.tick(), SETPOINT)) == 1
-    meeting.vehicle.fly(None)
+    meeting.vehicle.release()
     assert of_type(meeting.run(2.0), SETPOINT) == []
 
 
@@ -121,6 +121,25 @@ def test_the_gate_follows_the_speed_limit_in_force(meeting: Meeting) -> None:
         meeting.vehicle.fly(AHEAD)
         meeting.tick()
         assert meeting.vehicle.refusal == refusal
+
+
+def test_the_gate_knows_what_is_of_the_task_and_whether_that_is_violated(meeting: Meeting) -> None:
+    in_offboard(meeting)
+    meeting.vehicle.set_violated(True)
+    for is_for_task, refusal in ((True, Refusal("the task is violated")), (False, None)):
+        meeting.vehicle.fly(AHEAD, is_for_task)
+        meeting.tick()
+        assert meeting.vehicle.refusal == refusal
+
+
+def test_a_heading_that_is_heard_no_longer_holds(meeting: Meeting) -> None:
+    in_offboard(meeting)
+    meeting.autopilot.unsent = {"ATTITUDE"}
+    for _ in range(12):
+        meeting.vehicle.fly(AHEAD)
+        (sent,) = of_type(meeting.tick(), SETPOINT)
+    assert meeting.vehicle.refusal == Refusal("the heading is 0.6 s old")
+    assert sent.vx == 0.0
 
 
 def test_no_setpoint_leaves_in_another_mode_than_ours(meeting: Meeting) -> None:

@@ -57,6 +57,15 @@ def test_a_state_holds_what_was_said() -> None:
     assert not state.is_failsafe
 
 
+def test_the_heading_has_a_stamp_of_its_own() -> None:
+    """A heading that is no number renews nothing."""
+    telemetry = heard(Autopilot(), now_s=3.0)
+    for yaw_rad, stamp_s in ((math.nan, 3.0), (0.5, 4.0)):
+        say(telemetry, dialect.MAVLink_attitude_message(0, 0, 0, yaw_rad, 0, 0, 0), 4.0)
+        assert telemetry.state is not None
+        assert (telemetry.state.yaw_s, telemetry.state.stamp_s) == (stamp_s, 3.0)
+
+
 def test_the_stamp_is_that_of_the_position() -> None:
     telemetry = heard(Autopilot(), now_s=1.0)
     heartbeat, *_ = Autopilot().telemetry()
