@@ -29,6 +29,7 @@ from companion.errors import Location, MissionError
 from companion.motion.grid import OccupancyGrid
 
 MAX_EDGE_CELLS = 4000
+MAX_CELLS = 4_000_000
 ROUNDING = 1e-9
 MANY = 1e9
 """Cells beyond which it does not matter how many there would be."""
@@ -97,11 +98,19 @@ def map_of_boxes(
         cells = math.ceil(needed)
         edges.append(np.linspace(first, first + cells * cell_m, cells + 1))
     east, north = edges
+    _check_cells(len(east) - 1, len(north) - 1)
     occupied = np.zeros((len(north) - 1, len(east) - 1), dtype=np.bool_)
     for box_east_m, box_north_m in walls:
         rows, cols = _overlapped(north, box_north_m), _overlapped(east, box_east_m)
         occupied |= rows[:, None] & cols[None, :]
     return OccupancyGrid(occupied, cell_m, (north_m[0], east_m[0]))
+
+
+def _check_cells(east: int, north: int) -> None:
+    """Refuses a map that takes too much memory, whatever its edges."""
+    if east * north > MAX_CELLS:
+        what = f"the map has {east} x {north} cells, at most {MAX_CELLS:,} are allowed"
+        raise MissionError(what, hint="use larger cells")
 
 
 def _overlapped(edges: npt.NDArray[np.float64], box: tuple[float, float]) -> npt.NDArray[np.bool_]:
@@ -216,6 +225,10 @@ def _pixels(fields: _Fields) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.bo
                     f"the image has {image.width} x {image.height} cells",
                     f"At most {MAX_EDGE_CELLS} cells along an edge; use a coarser resolution.",
                 )
+            try:
+                _check_cells(*image.size)
+            except MissionError as error:
+                raise fields.error("image", error.what, error.hint) from None
             if image.mode not in _GREY_MODES:
                 raise fields.error("image", f"the image has pixels of kind {image.mode}, not 8 bit")
             rgba = np.asarray(image.convert("RGBA"))

@@ -15,7 +15,8 @@ from dataclasses import dataclass
 
 from companion.geometry import Ned, distance
 from companion.mission.model import Place
-from companion.motion.routes import CELL_US, CELLS_PER_TICK, RouteMap
+from companion.motion.distance_maps import CELL_US
+from companion.motion.routes import CELLS_PER_TICK, RouteMap
 from companion.slices import spent
 
 SAMPLES = 48

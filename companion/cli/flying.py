@@ -232,6 +232,7 @@ def _host(
 ) -> None:
     """Waits for ground stations to start sorties, until it is stopped; first goes on with one."""
     from companion.cli.hosting import SortieHost
+    from companion.ground.checking import CheckChildren
     from companion.ground.uploads import Uploads
 
     terminal = Terminal()
@@ -249,7 +250,8 @@ def _host(
             page.show(folder.folder)
             return folder
 
-        uploads = Uploads(log_dir.expanduser() / UPLOADS)
+        children = CheckChildren()
+        uploads = Uploads(log_dir.expanduser() / UPLOADS, children.begin)
         host = SortieHost(open_folder, close_folder, tell, uploads, engine)
         recorder = host.resume_run(open_folder(cut_off.mission, cut_off)) if cut_off else None
         mission = cut_off.mission if cut_off else mission
@@ -261,6 +263,7 @@ def _host(
         finally:
             host.close()
             uploads.close()
+            children.close()
 
 
 def _fly(

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
 from textwrap import indent
 from typing import TYPE_CHECKING, Annotated, Any
@@ -43,12 +42,13 @@ def check(
     allowed and hardly meant: an event that nothing uses, a line that holds from the start on, a
     patrol that a rest fulfils.
     """
+    from companion.cli.checked_mission import check_mission
+
     try:
-        checked = _Checked.read(mission, within)
+        checked = check_mission(mission, within)
     except CompanionError as error:
         if as_json:
-            refused = {"version": FORMAT_VERSION, "ok": False, "exit_code": error.exit_code}
-            typer.echo(json.dumps(refused | {"error": str(error)}))
+            typer.echo(json.dumps(refusal_as_json(error)))
         raise
     if as_json:
         typer.echo(json.dumps({"version": FORMAT_VERSION, "ok": True} | checked.as_json()))
@@ -65,6 +65,12 @@ def check(
     for notice in checked.notices:
         typer.echo(f"notice     {notice}")
     typer.echo("ok")
+
+
+def refusal_as_json(error: CompanionError) -> dict[str, Any]:
+    """What `check --json` prints of a mission that cannot be flown."""
+    refused = {"version": FORMAT_VERSION, "ok": False, "exit_code": error.exit_code}
+    return refused | {"error": str(error)}
 
 
 ObjectiveOption = Annotated[
@@ -178,62 +184,6 @@ def _print(planner: Planner, problem: Problem, solution: Solution) -> None:
     else:
         typer.echo(f"{what}; how good that is, is not known ({solution.engine})")
     _print_dropped(planner, problem, solution)
-
-
-@dataclass(frozen=True)
-class _Checked:
-    """What is told of a mission that can be flown.
-
-    Attributes:
-        events: when each of them holds, in words.
-        states: of each conjunct's automaton.
-        priorities: of the lines of the task that may be dropped.
-        dropped: lines of the task that the plan does not keep, and why.
-        notices: what is allowed, and hardly meant.
-    """
-
-    mission: str
-    places: tuple[str, ...]
-    events: dict[str, str]
-    states: dict[str, int]
-    priorities: Mapping[str, int]
-    plan: str
-    dropped: tuple[str, ...]
-    notices: tuple[str, ...]
-
-    @classmethod
-    def read(cls, path: Path, within: Path | None) -> _Checked:
-        """Plans a mission, all of whose files may have to be in a folder."""
-        from companion.mission.files import files_of
-        from companion.planning.notices import notices
-
-        if within is not None:
-            files_of(path, within)
-        planner = _planner(path)
-        tree = planner.mission.tree
-        if tree is not None:
-            planner.actions_of(tree)
-        found = None if tree else planner.plan()
-        return cls(
-            planner.mission.name,
-            tuple(planner.mission.places),
-            {name: event.duration for name, event in planner.mission.events.items()},
-            {c.name: c.automaton.states for c in planner.conjuncts},
-            planner.mission.priorities,
-            str(found or "a tree of its own"),
-            tuple(map(str, found.dropped)) if found else (),
-            tuple(map(str, notices(planner, found))),
-        )
-
-    def as_json(self) -> dict[str, Any]:
-        """The same for programs."""
-        return {
-            "mission": self.mission,
-            "automata": self.states,
-            "plan": self.plan,
-            "dropped": list(self.dropped),
-            "notices": list(self.notices),
-        }
 
 
 def _write_pddl(

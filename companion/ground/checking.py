@@ -1,7 +1,8 @@
-"""The check of an uploaded mission: `companion check` in a child process that nobody waits for.
+"""The check of an uploaded mission, in a child process that nobody waits for.
 
 A door: it starts processes and reads what they print. The flight process never parses what came
-from a stranger; it reads the JSON that its own child has printed.
+from a stranger; it reads the JSON that its own child has printed, up to a size. A child checks one
+mission and ends. Loading everything takes it a second or two, so one is kept ready.
 """
 
 from __future__ import annotations
@@ -9,14 +10,17 @@ from __future__ import annotations
 import json
 import os
 import subprocess
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
-from companion.ground import limited
 from companion.python_child import python_module
 
+MAX_OUTPUT_BYTES = 1 << 20  # of a child
 MAX_TEXT = 2000  # characters of a result that are handed on
+CHILD = "companion.cli.check_child"
+"""The program of a child; it says what is asked of it, and what bounds it."""
 _ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "NO_COLOR": "1"}
 
 
@@ -43,59 +47,118 @@ class MissionCheck(Protocol):
         """Ends it; the result follows."""
 
 
-class ChildCheck:
-    """`companion check` on a mission in a folder of its own, as a child process.
+class CheckChildren:
+    """Child processes that check a mission each; one of them is ready before it is needed.
 
-    Args:
-        folder: all files; nothing else is read.
-        mission: path in the folder.
+    A child that has died meanwhile is replaced.
     """
 
-    def __init__(self, folder: Path, mission: str) -> None:
-        self._output = folder.with_name(folder.name + ".json")
-        command = python_module(limited.__name__, str(folder))
-        with self._output.open("wb") as output:
-            self._child = subprocess.Popen(
-                [*command, "check", "--json", "--within", ".", "--", mission],
-                stdin=subprocess.DEVNULL,
-                stdout=output,
-                stderr=subprocess.DEVNULL,
-                start_new_session=True,  # Ctrl-C in a terminal is for the flight process
-                env=os.environ | _ONE_THREAD,
-            )
+    def __init__(self) -> None:
+        self._spare = CheckChild()
+
+    def begin(self, folder: Path, mission: str) -> MissionCheck:
+        """Has a mission checked; `Uploads` calls it.
+
+        Args:
+            folder: all files; nothing else is read.
+            mission: path in the folder.
+        """
+        child = self._spare if self._spare.is_running else CheckChild()
+        child.order(folder, mission)
+        self._spare = CheckChild()
+        return child
+
+    def close(self) -> None:
+        """Ends the one that is ready."""
+        self._spare.close()
+
+
+def begin_check(folder: Path, mission: str) -> MissionCheck:
+    """Has a mission checked by a child process that is started for it."""
+    child = CheckChild()
+    child.order(folder, mission)
+    return child
+
+
+class CheckChild:
+    """A child process that checks one mission; the interface is `MissionCheck`."""
+
+    def __init__(self) -> None:
+        self._child = subprocess.Popen(
+            python_module(CHILD),
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,  # Ctrl-C in a terminal is for the flight process
+            env=os.environ | _ONE_THREAD,
+            bufsize=0,
+        )
+        assert self._child.stdin is not None and self._child.stdout is not None
+        self._orders, self._answers = self._child.stdin, self._child.stdout
+        os.set_blocking(self._answers.fileno(), False)
+        self._printed = b""
+
+    @property
+    def is_running(self) -> bool:
+        """Whether it has not ended."""
+        return self._child.poll() is None
+
+    def order(self, folder: Path, mission: str) -> None:
+        """Says what is to be checked, once. One that has just died says so by its result."""
+        with suppress(BrokenPipeError):
+            self._orders.write(json.dumps([str(folder), mission]).encode() + b"\n")
+        self._orders.close()
 
     def poll(self) -> CheckResult | None:
-        """Reads what the child has printed once it has ended."""
+        """Reads what it has printed, and returns the result once it has ended."""
         code = self._child.poll()
+        while part := self._answers.read(MAX_OUTPUT_BYTES):
+            self._printed += part
+            if len(self._printed) > MAX_OUTPUT_BYTES:
+                self.kill()
+                self._printed = self._printed[:MAX_OUTPUT_BYTES]
+                break
         if code is None:
             return None
-        with self._output.open("rb") as output:
-            printed = output.read(limited.MAX_OUTPUT_BYTES)
-        self._output.unlink()
-        return result_of(code, printed)
+        self._answers.close()
+        return result_of(code, self._printed)
 
     def kill(self) -> None:
         """Ends the child process."""
         self._child.kill()
 
+    def close(self) -> None:
+        """Ends one that nobody needs any more."""
+        self.kill()
+        self._child.wait()
+        self._orders.close()
+        self._answers.close()
+
 
 def result_of(code: int, printed: bytes) -> CheckResult:
-    """Returns what a child has found out.
+    r"""Returns what a child has found out.
 
     Args:
         code: how it ended; negative is a signal.
-        printed: on its standard output.
+        printed: on its standard output: lines of JSON.
 
-    >>> result_of(0, b'{"ok": true, "plan": "move(A, B)"}')
+    >>> result_of(0, b'{"doing": "reading it"}\n{"ok": true, "plan": "move(A, B)"}\n')
     CheckResult(is_good=True, text='move(A, B)')
-    >>> result_of(-9, b'').text
-    'the check needs too much time or memory'
+    >>> result_of(-9, b'{"doing": "reading it"}\n').text
+    'the check was ended: it takes too much time or memory, for reading it'
     """
+    said: list[Any] = []
+    for line in printed.splitlines():
+        with suppress(ValueError, RecursionError):
+            said.append(json.loads(line))
     try:
-        said: Any = json.loads(printed)
-        is_good = code == 0 and said["ok"] is True
-        return CheckResult(is_good, str(said["plan" if is_good else "error"])[:MAX_TEXT])
-    except (ValueError, KeyError, TypeError):
-        if code < 0 or b"MemoryError" in printed:
-            return CheckResult(False, "the check needs too much time or memory")
-        return CheckResult(False, f"the check has failed with exit code {code}")
+        answer = said[-1]
+        if "ok" in answer:
+            is_good = code == 0 and answer["ok"] is True
+            return CheckResult(is_good, str(answer["plan" if is_good else "error"])[:MAX_TEXT])
+        doing = f", for {str(answer['doing'])[:MAX_TEXT]}"
+    except (IndexError, KeyError, TypeError):
+        doing = ""
+    if code < 0:
+        return CheckResult(False, f"the check was ended: it takes too much time or memory{doing}")
+    return CheckResult(False, f"the check has failed with exit code {code}{doing}")

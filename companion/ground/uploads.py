@@ -38,7 +38,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from companion.ground.checking import CheckResult, ChildCheck, MissionCheck
+from companion.ground.checking import CheckResult, MissionCheck, begin_check
 from companion.ground.ftp import FtpServer
 from companion.ground.ftp_sessions import Client
 from companion.ground.mission_store import VERDICT, MissionStore, names_of
@@ -97,7 +97,9 @@ class Uploads:
         begin: starts the check of a mission in a folder.
     """
 
-    def __init__(self, root: Path, begin: Callable[[Path, str], MissionCheck] = ChildCheck) -> None:
+    def __init__(
+        self, root: Path, begin: Callable[[Path, str], MissionCheck] = begin_check
+    ) -> None:
         root = root.resolve()
         self._store = MissionStore(root / "incoming")
         self._server = FtpServer(self._store)

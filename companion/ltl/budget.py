@@ -5,7 +5,7 @@ a budget: elementary *steps*, which stand for time, and *bytes* that are kept to
 Both are counted and not measured: a formula that is translated once is always translated, on a
 slow machine as on a fast one.
 
-A step is one pass of an inner loop, e.g. one union of two sets of bits, about 0.1 us. Ints of
+A step is one pass of an inner loop, e.g. one union of two sets of bits, about 0.25 us. Ints of
 thousands of bits cost more, in proportion to their width:
 
 - before a loop, or once for each round of a nested one, call `spend(passes, width)`, so that an
@@ -27,14 +27,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
-from companion.errors import Location, MissionError
+from companion.errors import KeyPath, Location, MissionError
 from companion.slices import spent
 
 STEPS = 40_000_000
 BYTES = 200_000_000
 SPARE_STEPS = 40_000_000
 
-_STEP_US = 0.1
+_STEP_US = 0.25
 
 _BITS_A_STEP = 1024
 """An operation on ints of this width takes one step more than one on small ints."""
@@ -56,13 +56,15 @@ class TranslationLimit(MissionError):
         advice: what to do about it.
     """
 
-    def __init__(self, limit: str, where: Location | None = None, advice: str = _SHORTEN) -> None:
+    def __init__(
+        self, limit: str, where: Location | KeyPath | None = None, advice: str = _SHORTEN
+    ) -> None:
         self.limit = limit
         self.advice = advice
         super().__init__(f"the automaton would take more than {limit}", where, advice)
 
-    def located(self, where: Location) -> TranslationLimit:
-        """The same error, placed in a file."""
+    def located(self, where: Location | KeyPath) -> TranslationLimit:
+        """The same error, placed in a file or in data."""
         return TranslationLimit(self.limit, where, self.advice)
 
     def for_conjunction(self) -> TranslationLimit:
@@ -92,6 +94,11 @@ class Budget:
     spare_steps: int = SPARE_STEPS
     _spent: int = field(default=0, init=False)
     _kept: int = field(default=0, init=False)
+
+    @classmethod
+    def of_a_mission(cls) -> Budget:
+        """A budget for all lines of a task together: some 6 s, and 200 MB."""
+        return cls(steps=16_000_000, spare_steps=8_000_000)
 
     @classmethod
     def unlimited(cls) -> Budget:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import TypeVar
 
 from companion.documents import Document, did_you_mean
@@ -23,6 +24,7 @@ from companion.mission.vocabulary import Domain, Vocabulary
 
 MAX_INSTANCES = 50_000  # actions of all skills; 220 places give `move` about that many
 MAX_CONDITIONAL = 50_000  # conditional effects of all actions
+MAX_STEPS = 100_000  # of all actions, refined down to primitives
 DEFAULT_COST_S = 1.0
 WAIT = "wait"  # the planner's own action, one step of rest
 
@@ -55,7 +57,27 @@ def build_skills(file: MissionFile, document: Document, vocabulary: Vocabulary) 
                 )
     for name in skills:
         _check_calls(name, skills, file, document)
+    _check_steps(skills, file, document)
     return skills
+
+
+def _check_steps(skills: Mapping[str, Skill], file: MissionFile, document: Document) -> None:
+    """Refuses refinements that multiply: of 20 skills, each done by the next one twice."""
+
+    @cache
+    def steps(name: str) -> int:
+        return sum(1 + steps(x.skill) if isinstance(x, Do) else 1 for x in skills[name].execute)
+
+    count = 0
+    for name, entry in file.skills.items():
+        count += steps(name) * math.prod(len(file.sets[s]) for s in entry.parameters.values())
+        if count > MAX_STEPS:
+            raise MissionError(
+                f"with {name} the actions have {count} steps, at most {MAX_STEPS} can be planned "
+                "with",
+                document.key_at("skills", name),
+                "refine it into fewer skills, or give it fewer parameters",
+            )
 
 
 def _check_calls(

@@ -16,6 +16,10 @@ from companion.motion.cost_to_go import ALL, CostToGo, adapted, begun, continued
 from companion.motion.grid_graph import Cell, GridGraph, edges_entering, grid_graph, overlap, union
 from companion.motion.line_of_sight import Points
 from companion.motion.regions import Regions
+from companion.slices import spent
+
+CELL_US = 0.4
+"""What the search of a cell takes, about."""
 
 _LOOK_SHARE = 0.05  # of the time in which a cell is searched: what a look at each cell takes
 
@@ -100,7 +104,7 @@ class DistanceMaps:
             KeyError: there is no such place.
         """
         if not self.is_known(place, cell):
-            self.search(place, ALL)
+            spent(CELL_US * self.search(place, ALL))
         return self._present[place]
 
     def _begun(self, place: str) -> CostToGo | None:

@@ -35,8 +35,6 @@ from companion.motion.string_pulling import length, pull_string
 
 CELLS_PER_TICK = 10_000
 """Cells that are searched at once: setpoints leave in the same loop."""
-CELL_US = 0.4
-"""What one takes, about."""
 
 
 @dataclass(frozen=True, slots=True)

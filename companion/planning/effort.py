@@ -30,7 +30,7 @@ class Effort:
 
 
 BEFORE_FLIGHT = Effort(
-    product_edges=2_000_000,
+    product_edges=1_000_000,
     dijkstra_steps=600_000_000,
     held_karp_additions=60_000_000,
     loop_steps=200_000,

@@ -13,10 +13,11 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 
-from companion.errors import CompanionError
+from companion.errors import CompanionError, KeyPath
+from companion.ltl.budget import Budget, TranslationLimit
 from companion.ltl.formula import conjuncts
 from companion.ltl.monitor import Runs
 from companion.ltl.translate import translate
@@ -41,6 +42,21 @@ BUILT_IN = "built-in"
 """The engine that plans unless another one is named."""
 
 log = logging.getLogger(__name__)
+
+
+def _translated(mission: Mission) -> Iterator[Conjunct]:
+    """The automata of the task, for all of which there is one budget.
+
+    Raises:
+        TranslationLimit: it does not suffice for a line.
+    """
+    budget = Budget.of_a_mission()
+    for name, formula in mission.task.items():
+        for part in conjuncts(formula):
+            try:
+                yield Conjunct(name, part, translate(part, budget=budget))
+            except TranslationLimit as limit:
+                raise limit.located(KeyPath(("task", name))) from None
 
 
 class Planner(Solver):
@@ -79,11 +95,7 @@ class Planner(Solver):
         self._instances, self._departures = Instances(mission), Instances(mission, HERE)
         self.model = task_model(self._instances, flight_time)
         self.instantiating_s = clock() - start_s
-        self.conjuncts = tuple(
-            Conjunct(name, part, translate(part))
-            for name, formula in mission.task.items()
-            for part in conjuncts(formula)
-        )
+        self.conjuncts = tuple(_translated(mission))
         self.translating_s = clock() - start_s - self.instantiating_s
         self.task_facts = mission.task_facts
         self.flight_time = flight_time

@@ -19,7 +19,8 @@ from dataclasses import dataclass
 from companion.acting.flight import Flight
 from companion.flight_events.facts import PlacesConnected, PlacesCutOff
 from companion.mission.facts import Fact, spelled
-from companion.motion.routes import CELL_US, CELLS_PER_TICK
+from companion.motion.distance_maps import CELL_US
+from companion.motion.routes import CELLS_PER_TICK
 from companion.planning.planner import Planner
 from companion.slices import Question, spent
 

@@ -19,6 +19,7 @@ Source: Miyano and Hayashi, Alternating finite automata on omega-words, 1984, fo
 from __future__ import annotations
 
 import itertools
+import math
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Sequence
 from enum import Enum
@@ -35,6 +36,8 @@ from companion.slices import spent
 MAX_EDGES = 5_000
 """Edges after which it stays undecided whether a conjunct is implied."""
 _EDGE_US = 4
+_READING_US = 0.2
+"""For each letter and automaton, whether it leads on or not."""
 _READER_US = 40
 
 
@@ -165,6 +168,9 @@ class _Joint:
     ) -> None:
         *self._others, part = readers
         self._letters = letters
+        self._reading_us = _READING_US * len(letters) * len(readers)
+        if math.prod(map(len, states)) > MAX_EDGES:
+            raise _Undecided
         self._begin = list(itertools.product(*states[:-1]))
         self._part_begin = states[-1]
         self._edges_left = MAX_EDGES
@@ -217,6 +223,8 @@ class _Joint:
             edges.append([])
             for letter in self._letters:
                 moves = [r.successors(z, letter) for r, z in zip(self._others, states, strict=True)]
+                if math.prod(map(len, moves)) > self._edges_left:
+                    raise _Undecided
                 for move in itertools.product(*moves):
                     targets = tuple(target for target, _ in move)
                     met = sum(marks for _, marks in move)
@@ -226,7 +234,7 @@ class _Joint:
                             pending.append((targets, after))
                         edges[-1].append((number, met | marks))
             self._edges_left -= len(edges[-1])
-            spent(_EDGE_US * len(edges[-1]))
+            spent(_EDGE_US * len(edges[-1]) + self._reading_us)
             if self._edges_left < 0:
                 raise _Undecided
         return edges

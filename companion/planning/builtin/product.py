@@ -46,6 +46,7 @@ MAX_LETTERS = 2_000
 
 _PART_US = 20
 _NODE_US = 5
+_JOINT_MOVE_US = 4
 _STEPS_OF_NODE = 30
 
 Node = tuple[int, tuple[int, ...], int]
@@ -267,8 +268,10 @@ class Product:
     ) -> list[tuple[tuple[int, ...], int]]:
         """All joint moves of the automata on the label of some facts, with their marks."""
         each = [a.successors(z, facts) for a, z in zip(self.automata, states, strict=True)]
-        if math.prod(map(len, each)) > self._max_edges:
+        count = math.prod(map(len, each))
+        if count > self._max_edges:
             raise SearchLimit(f"{self._max_edges:,} joint moves of the automata")
+        spent(_JOINT_MOVE_US * count)
         return [
             (tuple([z for z, _ in moves]), reduce(or_, [marks for _, marks in moves], 0))
             for moves in itertools.product(*each)

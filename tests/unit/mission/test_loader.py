@@ -31,7 +31,7 @@ from companion.mission.model import (
     Wait,
 )
 from companion.mission.signals import Condition, Signal
-from companion.mission.skills import MAX_INSTANCES
+from companion.mission.skills import MAX_INSTANCES, MAX_STEPS
 from companion.vehicle_profile import VehicleProfile
 
 QUAD = VehicleProfile()
@@ -388,6 +388,21 @@ def test_too_many_instances_are_refused(load: Load, good: str) -> None:
         .replace("trans_ok(from, to)", "trans_ok(from, to, via)")
     )
     with pytest.raises(MissionError, match=f"instances, at most {MAX_INSTANCES}"):
+        load(text)
+
+
+@pytest.mark.parametrize("length", [10, 30])
+def test_refinements_that_multiply_are_refused(load: Load, good: str, length: int) -> None:
+    """In a chain of skills, each done by the next one twice, the first has 2 ** length ends."""
+    chain = "".join(
+        f"  s{i}: {{effect: done, execute: ['s{i + 1}()', 's{i + 1}()']}}\n" for i in range(length)
+    )
+    last = f"  s{length}: {{effect: done, execute: wait(1)}}\n"
+    text = good.replace("skills:\n", f"skills:\n{chain}{last}")
+    if 2**length > MAX_STEPS:
+        with pytest.raises(MissionError, match=f"with s0 the actions have .* at most {MAX_STEPS}"):
+            load(text)
+    else:
         load(text)
 
 

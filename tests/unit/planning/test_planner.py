@@ -11,6 +11,7 @@ from synthetic import command, event, facts_of, mission, move, planner
 
 from companion.errors import CompanionError, NoPlanError
 from companion.ltl.automaton import successors
+from companion.ltl.budget import Budget, TranslationLimit
 from companion.planning.builtin.search import Search
 from companion.planning.check import fault
 from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT, Effort
@@ -29,6 +30,14 @@ def test_a_line_of_the_task_is_split_into_conjuncts_of_its_name() -> None:
         ("go", "G F at(B)"),
         ("stay", "F at(H)"),
     ]
+
+
+def test_all_lines_of_a_task_share_a_budget(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each line costs 25,000 steps at least; the line at which they are spent is named."""
+    asked = mission({f"l{i}": "F at(A)" for i in range(5)})
+    monkeypatch.setattr(Budget, "of_a_mission", lambda: Budget(steps=80_000))
+    with pytest.raises(TranslationLimit, match=r"^task\.l[23]: the automaton would take more than"):
+        planner(asked)
 
 
 def test_task_facts_are_what_the_formulas_mention() -> None:

@@ -145,3 +145,15 @@ def test_no_word_that_the_others_accept_is_rejected(
         for c, states in zip(asked.conjuncts, asked.automaton_states, strict=True)
     ]
     assert held[0] or not all(held[1:])
+
+
+def test_states_of_many_automata_together_are_not_listed() -> None:
+    """Forty automata, each in one of 200 states, are in one of 200 ** 40 together."""
+    bits = FactBits()
+    asked = problem("HABC", unit_legs("HABC"), "F at(B) & G F at(A)")
+    other, part = (
+        RestrictedConjunct.of(conjunct, Restrictions().of(conjunct, lambda name: None), states)
+        for conjunct, states in zip(asked.conjuncts, asked.automaton_states, strict=True)
+    )
+    letters = [bits.bit(name) for name in LETTERS]
+    assert not is_implied(part, [replace(other, states=other.states * 200)] * 40, letters, bits)
