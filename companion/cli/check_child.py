@@ -28,6 +28,7 @@ from companion.cli.checked_mission import CheckedMission, check_mission
 from companion.cli.planning import FORMAT_VERSION, refusal_as_json
 from companion.errors import CompanionError
 from companion.ground.checking import MAX_OUTPUT_BYTES
+from companion.mission.kept_domain import read_and_keep
 from companion.python_child import MIB, confine_memory, confine_time
 from companion.slices import InSlices
 
@@ -68,7 +69,7 @@ class BoundedCheck:
             return self._given_up(f"{sys.getrecursionlimit()} calls in one another")
 
     def _checked(self) -> CheckedMission:
-        check = partial(check_mission, self._mission, Path(), tell=self._tell)
+        check = partial(check_mission, self._mission, Path(), self._tell, read_and_keep)
         checking = InSlices(check, self._work_s * 1e6)
         if not checking.step():
             checking.abandon()

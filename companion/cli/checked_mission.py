@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from companion.acting.preparation import anticipate_events
-from companion.cli.arguments import load
 from companion.mission.files import files_of
+from companion.mission.loader import load_mission
+from companion.mission.pddl_domain import DomainReader, with_domain
 from companion.planning.notices import notices
 from companion.planning.planner import Planner
 
@@ -48,7 +49,10 @@ class CheckedMission:
 
 
 def check_mission(
-    path: Path, within: Path | None, tell: Callable[[str], None] = lambda doing: None
+    path: Path,
+    within: Path | None,
+    tell: Callable[[str], None] = lambda doing: None,
+    domain_of: DomainReader = with_domain,
 ) -> CheckedMission:
     """Reads and plans a mission, and does all else that is done before it flies.
 
@@ -56,6 +60,7 @@ def check_mission(
         path: of the mission.
         within: a folder that all its files have to be in.
         tell: told what is begun, in words.
+        domain_of: reads its PDDL files.
 
     Raises:
         CompanionError: it cannot be flown, and why.
@@ -63,7 +68,7 @@ def check_mission(
     tell("reading it")
     if within is not None:
         files_of(path, within)
-    mission = load(path)
+    mission = load_mission(path, domain_of=domain_of)
     tell("its routes, actions and automata")
     planner = Planner(mission, clock=time.perf_counter)
     found = None

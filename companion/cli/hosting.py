@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from companion.acting.preparation import PreparedMission, prepare
-from companion.cli.arguments import load
+from companion.mission.kept_domain import kept_domain
+from companion.mission.loader import load_mission
 
 if TYPE_CHECKING:
     from companion.flight_events.event import Stamped
@@ -48,8 +49,8 @@ class SortieHost:
         self._closing: list[threading.Thread] = []
 
     def load(self, path: Path) -> Mission:
-        """Reads a mission that was accepted."""
-        return load(path)
+        """Reads a mission that was accepted; its PDDL files were read when it was checked."""
+        return load_mission(path, domain_of=kept_domain)
 
     def prepare(self, mission: Mission, speed_max_mps: float) -> Future[PreparedMission]:
         """Prepares a mission in a thread: it takes seconds, the heartbeat goes on.

@@ -49,6 +49,7 @@ def open_run(
     cut_off: CutOffRun | None,
 ) -> RunFolder:
     """The folder of a run that begins, or of one that was cut off."""
+    from companion.record.drawing import draw_here, draw_in_child
     from companion.record.run_folder import RunFolder
 
     now_s = time.time()
@@ -59,7 +60,8 @@ def open_run(
     else:
         path, start_s = _new_path(mission.name, log_dir, now_s), now_s
     cut_off_at = cut_off.journalled.positions if cut_off is not None else None
-    folder = RunFolder(path, mission, start_s, tell, keeps_journal, cut_off_at)
+    draw = draw_in_child if keeps_journal else draw_here
+    folder = RunFolder(path, mission, start_s, tell, keeps_journal, cut_off_at, draw)
     if keeps_journal:
         mark_latest(path)
     terminal.say(f"run        {path}")

@@ -28,7 +28,7 @@ from companion.mission.literals import parse_fact
 from companion.mission.looking import check_looking
 from companion.mission.model import Event, Limits, Mission, Otherwise, Place, Skill
 from companion.mission.one_place import check_one_place
-from companion.mission.pddl_domain import with_domain
+from companion.mission.pddl_domain import DomainReader, with_domain
 from companion.mission.schema import MissionFile
 from companion.mission.sites import check_limits, check_places
 from companion.mission.skills import build_skills
@@ -43,7 +43,9 @@ from companion.vehicle_files import read_vehicle
 _SHOWN = 20  # names listed in a message
 
 
-def load_mission(source: Given, folder: Path | None = None) -> Mission:
+def load_mission(
+    source: Given, folder: Path | None = None, domain_of: DomainReader = with_domain
+) -> Mission:
     """Reads a mission and its map.
 
     >>> from companion import load_mission
@@ -52,10 +54,10 @@ def load_mission(source: Given, folder: Path | None = None) -> Mission:
     ('surveillance', ['Home', 'A', 'B', 'C', 'r1', 'r2', 'r3'], 'G(targetReported -> X at(Home))')
 
     Args:
-        source: the path of a YAML file; or the YAML text itself, which has a line break; or the
-            same as Python data, a dict.
+        source: the path of a YAML file; the YAML text itself, which has a line break; or a dict.
         folder: what the names of map and PDDL files are relative to; by default the folder of
             the mission's own file, or the current one.
+        domain_of: reads the PDDL files.
 
     Raises:
         MissionError: a file is missing, or anything in it cannot be used. It says where: file,
@@ -64,10 +66,9 @@ def load_mission(source: Given, folder: Path | None = None) -> Mission:
     """
     read = read_source(source, "mission", folder)
     file, document = validate(read.content, read.name, MissionFile)
-    file, declared = with_domain(file, document, read.folder)
+    file, declared = domain_of(file, document, read.folder)
     _check_names(file, document)
-    limits = _limits(file)
-    check_limits(limits, file.limits.unusual, document)
+    limits = _limits(file, document)
     places = {name: _place(name, entry) for name, entry in file.places.items()}
     grid = _grid(file.map, read.folder, document)
     vehicle = read_vehicle(file.vehicle, read.folder, document)
@@ -78,9 +79,8 @@ def load_mission(source: Given, folder: Path | None = None) -> Mission:
     check_one_place(skills, places, document)
     _check_restored(file, skills, document)
     initially = _initially(file, document, vocabulary)
-    given = {*events, *declared, *(fact.predicate for fact in initially)}
-    pulses = {name for name, event in events.items() if event.is_pulse}
-    _check_reachable_names(skills, given, pulses, document)
+    given = {*declared, *(fact.predicate for fact in initially)}
+    _check_reachable_names(skills, given, events, document)
     sets = {name: tuple(members) for name, members in file.sets.items()}
     check_looking(skills, places, sets, document)
     task, priorities = read_task(file, document, vocabulary)
@@ -133,12 +133,14 @@ def _tree(
     return None
 
 
-def _limits(file: MissionFile) -> Limits:
-    return Limits(
+def _limits(file: MissionFile, document: Document) -> Limits:
+    limits = Limits(
         speed_mps=file.limits.speed_mps,
         up_m=file.limits.up_m,
         fence=tuple((north, east) for east, north in file.limits.fence),
     )
+    check_limits(limits, file.limits.unusual, document)
+    return limits
 
 
 def _grid(map_: str | MapEntry, folder: Path, document: Document) -> OccupancyGrid:
@@ -278,17 +280,16 @@ def _initially(file: MissionFile, document: Document, vocabulary: Vocabulary) ->
 def _check_reachable_names(
     skills: Mapping[str, Skill],
     given: Collection[str],
-    pulses: Collection[str],
+    events: Mapping[str, Event],
     document: Document,
 ) -> None:
     """Refuses a condition that nothing ever makes true, such as a misspelt one.
 
     Args:
-        given: names of facts that need no skill: events, what holds at the start, what PDDL
-            declares.
-        pulses: names of events that fall in the moment in which they rise.
+        given: names of facts that need no skill: what holds at the start, what PDDL declares.
+        events: need none either.
     """
-    sources = {*given}
+    sources = {*given, *events}
     for skill in skills.values():
         sources |= {atom.predicate for atom in skill.assumes}
         effects = (skill.effect, *(when.effect for when in skill.conditional))
@@ -298,7 +299,7 @@ def _check_reachable_names(
         conditions += [(x, "effect") for when in skill.conditional for x in when.condition]
         for literal, key in conditions:
             name = literal.atom.predicate
-            if name in pulses and literal.is_positive:
+            if name in events and events[name].is_pulse and literal.is_positive:
                 raise MissionError(
                     f"{skill.name} waits for {name}, which never lasts until a skill begins",
                     document.where("skills", skill.name, key),

@@ -16,7 +16,7 @@ Source: McDermott et al., PDDL, 1998; the paper, last point of Section III-C.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -39,6 +39,9 @@ Binding = Mapping[str, str]
 
 Predicates = Mapping[str, tuple[tuple[str, ...], ...]]
 """Name: what each argument may be."""
+
+DomainReader = Callable[[MissionFile, Document, Path], tuple[MissionFile, Predicates]]
+"""What `with_domain` is."""
 
 
 def with_domain(

@@ -7,7 +7,6 @@ darker a cell, the nearer the next obstacle.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -17,49 +16,13 @@ from matplotlib.figure import Figure
 
 from companion.geometry import Ned, enu_from_ned
 from companion.mission.model import Mission
+from companion.record.trail import Trail
 
 PANEL_INCHES = (5.4, 4.2)
 COLUMNS = 3
 """At most so many panels side by side."""
 SHADE_LIMIT_M = 3.0
 """Distance to the next obstacle from which on a cell is white."""
-
-
-PARTS_MAX = 12
-"""Plans that have a part of their own."""
-POSITIONS_MAX = 4096
-"""Of a part: three minutes at 20 Hz; of a longer one every second position is kept, or fewer."""
-
-
-@dataclass
-class Trail:
-    """Where the vehicle was, in parts: one per plan. However long a flight is, it stays small."""
-
-    parts: list[tuple[str, list[Ned]]] = field(default_factory=list)
-    _added: int = 0
-    _stride: int = 1
-
-    def begin(self, title: str) -> None:
-        """Starts a part; the last of all has what is left of the flight."""
-        if len(self.parts) == PARTS_MAX:
-            first, positions = self.parts[-1]
-            suffix = " and all later plans"
-            self.parts[-1] = (first.removesuffix(suffix) + suffix, positions)
-            return
-        self.parts.append((title, []))
-        self._added, self._stride = 0, 1
-
-    def add(self, position: Ned) -> None:
-        """Adds a position to the present part."""
-        if not self.parts:
-            return
-        positions = self.parts[-1][1]
-        if self._added % self._stride == 0:
-            positions.append(position)
-        self._added += 1
-        if len(positions) > POSITIONS_MAX:
-            del positions[1::2]
-            self._stride *= 2
 
 
 def draw_flight(mission: Mission, trail: Trail, path: Path) -> None:

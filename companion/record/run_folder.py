@@ -32,10 +32,11 @@ from companion.flight_events.writing import json_of, line_of
 from companion.geometry import Ned
 from companion.mavlink.framing import dialect, message_id, split_frames
 from companion.mission.model import Mission
+from companion.record.drawing import draw_here
 from companion.record.events import EVENTS_FILE
-from companion.record.figure import Trail, draw_flight
 from companion.record.journal_file import JournalFile
 from companion.record.scene import scene
+from companion.record.trail import Trail
 
 FLUSH_S = 0.2
 SETUP_SIGNING: int = dialect.MAVLINK_MSG_ID_SETUP_SIGNING
@@ -52,6 +53,7 @@ class RunFolder:
         keeps_journal: so that the run can be gone on with if it is cut off.
         cut_off_at: it is the folder of a run that was cut off, to go on with: how many positions of
             the word it had left. What was recorded of later ones is left out.
+        draw: draws flight.png when it is closed.
 
     Attributes:
         journal: of the run.
@@ -66,6 +68,7 @@ class RunFolder:
         tell: Callable[[Stamped], None],
         keeps_journal: bool = False,
         cut_off_at: int | None = None,
+        draw: Callable[[Mission, Trail, Path], None] = draw_here,
     ) -> None:
         folder.mkdir(parents=True, exist_ok=True)
         self._journal_file = JournalFile(folder) if keeps_journal else None
@@ -73,6 +76,7 @@ class RunFolder:
         self.folder = folder
         self._mission = mission
         self._start_unix_s = start_unix_s
+        self._draw = draw
         self._tell = tell
         self.trail = Trail()
         self._is_failing = False
@@ -130,7 +134,7 @@ class RunFolder:
             with self._going_on():
                 stream.close()
         with self._going_on():
-            draw_flight(self._mission, self.trail, self.folder / "flight.png")
+            self._draw(self._mission, self.trail, self.folder / "flight.png")
 
     @contextmanager
     def _going_on(self) -> Iterator[None]:

@@ -25,8 +25,9 @@ from companion.flight_events.plans import PlanMade, PlanReplaced
 from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFailed
 from companion.geometry import Ned, horizontal_distance
 from companion.mission.model import Mission
-from companion.record.figure import Trail, figure_of
+from companion.record.figure import figure_of
 from companion.record.run_folder import RunFolder
+from companion.record.trail import Trail
 
 SCENARIO = Path(__file__).parents[2] / "missions" / "paper_section_v.sim.yaml"
 

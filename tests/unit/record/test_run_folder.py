@@ -27,8 +27,10 @@ from companion.flight_events.skills import PlaceReached
 from companion.flight_events.sortie import Phase, PhaseEntered, RunFailed, StoppedAsAsked
 from companion.flight_events.word import PositionLeft
 from companion.mavlink.framing import MavlinkCodec, dialect
-from companion.record.figure import PARTS_MAX, POSITIONS_MAX, Trail, draw_flight
+from companion.record.drawing import draw_here, draw_in_child
+from companion.record.figure import draw_flight
 from companion.record.run_folder import RunFolder
+from companion.record.trail import PARTS_MAX, POSITIONS_MAX, Trail
 
 START_UNIX_S = 1_700_000_000.0
 REST = PlannedLasso((), (PlannedAction("wait", "wait", (), 1.0),), 0.0, 1.0)
@@ -282,3 +284,15 @@ def test_a_run_that_was_cut_off_is_gone_on_with(
     again.close()
     assert [line.get("number") for line in lines(again)] == [0, 0, 1, 2]
     assert (run.folder / "scene.json").read_bytes() == scene
+
+
+def test_a_child_draws_the_same(tmp_path: Path) -> None:
+    trail = Trail()
+    trail.begin("first plan")
+    trail.add((1.0, 2.0, -2.0))
+    draw_here(mission("F at(A)"), trail, tmp_path / "here.png")
+    draw_in_child(mission("F at(A)"), trail, tmp_path / "child.png")
+    here, child = (Image.open(tmp_path / name).tobytes() for name in ("here.png", "child.png"))
+    assert here == child
+    with pytest.raises(OSError, match="cannot be drawn"):
+        draw_in_child(mission("F at(A)"), trail, tmp_path / "nowhere" / "flight.png")

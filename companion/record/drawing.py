@@ -1,0 +1,53 @@
+"""When and where flight.png is drawn: after the flight, here or in a child process.
+
+matplotlib takes 30 MB, which a companion that flies again and again does not keep: it has each
+flight drawn by a child,
+
+    python -P -m companion.record.drawing
+
+which reads a pickle of its parent's on its standard input.
+"""
+
+from __future__ import annotations
+
+import pickle
+import subprocess
+import sys
+from pathlib import Path
+
+from companion.mission.model import Mission
+from companion.python_child import python_module
+from companion.record.trail import Trail
+
+
+def draw_here(mission: Mission, trail: Trail, path: Path) -> None:
+    """Draws a flight to a PNG file, in this process.
+
+    Raises:
+        OSError: it cannot be written.
+    """
+    from companion.record.figure import draw_flight
+
+    draw_flight(mission, trail, path)
+
+
+def draw_in_child(mission: Mission, trail: Trail, path: Path) -> None:
+    """The same, in a child process that is waited for.
+
+    Raises:
+        OSError: it has not been drawn.
+    """
+    done = subprocess.run(
+        python_module(__name__),
+        input=pickle.dumps((mission, trail, path)),
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,  # Ctrl-C in a terminal is for the flight process
+        check=False,
+    )
+    if done.returncode != 0:
+        raise OSError(0, f"{path.name} cannot be drawn")
+
+
+if __name__ == "__main__":
+    draw_here(*pickle.load(sys.stdin.buffer))

@@ -1,0 +1,43 @@
+"""Where a vehicle was, for `flight.png`: it stays small in a flight of days."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from companion.geometry import Ned
+
+PARTS_MAX = 12
+"""Plans that have a part of their own."""
+POSITIONS_MAX = 4096
+"""Of a part: three minutes at 20 Hz; of a longer one every second position is kept, or fewer."""
+
+
+@dataclass
+class Trail:
+    """Where the vehicle was, in parts: one per plan. However long a flight is, it stays small."""
+
+    parts: list[tuple[str, list[Ned]]] = field(default_factory=list)
+    _added: int = 0
+    _stride: int = 1
+
+    def begin(self, title: str) -> None:
+        """Starts a part; the last of all has what is left of the flight."""
+        if len(self.parts) == PARTS_MAX:
+            first, positions = self.parts[-1]
+            suffix = " and all later plans"
+            self.parts[-1] = (first.removesuffix(suffix) + suffix, positions)
+            return
+        self.parts.append((title, []))
+        self._added, self._stride = 0, 1
+
+    def add(self, position: Ned) -> None:
+        """Adds a position to the present part."""
+        if not self.parts:
+            return
+        positions = self.parts[-1][1]
+        if self._added % self._stride == 0:
+            positions.append(position)
+        self._added += 1
+        if len(positions) > POSITIONS_MAX:
+            del positions[1::2]
+            self._stride *= 2
