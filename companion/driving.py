@@ -14,6 +14,7 @@ from companion.app import Companion
 from companion.clock import ScaledClock
 from companion.errors import LinkTimeout
 from companion.ground.operations import SystemStatus
+from companion.vehicle.control_watch import PAUSED_S
 from companion.vehicle.link import UdpLink
 
 log = logging.getLogger(__name__)
@@ -33,6 +34,11 @@ def fly(
     watches is answered by one step between two ticks, which moves none of them. What a flood of
     datagrams loses, and what is refused on a signed link, is told by the companion.
 
+    After a pause of this process (stopped, a machine that stalls) the autopilot may have left
+    OFFBOARD, and would return to it by the next setpoint. So what was to be sent before the pause
+    is not, what has arrived in it is not read, and the flight waits for a heartbeat
+    (`ControlWatch`).
+
     Args:
         companion: what is driven.
         link: to its vehicle.
@@ -43,7 +49,7 @@ def fly(
     Raises:
         LinkTimeout: no vehicle was heard in time (seconds of the clock's time).
     """
-    begun_s = next_tick_s = clock.now_s()
+    begun_s = next_tick_s = now_s = clock.now_s()
     was_flying, is_tick = False, True
     while not companion.has_ended:
         beat()
@@ -52,9 +58,7 @@ def fly(
         is_tick = not (may_answer and _hears(companion, link, clock, next_tick_s, heard))
         if is_tick:
             clock.sleep_until(next_tick_s)
-        now_s = clock.now_s()
-        link.send(companion.step(now_s, heard + link.receive(), is_tick))
-        companion.note(link.news())
+        now_s = _step(companion, link, clock, heard, is_tick, now_s)
         if companion.is_waiting and now_s - begun_s > timeout_s:
             raise LinkTimeout(
                 f"no vehicle on {link.endpoint} after {timeout_s:.0f} s: {link.account()}\n"
@@ -69,6 +73,35 @@ def fly(
             log.debug("tick %.0f ms late", 1000 * (now_s - next_tick_s))
         if is_tick or now_s > next_tick_s:
             next_tick_s = max(next_tick_s + TICK_S, now_s)
+
+
+def _step(
+    companion: Companion,
+    link: UdpLink,
+    clock: ScaledClock,
+    heard: list[bytes],
+    is_tick: bool,
+    stepped_s: float,
+) -> float:
+    """One step; in flight, nothing of before a pause of this process is read or sent.
+
+    Args:
+        heard: what has arrived already.
+        stepped_s: when the step before began.
+
+    Returns:
+        when it began.
+    """
+    is_flying = companion.system_status is not SystemStatus.STANDBY
+    now_s = clock.now_s()
+    arrived = heard + link.receive()
+    if is_flying and now_s - stepped_s >= PAUSED_S:
+        arrived = []
+        link.discard()
+    sent = companion.step(now_s, arrived, is_tick)
+    link.send([] if is_flying and clock.now_s() - now_s >= PAUSED_S else sent)
+    companion.note(link.news())
+    return now_s
 
 
 def _hears(

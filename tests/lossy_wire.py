@@ -48,6 +48,7 @@ class LossyWire(threading.Thread):
         metronome_port: of an empty loop, which is stamped beside the companion's.
         setpoints_s: when each setpoint was sent, also those that were lost (Unix time).
         ticks_s: when the empty loop sent.
+        newest: of the autopilot's messages by their ids, as datagrams, also if they were lost.
     """
 
     def __init__(self, instance: int, loss: float) -> None:
@@ -59,6 +60,7 @@ class LossyWire(threading.Thread):
         self.metronome_port: int = self._metronome_side.getsockname()[1]
         self.setpoints_s: list[float] = []
         self.ticks_s: list[float] = []
+        self.newest: dict[int, bytes] = {}
         self._vehicle = (HOST, local + instance)
         self._loss, self._random = loss, Random(0)
         self._is_wanted = True
@@ -89,6 +91,8 @@ class LossyWire(threading.Thread):
         is_down = side is self._companion_side
         if is_down and message_id(datagram) == SETPOINT:
             self.setpoints_s.append(sent_s)
+        if not is_down and datagram[6] == dialect.MAV_COMP_ID_AUTOPILOT1:
+            self.newest[message_id(datagram)] = datagram
         if self._random.random() < self._loss:
             return
         if is_down:

@@ -8,8 +8,8 @@ from companion.geometry import Ned
 
 PARTS_MAX = 12
 """Plans that have a part of their own."""
-POSITIONS_MAX = 4096
-"""Of a part: three minutes at 20 Hz; of a longer one every second position is kept, or fewer."""
+POSITIONS_MAX = 1024
+"""Of a part: 51 s at 20 Hz; of a longer one every second position is kept, or fewer."""
 
 
 @dataclass

@@ -12,10 +12,12 @@ Rules:
    pilot who has come and gone, and one that tells of a disarming upon a pilot's landing: control is
    lost.
 4. What is lost stays lost until it is given back (`regain`).
+5. A pause of ours, in which the autopilot may have missed setpoints, begins a doubt as well: the
+   next heartbeat is taken as if there had been none.
 
     state     heartbeat of our mode        of another mode
     OURS      OURS                         DOUBTED, by a failsafe LOST
-    DOUBTED   OURS, or by rule 3 LOST      LOST
+    DOUBTED   OURS, or by rule 3 LOST      LOST, or by rule 5 as OURS
     LOST      LOST                         LOST
 
 Source: https://mavlink.io/en/services/heartbeat.html; PX4 v1.16, HEARTBEAT at 1 Hz.
@@ -23,6 +25,7 @@ Source: https://mavlink.io/en/services/heartbeat.html; PX4 v1.16, HEARTBEAT at 1
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from enum import Enum
 
@@ -30,6 +33,8 @@ from companion.vehicle.port import Mode, Takeover
 
 CONTRADICTED_S = 0.9
 """Time within which two heartbeats of one autopilot do not come: it sends one a second."""
+PAUSED_S = 0.9
+"""Between two ticks: a PX4 misses setpoints after a second (COM_OF_LOSS_T), and holds."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,6 +79,13 @@ class ControlWatch:
         self.takeover: Takeover | None = None
         self._doubted: tuple[float, Heartbeat] | None = None
         self._was_armed = False  # before the doubt
+        self._stepped_s = math.inf
+
+    def step(self, now_s: float) -> None:
+        """Begins a tick, before what was heard in it."""
+        if now_s - self._stepped_s >= PAUSED_S and self.state is ControlState.OURS:
+            self.state = ControlState.DOUBTED
+        self._stepped_s = now_s
 
     def take(self, now_s: float, heartbeat: Heartbeat, is_our_mode: bool) -> None:
         """Takes a heartbeat.

@@ -31,6 +31,8 @@ SCHEMES = ("udp", "udpin", "udpout")
 MAX_PORT = 65535
 MAVLINK2_MAGIC = b"\xfd"
 RECEIVE_BUFFER = 1 << 20
+LEAST_IN_BUFFER = 256
+"""Bytes that a datagram takes in the receive buffer at least, with what the system keeps of it."""
 HOSTS_NAMED = 8
 """So many that were heard are named; a flood may come from any number."""
 
@@ -126,6 +128,16 @@ class UdpLink:
                     datagrams.append(accepted)
                     self._autopilot.hear(time.monotonic(), sender, accepted)
         return datagrams
+
+    def discard(self) -> None:
+        """Drops what has arrived so far, as it speaks of the past."""
+        for _ in range(RECEIVE_BUFFER // LEAST_IN_BUFFER):
+            try:
+                self._socket.recv(1)
+            except BlockingIOError:
+                return
+            except ConnectionError:
+                continue
 
     def send(self, datagrams: list[bytes]) -> None:
         """Sends to the vehicle; what the network does not take is lost, as on a radio."""

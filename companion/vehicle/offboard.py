@@ -116,6 +116,7 @@ class MavlinkVehicle:
     def receive(self, now_s: float, messages: list[Message]) -> list[Reading]:
         """Takes what arrived; returns the signals in it, in order."""
         self._now_s = now_s
+        self._control.step(now_s)
         self._readings = []
         for message in messages:
             self._take(message)

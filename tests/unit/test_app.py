@@ -51,6 +51,9 @@ class Notes(Happened):
         self.positions.append(position)
 
 
+PAUSED_S = 3.0
+
+
 class World:
     """A companion and an autopilot, in lockstep; fulfils what `fly` needs of link and clock.
 
@@ -99,6 +102,9 @@ class World:
 
     def news(self) -> list[FlightEvent]:
         return [self.untold.pop(0)] if self.untold and self.now > 4.0 else []
+
+    def discard(self) -> None:
+        """What has arrived is what the autopilot says now."""
 
     def fly(self, timeout_s: float = 30.0) -> World:
         fly(self.companion, self, self, timeout_s)  # type: ignore[arg-type]
@@ -275,3 +281,65 @@ def test_no_command_leaves_after_a_stop_on_the_ground(ticks: int) -> None:
     world.neighbour = operator
     world.fly()
     assert of_type(world.autopilot.heard[mark[0] :], "COMMAND_LONG") == []
+
+
+class Paused(World):
+    """Its process is paused once in the task; the autopilot holds meanwhile, and tells it last.
+
+    Attributes:
+        paused_s: when the pause began.
+    """
+
+    def __init__(self, is_in_a_step: bool) -> None:
+        super().__init__(mission("F at(A)"))
+        self.paused_s = math.inf
+        self._is_in_a_step = is_in_a_step
+        self._is_backlog = False
+        self._record, self.notes.packets = self.notes.packets, self._packets  # type: ignore
+
+    def _packets(self, now_s: float, datagrams: list[bytes]) -> None:
+        """The recorder is called in a step."""
+        self._record(now_s, datagrams)
+        self._pause(self._is_in_a_step)
+
+    def sleep_until(self, time_s: float) -> None:
+        super().sleep_until(time_s)
+        self._pause(not self._is_in_a_step)
+
+    def receive(self) -> list[bytes]:
+        """What arrived in a pause comes first, and more than a step reads."""
+        if not self._is_backlog:
+            return super().receive()
+        self.autopilot.mode = "OFFBOARD"
+        old = self.autopilot.telemetry()
+        self.autopilot.mode = "AUTO.LOITER"
+        return old
+
+    def discard(self) -> None:
+        self._is_backlog = False
+
+    def _pause(self, is_here: bool) -> None:
+        if is_here and self.paused_s == math.inf and self.now > 6.0:
+            self.paused_s = self.now
+            self.now += PAUSED_S
+            self._is_backlog = True
+            self.autopilot.mode = "AUTO.LOITER"
+
+
+@pytest.mark.parametrize("is_in_a_step", [True, False])
+def test_after_a_pause_of_the_process_the_mode_is_heard_before_anything_is_sent(
+    is_in_a_step: bool,
+) -> None:
+    """A setpoint would bring a PX4 that holds back to OFFBOARD."""
+    world, sent = Paused(is_in_a_step), list[float]()
+
+    def neighbour(datagrams: list[bytes]) -> list[bytes]:
+        heard = [m for d in datagrams for m in MavlinkCodec(0, 0).parse(d)]
+        sent.extend(world.now for _ in of_type(heard, "SET_POSITION_TARGET_LOCAL_NED"))
+        return []
+
+    world.neighbour = neighbour
+    world.fly()
+    assert PhaseEntered(Phase.TASK) in world.notes.events
+    assert isinstance(world.companion.failure, Aborted)
+    assert world.paused_s - 1.5 * TICK_S < sent[-1] <= world.paused_s

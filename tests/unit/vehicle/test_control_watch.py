@@ -6,7 +6,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.vehicle.control_watch import CONTRADICTED_S, ControlState, ControlWatch, Heartbeat
+from companion.vehicle.control_watch import (
+    CONTRADICTED_S,
+    PAUSED_S,
+    ControlState,
+    ControlWatch,
+    Heartbeat,
+)
 from companion.vehicle.port import Mode, Takeover
 
 OURS, DOUBTED, LOST = ControlState
@@ -95,3 +101,27 @@ def test_a_pilot_who_stays_has_control_with_the_second_heartbeat(before: list[He
     found = states(*heard)
     assert found[-1] is LOST
     assert found[-2] is not OURS  # and nothing is sent after the first
+
+
+@pytest.mark.parametrize(
+    ("heard", "state"), [(FLOWN, OURS), (PILOT, DOUBTED), (FAILSAFE, LOST), (DISARMED, DOUBTED)]
+)
+def test_after_a_pause_of_ours_the_next_heartbeat_counts_as_the_first(
+    heard: Heartbeat, state: ControlState
+) -> None:
+    watch = ControlWatch()
+    watch.step(100.0)
+    watch.take(100.0, FLOWN, is_our_mode=True)
+    watch.step(100.0 + PAUSED_S)
+    assert watch.state is DOUBTED and watch.takeover is None
+    watch.step(101.0)
+    assert watch.state is DOUBTED
+    watch.take(101.0, heard, is_our_mode=heard is FLOWN)
+    assert watch.state is state
+
+
+def test_late_ticks_are_no_pause_and_neither_is_the_beginning() -> None:
+    watch = ControlWatch()
+    for time_s in (1e6, 1e6 + PAUSED_S - 0.01, 1e6 + 1.8 * PAUSED_S):
+        watch.step(time_s)
+        assert watch.state is OURS

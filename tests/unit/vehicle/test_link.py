@@ -183,6 +183,21 @@ def test_receive_takes_all_that_has_arrived_and_does_not_wait(
     assert received == [heartbeat()] * 50
 
 
+def test_what_has_arrived_may_be_discarded(peer: Peer) -> None:
+    """All of it, also more than a step takes in; what comes later is received."""
+    with closing(UdpLink(parse_url("udpin://127.0.0.1:0"))) as link:
+        to = link._socket.getsockname()
+        for i in range(2000):
+            peer.socket.sendto(b"old %d" % i, to)
+        link.discard()
+        assert link.receive() == []
+        peer.socket.sendto(b"", to)
+        peer.socket.sendto(b"new", to)
+        assert link.wait(PATIENCE_S)
+        link.discard()
+        assert not link.wait(0.0)
+
+
 def test_a_datagram_that_is_too_long_is_refused_and_told(peer: Peer, listener: UdpLink) -> None:
     assert listener.news() == []
     empty = b"\xfe\x00\x00\x01\x01\x00\x00\x00"
