@@ -104,7 +104,7 @@ class FakeVehicle:
             position = _towards(position, _sum(self.setpoint.position, self.drift), reach_m)
             yaw_rad = self.setpoint.yaw_rad if self.is_turning else yaw_rad
         heard = {"position": position, "velocity": velocity, "yaw_rad": yaw_rad}
-        self.change(stamp_s=now_s, mode_s=now_s, **heard)
+        self.change(stamp_s=now_s, mode_s=now_s, position_s=now_s, yaw_s=now_s, **heard)
 
     def gap_m(self, place: Ned) -> float | None:
         return None if self.state is None else math.dist(self.state.position[:2], place[:2])

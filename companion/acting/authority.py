@@ -82,7 +82,7 @@ def not_handed_over(
         now_s: the time.
         is_hold_by_stream_loss: the autopilot's failsafe is only that it no longer heard us.
     """
-    if state is None or now_s - state.stamp_s > FRESH_S:
+    if state is None or now_s - state.position_s > FRESH_S:
         return Refusal("no fresh position")
     if not state.is_armed or state.is_landed:
         return Refusal("the vehicle is not in the air")

@@ -138,7 +138,7 @@ def _unknown(judged: _Judged) -> Refusal | None:
 
 
 def _lost(judged: _Judged) -> Refusal | None:
-    age_s = judged.now_s - judged.state.stamp_s
+    age_s = judged.now_s - judged.state.position_s
     return None if age_s <= judged.envelope.lost_s else Refusal(f"no position for {age_s:.1f} s")
 
 
@@ -158,7 +158,7 @@ def _not_ours(judged: _Judged) -> Refusal | None:
 
 
 def _stale(judged: _Judged) -> Refusal | None:
-    ages_s = ("position", judged.state.stamp_s), ("heading", judged.state.yaw_s)
+    ages_s = ("position", judged.state.position_s), ("heading", judged.state.yaw_s)
     for name, stamp_s in ages_s:
         age_s = judged.now_s - stamp_s
         if not age_s <= judged.envelope.max_age_s:

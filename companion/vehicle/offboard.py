@@ -138,6 +138,7 @@ class MavlinkVehicle:
         is_entering = self._pursuit is not None and self._pursuit.goal is Goal.OFFBOARD
         return [
             *self._commands.due(now_s),
+            *self._telemetry.clock.due(now_s),
             *self._parameters.due(now_s, (system, AUTOPILOT)),
             *self._stream.due(now_s, system, is_entering),
         ]

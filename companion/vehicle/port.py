@@ -55,7 +55,9 @@ class VehicleState:
             whose thrust carries its weight.
         accuracy_m: standard deviation of the horizontal position, as the autopilot estimates it; 0
             while it says nothing of that.
-        yaw_s: when the heading was received.
+        position_s: when the position was measured, by our clock; where the autopilot does not tell
+            its own, when it was received.
+        yaw_s: the same of the heading.
     """
 
     stamp_s: float
@@ -73,6 +75,7 @@ class VehicleState:
     tilt_rad: float = 0.0
     thrust_mps2: NorthEast = (0.0, 0.0)
     accuracy_m: float = 0.0
+    position_s: float = 0.0
     yaw_s: float = 0.0
 
     def is_mode_known(self, now_s: float) -> bool:

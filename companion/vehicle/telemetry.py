@@ -16,6 +16,7 @@ from companion.geometry import Ned, NorthEast
 from companion.mavlink.framing import Message, dialect
 from companion.mavlink.px4_modes import mode_name
 from companion.mavlink.sequence import SequenceTracker
+from companion.vehicle.boot_clock import BootClock
 from companion.vehicle.control_watch import Heartbeat
 from companion.vehicle.mission_frame import MissionFrame
 from companion.vehicle.port import Mode, VehicleState
@@ -31,6 +32,7 @@ class Telemetry:
 
     Attributes:
         frame: of the mission.
+        clock: of the autopilot.
         heartbeat_s: when the newest heartbeat was heard.
         accuracy_m: as in VehicleState.
         texts: what the autopilot said lately in STATUSTEXT, newest last.
@@ -38,6 +40,7 @@ class Telemetry:
 
     def __init__(self) -> None:
         self.frame = MissionFrame()
+        self.clock = BootClock()
         self.texts: deque[str] = deque(maxlen=MAX_TEXTS)
         self.heartbeat_s = -math.inf
         self.mode: Mode | None = None
@@ -48,7 +51,7 @@ class Telemetry:
         self._landed_since_s = -math.inf
         self._position: tuple[float, Ned, Ned] | None = None  # stamp, position, velocity
         self._yaw_rad: float | None = None
-        self._yaw_s = -math.inf
+        self._position_s = self._yaw_s = -math.inf
         self._battery_percent: int | None = None
         self._measured_s = self._tilt_rad = self.accuracy_m = 0.0
         self._thrust_mps2: NorthEast = (0.0, 0.0)
@@ -93,6 +96,7 @@ class Telemetry:
             tilt_rad=self._tilt_rad,
             thrust_mps2=self._thrust_mps2,
             accuracy_m=self.accuracy_m,
+            position_s=self._position_s,
             yaw_s=self._yaw_s,
         )
 
@@ -144,12 +148,14 @@ class Telemetry:
         if all(map(math.isfinite, (*position, *velocity))):
             self._position = (now_s, position, velocity)
             self._measured_s = message.time_boot_ms / 1000
+            self._position_s = self.clock.measured_s(now_s, self._measured_s)
             is_standing = self._is_landed is True and not self.is_armed
             self.frame.take_position(now_s, position, is_standing)
 
     def _on_attitude(self, now_s: float, message: Message) -> None:
         if math.isfinite(message.yaw):
-            self._yaw_rad, self._yaw_s = message.yaw, now_s
+            self._yaw_rad = message.yaw
+            self._yaw_s = self.clock.measured_s(now_s, message.time_boot_ms / 1000)
         if math.isfinite(message.roll) and math.isfinite(message.pitch):
             self._tilt_rad = math.acos(math.cos(message.roll) * math.cos(message.pitch))
             if math.isfinite(message.yaw) and self._tilt_rad < MOST_TILT_RAD:
@@ -174,6 +180,9 @@ class Telemetry:
     def _on_estimator(self, _: float, message: Message) -> None:
         if math.isfinite(message.pos_horiz_accuracy):
             self.accuracy_m = message.pos_horiz_accuracy
+
+    def _on_time(self, now_s: float, message: Message) -> None:
+        self.clock.take(now_s, message)
 
     def _on_text(self, _: float, message: Message) -> None:
         text = printable(message.text.rstrip("\t\0 "))
@@ -208,7 +217,8 @@ _HANDLERS: dict[str, Callable[[Telemetry, float, Message], None]] = {
     "BATTERY_STATUS": Telemetry._on_battery,
     "ESTIMATOR_STATUS": Telemetry._on_estimator,
     "STATUSTEXT": Telemetry._on_text,
+    "TIMESYNC": Telemetry._on_time,
 }
 
 TELEMETRY = frozenset(_HANDLERS)
-"""Messages that make up the state."""
+"""Messages that make up the state, and its ages."""

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 from campaign import actions, fly, modes, sweep, undisturbed
-from lockstep import PAYLOAD, AllButFinalAnswers, Lockstep, Lossy
+from lockstep import PAYLOAD, AllButFinalAnswers, Deaf, Lockstep, Lossy
 
 from companion.errors import Aborted
-from companion.flight_events.sortie import RunFailed
+from companion.flight_events.sortie import RunFailed, SetpointRefused
 from sitl.results import MavResult
 
 pytestmark = pytest.mark.faults
@@ -69,3 +69,31 @@ def test_a_blackout_of_three_seconds_ends_the_run_with_the_failsafe() -> None:
     assert flight.ending == RunFailed(why, Aborted.exit_code)
     assert flight.now_s == pytest.approx(13.0, abs=0.3)
     assert flight.simulation.mode == "AUTO.LOITER"
+
+
+TIMESYNC = 111
+OLD = {"at_s": 15, "link": {"port": "companion", "direction": "from_vehicle", "delay_s": 0.8}}
+
+
+def test_a_link_that_buffers_makes_positions_old() -> None:
+    """For four seconds all comes 0.8 s late: it is held as long, and flown as without."""
+    flight = fly(SURVEILLANCE, OLD, {"at_s": 19, "link": {}})
+    held_s = [
+        said.time_s
+        for said in flight.setpoints
+        if (said.message.vx, said.message.vy, said.message.vz) == (0.0, 0.0, 0.0)
+        and 15.9 < said.time_s < 19.0
+    ]
+    assert len(held_s) == len([s for s in flight.setpoints if 15.9 < s.time_s < 19.0]) > 50
+    (refused,) = flight.of(SetpointRefused)
+    assert refused.reason == "the position is 0.5 s old"
+    assert actions(flight) == actions(undisturbed(SURVEILLANCE))
+
+
+def test_an_autopilot_that_does_not_tell_its_time_is_heard_when_it_arrives() -> None:
+    deaf = Deaf(TIMESYNC)
+    deaf.is_deaf = True
+    flight = fly(SURVEILLANCE, OLD, {"at_s": 19, "link": {}}, up=deaf)
+    moving = [s for s in flight.setpoints if 16.5 < s.time_s < 19.0 and abs(s.message.vx) > 0.1]
+    assert moving != []
+    assert actions(flight) == actions(undisturbed(SURVEILLANCE))

@@ -137,8 +137,9 @@ def test_it_is_handed_over_only_if_all_is_so() -> None:
     good = VehicleState(
         10.0, (0.0, 0.0, -2.0), (0.0, 0.0, 0.0), 0.0, Mode.LOITER, True, False, False, 80, 10.0
     )
+    good = replace(good, position_s=10.0)
     wrong: list[dict[str, object]] = [
-        {"stamp_s": 10.0 - FRESH_S - 0.01},
+        {"position_s": 10.0 - FRESH_S - 0.01},
         {"mode_s": 10.0 - MODE_KNOWN_S - 0.01},
         {"is_armed": False},
         {"is_landed": True},
@@ -155,6 +156,7 @@ def test_a_failsafe_that_only_no_longer_heard_us_is_no_obstacle() -> None:
     held = VehicleState(
         10.0, (0.0, 0.0, -2.0), (0.0, 0.0, 0.0), 0.0, Mode.LOITER, True, False, True, 80, 10.0
     )
+    held = replace(held, position_s=10.0)
     assert not_handed_over(held, 10.0, True) is None
     for mode in Mode:
         if mode is not Mode.LOITER:

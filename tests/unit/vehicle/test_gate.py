@@ -40,6 +40,7 @@ STATE = VehicleState(
     is_failsafe=False,
     battery_percent=80,
     mode_s=NOW_S - 1.0,
+    position_s=NOW_S - 0.125,
     yaw_s=NOW_S - 0.125,
 )
 GOOD = Setpoint((5.5, 15.0, -2.25), (1.0, 0.0, 0.0), (0.5, 0.0, 0.0), 0.25)
@@ -112,9 +113,9 @@ def test_a_heading_that_is_not_finite_is_unknown(number: float) -> None:
 
 def test_when_the_position_was_lost_nothing_is_sent() -> None:
     """Only silence lets the autopilot's own failsafe begin."""
-    assert verdict(state=heard(stamp_s=NOW_S - 3.0)) == held("the position is 3.0 s old")
-    assert verdict(state=heard(stamp_s=NOW_S - 3.0 - AFTER)) == nothing("no position for 3.0 s")
-    assert verdict(state=heard(stamp_s=math.nan)) == nothing("no position for nan s")
+    assert verdict(state=heard(position_s=NOW_S - 3.0)) == held("the position is 3.0 s old")
+    assert verdict(state=heard(position_s=NOW_S - 3.0 - AFTER)) == nothing("no position for 3.0 s")
+    assert verdict(state=heard(position_s=math.nan)) == nothing("no position for nan s")
 
 
 def test_when_the_mode_was_lost_nothing_is_sent() -> None:
@@ -138,8 +139,8 @@ def test_another_mode_takes_setpoints_only_before_offboard_is_asked_for(mode: Mo
 
 
 def test_old_telemetry_holds() -> None:
-    assert verdict(state=heard(stamp_s=NOW_S - 0.5, yaw_s=NOW_S - 0.5)) == Verdict(GOOD)
-    assert verdict(state=heard(stamp_s=NOW_S - 0.5 - AFTER)) == held("the position is 0.5 s old")
+    assert verdict(state=heard(position_s=NOW_S - 0.5, yaw_s=NOW_S - 0.5)) == Verdict(GOOD)
+    assert verdict(state=heard(position_s=NOW_S - 0.5 - AFTER)) == held("the position is 0.5 s old")
     assert verdict(state=heard(yaw_s=NOW_S - 0.5 - AFTER)) == held("the heading is 0.5 s old")
     assert verdict(state=heard(yaw_s=-math.inf)) == held("the heading is inf s old")
     assert verdict(state=heard(yaw_s=math.nan)) == held("the heading is nan s old")
@@ -274,7 +275,7 @@ SETPOINTS = st.builds(Setpoint, NEAR | VECTOR, VECTOR, VECTOR, ANY)
 STATES = st.builds(
     replace,
     st.just(STATE),
-    stamp_s=st.floats(NOW_S - 5, NOW_S),
+    position_s=st.floats(NOW_S - 5, NOW_S),
     yaw_s=st.floats(NOW_S - 1, NOW_S),
     position=NEAR | VECTOR,
     yaw_rad=st.floats(-math.pi, math.pi),
@@ -298,7 +299,7 @@ def test_what_comes_out_is_within_all_limits_or_exactly_the_hold(
         assert sent == hold_at(state.position, state.yaw_rad)
         return
     assert sent == setpoint
-    assert NOW_S - min(state.stamp_s, state.yaw_s) <= ENVELOPE.max_age_s
+    assert NOW_S - min(state.position_s, state.yaw_s) <= ENVELOPE.max_age_s
     assert is_in_polygon(sent.position, ENVELOPE.fence)
     assert ENVELOPE.up_m[0] <= -sent.position[2] <= ENVELOPE.up_m[1]
     assert distance(sent.position, state.position) <= ENVELOPE.carrot_m
@@ -313,7 +314,7 @@ def test_a_hold_is_never_refused_for_where_the_vehicle_is_going(
 ) -> None:
     """What the gate puts in place of a setpoint passes it, unless the vehicle itself is outside."""
     found = verdict(setpoint, state)
-    if found.setpoint is None or NOW_S - min(state.stamp_s, state.yaw_s) > ENVELOPE.max_age_s:
+    if found.setpoint is None or NOW_S - min(state.position_s, state.yaw_s) > ENVELOPE.max_age_s:
         return
     again = verdict(found.setpoint, state)
     assert again.setpoint == found.setpoint

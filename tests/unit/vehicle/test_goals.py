@@ -61,7 +61,7 @@ def test_a_goal_that_is_reached_already_sends_nothing(meeting: Meeting) -> None:
 
 def test_without_a_state_a_goal_waits(meeting: Meeting) -> None:
     assert meeting.vehicle.pursue(Goal.ARMED) is Progress.RUNNING
-    assert meeting.vehicle.transmit(0.0) == []
+    assert [m.get_type() for m in meeting.vehicle.transmit(0.0)] == ["TIMESYNC"]
 
 
 def test_a_goal_is_reached_when_it_is_observed_and_not_when_it_is_accepted(

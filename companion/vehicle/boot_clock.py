@@ -1,0 +1,102 @@
+"""When something was measured, by our clock, from the autopilot's time since boot.
+
+A link that buffers hands on old positions as if they were new. The autopilot stamps them with its
+own clock, and tells by TIMESYNC what that clock shows. It showed `tc1` after our question was sent,
+so what is stamped `tc1` was measured no earlier than that. This bound is taken: nothing is taken
+for newer than it is, nor for older by more than the question took on its way. Of the answers of
+WINDOW_S the one with the least round trip counts.
+
+Rules:
+1. A question a second until FEW are answered, then one in RELAXED_S.
+2. An answer counts if it echoes a question of ours, once.
+3. A stamp, or an answer, that steps back by more than BACK_S is of a clock that has begun anew: the
+   answers of before count no longer.
+4. Without an answer what was measured was measured when it arrived.
+
+Source: https://mavlink.io/en/services/timesync.html; PX4 v1.16 answers `tc1` = 0 with its clock.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from companion.mavlink.framing import Message, dialect
+
+QUESTION_S, RELAXED_S = 1.0, 5.0
+WINDOW_S = 30.0
+"""Two clocks that differ by 100 millionths drift by 3 ms in it."""
+FEW = 5
+BACK_S = 1.0
+NANO = 1_000_000_000
+
+
+class _Answer(NamedTuple):
+    """An answer: the round trip, when it was asked, and what the autopilot's clock showed then."""
+
+    round_trip_s: float
+    asked_s: float
+    boot_s: float
+
+
+class BootClock:
+    """The clock of one autopilot, as seen from here.
+
+    >>> clock = BootClock()
+    >>> (question,) = clock.due(100.0)
+    >>> clock.take(100.1, dialect.MAVLink_timesync_message(7 * NANO, question.ts1))
+    >>> clock.measured_s(110.0, 16.5)
+    109.5
+    """
+
+    def __init__(self) -> None:
+        self._next_s = -math.inf
+        self._newest_s = -math.inf
+        self._asked: dict[int, float] = {}
+        self._answers: list[_Answer] = []
+
+    def due(self, now_s: float) -> list[Message]:
+        """The question to send now, if any."""
+        if now_s < self._next_s:
+            return []
+        self._forget(now_s)
+        self._next_s = now_s + (QUESTION_S if len(self._answers) < FEW else RELAXED_S)
+        nanoseconds = round(now_s * NANO)
+        self._asked[nanoseconds] = now_s
+        return [dialect.MAVLink_timesync_message(0, nanoseconds)]
+
+    def take(self, now_s: float, message: Message) -> None:
+        """Takes a TIMESYNC of the autopilot; questions of its own are passed."""
+        if message.tc1 <= 0 or (asked_s := self._asked.pop(message.ts1, None)) is None:
+            return
+        boot_s = message.tc1 / NANO
+        self._follow(boot_s)
+        self._forget(now_s)
+        self._answers.append(_Answer(now_s - asked_s, asked_s, boot_s))
+
+    def measured_s(self, now_s: float, boot_s: float) -> float:
+        """When something was measured, by our clock; now at the latest.
+
+        Args:
+            now_s: when it arrived.
+            boot_s: its stamp, seconds since the autopilot's boot.
+        """
+        self._follow(boot_s)
+        if not self._answers:
+            return now_s
+        best = min(self._answers)
+        return min(now_s, best.asked_s + boot_s - best.boot_s)
+
+    def _follow(self, boot_s: float) -> None:
+        """Takes the autopilot's time; one that steps back is that of another boot."""
+        if boot_s < self._newest_s - BACK_S:
+            self._answers.clear()
+            self._newest_s = boot_s
+        self._newest_s = max(self._newest_s, boot_s)
+
+    def _forget(self, now_s: float) -> None:
+        """What is older than the window counts no longer; the newest answer does until the next."""
+        recent = [answer for answer in self._answers if now_s - answer.asked_s <= WINDOW_S]
+        self._answers = recent or self._answers[-1:]
+        asked = self._asked.items()
+        self._asked = {key: asked_s for key, asked_s in asked if now_s - asked_s <= WINDOW_S}
