@@ -37,9 +37,9 @@ def confine_time(cpu_s: float, grace_s: int = 1) -> None:
     """Bounds the processor time of this process from now on.
 
     Args:
-        cpu_s: after which it gets SIGXCPU.
+        cpu_s: by then it gets SIGXCPU; up to a second earlier, as the system counts in seconds.
         grace_s: seconds of processor time more after which it is killed.
     """
     used = resource.getrusage(resource.RUSAGE_SELF)
-    last_s = math.ceil(used.ru_utime + used.ru_stime + cpu_s)
+    last_s = max(1, math.floor(used.ru_utime + used.ru_stime + cpu_s))
     resource.setrlimit(resource.RLIMIT_CPU, (last_s, last_s + grace_s))

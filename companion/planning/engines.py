@@ -4,10 +4,10 @@ Fast Downward is the default, pyperplan a second planner for encoding v5; any ot
 unified-planning knows goes by its name. The planners are optional (extra `planners`), and they are
 met here alone, when a plan is asked for. Planners are processes: this module is a door.
 
-A planner may hang, crash, print, leave files (Fast Downward its output.sas, where it is called) and
-start processes. So each call has a child process of its own in a folder of its own. At the time
-limit, and when the caller is interrupted, the child ends what the planner has started. Children
-are forked from a server that has the library loaded, for that takes a second.
+A planner may hang, crash, fill the memory, print, leave files (Fast Downward its output.sas, where
+it is called) and start processes. So each call has a confined child process of its own in a folder
+of its own. At the time limit, and when the caller is interrupted, the child ends what the planner
+has started. Children are forked from a server that has the library loaded, for that takes a second.
 """
 
 from __future__ import annotations
@@ -33,6 +33,7 @@ from companion.planning.compilation.monolithic import monolithic
 from companion.planning.compilation.pddl import naming
 from companion.planning.lasso import Letter, Problem, Solution
 from companion.planning.objective import Encoding, Objective
+from companion.python_child import MIB, confine_memory, confine_time
 
 FAST_DOWNWARD = "fast-downward"
 INSTALL = {
@@ -48,12 +49,13 @@ NO_COSTS = ("pyperplan",)
 """Engines that take no costs of actions and look for a plan of few actions."""
 FAILURES = {
     "MEMOUT": "ran out of memory; use another encoding, or the built-in search",
-    "UNSOLVABLE_INCOMPLETELY": "found no plan and cannot tell whether there is one; "
-    f"{FAST_DOWNWARD} can",
+    "UNSOLVABLE_INCOMPLETELY": f"found no plan and cannot say if there is one; {FAST_DOWNWARD} can",
 }
 """Texts for statuses without an answer: what the engine did, and what to do."""
 GRACE_S = 2.0
 """Time beyond its limit after which a child is killed from outside."""
+MEMORY_BYTES = 1024 * MIB
+"""Of a child, and of each process that a planner starts; no more processor time than its limit."""
 
 _server = multiprocessing.get_context("forkserver")
 _server.set_forkserver_preload(
@@ -192,8 +194,13 @@ def _run(
         child = _server.Process(
             target=_child, args=(there, folder, classical, engine, setup, timeout_s), daemon=True
         )
-        child.start()
-        there.close()
+        try:
+            child.start()
+        except (EOFError, OSError):  # the server has died just now; the next call starts it again
+            here.close()
+            return "INTERNAL_ERROR", None
+        finally:
+            there.close()
         try:
             heard = wait([here, stop] if stop else [here], timeout_s + GRACE_S)
             if here not in heard:
@@ -252,6 +259,8 @@ def _child(
 ) -> None:
     """Runs in a process of its own: sends the engine's answer, or an `EngineError`."""
     os.setsid()  # Ctrl-C in the terminal is the parent's business
+    confine_memory(MEMORY_BYTES)
+    confine_time(timeout_s + GRACE_S)
     os.chdir(folder)
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, 1)

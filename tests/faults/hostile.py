@@ -139,7 +139,7 @@ def any_number(data: Data, chance: Chance) -> None:
 
 def nest(data: Data, chance: Chance) -> None:
     container, key = chance.choice(_slots(data))
-    for _ in range(chance.choice((3, 15, 40, 200))):
+    for _ in range(chance.choice((3, 15, 40, 100))):
         wrapped = container[key]
         container[key] = [wrapped] if chance.random() < 0.5 else {"a": wrapped}
 

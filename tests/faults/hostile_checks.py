@@ -25,7 +25,7 @@ from hostile import MISSION, hostile
 from companion.cli import check_child
 from companion.ground.checking import CheckResult, result_of
 
-MOST_CPU_S, MOST_MB = 10.0, 512.0
+MOST_CPU_S, MOST_MB = 10.5, 512.0  # half a second to end after the signal
 UNCLEAR = ("the check has failed", "the check was ended", "Traceback", "Error:")
 """What no refusal may begin with, or have in it."""
 
@@ -46,7 +46,7 @@ class Answer:
     @property
     def fault(self) -> str | None:
         """What is wrong with it; None if nothing is."""
-        if self.cpu_s > MOST_CPU_S + 1.0:
+        if self.cpu_s > MOST_CPU_S:
             return f"took {self.cpu_s:.1f} s"
         if self.peak_mb > MOST_MB:
             return f"took {self.peak_mb:.0f} MB"

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
 
+import bad_engines
 import pytest
 from happened import Happened
 
@@ -15,8 +17,11 @@ from companion.flight_events.plans import EngineFailed, PlanReplaced
 from companion.flight_events.sortie import TaskSatisfied
 from companion.geometry import Ned
 from companion.mission.loader import load_mission
+from companion.planning import engines
 from companion.planning.engine_jobs import EngineJobs
+from companion.planning.engine_port import Engine, EngineFailure, EngineJob
 from companion.planning.engines import EngineTimeout
+from companion.planning.lasso import Lasso, Letter, Problem
 from companion.planning.objective import Encoding
 
 MISSION = Path(__file__).parents[2] / "missions" / "paper_section_v.yaml"
@@ -36,7 +41,7 @@ class Flown(Happened):
 
     journal = NoJournal()
 
-    def __init__(self, engine: EngineJobs) -> None:
+    def __init__(self, engine: Engine) -> None:
         self.reports: list[Stamped] = []
         mission = load_mission(MISSION)
         lockstep(mission, world_of(mission), self, engine=engine).fly()
@@ -77,3 +82,34 @@ def test_equal_seeds_have_equal_events() -> None:
 def test_a_time_limit_that_strikes_in_lockstep_makes_no_flight() -> None:
     with pytest.raises(EngineTimeout, match=r"did not answer in 0\.01 s"):
         Flown(EngineJobs("fast-downward", Encoding.V4, 0.01, DURATION_S))
+
+
+class _DyingOnce:
+    """An engine whose child is killed when it plans in flight for the first time."""
+
+    def __init__(self, patched: pytest.MonkeyPatch) -> None:
+        self._jobs = EngineJobs("fast-downward", Encoding.V4, TIMEOUT_S, DURATION_S)
+        self._patched, self._is_dead = patched, False
+
+    def plan(
+        self, problem: Problem, histories: Sequence[Sequence[Letter]]
+    ) -> Lasso | EngineFailure:
+        return self._jobs.plan(problem, histories)
+
+    def begin(
+        self, problem: Problem, histories: Sequence[Sequence[Letter]], now_s: float
+    ) -> EngineJob:
+        self._patched.undo()
+        if not self._is_dead:
+            self._patched.setattr(engines, "_child", bad_engines.killed)
+            self._is_dead = True
+        return self._jobs.begin(problem, histories, now_s)
+
+
+def test_an_engine_that_is_killed_in_flight_costs_a_hold(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The built-in search plans in its place, and the next plan is the engine's again."""
+    flown = Flown(_DyingOnce(monkeypatch))
+    assert "INTERNAL_ERROR" in flown.one(EngineFailed).reason
+    assert flown.of(PlanReplaced)[0].reason == "target found"
+    assert flown.places[-3:] == ["r1", "r2", "Home"]
+    assert flown.one(TaskSatisfied)

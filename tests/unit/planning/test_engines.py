@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import itertools
 import multiprocessing
-from collections.abc import Sequence
+import os
+import signal
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from importlib.util import find_spec
+from multiprocessing import forkserver
 from pathlib import Path
 from typing import NamedTuple
 
+import bad_engines
 import pytest
 from compiled import action, history, problem, unit_costs
 from reference_search import best_sum
@@ -21,6 +25,7 @@ from companion.flight_events.skills import PlaceReached
 from companion.mission.model import Mission
 from companion.mission.signals import Signal
 from companion.motion.routes import RouteMap
+from companion.planning import engines
 from companion.planning.builtin.search import Search
 from companion.planning.check import fault
 from companion.planning.compilation.encode import encode
@@ -233,3 +238,50 @@ def test_conditional_effects_of_skills_reach_the_planner(encoding: Encoding) -> 
     found = solve_with(asked, history(asked), "fast-downward", encoding, Objective.LAP, LIMIT_S)
     assert found is not None
     assert [a.name for a in found.lasso.loop] == ["switch", "switch"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("child", "told"),
+    [
+        (bad_engines.killed, r"fast-downward failed \(INTERNAL_ERROR\)"),
+        (bad_engines.eating, "fast-downward ran out of memory"),
+        (bad_engines.spinning, "fast-downward did not answer in 3 s"),
+        (bad_engines.deaf, "fast-downward did not answer in 3 s"),
+    ],
+)
+def test_a_bad_engine_is_told_and_the_next_call_has_a_new_child(
+    monkeypatch: pytest.MonkeyPatch, child: Callable[..., None], told: str
+) -> None:
+    asked = problem("HA", unit_costs("HA"), "G F at(A)")
+    limit_s = 3.0 if "3 s" in told else LIMIT_S
+    with monkeypatch.context() as patched:
+        patched.setattr(engines, "_child", child)
+        with pytest.raises(EngineError, match=told):
+            solve(encode(asked, V4), "fast-downward", limit_s, optimal=True)
+    assert not multiprocessing.active_children()
+    assert solve_with(asked, [history(asked)], "fast-downward", V4, Objective.LAP, LIMIT_S)
+
+
+@pytest.mark.slow
+def test_the_server_of_the_children_is_started_again_when_it_has_died() -> None:
+    asked = problem("HA", unit_costs("HA"), "G F at(A)")
+    for _ in range(2):
+        assert solve(encode(asked, V4), "fast-downward", LIMIT_S, optimal=True)
+        server = forkserver._forkserver._forkserver_pid  # type: ignore[attr-defined]
+        os.kill(server, signal.SIGKILL)
+        os.waitid(os.P_PID, server, os.WEXITED | os.WNOWAIT)
+    assert solve(encode(asked, V4), "fast-downward", LIMIT_S, optimal=True)
+
+
+@pytest.mark.parametrize("error", [EOFError, BrokenPipeError, ConnectionRefusedError])
+def test_a_server_that_dies_as_it_is_asked_is_an_engine_that_has_failed(
+    monkeypatch: pytest.MonkeyPatch, error: type[Exception]
+) -> None:
+    def start(child: object) -> None:
+        raise error
+
+    monkeypatch.setattr("multiprocessing.context.ForkServerProcess.start", start)
+    classical = encode(problem("HA", unit_costs("HA"), "G F at(A)"), V4)
+    with pytest.raises(EngineError, match=r"fast-downward failed \(INTERNAL_ERROR\)"):
+        solve(classical, "fast-downward", LIMIT_S, optimal=True)
