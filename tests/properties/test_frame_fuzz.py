@@ -2,35 +2,53 @@
 
 Bad checksums, forged senders, flags, signatures of another key, MAVLink 1, pieces of frames, and
 datagrams of up to 64 KiB, by a seeded generator; taken in, verified, chosen and decoded as on the
-companion's link. A few thousand by default, 2,000,000 with the markers `faults` and `long`.
+companion's link. A few thousand by default, and with the markers `faults` and `long` 2,000,000 for
+a companion that waits on the ground, and as many in flight.
 """
 
 from __future__ import annotations
 
 import random
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 from autopilot import Autopilot
 from garbage import any_frame, random_bytes, truncated_frame
 from notes import Notes
+from preparations import Polled
 from synthetic import mission
 
 from companion.app import Companion
+from companion.flight_events.event import Stamped
 from companion.flight_events.sortie import Phase, PhaseEntered
-from companion.mavlink.framing import MavlinkCodec, dialect, split_frames
+from companion.mavlink.framing import MavlinkCodec, dialect, message_id, split_frames
 from companion.mavlink.intake import Intake
 from companion.mavlink.signing import Signing, SigningKey, of_signed_vehicle
+from companion.mission.model import Mission
+from companion.mission_run import Recorder
 
 KEY, OTHER_KEY = SigningKey(bytes(range(32))), SigningKey(bytes(32))
 NOW_S, TICK_S = 1.8e9, 0.05
 PER_TICK = 25
 ATTACKER, AUTOPILOT = ("127.0.0.1", 40000), ("127.0.0.1", 14580)
+TAKE_OFF_S = 6.0
+"""No setpoint is needed for so long."""
+ASKING = frozenset(
+    {
+        dialect.MAVLINK_MSG_ID_COMMAND_INT,
+        dialect.MAVLINK_MSG_ID_COMMAND_LONG,
+        dialect.MAVLINK_MSG_ID_PARAM_SET,
+        dialect.MAVLINK_MSG_ID_SET_MODE,
+        dialect.MAVLINK_MSG_ID_SET_POSITION_TARGET_LOCAL_NED,
+    }
+)
+"""Messages by which something is asked of a vehicle."""
 FRAMES = [
     4_000,
     pytest.param(1_000_000, marks=[pytest.mark.faults, pytest.mark.long]),
 ]
-"""Of each of the two: with and without signing."""
+"""Of each of the four: with and without signing, in flight and on the ground."""
 
 
 def bad_checksum(rng: random.Random) -> bytes:
@@ -94,12 +112,43 @@ def means_nothing(datagram: bytes) -> bool:
     )
 
 
-class Aboard:
-    """A companion with an autopilot that is heard in each tick, and what a fuzzer sends besides."""
+class Waiting(Notes):
+    """The host of a companion that waits on the ground, and has no reason to fly."""
 
-    def __init__(self, signing: Signing | None) -> None:
-        self.notes, self.beats = Notes(), 0
-        self._companion = Companion(mission("G F at(A) & G F at(B)"), self.notes)
+    uploads = None
+
+    def load(self, path: Path) -> Mission:
+        raise AssertionError("nothing is uploaded")
+
+    def prepare(self, mission: Mission, speed_max_mps: float) -> Polled:
+        raise AssertionError("nobody starts")
+
+    def begin_run(self, mission: Mission) -> Recorder:
+        raise AssertionError("nobody starts")
+
+    def end_run(self, recorder: Recorder) -> None:
+        raise AssertionError("nothing has begun")
+
+    def tell(self, stamped: Stamped) -> None:
+        self.report(stamped)
+
+
+class Aboard:
+    """A companion with an autopilot that is heard in each tick, and what a fuzzer sends besides.
+
+    Attributes:
+        notes: what was reported.
+        beats: how many heartbeats left.
+        asked: of the vehicle in the newest tick, without the numbers of the frames.
+    """
+
+    def __init__(self, signing: Signing | None, is_flying: bool) -> None:
+        flown = mission("G F at(A) & G F at(B)")
+        self.notes: Notes = Notes() if is_flying else Waiting()
+        self.beats, self.asked = 0, list[bytes]()
+        self._companion = (
+            Companion(flown, self.notes) if is_flying else Companion(flown, None, host=self.notes)
+        )
         self._autopilot, self._intake = Autopilot(), Intake()
         self._answers: list[bytes] = []
         self._signing, self._vehicle = signing, Signing(KEY, NOW_S) if signing else None
@@ -115,19 +164,27 @@ class Aboard:
             arrived = self._signing.receive(now_s, arrived)
             assert [f for f in arrived if f in own] == own, "the autopilot is always heard"
         sent = self._companion.step(now_s, arrived)
-        self.beats += sum(f[7:10] == b"\0\0\0" for d in sent for f in split_frames(d))
+        frames = [frame for datagram in sent for frame in split_frames(datagram)]
+        self.beats += sum(message_id(f) == dialect.MAVLINK_MSG_ID_HEARTBEAT for f in frames)
+        self.asked = [f[5:-2] for f in frames if message_id(f) in ASKING]
         self._answers = self._autopilot.answer(sent)
 
 
+@pytest.mark.parametrize("is_flying", [True, False], ids=["in flight", "on the ground"])
 @pytest.mark.parametrize("is_signed", [True, False], ids=["signed", "unsigned"])
 @pytest.mark.parametrize("number", FRAMES, ids=["few", "million"])
-def test_a_companion_is_as_if_nobody_had_sent_anything(number: int, is_signed: bool) -> None:
-    """With a key whatever was sent; without one, whatever is damaged or from somebody else."""
+def test_a_companion_is_as_if_nobody_had_sent_anything(
+    number: int, is_signed: bool, is_flying: bool
+) -> None:
+    """With a key whatever was sent; without one, whatever is damaged or from somebody else.
+
+    In each tick it asks the same of the vehicle: the setpoint, in flight, and each command.
+    """
     rng = random.Random(11)
     signing = Signing(KEY, NOW_S, of_signed_vehicle) if is_signed else None
-    disturbed = Aboard(signing)
-    undisturbed = Aboard(Signing(KEY, NOW_S, of_signed_vehicle) if is_signed else None)
-    sent = 0
+    disturbed = Aboard(signing, is_flying)
+    undisturbed = Aboard(Signing(KEY, NOW_S, of_signed_vehicle) if is_signed else None, is_flying)
+    sent, silent_ticks = 0, 0
     for tick in range(number // PER_TICK):
         said = attacks(rng)
         sent += len(said)
@@ -135,9 +192,15 @@ def test_a_companion_is_as_if_nobody_had_sent_anything(number: int, is_signed: b
             said = [datagram for datagram in said if means_nothing(datagram)]
         disturbed.tick(tick * TICK_S, said)
         undisturbed.tick(tick * TICK_S, [])
+        assert disturbed.asked == undisturbed.asked
+        silent_ticks += not disturbed.asked
     assert sent >= number
     assert disturbed.notes.reports == undisturbed.notes.reports
     assert disturbed.beats == undisturbed.beats > 0
-    assert PhaseEntered(Phase.TASK) in disturbed.notes.events
+    if is_flying:
+        assert PhaseEntered(Phase.TASK) in disturbed.notes.events
+        assert silent_ticks * TICK_S < TAKE_OFF_S
+    else:
+        assert silent_ticks == number // PER_TICK
     if signing is not None:
         assert signing.refused.unsigned and signing.refused.forged and not signing.refused.old
