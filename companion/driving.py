@@ -15,14 +15,14 @@ from companion.clock import ScaledClock
 from companion.errors import LinkTimeout
 from companion.ground.operations import SystemStatus
 from companion.vehicle.control_watch import PAUSED_S
-from companion.vehicle.link import UdpLink
+from companion.vehicle.link import Link
 
 log = logging.getLogger(__name__)
 
 
 def fly(
     companion: Companion,
-    link: UdpLink,
+    link: Link,
     clock: ScaledClock,
     timeout_s: float,
     beat: Callable[[], None] = lambda: None,
@@ -77,7 +77,7 @@ def fly(
 
 def _step(
     companion: Companion,
-    link: UdpLink,
+    link: Link,
     clock: ScaledClock,
     heard: list[bytes],
     is_tick: bool,
@@ -105,7 +105,7 @@ def _step(
 
 
 def _hears(
-    companion: Companion, link: UdpLink, clock: ScaledClock, until_s: float, heard: list[bytes]
+    companion: Companion, link: Link, clock: ScaledClock, until_s: float, heard: list[bytes]
 ) -> bool:
     """Waits for what a step should answer before a time; whether it has come.
 

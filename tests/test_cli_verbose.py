@@ -16,7 +16,8 @@ import pytest
 from companion.cli.log_lines import UnblockingHandler, show_log_lines
 from companion.mavlink.commands import SILENCE_S, CommandSender
 from companion.mavlink.framing import MavlinkCodec, dialect
-from companion.vehicle.link import UdpLink, parse_url
+from companion.vehicle.endpoints import parse_url
+from companion.vehicle.link import Link
 
 pytestmark = pytest.mark.slow
 
@@ -130,7 +131,7 @@ def test_a_link_logs_whom_it_hears_first_and_whom_it_answers(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
     caplog.set_level(logging.DEBUG, "companion")
-    link = UdpLink(parse_url("udpin://127.0.0.1:0"))
+    link = Link(parse_url("udpin://127.0.0.1:0"))
     heartbeat = MavlinkCodec(7, 1).pack(dialect.MAVLink_heartbeat_message(2, 12, 0, 0, 3, 3))
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as vehicle:
         vehicle.bind(("127.0.0.1", 0))

@@ -16,8 +16,8 @@ from companion.ground.uploads import Uploads
 from companion.ground.watching import EXIT_CODE
 from companion.mavlink.framing import MavlinkCodec, Message, dialect, source
 from companion.mavlink.statustext import chunks
-from companion.vehicle.link import Endpoint as Address
-from companion.vehicle.link import UdpLink
+from companion.vehicle.endpoints import UdpPort
+from companion.vehicle.link import Link
 
 COMPANION = 191
 MISSION_START = 300
@@ -37,7 +37,7 @@ class UploadHost:
         self.uploads = Uploads(root)
         self.verdicts: list[UploadVerdict] = []
         self.failure: Exception | None = None
-        self._link = UdpLink(Address(True, "127.0.0.1", port))
+        self._link = Link(UdpPort("127.0.0.1", port))
         self._codec = MavlinkCodec(0, COMPANION)
         self._loss, self._rng = loss, random.Random(1)
         self._exit_code = exit_code

@@ -14,7 +14,8 @@ from companion.app import Companion
 from companion.clock import ScaledClock
 from companion.driving import fly
 from companion.mission.model import Mission
-from companion.vehicle.link import UdpLink, parse_url
+from companion.vehicle.endpoints import parse_url
+from companion.vehicle.link import Link
 
 OFFBOARD_URL = "udpin://0.0.0.0:14540"
 """Where PX4 sends its offboard stream."""
@@ -45,7 +46,8 @@ def run(
 
     Args:
         mission: what to do.
-        connect: `udpin://HOST:PORT` to listen, `udpout://HOST:PORT` to send first.
+        connect: `udpin://HOST:PORT` to listen, `udpout://HOST:PORT` to send first,
+            `tcpout://HOST:PORT`, or `serial://DEVICE:BAUD`.
         folder: where to write a run folder; none by default.
         on_event: told of each event that is news for people.
         accepts_weak_failsafes: fly although the autopilot's own failsafes are weak.
@@ -60,7 +62,7 @@ def run(
         LinkError: the link cannot be opened.
         LinkTimeout: no vehicle was heard in time.
     """
-    link = UdpLink(parse_url(connect))
+    link = Link(parse_url(connect))
     try:
         with recording(mission, folder, on_event) as recorder:
             limit = FlightLimit(laps, limit_s)

@@ -51,7 +51,7 @@ if TYPE_CHECKING:
     from companion.mission.model import Mission
     from companion.planning.engine_port import Engine
     from companion.record.run_folder import RunFolder
-    from companion.vehicle.link import UdpLink
+    from companion.vehicle.link import Link
 
 OFFBOARD_PORT = 14540
 GROUND_STATION_PORT = 14550
@@ -65,7 +65,11 @@ def run(
         typer.Argument(metavar="MISSION", help="The mission's YAML file; without: uploads."),
     ] = None,
     connect: Annotated[
-        str, typer.Option(envvar="COMPANION_CONNECT", help="udpin://HOST:PORT or udpout://...")
+        str,
+        typer.Option(
+            envvar="COMPANION_CONNECT",
+            help="udpin://HOST:PORT, udpout://HOST:PORT, tcpout://HOST:PORT or serial://DEVICE:BAUD.",
+        ),
     ] = f"udpin://0.0.0.0:{OFFBOARD_PORT}",
     accept_weak_failsafes: Annotated[
         bool, typer.Option(help="Fly although the autopilot's own failsafes are weak.")
@@ -98,7 +102,8 @@ def run(
     """
     from companion.acting.flight_limit import FlightLimit
     from companion.app import Companion
-    from companion.vehicle.link import UdpLink, parse_url
+    from companion.vehicle.endpoints import parse_url
+    from companion.vehicle.link import Link
 
     loaded, endpoint = load(mission) if mission else None, parse_url(connect)
     limit, address = FlightLimit(laps, limit_s), monitor or DEFAULT_ADDRESS
@@ -111,8 +116,8 @@ def run(
         resumes=resume,
         journalled=cut_off.journalled if cut_off else None,
     )
-    with signing_of(signing_key, f"run-{endpoint.port}", unsigned_vehicle) as signing:
-        link_of = partial(UdpLink, endpoint, signing)
+    with signing_of(signing_key, f"run-{endpoint.name}", unsigned_vehicle) as signing:
+        link_of = partial(Link, endpoint, signing)
         if loaded is None or wait:
             _host(companion_of, loaded, link_of, log_dir, address, planner, cut_off)
         else:
@@ -146,7 +151,8 @@ def sim(
     from companion.api.simulating import lockstep, verdict, world_of
     from companion.app import Companion
     from companion.simulator import simulator
-    from companion.vehicle.link import Endpoint, UdpLink
+    from companion.vehicle.endpoints import UdpPort
+    from companion.vehicle.link import Link
 
     factor, limit = _speed(speed), FlightLimit(laps, limit_s)
     planner = engine_of(engine, encoding, engine_timeout, None if factor else engine_duration)
@@ -171,9 +177,9 @@ def sim(
         options = ["--scenario", path, "--speed", factor, "--seed", seed, "--instance", instance]
         port = f"ground station on UDP port {GROUND_STATION_PORT + instance}"
         terminal.say(f"vehicle    simulated, {factor:g} x real time; {port}")
-        here = Endpoint(True, "127.0.0.1", OFFBOARD_PORT + instance)
+        here = UdpPort("127.0.0.1", OFFBOARD_PORT + instance)
         with simulator([str(o) for o in options], folder.folder / "sitl.log") as child:
-            _fly(companion, partial(UdpLink, here), terminal, factor, timeout * factor)
+            _fly(companion, partial(Link, here), terminal, factor, timeout * factor)
         _raise(verdict(companion.failure, child.is_damaged))
 
 
@@ -201,7 +207,7 @@ def _speed(text: str) -> float | None:
 def _fly_once(
     companion_of: Callable[..., Companion],
     mission: Mission,
-    link_of: Callable[[], UdpLink],
+    link_of: Callable[[], Link],
     log_dir: Path,
     address: str,
     engine: Engine | None,
@@ -224,7 +230,7 @@ def _fly_once(
 def _host(
     companion_of: Callable[..., Companion],
     mission: Mission | None,
-    link_of: Callable[[], UdpLink],
+    link_of: Callable[[], Link],
     log_dir: Path,
     address: str,
     engine: Engine | None,
@@ -268,7 +274,7 @@ def _host(
 
 def _fly(
     companion: Companion,
-    link_of: Callable[[], UdpLink],
+    link_of: Callable[[], Link],
     terminal: Terminal,
     speed: float,
     timeout_s: float,

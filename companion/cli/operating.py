@@ -19,13 +19,14 @@ from companion.errors import LinkError, LinkTimeout, MissionError, printable
 if TYPE_CHECKING:
     from companion.ground.station import Heard, Station
     from companion.mavlink.signing import Signing
-    from companion.vehicle.link import Endpoint
+    from companion.vehicle.endpoints import Endpoint
 
 Connect = Annotated[
     str,
     typer.Option(
         envvar="COMPANION_GROUND_CONNECT",
-        help="udpin://HOST:PORT, where the vehicle sends to a ground station, or udpout://...",
+        help="udpin://HOST:PORT, where the vehicle sends to a ground station; udpout://, "
+        "tcpout://HOST:PORT, or serial://DEVICE:BAUD, as of a telemetry radio.",
     ),
 ]
 Timeout = Annotated[float, typer.Option(help="Seconds to wait for the companion.", min=0.1)]
@@ -53,11 +54,11 @@ def upload(
     Exit code 0: accepted, 2: refused, 4: no link.
     """
     from companion.mission.files import files_of
-    from companion.vehicle.link import parse_url
+    from companion.vehicle.endpoints import parse_url
 
     files = files_of(mission, mission.parent)
     endpoint = parse_url(connect)
-    with signing_of(signing_key, f"upload-{endpoint.port}", unsigned_vehicle) as signing:
+    with signing_of(signing_key, f"upload-{endpoint.name}", unsigned_vehicle) as signing:
         asyncio.run(_upload(files, endpoint, signing, start, timeout))
 
 
@@ -69,10 +70,10 @@ def watch(
     verbose: Verbose = False,
 ) -> None:
     """Prints what a companion says, until its run has ended: with that run's exit code."""
-    from companion.vehicle.link import parse_url
+    from companion.vehicle.endpoints import parse_url
 
     endpoint = parse_url(connect)
-    with signing_of(signing_key, f"watch-{endpoint.port}", unsigned_vehicle) as signing:
+    with signing_of(signing_key, f"watch-{endpoint.name}", unsigned_vehicle) as signing:
         try:
             code = asyncio.run(_watch(endpoint, signing, timeout))
         except KeyboardInterrupt:

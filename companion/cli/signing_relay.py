@@ -15,9 +15,12 @@ from contextlib import closing, contextmanager
 from companion.mavlink.framing import split_frames
 from companion.mavlink.intake import LONGEST, READS, Address
 from companion.mavlink.signing import Signing
-from companion.vehicle.link import Endpoint, UdpLink
+from companion.vehicle.endpoints import Endpoint
+from companion.vehicle.link import Link
 
 HOST = "127.0.0.1"
+PAUSE_S = 0.005
+"""Between two looks; a serial port that is opened again has no descriptor to wait for."""
 
 
 @contextmanager
@@ -28,19 +31,17 @@ def relayed(endpoint: Endpoint, signing: Signing) -> Iterator[SigningRelay]:
         LinkError: the port to the vehicle cannot be opened.
     """
     with (
-        closing(UdpLink(endpoint, signing)) as link,
+        closing(Link(endpoint, signing)) as link,
         socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as inner,
     ):
         inner.setblocking(False)
         inner.bind((HOST, 0))
         relay, loop = SigningRelay(link, inner), asyncio.get_running_loop()
-        loop.add_reader(link, relay.carry_in)
-        loop.add_reader(inner, relay.carry_out)
+        carrying = loop.create_task(relay.carry())
         try:
             yield relay
         finally:
-            loop.remove_reader(link)
-            loop.remove_reader(inner)
+            carrying.cancel()
 
 
 class SigningRelay:
@@ -54,12 +55,19 @@ class SigningRelay:
         url: where the client finds it.
     """
 
-    def __init__(self, link: UdpLink, inner: socket.socket) -> None:
+    def __init__(self, link: Link, inner: socket.socket) -> None:
         self.url = f"udpout://{HOST}:{inner.getsockname()[1]}"
         self.account = link.account
         self._link = link
         self._inner = inner
         self._client: Address | None = None
+
+    async def carry(self) -> None:
+        """Carries in both directions, until it is cancelled."""
+        while True:
+            self.carry_in()
+            self.carry_out()
+            await asyncio.sleep(PAUSE_S)
 
     def carry_in(self) -> None:
         """From the vehicle to the client: what is accepted."""

@@ -85,6 +85,27 @@ class DatagramsDropped(FlightEvent):
 
 
 @dataclass(frozen=True, slots=True)
+class PortLost(FlightEvent):
+    """A serial port or a TCP connection is not there; it is opened again once a second."""
+
+    kind = "port lost"
+    template = "{port} is not there, and is tried again each second: {reason}"
+
+    port: InText[str]
+    reason: InText[str]
+
+
+@dataclass(frozen=True, slots=True)
+class PortRestored(FlightEvent):
+    """Something arrives again by a serial port or a TCP connection."""
+
+    kind = "port restored"
+    template = "{port} is there again"
+
+    port: InText[str]
+
+
+@dataclass(frozen=True, slots=True)
 class FramesRefused(FlightEvent):
     """Frames were refused on a link with message signing."""
 

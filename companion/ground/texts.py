@@ -21,6 +21,7 @@ from companion.flight_events.facts import (
 from companion.flight_events.hosting import (
     DatagramsDropped,
     FramesRefused,
+    PortLost,
     RecordingFailed,
     UploadNews,
 )
@@ -68,7 +69,7 @@ def severity(event: FlightEvent) -> int:
             return WARNING
         case PlaceLost() | LineDropped() | ConjunctViolated() | DatagramsDropped():
             return WARNING
-        case UploadNews(is_refused=True) | FramesRefused():
+        case UploadNews(is_refused=True) | FramesRefused() | PortLost():
             return WARNING
         case MissionEventChanged() | BeliefRestored() | UploadNews() | RunEnded():
             return NOTICE

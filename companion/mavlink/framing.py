@@ -30,6 +30,7 @@ __all__ = [
     "choose",
     "dialect",
     "frame_size",
+    "is_intact",
     "message_id",
     "source",
     "split_frames",
@@ -163,10 +164,13 @@ def message_id(frame: bytes) -> int:
     return frame[5]
 
 
-def _is_intact(frame: bytes, crc_extra: int) -> bool:
-    """Whether the checksum of a MAVLink 2 frame is right."""
-    end = 2 + _HEADER_SIZE + frame[1]  # behind the mark and the size
-    expected = checksum(frame[1:end] + bytes([crc_extra]), 0xFFFF)
+def is_intact(frame: bytes) -> bool:
+    """Whether the checksum of a frame is right; that of an unknown message cannot be."""
+    kind = dialect.mavlink_map.get(message_id(frame))
+    if kind is None:
+        return False
+    end = frame[1] + (10 if frame[0] == _MAGIC_2 else 6)  # of the payload
+    expected = checksum(frame[1:end] + bytes([kind.crc_extra]), 0xFFFF)
     return bool(expected == frame[end] | frame[end + 1] << 8)
 
 
@@ -226,7 +230,7 @@ def choose(
         if number not in wanted:
             continue
         if number in continual and frame[0] == _MAGIC_2:
-            if not _is_intact(frame, dialect.mavlink_map[number].crc_extra):
+            if not is_intact(frame):
                 continue  # it takes the place of no other
             sender_and_message = frame[5:10]
             other = newest.get(sender_and_message)

@@ -24,7 +24,8 @@ from companion.flight_events.tree import NodesChanged
 from companion.geometry import Ned
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mission.loader import load_mission
-from companion.vehicle.link import Endpoint, UdpLink
+from companion.vehicle.endpoints import UdpPort
+from companion.vehicle.link import Link
 from sitl.link.routing import LinkName
 from sitl.link.server import HOST, PORTS
 
@@ -57,11 +58,11 @@ PATROL: dict[str, Any] = {
 """A and B in turn, or A and C while it is red."""
 
 
-class Answers(UdpLink):
+class Answers(Link):
     """The link and the recorder: when the first setpoint of each new plan leaves."""
 
     def __init__(self) -> None:
-        super().__init__(Endpoint(True, HOST, PORT))
+        super().__init__(UdpPort(HOST, PORT))
         self.is_flown = threading.Event()
         self.times_s: list[float] = []
         self.journal: Journal = NoJournal()

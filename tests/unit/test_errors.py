@@ -18,7 +18,7 @@ from companion.ground.watching import StatusTextAssembler
 from companion.ltl.parser import parse
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mission.loader import load_mission
-from companion.vehicle.link import parse_url
+from companion.vehicle.endpoints import parse_url
 from companion.vehicle.telemetry import Telemetry
 
 ESCAPE = "\x1b[2J\x9b31m\r\x07\x7f"

@@ -23,6 +23,8 @@ from companion.flight_events.hosting import (
     FramesRefused,
     MissionReady,
     MissionUnreadable,
+    PortLost,
+    PortRestored,
     RecordingFailed,
     RunNotBegun,
     TerminalHungUp,
@@ -190,6 +192,11 @@ TEXTS: list[tuple[FlightEvent, str]] = [
     (TerminalHungUp(), "the terminal has hung up (SIGHUP); the flight goes on"),
     (DatagramsDropped(8), "datagrams dropped: 8; too long, or too many from one sender"),
     (FramesRefused(3, 1, 0), "frames refused: 3 unsigned, 1 with another key, 0 too old"),
+    (
+        PortLost("serial:///dev/ttyTHS1:921600", "no such file"),
+        "serial:///dev/ttyTHS1:921600 is not there, and is tried again each second: no such file",
+    ),
+    (PortRestored("tcpout://10.0.0.1:5760"), "tcpout://10.0.0.1:5760 is there again"),
     (
         RecordingFailed("No space left on device"),
         "the run folder cannot be written, the flight goes on: No space left on device",

@@ -16,7 +16,8 @@ from companion.mavlink.framing import MavlinkCodec as Speaker
 from companion.mavlink.framing import dialect
 from companion.mavlink.intake import LONGEST, SENDER_FRAMES
 from companion.mavlink.signing import Signing, SigningKey, of_signed_vehicle
-from companion.vehicle.link import HOSTS_NAMED, Endpoint, UdpLink, parse_url
+from companion.vehicle.endpoints import Endpoint, SerialPort, TcpServer, UdpPeer, UdpPort, parse_url
+from companion.vehicle.link import HOSTS_NAMED, Link
 
 PATIENCE_S = 60.0  # for datagrams on the loopback; they take microseconds
 
@@ -31,12 +32,17 @@ def heartbeat(component: int = 1) -> bytes:
 @pytest.mark.parametrize(
     ("url", "expected"),
     [
-        ("udpin://0.0.0.0:14540", Endpoint(True, "0.0.0.0", 14540)),
-        ("udpin:0.0.0.0:14540", Endpoint(True, "0.0.0.0", 14540)),
-        ("udpin://:14540", Endpoint(True, "0.0.0.0", 14540)),
-        ("udpin://127.0.0.1:14540/", Endpoint(True, "127.0.0.1", 14540)),
-        ("udpout:192.168.1.10:14580", Endpoint(False, "192.168.1.10", 14580)),
-        ("udpout://drone.local:65535", Endpoint(False, "drone.local", 65535)),
+        ("udpin://0.0.0.0:14540", UdpPort("0.0.0.0", 14540)),
+        ("udpin:0.0.0.0:14540", UdpPort("0.0.0.0", 14540)),
+        ("udpin://:14540", UdpPort("0.0.0.0", 14540)),
+        ("udpin://127.0.0.1:14540/", UdpPort("127.0.0.1", 14540)),
+        ("udpout:192.168.1.10:14580", UdpPeer("192.168.1.10", 14580)),
+        ("udpout://drone.local:65535", UdpPeer("drone.local", 65535)),
+        ("tcpout://10.0.0.1:5760", TcpServer("10.0.0.1", 5760)),
+        ("tcp:10.0.0.1:5760", TcpServer("10.0.0.1", 5760)),
+        ("serial:///dev/ttyTHS1:921600", SerialPort("/dev/ttyTHS1", 921600)),
+        ("serial:/dev/ttyACM0:57600", SerialPort("/dev/ttyACM0", 57600)),
+        ("serial://COM3:57600", SerialPort("COM3", 57600)),
     ],
 )
 def test_the_spellings_of_a_url(url: str, expected: Endpoint) -> None:
@@ -55,8 +61,10 @@ def test_the_spellings_of_a_url(url: str, expected: Endpoint) -> None:
         "udpin://host:port",
         "udpin://host:65536",
         "udpin://host:-1",
-        "tcp://host:5760",
-        "serial:///dev/ttyACM0:57600",
+        "tcpin://host:5760",
+        "serial:///dev/ttyACM0",
+        "serial://:57600",
+        "serial:///dev/ttyACM0:0",
         "UDPIN://host:14540",
         "udpin://host:14540/path",
         "udpin://host:14540\nudpin://host:14541",
@@ -111,18 +119,18 @@ def peer() -> Iterator[Peer]:
 
 
 @pytest.fixture
-def listener() -> Iterator[UdpLink]:
-    made = UdpLink(Endpoint(True, "127.0.0.1", 0))
+def listener() -> Iterator[Link]:
+    made = Link(UdpPort("127.0.0.1", 0))
     with closing(made):
         yield made
 
 
-def address_of(made: UdpLink) -> tuple[str, int]:
-    host, port = made._socket.getsockname()
+def address_of(made: Link) -> tuple[str, int]:
+    host, port = made.transport.address
     return host, port
 
 
-def deliver(peer: Peer, made: UdpLink, *datagrams: bytes) -> list[bytes]:
+def deliver(peer: Peer, made: Link, *datagrams: bytes) -> list[bytes]:
     """Sends datagrams to a link and returns what it received."""
     received: list[bytes] = []
     for datagram in datagrams:
@@ -132,9 +140,7 @@ def deliver(peer: Peer, made: UdpLink, *datagrams: bytes) -> list[bytes]:
     return received
 
 
-def test_a_listener_answers_the_autopilot_that_sends_heartbeats(
-    peer: Peer, listener: UdpLink
-) -> None:
+def test_a_listener_answers_the_autopilot_that_sends_heartbeats(peer: Peer, listener: Link) -> None:
     assert deliver(peer, listener, heartbeat()) == [heartbeat()]
     listener.send([b"one", b"two"])
     assert [peer.socket.recv(100) for _ in range(2)] == [b"one", b"two"]
@@ -142,7 +148,7 @@ def test_a_listener_answers_the_autopilot_that_sends_heartbeats(
 
 @pytest.mark.parametrize("datagram", [b"junk", heartbeat(component=191), b"\xfe" + bytes(20)])
 def test_a_listener_does_not_answer_anybody_else(
-    peer: Peer, listener: UdpLink, datagram: bytes
+    peer: Peer, listener: Link, datagram: bytes
 ) -> None:
     assert deliver(peer, listener, datagram) == [datagram]
     listener.send([b"hello"])
@@ -150,7 +156,7 @@ def test_a_listener_does_not_answer_anybody_else(
 
 
 def test_a_ground_station_on_the_port_does_not_divert_the_answers(
-    peer: Peer, listener: UdpLink
+    peer: Peer, listener: Link
 ) -> None:
     deliver(peer, listener, heartbeat())
     other = Peer()
@@ -161,18 +167,17 @@ def test_a_ground_station_on_the_port_does_not_divert_the_answers(
 
 
 def test_a_caller_sends_first_and_hears_the_answer(peer: Peer) -> None:
-    with closing(UdpLink(Endpoint(False, *peer.address))) as caller:
+    with closing(Link(UdpPeer(*peer.address))) as caller:
         caller.send([b"hello"])
-        datagram, sender = peer.socket.recvfrom(100)
-        assert datagram == b"hello"
+        call, datagram = (peer.socket.recvfrom(100) for _ in range(2))
+        sender = call[1]
+        assert datagram == (b"hello", sender)
         peer.socket.sendto(heartbeat(), sender)
         caller.wait(PATIENCE_S)
         assert caller.receive() == [heartbeat()]
 
 
-def test_receive_takes_all_that_has_arrived_and_does_not_wait(
-    peer: Peer, listener: UdpLink
-) -> None:
+def test_receive_takes_all_that_has_arrived_and_does_not_wait(peer: Peer, listener: Link) -> None:
     assert listener.receive() == []
     for _ in range(50):
         peer.socket.sendto(heartbeat(), address_of(listener))
@@ -185,8 +190,8 @@ def test_receive_takes_all_that_has_arrived_and_does_not_wait(
 
 def test_what_has_arrived_may_be_discarded(peer: Peer) -> None:
     """All of it, also more than a step takes in; what comes later is received."""
-    with closing(UdpLink(parse_url("udpin://127.0.0.1:0"))) as link:
-        to = link._socket.getsockname()
+    with closing(Link(parse_url("udpin://127.0.0.1:0"))) as link:
+        to = link.transport.address
         for i in range(2000):
             peer.socket.sendto(b"old %d" % i, to)
         link.discard()
@@ -198,7 +203,7 @@ def test_what_has_arrived_may_be_discarded(peer: Peer) -> None:
         assert not link.wait(0.0)
 
 
-def test_a_datagram_that_is_too_long_is_refused_and_told(peer: Peer, listener: UdpLink) -> None:
+def test_a_datagram_that_is_too_long_is_refused_and_told(peer: Peer, listener: Link) -> None:
     assert listener.news() == []
     empty = b"\xfe\x00\x00\x01\x01\x00\x00\x00"
     sent = [heartbeat(), empty * (65_507 // 8), bytes(LONGEST + 1), bytes(LONGEST)]
@@ -208,8 +213,8 @@ def test_a_datagram_that_is_too_long_is_refused_and_told(peer: Peer, listener: U
 
 @pytest.mark.parametrize("is_listening", [True, False], ids=["udpin", "udpout"])
 def test_a_flood_does_not_displace_the_autopilot(peer: Peer, is_listening: bool) -> None:
-    flooder, host = Peer(), Endpoint(True, "127.0.0.1", 0)
-    link = UdpLink(host if is_listening else Endpoint(False, *peer.address))
+    flooder, host = Peer(), UdpPort("127.0.0.1", 0)
+    link = Link(host if is_listening else UdpPeer(*peer.address))
     with closing(link), closing(flooder.socket):
         link.send([b"hello"])
         deliver(peer, link, *[heartbeat()] * is_listening)
@@ -229,7 +234,7 @@ def test_on_a_signed_link_only_a_signed_autopilot_is_answered(peer: Peer) -> Non
     attacker = Peer()
     made = Signing(key, time.time(), of_signed_vehicle)
     with (
-        closing(UdpLink(Endpoint(True, "127.0.0.1", 0), made)) as link,
+        closing(Link(UdpPort("127.0.0.1", 0), made)) as link,
         closing(attacker.socket),
     ):
         forged = [heartbeat(), *forger.send(0.0, [heartbeat()])]
@@ -244,7 +249,7 @@ def test_on_a_signed_link_only_a_signed_autopilot_is_answered(peer: Peer) -> Non
         assert attacker.hears_nothing()
 
 
-def test_hosts_without_number_are_not_all_kept(listener: UdpLink) -> None:
+def test_hosts_without_number_are_not_all_kept(listener: Link) -> None:
     for number in range(20):
         sender = Peer(f"127.0.0.{2 + number}")
         with closing(sender.socket):
@@ -254,17 +259,17 @@ def test_hosts_without_number_are_not_all_kept(listener: UdpLink) -> None:
 
 
 def test_what_the_network_does_not_take_is_lost() -> None:
-    with closing(UdpLink(Endpoint(False, "127.0.0.1", 9))) as caller:
+    with closing(Link(UdpPeer("127.0.0.1", 9))) as caller:
         caller.send([bytes(70_000), b"hello"])  # larger than any datagram
 
 
-def test_a_port_that_is_taken_says_by_whom_it_may_be(listener: UdpLink) -> None:
-    taken = Endpoint(True, *address_of(listener))
+def test_a_port_that_is_taken_says_by_whom_it_may_be(listener: Link) -> None:
+    taken = UdpPort(*address_of(listener))
     with pytest.raises(LinkError, match=rf"cannot listen on {taken}: .*\n.*another program"):
-        UdpLink(taken)
+        Link(taken)
 
 
-def test_the_account_of_what_was_heard(peer: Peer, listener: UdpLink) -> None:
+def test_the_account_of_what_was_heard(peer: Peer, listener: Link) -> None:
     assert listener.account() == "nothing arrived"
     deliver(peer, listener, b"junk")
     assert listener.account().startswith("1 packets came from 127.0.0.1, none of them MAVLink 2")
@@ -274,7 +279,7 @@ def test_the_account_of_what_was_heard(peer: Peer, listener: UdpLink) -> None:
     )
 
 
-def test_a_second_vehicle_does_not_divert_the_answers(listener: UdpLink) -> None:
+def test_a_second_vehicle_does_not_divert_the_answers(listener: Link) -> None:
     first, second = Peer(), Peer()
     with closing(first.socket), closing(second.socket):
         for peer, system in ((first, 1), (second, 2)):
@@ -283,11 +288,11 @@ def test_a_second_vehicle_does_not_divert_the_answers(listener: UdpLink) -> None
         assert first.socket.recv(100) == b"x"
 
 
-def test_the_account_knows_an_autopilot(peer: Peer, listener: UdpLink) -> None:
+def test_the_account_knows_an_autopilot(peer: Peer, listener: Link) -> None:
     deliver(peer, listener, heartbeat())
     assert "the autopilot of 1 was heard" in listener.account()
 
 
 def test_a_host_that_nobody_knows_is_refused_at_once() -> None:
     with pytest.raises(LinkError, match=r"cannot find no\.such\.host\.invalid"):
-        UdpLink(parse_url("udpout://no.such.host.invalid:14540"))
+        Link(parse_url("udpout://no.such.host.invalid:14540"))

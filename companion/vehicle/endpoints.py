@@ -1,0 +1,115 @@
+"""Where the vehicle is: the URL of a link, and a class for each kind.
+
+    udpin://0.0.0.0:14540          a port is bound; the autopilot sends there, as PX4 SITL does
+    udpout://192.168.1.10:14580    an address is sent to
+    tcpout://192.168.1.10:5760     a server is connected to, again and again where it is not there
+    serial:///dev/ttyTHS1:921600   a serial port is opened, with its speed in baud; again likewise
+
+A bare `udp` means one thing to MAVSDK and another to pymavlink, so it is refused. MAVSDK reads the
+same URLs.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import ClassVar
+
+from companion.errors import LinkError
+
+MAX_PORT = 65535
+HELP = """\
+    write udpin://0.0.0.0:14540 to listen, or udpout://HOST:PORT to send first,
+    tcpout://HOST:PORT for a server, serial:///dev/ttyTHS1:921600 for a serial port"""
+
+_HOST_AND_PORT = re.compile(r"(?:(?P<host>[^:/]*):)?(?P<port>\d+)/?")
+_DEVICE_AND_BAUD = re.compile(r"(?P<device>[^:]+):(?P<baud>\d+)")
+
+
+@dataclass(frozen=True, slots=True)
+class NetworkAddress:
+    """A host and a port."""
+
+    scheme: ClassVar[str]
+    host: str
+    port: int
+
+    def __str__(self) -> str:
+        return f"{self.scheme}://{self.host}:{self.port}"
+
+    @property
+    def name(self) -> str:
+        """A short one, for files."""
+        return str(self.port)
+
+
+class UdpPort(NetworkAddress):
+    """A UDP port that is bound."""
+
+    __slots__ = ()
+    scheme = "udpin"
+
+
+class UdpPeer(NetworkAddress):
+    """A UDP address that is sent to."""
+
+    __slots__ = ()
+    scheme = "udpout"
+
+
+class TcpServer(NetworkAddress):
+    """A TCP server that is connected to."""
+
+    __slots__ = ()
+    scheme = "tcpout"
+
+
+@dataclass(frozen=True, slots=True)
+class SerialPort:
+    """A serial port and its speed."""
+
+    device: str
+    baud: int
+
+    def __str__(self) -> str:
+        return f"serial://{self.device}:{self.baud}"
+
+    @property
+    def name(self) -> str:
+        """A short one, for files."""
+        return self.device.rpartition("/")[2]
+
+
+Endpoint = UdpPort | UdpPeer | TcpServer | SerialPort
+
+
+def parse_url(url: str) -> Endpoint:
+    """The endpoint of a URL such as udpin://0.0.0.0:14540 or serial:///dev/ttyTHS1:921600.
+
+    Raises:
+        LinkError: with the URL that was perhaps meant.
+    """
+    scheme, _, rest = url.partition(":")
+    rest = rest.removeprefix("//")
+    if scheme == "serial":
+        match = _DEVICE_AND_BAUD.fullmatch(rest)
+        if match is not None and int(match["baud"]) > 0:
+            return SerialPort(match["device"], int(match["baud"]))
+    elif match := _HOST_AND_PORT.fullmatch(rest):
+        host, port = match["host"], int(match["port"])
+        here, there = UdpPort(host or "0.0.0.0", port), UdpPeer(host or "127.0.0.1", port)
+        if port <= MAX_PORT:
+            match scheme:
+                case "udpin":
+                    return here
+                case "udpout":
+                    return there
+                case "tcpout" | "tcp":
+                    return TcpServer(there.host, port)
+                case "udp":
+                    raise LinkError(
+                        f"udp: is ambiguous in {url}\n"
+                        f"    write {here} to listen on that port, as for PX4 on 14540\n"
+                        f"    or {there} to send to that address first"
+                    )
+    raise LinkError(f"cannot connect to {url}\n{HELP}")
