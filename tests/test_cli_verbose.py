@@ -18,6 +18,7 @@ from companion.mavlink.commands import SILENCE_S, CommandSender
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.vehicle.endpoints import parse_url
 from companion.vehicle.link import Link
+from companion.vehicle.transport import Udp
 
 pytestmark = pytest.mark.slow
 
@@ -132,12 +133,13 @@ def test_a_link_logs_whom_it_hears_first_and_whom_it_answers(
 ) -> None:
     caplog.set_level(logging.DEBUG, "companion")
     link = Link(parse_url("udpin://127.0.0.1:0"))
+    assert isinstance(link.transport, Udp)
     heartbeat = MavlinkCodec(7, 1).pack(dialect.MAVLink_heartbeat_message(2, 12, 0, 0, 3, 3))
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as vehicle:
         vehicle.bind(("127.0.0.1", 0))
         port = vehicle.getsockname()[1]
         for _ in range(2):
-            vehicle.sendto(heartbeat, link._socket.getsockname())
+            vehicle.sendto(heartbeat, link.transport.address)
             assert link.wait(10.0)
             assert link.receive()
     link.close()

@@ -53,6 +53,13 @@ LimitS = Annotated[
         show_default=False,
     ),
 ]
+LinkUrl = Annotated[
+    str,
+    typer.Option(
+        envvar="COMPANION_CONNECT",
+        help="udpin://HOST:PORT, udpout://HOST:PORT, tcpout://HOST:PORT or serial://DEVICE:BAUD.",
+    ),
+]
 SigningKeyFile = Annotated[
     Path | None,
     typer.Option(

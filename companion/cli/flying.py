@@ -19,6 +19,7 @@ from companion.cli.arguments import (
     Instance,
     Laps,
     LimitS,
+    LinkUrl,
     LogDir,
     MissionFile,
     Resume,
@@ -64,13 +65,7 @@ def run(
         Path | None,
         typer.Argument(metavar="MISSION", help="The mission's YAML file; without: uploads."),
     ] = None,
-    connect: Annotated[
-        str,
-        typer.Option(
-            envvar="COMPANION_CONNECT",
-            help="udpin://HOST:PORT, udpout://HOST:PORT, tcpout://HOST:PORT or serial://DEVICE:BAUD.",
-        ),
-    ] = f"udpin://0.0.0.0:{OFFBOARD_PORT}",
+    connect: LinkUrl = f"udpin://0.0.0.0:{OFFBOARD_PORT}",
     accept_weak_failsafes: Annotated[
         bool, typer.Option(help="Fly although the autopilot's own failsafes are weak.")
     ] = False,
