@@ -11,12 +11,15 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pytest
 from commands import Companion
 from ports import free_instance
 
+from companion.acting.preparation import PreparedMission, prepare
+from companion.cli.flying import run
+from companion.errors import LinkError
 from sitl.link.server import Server
 
 MISSIONS = Path(__file__).parents[1] / "missions"
@@ -305,3 +308,24 @@ def test_plan_says_why_there_is_none(companion: Companion) -> None:
     assert ended.code == 3
     assert "upload cannot hold" in ended.err
     assert "with canUpload(r1) or canUpload(r2) or canUpload(r3)" in ended.err
+
+
+def test_a_mission_is_prepared_before_the_link_is_opened(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """So nothing is timed meanwhile, and no vehicle waits for a plan."""
+    done = []
+
+    def prepare_first(*arguments: Any, **options: Any) -> PreparedMission:
+        done.append("prepared")
+        return prepare(*arguments, **options)
+
+    def no_link(*arguments: object) -> None:
+        done.append("link")
+        raise LinkError("nothing is flown here")
+
+    monkeypatch.setattr("companion.app.prepare", prepare_first)
+    monkeypatch.setattr("companion.vehicle.link.UdpLink", no_link)
+    with pytest.raises(LinkError):
+        run(SURVEILLANCE, log_dir=tmp_path, monitor="off")
+    assert done == ["prepared", "link"]
