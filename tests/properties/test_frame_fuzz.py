@@ -1,20 +1,18 @@
 """Frames as an attacker makes them, through the real parser: nothing is raised, nothing changes.
 
-Bad checksums, forged senders, flags, signatures of another key, MAVLink 1, pieces of frames, and
-datagrams of up to 64 KiB, by a seeded generator; taken in, verified, chosen and decoded as on the
-companion's link. A few thousand by default, and with the markers `faults` and `long` 2,000,000 for
-a companion that waits on the ground, and as many in flight.
+Those of `attacks.py`; taken in, verified, chosen and decoded as on the companion's link. A few
+thousand by default, and with the markers `faults` and `long` 2,000,000 for a companion that waits
+on the ground, and as many in flight.
 """
 
 from __future__ import annotations
 
 import random
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from attacks import KEY, NOW_S, PER_TICK, attacks, means_nothing
 from autopilot import Autopilot
-from garbage import any_frame, random_bytes, truncated_frame
 from notes import Notes
 from preparations import Polled
 from synthetic import mission
@@ -22,15 +20,13 @@ from synthetic import mission
 from companion.app import Companion
 from companion.flight_events.event import Stamped
 from companion.flight_events.sortie import Phase, PhaseEntered
-from companion.mavlink.framing import MavlinkCodec, dialect, message_id, split_frames
+from companion.mavlink.framing import dialect, message_id, split_frames
 from companion.mavlink.intake import Intake
-from companion.mavlink.signing import Signing, SigningKey, of_signed_vehicle
+from companion.mavlink.signing import Signing, of_signed_vehicle
 from companion.mission.model import Mission
 from companion.mission_run import Recorder
 
-KEY, OTHER_KEY = SigningKey(bytes(range(32))), SigningKey(bytes(32))
-NOW_S, TICK_S = 1.8e9, 0.05
-PER_TICK = 25
+TICK_S = 0.05
 ATTACKER, AUTOPILOT = ("127.0.0.1", 40000), ("127.0.0.1", 14580)
 TAKE_OFF_S = 6.0
 """No setpoint is needed for so long."""
@@ -49,67 +45,6 @@ FRAMES = [
     pytest.param(1_000_000, marks=[pytest.mark.faults, pytest.mark.long]),
 ]
 """Of each of the four: with and without signing, in flight and on the ground."""
-
-
-def bad_checksum(rng: random.Random) -> bytes:
-    """Of the vehicle's messages, one bit changed behind the header."""
-    sender = MavlinkCodec(1, 1)
-    frame = bytearray(sender.pack(telling(rng)))
-    frame[rng.randrange(10, len(frame))] ^= 1 << rng.randrange(8)
-    return bytes(frame)
-
-
-def telling(rng: random.Random) -> object:
-    """A message that would take control, or start something."""
-    return rng.choice(
-        [
-            dialect.MAVLink_heartbeat_message(2, 12, 1, rng.getrandbits(32), 4, 3),
-            dialect.MAVLink_command_long_message(1, 191, 300, 0, *(0.0,) * 7),
-            dialect.MAVLink_local_position_ned_message(0, *(rng.uniform(-9, 9) for _ in "123456")),
-            dialect.MAVLink_param_set_message(1, 191, b"CMP_SPEED_MAX", 1.0, 9),
-        ]
-    )
-
-
-def flagged(rng: random.Random) -> bytes:
-    """Incompatible flags, with and without the bytes of a signature."""
-    frame = bytearray(any_frame(rng))
-    frame[2] = rng.randrange(1, 256)
-    return bytes(frame) + rng.randbytes(rng.choice([0, 13]))
-
-
-def other_key(rng: random.Random) -> bytes:
-    signing = Signing(OTHER_KEY, NOW_S + rng.uniform(-1e6, 1e6))
-    sender = MavlinkCodec(1, rng.choice([1, 25, 190, 191]))
-    return signing.send(0.0, [sender.pack(telling(rng))], rng.randrange(256))[0]
-
-
-def mavlink_1(rng: random.Random) -> bytes:
-    size = rng.randrange(64)
-    return bytes([0xFE, size, 0, rng.randrange(4), rng.randrange(256), 0]) + rng.randbytes(size + 2)
-
-
-def jumbo(rng: random.Random) -> bytes:
-    """More than is taken in: 2 to 64 KiB of frames."""
-    return any_frame(rng) * rng.randrange(60, 240)
-
-
-KINDS: list[Callable[[random.Random], bytes]] = [
-    *(bad_checksum, flagged, other_key, mavlink_1, any_frame, random_bytes, truncated_frame)
-]
-
-
-def attacks(rng: random.Random) -> list[bytes]:
-    found = [rng.choice(KINDS)(rng) for _ in range(PER_TICK)]
-    return [*found, jumbo(rng)] if rng.random() < 0.05 else found
-
-
-def means_nothing(datagram: bytes) -> bool:
-    """Whether it is damaged, or from a component that the companion does not listen to."""
-    return not any(
-        m.get_srcSystem() == 1 or getattr(m, "target_component", 0) in (0, 191)
-        for m in MavlinkCodec(0, 0).parse(datagram)
-    )
 
 
 class Waiting(Notes):
