@@ -18,7 +18,7 @@ from companion.outcomes import Refusal
 from companion.vehicle.port import Mode, VehicleState
 
 LINK_LOST_S = 10.0
-"""Silence after which a sortie is given up whose vehicle was on the ground."""
+"""Silence after which a sortie is given up whose vehicle was on the ground, disarmed."""
 NEVER_BACK_S = 1800.0
 """The same in the air: no battery lasts longer."""
 SILENT_S = 3.0
@@ -28,9 +28,10 @@ FRESH_S = 0.5
 
 
 def loss_of_link(state: VehicleState, now_s: float) -> LinkError | None:
-    """Whether the vehicle has been silent for too long; one in the air may come back."""
+    """Whether the vehicle has been silent for too long; one that may fly may come back."""
     silence_s = now_s - state.stamp_s
-    if silence_s <= (LINK_LOST_S if state.is_landed else NEVER_BACK_S):
+    is_down = state.is_landed and not state.is_armed
+    if silence_s <= (LINK_LOST_S if is_down else NEVER_BACK_S):
         return None
     return LinkError(f"no position from the vehicle for {silence_s:.0f} s")
 

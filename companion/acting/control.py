@@ -6,7 +6,7 @@
     the companion was away           two keys; and it never was to be expected elsewhere
 
 The autopilot's hold by the loss of our stream is one key; `resumes` is the other one, given
-beforehand.
+beforehand, unless the battery is critical.
 """
 
 from __future__ import annotations
@@ -66,6 +66,7 @@ class Control:
         if not self.may_yield:
             return Aborted(str(holder))
         is_by_itself = self._resumes and self._stream_loss.is_hold
+        is_by_itself = is_by_itself and not state.is_battery_critical  # it has to come down
         if is_by_itself and self._is_expected(state) and self.not_handed_over() is None:
             return ControlTakenBack()
         return None

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from companion.acting.authority import FRESH_S
 from companion.acting.flight import Flight
 from companion.flight_events.sortie import WeakFailsafeAccepted
 from companion.vehicle.failsafes import REQUIREMENTS, weaknesses
@@ -31,10 +32,12 @@ class FailsafeCheck:
         """DONE when the failsafes are known and strong, or accepted.
 
         The time for an answer begins with the question: the tick before has planned, which may
-        have taken longer than an answer may.
+        have taken longer than an answer may. It begins anew after a silence.
         """
         vehicle, now_s = self._flight.vehicle, self._flight.now_s
-        if self._asked_s is None:
+        state = vehicle.state
+        is_heard = state is not None and now_s - state.stamp_s <= FRESH_S
+        if self._asked_s is None or not is_heard:
             self._asked_s = now_s
         values = {r.parameter: vehicle.parameter(r.parameter) for r in REQUIREMENTS}
         is_late = now_s - self._asked_s > ANSWER_TIMEOUT_S

@@ -8,7 +8,8 @@ Rules:
 1. Other systems than the vehicle's are ignored.
 2. Every setpoint passes the gate (`gate.py`); nothing repeats a setpoint by itself.
 3. A skill's command passes the rules of `mavlink/payload_commands.py`.
-4. A goal is pursued until it is observed (`goals.py`).
+4. A goal is pursued until it is observed (`goals.py`). While nothing is heard of the autopilot no
+   command is sent, and no goal's or command's time passes (`heard_time.py`).
 5. A mode that our goal does not pass through was chosen by somebody else, on the ground as in the
    air. From the first heartbeat of it on nothing is streamed or commanded; once it is certain
    (`control_watch.py`), not before an operator gives control back (`regain`).
@@ -30,6 +31,7 @@ from companion.outcomes import Refusal
 from companion.vehicle.control_watch import ControlState, ControlWatch
 from companion.vehicle.gate import Envelope
 from companion.vehicle.goals import APPROACHES, Pursuit
+from companion.vehicle.heard_time import HeardTime
 from companion.vehicle.parameters import ParameterReader
 from companion.vehicle.port import (
     Failed,
@@ -92,6 +94,7 @@ class MavlinkVehicle:
         self._commands = CommandSender()
         self._parameters = ParameterReader()
         self._readings: list[Reading] = []
+        self._time = HeardTime()
         self._pursuit: Pursuit | None = None
         self._first_mode: Mode | None = None
         self._now_s = 0.0
@@ -118,6 +121,8 @@ class MavlinkVehicle:
         self._now_s = now_s
         self._control.step(now_s)
         self._readings = []
+        autopilot = (self._wire.system, AUTOPILOT)
+        self._time.step(now_s, any(source(message) == autopilot for message in messages))
         for message in messages:
             self._take(message)
         home = self._telemetry.home
@@ -137,7 +142,7 @@ class MavlinkVehicle:
         system = self._wire.system
         is_entering = self._pursuit is not None and self._pursuit.goal is Goal.OFFBOARD
         return [
-            *self._commands.due(now_s),
+            *([] if self._time.is_quiet else self._commands.due(self._time.seconds)),
             *self._telemetry.clock.due(now_s),
             *self._parameters.due(now_s, (system, AUTOPILOT)),
             *self._stream.due(now_s, system, is_entering),
@@ -200,7 +205,7 @@ class MavlinkVehicle:
             self._end_command()
             allowed = approach.passes | {state.mode}
             self._first_mode = self._first_mode or state.mode
-            pursuit = Pursuit(goal, allowed, state.mode, self._now_s)
+            pursuit = Pursuit(goal, allowed, state.mode, self._time.seconds)
             self._pursuit = pursuit
         if state.is_mode_known(self._now_s) and approach.is_reached(state):
             self._end_command()
@@ -251,8 +256,9 @@ class MavlinkVehicle:
     def _ask(self, pursuit: Pursuit, state: VehicleState) -> Failed | None:
         """Sends the goal's command when it is time to, unless the goal has failed."""
         approach = APPROACHES[pursuit.goal]
-        elapsed_s = self._now_s - pursuit.start_s
-        if overdue_s := pursuit.overdue_s(self._now_s, state.mode):
+        now_s = self._time.seconds
+        elapsed_s = now_s - pursuit.start_s
+        if overdue_s := pursuit.overdue_s(now_s, state.mode):
             return self._failed(f"not {pursuit.goal.value} after {overdue_s:.0f} s")
         if not state.is_mode_known(self._now_s):
             return None
@@ -271,7 +277,7 @@ class MavlinkVehicle:
             exchange = self._commands[pursuit.ticket]
             if exchange.has_failed:
                 return self._failed(f"not {pursuit.goal.value}: {exchange.in_words}")
-            if not exchange.result or self._now_s < exchange.next_send_s + ASK_AGAIN_S:
+            if not exchange.result or now_s < exchange.next_send_s + ASK_AGAIN_S:
                 return None
             self._end_command()
         takeoff_altitude_m = self._telemetry.frame.altitude_m + self._takeoff_up_m
@@ -286,7 +292,7 @@ class MavlinkVehicle:
 
     def _start(self, to: int, command: int, parameters: Parameters, wait_s: float | None) -> int:
         target = (self._wire.system, to)
-        return self._commands.start(self._now_s, target, command, parameters, wait_s)
+        return self._commands.start(self._time.seconds, target, command, parameters, wait_s)
 
     def _end_command(self) -> None:
         if self._pursuit is not None and self._pursuit.ticket is not None:
@@ -302,7 +308,7 @@ class MavlinkVehicle:
             return
         if kind == "COMMAND_ACK":
             if message.target_component in (0, COMPONENT):
-                self._commands.receive(self._now_s, message)
+                self._commands.receive(self._time.seconds, message)
         elif component == AUTOPILOT:
             if kind == "PARAM_VALUE":
                 self._parameters.take(message)

@@ -58,6 +58,7 @@ class VehicleState:
         position_s: when the position was measured, by our clock; where the autopilot does not tell
             its own, when it was received.
         yaw_s: the same of the heading.
+        is_battery_critical: the charge is critical, or worse, by the autopilot's own word.
     """
 
     stamp_s: float
@@ -77,6 +78,7 @@ class VehicleState:
     accuracy_m: float = 0.0
     position_s: float = 0.0
     yaw_s: float = 0.0
+    is_battery_critical: bool = False
 
     def is_mode_known(self, now_s: float) -> bool:
         """Whether the mode is that of a recent heartbeat."""

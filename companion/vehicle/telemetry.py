@@ -25,6 +25,10 @@ KNOWN_MODES = {mode.value: mode for mode in Mode}
 MAX_TEXTS = 5
 MOST_TILT_RAD = math.radians(60.0)  # beyond, no weight is carried
 GRAVITY_MPS2 = 9.81
+CRITICAL_CHARGE = (
+    dialect.MAV_BATTERY_CHARGE_STATE_CRITICAL,
+    dialect.MAV_BATTERY_CHARGE_STATE_EMERGENCY,
+)
 
 
 class Telemetry:
@@ -53,6 +57,7 @@ class Telemetry:
         self._yaw_rad: float | None = None
         self._position_s = self._yaw_s = -math.inf
         self._battery_percent: int | None = None
+        self._is_battery_critical = False
         self._measured_s = self._tilt_rad = self.accuracy_m = 0.0
         self._thrust_mps2: NorthEast = (0.0, 0.0)
         self._state: VehicleState | None = None  # of what was heard so far, once it was asked for
@@ -98,6 +103,7 @@ class Telemetry:
             accuracy_m=self.accuracy_m,
             position_s=self._position_s,
             yaw_s=self._yaw_s,
+            is_battery_critical=self._is_battery_critical,
         )
 
     def stand_at(self, place: Ned) -> None:
@@ -176,6 +182,7 @@ class Telemetry:
     def _on_battery(self, _: float, message: Message) -> None:
         if message.battery_remaining >= 0:
             self._battery_percent = message.battery_remaining
+        self._is_battery_critical = message.charge_state in CRITICAL_CHARGE
 
     def _on_estimator(self, _: float, message: Message) -> None:
         if math.isfinite(message.pos_horiz_accuracy):

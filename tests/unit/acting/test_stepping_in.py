@@ -17,6 +17,7 @@ from companion.errors import Aborted
 from companion.flight_events.plans import NoPlanFound, PlanReplaced
 from companion.flight_events.sortie import (
     ControlRegained,
+    ControlTakenBack,
     ControlYielded,
     Phase,
     ReturnFailed,
@@ -161,3 +162,18 @@ def test_a_failsafe_that_only_no_longer_heard_us_is_no_obstacle() -> None:
     for mode in Mode:
         if mode is not Mode.LOITER:
             assert not_handed_over(replace(held, mode=mode), 10.0, True)
+
+
+@pytest.mark.parametrize("is_critical", [False, True])
+def test_with_a_critical_battery_no_hold_is_resumed_by_itself(is_critical: bool) -> None:
+    """The autopilot holds, as nothing was sent for a second; the key is given beforehand."""
+    flown = SortieRig(mission("G F at(A) & G F at(B)"), resumes=True).until(Phase.TASK).run(1.5)
+    for _ in range(round(1.0 / TICK_S)):
+        flown.rig.pass_time()
+    held = {"mode": Mode.LOITER, "is_failsafe": True, "is_battery_critical": is_critical}
+    flown.vehicle.change(**held)
+    flown.vehicle.takeover = Takeover(Mode.LOITER, is_failsafe=True)
+    flown.step()
+    flown.step()
+    assert (flown.of(ControlTakenBack) == []) is is_critical
+    assert (flown.sortie.phase is Phase.YIELDED) is is_critical

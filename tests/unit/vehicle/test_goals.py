@@ -21,6 +21,7 @@ from autopilot import (
 from companion.mavlink.framing import dialect
 from companion.mavlink.px4_modes import custom_mode
 from companion.vehicle.goals import EFFECT_S
+from companion.vehicle.heard_time import QUIET_S
 from companion.vehicle.offboard import ASK_AGAIN_S
 from companion.vehicle.port import Failed, Goal, Mode, Progress, Setpoint, Takeover
 
@@ -120,6 +121,23 @@ def test_no_answer_at_all_fails_after_silence(meeting: Meeting) -> None:
     assert meeting.now_s == pytest.approx(5.0, abs=0.2)
     commands = of_type(meeting.autopilot.heard, "COMMAND_LONG")
     assert [c.confirmation for c in commands] == list(range(10))
+
+
+@pytest.mark.parametrize("goal", [Goal.ARMED, Goal.AIRBORNE, Goal.OFFBOARD])
+def test_no_time_passes_and_no_command_leaves_while_nothing_is_heard(
+    meeting: Meeting, goal: Goal
+) -> None:
+    if goal is not Goal.ARMED:
+        meeting.pursue(Goal.ARMED)
+    meeting.autopilot.is_idle = True
+    act = lambda: meeting.vehicle.pursue(goal)  # noqa: E731
+    meeting.run(2.0, act=act)
+    meeting.is_quiet = True
+    sent = meeting.run(60.0, act=act)
+    assert [c for c in of_type(sent, "COMMAND_LONG") if c.left_s > 2.0 + 2 * QUIET_S] == []
+    assert meeting.vehicle.pursue(goal) is Progress.RUNNING
+    meeting.is_quiet, meeting.autopilot.is_idle = False, False
+    assert meeting.pursue(goal) is Progress.DONE
 
 
 def test_a_denial_is_final_and_says_what_the_autopilot_said(meeting: Meeting) -> None:

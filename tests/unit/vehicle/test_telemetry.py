@@ -57,6 +57,16 @@ def test_a_state_holds_what_was_said() -> None:
     assert not state.is_failsafe
 
 
+def test_a_critical_charge_is_the_autopilots_own_word() -> None:
+    telemetry = heard(Autopilot())
+    for charge_state, is_critical in ((0, False), (2, False), (3, True), (4, True), (1, False)):
+        told = battery(20)
+        told.charge_state = charge_state
+        say(telemetry, told)
+        assert telemetry.state is not None
+        assert telemetry.state.is_battery_critical is is_critical
+
+
 def test_the_heading_has_a_stamp_of_its_own() -> None:
     """A heading that is no number renews nothing."""
     telemetry = heard(Autopilot(), now_s=3.0)

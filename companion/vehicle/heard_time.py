@@ -1,0 +1,43 @@
+"""A clock that runs while the autopilot is heard.
+
+Goals and commands have their time in it: what cannot be heard cannot be observed, and a command to
+somebody who is not heard may take effect at any later time.
+"""
+
+from __future__ import annotations
+
+import math
+
+QUIET_S = 0.5
+"""Silence after which nothing is heard; a PX4 sends more than a hundred messages a second."""
+
+
+class HeardTime:
+    """The time in which something was heard.
+
+    >>> time = HeardTime()
+    >>> for now_s in (10.0, 10.25, 10.5, 10.75, 60.0):
+    ...     time.step(now_s, is_heard=now_s < 10.5)
+    >>> time.seconds, time.is_quiet
+    (0.75, True)
+
+    Attributes:
+        seconds: of it, since the first step.
+        is_quiet: nothing is heard now.
+    """
+
+    def __init__(self) -> None:
+        self.seconds = 0.0
+        self.is_quiet = True
+        self._heard_s = -math.inf
+        self._stepped_s: float | None = None
+
+    def step(self, now_s: float, is_heard: bool) -> None:
+        """Time has passed; whether something has arrived in it."""
+        passed_s = now_s - (now_s if self._stepped_s is None else self._stepped_s)
+        self._stepped_s = now_s
+        if is_heard:
+            self._heard_s = now_s
+        self.is_quiet = now_s - self._heard_s > QUIET_S
+        if not self.is_quiet:
+            self.seconds += passed_s
