@@ -49,6 +49,19 @@ def fly(
     Raises:
         LinkTimeout: no vehicle was heard in time (seconds of the clock's time).
     """
+    try:
+        _drive(companion, link, clock, timeout_s, beat)
+    finally:
+        gc.unfreeze()  # what is left at the exit of the program is looked through again
+
+
+def _drive(
+    companion: Companion,
+    link: Link,
+    clock: ScaledClock,
+    timeout_s: float,
+    beat: Callable[[], None],
+) -> None:
     begun_s = next_tick_s = now_s = clock.now_s()
     was_flying, is_tick = False, True
     while not companion.has_ended:
