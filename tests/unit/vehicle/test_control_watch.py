@@ -125,3 +125,18 @@ def test_late_ticks_are_no_pause_and_neither_is_the_beginning() -> None:
     for time_s in (1e6, 1e6 + PAUSED_S - 0.01, 1e6 + 1.8 * PAUSED_S):
         watch.step(time_s)
         assert watch.state is OURS
+
+
+def test_after_a_pause_of_this_program_the_mode_is_heard_first() -> None:
+    """At the limit, which is below the second after which PX4 misses its setpoints."""
+    assert 0.5 <= PAUSED_S < 1.0
+    for pause_s, state in ((PAUSED_S - 0.125, OURS), (PAUSED_S, DOUBTED)):
+        watch = ControlWatch()
+        watch.step(0.0)
+        watch.step(pause_s)
+        assert watch.state is state and watch.takeover is None
+
+
+def test_before_any_heartbeat_no_disarming_is_told() -> None:
+    on_the_ground = Heartbeat(Mode.OFFBOARD, is_armed=False, is_failsafe=False)
+    assert states((0, PILOT), (0.5, on_the_ground)) == [DOUBTED, OURS]

@@ -164,6 +164,17 @@ def test_a_plan_for_a_task_that_is_violated_holds(
     assert found == (Verdict(GOOD) if passes else held("the task is violated"))
 
 
+def test_nothing_is_of_the_task_or_violated_unless_that_is_said() -> None:
+    asked = Request(GOOD, NOW_S)
+    assert admit(asked, STATE, NOW_S, ENVELOPE, is_violated=True) == Verdict(GOOD)
+    assert admit(replace(asked, is_for_task=True), STATE, NOW_S, ENVELOPE) == Verdict(GOOD)
+
+
+def test_of_two_that_are_old_the_position_is_told() -> None:
+    state = heard(position_s=NOW_S - 1.0, yaw_s=NOW_S - 2.0)
+    assert verdict(state=state) == held("the position is 1.0 s old")
+
+
 @pytest.mark.parametrize("field", ["position", "velocity", "acceleration"])
 @pytest.mark.parametrize("axis", range(3))
 @pytest.mark.parametrize("number", NOT_FINITE)

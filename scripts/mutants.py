@@ -1,0 +1,141 @@
+"""Mutants of a module: its source with one small mistake each; pure.
+
+Comparisons are shifted or turned, `and` and `or`, `+` and `-`, `*` and `/` change places, numbers
+grow, truths turn, pairs swap, a name falls out of a tuple, a call or a result is left out. Texts,
+annotations and decorators stay as they are: a wrong word is no wrong flight.
+"""
+
+from __future__ import annotations
+
+import ast
+import copy
+from collections import Counter
+from collections.abc import Iterator
+from typing import NamedTuple
+
+SWAPS: dict[type[ast.AST], type[ast.AST]] = {
+    ast.Lt: ast.LtE,
+    ast.LtE: ast.Lt,
+    ast.Gt: ast.GtE,
+    ast.GtE: ast.Gt,
+    ast.Eq: ast.NotEq,
+    ast.NotEq: ast.Eq,
+    ast.Is: ast.IsNot,
+    ast.IsNot: ast.Is,
+    ast.In: ast.NotIn,
+    ast.NotIn: ast.In,
+    ast.And: ast.Or,
+    ast.Or: ast.And,
+    ast.Add: ast.Sub,
+    ast.Sub: ast.Add,
+    ast.Mult: ast.Div,
+    ast.Div: ast.Mult,
+    ast.Mod: ast.Mult,
+    ast.Pow: ast.Mult,
+    ast.BitAnd: ast.BitOr,
+    ast.BitOr: ast.BitAnd,
+    ast.BitXor: ast.BitAnd,
+    ast.LShift: ast.RShift,
+    ast.RShift: ast.LShift,
+}
+OPPOSITE = {ast.Lt: ast.Gt, ast.LtE: ast.GtE, ast.Gt: ast.Lt, ast.GtE: ast.LtE}
+
+
+class Mutant(NamedTuple):
+    """One mistake.
+
+    Attributes:
+        name: what it is and where, the same as long as that line of the source is.
+        tree: the module with it.
+    """
+
+    name: str
+    tree: ast.Module
+
+
+def mutants(source: str) -> list[Mutant]:
+    """All mutants of a module.
+
+    >>> [m.name for m in mutants("def f(a: int) -> bool: return a < 2")]
+    ['f: a < 2 -> a <= 2', 'f: a < 2 -> a > 2', 'f: 2 -> 20', 'f: return a < 2 -> return None']
+    """
+    tree = ast.parse(source)
+    seen: Counter[str] = Counter()
+    made = []
+    for index, (where, node) in enumerate(_nodes(tree)):
+        for changed in _changes(node):
+            name = f"{where}: {_text(node)} -> {_text(changed)}"
+            seen[name] += 1
+            numbered = name if seen[name] == 1 else f"{name} #{seen[name]}"
+            made.append(Mutant(numbered, _with(tree, index, changed)))
+    return made
+
+
+def _nodes(tree: ast.Module) -> Iterator[tuple[str, ast.AST]]:
+    """What may be mutated, in order, each with the name of its function."""
+
+    def walk(node: ast.AST, where: str) -> Iterator[tuple[str, ast.AST]]:
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            where = node.name
+        yield where, node
+        for field, value in ast.iter_fields(node):
+            if field in ("annotation", "returns", "decorator_list", "bases"):
+                continue
+            for child in value if isinstance(value, list) else [value]:
+                if isinstance(child, ast.AST):
+                    yield from walk(child, where)
+
+    return walk(tree, "module")
+
+
+def _with(tree: ast.Module, index: int, changed: ast.AST) -> ast.Module:
+    """The tree with another node in place of one."""
+    whole = copy.deepcopy(tree)
+    for at, (_, node) in enumerate(_nodes(whole)):
+        if at == index:
+            node.__class__ = changed.__class__  # type: ignore[assignment]
+            node.__dict__ = {**node.__dict__, **changed.__dict__}
+    return ast.fix_missing_locations(whole)
+
+
+def _changes(node: ast.AST) -> Iterator[ast.AST]:
+    match node:
+        case ast.Compare():
+            for i, operator in enumerate(node.ops):
+                for kinds in (SWAPS, OPPOSITE):
+                    if type(operator) in kinds:
+                        ops = [*node.ops[:i], kinds[type(operator)](), *node.ops[i + 1 :]]  # type: ignore[index]
+                        yield ast.Compare(node.left, ops, node.comparators)
+        case ast.BoolOp():
+            yield ast.BoolOp(SWAPS[type(node.op)](), node.values)  # type: ignore[arg-type]
+        case ast.BinOp() | ast.AugAssign() if type(node.op) in SWAPS:
+            changed = copy.copy(node)
+            changed.op = SWAPS[type(node.op)]()  # type: ignore[assignment]
+            yield changed
+        case ast.UnaryOp(op=ast.Not(), operand=operand):
+            yield ast.BoolOp(ast.And(), [operand, operand])
+        case ast.UnaryOp(op=ast.USub(), operand=operand):
+            yield ast.UnaryOp(ast.UAdd(), operand)
+        case ast.Constant(value=bool() as value):
+            yield ast.Constant(not value)
+        case ast.Constant(value=int() | float() as value):
+            yield ast.Constant(value * 10 if value else 1)
+        case ast.Tuple(elts=[first, second]) if isinstance(node.ctx, ast.Load):
+            if _text(first) == _text(second):
+                return
+            yield ast.Tuple([second, first], node.ctx)
+        case ast.Tuple(elts=elements) if isinstance(node.ctx, ast.Load) and _are_names(elements):
+            for i in range(len(elements)):
+                yield ast.Tuple([*elements[:i], *elements[i + 1 :]], node.ctx)
+        case ast.Return(value=value) if value is not None and _text(value) != "None":
+            yield ast.Return(ast.Constant(None))
+        case ast.Expr(value=ast.Call()):
+            yield ast.Pass()
+
+
+def _are_names(elements: list[ast.expr]) -> bool:
+    return len(elements) > 2 and all(isinstance(e, ast.Name) for e in elements)
+
+
+def _text(node: ast.AST) -> str:
+    return " ".join(ast.unparse(node).split())[:90]

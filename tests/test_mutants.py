@@ -1,0 +1,60 @@
+"""What scripts/mutate makes and lists, without running it: that takes minutes."""
+
+from __future__ import annotations
+
+import ast
+import tomllib
+from pathlib import Path
+
+import pytest
+from mutants import mutants
+
+ROOT = Path(__file__).parents[1]
+
+
+def names(source: str) -> list[str]:
+    return [mutant.name for mutant in mutants(source)]
+
+
+@pytest.mark.parametrize(
+    ("source", "made"),
+    [
+        ("a <= b", ["a <= b -> a < b", "a <= b -> a >= b"]),
+        ("a is b", ["a is b -> a is not b"]),
+        ("a and b", ["a and b -> a or b"]),
+        ("not a", ["not a -> a and a"]),
+        ("a - b", ["a - b -> a + b"]),
+        ("-a", ["-a -> +a"]),
+        ("True", ["True -> False"]),
+        ("0.5", ["0.5 -> 5.0"]),
+        ("0", ["0 -> 1"]),
+        ("(a, b)", ["(a, b) -> (b, a)"]),
+        ("(a, a)", []),
+        ("(a, b, c)", ["(a, b, c) -> (b, c)", "(a, b, c) -> (a, c)", "(a, b, c) -> (a, b)"]),
+        ("f()", ["f() -> pass"]),
+        ("'a text'", []),
+        ("a: Literal[1] = b", []),
+        ("(a, b) = c", []),
+    ],
+)
+def test_one_mistake_each(source: str, made: list[str]) -> None:
+    assert names(source) == [f"module: {change}" for change in made]
+
+
+def test_a_mutant_differs_in_one_place_and_the_source_is_left_alone() -> None:
+    source = "def f(a):\n    return a < 1 and a < 2"
+    texts = {ast.unparse(mutant.tree) for mutant in mutants(source)}
+    assert "def f(a):\n    return a <= 1 and a < 2" in texts
+    assert "def f(a):\n    return a < 1 and a <= 2" in texts
+    assert len(texts) == len(mutants(source)) and source not in texts
+
+
+def test_two_of_a_kind_have_two_names() -> None:
+    assert names("a + a\na + a") == ["module: a + a -> a - a", "module: a + a -> a - a #2"]
+
+
+def test_each_listed_survivor_is_a_mutant_with_a_reason() -> None:
+    listed = tomllib.loads((ROOT / "tests/survivors.toml").read_text(encoding="utf-8"))
+    for entry in listed.get("survivor", []):
+        assert entry["mutant"] in names((ROOT / entry["file"]).read_text(encoding="utf-8")), entry
+        assert len(entry["why"]) > 20
