@@ -325,7 +325,7 @@ def test_a_mission_is_prepared_before_the_link_is_opened(
         raise LinkError("nothing is flown here")
 
     monkeypatch.setattr("companion.app.prepare", prepare_first)
-    monkeypatch.setattr("companion.vehicle.link.UdpLink", no_link)
+    monkeypatch.setattr("companion.vehicle.link.Link", no_link)
     with pytest.raises(LinkError):
         run(SURVEILLANCE, log_dir=tmp_path, monitor="off")
     assert done == ["prepared", "link"]

@@ -11,8 +11,8 @@ from companion.flight_events.sortie import WeakFailsafeAccepted
 from companion.vehicle.failsafes import REQUIREMENTS, weaknesses
 from companion.vehicle.port import Failed, Outcome, Progress
 
-ANSWER_TIMEOUT_S = 5.0
-"""How long the autopilot may take to answer for its parameters."""
+ANSWER_TIMEOUT_S = 10.0
+"""How long the autopilot may take to answer for its parameters; each is asked twice a second."""
 
 
 class FailsafeCheck:

@@ -51,7 +51,8 @@ class Envelope:
         max_age_s: age of position or heading at which the vehicle holds.
         lease_s: age of a setpoint at which the vehicle holds.
         lost_s: age of the position at which the stream ends and the autopilot's failsafe begins.
-        mode_lost_s: age of the mode at which the stream ends: five heartbeats were missed.
+        mode_lost_s: age of the mode at which the stream ends. A link that loses 30 % loses five
+            heartbeats in a row in every other flight of five minutes, ten in one of a thousand.
     """
 
     fence: tuple[Corner, ...]
@@ -64,7 +65,7 @@ class Envelope:
     max_age_s: float = 0.5
     lease_s: float = 0.5
     lost_s: float = 3.0
-    mode_lost_s: float = 5.0
+    mode_lost_s: float = 10.0
 
 
 @dataclass(frozen=True, slots=True)

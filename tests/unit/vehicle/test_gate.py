@@ -87,7 +87,7 @@ def test_the_limits_that_no_mission_chooses() -> None:
     """Half a second is ten setpoints; PX4's failsafe begins a second after the last one."""
     made = Envelope(ENVELOPE.fence, (0.5, 4.0), 2.0, 1.5, 1.0, 1.5)
     ages_s = (made.max_age_s, made.lease_s, made.lost_s, made.mode_lost_s)
-    assert ages_s == (0.5, 0.5, 3.0, 5.0)
+    assert ages_s == (0.5, 0.5, 3.0, 10.0)
     assert made.fence_margin_m == 0.0
     assert SPEED_TOLERANCE == 1.01
 
@@ -119,8 +119,8 @@ def test_when_the_position_was_lost_nothing_is_sent() -> None:
 
 
 def test_when_the_mode_was_lost_nothing_is_sent() -> None:
-    assert verdict(state=heard(mode_s=NOW_S - 5.0)) == Verdict(GOOD)
-    assert verdict(state=heard(mode_s=NOW_S - 5.0 - AFTER)) == nothing("no mode for 5.0 s")
+    assert verdict(state=heard(mode_s=NOW_S - 10.0)) == Verdict(GOOD)
+    assert verdict(state=heard(mode_s=NOW_S - 10.0 - AFTER)) == nothing("no mode for 10.0 s")
     assert verdict(state=heard(mode_s=math.nan)) == nothing("no mode for nan s")
 
 
