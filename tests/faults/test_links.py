@@ -49,20 +49,24 @@ def test_loss_with_a_payload(share: float, seed: int) -> None:
     ("share", "seed"), sweep(SHARES, SEEDS, few=lambda share, seed: (share, seed) == (0.2, 0))
 )
 def test_loss_with_three_landings(share: float, seed: int) -> None:
-    """A low battery that is told some seconds later may be charged after the next site."""
+    """The flight takes longer, and the battery is told late: one site more may come before either.
+
+    The order of the sites is the mission's, as are the three landings and the end.
+    """
     flight = fly(PATROL, {"at_s": 0, "link": {"port": "companion", "loss": share}}, seed=seed)
     expected = undisturbed(PATROL)
-    assert sorted(achieved(flight)) == sorted(achieved(expected))
+    assert sites(flight) == ("ABC" * 5)[: len(sites(flight))]
+    assert abs(len(sites(flight)) - len(sites(expected))) <= 1
+    assert len(flight.of(SkillCompleted)) == len(expected.of(SkillCompleted)) == 3
     assert flight.ending == expected.ending
     assert modes(flight) == modes(expected)
     assert flight.armings == expected.armings
     assert flight.simulation.collisions == 0
 
 
-def achieved(flight: Lockstep) -> list[str]:
-    """The places that were reached, and the skills that were completed."""
-    places = [event.place for event in flight.of(PlaceReached)]
-    return places + [event.action.partition("(")[0] for event in flight.of(SkillCompleted)]
+def sites(flight: Lockstep) -> str:
+    """Those of the patrol that were reached, in order."""
+    return "".join(e.place for e in flight.of(PlaceReached) if e.place != "Home")
 
 
 @pytest.mark.parametrize(
