@@ -1,0 +1,173 @@
+"""Who may fly, by the bounds themselves: scripts/mutate looks for those that no test here finds."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from companion.acting.authority import (
+    is_silent,
+    loss_of_control,
+    loss_of_link,
+    not_at_home,
+    not_handed_over,
+)
+from companion.errors import CompanionError, LinkError
+from companion.flight_events.sortie import Phase
+from companion.mission.model import Place
+from companion.motion.position_error import greatest_error_m
+from companion.outcomes import Refusal
+from companion.vehicle.port import Mode, Takeover, VehicleState
+
+NOW_S = 10_000.0
+FLYING = VehicleState(
+    stamp_s=NOW_S,
+    position=(1.0, 2.0, -3.0),
+    velocity=(0.0, 0.0, 0.0),
+    yaw_rad=0.0,
+    mode=Mode.LOITER,
+    is_armed=True,
+    is_landed=False,
+    is_failsafe=False,
+    battery_percent=None,
+    position_s=NOW_S,
+    yaw_s=NOW_S,
+    mode_s=NOW_S,
+)
+STANDING = replace(FLYING, is_armed=False, is_landed=True)
+ABOUT_TO_FLY = replace(FLYING, is_landed=True)
+HOME = Place("Home", (0.0, 0.0, -2.0), 0.4)
+EPSILON = 1e-6
+
+
+def flight(takeover: Takeover | None = None, is_landed_by_plan: bool = False) -> Any:
+    return SimpleNamespace(
+        now_s=NOW_S,
+        vehicle=SimpleNamespace(takeover=takeover),
+        progress=SimpleNamespace(is_landed_by_plan=is_landed_by_plan),
+    )
+
+
+def reason(why: CompanionError | Refusal | None) -> str | None:
+    if isinstance(why, Refusal):
+        return why.reason
+    return None if why is None else str(why)
+
+
+# -- the link --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("state", "bound_s"), [(STANDING, 10.0), (ABOUT_TO_FLY, 1800.0), (FLYING, 1800.0)]
+)
+def test_only_what_stands_disarmed_is_given_up_soon(state: VehicleState, bound_s: float) -> None:
+    assert loss_of_link(replace(state, stamp_s=NOW_S - bound_s), NOW_S) is None
+    loss = loss_of_link(replace(state, stamp_s=NOW_S - bound_s - EPSILON), NOW_S)
+    assert isinstance(loss, LinkError)
+    assert str(loss) == f"no position from the vehicle for {bound_s:.0f} s"
+
+
+def test_a_vehicle_that_was_disarmed_in_the_air_may_still_be_heard() -> None:
+    falling = replace(FLYING, is_armed=False, stamp_s=NOW_S - 11.0)
+    assert loss_of_link(falling, NOW_S) is None
+
+
+def test_what_is_not_heard_in_the_air_is_waited_for() -> None:
+    assert not is_silent(replace(FLYING, stamp_s=NOW_S - 3.0), NOW_S)
+    assert is_silent(replace(FLYING, stamp_s=NOW_S - 3.0 - EPSILON), NOW_S)
+    assert not is_silent(replace(ABOUT_TO_FLY, stamp_s=NOW_S - 60.0), NOW_S)
+
+
+# -- home ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("accuracy_m", [0.0, 0.3])
+def test_home_is_as_wide_as_its_radius_and_what_the_position_may_be_off_by(
+    accuracy_m: float,
+) -> None:
+    state = replace(STANDING, accuracy_m=accuracy_m)
+    wide_m = HOME.radius_m + greatest_error_m(accuracy_m)
+    assert not_at_home(wide_m, state, HOME) is None
+    assert reason(not_at_home(wide_m + EPSILON, state, HOME)) == (
+        f"the vehicle stands {wide_m:.1f} m from Home, where the mission begins; put it there"
+    )
+
+
+# -- control ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("phase", list(Phase))
+def test_silence_and_a_takeover_end_it_in_every_phase(phase: Phase) -> None:
+    silent = replace(FLYING, stamp_s=NOW_S - 1801.0)
+    pilot = Takeover(Mode.POSCTL, is_failsafe=False)
+    assert isinstance(loss_of_control(phase, silent, flight(pilot)), LinkError)
+    assert reason(loss_of_control(phase, FLYING, flight(pilot))) == str(pilot)
+
+
+@pytest.mark.parametrize("phase", list(Phase))
+@pytest.mark.parametrize(
+    ("state", "on_the_ground"),
+    [
+        (STANDING, None),
+        (FLYING, "the vehicle is armed or flying already; it is left alone"),
+        (ABOUT_TO_FLY, "the vehicle is armed or flying already; it is left alone"),
+        (
+            replace(STANDING, is_landed=False),
+            "the vehicle is armed or flying already; it is left alone",
+        ),
+    ],
+)
+def test_what_each_phase_may_find(
+    phase: Phase, state: VehicleState, on_the_ground: str | None
+) -> None:
+    """What flies on the ground is left alone; what stands in flight was disarmed by somebody."""
+    in_flight = (Phase.OFFBOARD, Phase.TASK, Phase.PAUSED, Phase.RETURNING, Phase.HOLDING)
+    found = reason(loss_of_control(phase, state, flight()))
+    if phase in (Phase.WAITING, Phase.CHECKING):
+        assert found == on_the_ground
+    elif phase in in_flight and state == STANDING:
+        assert found == "the vehicle was disarmed"
+        assert loss_of_control(phase, state, flight(is_landed_by_plan=True)) is None
+    else:
+        assert found is None
+
+
+# -- handing over ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("state", "why"),
+    [
+        (None, "no fresh position"),
+        (replace(FLYING, position_s=NOW_S - 0.5), None),
+        (replace(FLYING, position_s=NOW_S - 0.5 - EPSILON), "no fresh position"),
+        (STANDING, "the vehicle is not in the air"),
+        (ABOUT_TO_FLY, "the vehicle is not in the air"),
+        (replace(FLYING, is_armed=False), "the vehicle is not in the air"),
+        (replace(FLYING, mode_s=NOW_S - 1.5), None),
+        (replace(FLYING, mode_s=NOW_S - 1.5 - EPSILON), "the mode is not known"),
+        (replace(FLYING, mode_s=-math.inf), "the mode is not known"),
+        (
+            replace(FLYING, mode=Mode.POSCTL),
+            "POSCTL is flown; the pilot hands over by choosing hold",
+        ),
+        (
+            replace(FLYING, mode=Mode.OFFBOARD),
+            "OFFBOARD is flown; the pilot hands over by choosing hold",
+        ),
+        (FLYING, None),
+    ],
+)
+def test_when_control_may_be_taken_back(state: VehicleState | None, why: str | None) -> None:
+    assert reason(not_handed_over(state, NOW_S, False)) == why
+    assert reason(not_handed_over(state, NOW_S, True)) == why
+
+
+def test_of_failsafes_only_the_loss_of_our_stream_is_no_obstacle() -> None:
+    held = replace(FLYING, is_failsafe=True)
+    assert reason(not_handed_over(held, NOW_S, False)) == "a failsafe of the autopilot is active"
+    assert not_handed_over(held, NOW_S, True) is None
