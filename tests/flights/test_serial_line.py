@@ -12,7 +12,7 @@ import socket
 import threading
 import tty
 from collections.abc import Iterator
-from contextlib import ExitStack, closing
+from contextlib import ExitStack, closing, suppress
 from pathlib import Path
 
 import pytest
@@ -57,6 +57,7 @@ class Line:
     def __init__(self, instance: int) -> None:
         self._ours, self._theirs = pty.openpty()
         tty.setraw(self._theirs)
+        os.set_blocking(self._ours, False)
         self.device = os.ttyname(self._theirs)
         self._udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._udp.bind(("127.0.0.1", OUR_PORT + instance))
@@ -70,7 +71,8 @@ class Line:
         while not self._is_closed.is_set():
             for source in select.select([self._ours, self._udp], [], [], 0.1)[0]:
                 if source is self._udp:
-                    os.write(self._ours, self._udp.recv(4096))
+                    with suppress(BlockingIOError):  # the line is full, as nobody reads it
+                        os.write(self._ours, self._udp.recv(4096))
                     continue
                 for frame in frames.take(os.read(self._ours, 4096)):
                     self._udp.sendto(frame, self._simulator)
