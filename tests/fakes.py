@@ -27,6 +27,24 @@ CLOSING_MPS = 1.0
 """How much faster than its setpoint the point may be, to close a gap."""
 
 
+def on_hold(now_s: float) -> VehicleState:
+    """A vehicle in the air, on hold, of which all was heard just now."""
+    return VehicleState(
+        stamp_s=now_s,
+        position=(1.0, 2.0, -3.0),
+        velocity=(0.0, 0.0, 0.0),
+        yaw_rad=0.0,
+        mode=Mode.LOITER,
+        is_armed=True,
+        is_landed=False,
+        is_failsafe=False,
+        battery_percent=None,
+        position_s=now_s,
+        yaw_s=now_s,
+        mode_s=now_s,
+    )
+
+
 class FakeVehicle:
     """Stands on the ground at first, disarmed.
 

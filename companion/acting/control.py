@@ -65,9 +65,9 @@ class Control:
             return LinkBack() if self._resumption is None else None  # its failsafe is to come
         if not self.may_yield:
             return Aborted(str(holder))
-        is_by_itself = self._resumes and self._stream_loss.is_hold
-        is_by_itself = is_by_itself and not state.is_battery_critical  # it has to come down
-        if is_by_itself and self._is_expected(state) and self.not_handed_over() is None:
+        has_both_keys = self._resumes and self._stream_loss.is_hold
+        may_fly_on = not state.is_battery_critical and self._is_expected(state)
+        if has_both_keys and may_fly_on and self.not_handed_over() is None:
             return ControlTakenBack()
         return None
 

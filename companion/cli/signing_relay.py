@@ -31,7 +31,7 @@ def relayed(endpoint: Endpoint, signing: Signing) -> Iterator[SigningRelay]:
         LinkError: the port to the vehicle cannot be opened.
     """
     with (
-        closing(Link(endpoint, signing)) as link,
+        closing(Link(endpoint, signing, calls=False)) as link,
         socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as inner,
     ):
         inner.setblocking(False)

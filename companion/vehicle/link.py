@@ -2,8 +2,8 @@
 
 `endpoints.py` says which links there are, `transport.py` carries the bytes. What is heard decides
 who is answered: the autopilot that sends heartbeats (`autopilot_address.py`). Where the other end
-is known beforehand, a heartbeat of ours calls it once a second until it was heard: it may wait to
-be spoken to.
+is known beforehand, a heartbeat of the companion calls it once a second until it was heard: it may
+wait to be spoken to.
 
 From one `send` to the next is a step of the loop. What is received in it is bounded, whatever
 arrives (`companion/mavlink/intake.py`); the address that is sent to has a share of its own. With a
@@ -14,6 +14,7 @@ learned from them.
 from __future__ import annotations
 
 import logging
+import math
 import time
 
 from companion.flight_events.event import FlightEvent
@@ -42,12 +43,15 @@ class Link:
     Args:
         endpoint: our end of the link.
         signing: signs and verifies the frames; None for a link without signatures.
+        calls: it is a companion's; what carries the words of others has none of its own.
 
     Raises:
         LinkError: the port cannot be opened.
     """
 
-    def __init__(self, endpoint: Endpoint, signing: Signing | None = None) -> None:
+    def __init__(
+        self, endpoint: Endpoint, signing: Signing | None = None, calls: bool = True
+    ) -> None:
         self.endpoint = endpoint
         self._signing = signing
         self._begun_s = time.monotonic()
@@ -56,7 +60,7 @@ class Link:
         self._intake = Intake()
         self._autopilot = AutopilotAddress()
         self._caller = MavlinkCodec(CALLED_SYSTEM, COMPONENT)
-        self._call_s = 0.0
+        self._call_s = 0.0 if calls else math.inf
         self.transport: Transport = open_transport(endpoint)
 
     def receive(self) -> list[bytes]:

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from fakes import on_hold
 
 from companion.acting.authority import (
     is_silent,
@@ -24,20 +25,7 @@ from companion.outcomes import Refusal
 from companion.vehicle.port import Mode, Takeover, VehicleState
 
 NOW_S = 10_000.0
-FLYING = VehicleState(
-    stamp_s=NOW_S,
-    position=(1.0, 2.0, -3.0),
-    velocity=(0.0, 0.0, 0.0),
-    yaw_rad=0.0,
-    mode=Mode.LOITER,
-    is_armed=True,
-    is_landed=False,
-    is_failsafe=False,
-    battery_percent=None,
-    position_s=NOW_S,
-    yaw_s=NOW_S,
-    mode_s=NOW_S,
-)
+FLYING = on_hold(NOW_S)
 STANDING = replace(FLYING, is_armed=False, is_landed=True)
 ABOUT_TO_FLY = replace(FLYING, is_landed=True)
 HOME = Place("Home", (0.0, 0.0, -2.0), 0.4)

@@ -9,25 +9,14 @@ import math
 from dataclasses import replace
 
 import pytest
+from fakes import on_hold
 
 from companion.mavlink.framing import dialect
 from companion.vehicle.goals import APPROACHES, EFFECT_S, Pursuit
-from companion.vehicle.port import Goal, Mode, VehicleState
+from companion.vehicle.port import Goal, Mode
 
 NAN = math.nan
-FLYING = VehicleState(
-    stamp_s=50.0,
-    position=(0.0, 0.0, -2.0),
-    velocity=(0.0, 0.0, 0.0),
-    yaw_rad=0.0,
-    mode=Mode.LOITER,
-    is_armed=True,
-    is_landed=False,
-    is_failsafe=False,
-    battery_percent=None,
-    mode_s=50.0,
-    landed_since_s=49.0,
-)
+FLYING = replace(on_hold(50.0), landed_since_s=49.0)
 
 
 @pytest.mark.parametrize(

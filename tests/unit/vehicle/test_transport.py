@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import pty
 import socket
@@ -14,9 +15,12 @@ from typing import TypeVar
 
 import pytest
 
+from companion.cli.signing_relay import PAUSE_S, relayed
 from companion.flight_events.hosting import PortLost, PortRestored
 from companion.mavlink.framing import MavlinkCodec, dialect
-from companion.vehicle.endpoints import SerialPort, TcpServer, parse_url
+from companion.mavlink.signing import Signing, SigningKey
+from companion.vehicle import link as link_module
+from companion.vehicle.endpoints import SerialPort, TcpServer, UdpPeer, parse_url
 from companion.vehicle.link import Link
 from companion.vehicle.transport import TRY_AGAIN_S
 
@@ -84,7 +88,9 @@ def test_frames_pass_a_serial_port_in_both_directions(board: Board, serial_link:
     os.write(board.ours, b"boot" + heartbeat()[:7])
     assert serial_link.wait(PATIENCE_S) and serial_link.receive() == []
     os.write(board.ours, heartbeat()[7:] + heartbeat(42))
-    assert until(serial_link.receive) == [heartbeat(), heartbeat(42)]
+    heard: list[bytes] = []
+    until(lambda: heard.extend(serial_link.receive()) or len(heard) == 2)
+    assert heard == [heartbeat(), heartbeat(42)]
     serial_link.send([heartbeat(191)])
     assert until(board.read) == heartbeat(191), "and call no longer"
     assert "the autopilot of 1 was heard" in serial_link.account()
@@ -158,8 +164,9 @@ def accepted(server: socket.socket) -> socket.socket | None:
     return connection
 
 
-def test_a_caller_calls_until_somebody_answers() -> None:
+def test_a_caller_calls_until_somebody_answers(monkeypatch: pytest.MonkeyPatch) -> None:
     """As PX4 waits on its port for the first datagram."""
+    monkeypatch.setattr(link_module, "CALL_S", 2 * PATIENCE_S)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as peer:
         peer.bind(("127.0.0.1", 0))
         peer.settimeout(PATIENCE_S)
@@ -174,3 +181,18 @@ def test_a_caller_calls_until_somebody_answers() -> None:
             peer.setblocking(False)
             with pytest.raises(BlockingIOError):
                 peer.recv(100)
+
+
+def test_a_relay_calls_nobody() -> None:
+    """On the ground a heartbeat of component 191 would pass for the companion's."""
+
+    async def wait_with_a_relay(endpoint: UdpPeer) -> None:
+        with relayed(endpoint, Signing(SigningKey(bytes(32)), time.time())):
+            await asyncio.sleep(4 * PAUSE_S)
+
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as peer:
+        peer.bind(("127.0.0.1", 0))
+        asyncio.run(wait_with_a_relay(UdpPeer("127.0.0.1", peer.getsockname()[1])))
+        peer.setblocking(False)
+        with pytest.raises(BlockingIOError):
+            peer.recv(100)
