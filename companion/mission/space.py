@@ -1,0 +1,157 @@
+"""Reads what a mission file says of space: its map, its limits and its places.
+
+What coordinates mean is up to the mission's frame (coordinates.py).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+from typing import NamedTuple
+
+from companion.documents import Document
+from companion.drawn_maps import Corner, MapEntry, Wall, drawn_map, polygon, walls_of
+from companion.errors import MissionError
+from companion.geometry import Ned, NorthEast, is_in_polygon, wrap_angle
+from companion.maps import read_map
+from companion.mission.coordinates import Coordinates
+from companion.mission.model import Limits, Place
+from companion.mission.schema import MissionFile
+from companion.mission.sites import check_limits
+from companion.mission.world_schema import PlaceEntry
+from companion.motion.grid import OccupancyGrid
+from companion.motion.polygons import MAX_CORNERS, do_overlap
+from companion.motion.region import Area, Disc, Region
+
+RADIUS_M = 0.6
+"""Of the region of a place that says nothing of it."""
+
+
+class Space(NamedTuple):
+    """Where a mission takes place; as in `Mission`."""
+
+    grid: OccupancyGrid
+    map_file: str
+    walls: tuple[Wall, ...]
+    limits: Limits
+    places: dict[str, Place]
+
+
+def read_space(
+    file: MissionFile, folder: Path, coordinates: Coordinates, document: Document
+) -> Space:
+    """The map, the limits and the places of a mission.
+
+    Args:
+        file: the mission.
+        folder: what the name of a map file is relative to.
+        coordinates: what they mean.
+        document: where its keys stand.
+
+    Raises:
+        MissionError: the map cannot be read, or a limit cannot be meant.
+    """
+    fence = _fence(file, coordinates, document)
+    with _located(document, "map"):
+        map_file = str(folder / file.map) if isinstance(file.map, str) else ""
+        entry = file.map if isinstance(file.map, MapEntry) else MapEntry()
+        walls = walls_of(entry, partial(_map_corner, coordinates))
+        grid = read_map(Path(map_file)) if map_file else drawn_map(entry, walls, fence)
+    keep_out = _keep_out(file, fence or grid.corners, coordinates, document)
+    limits = Limits(file.limits.speed_mps, file.limits.up_m, fence or grid.corners, keep_out)
+    check_limits(limits, file.limits.unusual, document)
+    places = {
+        name: _place(name, entry, coordinates, document) for name, entry in file.places.items()
+    }
+    regions = (place.region.outline() or () for place in places.values())
+    walled = (wall.corners for wall in walls)
+    _check_corners([fence or (), *walled, *keep_out.values(), *regions], document)
+    return Space(grid, map_file, walls, limits, places)
+
+
+def _map_corner(coordinates: Coordinates, corner: Corner, *keys: str | int) -> NorthEast:
+    return coordinates.corner(corner, "map", *keys)
+
+
+def _place(name: str, entry: PlaceEntry, coordinates: Coordinates, document: Document) -> Place:
+    position = coordinates.place(entry, "places", name)
+    heading_deg = entry.heading_deg
+    heading_rad = None if heading_deg is None else wrap_angle(math.radians(heading_deg))
+    region = _region(name, entry, position, coordinates, document)
+    return Place(name, position, region, heading_rad, entry.amsl_m)
+
+
+def _region(
+    name: str, entry: PlaceEntry, position: Ned, coordinates: Coordinates, document: Document
+) -> Region:
+    if entry.corners is None:
+        return Disc(RADIUS_M if entry.radius_m is None else entry.radius_m)
+    keys = ("places", name, "corners")
+    if entry.radius_m is not None:
+        what, where = f"place {name} has both radius_m and corners", document.key_at(*keys)
+        raise MissionError(what, where, "a region is a disc or a polygon: remove one of them")
+    with _located(document, *keys):
+        written = enumerate(entry.corners)
+        corners = [coordinates.corner(corner, *keys, i) for i, corner in written]
+        region = Area(polygon(corners, f"the region of {name}"))
+        if not is_in_polygon(position, region.corners):
+            hint = "the vehicle flies to the point, which has to be in the region"
+            raise MissionError(f"place {name} lies outside its own corners", hint=hint)
+    return region
+
+
+def _fence(
+    file: MissionFile, coordinates: Coordinates, document: Document
+) -> tuple[NorthEast, ...] | None:
+    if file.limits.fence is not None:
+        with _located(document, "limits", "fence"):
+            fence = enumerate(file.limits.fence)
+            corners = [coordinates.corner(corner, "limits", "fence", i) for i, corner in fence]
+            return polygon(corners, "the fence")
+    if file.map is None or (isinstance(file.map, MapEntry) and file.map.east_m is None):
+        raise MissionError(
+            "the mission has neither a map nor a fence, so nobody knows where it may fly",
+            document.where("limits"),
+            "add one of them; fence: [[east, north], ...] in limits is enough",
+        )
+    return None
+
+
+def _keep_out(
+    file: MissionFile, fence: Sequence[NorthEast], coordinates: Coordinates, document: Document
+) -> dict[str, tuple[NorthEast, ...]]:
+    zones = {}
+    for name, written in file.limits.keep_out.items():
+        keys = ("limits", "keep_out", name)
+        with _located(document, *keys):
+            corners = [coordinates.corner(c, *keys, i) for i, c in enumerate(written)]
+            zones[name] = polygon(corners, f"the keep-out zone {name}")
+            if not do_overlap(zones[name], fence):
+                what = f"the keep-out zone {name} lies outside the fence"
+                raise MissionError(what, hint="nobody flies there anyway; correct or remove it")
+    return zones
+
+
+def _check_corners(polygons: Iterable[Sequence[NorthEast]], document: Document) -> None:
+    """Refuses more corners than can be looked at for each setpoint."""
+    count = sum(map(len, polygons))
+    if count > MAX_CORNERS:
+        raise MissionError(
+            f"the mission's polygons have {count} corners, at most {MAX_CORNERS} are allowed",
+            document.where(),
+            "leave out what a metre more or less makes no difference to",
+        )
+
+
+@contextmanager
+def _located(document: Document, *keys: str) -> Iterator[None]:
+    """Gives an error that has no place that of a value."""
+    try:
+        yield
+    except MissionError as error:
+        if error.where is not None:
+            raise
+        raise MissionError(error.what, document.where(*keys), error.hint) from error

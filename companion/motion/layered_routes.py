@@ -1,0 +1,254 @@
+"""Routes between places at different heights, among obstacles of which some are low.
+
+A low wall is an obstacle to a vehicle that is not the clearance above it. Which walls those are
+depends on the altitude alone, so there is a plane of routes (`routes.py`) for each set of low walls
+that can be flown over, found when it is first asked for. There are two ways to fly from one height
+to another:
+
+- sloped: straight up or down along the whole way, around all that is not clear at the lower end;
+- stepped: a climb on the spot first, or a descent on the spot last, and between them level, over
+  the walls that are low enough for the higher end.
+
+The quicker one is flown, and costs what it takes. Left out: flying higher than both ends.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+
+from companion.geometry import Ned, NorthEast
+from companion.motion.grid import OccupancyGrid
+from companion.motion.profile import SpeedLimits, flight_time_s
+from companion.motion.routes import PlaceRegion, Route, RouteMap
+
+LEVEL_M = 1e-3
+"""A way that rises by less is level, and one that is shorter over the ground is upright."""
+
+
+@dataclass(frozen=True, slots=True)
+class Passage:
+    """How far it is to a place; inf where no way leads there.
+
+    Attributes:
+        over_ground_m: in the plane.
+        down_m: from its beginning to its end; negative for a climb.
+        is_stepped: see above.
+    """
+
+    over_ground_m: float
+    down_m: float
+    is_stepped: bool = False
+
+    def duration_s(self, limits: SpeedLimits) -> float:
+        """Time to fly it from rest to rest; of a stepped one, with a stop between its two parts.
+
+        >>> Passage(0.0, -6.0).duration_s(SpeedLimits(4.0, 2.0, 8.0, climb_mps=2.0))
+        4.25
+        >>> level = SpeedLimits(2.0, 2.0, 8.0)
+        >>> Passage(6.0, -6.0, is_stepped=True).duration_s(level)
+        8.5
+        """
+        if math.isinf(self.over_ground_m):
+            return math.inf
+        if self.is_stepped:
+            upright = Passage(0.0, self.down_m).duration_s(limits)
+            return upright + flight_time_s(self.over_ground_m, limits)
+        length_m = math.hypot(self.over_ground_m, self.down_m)
+        if abs(self.down_m) < LEVEL_M:
+            return flight_time_s(length_m, limits)
+        return flight_time_s(length_m, limits.along(self.down_m / length_m))
+
+
+LevelRoute = Callable[[Ned, str, float], Route | None]
+"""A route from a point to a place in the altitude that is said, down."""
+
+
+class LayeredRoutes:
+    """Routes to places in space, on the map as it is known now.
+
+    Attributes:
+        version: changes whenever the free cells do.
+
+    Args:
+        grid: the map as it is known at first, with its low walls.
+        places: by name.
+        fence: north-east corners of the polygon that no route leaves.
+        clearance_m: the least distance of a route to an obstacle, above it too.
+        limits: by which the quicker way is chosen.
+        fence_margin_m: the least distance to the fence.
+        keep_out: the corners of areas that routes keep away from as from obstacles.
+    """
+
+    def __init__(
+        self,
+        grid: OccupancyGrid,
+        places: Mapping[str, PlaceRegion],
+        fence: Sequence[NorthEast],
+        clearance_m: float,
+        limits: SpeedLimits,
+        fence_margin_m: float = 0.0,
+        keep_out: Iterable[Sequence[NorthEast]] = (),
+    ) -> None:
+        self.version = 0
+        self._grid, self._clearance_m, self._limits = grid, clearance_m, limits
+        self._places = dict(places)
+        self._fence, self._margin_m, self._keep_out = fence, fence_margin_m, tuple(keep_out)
+        self._goals = {name: place.position for name, place in places.items()}
+        self._added_m = 0.0
+        self._planes: dict[int, RouteMap] = {}
+
+    def _layer(self, up_m: float) -> int:
+        """Which walls are in the way at an altitude."""
+        return self._grid.layer(up_m - self._clearance_m + LEVEL_M)
+
+    def _plane(self, layer: int) -> RouteMap:
+        if layer not in self._planes:
+            plane = RouteMap(
+                self._grid.in_layer(layer),
+                self._places,
+                self._fence,
+                self._clearance_m,
+                self._margin_m,
+                self._keep_out,
+            )
+            if self._added_m > 0:
+                plane.add_clearance(self._added_m)
+            for name, goal in self._goals.items():
+                plane.aim(name, goal)
+            self._planes[layer] = plane
+        return self._planes[layer]
+
+    def see(self, grid: OccupancyGrid) -> None:
+        """Takes over a map with the same cells, of which others are occupied."""
+        self._grid = grid
+        before = [plane.version for plane in self._planes.values()]
+        for layer, plane in self._planes.items():
+            plane.see(grid.in_layer(layer))
+        self.version += before != [plane.version for plane in self._planes.values()]
+
+    def add_clearance(self, added_m: float) -> None:
+        """Routes keep so much more from obstacles, where the map has the room."""
+        self._added_m = added_m
+        for plane in self._planes.values():
+            plane.add_clearance(added_m)
+        self.version += 1
+
+    def find(self, max_cells: int) -> bool:
+        """Searches about `max_cells` cells of outdated distance maps; True once all are current."""
+        layers = {self._layer(-goal[2]) for goal in self._goals.values()}
+        return all(self._plane(layer).find(max_cells) for layer in sorted(layers))
+
+    def search(self, start: Ned, place: str, max_cells: int) -> bool:
+        """Searches about `max_cells` cells for the ways to a place; True once they are known.
+
+        Raises:
+            KeyError: there is no such place.
+        """
+        layers = self._layers(start, place)
+        return all(self._plane(layer).search(start[:2], place, max_cells) for layer in layers)
+
+    def aim(self, place: str, goal: Ned) -> None:
+        """Lets routes to a place end at another point; its region stays where it is."""
+        self._goals[place] = goal
+        for plane in self._planes.values():
+            plane.aim(place, goal)
+
+    def goal(self, place: str) -> Ned:
+        """The point where routes to a place end now."""
+        return self._goals[place]
+
+    def is_clear(self, path: npt.NDArray[np.float64]) -> bool:
+        """Whether a path (n, 3) has the least clearance, inside the fence and out of all zones.
+
+        A path that begins in no free cell may lead out of there, as `RouteMap.is_clear` says.
+        """
+        lowest = np.minimum(-path[:-1, 2], -path[1:, 2])
+        layers = [self._layer(float(up_m)) for up_m in lowest]
+        changes = [i for i in range(1, len(layers)) if layers[i] != layers[i - 1]]
+        runs = pairwise([0, *changes, len(layers)])
+        return all(self._plane(layers[a]).is_clear(path[a : b + 1]) for a, b in runs)
+
+    def is_free(self, position: Ned) -> bool:
+        """Whether a position has the least clearance and lies inside the fence."""
+        return self._plane(self._layer(-position[2])).is_free(position[:2])
+
+    def is_connected(self, start: Ned, place: str) -> bool:
+        """Whether free cells lead from near a start to a place, whatever regions lie between."""
+        layers = self._layers(start, place)
+        return any(self._plane(layer).is_connected(start[:2], place) for layer in layers)
+
+    def passage(self, start: Ned, place: str) -> Passage:
+        """The quickest way to a place.
+
+        Raises:
+            KeyError: there is no such place.
+        """
+        return min(self._passages(start, place), key=lambda way: way.duration_s(self._limits))
+
+    def distance_m(self, start: Ned, place: str) -> float:
+        """Length of the quickest way to a place over the ground; inf if there is none."""
+        return self.passage(start, place).over_ground_m
+
+    def route(self, start: Ned, place: str) -> Route | None:
+        """The quickest route to a place; None if there is none. See `RouteMap.route`."""
+        low, high = self._ends(start, place)
+        if not self.passage(start, place).is_stepped:
+            return self._plane(low).route(start, place)
+        return self._stepped(start, place, self._plane(high).route)
+
+    def route_from_motion(self, start: Ned, stop: Ned, place: str) -> Route | None:
+        """A route whose first leg leads to where the vehicle can stop, straight ahead.
+
+        None as `RouteMap.route_from_motion` says; and if the vehicle would have to climb there.
+
+        Args:
+            start: where the vehicle is.
+            stop: where it can come to rest.
+            place: where to fly.
+        """
+        low, high = self._ends(stop, place)
+        if not self.passage(stop, place).is_stepped:
+            return self._plane(low).route_from_motion(start, stop, place)
+        if self._goals[place][2] < stop[2] or abs(stop[2] - start[2]) > LEVEL_M:
+            return None
+
+        def level(stop: Ned, place: str, down_m: float) -> Route | None:
+            return self._plane(high).route_from_motion(start, stop, place, down_m)
+
+        return self._stepped(stop, place, level)
+
+    def _ends(self, start: Ned, place: str) -> tuple[int, int]:
+        """The layers of the lower and of the higher end of a way."""
+        ups_m = (-start[2], -self._goals[place][2])
+        return self._layer(min(ups_m)), self._layer(max(ups_m))
+
+    def _layers(self, start: Ned, place: str) -> Iterable[int]:
+        return dict.fromkeys(self._ends(start, place))
+
+    def _passages(self, start: Ned, place: str) -> Iterator[Passage]:
+        low, high = self._ends(start, place)
+        down_m = self._goals[place][2] - start[2]
+        yield Passage(self._plane(low).distance_m(start[:2], place), down_m)
+        if high != low:
+            yield Passage(self._plane(high).distance_m(start[:2], place), down_m, is_stepped=True)
+
+    def _stepped(self, start: Ned, place: str, level: LevelRoute) -> Route | None:
+        """A climb on the spot, a level route, a descent on the spot; one of the two is left out."""
+        goal = self._goals[place]
+        down_m = min(start[2], goal[2])
+        route = level((*start[:2], down_m), place, down_m)
+        if route is None:
+            return None
+        waypoints = route.waypoints
+        blends = list(route.blends or (None,) * (len(waypoints) - 2))
+        if start[2] > down_m + LEVEL_M:
+            waypoints, blends = np.vstack([start, waypoints]), [None, *blends]
+        if goal[2] > down_m + LEVEL_M:
+            waypoints, blends = np.vstack([waypoints, goal]), [*blends, None]
+        return Route(waypoints, tuple(blends))

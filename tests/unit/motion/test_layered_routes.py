@@ -1,0 +1,193 @@
+"""Places at different heights and low walls: what is flown, over what, and what it takes."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from companion.drawn_maps import Wall, walled
+from companion.geometry import Ned, NorthEast, is_in_polygon
+from companion.motion.grid import OccupancyGrid, distances_to_edge
+from companion.motion.layered_routes import LayeredRoutes, Passage
+from companion.motion.path import Path
+from companion.motion.profile import SpeedLimits, flight_time_s
+from companion.motion.region import Disc
+from companion.motion.routes import PlaceRegion, Route
+from companion.motion.trajectory import Trajectory
+from tests.polygons import Point, stars
+
+FENCE: list[NorthEast] = [(0, 0), (0, 16), (12, 16), (12, 0)]
+CLEARANCE_M = 0.6
+LIMITS = SpeedLimits(2.0, 2.0, 8.0, climb_mps=1.5, descent_mps=1.0)
+ACROSS = ((-1.0, 7.0), (-1.0, 8.0), (13.0, 8.0), (13.0, 7.0))
+"""From side to side."""
+HALF = ((-1.0, 7.0), (-1.0, 8.0), (9.0, 8.0), (9.0, 7.0))
+WEST, EAST = (2.0, 3.0), (2.0, 13.0)
+
+
+def routes_to(goal: Ned, *walls: Wall, cell_m: float = 0.25) -> LayeredRoutes:
+    cells = np.zeros((math.ceil(12 / cell_m), math.ceil(16 / cell_m)), dtype=np.bool_)
+    grid = walled(OccupancyGrid(cells, cell_m, (0.0, 0.0), is_open=True), walls)
+    places = {"B": PlaceRegion(goal, Disc(0.5), True)}
+    return LayeredRoutes(grid, places, FENCE, CLEARANCE_M, LIMITS, 0.1)
+
+
+def flown(route: Route) -> list[Ned]:
+    path = Path(route)
+    along = np.linspace(0.0, path.length_m, 120)
+    return [tuple(path.at(float(metres)).position.tolist()) for metres in along]
+
+
+def duration_s(route: Route) -> float:
+    return Trajectory(route, LIMITS).duration_s
+
+
+# -- without walls ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("rise_m", "fastest_mps"), [(6.0, 1.5), (-6.0, 1.0)], ids=["climb", "descent"]
+)
+def test_on_the_spot_the_profile_of_the_vehicle_says_how_long(
+    rise_m: float, fastest_mps: float
+) -> None:
+    """v / a + a / j to get fast and again to get slow, of which half is lost: s / v + v/a + a/j."""
+    start, goal = (*WEST, -2.0), (*WEST, -2.0 - rise_m)
+    routes = routes_to(goal)
+    expected_s = 6.0 / fastest_mps + fastest_mps / 2.0 + 2.0 / 8.0
+    assert routes.passage(start, "B").duration_s(LIMITS) == pytest.approx(expected_s)
+    route = routes.route(start, "B")
+    assert route is not None
+    assert duration_s(route) == pytest.approx(expected_s, rel=1e-6)
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.floats(0.7, 9.0), st.floats(-9.0, 9.0))
+def test_a_slope_takes_what_its_trajectory_takes(away_m: float, rise_m: float) -> None:
+    start, goal = (*WEST, -10.0), (WEST[0], WEST[1] + away_m, -10.0 - rise_m)
+    routes = routes_to(goal)
+    route = routes.route(start, "B")
+    assert route is not None
+    assert not routes.passage(start, "B").is_stepped
+    estimate_s = routes.passage(start, "B").duration_s(LIMITS)
+    assert estimate_s == pytest.approx(duration_s(route), rel=0.03, abs=0.3)  # paths along cells
+    for sample in (Trajectory(route, LIMITS).sample(t / 5) for t in range(200)):
+        assert -LIMITS.climb_mps - 1e-6 <= sample.velocity[2] <= LIMITS.descent_mps + 1e-6
+        assert min(10.0, 10.0 + rise_m) - 1e-6 <= -sample.position[2]
+        assert -sample.position[2] <= max(10.0, 10.0 + rise_m) + 1e-6
+
+
+def test_level_flights_cost_what_they_cost_before() -> None:
+    way = routes_to((*EAST, -2.0)).passage((*WEST, -2.0), "B")
+    assert way.duration_s(LIMITS) == flight_time_s(way.over_ground_m, LIMITS)
+
+
+# -- over walls ------------------------------------------------------------------------------------
+
+
+def test_a_wall_is_flown_over_from_the_clearance_above_it_on() -> None:
+    wall = Wall(ACROSS, 1.5)
+    for up_m, is_over in ((2.1, True), (2.09, False), (1.0, False), (4.0, True)):
+        routes = routes_to((*EAST, -up_m), wall)
+        route = routes.route((*WEST, -up_m), "B")
+        assert (route is not None) is is_over
+        assert routes.is_connected((*WEST, -up_m), "B") is is_over
+        assert math.isfinite(routes.distance_m((*WEST, -up_m), "B")) is is_over
+        assert routes.is_free((5.0, 7.5, -up_m)) is is_over
+    assert routes_to((*EAST, -9.0), Wall(ACROSS)).route((*WEST, -9.0), "B") is None
+
+
+@pytest.mark.parametrize(("from_m", "to_m"), [(1.0, 3.0), (3.0, 1.0)])
+def test_from_one_height_to_another_the_wall_is_crossed_at_the_higher_one(
+    from_m: float, to_m: float
+) -> None:
+    routes = routes_to((*EAST, -to_m), Wall(ACROSS, 2.0))
+    way, route = routes.passage((*WEST, -from_m), "B"), routes.route((*WEST, -from_m), "B")
+    assert way.is_stepped
+    assert route is not None
+    over = [-down for _, east, down in flown(route) if 7.0 - 0.6 <= east <= 8.0 + 0.6]
+    assert over and min(over) == pytest.approx(3.0)
+    assert route.waypoints[0].tolist() == [*WEST, -from_m]
+    assert route.waypoints[-1].tolist() == [*EAST, -to_m]
+    assert way.duration_s(LIMITS) == pytest.approx(duration_s(route), rel=0.03)
+    assert routes.is_clear(route.waypoints)
+    assert not routes.is_clear(route.waypoints[[0, -1]])
+
+
+def test_the_quicker_way_is_flown() -> None:
+    """Over the wall if the climb takes less than the detour, around it otherwise."""
+    wall = Wall(HALF, 2.0)
+    high = routes_to((*EAST, -3.0), wall)
+    assert high.passage((*WEST, -2.5), "B").is_stepped is True
+    assert high.passage((*WEST, -3.0), "B") == Passage(pytest.approx(10.0, abs=0.5), 0.0)
+    around = high.passage((9.9, 6.0, -0.7), "B")
+    assert around.is_stepped is False
+    assert min(-down for *_, down in flown(high.route((9.9, 6.0, -0.7), "B") or _none())) >= 0.7
+
+
+def _none() -> Route:
+    raise AssertionError("there is no route")
+
+
+def test_in_motion_a_wall_is_crossed_level_or_not_at_all() -> None:
+    routes = routes_to((*EAST, -1.0), Wall(ACROSS, 2.0))
+    level = routes.route_from_motion((2.0, 3.0, -3.0), (2.0, 4.0, -3.0), "B")
+    assert level is not None
+    assert level.waypoints[0].tolist() == [2.0, 3.0, -3.0]
+    assert level.waypoints[-2].tolist() == [*EAST, -3.0]
+    assert routes.is_clear(level.waypoints)
+    climbing = routes_to((*EAST, -3.0), Wall(ACROSS, 2.0))
+    assert climbing.route_from_motion((2.0, 3.0, -1.0), (2.0, 4.0, -1.0), "B") is None
+
+
+def test_what_is_seen_counts_in_all_layers() -> None:
+    routes = routes_to((*EAST, -3.0), Wall(ACROSS, 2.0))
+    assert routes.route((*WEST, -3.0), "B") is not None
+    before = routes.version
+    seen = routes._grid.occupied.copy()
+    seen[:, 40] = True
+    routes.see(routes._grid.with_occupied(seen))
+    assert routes.version > before
+    assert routes.route((*WEST, -3.0), "B") is None
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    stars((6.0, 8.0), 0.5, 5.0),
+    stars((4.0, 10.0), 0.5, 4.0),
+    st.tuples(st.floats(0.5, 5.0), st.floats(0.5, 5.0)),
+    st.tuples(st.floats(0.8, 11.2), st.floats(0.8, 15.2), st.floats(-6.0, -1.0)),
+    st.tuples(st.floats(0.8, 11.2), st.floats(0.8, 15.2), st.floats(-6.0, -1.0)),
+)
+def test_every_point_of_a_flight_is_clear_of_every_wall(
+    one: list[Point], other: list[Point], tops_m: tuple[float, float], start: Ned, goal: Ned
+) -> None:
+    """Beside it or above it, by the distance to the polygon itself."""
+    walls = [Wall(tuple(one), tops_m[0]), Wall(tuple(other), tops_m[1])]
+
+    def is_clear(at: Ned, slack_m: float) -> bool:
+        return all(
+            -at[2] >= (wall.up_m or math.inf) + CLEARANCE_M - 2e-3
+            or _gap_m(at, wall.corners) >= CLEARANCE_M + slack_m
+            for wall in walls
+        )
+
+    assume(is_clear(start, 0.4) and is_clear(goal, 0.4))
+    assume(math.dist(start[:2], goal[:2]) > 0.1)
+    routes = routes_to(goal, *walls)
+    route = routes.route(start, "B")
+    assert (route is None) is math.isinf(routes.distance_m(start, "B"))
+    if route is not None:
+        assert all(is_clear(at, -1e-6) for at in flown(route))
+        assert routes.is_clear(route.waypoints)
+
+
+def _gap_m(point: Ned, zone: tuple[Point, ...]) -> float:
+    north, east = (np.array([metres]) for metres in point[:2])
+    edges = zip(zone, [*zone[1:], zone[0]], strict=True)
+    away_m = min(float(distances_to_edge(north, east, edge)[0]) for edge in edges)
+    return -away_m if is_in_polygon(point, zone) else away_m
