@@ -1,0 +1,167 @@
+"""The commands between missions and the files of ground stations and maps: import, export."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from companion.cli.arguments import load
+from companion.errors import CompanionError, MissionError
+from companion.geometry import GlobalOrigin
+
+if TYPE_CHECKING:
+    from companion.plans.draft import Draft
+    from companion.plans.draft_places import Given
+
+HOME = "LAT,LON[,AMSL]"
+
+
+def import_(
+    file: Annotated[
+        Path,
+        typer.Argument(
+            metavar="FILE", help="A .plan, .mission, .waypoints, .txt, .geojson, .kml or .kmz."
+        ),
+    ],
+    output: Annotated[
+        Path, typer.Option("--output", "-o", metavar="MISSION", help="The YAML file to write.")
+    ],
+    home: Annotated[
+        str | None,
+        typer.Option(metavar=HOME, help="Where the mission begins, in place of what FILE says."),
+    ] = None,
+    up_m: Annotated[
+        float | None,
+        typer.Option(help="Metres above home, for what has no height in FILE.", min=1.0),
+    ] = None,
+    payload: Annotated[
+        int | None,
+        typer.Option(
+            metavar="ID",
+            help="MAVLink component that takes the commands for payloads.",
+            min=1,
+            max=255,
+        ),
+    ] = None,
+    leave_out: Annotated[
+        str, typer.Option(metavar="3,7", help="Items of FILE by number, or payloads for all such.")
+    ] = "",
+    name: Annotated[str, typer.Option(help="Of the mission. [default: that of FILE]")] = "",
+) -> None:
+    """Writes a mission that does what the plan of a ground station, or a drawn map, says.
+
+    The mission is YAML to read and to edit: waypoints are places, and the task visits them in this
+    order, in any order if there is none, or again and again where the plan repeats for ever. What a
+    mission cannot mean is refused by its item; nothing is flown by this command.
+    """
+    from companion.plans.files import import_plan
+
+    given = _given(home, up_m, payload)
+    text, draft = import_plan(file, given, frozenset(leave_out.replace(" ", "").split(",")), name)
+    _write(output, text)
+    _tell(draft)
+    typer.echo(f"written    {output}")
+
+
+def export(
+    source: Annotated[
+        Path,
+        typer.Argument(metavar="MISSION|RUN", help="A mission's file, or the folder of a run."),
+    ],
+    output: Annotated[
+        Path,
+        typer.Option(
+            "--output", "-o", metavar="FILE", help="FILE.plan or FILE.geojson; written anew."
+        ),
+    ],
+    home: Annotated[
+        str | None,
+        typer.Option(metavar=HOME, help="Where a mission in metres has its home on the earth."),
+    ] = None,
+) -> None:
+    """Writes places, fence, plan and flown way for QGroundControl and for mapping tools.
+
+    A .plan is to look at: flown by the autopilot, it would be a list of waypoints without the task.
+    """
+    from companion.api.drawings import mission_drawing, run_drawing
+    from companion.plans.geojson_writing import geojson_text
+    from companion.plans.qgc_writing import plan_text
+
+    texts = {".plan": plan_text, ".geojson": geojson_text, ".json": geojson_text}
+    if output.suffix.lower() not in texts:
+        raise typer.BadParameter(f"{output.name} is neither .plan nor .geojson", param_hint="-o")
+    latitude, longitude, amsl_m = _position(home)
+    if source.is_dir():
+        drawing = run_drawing(source)
+    else:
+        zero = None
+        if latitude is not None and longitude is not None:
+            zero = GlobalOrigin(latitude, longitude, amsl_m or 0.0)
+        drawing = mission_drawing(load(source), zero)
+    text = texts[output.suffix.lower()](drawing)
+    try:
+        output.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise CompanionError(f"cannot write {output}: {error.strerror or error}") from error
+    for line in drawing.told:
+        typer.echo(f"notice     {line}")
+    typer.echo(f"written    {output}")
+
+
+def _given(home: str | None, up_m: float | None, payload: int | None) -> Given:
+    from companion.plans.draft_places import Given
+
+    latitude, longitude, amsl_m = _position(home)
+    place = None if latitude is None or longitude is None else (latitude, longitude)
+    return Given(place, amsl_m, up_m, payload)
+
+
+def _position(text: str | None) -> tuple[float | None, float | None, float | None]:
+    """What LAT,LON[,AMSL] says."""
+    if text is None:
+        return None, None, None
+    try:
+        numbers = [float(word) for word in text.split(",")]
+    except ValueError:
+        numbers = []
+    bounds = (90, 180, 10_000)
+    is_near = all(abs(n) <= bound for n, bound in zip(numbers, bounds, strict=False))
+    if len(numbers) not in (2, 3) or not is_near:
+        raise typer.BadParameter(f"{text!r} is not {HOME}, in degrees", param_hint="--home")
+    return numbers[0], numbers[1], numbers[2] if numbers[2:] else None
+
+
+def _write(path: Path, text: str) -> None:
+    """Writes a file that is not there yet: what somebody has edited is not lost."""
+    try:
+        with path.open("x", encoding="utf-8") as stream:
+            stream.write(text)
+    except FileExistsError:
+        raise MissionError(
+            f"{path} is there already", hint="remove it, or choose another"
+        ) from None
+    except OSError as error:
+        raise CompanionError(f"cannot write {path}: {error.strerror or error}") from error
+
+
+def _tell(draft: Draft) -> None:
+    """What was made of the file, in a few lines."""
+    from companion.plans.route_plan import metres_between
+
+    places: dict[str, dict[str, Any]] = draft.data["places"]
+    points = [(place["lat_deg"], place["lon_deg"]) for place in places.values()]
+    far_m = max(metres_between(points[0], point) for point in points)
+    way_m = sum(metres_between(a, b) for a, b in pairwise(points))
+    typer.echo(f"places     {' '.join(places)}")
+    typer.echo(f"distances  up to {far_m:.0f} m from Home, {way_m:.0f} m from place to place")
+    for key, words in (("up_m", "above home"), ("amsl_m", "above the sea")):
+        heights = [place[key] for place in places.values() if key in place]
+        if heights:
+            typer.echo(f"altitudes  {min(heights):g} to {max(heights):g} m {words}")
+    for name, formula in draft.data["task"].items():
+        typer.echo(f"task       {name}: {formula}")
+    for line in draft.told:
+        typer.echo(f"notice     {line}")

@@ -1,0 +1,139 @@
+"""Areas on the earth: circles as polygons, and several inclusion areas as the one that all share.
+
+A vehicle has to be in every inclusion area at once (PX4, and ArduPilot unless told otherwise). What
+is inside two convex polygons is one, found by clipping (Sutherland and Hodgman, 1974). Where one is
+not convex, what is inside both may have several parts; that is refused, unless the other contains
+it whole.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+from companion.geometry import GlobalOrigin, NorthEast
+from companion.plans.route_plan import ItemRefused, LatLon, PlanArea
+
+SIDES = 32
+"""Of the polygon that stands for a circle: 0.5 % of the radius smaller, or larger."""
+STRAIGHT_M = 0.01
+"""A corner so near to the line through its neighbours is none."""
+MAX_RADIUS_M = 20_000.0
+
+
+def circle(item: str, centre: LatLon, radius_m: float, is_inclusion: bool) -> tuple[LatLon, ...]:
+    """The corners of a polygon inside a circle, or around it if it must not be entered.
+
+    Args:
+        item: its name in messages.
+        centre: degrees.
+        radius_m: of the circle.
+        is_inclusion: whether it must not be left.
+
+    Raises:
+        ItemRefused: no such circle.
+    """
+    if not 0 < radius_m <= MAX_RADIUS_M:
+        raise ItemRefused(item, f"a circle of {radius_m:g} m", f"draw 0 to {MAX_RADIUS_M:g} m")
+    reach_m = radius_m if is_inclusion else radius_m / math.cos(math.pi / SIDES)
+    angles = (2 * math.pi * side / SIDES for side in range(SIDES))
+    about = GlobalOrigin(*centre, 0.0)
+    return tuple(_degrees(about, (reach_m * math.cos(a), reach_m * math.sin(a))) for a in angles)
+
+
+def box(points: Sequence[LatLon], margin_m: float) -> tuple[LatLon, ...]:
+    """The corners of an area, from south to north and from west to east, around some points."""
+    about = GlobalOrigin(*points[0], 0.0)
+    local = [_local(about, point) for point in points]
+    south, north = min(n for n, _ in local) - margin_m, max(n for n, _ in local) + margin_m
+    west, east = min(e for _, e in local) - margin_m, max(e for _, e in local) + margin_m
+    corners = ((south, west), (south, east), (north, east), (north, west))
+    return tuple(_degrees(about, corner) for corner in corners)
+
+
+def common(areas: Sequence[PlanArea]) -> PlanArea:
+    """What is inside all of some areas.
+
+    Raises:
+        ItemRefused: nothing is, or that may have several parts.
+    """
+    about = GlobalOrigin(*areas[0].corners[0], 0.0)
+    first, *others = areas
+    shared = _counterclockwise([_local(about, corner) for corner in first.corners])
+    for area in others:
+        shared = _both(shared, [_local(about, corner) for corner in area.corners], area.item)
+    bends = [
+        corner
+        for before, corner, after in zip(
+            [shared[-1], *shared], shared, [*shared[1:], shared[0]], strict=False
+        )
+        if abs(_side(before, after, corner)) > STRAIGHT_M * math.dist(before, after)
+    ]
+    return replace(first, corners=tuple(_degrees(about, corner) for corner in bends))
+
+
+def _both(one: list[NorthEast], other: list[NorthEast], item: str) -> list[NorthEast]:
+    other = _counterclockwise(other)
+    if _is_convex(other):
+        clipped = _clipped(one, other)
+        if _is_convex(one) or clipped == one:
+            if len(clipped) < 3 or abs(_area(clipped)) < 1.0:
+                raise ItemRefused(item, "nothing is inside it and the others", "remove one of them")
+            return clipped
+    if _is_convex(one) and _clipped(other, one) == other:
+        return other
+    advice = "draw one area, or convex ones"
+    raise ItemRefused(item, "what is inside it and the others may have several parts", advice)
+
+
+def _clipped(polygon: list[NorthEast], window: list[NorthEast]) -> list[NorthEast]:
+    """What of a polygon is inside a convex one, which runs counterclockwise."""
+    for a, b in pairwise([*window, window[0]]):
+        kept: list[NorthEast] = []
+        for p, q in pairwise([*polygon, *polygon[:1]]):
+            inside_p, inside_q = _side(a, b, p), _side(a, b, q)
+            if inside_p >= 0:
+                kept.append(p)
+            if (inside_p > 0 > inside_q) or (inside_p < 0 < inside_q):
+                t = inside_p / (inside_p - inside_q)
+                kept.append((p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])))
+        polygon = kept
+    return polygon
+
+
+def _side(a: NorthEast, b: NorthEast, p: NorthEast) -> float:
+    """More than 0 if p lies on the left of the way from a to b, seen from above."""
+    return (b[1] - a[1]) * (p[0] - a[0]) - (b[0] - a[0]) * (p[1] - a[1])
+
+
+def _area(polygon: Sequence[NorthEast]) -> float:
+    """Square metres; more than 0 if it runs counterclockwise, seen from above."""
+    return sum(_side((0, 0), a, b) for a, b in pairwise([*polygon, polygon[0]])) / 2
+
+
+def is_counterclockwise(corners: Sequence[LatLon]) -> bool:
+    """Whether the corners run so, seen from above (the right-hand rule of RFC 7946)."""
+    about = GlobalOrigin(*corners[0], 0.0)
+    return _area([_local(about, corner) for corner in corners]) > 0
+
+
+def _counterclockwise(polygon: list[NorthEast]) -> list[NorthEast]:
+    return polygon if _area(polygon) > 0 else polygon[::-1]
+
+
+def _is_convex(polygon: Sequence[NorthEast]) -> bool:
+    """Of a polygon without crossings that runs counterclockwise."""
+    corners = [*polygon, *polygon[:2]]
+    return all(
+        _side(a, b, c) >= 0 for a, b, c in zip(corners, corners[1:], corners[2:], strict=False)
+    )
+
+
+def _local(about: GlobalOrigin, point: LatLon) -> NorthEast:
+    return about.to_local(*point, 0.0)[:2]
+
+
+def _degrees(about: GlobalOrigin, point: NorthEast) -> LatLon:
+    return about.to_global((*point, 0.0))[:2]

@@ -1,0 +1,172 @@
+"""The items of a flight plan, and the route that they add up to.
+
+A `CommandItem` has the fields of MAVLink's MISSION_ITEM, which .plan, .mission and WPL files have
+alike. What each of them adds to a `PlannedRoute` is in meanings.py.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+from companion.mavlink.framing import dialect
+from companion.mavlink.payload_commands import PAYLOAD_COMMANDS
+from companion.plans.route_plan import (
+    SAME_M,
+    Act,
+    Height,
+    ItemRefused,
+    LatLon,
+    PlanArea,
+    RoutePlan,
+    Waypoint,
+    check_degrees,
+    metres_between,
+)
+
+AMSL_FRAMES = frozenset({dialect.MAV_FRAME_GLOBAL, dialect.MAV_FRAME_GLOBAL_INT})
+RELATIVE_FRAMES = frozenset(
+    {dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT, dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT_INT}
+)
+TERRAIN_FRAMES = frozenset(
+    {dialect.MAV_FRAME_GLOBAL_TERRAIN_ALT, dialect.MAV_FRAME_GLOBAL_TERRAIN_ALT_INT}
+)
+LEAVE_OUT = "correct the plan, or leave items out by their numbers: --leave-out 3,7"
+PAYLOADS = "payloads"
+"""Stands for the numbers of all commands for payloads where items are left out."""
+
+
+@dataclass(frozen=True, slots=True)
+class CommandItem:
+    """A line of a plan.
+
+    Attributes:
+        number: its place in the plan, e.g. "7", or "7.2" within a survey.
+        params: seven; None where the plan says nothing.
+        jump_id: by which a jump refers to it.
+    """
+
+    number: str
+    command: int
+    frame: int
+    params: tuple[float | None, ...]
+    jump_id: int
+
+    @property
+    def item(self) -> str:
+        """Its name in messages."""
+        return f"item {self.number}"
+
+    @property
+    def name(self) -> str:
+        """Its command in words."""
+        entry = dialect.enums["MAV_CMD"].get(self.command)
+        known = entry.name.removeprefix("MAV_CMD_") if entry else "an unknown command"
+        return f"{known} ({self.command})"
+
+    @property
+    def is_payload(self) -> bool:
+        """Whether it is a command that a payload takes."""
+        entry = dialect.enums["MAV_CMD"].get(self.command)
+        return entry is not None and entry.name in PAYLOAD_COMMANDS
+
+    def param(self, number: int) -> float:
+        """A parameter from 1 to 7; 0 where the plan says nothing."""
+        return self.params[number - 1] or 0.0
+
+    @property
+    def position(self) -> LatLon | None:
+        """Where it is; None for "here"."""
+        latitude, longitude = self.param(5), self.param(6)
+        if latitude == longitude == 0:
+            return None
+        return check_degrees(self.item, latitude, longitude)
+
+    @property
+    def height(self) -> Height:
+        """How high it is.
+
+        Raises:
+            ItemRefused: by something that the vehicle does not know.
+        """
+        if self.frame in TERRAIN_FRAMES:
+            what = f"its altitude is above the terrain (frame {self.frame}), which no mission knows"
+            raise ItemRefused(self.item, what, "change it to an altitude above home")
+        if self.frame not in AMSL_FRAMES | RELATIVE_FRAMES:
+            what = f"frame {self.frame} says no altitude"
+            raise ItemRefused(self.item, what, "change it to an altitude above home")
+        if self.params[6] is None:
+            raise ItemRefused(self.item, "has no altitude", "write one")
+        return Height(self.params[6], self.frame in AMSL_FRAMES)
+
+    def refused(self, why: str) -> ItemRefused:
+        """That the item is not imported."""
+        return ItemRefused(self.item, f"{self.name} {why}", LEAVE_OUT)
+
+
+@dataclass
+class PlannedRoute:
+    """What the items up to now have asked for; as in `RoutePlan`."""
+
+    takeoff: Height | None = None
+    takeoff_at: LatLon | None = None
+    waypoints: list[Waypoint] = field(default_factory=list)
+    acts: dict[int, list[Act]] = field(default_factory=dict)
+    speeds_mps: list[float] = field(default_factory=list)
+    first_waypoint: dict[int, int] = field(default_factory=dict)
+    repeats_from: int | None = None
+    ends: str = ""
+    lands_at_last: bool = False
+    told: list[str] = field(default_factory=list)
+    payload_items: list[ItemRefused] = field(default_factory=list)
+
+    def visit(self, item: CommandItem, position: LatLon) -> None:
+        """Goes on to a point."""
+        name = f"W{item.number.replace('.', '_')}"
+        radius_m = item.param(2) if item.command == dialect.MAV_CMD_NAV_WAYPOINT else 0.0
+        self.waypoints.append(
+            Waypoint(item.item, name, position, item.height, (), radius_m if radius_m > 0 else None)
+        )
+
+    def do(self, act: Act) -> None:
+        """Does something where the route has led to; before the first waypoint, at home."""
+        self.acts.setdefault(len(self.waypoints) - 1, []).append(act)
+
+    def plan(
+        self,
+        kind: str,
+        home: LatLon | None,
+        home_amsl_m: float | None,
+        told: tuple[str, ...],
+        areas: tuple[PlanArea, ...] = (),
+        rally: tuple[Waypoint, ...] = (),
+    ) -> RoutePlan:
+        """The plan, with what else its file says."""
+        if home is None and self.takeoff_at is not None:
+            home = self.takeoff_at
+            told = (*told, "home is where the plan takes off: it says nothing else of home")
+        acts = {index: tuple(acts) for index, acts in self.acts.items()}
+        waypoints = tuple(
+            replace(waypoint, acts=acts.get(index, ()))
+            for index, waypoint in enumerate(self.waypoints)
+        )
+        start, repeats_from = acts.get(-1, ()), self.repeats_from
+        if self.takeoff_at and home and metres_between(self.takeoff_at, home) < SAME_M:
+            start, waypoints = start + waypoints[0].acts, waypoints[1:]
+            repeats_from = repeats_from and repeats_from - 1
+        if not self.ends and self.waypoints:
+            told = (*told, "the plan does not say how it ends; the mission comes home")
+        return RoutePlan(
+            kind=kind,
+            home=home,
+            home_amsl_m=home_amsl_m,
+            takeoff=self.takeoff,
+            start_acts=start,
+            waypoints=waypoints,
+            repeats_from=repeats_from,
+            lands_at_last=self.lands_at_last,
+            speeds_mps=tuple(self.speeds_mps),
+            areas=areas,
+            rally=rally,
+            told=told + tuple(self.told),
+            unaddressed=tuple(self.payload_items),
+        )

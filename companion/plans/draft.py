@@ -1,0 +1,217 @@
+"""A mission made of a flight plan, as data; mission_text.py writes it as YAML.
+
+    waypoints    places, and a task: in this order, in any order, or again and again
+    waits, commands    a skill at the place, and a fact that the task asks for on the way
+    fence        what all inclusion areas share; without one, a box around all places
+    exclusions   keep-out zones
+    rally points places that the task does not mention
+
+Nothing is guessed that a vehicle would be flown by: a height that the file does not say has to be
+given, and so has home.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Any
+
+from companion.geometry import is_in_polygon
+from companion.motion.polygons import do_overlap
+from companion.plans.areas import box, common
+from companion.plans.draft_places import Given, Places
+from companion.plans.draft_task import HOME, skills_of, task_of
+from companion.plans.route_plan import (
+    ItemRefused,
+    ItemsRefused,
+    LatLon,
+    RoutePlan,
+    Waypoint,
+    metres_between,
+)
+
+MAX_PLACES, MAX_STOPS = 60, 200
+"""Of a route: the plan for either takes 10 s, and grows with the square."""
+FENCE_MARGIN_M = 20.0
+BAND_M, AMSL_BAND_M = 3.0, 15.0
+SPEED_MPS, MAX_SPEED_MPS = 5.0, 12.0
+USUAL_UP_M, USUAL_REACH_M = 500.0, 5_000.0
+
+
+@dataclass
+class Draft:
+    """A mission that is being made.
+
+    Attributes:
+        data: the mission.
+        items: the name in its file of each place.
+        told: what its reader has to know.
+    """
+
+    data: dict[str, Any]
+    items: dict[str, str]
+    told: list[str]
+
+
+def draft(plan: RoutePlan, given: Given, name: str) -> Draft:
+    """The mission that a plan means.
+
+    Args:
+        plan: of a file.
+        given: beside it.
+        name: of the mission.
+
+    Raises:
+        ItemRefused, ItemsRefused: something cannot be meant, or is missing.
+    """
+    return _Drafting(plan, given).draft(name)
+
+
+@dataclass
+class _Drafting:
+    """The places and the task of one plan."""
+
+    plan: RoutePlan
+    given: Given
+    told: list[str] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self._placed = Places(self.plan, self.given, self.told)
+        self.places = self._placed.places
+
+    def draft(self, name: str) -> Draft:
+        plan, given = self.plan, self.given
+        if plan.unaddressed and given.payload is None:
+            raise ItemsRefused(plan.unaddressed)
+        self.told += plan.told
+        placed = self._placed
+        placed.begin()
+        _all(partial(placed.stop, waypoint) for waypoint in plan.waypoints)
+        end = placed.end
+        placed.drop_repeats()
+        if not placed.stops:
+            self.told.append("no waypoints: the mission only takes off and lands; add places")
+        if plan.repeats_from is not None:
+            self.told.append("the loop is flown in the order in which a lap is shortest")
+        _check_count(len(self.places) - 1, "places", MAX_PLACES)
+        _check_count(len(placed.stops), "stops", MAX_STOPS)
+        fence, zones = self._areas()
+        self._rally(fence, zones)
+        limits = self._limits(fence, zones)
+        data: dict[str, Any] = {"version": 1, "name": name, "frame": "wgs84", "limits": limits}
+        data["places"] = {name: placed.entry(place) for name, place in self.places.items()}
+        data["sets"] = {"Place": [each for each in self.places if each not in placed.spare]}
+        if given.payload is not None and plan.unaddressed:
+            data["components"] = {"payload": given.payload}
+        data["skills"] = skills_of(placed.stops)
+        data["initially"] = [f"at({HOME})"]
+        data["task"] = task_of(plan, placed.stops, end)
+        data["otherwise"] = "return_home"
+        items = {name: place.item for name, place in self.places.items()}
+        return Draft(data, items, self.told)
+
+    def _areas(self) -> tuple[tuple[LatLon, ...], dict[str, tuple[LatLon, ...]]]:
+        """The fence, and the keep-out zones."""
+        inclusions = [area for area in self.plan.areas if area.is_inclusion]
+        if not inclusions:
+            points = [place.position for place in self.places.values()]
+            self.told.append(
+                f"{self.plan.kind} has no fence; the box {FENCE_MARGIN_M:g} m around all places "
+                "is one: make it as large as the vehicle may fly"
+            )
+            fence = box(points, FENCE_MARGIN_M)
+        else:
+            fence = common(inclusions).corners
+            if len(inclusions) > 1:
+                self.told.append(f"{len(inclusions)} inclusion areas: the fence is what all share")
+        zones: dict[str, tuple[LatLon, ...]] = {}
+        for area in self.plan.areas:
+            if not area.is_inclusion and not do_overlap(area.corners, fence):
+                self.told.append(f"{area.item}: lies outside the fence; left out")
+            elif not area.is_inclusion:
+                name = area.name
+                while name in zones:
+                    name += "_"
+                zones[name] = area.corners
+        _all(partial(self._check_inside, place, fence, zones) for place in self.places.values())
+        return fence, zones
+
+    def _check_inside(
+        self,
+        place: Waypoint,
+        fence: tuple[LatLon, ...],
+        zones: dict[str, tuple[LatLon, ...]],
+    ) -> None:
+        if not is_in_polygon(place.position, fence):
+            raise ItemRefused(place.item, "is outside the fence of the plan", "correct one of them")
+        for zone, corners in zones.items():
+            if is_in_polygon(place.position, corners):
+                what = f"is inside the exclusion area {zone}"
+                raise ItemRefused(place.item, what, "correct one of the two")
+
+    def _rally(self, fence: tuple[LatLon, ...], zones: dict[str, tuple[LatLon, ...]]) -> None:
+        """Places that the task does not mention."""
+        for point in self.plan.rally:
+            placed = replace(point, height=point.height or self.places[HOME].height)
+            try:
+                self._check_inside(placed, fence, zones)
+            except ItemRefused as error:
+                self.told.append(f"{point.item}: {error.what}; left out")
+                continue
+            if self._placed.near(placed) is None:
+                name = self._placed.add(placed)
+                self.told.append(f"{point.item}: the place {name}, to which nothing flies yet")
+
+    def _limits(
+        self, fence: tuple[LatLon, ...], zones: dict[str, tuple[LatLon, ...]]
+    ) -> dict[str, Any]:
+        heights = [self._placed.up_m(place) for place in self.places.values()]
+        is_amsl = any(p.height is not None and p.height.is_amsl for p in self.places.values())
+        margin_m = AMSL_BAND_M if is_amsl else BAND_M
+        lowest, highest = max(0.5, min(heights) - margin_m), max(heights) + margin_m
+        limits: dict[str, Any] = {
+            "speed_mps": self._speed_mps(),
+            "up_m": [round(lowest, 1), round(highest, 1)],
+            "fence": [[round(degrees, 9) for degrees in corner] for corner in fence],
+        }
+        home = self.places[HOME].position
+        reach_m = max(metres_between(home, corner) for corner in fence)
+        if highest > USUAL_UP_M or reach_m > USUAL_REACH_M:
+            limits["unusual"] = True
+            self.told.append(f"{highest:g} m high or {reach_m:.0f} m away is unusual: is it meant?")
+        if zones:
+            limits["keep_out"] = {
+                name: [[round(degrees, 9) for degrees in corner] for corner in corners]
+                for name, corners in zones.items()
+            }
+        return limits
+
+    def _speed_mps(self) -> float:
+        asked = [speed for speed in self.plan.speeds_mps if speed > 0]
+        if not asked:
+            self.told.append(f"no speed is given; {SPEED_MPS:g} m/s is written")
+            return SPEED_MPS
+        if len(set(asked)) > 1:
+            self.told.append(f"speeds {', '.join(f'{s:g}' for s in asked)} m/s: the least is meant")
+        if min(asked) > MAX_SPEED_MPS:
+            self.told.append(f"{min(asked):g} m/s is more than the vehicle's {MAX_SPEED_MPS:g} m/s")
+        return min(*asked, MAX_SPEED_MPS)
+
+
+def _all(steps: Iterable[Callable[[], None]]) -> None:
+    """Takes some steps, and tells of all that are refused."""
+    refused = []
+    for step in steps:
+        try:
+            step()
+        except ItemRefused as error:
+            refused.append(error)
+    if refused:
+        raise ItemsRefused(refused)
+
+
+def _check_count(count: int, what: str, most: int) -> None:
+    if count > most:
+        said = f"leads to {count} {what}, and a task is planned for {most}"
+        raise ItemRefused("", said, "split it, or draw fewer points (of a survey, its strips)")

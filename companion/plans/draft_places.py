@@ -1,0 +1,217 @@
+"""The places of a drafted mission, and the stops of its route at them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from companion.geometry import FAR_M
+from companion.plans.draft_task import HOME, RouteStop
+from companion.plans.route_plan import (
+    SAME_M,
+    Height,
+    ItemRefused,
+    LatLon,
+    RoutePlan,
+    Waypoint,
+    metres_between,
+)
+
+RADIUS_M = 2.0
+SHOWN = 8
+"""Points that are listed in one line."""
+
+
+@dataclass(frozen=True, slots=True)
+class Given:
+    """What the user says beside the file.
+
+    Attributes:
+        home: where the mission begins.
+        home_amsl_m: how high that is above the sea.
+        up_m: the height of what has none in the file, above home.
+        payload: MAVLink component id that takes the commands for payloads.
+    """
+
+    home: LatLon | None = None
+    home_amsl_m: float | None = None
+    up_m: float | None = None
+    payload: int | None = None
+
+
+@dataclass
+class Places:
+    """The places of one plan.
+
+    Attributes:
+        told: what the reader of the mission has to know.
+        places: by their names, home first.
+        stops: of the route.
+    """
+
+    plan: RoutePlan
+    given: Given
+    told: list[str]
+    places: dict[str, Waypoint] = field(default_factory=dict)
+    stops: list[RouteStop] = field(default_factory=list)
+    _again: list[str] = field(default_factory=list)
+
+    def begin(self) -> None:
+        """Adds home, and what is done there before the first waypoint.
+
+        Raises:
+            ItemRefused: nobody says where it is, or how high.
+        """
+        plan, first = self.plan, next(iter(self.plan.waypoints), None)
+        home = self.given.home or plan.home
+        if home is None and first is not None:
+            home = first.position
+            self.told.append(f"{plan.kind} says nothing of home; it is put at {first.item}")
+        if home is None:
+            what = "says neither where the mission begins nor where it leads"
+            raise ItemRefused("", what, "say where it begins: --home LAT,LON")
+        height = plan.takeoff or (first.height if first else None)
+        if height is None and not plan.waypoints and self.given.up_m is None:
+            what = "says nothing of how high to fly"
+            raise ItemRefused("", what, "say how high above home: --up-m 20")
+        self.places[HOME] = self._with_height(Waypoint("home", HOME, home, height))
+        if plan.start_acts:
+            self.stops.append(RouteStop(HOME, plan.start_acts, "start"))
+
+    def stop(self, waypoint: Waypoint) -> None:
+        """Adds a waypoint of the route: a place, or the place that it is within a metre of.
+
+        Raises:
+            ItemRefused: it is too far away, too low, or above or below another place.
+        """
+        waypoint = self._with_height(waypoint)
+        away_m = metres_between(self.places[HOME].position, waypoint.position)
+        if away_m > FAR_M:
+            what = f"is {away_m / 1000:.0f} km from home"
+            hint = "no mission reaches beyond 10 km; correct it, or say where home is: --home"
+            raise ItemRefused(waypoint.item, what, hint)
+        name = self.near(waypoint)
+        if name is None:
+            name = self.add(waypoint)
+        elif waypoint is not self._landing and self._heights_differ(self.places[name], waypoint):
+            self._raise(name, waypoint)
+        elif name != HOME:
+            self._again.append(f"{waypoint.item} at {name}")
+        self.stops.append(RouteStop(name, waypoint.acts, waypoint.name))
+
+    def add(self, waypoint: Waypoint) -> str:
+        """Adds a place, and returns its name."""
+        name = waypoint.name
+        while name in self.places:
+            name += "_"
+        self.places[name] = waypoint
+        return name
+
+    def near(self, waypoint: Waypoint) -> str | None:
+        """The place that a point is within a metre of, on the ground."""
+        for name, place in self.places.items():
+            if metres_between(place.position, waypoint.position) < SAME_M:
+                return name
+        return None
+
+    @property
+    def end(self) -> str:
+        """The place where the flight ends; to be asked before repeated stops are dropped."""
+        return self.stops[-1].place if self.stops and self.plan.lands_at_last else HOME
+
+    @property
+    def _landing(self) -> Waypoint | None:
+        """The waypoint where the flight ends on the ground, from whatever height."""
+        return self.plan.waypoints[-1] if self.plan.lands_at_last and self.plan.waypoints else None
+
+    def _raise(self, name: str, waypoint: Waypoint) -> None:
+        """Lets the vehicle take off as high as a waypoint above home is; no other place moves."""
+        place = self.places[name]
+        is_takeoff = name == HOME and place.height == self.plan.takeoff
+        if not is_takeoff or self.up_m(waypoint) < self.up_m(place):
+            what = f"is above or below {place.item}, at another height"
+            hint = "move one of them by some metres, or leave it out"
+            raise ItemRefused(waypoint.item, what, hint)
+        self.places[HOME] = replace(place, height=waypoint.height)
+        low_m, high_m = self.up_m(place), self.up_m(waypoint)
+        self.told.append(
+            f"{waypoint.item}: above home; so the takeoff is to {high_m:g} m and not to {low_m:g} m"
+        )
+
+    def drop_repeats(self) -> None:
+        """Drops stops where the vehicle is already, and the way home where it comes home anyway."""
+        if self._again:
+            more = f" and {len(self._again) - SHOWN} more" if len(self._again) > SHOWN else ""
+            shown = ", ".join(self._again[:SHOWN])
+            self.told.append(f"within a metre of a point before, so the same place: {shown}{more}")
+        repeats_from = self.plan.repeats_from
+        if self.stops and self.stops[0][:2] == (HOME, ()) and repeats_from != 0:
+            del self.stops[0]
+        if repeats_from is not None:
+            return
+        before = [None, *(stop.place for stop in self.stops)]
+        told_apart = zip(before, self.stops, strict=False)
+        self.stops = [stop for last, stop in told_apart if stop.acts or stop.place != last]
+        if self.stops and self.stops[-1][:2] == (HOME, ()):
+            del self.stops[-1]
+
+    def _with_height(self, waypoint: Waypoint) -> Waypoint:
+        height = waypoint.height
+        if height is None:
+            if self.given.up_m is None:
+                what = "has no altitude above home or above the sea"
+                raise ItemRefused(waypoint.item, what, "say how high above home: --up-m 20")
+            return replace(waypoint, height=Height(self.given.up_m))
+        if height.is_amsl:
+            home_amsl_m = self._home_amsl_m
+            if home_amsl_m is None:
+                what = "its altitude is above the sea, and nothing says how high home lies"
+                raise ItemRefused(waypoint.item, what, "say it: --home LAT,LON,AMSL")
+            if height.metres - home_amsl_m < 1.0:
+                what = f"is at {height.metres:g} m above the sea, and home at {home_amsl_m:g} m"
+                raise ItemRefused(waypoint.item, what, "correct one of the two")
+        elif height.metres < 1.0:
+            what = f"is at {height.metres:g} m above home"
+            raise ItemRefused(waypoint.item, what, "a vehicle flies at 1 m or higher")
+        return waypoint
+
+    def _heights_differ(self, place: Waypoint, other: Waypoint) -> bool:
+        assert place.height is not None and other.height is not None
+        if place.height.is_amsl == other.height.is_amsl:
+            return abs(place.height.metres - other.height.metres) >= SAME_M
+        return self._home_amsl_m is None or abs(self.up_m(place) - self.up_m(other)) >= SAME_M
+
+    @property
+    def _home_amsl_m(self) -> float | None:
+        if self.given.home is not None:
+            return self.given.home_amsl_m
+        return self.plan.home_amsl_m
+
+    def up_m(self, place: Waypoint) -> float:
+        """Above home."""
+        assert place.height is not None
+        if not place.height.is_amsl:
+            return place.height.metres
+        assert self._home_amsl_m is not None
+        return place.height.metres - self._home_amsl_m
+
+    @property
+    def spare(self) -> set[str]:
+        """Places that nothing flies to."""
+        used = {HOME, *(stop.place for stop in self.stops)}
+        return set(self.places) - used
+
+    def entry(self, place: Waypoint) -> dict[str, Any]:
+        """A place as a mission has it."""
+        assert place.height is not None
+        others = (other for other in self.places.values() if other is not place)
+        near_m = [metres_between(place.position, other.position) for other in others]
+        radius_m = min([place.radius_m or RADIUS_M, *(0.4 * apart_m for apart_m in near_m)])
+        latitude, longitude = place.position
+        key = "amsl_m" if place.height.is_amsl else "up_m"
+        return {
+            "lat_deg": round(latitude, 9),
+            "lon_deg": round(longitude, 9),
+            key: round(place.height.metres, 3),
+            "radius_m": round(min(radius_m, 50.0), 2),
+        }

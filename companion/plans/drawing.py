@@ -1,0 +1,135 @@
+"""What is drawn of a mission or a run in other programs: places, fence, plan and flown way.
+
+All positions are degrees. The route of a plan is where its actions fly to; what else they do is
+left to the mission: a drawing shows it, and does not replace it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from companion.flight_events.plans import PlannedAction, PlannedLasso
+from companion.geometry import GlobalOrigin, NorthEast, enu_from_ned
+from companion.mission.facts import AT
+from companion.mission.model import Do, Fly, Mission, Place, Skill, Wait
+from companion.plans.route_plan import Height, LatLon
+
+
+@dataclass(frozen=True, slots=True)
+class DrawnPlace:
+    """A place.
+
+    Attributes:
+        radius_m: of the disc about it that its region holds.
+    """
+
+    name: str
+    position: LatLon
+    height: Height
+    radius_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class DrawnVisit:
+    """A flight to a place, and how long the vehicle waits there."""
+
+    place: str
+    hold_s: float = 0.0
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """What is drawn.
+
+    Attributes:
+        start: the name of the place where it begins.
+        home_amsl_m: how high home lies above the sea, if that is known.
+        prefix: where the plan leads once.
+        loop: where it then leads again and again.
+        flown: where the vehicle was.
+    """
+
+    name: str
+    places: Mapping[str, DrawnPlace]
+    start: str
+    fence: tuple[LatLon, ...]
+    keep_out: Mapping[str, tuple[LatLon, ...]]
+    speed_mps: float | None = None
+    home_amsl_m: float | None = None
+    prefix: tuple[DrawnVisit, ...] = ()
+    loop: tuple[DrawnVisit, ...] = ()
+    flown: tuple[LatLon, ...] = ()
+    told: list[str] = field(default_factory=list)
+
+
+def drawing_of(mission: Mission, plan: PlannedLasso | None, zero: GlobalOrigin) -> Drawing:
+    """The drawing of a mission.
+
+    Args:
+        mission: in its own metres.
+        plan: for it, if there is one.
+        zero: where north 0, east 0 lies on the earth.
+    """
+    start = start_of(mission)
+    prefix = list(route(mission, plan.prefix if plan else ()))
+    return Drawing(
+        name=mission.name,
+        places={name: _place(place, zero) for name, place in mission.places.items()},
+        start=start,
+        fence=on_earth(mission.limits.fence, zero),
+        keep_out={name: on_earth(zone, zero) for name, zone in mission.limits.keep_out.items()},
+        speed_mps=mission.limits.speed_mps,
+        prefix=tuple(prefix),
+        loop=tuple(route(mission, plan.loop if plan else ())),
+    )
+
+
+def start_of(mission: Mission) -> str:
+    """The place where a mission begins."""
+    return next(fact.arguments[0] for fact in mission.initially if fact.predicate == AT)
+
+
+def on_earth(corners: Sequence[NorthEast], zero: GlobalOrigin) -> tuple[LatLon, ...]:
+    """The corners of a polygon in degrees."""
+    return tuple(zero.to_global((*corner, 0.0))[:2] for corner in corners)
+
+
+def _place(place: Place, zero: GlobalOrigin) -> DrawnPlace:
+    up_m = enu_from_ned(place.position)[2]
+    height = Height(up_m) if place.amsl_m is None else Height(place.amsl_m, is_amsl=True)
+    position = zero.to_global((*place.position[:2], 0.0))[:2]
+    return DrawnPlace(place.name, position, height, place.inner_m)
+
+
+def route(mission: Mission, actions: Sequence[PlannedAction]) -> Iterator[DrawnVisit]:
+    """Where some actions fly to, one after the other, and how long they wait there."""
+    visit: DrawnVisit | None = None
+    for action in actions:
+        skill = mission.skills.get(action.skill)
+        if skill is None:  # rest
+            continue
+        for step in _steps(mission, skill, action.arguments):
+            if isinstance(step, float) and visit is not None:
+                visit = DrawnVisit(visit.place, visit.hold_s + step)
+            elif isinstance(step, str):
+                if visit is not None:
+                    yield visit
+                visit = DrawnVisit(step)
+    if visit is not None:
+        yield visit
+
+
+def _steps(mission: Mission, skill: Skill, arguments: Sequence[str]) -> Iterator[str | float]:
+    """The places that a skill flies to, and the seconds that it waits."""
+    names = (name for name, _ in skill.parameters)
+    bound = dict(zip(names, arguments, strict=True))
+    for step in skill.execute:
+        match step:
+            case Fly(place=place):
+                yield bound.get(place, place)
+            case Wait(duration_s=seconds):
+                yield seconds
+            case Do(skill=name, arguments=given):
+                inner = [bound.get(argument, argument) for argument in given]
+                yield from _steps(mission, mission.skills[name], inner)

@@ -1,0 +1,135 @@
+"""Reads the files of ground stations and mapping tools, and writes missions of them.
+
+A door: it opens the file whose path it is given. Which reader a file is for is known by its ending,
+and where an ending says nothing by its first characters.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+from companion.errors import KeyPath, MissionError
+from companion.mission.loader import load_mission
+from companion.plans.draft import Draft, draft
+from companion.plans.draft_places import Given
+from companion.plans.geojson import read_geojson
+from companion.plans.kml import read_kml, read_kmz
+from companion.plans.mission_text import mission_text
+from companion.plans.qgc_plan import read_plan
+from companion.plans.route_plan import ItemRefused, ItemsRefused, RoutePlan, refusal_of
+from companion.plans.wpl import is_fence, read_fence, read_wpl
+
+MAX_BYTES = 4_000_000
+"""A plan of 800 waypoints has 0.4 MB."""
+KNOWN = ".plan, .mission, .waypoints, .txt (QGC WPL 110, or a fence), .geojson, .json, .kml, .kmz"
+FOREIGN = {
+    ".shp": "a shapefile; save it as GeoJSON",
+    ".gpx": "a GPS track; save it as GeoJSON, as a line of few points",
+    ".yaml": "no plan; a mission is flown as it is: companion run",
+    ".yml": "no plan; a mission is flown as it is: companion run",
+}
+
+Reader = Callable[[bytes, frozenset[str]], RoutePlan]
+
+
+def import_plan(
+    path: Path, given: Given, leave_out: frozenset[str], name: str
+) -> tuple[str, Draft]:
+    """The YAML text of the mission that a file means, which can be flown, and what it was made of.
+
+    Args:
+        path: of the file.
+        given: what it does not say.
+        leave_out: numbers of items that are not imported.
+        name: of the mission; by default it is that of the file.
+
+    Raises:
+        MissionError: it cannot be read, or a mission cannot mean it: its item and why.
+    """
+    try:
+        plan = _reader(path)(_bytes(path), leave_out)
+        drafted = draft(plan, given, name or _name(path))
+    except ItemRefused as refused:
+        raise refusal_of(str(path), [refused]) from None
+    except ItemsRefused as refused:
+        raise refusal_of(str(path), refused.refused) from None
+    _check(drafted, path)
+    text = mission_text(drafted, f"{path.name}, {plan.kind}")
+    load_mission(text)
+    return text, drafted
+
+
+def _name(path: Path) -> str:
+    spelt = re.sub(r"[^A-Za-z0-9_-]+", "_", path.name.partition(".")[0]).strip("_-")[:40]
+    return spelt or "imported"
+
+
+def _check(drafted: Draft, path: Path) -> None:
+    """Whether the mission can be flown as it is; problems are told by the items of the plan."""
+    try:
+        load_mission(drafted.data)
+    except MissionError as error:
+        keys = error.where.keys if isinstance(error.where, KeyPath) else ()
+        item = drafted.items.get(str(keys[1]), "") if keys[:1] == ("places",) and keys[1:] else ""
+        where = item or (str(error.where) if error.where else "")
+        raise refusal_of(str(path), [ItemRefused(where, error.what, error.hint)]) from None
+
+
+def _bytes(path: Path) -> bytes:
+    try:
+        with path.open("rb") as stream:
+            data = stream.read(MAX_BYTES + 1)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise MissionError(f"the plan {path} cannot be read: {reason}") from error
+    if len(data) > MAX_BYTES:
+        raise ItemRefused("", f"is larger than {MAX_BYTES} bytes", "is this the right file?")
+    return data
+
+
+def _reader(path: Path) -> Reader:
+    ending = path.suffix.lower()
+    if ending in FOREIGN:
+        raise ItemRefused("", f"is {FOREIGN[ending]}")
+    if ending not in READERS:
+        raise ItemRefused("", f"is of an unknown kind {ending!r}", f"known are {KNOWN}")
+    return READERS[ending]
+
+
+def _text(data: bytes) -> str:
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise ItemRefused("", f"is not UTF-8 text at byte {error.start}", "save it anew") from None
+
+
+def _plan(data: bytes, leave_out: frozenset[str]) -> RoutePlan:
+    """A .plan or .mission file."""
+    text = _text(data)
+    if text.lstrip().startswith("<"):
+        raise ItemRefused("", "is XML, and no mission of QGroundControl", "save it in QGC anew")
+    if text.startswith("QGC WPL"):
+        return read_wpl(text, leave_out)
+    return read_plan(text, leave_out)
+
+
+def _lines(data: bytes, leave_out: frozenset[str]) -> RoutePlan:
+    """A file of lines."""
+    text = _text(data)
+    if is_fence(text):
+        return read_fence(text)
+    return read_wpl(text, leave_out)
+
+
+READERS: dict[str, Reader] = {
+    ".plan": _plan,
+    ".mission": _plan,
+    ".waypoints": _lines,
+    ".txt": _lines,
+    ".geojson": lambda data, leave_out: read_geojson(_text(data)),
+    ".json": lambda data, leave_out: read_geojson(_text(data)),
+    ".kml": lambda data, leave_out: read_kml(data),
+    ".kmz": lambda data, leave_out: read_kmz(data),
+}

@@ -1,0 +1,100 @@
+"""GeoJSON (RFC 7946) as a flight plan: points, lines and polygons with their properties.
+
+Coordinates are [lon, lat]. A third one is metres above the ellipsoid, which is tens of metres from
+the sea and from home; it is not used. Heights are properties: `up_m` above home, `amsl_m` above the
+sea. Other properties: `name`, `kind` (shapes.py), `radius_m`.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from companion.plans.json_text import JsonObject, numbers, read_json
+from companion.plans.route_plan import (
+    Height,
+    ItemRefused,
+    LatLon,
+    RoutePlan,
+    check_degrees,
+)
+from companion.plans.shapes import Line, Point, Polygon, Shape, plan_of, word
+
+WGS84 = ("CRS84", "4326")
+SPLIT = "split it into features of one shape each"
+
+
+def read_geojson(text: str) -> RoutePlan:
+    """The plan of a GeoJSON file.
+
+    Raises:
+        ItemRefused: a mission cannot mean it.
+    """
+    file = JsonObject(read_json(text), "")
+    kind = file.text("type")
+    if "crs" in file and not str(file.object("crs").object("properties").text("name")).endswith(
+        WGS84
+    ):
+        raise ItemRefused("", "has coordinates that are not WGS 84", "save it in EPSG:4326")
+    if kind == "FeatureCollection":
+        features = file.list("features")
+    elif kind == "Feature":
+        features = [read_json(text)]
+    else:
+        features = [{"type": "Feature", "properties": {}, "geometry": read_json(text)}]
+    told: list[str] = []
+    shapes = [_shape(entry, index, told) for index, entry in enumerate(features, 1)]
+    return plan_of("GeoJSON", shapes, told)
+
+
+def _shape(entry: Any, index: int, told: list[str]) -> Shape:
+    feature = JsonObject(entry, f"feature {index}")
+    if feature.text("type") != "Feature":
+        raise ItemRefused(feature.item, "is no Feature", "save the file anew")
+    properties = JsonObject(
+        feature.object("properties").data if "properties" in feature else {}, feature.item
+    )
+    name = word(properties.text("name") if "name" in properties else "")
+    item = f"feature {index}" + (f" ({name})" if name else "")
+    geometry = JsonObject(feature.object("geometry").data, item)
+    what = geometry.text("type")
+    kind = properties.text("kind") if "kind" in properties else ""
+    height = _height(properties)
+    if what not in ("Point", "LineString", "Polygon"):
+        raise ItemRefused(item, f"is a {what[:40]}, not a Point, LineString or Polygon", SPLIT)
+    coordinates = geometry.list("coordinates")
+    if height is None and _has_third(coordinates):
+        told.append(f"{item}: the third coordinate is above the ellipsoid, and is not used")
+    if what == "Point":
+        radius_m = properties.number("radius_m") if "radius_m" in properties else None
+        name = name or f"P{index}"
+        return Point(item, name, kind, _position(coordinates, item), height, radius_m)
+    if what == "LineString":
+        corners = tuple((_position(each, item), height) for each in coordinates)
+        return Line(item, name, kind, corners)
+    rings = [tuple(_position(each, item) for each in _list(one, item)) for one in coordinates]
+    if not rings:
+        raise ItemRefused(item, "is a polygon without corners", "draw it anew")
+    return Polygon(item, name, kind, rings[0], tuple(rings[1:]))
+
+
+def _list(value: Any, item: str) -> list[Any]:
+    if not isinstance(value, list):
+        raise ItemRefused(item, "has a ring that is no list", "save the file anew")
+    return value
+
+
+def _has_third(coordinates: Any) -> bool:
+    while isinstance(coordinates, list) and coordinates and isinstance(coordinates[0], list):
+        coordinates = coordinates[0]
+    return isinstance(coordinates, list) and len(coordinates) > 2
+
+
+def _position(value: Any, item: str) -> LatLon:
+    longitude, latitude = numbers(value, item, "a position", 2)[:2]
+    return check_degrees(item, latitude, longitude)
+
+
+def _height(properties: JsonObject) -> Height | None:
+    if "up_m" in properties:
+        return Height(properties.number("up_m"))
+    return Height(properties.number("amsl_m"), True) if "amsl_m" in properties else None

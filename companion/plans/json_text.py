@@ -1,0 +1,148 @@
+"""JSON from strangers: size and depth are limited, and what is read is asked for by its type."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any, NoReturn
+
+from companion.plans.route_plan import ItemRefused
+
+MAX_DEPTH = 40
+"""A plan of QGroundControl nests 8 deep, GeoJSON 9."""
+
+
+def read_json(text: str) -> dict[str, Any]:
+    """The object that a text is.
+
+    Raises:
+        ItemRefused: it is none, nests too deep, has a key twice, or a number that is not finite.
+    """
+    if _depth(text) > MAX_DEPTH:
+        raise ItemRefused("", f"nests deeper than {MAX_DEPTH} levels", "is this the right file?")
+    try:
+        data = json.loads(text, object_pairs_hook=_object, parse_constant=_not_finite)
+    except json.JSONDecodeError as error:
+        where = f"line {error.lineno}, column {error.colno}"
+        raise ItemRefused("", f"is not JSON: {error.msg}, {where}", "save the file anew") from None
+    except (ValueError, RecursionError):  # a number of thousands of digits
+        raise ItemRefused("", "is not JSON that can be read", "save the file anew") from None
+    if not isinstance(data, dict):
+        raise ItemRefused("", "is JSON, but no object", "is this the right file?")
+    return data
+
+
+def _depth(text: str) -> int:
+    """The deepest nesting; brackets in texts count too, of which there are few."""
+    depth = deepest = 0
+    for character in text:
+        if character in "[{":
+            depth += 1
+            deepest = max(deepest, depth)
+        elif character in "]}":
+            depth -= 1
+    return deepest
+
+
+def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        names = [name for name, _ in pairs]
+        twice = next(name for name in names if names.count(name) > 1)
+        raise ItemRefused("", f"has the key {twice[:40]!r} twice in one object", "remove one")
+    return found
+
+
+def _not_finite(word: str) -> NoReturn:
+    raise ItemRefused("", f"has the number {word}, which JSON does not know", "save it anew")
+
+
+class JsonObject:
+    """An object of a file, of which keys are asked for by their type.
+
+    Args:
+        data: what stands there.
+        item: its name in messages.
+
+    Raises:
+        ItemRefused: it is no object; and, of each method, the value is missing or another type.
+    """
+
+    def __init__(self, data: object, item: str) -> None:
+        if not isinstance(data, dict):
+            raise ItemRefused(item, "is no object", "save the file anew")
+        self.data: dict[str, Any] = data
+        self.item = item
+
+    def __contains__(self, key: str) -> bool:
+        return self.data.get(key) is not None
+
+    def number(self, key: str) -> float:
+        """A finite number."""
+        return number(self.data.get(key), self.item, key)
+
+    def integer(self, key: str) -> int:
+        """A whole number."""
+        value = self.number(key)
+        if value != int(value):
+            raise ItemRefused(self.item, f"{key} is {value:g}, expected a whole number")
+        return int(value)
+
+    def text(self, key: str) -> str:
+        """A text."""
+        value = self._present(key)
+        if not isinstance(value, str):
+            raise ItemRefused(self.item, f"{key} is not a text", "save the file anew")
+        return value
+
+    def flag(self, key: str) -> bool:
+        """True or false."""
+        value = self._present(key)
+        if not isinstance(value, bool):
+            raise ItemRefused(self.item, f"{key} is not true or false", "save the file anew")
+        return value
+
+    def object(self, key: str) -> JsonObject:
+        """An object within."""
+        return JsonObject(self._present(key), f"{self.item}, {key}" if self.item else key)
+
+    def list(self, key: str) -> list[Any]:
+        """A list."""
+        value = self._present(key)
+        if not isinstance(value, list):
+            raise ItemRefused(self.item, f"{key} is not a list", "save the file anew")
+        return value
+
+    def _present(self, key: str) -> Any:
+        if key not in self:
+            raise ItemRefused(self.item, f"has no {key}", "save the file anew")
+        return self.data[key]
+
+
+def number(value: object, item: str, name: str) -> float:
+    """A finite number.
+
+    Raises:
+        ItemRefused: it is something else.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        what = f"has no {name}" if value is None else f"{name} is not a number"
+        raise ItemRefused(item, what, "save the file anew")
+    try:
+        found = float(value)
+    except OverflowError:
+        found = math.inf
+    if not math.isfinite(found):
+        raise ItemRefused(item, f"{name} is too large")
+    return found
+
+
+def numbers(value: object, item: str, name: str, least: int) -> list[float]:
+    """A list of at least so many numbers.
+
+    Raises:
+        ItemRefused: it is something else.
+    """
+    if not isinstance(value, list) or len(value) < least:
+        raise ItemRefused(item, f"{name} is not a list of {least} numbers", "save the file anew")
+    return [number(each, item, name) for each in value]

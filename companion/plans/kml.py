@@ -1,0 +1,201 @@
+"""KML and KMZ as a flight plan: the points, lines and polygons of placemarks.
+
+The text goes through expat directly, which says line and column of what is not well formed. A
+document type is refused as soon as it begins: entities are declared nowhere else, so none is ever
+expanded, and nothing is fetched. Depth, elements and characters are limited.
+
+Heights count where altitudeMode is absolute (above the sea, as QGroundControl takes it); by default
+a shape is clamped to the ground, and has none. A placemark's `kind` may stand in its ExtendedData.
+
+Source: OGC 12-007r2 (KML 2.3), sections 9 to 11.
+"""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from xml.parsers import expat
+
+from companion.plans.route_plan import (
+    Height,
+    ItemRefused,
+    LatLon,
+    RoutePlan,
+    check_degrees,
+)
+from companion.plans.shapes import Line, Point, Polygon, Shape, plan_of, word
+
+MAX_DEPTH = 60
+MAX_ELEMENTS = 100_000
+MAX_BYTES = 4_000_000
+
+
+@dataclass
+class Element:
+    """An element without its namespace."""
+
+    tag: str
+    attributes: dict[str, str]
+    texts: list[str] = field(default_factory=list)
+    children: list[Element] = field(default_factory=list)
+
+    @property
+    def text(self) -> str:
+        """What stands in it."""
+        return "".join(self.texts).strip()
+
+    def child(self, *tags: str) -> Element | None:
+        """The first of the elements that a path of tags leads to."""
+        found: Element | None = self
+        for tag in tags:
+            found = next((c for c in found.children if c.tag == tag), None) if found else None
+        return found
+
+    def all(self, *tags: str) -> Iterator[Element]:
+        """Every element within with one of the tags, itself too; not within each other."""
+        if self.tag in tags:
+            yield self
+            return
+        for child in self.children:
+            yield from child.all(*tags)
+
+
+def read_kml(data: bytes) -> RoutePlan:
+    """The plan of a KML file.
+
+    Raises:
+        ItemRefused: it is not well formed, or a mission cannot mean it.
+    """
+    root = _Builder().read(data)
+    if root.tag != "kml":
+        raise ItemRefused("", f"is XML, but no KML: it begins with {root.tag[:40]}")
+    shapes: list[Shape] = []
+    told: list[str] = []
+    for index, placemark in enumerate(root.all("Placemark"), 1):
+        shapes.extend(_shapes(placemark, index, told))
+    if not shapes:
+        raise ItemRefused("", "has no placemark with a Point, LineString or Polygon", "draw one")
+    return plan_of("KML", shapes, told)
+
+
+def read_kmz(data: bytes) -> RoutePlan:
+    """The plan of a KMZ file: of the first KML file in the archive.
+
+    Raises:
+        ItemRefused: as `read_kml`, or it is no such archive.
+    """
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            name = next((n for n in archive.namelist() if n.lower().endswith(".kml")), None)
+            if name is None:
+                raise ItemRefused("", "is an archive without a .kml file")
+            with archive.open(name) as stream:
+                text = stream.read(MAX_BYTES + 1)  # the size that the archive states may be false
+    except (zipfile.BadZipFile, NotImplementedError, RuntimeError, OSError, EOFError) as error:
+        raise ItemRefused("", f"is no archive that can be read: {error}") from None
+    if len(text) > MAX_BYTES:
+        raise ItemRefused("", f"has a KML file of more than {MAX_BYTES} bytes")
+    return read_kml(text)
+
+
+class _Builder:
+    """Makes elements of what expat reads."""
+
+    def __init__(self) -> None:
+        self._root = Element("", {})
+        self._open = [self._root]
+        self._elements = 0
+
+    def read(self, data: bytes) -> Element:
+        parser = expat.ParserCreate()
+        parser.StartDoctypeDeclHandler = self._doctype
+        parser.StartElementHandler = self._start
+        parser.EndElementHandler = self._end
+        parser.CharacterDataHandler = self._text
+        try:
+            parser.Parse(data, True)
+        except expat.ExpatError as error:
+            where = f"line {error.lineno}, column {error.offset + 1}"
+            what = f"is not well-formed XML: {expat.ErrorString(error.code)}, {where}"
+            raise ItemRefused("", what, "save the file anew") from None
+        except (ValueError, LookupError) as error:  # an encoding that Python does not know
+            raise ItemRefused("", f"cannot be read as XML: {error}", "save it as UTF-8") from None
+        return self._root.children[0]
+
+    def _doctype(self, *declared: object) -> None:
+        raise ItemRefused("", "has a document type, which KML needs none of", "remove <!DOCTYPE")
+
+    def _start(self, tag: str, attributes: dict[str, str]) -> None:
+        self._elements += 1
+        if self._elements > MAX_ELEMENTS or len(self._open) > MAX_DEPTH:
+            limits = f"{MAX_ELEMENTS} elements, {MAX_DEPTH} levels"
+            raise ItemRefused("", f"is larger than it may be ({limits})", "is this the right file?")
+        element = Element(tag.rpartition(":")[2], attributes)
+        self._open[-1].children.append(element)
+        self._open.append(element)
+
+    def _end(self, tag: str) -> None:
+        self._open.pop()
+
+    def _text(self, text: str) -> None:
+        self._open[-1].texts.append(text)
+
+
+def _shapes(placemark: Element, index: int, told: list[str]) -> Iterator[Shape]:
+    """The shapes of a placemark."""
+    name = placemark.child("name")
+    spelt = word(name.text) if name else ""
+    kind = next((d for d in placemark.all("Data") if d.attributes.get("name") == "kind"), None)
+    value = kind.child("value") if kind else None
+    said = value.text if value else ""
+    item = f"placemark {index}" + (f" ({spelt})" if spelt else "")
+    found = list(placemark.all("Point", "LineString", "Polygon", "LinearRing", "Model", "Track"))
+    for geometry in found:
+        corners = _Corners(item, geometry, told)
+        if geometry.tag == "Point":
+            ((position, height),) = corners.of(geometry)[:1]
+            yield Point(item, spelt or f"P{index}", said, position, height)
+        elif geometry.tag == "LineString":
+            yield Line(item, spelt, said, tuple(corners.of(geometry)))
+        elif geometry.tag == "Polygon":
+            outer = corners.ring(geometry.child("outerBoundaryIs", "LinearRing"))
+            inner = [c for c in geometry.children if c.tag == "innerBoundaryIs"]
+            holes = tuple(corners.ring(each.child("LinearRing")) for each in inner)
+            yield Polygon(item, spelt, said, outer, holes)
+        else:
+            raise ItemRefused(item, f"is a {geometry.tag}", "draw a point, a path or a polygon")
+
+
+class _Corners:
+    """The coordinates of a geometry."""
+
+    def __init__(self, item: str, geometry: Element, told: list[str]) -> None:
+        self._item, self._told = item, told
+        mode = geometry.child("altitudeMode")
+        self._mode = mode.text if mode else "clampToGround"
+
+    def ring(self, ring: Element | None) -> tuple[LatLon, ...]:
+        if ring is None:
+            raise ItemRefused(self._item, "is a polygon without a LinearRing", "draw it anew")
+        return tuple(position for position, _ in self.of(ring))
+
+    def of(self, element: Element) -> list[tuple[LatLon, Height | None]]:
+        coordinates = element.child("coordinates")
+        if coordinates is None or not coordinates.text:
+            raise ItemRefused(self._item, f"its {element.tag} has no coordinates", "draw it anew")
+        return [self._corner(text) for text in coordinates.text.split()]
+
+    def _corner(self, text: str) -> tuple[LatLon, Height | None]:
+        try:
+            longitude, latitude, *rest = map(float, text.split(","))
+        except ValueError:
+            what = f"{text[:40]!r} is no position"
+            raise ItemRefused(self._item, what, "KML has lon,lat[,alt] between blanks") from None
+        position = check_degrees(self._item, latitude, longitude)
+        if self._mode != "absolute" or not rest:
+            return position, None
+        if not abs(rest[0]) < 100_000:
+            raise ItemRefused(self._item, f"the altitude {rest[0]:g} is nowhere")
+        return position, Height(rest[0], True)

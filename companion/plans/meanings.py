@@ -1,0 +1,213 @@
+"""What the commands of a flight plan mean in a mission: one class for each kind of meaning.
+
+What flies the vehicle in another way than to a point, or depends on what happens, has no place in
+a list that a task replaces, and is refused.
+
+Source: https://mavlink.io/en/messages/common.html#mav_commands.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Protocol
+
+from companion.mavlink.framing import dialect
+from companion.plans.commands import LEAVE_OUT, PAYLOADS, CommandItem, PlannedRoute
+from companion.plans.route_plan import Hold, ItemRefused, ItemsRefused, LatLon, Send, Waypoint
+
+
+class Meaning(Protocol):
+    """What a command means."""
+
+    def add(self, item: CommandItem, route: PlannedRoute) -> None:
+        """Adds it to the route.
+
+        Raises:
+            ItemRefused: it cannot be meant.
+        """
+
+
+def _required(item: CommandItem) -> LatLon:
+    position = item.position
+    if position is None:
+        raise ItemRefused(item.item, f"{item.name} has no position", LEAVE_OUT)
+    return position
+
+
+class LoiterItem:
+    """A wait at a position, or without one where the vehicle is."""
+
+    def add(self, item: CommandItem, route: PlannedRoute) -> None:
+        """A place, and a wait."""
+        if (position := item.position) is not None:
+            route.visit(item, position)
+        if item.param(1) > 0:
+            route.do(Hold(item.param(1)))
+        route.told.append(f"{item.item}: {item.name} waits, and does not circle")
+
+
+@dataclass(frozen=True, slots=True)
+class VisitItem:
+    """A point; `told` says what is not kept of it."""
+
+    told: str = ""
+
+    def add(self, item: CommandItem, route: PlannedRoute) -> None:
+        """A place, and a wait if the vehicle holds there."""
+        route.visit(item, _required(item))
+        if item.param(1) > 0:
+            route.do(Hold(item.param(1)))
+        if self.told:
+            route.told.append(f"{item.item}: {item.name} {self.told}")
+
+
+class TakeOffItem:
+    """The height of home; a place, if it is not at home."""
+
+    def add(self, item: CommandItem, route: PlannedRoute) -> None:
+        """Only at the beginning."""
+        if route.takeoff is not None or route.waypoints:
+            raise item.refused("in the middle of a plan means nothing to a mission")
+        route.takeoff, route.takeoff_at = item.height, item.position
+        if item.position is not None:
+            route.visit(item, item.position)
+
+
+class ReturnHomeItem:
+    """The end, at home."""
+
+    def add(self, item: CommandItem, route: PlannedRoute) -> None:
+        """Nothing may follow."""
+        route.ends = item.item
+
+
+class LandThereItem:
+    """The end: at a position, or without one where the vehicle is."""
+
+    def add(self, item: CommandItem, route: PlannedRoute) -> None:
+        """A place at the height of the waypoint before, from which the vehicle lands."""
+        route.lands_at_last = bool(route.waypoints)
+        if (position := item.position) is not None:
+            before = route.waypoints[-1].height if route.waypoints else route.takeoff
+            if before is None:
+                raise item.refused("comes first, so nothing says from how high")
+            name = f"W{item.number.replace('.', '_')}"
+            route.waypoints.append(Waypoint(item.item, name, position, before))
+            route.lands_at_last = True
+        route.ends = item.item
+
+
+class SpeedItem:
+    """The speed; -1 keeps the one before."""
+
+    def add(self, item: CommandItem, route: PlannedRoute) -> None:
+        """The least of all speeds is the mission's."""
+        if item.param(2) > 0:
+            route.speeds_mps.append(item.param(2))
+
+
+class JumpItem:
+    """An endless loop."""
+
+    def add(self, item: CommandItem, route: PlannedRoute) -> None:
+        """Back to an item, for ever."""
+        if item.param(2) >= 0:
+            raise item.refused(f"{item.param(2):g} times: a mission repeats for ever or not at all")
+        index = route.first_waypoint.get(int(item.param(1)))
+        if index is None or index >= len(route.waypoints):
+            raise item.refused(f"leads to item {item.param(1):g}, and not back to a waypoint")
+        route.repeats_from, route.ends = index, item.item
+
+
+class DelayItem:
+    """A wait where the vehicle is."""
+
+    def add(self, item: CommandItem, route: PlannedRoute) -> None:
+        """For some seconds; a time of day is refused."""
+        if item.param(1) <= 0:
+            raise item.refused("waits for a time of day")
+        route.do(Hold(item.param(1)))
+
+
+class PayloadItem:
+    """A command to a payload."""
+
+    def add(self, item: CommandItem, route: PlannedRoute) -> None:
+        """Noted; who gets it is not in the plan."""
+        entry = dialect.enums["MAV_CMD"][item.command]
+        params = [item.param(number) for number in range(1, 8)]
+        while params and params[-1] == 0:
+            params.pop()
+        route.do(Send(entry.name, tuple(params)))
+        what = f"{item.name} is for a payload, and a plan does not say for which"
+        advice = "name its component, e.g. --payload 100 (a camera) or --payload 154 (a gimbal), or"
+        advice += f"\nleave all of them out: --leave-out {PAYLOADS}"
+        route.payload_items.append(ItemRefused(item.item, what, advice))
+
+
+@dataclass(frozen=True, slots=True)
+class RefusedItem:
+    """What a mission has no word for."""
+
+    why: str
+
+    def add(self, item: CommandItem, route: PlannedRoute) -> None:
+        """Never."""
+        raise item.refused(self.why)
+
+
+_PLANES = RefusedItem("is for planes")
+_LOITER = RefusedItem("circles, for which a mission has no word")
+_CONDITION = RefusedItem("depends on what happens in flight; a mission has events for that")
+MEANINGS: dict[int, Meaning] = {
+    16: VisitItem(),
+    82: VisitItem("is flown to straight, not on a spline"),
+    19: LoiterItem(),
+    22: TakeOffItem(),
+    20: ReturnHomeItem(),
+    21: LandThereItem(),
+    178: SpeedItem(),
+    177: JumpItem(),
+    93: DelayItem(),
+    **dict.fromkeys((17, 18, 31), _LOITER),
+    **dict.fromkeys((84, 85, 189, 3000), _PLANES),
+    **dict.fromkeys((112, 113, 114, 115), _CONDITION),
+    92: RefusedItem("hands the vehicle to another program"),
+    94: RefusedItem("lands until a load touches the ground"),
+}
+"""Number of a command -> what it means. Commands for payloads are all the same."""
+
+
+def meaning_of(item: CommandItem) -> Meaning:
+    """What an item means."""
+    if item.is_payload:
+        return PayloadItem()
+    return MEANINGS.get(item.command, RefusedItem("has no meaning in a mission"))
+
+
+def route_of(items: Iterable[CommandItem], leave_out: frozenset[str]) -> PlannedRoute:
+    """What the items of a plan ask for, one after the other.
+
+    Args:
+        items: of the plan.
+        leave_out: their numbers, or `PAYLOADS`.
+
+    Raises:
+        ItemsRefused: some cannot be meant.
+    """
+    route, refused = PlannedRoute(), list[ItemRefused]()
+    for item in items:
+        route.first_waypoint[item.jump_id] = len(route.waypoints)
+        if item.number in leave_out or (PAYLOADS in leave_out and item.is_payload):
+            route.told.append(f"{item.item}: {item.name} left out, as asked")
+            continue
+        try:
+            if route.ends:
+                raise item.refused(f"is never reached: {route.ends} ends the plan")
+            meaning_of(item).add(item, route)
+        except ItemRefused as error:
+            refused.append(error)
+    if refused:
+        raise ItemsRefused(refused)
+    return route

@@ -1,0 +1,234 @@
+"""Plans of QGroundControl: .plan files, and the .mission files of its first versions.
+
+As QGC reads them (src/MissionManager): an item has seven params, or four and a coordinate, or
+param1 to param4 and a coordinate. The altitude that is flown is the seventh param in the item's
+`frame`; AltitudeMode is what a person saw, and its numbers have changed over the years. Fences and
+rally points of another version than 2 are ignored, as QGC does, but with a word.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from companion.plans.areas import circle
+from companion.plans.commands import AMSL_FRAMES, CommandItem
+from companion.plans.json_text import JsonObject, number, numbers, read_json
+from companion.plans.meanings import route_of
+from companion.plans.route_plan import (
+    Height,
+    ItemRefused,
+    LatLon,
+    PlanArea,
+    RoutePlan,
+    Waypoint,
+    check_degrees,
+    ring,
+)
+
+COPTERS = frozenset({0, 2, 3, 4, 13, 14, 15, 29, 35})
+"""MAV_TYPE of what hovers; 0 is generic."""
+ABOVE_SEA_MODE = 2
+SURVEYS = {"survey": 5, "CorridorScan": 2}
+"""Complex items that are flown point by point, and the newest version of each that is known."""
+
+
+def read_plan(text: str, leave_out: frozenset[str]) -> RoutePlan:
+    """The plan of a .plan or .mission file.
+
+    Args:
+        text: of the file.
+        leave_out: numbers of items.
+
+    Raises:
+        ItemRefused, ItemsRefused: a mission cannot mean it.
+    """
+    file = JsonObject(read_json(text), "")
+    if "MAV_AUTOPILOT" in file or ("items" in file and "fileType" not in file):
+        return _old_mission(file, leave_out)
+    kind = file.text("fileType")
+    if kind != "Plan":
+        raise ItemRefused("", f"is no plan: its fileType is {kind[:40]!r}", "save it in QGC anew")
+    _check_version(file, "the file", 1)
+    mission = file.object("mission")
+    _check_version(mission, "its mission", 2)
+    _check_vehicle(mission)
+    home, home_amsl_m = _home(mission.list("plannedHomePosition"))
+    told: list[str] = []
+    route = route_of(_items(mission.list("items"), leave_out, told), leave_out)
+    if not route.speeds_mps and "hoverSpeed" in mission:
+        route.speeds_mps.append(mission.number("hoverSpeed"))
+    areas, rally = _areas(file, told), _rally(file, told)
+    kind = "a plan of QGroundControl"
+    return route.plan(kind, home, home_amsl_m, tuple(told), areas, rally)
+
+
+def _old_mission(file: JsonObject, leave_out: frozenset[str]) -> RoutePlan:
+    """The plan of a .mission file."""
+    if "complexItems" in file and file.list("complexItems"):
+        raise ItemRefused("", "has complex items of an old version", "open and save it in QGC")
+    told: list[str] = []
+    route = route_of(_items(file.list("items"), leave_out, told), leave_out)
+    if isinstance(file.data.get("plannedHomePosition"), dict):  # the first version
+        file = JsonObject(
+            {"plannedHomePosition": file.object("plannedHomePosition").list("coordinate")}, ""
+        )
+    home, home_amsl_m = _home(file.list("plannedHomePosition"))
+    return route.plan("an old mission of QGroundControl", home, home_amsl_m, tuple(told))
+
+
+def _check_version(fields: JsonObject, name: str, known: int) -> None:
+    version = fields.integer("version")
+    if version != known:
+        what = f"{name} has version {version}, and {known} is known"
+        raise ItemRefused("", what, "open and save it in QGroundControl")
+
+
+def _check_vehicle(mission: JsonObject) -> None:
+    if "vehicleType" in mission and mission.integer("vehicleType") not in COPTERS:
+        what = f"is for a vehicle that is no copter (vehicleType {mission.integer('vehicleType')})"
+        raise ItemRefused("", what, "make a plan for a multirotor")
+
+
+def _home(listed: list[Any]) -> tuple[LatLon | None, float | None]:
+    """Where home is planned, and how high above the sea; None if nobody has said it."""
+    latitude, longitude = numbers(listed[:2], "the planned home", "its position", 2)
+    if latitude == longitude == 0:
+        return None, None
+    amsl_m = listed[2] if listed[2:] else None
+    height = None if amsl_m is None else number(amsl_m, "the planned home", "its altitude")
+    return check_degrees("the planned home", latitude, longitude), height
+
+
+# -- items -----------------------------------------------------------------------------------------
+
+
+def _items(entries: list[Any], leave_out: frozenset[str], told: list[str]) -> Iterator[CommandItem]:
+    for index, entry in enumerate(entries, 1):
+        fields = JsonObject(entry, f"item {index}")
+        kind = fields.text("type") if "type" in fields else "SimpleItem"
+        if kind == "ComplexItem" and str(index) in leave_out:
+            told.append(f"{fields.item}: {fields.text('complexItemType')[:40]} left out, as asked")
+        elif kind == "ComplexItem":
+            yield from _survey(fields, index, told)
+        elif kind in ("SimpleItem", "missionItem"):
+            yield _simple(fields, str(index), told)
+        else:
+            raise ItemRefused(fields.item, f"is of the unknown type {kind[:40]!r}")
+
+
+def _simple(fields: JsonObject, name: str, told: list[str]) -> CommandItem:
+    params = _params(fields)
+    for key in ("doJumpId", "id"):
+        if key in fields:
+            jump_id = fields.integer(key)
+            break
+    else:
+        jump_id = int(name.split(".")[0])
+    item = CommandItem(name, fields.integer("command"), fields.integer("frame"), params, jump_id)
+    if "AltitudeMode" in fields and item.position is not None:
+        mode = fields.integer("AltitudeMode")
+        if mode in (1, ABOVE_SEA_MODE) and (mode == ABOVE_SEA_MODE) != (item.frame in AMSL_FRAMES):
+            words = ["above home", "above the sea"][item.frame in AMSL_FRAMES]
+            told.append(
+                f"{item.item}: AltitudeMode {mode} and frame {item.frame} disagree; "
+                f"the frame counts, so the altitude is {words}"
+            )
+    return item
+
+
+def _params(fields: JsonObject) -> tuple[float | None, ...]:
+    """The seven params, whatever the version of the item."""
+    if "params" in fields:
+        listed = fields.list("params")
+    else:
+        listed = [fields.number(f"param{i}") if f"param{i}" in fields else 0 for i in range(1, 5)]
+    if len(listed) == 4:
+        listed = [*listed, *fields.list("coordinate")]
+    if len(listed) != 7:
+        raise ItemRefused(fields.item, f"has {len(listed)} params, expected 7")
+    params = (None if p is None else number(p, fields.item, "a param") for p in listed)
+    return tuple(params)
+
+
+def _survey(fields: JsonObject, index: int, told: list[str]) -> Iterator[CommandItem]:
+    """The points of a survey that QGC has worked out."""
+    kind = fields.text("complexItemType")
+    known = SURVEYS.get(kind)
+    if known is None:
+        what = f"{kind[:40]} is not flown point by point in the file"
+        raise ItemRefused(fields.item, what, "make waypoints of it, or leave it out")
+    version = fields.integer("version")
+    if not 1 < version <= known:
+        what = f"{kind} has version {version}, and up to {known} is known"
+        raise ItemRefused(fields.item, what, "open and save it in QGroundControl")
+    style = fields.object("TransectStyleComplexItem")
+    flown = style.list("Items") if "Items" in style else []
+    if flown:
+        for number_, entry in enumerate(flown, 1):
+            yield _simple(JsonObject(entry, f"item {index}.{number_}"), f"{index}.{number_}", told)
+        return
+    points = style.list("VisualTransectPoints") if "VisualTransectPoints" in style else []
+    if not points:
+        what = f"{kind} has no points: QGroundControl has not worked it out"
+        raise ItemRefused(fields.item, what, "open and save it in QGroundControl")
+    camera = style.object("CameraCalc")
+    if not camera.flag("DistanceToSurfaceRelative"):
+        raise ItemRefused(fields.item, f"{kind} follows the terrain", "fly it above home")
+    up_m = camera.number("DistanceToSurface")
+    told.append(f"{fields.item}: its points alone; when to take a picture is not in the file")
+    for number_, point in enumerate(points, 1):
+        latitude, longitude = numbers(point, fields.item, "a point", 2)[:2]
+        params = (0.0, 0.0, 0.0, None, latitude, longitude, up_m)
+        yield CommandItem(f"{index}.{number_}", 16, 3, params, index)
+
+
+# -- fence and rally points ------------------------------------------------------------------------
+
+
+def _areas(file: JsonObject, told: list[str]) -> tuple[PlanArea, ...]:
+    """The areas of the fence."""
+    fence = file.object("geoFence")
+    if "version" not in fence or fence.integer("version") != 2:
+        if "polygon" in fence and fence.list("polygon"):
+            told.append("fence: of a version before 2, which QGroundControl ignores; left out")
+        return ()
+    areas = []
+    for index, entry in enumerate(fence.list("polygons"), 1):
+        one = JsonObject(entry, f"fence polygon {index}")
+        corners = (_corner(corner, one.item) for corner in one.list("polygon"))
+        name = f"polygon_{index}"
+        areas.append(PlanArea(one.item, name, ring(one.item, corners), one.flag("inclusion")))
+    for index, entry in enumerate(fence.list("circles"), 1):
+        one = JsonObject(entry, f"fence circle {index}")
+        about = one.object("circle")
+        centre, radius_m = _corner(about.list("center"), one.item), about.number("radius")
+        is_inclusion = one.flag("inclusion")
+        corners_of = circle(one.item, centre, radius_m, is_inclusion)
+        areas.append(PlanArea(one.item, f"circle_{index}", corners_of, is_inclusion))
+    if "breachReturn" in fence:
+        told.append("fence: its return point is left out; the vehicle never leaves the fence")
+    return tuple(areas)
+
+
+def _corner(value: object, item: str) -> LatLon:
+    latitude, longitude = numbers(value, item, "a corner", 2)[:2]
+    return check_degrees(item, latitude, longitude)
+
+
+def _rally(file: JsonObject, told: list[str]) -> tuple[Waypoint, ...]:
+    if "rallyPoints" not in file:
+        return ()
+    rally = file.object("rallyPoints")
+    points = rally.list("points") if "points" in rally else []
+    if "version" not in rally or rally.integer("version") != 2:
+        if points:
+            told.append("rally points: of a version that QGroundControl ignores; left out")
+        return ()
+    found = []
+    for index, point in enumerate(points, 1):
+        item = f"rally point {index}"
+        latitude, longitude, *up_m = numbers(point, item, "its position", 2)
+        height = Height(up_m[0]) if up_m and up_m[0] > 0 else None
+        found.append(Waypoint(item, f"R{index}", check_degrees(item, latitude, longitude), height))
+    return tuple(found)

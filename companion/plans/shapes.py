@@ -1,0 +1,193 @@
+"""Points, lines and polygons of a mapping tool as a flight plan: a class for each.
+
+A point is a place. A line is an order: its corners are places, those within a metre of a point that
+point. Points without a line are places in any order. One polygon without a `kind` is the fence.
+
+    kind        of a polygon: fence or keep_out; of a point: place, home or rally;
+                of a line: route, loop (repeated for ever) or flown (left out)
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Protocol
+
+from companion.plans.route_plan import (
+    SAME_M,
+    Height,
+    ItemRefused,
+    LatLon,
+    PlanArea,
+    RoutePlan,
+    Waypoint,
+    metres_between,
+    ring,
+)
+
+FENCE, KEEP_OUT = "fence", "keep_out"
+NO_WORD = re.compile(r"[^A-Za-z0-9_]+")
+
+
+@dataclass
+class Drawn:
+    """What the shapes up to now have drawn."""
+
+    home: Waypoint | None = None
+    points: list[Waypoint] = field(default_factory=list)
+    route: list[Waypoint] = field(default_factory=list)
+    repeats_from: int | None = None
+    areas: list[PlanArea] = field(default_factory=list)
+    unnamed: list[str] = field(default_factory=list)
+    rally: list[Waypoint] = field(default_factory=list)
+    told: list[str] = field(default_factory=list)
+
+
+class Shape(Protocol):
+    """One shape of a file."""
+
+    def draw(self, drawn: Drawn) -> None:
+        """Adds it.
+
+        Raises:
+            ItemRefused: it cannot be meant.
+        """
+
+
+@dataclass(frozen=True, slots=True)
+class Point:
+    """A place, home or a rally point."""
+
+    item: str
+    name: str
+    kind: str
+    position: LatLon
+    height: Height | None
+    radius_m: float | None = None
+
+    def draw(self, drawn: Drawn) -> None:
+        """As its kind says."""
+        point = Waypoint(self.item, self.name, self.position, self.height, (), self.radius_m)
+        if self.kind in ("", "place"):
+            drawn.points.append(point)
+        elif self.kind == "home":
+            drawn.home = point
+        elif self.kind == "rally":
+            drawn.rally.append(point)
+        else:
+            raise _unknown(self.item, self.kind, "place, home or rally")
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """An order of places."""
+
+    item: str
+    name: str
+    kind: str
+    corners: tuple[tuple[LatLon, Height | None], ...]
+
+    def draw(self, drawn: Drawn) -> None:
+        """Each corner is a waypoint."""
+        if self.kind == "flown":
+            drawn.told.append(f"{self.item}: a way that was flown; left out")
+            return
+        if self.kind not in ("", "route", "loop"):
+            raise _unknown(self.item, self.kind, "route, loop or flown")
+        if drawn.repeats_from is not None:
+            raise ItemRefused(self.item, "comes after a loop, which never ends", "remove one")
+        if drawn.route and self.kind != "loop":
+            raise ItemRefused(self.item, "is a second route", "join the two, or remove one")
+        if self.kind == "loop":
+            drawn.repeats_from = len(drawn.route)
+        first = len(drawn.route)
+        for index, (position, height) in enumerate(self.corners, 1):
+            item = f"corner {index} of {self.item}"
+            drawn.route.append(Waypoint(item, f"W{first + index}", position, height))
+
+
+@dataclass(frozen=True, slots=True)
+class Polygon:
+    """The fence or a keep-out zone, with its holes, into which the vehicle may not fly."""
+
+    item: str
+    name: str
+    kind: str
+    corners: tuple[LatLon, ...]
+    holes: tuple[tuple[LatLon, ...], ...] = ()
+
+    def draw(self, drawn: Drawn) -> None:
+        """As its kind says."""
+        if self.kind not in ("", FENCE, KEEP_OUT):
+            raise _unknown(self.item, self.kind, f"{FENCE} or {KEEP_OUT}")
+        if self.kind == KEEP_OUT and self.holes:
+            raise ItemRefused(self.item, "is a keep-out zone with holes", "fill them")
+        if not self.kind:
+            drawn.unnamed.append(self.item)
+        name = self.name or f"zone_{len(drawn.areas) + 1}"
+        corners = ring(self.item, self.corners)
+        drawn.areas.append(PlanArea(self.item, name, corners, self.kind != KEEP_OUT))
+        for index, hole in enumerate(self.holes, 1):
+            item = f"hole {index} of {self.item}"
+            drawn.areas.append(PlanArea(item, f"{name}_hole_{index}", ring(item, hole), False))
+
+
+def _unknown(item: str, kind: str, known: str) -> ItemRefused:
+    return ItemRefused(item, f"is of the kind {kind[:40]!r}", f"its kind may be {known}")
+
+
+def word(name: str) -> str:
+    """A name as missions spell names; empty if nothing is left of it.
+
+    >>> word("North gate, 2"), word("2nd"), word("...")
+    ('North_gate_2', '_2nd', '')
+    """
+    spelt = NO_WORD.sub("_", name.strip()).strip("_")[:30]
+    return f"_{spelt}" if spelt[:1].isdigit() else spelt
+
+
+def plan_of(kind: str, shapes: Sequence[Shape], told: Sequence[str] = ()) -> RoutePlan:
+    """The plan that some shapes draw.
+
+    Args:
+        kind: of their file, in words.
+        shapes: in the order of the file.
+        told: of its reader.
+
+    Raises:
+        ItemRefused: they cannot be meant.
+    """
+    drawn = Drawn(told=list(told))
+    for shape in shapes:
+        shape.draw(drawn)
+    if drawn.unnamed and sum(area.is_inclusion for area in drawn.areas) > 1:
+        what = "is one of several polygons, and does not say what it is"
+        raise ItemRefused(drawn.unnamed[-1], what, f"give it the kind {FENCE} or {KEEP_OUT}")
+    is_ordered = bool(drawn.route)
+    points = [*drawn.points, drawn.home] if drawn.home else drawn.points
+    waypoints = [_as_point(each, points) for each in drawn.route]
+    waypoints += [p for p in drawn.points if all(p.item != w.item for w in waypoints)]
+    if is_ordered and len(waypoints) > len(drawn.route):
+        extra = ", ".join(point.item for point in waypoints[len(drawn.route) :][:10])
+        drawn.told.append(f"not on the line, and so never flown to: {extra}")
+    route = waypoints[: len(drawn.route)] if is_ordered else waypoints
+    return RoutePlan(
+        kind=kind,
+        home=drawn.home.position if drawn.home else None,
+        takeoff=drawn.home.height if drawn.home else None,
+        waypoints=tuple(route),
+        is_ordered=is_ordered,
+        repeats_from=drawn.repeats_from,
+        areas=tuple(drawn.areas),
+        rally=tuple(drawn.rally) + tuple(waypoints[len(route) :]),
+        told=tuple(drawn.told),
+    )
+
+
+def _as_point(corner: Waypoint, points: Sequence[Waypoint]) -> Waypoint:
+    """The point that a corner of the line stands for, if there is one."""
+    for point in points:
+        if metres_between(point.position, corner.position) < SAME_M:
+            return replace(point, height=point.height or corner.height)
+    return corner
