@@ -1,0 +1,56 @@
+"""What is told of programs that report events of a mission, such as detectors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from companion.flight_events.event import FlightEvent
+from companion.flight_events.event_fields import Doc, InText
+
+EventName = Annotated[str, Doc("an event of the mission")]
+SignalName = Annotated[str, Doc("what its condition is about")]
+
+
+@dataclass(frozen=True, slots=True)
+class SignalSilent(FlightEvent):
+    """What an event is made of was not heard for a time; the event stays as it was."""
+
+    kind = "silent"
+    template = "{event} is not known any more: {signal} is silent"
+
+    event: EventName
+    signal: SignalName
+
+
+@dataclass(frozen=True, slots=True)
+class SignalHeard(FlightEvent):
+    """What an event is made of is heard again."""
+
+    kind = "heard"
+    template = "{event} is known again: {signal} is heard"
+
+    event: EventName
+    signal: SignalName
+
+
+@dataclass(frozen=True, slots=True)
+class ReportRefused(FlightEvent):
+    """A report of another program cannot be used."""
+
+    kind = "report"
+    template = "reports refused: {number}; the last one: {reason}"
+
+    reason: InText[str]
+    number: Annotated[int, Doc("refused since the flight began")]
+
+
+@dataclass(frozen=True, slots=True)
+class ReportUnknown(FlightEvent):
+    """Another program reports what the mission does not ask for; told once for each name."""
+
+    kind = "report"
+    template = "{name} is reported, which the mission does not ask for; it asks for {known}"
+
+    name: InText[str]
+    known: InText[str]
