@@ -1,0 +1,137 @@
+"""How soon control is back once both keys are there: by the simulator's time, from the later one.
+
+The vehicle is the simulator's, and so is the mode that counts: it flies OFFBOARD again. The keys
+are those of `companion/acting/authority.py`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from random import Random
+
+import pytest
+from lockstep import COMPANION, Cut, Lockstep, World
+
+from companion.flight_events.skills import PlaceReached
+from companion.flight_events.sortie import FlightFoundAgain, Phase, PhaseEntered
+from companion.mavlink.framing import dialect
+from companion.mission.model import Mission
+
+BACK_S = 5.0
+OURS, HOLD = "OFFBOARD", "AUTO.LOITER"
+HEARD_S = 2.0
+"""After this the companion has heard of a mode: a heartbeat comes once a second."""
+CAMPAIGN = (pytest.mark.faults, pytest.mark.long)
+SEEDS = [*range(2), *(pytest.param(seed, marks=CAMPAIGN) for seed in range(2, 40))]
+
+Keys = Callable[[Lockstep, Cut, Random], float]
+"""Has control be lost, and turns the keys; returns when the later one was turned."""
+
+
+def mode_since_s(flight: Lockstep, mode: str) -> float:
+    since_s, flown = flight.modes[-1]
+    assert flown == mode
+    return since_s
+
+
+def operator_says_continue(flight: Lockstep) -> float:
+    """The pilot, or the autopilot, holds already."""
+    flight.run(HEARD_S)
+    mode_since_s(flight, HOLD)
+    flight.station_commands(dialect.MAV_CMD_DO_PAUSE_CONTINUE, 1.0, component=COMPANION)
+    return flight.now_s
+
+
+def restarted(flight: Lockstep, away_s: float) -> float:
+    """Killed, and another one begins after a time."""
+    flight.kill()
+    flight.run(away_s)
+    flight.restart()
+    return flight.now_s
+
+
+def pilot_hands_over(flight: Lockstep, air: Cut, chance: Random) -> float:
+    flight.station_chooses(chance.choice(["AUTO.RTL", "AUTO.LOITER", "POSCTL"]))
+    flight.run(chance.uniform(0.5, 4.0))
+    flight.station_chooses(HOLD)
+    flight.run(chance.uniform(0.0, 2.0))
+    return operator_says_continue(flight)
+
+
+def link_comes_back(flight: Lockstep, air: Cut, chance: Random) -> float:
+    """`--resume` is the other key: the autopilot holds because it no longer heard us."""
+    air.is_cut = True
+    flight.run(chance.uniform(2.0, 10.0))
+    air.is_cut = False
+    return max(flight.now_s, mode_since_s(flight, HOLD))
+
+
+def killed_and_restarted_before_the_hold(flight: Lockstep, air: Cut, chance: Random) -> float:
+    """The autopilot holds a second after the last setpoint; the next one says nothing before."""
+    restarted(flight, chance.uniform(0.1, 0.8))
+    flight.until(lambda: flight.simulation.mode == HOLD, 3.0).tick()
+    return mode_since_s(flight, HOLD)
+
+
+def killed_and_restarted_in_the_hold(flight: Lockstep, air: Cut, chance: Random) -> float:
+    restarted_s = restarted(flight, chance.uniform(1.5, 8.0))
+    assert mode_since_s(flight, HOLD) < restarted_s
+    return restarted_s
+
+
+def killed_and_the_operator_is_asked(flight: Lockstep, air: Cut, chance: Random) -> float:
+    """A pilot has held meanwhile, so that `--resume` is no key."""
+    flight.kill()
+    flight.run(chance.uniform(0.1, 0.8))
+    flight.station_chooses(HOLD)
+    flight.run(chance.uniform(0.5, 4.0))
+    flight.restart()
+    flight.until_reported(FlightFoundAgain)
+    return operator_says_continue(flight)
+
+
+KEYS: dict[str, Keys] = {
+    keys.__name__: keys
+    for keys in (
+        pilot_hands_over,
+        link_comes_back,
+        killed_and_restarted_before_the_hold,
+        killed_and_restarted_in_the_hold,
+        killed_and_the_operator_is_asked,
+    )
+}
+
+
+def in_flight(mission: Mission, world: World, seed: int, begin_s: float) -> tuple[Lockstep, Cut]:
+    """Some time after the first place."""
+    air = Cut()
+    flight = Lockstep(
+        mission, world, seed=seed, up=air, down=air, has_station=True, resumes=True
+    ).until_reported(PlaceReached, place="A")
+    flight.run(begin_s)
+    return flight, air
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("keys", KEYS.values(), ids=KEYS)
+def test_control_is_back_five_seconds_after_the_later_key(
+    surveillance: Mission, hall: World, keys: Keys, seed: int
+) -> None:
+    chance = Random(seed)
+    flight, air = in_flight(surveillance, hall, seed, chance.uniform(0.0, 15.0))
+    turned_s = keys(flight, air, chance)
+    assert flight.simulation.mode == HOLD
+    flight.until(lambda: flight.simulation.mode == OURS, 20.0).tick()
+    assert 0.0 < mode_since_s(flight, OURS) - turned_s <= BACK_S
+    assert flight.armings == 1
+
+
+def test_and_so_it_is_after_a_kill_in_the_take_off(surveillance: Mission, hall: World) -> None:
+    """The autopilot climbs to its end and holds; an operator is asked."""
+    flight = Lockstep(surveillance, hall, has_station=True, resumes=True)
+    flight.until_reported(PhaseEntered, phase=Phase.TAKE_OFF).run(1.0)
+    restarted(flight, 1.0)
+    flight.until(lambda: flight.simulation.mode == HOLD, 20.0)
+    turned_s = operator_says_continue(flight)
+    flight.until(lambda: flight.simulation.mode == OURS, 20.0).tick()
+    assert 0.0 < mode_since_s(flight, OURS) - turned_s <= BACK_S
