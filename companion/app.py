@@ -6,14 +6,15 @@ real (or scaled) time from a socket; the simulator's harness drives the same obj
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
-from companion.acting.authority import loss_of_link
+from companion.acting.authority import why_left_alone
 from companion.acting.flight_limit import NO_LIMIT, FlightLimit
 from companion.acting.journal import JournalledFlight
 from companion.acting.phases import ON_THE_GROUND
-from companion.acting.preparation import Preparation, PreparedMission, prepare
-from companion.errors import CompanionError
+from companion.acting.preparation import Preparation, PreparedMission
+from companion.errors import Aborted, CompanionError
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.hosting import (
     MissionReady,
@@ -29,7 +30,7 @@ from companion.ground.parameters import BELIEF_RETRY, SPEED_MAX
 from companion.host import Host
 from companion.mavlink.framing import Message, source
 from companion.mission.model import Mission
-from companion.mission_run import Recorder, Run
+from companion.mission_run import OnlyRun, Recorder, Run
 from companion.outcomes import Refusal
 from companion.planning.engine_port import Engine
 from companion.vehicle.telemetry import TELEMETRY, Telemetry
@@ -85,11 +86,12 @@ class Companion:
         self._run: Run | None = None
         self._preparation: Preparation | None = None
         self._is_prepared = self._is_stopping = self._has_hung_up = False
-        self._adjusted = -1
-        self._now_s = 0.0
+        self._adjusted, self._now_s = -1, 0.0
+        self._only: OnlyRun | None = None
         if mission is not None and recorder is not None:
-            self._begin(prepare(mission, engine=engine), recorder, journalled)
+            self._only = OnlyRun(mission, recorder, engine, journalled)
         self._listen()
+        self._begin_only()
 
     # -- from outside --------------------------------------------------------------------------
 
@@ -97,14 +99,14 @@ class Companion:
     def is_waiting(self) -> bool:
         """Whether the only run waits for a vehicle, of which none has been heard yet."""
         is_waiting = self._run is not None and self._run.sortie.phase is Phase.WAITING
-        return is_waiting and self._host is None
+        return (is_waiting or self._only is not None) and self._host is None
 
     @property
     def has_ended(self) -> bool:
         """Whether nothing is left to do."""
-        if self._host is None:
-            return self._run is not None and self._run.sortie.has_ended
-        return self._is_stopping and self._run is None
+        if self._run is not None:
+            return self._host is None and self._run.sortie.has_ended
+        return self._is_stopping or (self._host is None and self.failure is not None)
 
     @property
     def is_idle(self) -> bool:
@@ -133,10 +135,17 @@ class Companion:
         messages = self._wire.peek(datagrams)
         return self._run.is_urgent(now_s, messages, self._component.foresee(messages))
 
-    def step(self, now_s: float, datagrams: list[bytes], is_tick: bool = True) -> list[bytes]:
+    def step(
+        self,
+        now_s: float,
+        datagrams: list[bytes],
+        is_tick: bool = True,
+        reports: Sequence[bytes] = (),
+    ) -> list[bytes]:
         """One tick: reads what arrived, acts, returns what has to leave.
 
-        Or a step between two ticks: what is planned anew in it is flown in it, too.
+        Or a step between two ticks: what is planned anew in it is flown in it, too. Reports are
+        those of other programs on board (`vehicle/detections.py`).
         """
         self._now_s = now_s
         if self._host is not None and self._preparation is not None and self._is_prepared:
@@ -151,15 +160,17 @@ class Companion:
         run = self._run
         if run is None:
             self._idle(messages)
-            return self._wire.pack(self._component.transmit(now_s, self._is_stopping))
+            questions = self._telemetry.questions(now_s, (self._wire.system, AUTOPILOT), False)
+            leaving = self._component.transmit(now_s, self._is_stopping)
+            return self._wire.pack(leaving + questions)
         self._follow_parameters()
-        reports = run.step(now_s, messages, asked, is_tick)
-        for stamped in reports:
+        happened = run.step(now_s, messages, asked, is_tick, reports)
+        for stamped in happened:
             self._component.tell(now_s, stamped.event)
         self.failure = run.sortie.failure
         leaving = self._component.transmit(now_s, run.sortie.has_ended)
         answers = self._wire.pack(leaving + run.vehicle.transmit(now_s))
-        run.record(now_s, datagrams + answers, reports)
+        run.record(now_s, datagrams + answers, happened)
         if run.sortie.has_ended and self._host is not None:
             self._host.end_run(run.recorder)
             self._run = None
@@ -191,11 +202,12 @@ class Companion:
             return Refusal(f"{self._run.mission.name} is {phase.value}")
         if self._host is None or self._mission is None:
             return Refusal("there is no mission; upload one")
-        if refusal := self._left_alone():
+        if refusal := why_left_alone(self._telemetry.state, self._now_s):
             return refusal
         if self._preparation is None:
             speed_max_mps = self._component.parameters[SPEED_MAX]
-            self._preparation = self._host.prepare(self._mission, speed_max_mps)
+            ground_amsl_m = self._telemetry.ground_amsl_m
+            self._preparation = self._host.prepare(self._mission, speed_max_mps, ground_amsl_m)
         return None
 
     def pause(self) -> Refusal | None:
@@ -216,14 +228,18 @@ class Companion:
 
     # -- runs ----------------------------------------------------------------------------------
 
-    def _left_alone(self) -> Refusal | None:
-        """Why the vehicle is not one to begin a run with; None if it is."""
-        state = self._telemetry.state
-        if state is None or loss_of_link(state, self._now_s):
-            return Refusal("the vehicle's state is not known")
-        if state.is_armed or not state.is_landed:
-            return Refusal("the vehicle is armed or flying already; it is left alone")
-        return None
+    def _begin_only(self) -> None:
+        """Begins the only run, as soon as it can be prepared."""
+        if (only := self._only) is None:
+            return
+        match only.prepare(self._telemetry):
+            case PreparedMission() as prepared:
+                self._begin(prepared, only.recorder, only.journalled)
+            case Aborted() as failure:
+                self.failure = failure
+            case None:
+                return
+        self._only = None
 
     def _begin(
         self,
@@ -247,6 +263,7 @@ class Companion:
             resumes=self._resumes,
             journalled=journalled,
         )
+        self._listen()
 
     def _launch(self, host: Host, preparation: Preparation) -> None:
         """Begins the run that was asked for; in a tick of its own, after the answer has left."""
@@ -258,7 +275,7 @@ class Companion:
 
     def _begin_prepared(self, host: Host, preparation: Preparation) -> Refusal | None:
         """Begins a run, if the vehicle is still one to begin it with; or why there is none."""
-        if refusal := self._left_alone():
+        if refusal := why_left_alone(self._telemetry.state, self._now_s):
             return refusal
         try:
             prepared = preparation.result()
@@ -269,7 +286,6 @@ class Companion:
         except OSError as error:
             return Refusal(f"no run folder: {error}")
         self._begin(prepared, recorder)
-        self._listen()
         return None
 
     def _idle(self, messages: list[Message]) -> None:
@@ -282,6 +298,7 @@ class Companion:
             is_theirs = source(message) == (self._wire.system, AUTOPILOT)
             if is_theirs and self._telemetry.is_news(self._now_s, message):
                 self._telemetry.take(self._now_s, message)
+        self._begin_only()
         if self._preparation is not None:
             self._is_prepared = self._preparation.done()
             return

@@ -16,6 +16,7 @@ from companion.errors import LinkTimeout
 from companion.ground.operations import SystemStatus
 from companion.vehicle.control_watch import PAUSED_S
 from companion.vehicle.link import Link
+from companion.vehicle.report_port import ReportPort
 
 log = logging.getLogger(__name__)
 
@@ -26,6 +27,7 @@ def fly(
     clock: ScaledClock,
     timeout_s: float,
     beat: Callable[[], None] = lambda: None,
+    reports: ReportPort | None = None,
 ) -> None:
     """Drives a companion over a link, at 20 Hz of the clock's time, until it has ended.
 
@@ -45,12 +47,13 @@ def fly(
         clock: of the flight.
         timeout_s: in which a vehicle is heard first.
         beat: called in each step.
+        reports: where other programs on board report events; each tick reads it.
 
     Raises:
         LinkTimeout: no vehicle was heard in time (seconds of the clock's time).
     """
     try:
-        _drive(companion, link, clock, timeout_s, beat)
+        _drive(companion, link, clock, timeout_s, beat, reports)
     finally:
         gc.unfreeze()  # what is left at the exit of the program is looked through again
 
@@ -61,6 +64,7 @@ def _drive(
     clock: ScaledClock,
     timeout_s: float,
     beat: Callable[[], None],
+    reports: ReportPort | None,
 ) -> None:
     begun_s = next_tick_s = now_s = clock.now_s()
     was_flying, is_tick = False, True
@@ -71,7 +75,7 @@ def _drive(
         is_tick = not (may_answer and _hears(companion, link, clock, next_tick_s, heard))
         if is_tick:
             clock.sleep_until(next_tick_s)
-        now_s = _step(companion, link, clock, heard, is_tick, now_s)
+        now_s = _step(companion, link, clock, heard, is_tick, now_s, reports)
         if companion.is_waiting and now_s - begun_s > timeout_s:
             raise LinkTimeout(
                 f"no vehicle on {link.endpoint} after {timeout_s:.0f} s: {link.account()}\n"
@@ -95,12 +99,14 @@ def _step(
     heard: list[bytes],
     is_tick: bool,
     stepped_s: float,
+    reports: ReportPort | None,
 ) -> float:
     """One step; in flight, nothing of before a pause of this process is read or sent.
 
     Args:
         heard: what has arrived already.
         stepped_s: when the step before began.
+        reports: read in a tick.
 
     Returns:
         when it began.
@@ -111,7 +117,8 @@ def _step(
     if is_flying and now_s - stepped_s >= PAUSED_S:
         arrived = []
         link.discard()
-    sent = companion.step(now_s, arrived, is_tick)
+    reported = reports.receive() if reports is not None and is_tick else ()
+    sent = companion.step(now_s, arrived, is_tick, reported)
     link.send([] if is_flying and clock.now_s() - now_s >= PAUSED_S else sent)
     companion.note(link.news())
     return now_s

@@ -98,6 +98,9 @@ class GlobalOrigin:
     longitude_deg: float
     altitude_m: float  # above mean sea level
 
+    def __str__(self) -> str:
+        return f"{self.latitude_deg},{self.longitude_deg},{self.altitude_m}"
+
     def to_global(self, ned: Ned) -> tuple[float, float, float]:
         """Latitude and longitude in degrees and altitude above mean sea level in metres."""
         north, east = ned[0] / EARTH_RADIUS_M, ned[1] / EARTH_RADIUS_M

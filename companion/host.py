@@ -26,7 +26,9 @@ class Host(Protocol):
             CompanionError, OSError: it cannot be read after all.
         """
 
-    def prepare(self, mission: Mission, speed_max_mps: float) -> Preparation:
+    def prepare(
+        self, mission: Mission, speed_max_mps: float, ground_amsl_m: float | None
+    ) -> Preparation:
         """Begins to prepare a mission, as `preparation.prepare` does. It may not block."""
 
     def begin_run(self, mission: Mission) -> Recorder:

@@ -7,14 +7,10 @@ frame x is east and y is north of the home position; the image's top row is the 
 This is a door: it opens the files whose path it is given. Left out: rotated maps, the modes
 `scale` and `raw`, and images with more than 8 bits. A pixel that is not opaque is unknown, and
 unknown cells count as occupied. Keys that map_server does not know are ignored, as it does.
-
-A map of boxes needs no file.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +26,6 @@ from companion.motion.grid import OccupancyGrid
 
 MAX_EDGE_CELLS = 4000
 MAX_CELLS = 4_000_000
-ROUNDING = 1e-9
 MANY = 1e9
 """Cells beyond which it does not matter how many there would be."""
 MAX_YAML_BYTES = 64 * 1024  # a map's YAML has seven lines; more is another file
@@ -65,60 +60,11 @@ def read_map(path: Path) -> OccupancyGrid:
     return OccupancyGrid(np.ascontiguousarray(~is_free[::-1]), resolution_m, (north_m, east_m))
 
 
-def map_of_boxes(
-    east_m: tuple[float, float],
-    north_m: tuple[float, float],
-    cell_m: float,
-    walls: Iterable[tuple[tuple[float, float], tuple[float, float]]] = (),
-) -> OccupancyGrid:
-    """The occupancy grid of an area in which boxes are occupied.
-
-    >>> room = map_of_boxes((0, 4), (0, 2), 1.0, [((1, 2), (0, 1))])
-    >>> room.occupied.astype(int).tolist()
-    [[0, 1, 0, 0], [0, 0, 0, 0]]
-
-    Args:
-        east_m: from where to where the area reaches.
-        north_m: the same to the north.
-        cell_m: edge of a cell.
-        walls: of each box the same two; a cell that a box overlaps is occupied.
-
-    Raises:
-        MissionError: the area or a box is empty, or there are too many cells.
-    """
-    edges = []
-    for name, (first, last) in (("east_m", east_m), ("north_m", north_m)):
-        if not first < last:
-            raise MissionError(f"{name} of the map: {first:g} to {last:g} is no range")
-        needed = (last - first) / cell_m - ROUNDING
-        if needed > MAX_EDGE_CELLS:
-            hint = f"At most {MAX_EDGE_CELLS} cells along an edge; use a larger cell_m."
-            what = f"{name} of the map: {math.ceil(min(needed, MANY))} cells are too many"
-            raise MissionError(what, hint=hint)
-        cells = math.ceil(needed)
-        edges.append(np.linspace(first, first + cells * cell_m, cells + 1))
-    east, north = edges
-    _check_cells(len(east) - 1, len(north) - 1)
-    occupied = np.zeros((len(north) - 1, len(east) - 1), dtype=np.bool_)
-    for box_east_m, box_north_m in walls:
-        rows, cols = _overlapped(north, box_north_m), _overlapped(east, box_east_m)
-        occupied |= rows[:, None] & cols[None, :]
-    return OccupancyGrid(occupied, cell_m, (north_m[0], east_m[0]))
-
-
-def _check_cells(east: int, north: int) -> None:
+def check_cells(east: int, north: int) -> None:
     """Refuses a map that takes too much memory, whatever its edges."""
     if east * north > MAX_CELLS:
         what = f"the map has {east} x {north} cells, at most {MAX_CELLS:,} are allowed"
         raise MissionError(what, hint="use larger cells")
-
-
-def _overlapped(edges: npt.NDArray[np.float64], box: tuple[float, float]) -> npt.NDArray[np.bool_]:
-    """Which cells between edges a box has a part in."""
-    if not box[0] < box[1]:
-        raise MissionError(f"a wall of the map: {box[0]:g} to {box[1]:g} is no range")
-    is_overlapped = (edges[:-1] < box[1] - ROUNDING) & (edges[1:] > box[0] + ROUNDING)
-    return np.asarray(is_overlapped, dtype=np.bool_)
 
 
 def image_of(path: Path) -> Path:
@@ -226,7 +172,7 @@ def _pixels(fields: _Fields) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.bo
                     f"At most {MAX_EDGE_CELLS} cells along an edge; use a coarser resolution.",
                 )
             try:
-                _check_cells(*image.size)
+                check_cells(*image.size)
             except MissionError as error:
                 raise fields.error("image", error.what, error.hint) from None
             if image.mode not in _GREY_MODES:

@@ -7,6 +7,8 @@ and time in, messages out; who owns the link and lives longer is `app.py`.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Protocol
 
 from companion.acting.assembly import assemble
@@ -21,18 +23,23 @@ from companion.acting.journal import (
     VehicleSeen,
 )
 from companion.acting.phases import ON_THE_GROUND
-from companion.acting.preparation import PreparedMission
+from companion.acting.preparation import PreparedMission, prepare
 from companion.acting.resumption import Resumption, restore
 from companion.acting.sortie import Sortie
+from companion.errors import Aborted, MissionError
 from companion.flight_events.event import Stamped
 from companion.flight_events.plans import NoPlanFound, PlanReplaced
+from companion.flight_events.reports import SignalHeard, SignalSilent
 from companion.flight_events.skills import ClearanceChanged
-from companion.flight_events.sortie import Phase
+from companion.flight_events.sortie import AutopilotSaid, Phase, RunFailed
 from companion.geometry import Ned
 from companion.mavlink.framing import Message
 from companion.mission.digest import digest
 from companion.mission.facts import Fact
+from companion.mission.model import Mission
 from companion.motion.position_error import AddedClearance
+from companion.planning.engine_port import Engine
+from companion.vehicle.detections import Detections
 from companion.vehicle.gate import Envelope
 from companion.vehicle.offboard import MavlinkVehicle
 from companion.vehicle.signals import Reading
@@ -59,6 +66,39 @@ class Recorder(Protocol):
 
     def position(self, now_s: float, position: Ned) -> None:
         """Where the vehicle is, once per tick."""
+
+
+@dataclass(frozen=True)
+class OnlyRun:
+    """The only run of a companion, before it begins.
+
+    Attributes:
+        recorder: of it.
+        engine: who plans it; None for the built-in search.
+        journalled: a run that was cut off, to go on with.
+    """
+
+    mission: Mission
+    recorder: Recorder
+    engine: Engine | None
+    journalled: JournalledFlight | None
+
+    def prepare(self, telemetry: Telemetry) -> PreparedMission | Aborted | None:
+        """Its preparation, or why it cannot begin; None until all that it needs was heard.
+
+        A mission with places above the sea needs the height of the ground. One whose vehicle does
+        not stand there is prepared without: the run leaves the vehicle alone.
+        """
+        seen = self.journalled.seen if self.journalled is not None else None
+        ground_amsl_m = seen.altitude_m if seen is not None else telemetry.ground_amsl_m
+        if self.mission.is_above_sea and ground_amsl_m is None and not telemetry.is_flown:
+            return None
+        try:
+            return prepare(self.mission, engine=self.engine, ground_amsl_m=ground_amsl_m)
+        except MissionError as error:
+            failure = Aborted(str(error))
+            self.recorder.report(Stamped(0.0, RunFailed(str(failure), failure.exit_code)))
+            return failure
 
 
 class Run:
@@ -95,26 +135,21 @@ class Run:
     ) -> None:
         mission = prepared.mission
         self._detector = detector = EventDetector(mission.events)
-        home, limits, profile = mission.home, mission.limits, mission.vehicle
+        home, profile = mission.home, mission.vehicle
         self.mission = mission
         self.recorder = recorder
         self.start_s = start_s
         self._wire, self._telemetry = wire, telemetry
+        telemetry.anchor_at(mission.anchor)
+        telemetry.words.take_news()  # of another flight
         self.vehicle = MavlinkVehicle(
             wire,
             telemetry,
-            Envelope(
-                limits.fence,
-                limits.up_m,
-                mission.speed_limits.speed_mps,
-                profile.climb_mps,
-                profile.descent_mps,
-                profile.carrot_m,
-                profile.margin_m,
-            ),
-            detector.signals,
+            envelope_of(mission),
+            frozenset(signal for signal in detector.signals if not signal.is_report),
             takeoff_up_m=-home.position[2],
         )
+        self._detections = Detections(detector.signals)
         self.awaited = frozenset(s.field for s in detector.signals if s.is_pulse)
         acting = assemble(prepared, self.vehicle, detector)
         self.flight = acting.flight
@@ -164,7 +199,12 @@ class Run:
         return not self.watched.isdisjoint(self._detector.foresee(now_s, readings))
 
     def step(
-        self, now_s: float, messages: list[Message], asked: list[Reading], is_tick: bool = True
+        self,
+        now_s: float,
+        messages: list[Message],
+        asked: list[Reading],
+        is_tick: bool = True,
+        reports: Sequence[bytes] = (),
     ) -> list[Stamped]:
         """One tick, or a step between two: reads what arrived and acts; returns what happened.
 
@@ -175,20 +215,38 @@ class Run:
         self.flight.speed_limit.advance(now_s)
         self.vehicle.set_speed_limit(self.flight.speed_limit.now_mps)
         self.vehicle.set_violated(bool(self.flight.task.violated))
-        readings = asked + self.vehicle.receive(now_s, messages)
+        readings = asked + self.vehicle.receive(now_s, messages) + self._detections.read(reports)
+        if not self.sortie.has_ended:  # the end is the last of its record
+            self._tell_of_others()
         if self._surroundings.take(self.vehicle.scans):
             self.flight.routes.see(self._surroundings.grid)
         self.sortie.step(now_s, readings)
         if not is_tick and self.executive.lasso is not plan:
             self.sortie.step(now_s, [])
+        if not self.sortie.has_ended:
+            self._tell_of_silence(now_s)
         self._learn()
         self._note_vehicle(now_s)
         return self.flight.collect_reports()
+
+    def _tell_of_others(self) -> None:
+        """What the autopilot has said, and what of other programs' reports is refused."""
+        for text in self._telemetry.words.take_news():
+            self.flight.report(AutopilotSaid(text))
+        for news in self._detections.news():
+            self.flight.report(news)
+
+    def _tell_of_silence(self, now_s: float) -> None:
+        """Which events' signals have fallen silent, or are heard again."""
+        for event, is_silent in self._detector.silences(now_s):
+            of_signal = SignalSilent if is_silent else SignalHeard
+            self.flight.report(of_signal(event.name, str(event.when.signal)))
 
     def _note_vehicle(self, now_s: float) -> None:
         """The journal has once a second where the vehicle is in the air."""
         state, frame = self.vehicle.state, self._telemetry.frame
         is_flown = state is not None and state.is_armed and now_s - state.stamp_s < SEEN_EVERY_S
+        is_flown = is_flown and self.vehicle.frame_doubt is None
         if state is None or not is_flown or now_s - self._seen_s < SEEN_EVERY_S:
             return
         if frame.origin is not None and self.sortie.phase not in ON_THE_GROUND:
@@ -228,4 +286,19 @@ class Run:
 
     def _position(self) -> Ned | None:
         state = self.vehicle.state
-        return state.position if state else None
+        return state.position if state and self.vehicle.frame_doubt is None else None
+
+
+def envelope_of(mission: Mission) -> Envelope:
+    """What no setpoint of a mission may leave."""
+    limits, vehicle = mission.limits, mission.vehicle
+    return Envelope(
+        limits.fence,
+        limits.up_m,
+        mission.speed_limits.speed_mps,
+        vehicle.climb_mps,
+        vehicle.descent_mps,
+        vehicle.carrot_m,
+        vehicle.margin_m,
+        tuple(limits.keep_out.values()),
+    )

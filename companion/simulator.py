@@ -31,7 +31,7 @@ class SimulatorChild:
 
 
 @contextmanager
-def simulator(options: list[str], log: Path) -> Iterator[SimulatorChild]:
+def simulator(options: list[object], log: Path) -> Iterator[SimulatorChild]:
     """Runs `sitl` with some options for as long as the context lasts.
 
     Args:
@@ -43,7 +43,7 @@ def simulator(options: list[str], log: Path) -> Iterator[SimulatorChild]:
     """
     with log.open("wb") as output:
         child = subprocess.Popen(
-            python_module("sitl", "--attended", *options),
+            python_module("sitl", "--attended", *map(str, options)),
             stdout=output,
             stderr=subprocess.STDOUT,
             stdin=subprocess.PIPE,

@@ -24,7 +24,7 @@ from companion.geometry import GlobalOrigin
 from companion.mavlink.key_file import signing_by
 from companion.mavlink.signing import Signing, harmless
 from sitl.link.routing import LinkName
-from sitl.link.server import PORTS, Server
+from sitl.link.server import GROUND_PORT, LOCAL_PORTS, Server
 from sitl.simulation import Simulation
 from sitl.world.scenario import PX4_HOME, Scenario, read_scenario
 
@@ -89,8 +89,15 @@ def simulate(
         typer.Option(envvar="PX4_SIM_SPEED_FACTOR", min=0.01, help="Times real time."),
     ] = 1.0,
     instance: Annotated[
-        int, typer.Option("--instance", "-i", min=0, max=253, help="Shifts ports and system id.")
+        int,
+        typer.Option(
+            "--instance", "-i", min=0, max=253, help="Shifts system id and ports, as in PX4."
+        ),
     ] = 0,
+    ground_port: Annotated[
+        int,
+        typer.Option(min=1, max=65535, help="UDP port of the ground station, for all instances."),
+    ] = GROUND_PORT,
     home: Annotated[
         GlobalOrigin | None,
         typer.Option(parser=parse_home, metavar="LAT,LON,ALT", help="Where the vehicle starts."),
@@ -120,9 +127,12 @@ def simulate(
             plural = "" if count == 1 else "s"
             typer.echo(f"{check}: a good scenario, {count} event{plural}")
             return
-        with signing_by(signing_key, f"sitl-{instance}", harmless) as signing:
+        with (
+            signing_by(signing_key, f"sitl-{instance}", harmless) as signing,
+            Server(instance, ground_port) as server,
+        ):
             stop = _Stop(attended)
-            if _simulate(scenario, speed, instance, home, seed, quiet, stop, signing):
+            if _simulate(scenario, speed, server, home, seed, quiet, stop, signing):
                 raise typer.Exit(Collided.exit_code)
     except CompanionError as error:
         typer.echo(str(error), err=True)
@@ -132,7 +142,7 @@ def simulate(
 def _simulate(
     path: Path | None,
     speed: float,
-    instance: int,
+    server: Server,
     home: GlobalOrigin | None,
     seed: int,
     is_quiet: bool,
@@ -144,28 +154,26 @@ def _simulate(
     world, grid = read_scenario(path, fallback) if path else (Scenario(home=fallback), None)
     if home:
         world = replace(world, home=home)  # the command line wins over the file
-    with Server(instance) as server:
-        simulation = Simulation(world, grid, seed=seed, instance=instance, signing=signing)
-        gcs, offboard = (server.peers[link][1] for link in (LinkName.GCS, LinkName.OFFBOARD))
-        typer.echo(
-            f"sitl: vehicle {1 + instance} in {path or 'an empty world'}, {speed:g} x real time"
-        )
-        typer.echo(
-            f"sitl: ground station on UDP {gcs} (local {PORTS[LinkName.GCS][0] + instance}), "
-            f"companion on UDP {offboard} (local {PORTS[LinkName.OFFBOARD][0] + instance})"
-        )
-        sys.stdout.flush()
-        clock = ScaledClock(speed, MAX_JUMP_S)
-        told = 0
-        while not stop.is_set:
-            datagrams = server.receive(PERIOD_S)
-            server.send(simulation.step(clock.now_s(), datagrams))
-            told = _tell(simulation, told, is_quiet)
-            if signing is not None and (refused := signing.news()):
-                typer.echo(f"sitl: frames refused: {refused}")
-        simulation.settle()
-        _tell(simulation, told, is_quiet)
-        return simulation.is_damaged
+    instance = server.instance
+    simulation = Simulation(world, grid, seed=seed, instance=instance, signing=signing)
+    gcs, offboard = (server.peers[link][1] for link in (LinkName.GCS, LinkName.OFFBOARD))
+    typer.echo(f"sitl: vehicle {1 + instance} in {path or 'an empty world'}, {speed:g} x real time")
+    typer.echo(
+        f"sitl: ground station on UDP {gcs} (local {LOCAL_PORTS[LinkName.GCS] + instance}), "
+        f"companion on UDP {offboard} (local {LOCAL_PORTS[LinkName.OFFBOARD] + instance})"
+    )
+    sys.stdout.flush()
+    clock = ScaledClock(speed, MAX_JUMP_S)
+    told = 0
+    while not stop.is_set:
+        datagrams = server.receive(PERIOD_S)
+        server.send(simulation.step(clock.now_s(), datagrams))
+        told = _tell(simulation, told, is_quiet)
+        if signing is not None and (refused := signing.news()):
+            typer.echo(f"sitl: frames refused: {refused}")
+    simulation.settle()
+    _tell(simulation, told, is_quiet)
+    return simulation.is_damaged
 
 
 def _tell(simulation: Simulation, told: int, is_quiet: bool) -> int:

@@ -12,14 +12,17 @@ from __future__ import annotations
 
 from random import Random
 
+from companion.geometry import GlobalOrigin
 from companion.mavlink.framing import MavlinkCodec, Message, source
 from companion.mavlink.signing import Signing
 from companion.motion.grid import OccupancyGrid
 from sitl.autopilot.autopilot import Autopilot
 from sitl.autopilot.parameters import Parameters, vehicle_defaults
 from sitl.autopilot.reboot import rebooted
+from sitl.autopilot.reframing import reframed
 from sitl.flight.airframes import AIRFRAMES, Airframe
 from sitl.flight.estimate import Estimator
+from sitl.flight.local_frame import LocalFrame
 from sitl.flight.physics import FlightState, Physics
 from sitl.flight.sensors import Sensors
 from sitl.link.autopilot_component import AUTOPILOT, AutopilotComponent, Outgoing
@@ -79,12 +82,13 @@ class Simulation:
         self._sensors = Sensors(scenario.home, Random(f"sensors {seed}"), state)
         own = vehicle_defaults(scenario.vehicle)
         parameters = Parameters({**own, **scenario.parameters, "MAV_SYS_ID": system})
-        estimate = self._estimator.step(state, state.time_s)
+        self._frame = LocalFrame(scenario.home, scenario.origin or scenario.home)
+        estimate = self._frame.seen(self._estimator.step(state, state.time_s))
         self._autopilot = Autopilot(parameters, estimate, airframe.gains)
         self._vehicle = SimulatedVehicle(
             self._autopilot,
             estimate,
-            scenario.home,
+            self._frame.origin,
             self._sensors,
             self._physics.battery,
             self._estimator,
@@ -101,6 +105,7 @@ class Simulation:
         self._on_board = _onboard_components(system, self._world, scenario)
         addresses = [(system, AUTOPILOT), *(each.address for each in self._on_board)]
         self._local = frozenset(addresses)
+        self._refusals = scenario.arming_refusals
         self._links = links
         self._start_autopilot()
         self._silent_until_s = 0.0
@@ -191,7 +196,12 @@ class Simulation:
         """Its end of the links, with default streams, and nobody heard yet."""
         self._router = Router(self._links, self._local)
         self._autopilot_component = AutopilotComponent(
-            self._system, self._vehicle, self._links, self._router, self._world.answers
+            self._system,
+            self._vehicle,
+            self._links,
+            self._router,
+            self._world.answers,
+            self._refusals,
         )
 
     def _reboot(self, reboot: Reboot) -> None:
@@ -202,6 +212,17 @@ class Simulation:
         self._autopilot = vehicle.autopilot = self._world.autopilot = autopilot
         vehicle.booted_s, self._silent_until_s = now_s, now_s + reboot.silent_s
         self._start_autopilot()
+
+    def _lay_origin(self, origin: GlobalOrigin) -> None:
+        """The autopilot counts from another point of the earth from now on."""
+        vehicle, before = self._vehicle, self._vehicle.state.position
+        here = origin.to_local(*self._frame.origin.to_global(before))
+        by = (here[0] - before[0], here[1] - before[1], here[2] - before[2])
+        self._frame.origin = vehicle.origin = origin
+        vehicle.state = vehicle.state._replace(position=here)
+        autopilot = reframed(self._autopilot, vehicle.state, self._airframe.gains, by)
+        self._autopilot = vehicle.autopilot = self._world.autopilot = autopilot
+        self._estimator.resets += 1
 
     def _receive(self, link: LinkName, message: Message, out: Outgoing) -> None:
         if source(message) in self._local:
@@ -224,7 +245,7 @@ class Simulation:
         motors = self._autopilot.step(self._vehicle.state, DT_S)
         state = self._frozen_truth() if self._world.is_wreck else self._physics.step(motors)
         self._truth = state
-        self._vehicle.state = self._estimator.step(state, state.time_s)
+        self._vehicle.state = self._frame.seen(self._estimator.step(state, state.time_s))
         self._autopilot.health.position_age_s = self._estimator.time_since_fix_s
         self._sensors.step(state, self._estimator.gps, self._estimator.fix_error)
         is_worlds_turn = self._steps % WORLD_STEPS == 0
@@ -233,6 +254,9 @@ class Simulation:
             for reboot in self._world.reboots:
                 self._reboot(reboot)
             self._world.reboots.clear()
+            for origin in self._world.origins:
+                self._lay_origin(origin)
+            self._world.origins.clear()
         if not self._is_silent:
             out += self._autopilot_component.step()
         if is_worlds_turn:

@@ -6,6 +6,7 @@ leaves both out.
 
 from __future__ import annotations
 
+import os
 import re
 import sys
 from collections.abc import Generator
@@ -20,7 +21,7 @@ from companion.api.simulating import lockstep, world_of
 from companion.cli import main
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
-from companion.motion.routes import RouteMap
+from companion.motion.layered_routes import LayeredRoutes
 from companion.planning.flight_times import route_map
 from companion.record.run_folder import RunFolder
 
@@ -28,6 +29,8 @@ settings.register_profile(  # machines are noisy
     "untimed", deadline=None, suppress_health_check=[HealthCheck.too_slow]
 )
 settings.load_profile("untimed")
+
+os.environ.setdefault("MAVLINK20", "1")  # pymavlink's connections start in version 1 otherwise
 
 TESTS = Path(__file__).parent
 MISSIONS = TESTS.parent / "missions"
@@ -94,7 +97,7 @@ def section_v() -> Mission:
 
 
 @pytest.fixture(scope="session")
-def surveillance_routes(surveillance: Mission) -> RouteMap:
+def surveillance_routes(surveillance: Mission) -> LayeredRoutes:
     return route_map(surveillance)
 
 

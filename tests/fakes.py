@@ -14,6 +14,7 @@ from companion.motion.range_scan import RangeScan
 from companion.outcomes import Refusal
 from companion.vehicle.port import (
     Failed,
+    FrameLocation,
     Goal,
     Mode,
     Outcome,
@@ -53,6 +54,8 @@ class FakeVehicle:
         answers: seconds and outcome for each command, in the order they are sent; then DONE.
         drift: where the point settles relative to its setpoint.
         is_stuck: it moves no longer.
+        frame_doubt: why its position is not certain; nothing at first.
+        location: where its frames lie on the earth; not known at first.
         is_turning: its heading is that of its setpoint.
         flown: every setpoint that it was given; None when it was released.
         sent: every command, as (component, command, parameters).
@@ -70,6 +73,8 @@ class FakeVehicle:
         self.scans: list[RangeScan] = []
         self.takeover: Takeover | None = None
         self.is_doubted = False
+        self.frame_doubt: Refusal | None = None
+        self.location: FrameLocation | None = None
         self.refusal: Refusal | None = None
         self.script: dict[Goal, tuple[float, Outcome]] = {}
         self.answers: list[tuple[float, Outcome]] = []
@@ -87,6 +92,7 @@ class FakeVehicle:
             "COM_LOW_BAT_ACT": 3.0,
             "GF_ACTION": 2.0,
             "COM_RCL_EXCEPT": 0.0,
+            "RTL_RETURN_ALT": 30.0,
         }
         self._now_s = self._since_s = 0.0
         self._due: dict[int, tuple[float, Outcome]] = {}

@@ -19,7 +19,7 @@ from random import Random
 from companion.acting.flight import TICK_S
 from companion.mavlink.framing import dialect, message_id
 from sitl.link.routing import LinkName
-from sitl.link.server import HOST, PORTS
+from sitl.link.server import COMPANION_PORT, HOST, LOCAL_PORTS
 
 SO_TIMESTAMPNS = 35  # asm-generic/socket.h; Python has no name for it
 TIMESPEC = struct.Struct("qq")
@@ -53,15 +53,14 @@ class LossyWire(threading.Thread):
 
     def __init__(self, instance: int, loss: float) -> None:
         super().__init__(daemon=True)
-        local, peer = PORTS[LinkName.OFFBOARD]
-        self._vehicle_side, self._companion_side = _stamped(peer + instance), _stamped(0)
+        self._vehicle_side, self._companion_side = _stamped(COMPANION_PORT + instance), _stamped(0)
         self._metronome_side = _stamped(0)
         self.companion_port = _free_port()
         self.metronome_port: int = self._metronome_side.getsockname()[1]
         self.setpoints_s: list[float] = []
         self.ticks_s: list[float] = []
         self.newest: dict[int, bytes] = {}
-        self._vehicle = (HOST, local + instance)
+        self._vehicle = (HOST, LOCAL_PORTS[LinkName.OFFBOARD] + instance)
         self._loss, self._random = loss, Random(0)
         self._is_wanted = True
 

@@ -9,21 +9,28 @@ import contextlib
 import random
 import socket
 
-from sitl.link.server import PORTS
+from sitl.link.server import COMPANION_PORT, GROUND_PORT, LOCAL_PORTS
 
 INSTANCES = [tens + one for tens in (30, 80, 130, 180) for one in range(10)]
 """The ports of an instance lie 10, 30 and 40 apart, and so those of others might."""
 
 
-def free_instance() -> int:
-    """An instance whose four UDP ports are free on this machine."""
+def free_instance(besides: int | None = None) -> int:
+    """An instance, another than one, whose UDP ports are free here; `own_ports` names them."""
     for instance in random.SystemRandom().sample(INSTANCES, len(INSTANCES)):
+        if instance == besides:
+            continue
         with contextlib.ExitStack() as stack:
             try:
-                for base in (port for pair in PORTS.values() for port in pair):
+                for base in (*LOCAL_PORTS.values(), COMPANION_PORT, GROUND_PORT):
                     udp = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
                     udp.bind(("127.0.0.1", base + instance))
             except OSError:
                 continue
             return instance
     raise AssertionError("no free ports")
+
+
+def own_ports(instance: int) -> tuple[str, ...]:
+    """Options for a simulator that sends to a ground station of its own, 14550 + instance."""
+    return ("-i", str(instance), "--ground-port", str(GROUND_PORT + instance))

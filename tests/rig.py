@@ -17,7 +17,7 @@ from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.word import PositionLeft
 from companion.mission.model import Mission
 from companion.mission.signals import Signal
-from companion.motion.routes import RouteMap
+from companion.motion.layered_routes import LayeredRoutes
 from companion.planning.engine_port import Engine
 from companion.planning.lasso import Lasso
 
@@ -41,7 +41,7 @@ class Rig(Happened):
     def __init__(
         self,
         mission: Mission,
-        routes: RouteMap | None = None,
+        routes: LayeredRoutes | None = None,
         vehicle: FakeVehicle | None = None,
         engine: Engine | None = None,
     ) -> None:

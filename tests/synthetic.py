@@ -29,6 +29,7 @@ from companion.mission.model import (
 )
 from companion.mission.signals import Signal
 from companion.motion.grid import OccupancyGrid
+from companion.motion.region import Disc
 from companion.planning.planner import Planner
 
 POSITIONS: dict[str, Ned] = {
@@ -124,7 +125,7 @@ def mission(
         text="name: synthetic\n",
         grid=OccupancyGrid(np.zeros((20, 20), dtype=np.bool_), 0.5, (-2.0, -2.0)),
         limits=Limits(speed_mps=2.0, up_m=(0.5, 4.0), fence=FENCE),
-        places={name: Place(name, POSITIONS[name], 0.6) for name in places},
+        places={name: Place(name, POSITIONS[name], Disc(0.6)) for name in places},
         sets={"Place": tuple(places)},
         events={e.name: e for e in events},
         skills={s.name: s for s in (*own_move, *skills)},

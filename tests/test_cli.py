@@ -76,6 +76,7 @@ OPTIONS = {
             "--accept-weak-failsafes",
             "--wait",
             "--resume",
+            "--events",
             "--laps",
             "--limit-s",
             "--timeout",
@@ -83,15 +84,18 @@ OPTIONS = {
         *("--engine", "--encoding", "--engine-timeout", "--log-dir", "--monitor", "--verbose"),
     ],
     "sim": [
-        *("--scenario", "--speed", "--seed", "--instance", "--laps", "--limit-s", "--timeout"),
+        *("--scenario", "--speed", "--seed", "--instance", "--ground-port", "--events"),
+        *("--laps", "--limit-s", "--timeout"),
         *("--engine", "--encoding", "--engine-timeout", "--engine-duration"),
         *("--log-dir", "--monitor", "--verbose"),
     ],
     "audit": ["--json"],
+    "export": ["--output", "--home"],
+    "import": ["--output", "--home", "--up-m", "--payload", "--leave-out", "--name"],
     "replay": ["--port", "--open"],
-    "upload": ["--connect", *SIGNING, "--start", "--timeout", "--verbose"],
+    "upload": ["--connect", "--system", *SIGNING, "--start", "--timeout", "--verbose"],
     "key": [],
-    "watch": ["--connect", *SIGNING, "--timeout", "--verbose"],
+    "watch": ["--connect", "--system", *SIGNING, "--timeout", "--verbose"],
 }
 
 
@@ -190,13 +194,11 @@ def test_a_missing_mission(companion: Companion, tmp_path: Path) -> None:
     assert f"{tmp_path / 'none.yaml'} cannot be read: No such file" in ended.err
 
 
-def test_a_missing_scenario(companion: Companion, spoil: Spoil, tmp_path: Path) -> None:
-    mission = spoil("name: surveillance", "name: unwatched")
-    scenario = mission.with_suffix(".sim.yaml")
-    scenario.unlink()
-    ended = companion("sim", mission, "--speed", "max")
+def test_a_missing_scenario(companion: Companion, tmp_path: Path) -> None:
+    scenario = tmp_path / "none.sim.yaml"
+    ended = companion("sim", SURVEILLANCE, "--scenario", scenario, "--speed", "max")
     assert ended.code == 2
-    assert f"there is no scenario {scenario}\n    name one with --scenario" in ended.err
+    assert f"{scenario} cannot be read" in ended.err
     assert not (tmp_path / "runs").exists()
 
 
@@ -324,7 +326,7 @@ def test_a_mission_is_prepared_before_the_link_is_opened(
         done.append("link")
         raise LinkError("nothing is flown here")
 
-    monkeypatch.setattr("companion.app.prepare", prepare_first)
+    monkeypatch.setattr("companion.mission_run.prepare", prepare_first)
     monkeypatch.setattr("companion.vehicle.link.Link", no_link)
     with pytest.raises(LinkError):
         run(SURVEILLANCE, log_dir=tmp_path, monitor="off")

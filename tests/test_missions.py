@@ -62,7 +62,7 @@ def test_a_scenario_fits_its_mission(path: Path) -> None:
     scenario, grid = read_scenario(path)
     north_m, east_m, _ = mission.home.position
     start_north_m, start_east_m, _ = scenario.start
-    assert abs(start_north_m - north_m) <= mission.home.radius_m
-    assert abs(start_east_m - east_m) <= mission.home.radius_m
+    assert abs(start_north_m - north_m) <= mission.home.inner_m
+    assert abs(start_east_m - east_m) <= mission.home.inner_m
     assert grid is not None
     assert grid.clearance_m((north_m, east_m)) > 0

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import pytest
 from first_installation import environment
-from ports import free_instance
+from ports import free_instance, own_ports
 
 ROOT = Path(__file__).parents[1]
 PAGES = {
@@ -42,7 +42,6 @@ IN_REAL_TIME = (
 SIMULATORS = (
     "sitl",
     "sitl --scenario missions/surveillance.sim.yaml --speed 2",
-    "sitl -i 1",
     "sitl --home 48.14,11.57,520 --seed 7 --quiet",
 )
 """Commands that run until they are stopped."""
@@ -70,6 +69,26 @@ ELSEWHERE = {
         "tests/flights/test_signed_sockets.py"
     ),
     "companion watch --signing-key vehicle.key": ("tests/flights/test_signed_sockets.py"),
+    **dict.fromkeys(
+        (
+            "sitl -i 0 --scenario missions/surveillance.sim.yaml",
+            "sitl -i 1 --scenario missions/surveillance.sim.yaml",
+            "companion run --connect udpin://0.0.0.0:14540 --log-dir runs/first",
+            "companion run --connect udpin://0.0.0.0:14541 --log-dir runs/second",
+            "companion upload missions/surveillance.yaml --system 1 --start",
+            "companion upload missions/surveillance.yaml --system 2 --start",
+            "companion watch --system 2",
+        ),
+        "tests/flights/test_two_vehicles.py",
+    ),
+    **dict.fromkeys(
+        (
+            "companion import field.plan -o field.yaml",
+            "companion export field.yaml -o field.geojson",
+            "companion export field.yaml -o shown.plan",
+        ),
+        "tests/test_cli_plans.py",
+    ),
     "companion audit runs/2026-11-21T101500-surveillance": "tests/test_cli_audit.py",
     "companion replay runs/2026-11-21T101500-surveillance": "tests/test_cli_replay.py",
     "scripts/fly --speed max": ".ci/run",
@@ -108,6 +127,9 @@ def is_quick(command: str) -> bool:
 
 COMMANDS = list(dict.fromkeys(c for text in PAGES.values() for c in commands(text)))
 QUICK = [command for command in COMMANDS if is_quick(command)]
+MISSIONS = [path.relative_to(ROOT) for path in (ROOT / "missions").glob("*.yaml")]
+SHIPPED = [f"companion sim {path} --speed max" for path in MISSIONS]
+"""Flown tick by tick in tests/flights/test_shipped.py as well, so not in the default tests."""
 
 
 def test_commands_are_found() -> None:
@@ -144,7 +166,10 @@ def start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Start:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("command", QUICK)
+@pytest.mark.parametrize(
+    "command",
+    [pytest.param(c, marks=[pytest.mark.sockets] if c in SHIPPED else []) for c in QUICK],
+)
 def test_a_quick_command_succeeds(command: str, start: Start) -> None:
     process = start(command)
     printed, _ = process.communicate(timeout=600)
@@ -179,7 +204,7 @@ def test_a_command_flies_and_lands_on_ctrl_c(together: tuple[str, ...], start: S
 @pytest.mark.sockets
 @pytest.mark.parametrize("command", SIMULATORS)
 def test_a_simulator_starts_and_stops(command: str, start: Start) -> None:
-    sitl = start(on_ports_of(free_instance(), command.removesuffix(" -i 1")))
+    sitl = start(on_ports_of(free_instance(), command))
     assert sitl.stdout is not None
     try:
         assert sitl.stdout.readline().startswith("sitl: vehicle ")
@@ -194,7 +219,7 @@ def on_ports_of(instance: int, command: str) -> str:
     """A command on the ports of an instance of the simulator."""
     if "14540" in command:
         return command.replace("14540", str(14540 + instance))
-    return f"{command} -i {instance}"
+    return shlex.join([*shlex.split(command), *own_ports(instance)])
 
 
 def test_every_command_is_covered() -> None:

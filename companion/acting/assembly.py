@@ -43,6 +43,7 @@ def assemble(prepared: PreparedMission, vehicle: Vehicle, detector: EventDetecto
         routes=routes,
         speed_limit=speed_limit,
         profile=mission.vehicle,
+        limits=mission.limits,
         symbols=Symbols(mission.places, routes),
     )
     return ActingParts(flight, Executive(prepared, flight, detector))

@@ -12,7 +12,8 @@ from companion.acting.flight import Flight
 from companion.acting.phases import ON_THE_GROUND, UNDER_TASK
 from companion.errors import Aborted, CompanionError, LinkError
 from companion.flight_events.sortie import Phase
-from companion.mission.model import Place
+from companion.geometry import FAR_M
+from companion.mission.model import Limits, Place
 from companion.motion.position_error import greatest_error_m
 from companion.outcomes import Refusal
 from companion.vehicle.port import Mode, VehicleState
@@ -23,6 +24,8 @@ NEVER_BACK_S = 1800.0
 """The same in the air: no battery lasts longer."""
 SILENT_S = 3.0
 """Silence after which a vehicle in the air is waited for: nothing is sent, and no time counts."""
+ASTRAY_M = 1.0
+"""Above the altitudes of the mission: what a vehicle that holds may be off by."""
 FRESH_S = 0.5
 """Age of the position up to which an operator may give control back."""
 
@@ -36,6 +39,15 @@ def loss_of_link(state: VehicleState, now_s: float) -> LinkError | None:
     return LinkError(f"no position from the vehicle for {silence_s:.0f} s")
 
 
+def why_left_alone(state: VehicleState | None, now_s: float) -> Refusal | None:
+    """Why a vehicle is not one to begin a run with; None if it is."""
+    if state is None or loss_of_link(state, now_s):
+        return Refusal("the vehicle's state is not known")
+    if state.is_armed or not state.is_landed:
+        return Refusal("the vehicle is armed or flying already; it is left alone")
+    return None
+
+
 def not_at_home(gap_m: float, state: VehicleState, home: Place) -> Aborted | None:
     """Returns why the mission may not begin where the vehicle stands; None if it may.
 
@@ -47,8 +59,11 @@ def not_at_home(gap_m: float, state: VehicleState, home: Place) -> Aborted | Non
         state: of the vehicle.
         home: where the mission begins.
     """
-    if gap_m <= home.radius_m + greatest_error_m(state.accuracy_m):
+    if gap_m <= home.inner_m + greatest_error_m(state.accuracy_m):
         return None
+    if gap_m > FAR_M:
+        what = f"the vehicle is {gap_m / 1000:.0f} km from {home.name}, where the mission begins"
+        return Aborted(f"{what}; are lat and lon exchanged?")
     what = f"the vehicle stands {gap_m:.1f} m from {home.name}"
     return Aborted(f"{what}, where the mission begins; put it there")
 
@@ -74,7 +89,7 @@ def is_silent(state: VehicleState, now_s: float) -> bool:
 
 
 def not_handed_over(
-    state: VehicleState | None, now_s: float, is_hold_by_stream_loss: bool
+    state: VehicleState | None, now_s: float, is_hold_by_stream_loss: bool, limits: Limits
 ) -> Refusal | None:
     """Returns why control may not be taken back now; None if it may.
 
@@ -82,6 +97,7 @@ def not_handed_over(
         state: of the vehicle.
         now_s: the time.
         is_hold_by_stream_loss: the autopilot's failsafe is only that it no longer heard us.
+        limits: of the mission; far above them no setpoint would pass the gate.
     """
     if state is None or now_s - state.position_s > FRESH_S:
         return Refusal("no fresh position")
@@ -93,4 +109,8 @@ def not_handed_over(
         return Refusal("a failsafe of the autopilot is active")
     if state.mode is not Mode.LOITER:
         return Refusal(f"{state.mode.value} is flown; the pilot hands over by choosing hold")
+    up_m, (_, ceiling_m) = -state.position[2], limits.up_m
+    if up_m > ceiling_m + ASTRAY_M:
+        above = f"the vehicle is {up_m:.1f} m up, and the mission stays below {ceiling_m:g} m"
+        return Refusal(f"{above}; bring it down first")
     return None

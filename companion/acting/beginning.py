@@ -11,6 +11,8 @@ from companion.acting.executive import Executive
 from companion.acting.flight import Flight
 from companion.acting.replanning.replanner import PlanFailure
 from companion.errors import CompanionError
+from companion.flight_events.sortie import FrameLocated
+from companion.geometry import horizontal_distance
 from companion.mission.model import Place
 from companion.slices import InSlices
 from companion.vehicle.port import Progress, VehicleState
@@ -44,7 +46,26 @@ class Beginning:
             if elsewhere := not_at_home(gap_m, state, home):
                 return elsewhere
             vehicle.stand_at(home.position)
+            self._tell_location()
             self._planning = InSlices(self._executive.plan, GROUND_SLICE_US)
         if not self._planning.step():
             return Progress.RUNNING
         return self._planning.result or Progress.DONE
+
+    def _tell_location(self) -> None:
+        """Where on the earth a mission begins that says so."""
+        location, home = self._flight.vehicle.location, self._home
+        if location is None or not location.is_asked_for:
+            return
+        zero, origin = location.zero, location.origin
+        there = origin.to_local(zero.latitude_deg, zero.longitude_deg, zero.altitude_m)
+        self._flight.report(
+            FrameLocated(
+                home.name,
+                round(origin.latitude_deg, 7),
+                round(origin.longitude_deg, 7),
+                round(horizontal_distance(there, (0.0, 0.0)), 2),
+                round(zero.altitude_m, 2),
+                round(location.residual_m, 3),
+            )
+        )

@@ -8,6 +8,9 @@ fail in between.
 A command is a pulse: it is there at the moment when it comes, and no longer. So an event may rise
 and fall within one tick. One that flaps there is told by its last two changes: if it has risen, the
 rise is one of them.
+
+What was not heard for the event's `stale_s` is not known: the event stays as it was, unless it asks
+for silence. That it is silent, and that it is heard again, is told.
 """
 
 from __future__ import annotations
@@ -16,7 +19,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from companion.mission.model import Event
-from companion.mission.signals import Condition, Signal
+from companion.mission.signals import AnyCondition, Signal, Silence
 
 Change = tuple[str, bool]
 """An event by name, and whether it holds now."""
@@ -28,6 +31,9 @@ class EventDetector:
     def __init__(self, events: Mapping[str, Event]) -> None:
         self._events = events
         self._values: dict[Signal, float] = {}
+        self._heard_s: dict[Signal, float] = {}
+        self._begun_s: float | None = None
+        self._silent: set[str] = set()
         self._since_s: dict[str, float] = {}
         self._holds = dict.fromkeys(events, False)
         self._spent: set[str] = set()  # have fallen, and the condition has held ever since
@@ -45,8 +51,10 @@ class EventDetector:
     def update(self, now_s: float, readings: Iterable[tuple[Signal, float]]) -> list[Change]:
         """Takes readings; returns the changes, the last two of each event, one after the other."""
         changes: list[Change] = []
+        if self._begun_s is None:
+            self._begun_s = now_s
         for signal, value in readings:
-            self._values[signal] = value
+            self._values[signal], self._heard_s[signal] = value, now_s
             changes += self._changes(now_s)
             if signal.is_pulse:
                 del self._values[signal]
@@ -54,21 +62,32 @@ class EventDetector:
         changes += self._changes(now_s)
         return list(_last_two(changes))
 
+    def silences(self, now_s: float) -> list[tuple[Event, bool]]:
+        """The events whose signal has fallen silent, or is heard again, since this was asked."""
+        news = []
+        for name, event in self._events.items():
+            is_silent = event.stale_s is not None and self._is_stale(event, event.when, now_s)
+            if is_silent != (name in self._silent):
+                self._silent ^= {name}
+                news.append((event, is_silent))
+        return news
+
     def foresee(self, now_s: float, readings: Sequence[tuple[Signal, float]]) -> frozenset[str]:
         """The events that readings would change; nothing is taken."""
         if not readings:
             return frozenset()
         trial = EventDetector(self._events)
         trial._values, trial._since_s = self._values.copy(), self._since_s.copy()
+        trial._heard_s, trial._begun_s = self._heard_s.copy(), self._begun_s
         trial._holds, trial._spent = self._holds.copy(), self._spent.copy()
         return frozenset(name for name, _ in trial.update(now_s, readings))
 
     def _changes(self, now_s: float) -> Iterator[Change]:
         for name, event in self._events.items():
-            is_met = self._is_met(event.when)
+            is_met = self._is_met(event, event.when, now_s)
             if not is_met:
                 self._spent.discard(name)
-            if not self._wants_to_change(event, is_met):
+            if not self._wants_to_change(event, is_met, now_s):
                 self._since_s.pop(name, None)
             elif now_s - self._since_s.setdefault(name, now_s) >= self._delay_s(event):
                 del self._since_s[name]
@@ -77,23 +96,39 @@ class EventDetector:
                     self._spent.add(name)
                 yield name, self._holds[name]
 
-    def _wants_to_change(self, event: Event, is_met: bool) -> bool:
+    def _wants_to_change(self, event: Event, is_met: bool, now_s: float) -> bool:
         if not self._holds[event.name]:
             return is_met and event.name not in self._spent
-        is_heard = event.when.signal.is_pulse or event.when.signal in self._values
-        if event.latch or not is_heard:  # not heard yet, after `resume`
+        if event.latch:
             return False
-        return self._is_met(event.until) if event.until else not is_met
+        if event.until:
+            return self._is_met(event, event.until, now_s)
+        if event.when.signal.is_pulse or isinstance(event.when, Silence):
+            return not is_met
+        return not is_met and self._known(event, event.when, now_s) is not None
 
     def _delay_s(self, event: Event) -> float:
         """How long the condition that is met has to hold: a pulse cannot."""
         condition = event.until if self._holds[event.name] and event.until else event.when
         return 0.0 if condition.signal.is_pulse else event.for_s
 
-    def _is_met(self, condition: Condition) -> bool:
-        """Whether a condition holds; a signal that was never heard meets none."""
-        value = self._values.get(condition.signal)
-        return value is not None and condition.is_met_by(value)
+    def _is_met(self, event: Event, condition: AnyCondition, now_s: float) -> bool:
+        """Whether a condition of an event holds; silence only from `stale_s` on."""
+        if isinstance(condition, Silence):
+            return self._is_stale(event, condition, now_s)
+        return condition.is_met_by(self._known(event, condition, now_s))
+
+    def _known(self, event: Event, condition: AnyCondition, now_s: float) -> float | None:
+        """The value that a condition is about; None if it was never heard, or too long ago."""
+        if self._is_stale(event, condition, now_s):
+            return None
+        return self._values.get(condition.signal)
+
+    def _is_stale(self, event: Event, condition: AnyCondition, now_s: float) -> bool:
+        """Whether nothing was heard of it for `stale_s`; of the beginning, if never."""
+        begun_s = now_s if self._begun_s is None else self._begun_s
+        heard_s = self._heard_s.get(condition.signal, begun_s)
+        return event.stale_s is not None and now_s - heard_s > event.stale_s
 
 
 def _last_two(changes: Sequence[Change]) -> Iterator[Change]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from companion.acting.authority import FRESH_S
 from companion.acting.flight import Flight
 from companion.flight_events.sortie import WeakFailsafeAccepted
-from companion.vehicle.failsafes import REQUIREMENTS, weaknesses
+from companion.vehicle.failsafes import PARAMETERS, weaknesses
 from companion.vehicle.port import Failed, Outcome, Progress
 
 ANSWER_TIMEOUT_S = 10.0
@@ -39,11 +39,11 @@ class FailsafeCheck:
         is_heard = state is not None and now_s - state.stamp_s <= FRESH_S
         if self._asked_s is None or not is_heard:
             self._asked_s = now_s
-        values = {r.parameter: vehicle.parameter(r.parameter) for r in REQUIREMENTS}
+        values = {name: vehicle.parameter(name) for name in PARAMETERS}
         is_late = now_s - self._asked_s > ANSWER_TIMEOUT_S
         if None in values.values() and not is_late:
             return Progress.RUNNING
-        weak = weaknesses(values)
+        weak = weaknesses(values, self._flight.limits.up_m[1])
         if weak and not self._accepts_weak:
             lines = "\n    ".join(weak)
             return Failed(f"the autopilot's failsafes are weak, so it is not armed\n    {lines}")

@@ -9,10 +9,11 @@ from companion.acting.symbols import Symbols
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.skills import SymbolMoved
 from companion.geometry import Ned
+from companion.mission.model import Limits
 from companion.motion.drag_estimate import DragEstimate
 from companion.motion.heading import turned
+from companion.motion.layered_routes import LayeredRoutes
 from companion.motion.live_speed_limit import LiveSpeedLimit
-from companion.motion.routes import RouteMap
 from companion.motion.trajectory import AT_REST, Sample, Stop, Trajectory, times
 from companion.planning.task_state import TaskState
 from companion.vehicle.port import Setpoint, Vehicle, VehicleState
@@ -49,6 +50,7 @@ class Flight:
     Attributes:
         speed_limit: of all that is flown.
         profile: of the vehicle that the mission is written for.
+        limits: of the mission.
         symbols: where each place is to be flown to; read late, so that it may change in flight.
         now_s: time of the tick; the sortie writes it before all else.
         progress: of the present plan; the executive gives each plan its own.
@@ -62,9 +64,10 @@ class Flight:
 
     vehicle: Vehicle
     task: TaskState
-    routes: RouteMap
+    routes: LayeredRoutes
     speed_limit: LiveSpeedLimit
     profile: VehicleProfile
+    limits: Limits
     symbols: Symbols
     now_s: float = 0.0
     progress: PlanProgress = field(default_factory=PlanProgress)

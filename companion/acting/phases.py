@@ -36,6 +36,7 @@ class SortieEvent(Enum):
     SILENT = "nothing is heard of the vehicle in the air"
     HANDED_BACK = "the pilot holds, and the operator resumes; or the rule of resume holds"
     HIT = "the vehicle has hit something, and still flies"
+    FRAME_LOST = "where the vehicle is on the earth is in doubt for too long"
     STOPPED_IN_THE_AIR = "a stop is asked for, and the vehicle is armed"
     STOPPED = "a stop is asked for, and the vehicle is not armed or not ours"
     GIVEN_UP = "it cannot begin, or the vehicle is no longer ours to fly"
@@ -100,7 +101,11 @@ TRANSITIONS = TransitionTable(
         StateTransition(phase, _E.STOPPED_IN_THE_AIR, _P.HOLDING, "it holds, then lands")
         for phase in _OURS
     ),
-    *(StateTransition(phase, _E.HIT, _P.HOLDING, "it holds, then lands") for phase in _OURS),
+    *(
+        StateTransition(phase, event, _P.HOLDING, "it holds, then lands")
+        for event in (_E.HIT, _E.FRAME_LOST)
+        for phase in _OURS
+    ),
     *(
         StateTransition(phase, _E.STOPPED, _P.ENDED, _ENDS)
         for phase in (*ON_THE_GROUND, *_OURS, _P.YIELDED)

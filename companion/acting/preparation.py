@@ -15,9 +15,10 @@ from typing import Protocol
 
 from companion.acting.replanning.replanner import PlanFailure
 from companion.errors import NoPlanError, SearchLimit
+from companion.mission.altitudes import above_ground
 from companion.mission.model import Mission
+from companion.motion.layered_routes import LayeredRoutes
 from companion.motion.live_speed_limit import LiveSpeedLimit
-from companion.motion.routes import RouteMap
 from companion.planning.engine_port import Engine
 from companion.planning.flight_times import flight_times, route_map
 from companion.planning.lasso import ChosenPlan, Lasso, Letter, Problem
@@ -49,7 +50,7 @@ class PreparedMission:
     """
 
     mission: Mission
-    routes: RouteMap
+    routes: LayeredRoutes
     speed_limit: LiveSpeedLimit
     planner: Planner
     first_plan: FirstPlan | None
@@ -86,8 +87,9 @@ class Preparation(Protocol):
 def prepare(
     mission: Mission,
     speed_max_mps: float = math.inf,
-    routes: RouteMap | None = None,
+    routes: LayeredRoutes | None = None,
     engine: Engine | None = None,
+    ground_amsl_m: float | None = None,
 ) -> PreparedMission:
     """A mission with everything that takes long.
 
@@ -103,10 +105,12 @@ def prepare(
         speed_max_mps: what an operator allows; more than the mission allows changes nothing.
         routes: of the mission; made if absent.
         engine: who plans; None for the built-in search, which also plans where an engine fails.
+        ground_amsl_m: how high the vehicle stands above the sea; None while that is not known.
 
     Raises:
         CompanionError: the mission cannot be flown whatever happens.
     """
+    mission = above_ground(mission, ground_amsl_m)
     routes = routes or route_map(mission)
     speed_limit = LiveSpeedLimit(mission.speed_limits)
     speed_limit.set_operator_limit(speed_max_mps)

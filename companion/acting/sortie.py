@@ -4,11 +4,10 @@ Safety comes before the phase: who takes the vehicle from us (pilot or failsafe)
 once and nothing more is sent; or, where control may come back, the sortie yields and waits for
 that. So it does while nothing is heard of a vehicle in the air, and after the companion was away. A
 vehicle that is armed or flying before we start is not ours to take, and one whose autopilot would
-not look after itself is not armed unless the operator accepts that. A stop that the operator asked
-for holds, lands, and ends.
+not look after itself is not armed unless the operator accepts that. Whose the vehicle is, and when
+it is handed over again, is asked in authority.py.
 
-The operator may also pause (hold in the air, the task frozen), let it go on, and call it home.
-Whose the vehicle is, and when it is handed over again, is asked in authority.py.
+The operator may pause (hold in the air, the task frozen), let it go on, call it home, and stop it.
 """
 
 from __future__ import annotations
@@ -25,6 +24,7 @@ from companion.acting.failsafe_check import FailsafeCheck
 from companion.acting.flight import Flight
 from companion.acting.flight_limit import NO_LIMIT, FlightLimit, LimitWatch
 from companion.acting.flown_task import FlownTask
+from companion.acting.frame_watch import FrameWatch
 from companion.acting.gate_watch import GateWatch
 from companion.acting.journal import PhaseBegun
 from companion.acting.phases import GOALS, ON_THE_GROUND, TRANSITIONS, UNDER_TASK, SortieEvent
@@ -90,7 +90,7 @@ class Sortie:
         self._failsafes = FailsafeCheck(flight, accepts_weak_failsafes)
         self._crash_watch = CrashWatch(flight.profile)
         self._crash: Crash | None = None
-        self._gate_watch = GateWatch(flight)
+        self._gate_watch, self._frame_watch = GateWatch(flight), FrameWatch(flight)
         self._control = Control(flight, may_yield, resumes, resumption)
         self._limit = LimitWatch(limit, executive, flight)
         self._flown = FlownTask(flight, executive, home.name, otherwise, self._limit)
@@ -114,6 +114,9 @@ class Sortie:
         self._executive.sense(readings)
         self._gate_watch.step()
         state = flight.vehicle.state
+        lost = self._frame_watch.step(self.phase)
+        if lost is not None and (state is None or self.phase in ON_THE_GROUND):
+            self._give_up(lost)
         if state is None or self.has_ended:
             return
         self._control.step(state)
@@ -128,12 +131,12 @@ class Sortie:
             if self._is_waited_for(state):
                 self._yield(SortieEvent.SILENT, LinkSilent())
                 return
-            if flight.vehicle.is_doubted:
+            if lost is not None:
+                self._land(lost, SortieEvent.FRAME_LOST)
+            if flight.vehicle.is_doubted or self._frame_watch.is_frozen(self.phase):
                 return  # it goes on from here, or is lost
             flight.brake()
         _WORK[self.phase](self, state)
-
-    # -- the operator --------------------------------------------------------------------------
 
     def pause(self) -> Refusal | None:
         """Holds in the air with the task frozen."""
@@ -196,8 +199,6 @@ class Sortie:
         else:
             self._on(SortieEvent.STOPPED)
 
-    # -- who has control -----------------------------------------------------------------------
-
     def _take_crash(self, crash: Crash | None) -> None:
         """Lands a vehicle that has hit something and still flies; lets go of any other."""
         self._crash = crash
@@ -205,10 +206,14 @@ class Sortie:
         if crash is not Crash.IMPACT:
             self._give_up(Aborted(str(crash)))
             return
-        self.failure = Aborted(str(crash))
+        self._land(Aborted(str(crash)), SortieEvent.HIT)
+
+    def _land(self, failure: Aborted, event: SortieEvent) -> None:
+        """Holds and lands, if it does not already."""
+        self.failure = failure
         if self.phase not in (Phase.HOLDING, Phase.LANDING):
             self._executive.stop()
-            self._on(SortieEvent.HIT)
+            self._on(event)
 
     def _lose(self, loss: CompanionError, state: VehicleState) -> None:
         """Yields to whoever has taken the vehicle in the air, or ends."""
@@ -237,8 +242,6 @@ class Sortie:
         self._flight.vehicle.regain()
         self._flight.forget_setpoint()  # hold where it is, not where it was taken from us
         self._on(SortieEvent.HANDED_BACK, news)
-
-    # -- the work of each phase ----------------------------------------------------------------
 
     def _await_control(self, state: VehicleState) -> None:
         """Nothing is sent; ends when the vehicle has landed, or is heard no longer."""
@@ -303,12 +306,9 @@ class Sortie:
             self._on(SortieEvent.FAILED)
 
     def _fly(self, _: VehicleState) -> None:
-        event = self._flown.tick()
-        if event is not None:
+        if (event := self._flown.tick()) is not None:
             self.failure = self._flown.failure
             self._on(event)
-
-    # -- the table -----------------------------------------------------------------------------
 
     def _on(self, event: SortieEvent, news: FlightEvent | None = None) -> None:
         """Enters the phase that an event leads to; reports that, or what says more."""

@@ -16,7 +16,8 @@ from dataclasses import dataclass
 from companion.geometry import Ned, distance
 from companion.mission.model import Place
 from companion.motion.distance_maps import CELL_US
-from companion.motion.routes import CELLS_PER_TICK, RouteMap
+from companion.motion.layered_routes import LayeredRoutes
+from companion.motion.routes import CELLS_PER_TICK
 from companion.slices import spent
 
 SAMPLES = 48
@@ -26,7 +27,6 @@ REFUSED_S = 60.0
 SAME_M = 0.2
 """Waypoints nearer to each other are the same."""
 _CANDIDATE_US = 60
-_GOLDEN_RAD = math.pi * (3 - math.sqrt(5))
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,12 +49,8 @@ def as_told(place: Place, value: Value) -> Iterator[Ned]:
 
 
 def around(place: Place, value: Value) -> Iterator[Ned]:
-    """Samples spread evenly over the region, from its middle outwards (Vogel's spiral)."""
-    north, east, down = place.position
-    reach_m = max(0.0, place.radius_m - INSIDE_M)
-    for i in range(1, SAMPLES + 1):
-        away_m, angle = reach_m * math.sqrt(i / SAMPLES), i * _GOLDEN_RAD
-        yield (north + away_m * math.cos(angle), east + away_m * math.sin(angle), down)
+    """Samples spread evenly over the region, from its middle outwards."""
+    return place.region.waypoints(place.position, SAMPLES, INSIDE_M)
 
 
 SUGGESTERS: Mapping[str, Callable[[Place, Value], Iterator[Ned]]] = {
@@ -65,21 +61,21 @@ SUGGESTERS: Mapping[str, Callable[[Place, Value], Iterator[Ned]]] = {
 """Source -> what it proposes, in the order in which they are asked."""
 
 
-def is_free(routes: RouteMap, name: str, waypoint: Ned, start: Ned) -> bool:
+def is_free(routes: LayeredRoutes, name: str, waypoint: Ned, start: Ned) -> bool:
     """It has the clearance on the map as it is known now, and lies inside the fence."""
-    return routes.is_free(waypoint[:2])
+    return routes.is_free(waypoint)
 
 
-def is_reachable(routes: RouteMap, name: str, waypoint: Ned, start: Ned) -> bool:
+def is_reachable(routes: LayeredRoutes, name: str, waypoint: Ned, start: Ned) -> bool:
     """A way leads there; it is searched in parts."""
     routes.aim(name, waypoint)
-    while not routes.search(start[:2], name, CELLS_PER_TICK):
+    while not routes.search(start, name, CELLS_PER_TICK):
         spent(CELL_US * CELLS_PER_TICK)
         routes.aim(name, waypoint)  # others may have chosen meanwhile
-    return math.isfinite(routes.distance_m(start[:2], name))
+    return math.isfinite(routes.distance_m(start, name))
 
 
-TESTS: tuple[Callable[[RouteMap, str, Ned, Ned], bool], ...] = (is_free, is_reachable)
+TESTS: tuple[Callable[[LayeredRoutes, str, Ned, Ned], bool], ...] = (is_free, is_reachable)
 """What a waypoint has to pass: routes, symbol, waypoint, where the vehicle is."""
 
 
@@ -91,7 +87,7 @@ class Symbols:
         routes: lead to the waypoint that a symbol has now.
     """
 
-    def __init__(self, places: Mapping[str, Place], routes: RouteMap) -> None:
+    def __init__(self, places: Mapping[str, Place], routes: LayeredRoutes) -> None:
         self._places = places
         self._routes = routes
         self._values = {name: Value(p.position, "the mission", 0.0) for name, p in places.items()}
@@ -105,9 +101,9 @@ class Symbols:
         """With what heading the vehicle arrives, at whatever waypoint; None for any."""
         return self._places[name].heading_rad
 
-    def radius_m(self, name: str) -> float:
-        """Radius of a place's region."""
-        return self._places[name].radius_m
+    def inner_m(self, name: str) -> float:
+        """Radius of the disc about a place that its region holds."""
+        return self._places[name].inner_m
 
     def refuse(self, name: str, now_s: float) -> None:
         """A flight to the present waypoint has failed."""
@@ -151,7 +147,7 @@ class Symbols:
         """Choose anew where the map has taken a waypoint away, or the way to it; what moved."""
         moved = []
         for name, value in list(self._values.items()):
-            if not self._routes.is_connected(start[:2], name):
+            if not self._routes.is_connected(start, name):
                 self.ground(name, start, now_s)
                 if self._values[name] is not value:
                     moved.append(name)

@@ -22,7 +22,7 @@ from companion.mission.model import Place
 OUTSIDE_S = 1.0
 """Time outside of a place after which it is lost."""
 MARGIN_M = 0.5
-"""How far outside of a place's radius the vehicle is still taken to be at it."""
+"""How far outside of a place's region the vehicle is still taken to be at it."""
 SIGMAS = 2.0
 """The same in standard deviations of the position, where that is more: 5 % are beyond it."""
 
@@ -66,10 +66,9 @@ class Whereabouts:
         if place is None:  # it is between places already
             return None
         margin_m = max(MARGIN_M, SIGMAS * state.accuracy_m)
-        away_m = distance(place.position, state.position)
-        if away_m <= place.radius_m + margin_m:
+        if place.region.away_m(place.position, state.position) <= margin_m:
             return None
-        return PlaceLost(place.name, round(away_m, 1))
+        return PlaceLost(place.name, round(distance(place.position, state.position), 1))
 
     def _lose(self, lost: PlaceLost) -> PlaceLost:
         """The vehicle is between places; what was done at the place is interrupted."""

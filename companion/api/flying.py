@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import signal
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from types import FrameType
 
@@ -16,6 +16,7 @@ from companion.driving import fly
 from companion.mission.model import Mission
 from companion.vehicle.endpoints import parse_url
 from companion.vehicle.link import Link
+from companion.vehicle.report_port import reports_at
 
 OFFBOARD_URL = "udpin://0.0.0.0:14540"
 """Where PX4 sends its offboard stream."""
@@ -31,6 +32,7 @@ def run(
     laps: int | None = None,
     limit_s: float | None = None,
     timeout_s: float = 30.0,
+    events: str | None = None,
 ) -> FlightResult:
     """Flies a mission on a vehicle, to its end.
 
@@ -54,23 +56,24 @@ def run(
         laps: after so many laps the vehicle is called home; None is no limit.
         limit_s: the same after so many seconds since it was to arm.
         timeout_s: seconds to wait for a vehicle.
+        events: where other programs on board report events: `unix:PATH` or `udpin:HOST:PORT`.
 
     Returns:
         What happened; its trajectory is where the autopilot believed to be.
 
     Raises:
-        LinkError: the link cannot be opened.
+        LinkError: the link, or the port for events, cannot be opened.
         LinkTimeout: no vehicle was heard in time.
     """
-    link = Link(parse_url(connect))
-    try:
-        with recording(mission, folder, on_event) as recorder:
-            limit = FlightLimit(laps, limit_s)
-            companion = Companion(mission, recorder, accepts_weak_failsafes, limit=limit)
-            with _stopped_by_interrupt(companion):
-                fly(companion, link, ScaledClock(1.0), timeout_s)
-    finally:
-        link.close()
+    with (
+        closing(Link(parse_url(connect))) as link,
+        reports_at(events) as reports,
+        recording(mission, folder, on_event) as recorder,
+    ):
+        limit = FlightLimit(laps, limit_s)
+        companion = Companion(mission, recorder, accepts_weak_failsafes, limit=limit)
+        with _stopped_by_interrupt(companion):
+            fly(companion, link, ScaledClock(1.0), timeout_s, reports=reports)
     return FlightResult(
         mission=mission,
         events=tuple(recorder.events),

@@ -5,7 +5,7 @@ The one module beside the command line that knows the simulator.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
@@ -69,8 +69,8 @@ def simulate(
         mission: what to do.
         scenario: the world: a path, a YAML text, or data (docs/scenario.md). In a text or data the
             map is the mission's, unless they name another one. By default NAME.sim.yaml beside
-            a mission file NAME.yaml, if there is one; else a world without wind in which nothing
-            happens.
+            a mission file NAME.yaml, if there is one; else the mission's own map without wind, in
+            which nothing happens.
         seed: of wind, sensors and the estimate.
         folder: where to write a run folder; none by default.
         on_event: told of each event that is news for people.
@@ -143,6 +143,28 @@ def verdict(failure: CompanionError | None, is_damaged: bool) -> CompanionError 
     return Collided()
 
 
+def scenario_beside(mission: Mission) -> Path | None:
+    """The scenario NAME.sim.yaml beside a mission file NAME.yaml; None if there is none."""
+    beside = Path(mission.path).with_suffix(".sim.yaml") if mission.path else None
+    return beside if beside is not None and beside.exists() else None
+
+
+def world_alone(mission: Mission) -> dict[str, object]:
+    """The scenario of a mission that has none: its own map, where nothing happens."""
+    north_m, east_m, _ = mission.home.position
+    world: dict[str, object] = {"version": 1, "start": {"east_m": east_m, "north_m": north_m}}
+    if (home := mission.anchor) is not None:
+        world["home"] = asdict(home)
+    grid, walls = mission.grid, [wall.as_entry() for wall in mission.walls]
+    if mission.map_file:
+        return world | {"map": str(Path(mission.map_file).resolve())}
+    if grid.is_open and not walls:
+        return world | {"lidar": {}}
+    (south, west), _, (north, east), _ = grid.corners
+    area = {} if grid.is_open else {"east_m": [west, east], "north_m": [south, north]}
+    return world | {"map": {**area, "cell_m": grid.cell_m, "walls": walls}}
+
+
 def world_of(mission: Mission, scenario: Given | None = None) -> World:
     """The scenario that `simulate` takes, and its map.
 
@@ -158,7 +180,9 @@ def world_of(mission: Mission, scenario: Given | None = None) -> World:
     from sitl.world.scenario import read_scenario
 
     if scenario is None:
-        beside = Path(mission.path).with_suffix(".sim.yaml") if mission.path else None
-        scenario = beside if beside is not None and beside.exists() else {"version": 1}
+        scenario = scenario_beside(mission) or world_alone(mission) | {"map": None}  # it is at hand
     source = read_source(scenario, "scenario")
-    return read_scenario(source, default_map=None if source.path else mission.grid)
+    grid = None if source.path else mission.grid
+    if mission.anchor is not None:
+        return read_scenario(source, mission.anchor, grid)
+    return read_scenario(source, default_map=grid)

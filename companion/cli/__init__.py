@@ -22,6 +22,7 @@ from companion.cli.formulas import ltl
 from companion.cli.keys import key
 from companion.cli.monitoring import monitor, replay
 from companion.cli.operating import upload, watch
+from companion.cli.plan_files import export, import_
 from companion.cli.planning import check, plan
 from companion.cli.terminal import give_up
 from companion.cli.trees import tree
@@ -36,8 +37,9 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (check, plan, tree, ltl, run, sim, audit, replay, upload, watch):
+for command in (check, plan, tree, ltl, run, sim, audit, replay, upload, watch, export):
     app.command()(command)
+app.command("import")(import_)
 app.add_typer(key, name="key")
 app.command(hidden=True)(monitor)
 

@@ -26,6 +26,17 @@ LogDir = Annotated[
 Instance = Annotated[
     int, typer.Option("--instance", "-i", help="Shifts ports and system id, as in PX4.", min=0)
 ]
+GroundPort = Annotated[
+    int, typer.Option(help="UDP port of the ground station, for all instances.", min=1, max=65535)
+]
+Events = Annotated[
+    str | None,
+    typer.Option(
+        metavar="ADDRESS",
+        help="Where other programs on board report events, EVENT[name] in the mission: unix:PATH "
+        "or udpin:HOST:PORT. [default: nowhere]",
+    ),
+]
 Timeout = Annotated[float, typer.Option(help="Seconds to wait for a vehicle.", min=0.1)]
 Laps = Annotated[
     int | None,

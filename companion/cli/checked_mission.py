@@ -9,8 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from companion.acting.preparation import anticipate_events
+from companion.geometry import horizontal_distance
 from companion.mission.files import files_of
 from companion.mission.loader import load_mission
+from companion.mission.model import Mission
 from companion.mission.pddl_domain import DomainReader, with_domain
 from companion.planning.notices import notices
 from companion.planning.planner import Planner
@@ -21,6 +23,8 @@ class CheckedMission:
     """What is told of a mission that can be flown.
 
     Attributes:
+        earth: where its metres begin and how far they reach, if it is in latitude and longitude.
+        map: how large it is, and its cells.
         events: when each of them holds, in words.
         states: of each conjunct's automaton.
         priorities: of the lines of the task that may be dropped.
@@ -29,6 +33,8 @@ class CheckedMission:
     """
 
     mission: str
+    earth: str | None
+    map: str
     places: tuple[str, ...]
     events: dict[str, str]
     states: dict[str, int]
@@ -41,6 +47,8 @@ class CheckedMission:
         """The same for programs."""
         return {
             "mission": self.mission,
+            "earth": self.earth,
+            "map": self.map,
             "automata": self.states,
             "plan": self.plan,
             "dropped": list(self.dropped),
@@ -81,6 +89,8 @@ def check_mission(
         anticipate_events(planner)
     return CheckedMission(
         mission.name,
+        _earth_in_words(mission),
+        _map_in_words(mission),
         tuple(mission.places),
         {name: event.duration for name, event in mission.events.items()},
         {c.name: c.automaton.states for c in planner.conjuncts},
@@ -89,3 +99,29 @@ def check_mission(
         tuple(map(str, found.dropped)) if found else (),
         tuple(map(str, notices(planner, found))),
     )
+
+
+def _earth_in_words(mission: Mission) -> str | None:
+    """Where the metres of a mission begin, and how far it reaches."""
+    anchor, home = mission.anchor, mission.home
+    if anchor is None:
+        return None
+    norths, easts = zip(*mission.limits.fence, strict=True)
+    away_m = max(horizontal_distance(p.position, home.position) for p in mission.places.values())
+    about = (
+        f"metres from {home.name} at {anchor.latitude_deg:.7f}, {anchor.longitude_deg:.7f}; "
+        f"places up to {away_m:.0f} m away, fence {max(norths) - min(norths):.0f} m north to south "
+        f"and {max(easts) - min(easts):.0f} m west to east"
+    )
+    if mission.is_above_sea:
+        about += (
+            f"; {home.name} is taken for {anchor.altitude_m:.0f} m above the sea until it flies"
+        )
+    return about
+
+
+def _map_in_words(mission: Mission) -> str:
+    grid = mission.grid
+    rows, cols = grid.occupied.shape
+    size = f"{cols * grid.cell_m:g} m x {rows * grid.cell_m:g} m in cells of {grid.cell_m:g} m"
+    return f"{size}, open: what lies outside is free" if grid.is_open else size

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import time
@@ -16,6 +17,8 @@ import typer
 
 from companion.cli.arguments import (
     DEFAULT_LOG_DIR,
+    Events,
+    GroundPort,
     Instance,
     Laps,
     LimitS,
@@ -43,7 +46,7 @@ from companion.cli.monitoring import DEFAULT_ADDRESS, Monitor, monitored
 from companion.cli.recording import close_run, flown_s, line, open_run, recorded
 from companion.cli.resuming import CutOffRun, cut_off_run
 from companion.cli.terminal import Terminal, undisturbed
-from companion.errors import CompanionError, MissionError
+from companion.errors import CompanionError
 from companion.planning.objective import Encoding
 
 if TYPE_CHECKING:
@@ -54,6 +57,13 @@ if TYPE_CHECKING:
     from companion.record.run_folder import RunFolder
     from companion.vehicle.link import Link
 
+ScenarioFile = Annotated[
+    Path | None,
+    typer.Option(
+        help="What happens in the world. [default: MISSION's name with .sim.yaml, or nothing]"
+    ),
+]
+Speed = Annotated[str, typer.Option(help="Times real time, or max: lockstep in one process.")]
 OFFBOARD_PORT = 14540
 GROUND_STATION_PORT = 14550
 UPLOADS = "uploads"
@@ -74,6 +84,7 @@ def run(
         typer.Option("--wait", help="Fly when a ground station says so, and again and again."),
     ] = False,
     resume: Resume = False,
+    events: Events = None,
     laps: Laps = None,
     limit_s: LimitS = None,
     engine: EngineOption = BUILT_IN,
@@ -112,24 +123,21 @@ def run(
         journalled=cut_off.journalled if cut_off else None,
     )
     with signing_of(signing_key, f"run-{endpoint.name}", unsigned_vehicle) as signing:
-        link_of = partial(Link, endpoint, signing)
+        fly = partial(_fly, link_of=partial(Link, endpoint, signing), events=events)
         if loaded is None or wait:
-            _host(companion_of, loaded, link_of, log_dir, address, planner, cut_off)
+            _host(companion_of, loaded, fly, log_dir, address, planner, cut_off)
         else:
-            _fly_once(companion_of, loaded, link_of, log_dir, address, planner, cut_off, timeout)
+            _fly_once(companion_of, loaded, fly, log_dir, address, planner, cut_off, timeout)
 
 
 def sim(
     mission: MissionFile,
-    scenario: Annotated[
-        Path | None,
-        typer.Option(help="What happens in the world. [default: MISSION's name with .sim.yaml]"),
-    ] = None,
-    speed: Annotated[
-        str, typer.Option(help="Times real time, or max: lockstep in one process.")
-    ] = "1",
+    scenario: ScenarioFile = None,
+    speed: Speed = "1",
     seed: Annotated[int, typer.Option(help="Seed of wind and sensors.", min=0)] = 0,
     instance: Instance = 0,
+    ground_port: GroundPort = GROUND_STATION_PORT,
+    events: Events = None,
     laps: Laps = None,
     limit_s: LimitS = None,
     engine: EngineOption = BUILT_IN,
@@ -143,7 +151,7 @@ def sim(
 ) -> None:
     """Flies a mission in the bundled simulator. QGroundControl connects to it by itself."""
     from companion.acting.flight_limit import FlightLimit
-    from companion.api.simulating import lockstep, verdict, world_of
+    from companion.api import simulating
     from companion.app import Companion
     from companion.simulator import simulator
     from companion.vehicle.endpoints import UdpPort
@@ -151,38 +159,36 @@ def sim(
 
     factor, limit = _speed(speed), FlightLimit(laps, limit_s)
     planner = engine_of(engine, encoding, engine_timeout, None if factor else engine_duration)
-    loaded = load(mission)
-    world = world_of(loaded, path := scenario or _scenario_beside(mission))
-    address = monitor or ("off" if factor is None else DEFAULT_ADDRESS)
-    terminal = Terminal()
+    loaded, terminal = load(mission), Terminal()
+    world = simulating.world_of(loaded, path := scenario or simulating.scenario_beside(loaded))
     with (
         closing(terminal),
         recorded(loaded, log_dir, terminal) as folder,
-        monitored(address, terminal.say) as page,
+        monitored(monitor or ("off" if factor is None else DEFAULT_ADDRESS), terminal.say) as page,
     ):
         page.show(folder.folder)
         if factor is None:
-            made = partial(lockstep, seed=seed, instance=instance, limit=limit, engine=planner)
-            flight = made(loaded, world, folder, page=page)
+            made = partial(simulating.lockstep, seed=seed, instance=instance, limit=limit)
+            flight = made(loaded, world, folder, page=page, engine=planner)
             with _stoppable(flight.companion, terminal), undisturbed(flight.companion.hang_up):
                 flight.fly(timeout)
-            _raise(verdict(flight.companion.failure, flight.simulation.is_damaged))
+            _raise(simulating.verdict(flight.companion.failure, flight.simulation.is_damaged))
             return
         companion = Companion(loaded, folder, page=page, limit=limit, engine=planner)
-        options = ["--scenario", path, "--speed", factor, "--seed", seed, "--instance", instance]
-        port = f"ground station on UDP port {GROUND_STATION_PORT + instance}"
-        terminal.say(f"vehicle    simulated, {factor:g} x real time; {port}")
-        here = UdpPort("127.0.0.1", OFFBOARD_PORT + instance)
-        with simulator([str(o) for o in options], folder.folder / "sitl.log") as child:
-            _fly(companion, partial(Link, here), terminal, factor, timeout * factor)
-        _raise(verdict(companion.failure, child.is_damaged))
+        path = path or _written(simulating.world_alone(loaded), folder.folder / "world.sim.yaml")
+        told = f"simulated, {factor:g} x real time; ground station on UDP port {ground_port}"
+        terminal.say(f"vehicle    {told}")
+        options = ["--scenario", path, "--seed", seed, "--ground-port", ground_port]
+        options += ["--speed", factor, "--instance", instance, "--home", world[0].home]
+        link_of = partial(Link, UdpPort("127.0.0.1", OFFBOARD_PORT + instance))
+        with simulator(options, folder.folder / "sitl.log") as child:
+            _fly(companion, terminal, factor, timeout * factor, link_of=link_of, events=events)
+        _raise(simulating.verdict(companion.failure, child.is_damaged))
 
 
-def _scenario_beside(mission: Path) -> Path:
-    """The scenario of a mission file."""
-    path = mission.with_suffix(".sim.yaml")
-    if not path.exists():
-        raise MissionError(f"there is no scenario {path}", hint="name one with --scenario")
+def _written(scenario: dict[str, object], path: Path) -> Path:
+    """The file of a scenario that is given as data; JSON is YAML, too."""
+    path.write_text(json.dumps(scenario), encoding="utf-8")
     return path
 
 
@@ -202,7 +208,7 @@ def _speed(text: str) -> float | None:
 def _fly_once(
     companion_of: Callable[..., Companion],
     mission: Mission,
-    link_of: Callable[[], Link],
+    fly: Callable[..., None],
     log_dir: Path,
     address: str,
     engine: Engine | None,
@@ -218,14 +224,14 @@ def _fly_once(
     ):
         page.show(folder.folder)
         companion = companion_of(mission, folder, page=page, engine=engine)
-        _fly(companion, link_of, terminal, 1.0, timeout_s, flown_s(cut_off))
+        fly(companion, terminal, 1.0, timeout_s, flown_s(cut_off))
         _raise(companion.failure)
 
 
 def _host(
     companion_of: Callable[..., Companion],
     mission: Mission | None,
-    link_of: Callable[[], Link],
+    fly: Callable[..., None],
     log_dir: Path,
     address: str,
     engine: Engine | None,
@@ -260,7 +266,7 @@ def _host(
         try:
             what = f"to fly {mission.name}" if mission else "and a mission"
             terminal.say(f"hosting    waits for MAV_CMD_MISSION_START {what}; Ctrl-C ends it")
-            _fly(companion, link_of, terminal, 1.0, 0.0, flown_s(cut_off))
+            fly(companion, terminal, 1.0, 0.0, flown_s(cut_off))
         finally:
             host.close()
             uploads.close()
@@ -269,25 +275,28 @@ def _host(
 
 def _fly(
     companion: Companion,
-    link_of: Callable[[], Link],
     terminal: Terminal,
     speed: float,
     timeout_s: float,
     begin_s: float = 0.0,
+    *,
+    link_of: Callable[[], Link],
+    events: str | None,
 ) -> None:
     from companion.clock import ScaledClock
     from companion.driving import fly
+    from companion.vehicle.report_port import reports_at
     from companion.watchdog import Watchdog
 
-    link, watchdog = link_of(), Watchdog(os.environ)
-    try:
+    with (
+        reports_at(events) as reports,
+        closing(link_of()) as link,
+        closing(Watchdog(os.environ)) as watchdog,
+    ):
         terminal.say(f"waiting    for a vehicle on {link.endpoint}")
         clock = ScaledClock(speed, begin_s=begin_s)
         with _stoppable(companion, terminal), undisturbed(companion.hang_up):
-            fly(companion, link, clock, timeout_s, lambda: watchdog.beat(time.monotonic()))
-    finally:
-        watchdog.close()
-        link.close()
+            fly(companion, link, clock, timeout_s, lambda: watchdog.beat(time.monotonic()), reports)
 
 
 def _raise(failure: CompanionError | None) -> None:

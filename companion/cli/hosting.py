@@ -52,7 +52,9 @@ class SortieHost:
         """Reads a mission that was accepted; its PDDL files were read when it was checked."""
         return load_mission(path, domain_of=kept_domain)
 
-    def prepare(self, mission: Mission, speed_max_mps: float) -> Future[PreparedMission]:
+    def prepare(
+        self, mission: Mission, speed_max_mps: float, ground_amsl_m: float | None
+    ) -> Future[PreparedMission]:
         """Prepares a mission in a thread: it takes seconds, the heartbeat goes on.
 
         The program does not wait for it when it ends.
@@ -61,7 +63,10 @@ class SortieHost:
 
         def work() -> None:
             try:
-                prepared.set_result(prepare(mission, speed_max_mps, engine=self._engine))
+                made = prepare(
+                    mission, speed_max_mps, engine=self._engine, ground_amsl_m=ground_amsl_m
+                )
+                prepared.set_result(made)
             except BaseException as error:  # raised again in the loop, by whoever asks for it
                 prepared.set_exception(error)
 

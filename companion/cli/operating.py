@@ -29,6 +29,10 @@ Connect = Annotated[
         "tcpout://HOST:PORT, or serial://DEVICE:BAUD, as of a telemetry radio.",
     ),
 ]
+System = Annotated[
+    int | None,
+    typer.Option(help="Of the vehicle: its system id. [default: the only one]", min=1, max=255),
+]
 Timeout = Annotated[float, typer.Option(help="Seconds to wait for the companion.", min=0.1)]
 GROUND_STATION = "udpin://0.0.0.0:14550"
 VERDICT_S = 60.0
@@ -44,6 +48,7 @@ def upload(
     mission: MissionFile,
     connect: Connect = GROUND_STATION,
     start: Annotated[bool, typer.Option(help="Start the mission once it is accepted.")] = False,
+    system: System = None,
     signing_key: SigningKeyFile = None,
     unsigned_vehicle: UnsignedVehicle = False,
     timeout: Timeout = 30.0,
@@ -59,11 +64,12 @@ def upload(
     files = files_of(mission, mission.parent)
     endpoint = parse_url(connect)
     with signing_of(signing_key, f"upload-{endpoint.name}", unsigned_vehicle) as signing:
-        asyncio.run(_upload(files, endpoint, signing, start, timeout))
+        asyncio.run(_upload(files, endpoint, system, signing, start, timeout))
 
 
 def watch(
     connect: Connect = GROUND_STATION,
+    system: System = None,
     signing_key: SigningKeyFile = None,
     unsigned_vehicle: UnsignedVehicle = False,
     timeout: Timeout = 30.0,
@@ -75,7 +81,7 @@ def watch(
     endpoint = parse_url(connect)
     with signing_of(signing_key, f"watch-{endpoint.name}", unsigned_vehicle) as signing:
         try:
-            code = asyncio.run(_watch(endpoint, signing, timeout))
+            code = asyncio.run(_watch(endpoint, system, signing, timeout))
         except KeyboardInterrupt:
             code = 0
     raise typer.Exit(code)
@@ -83,7 +89,7 @@ def watch(
 
 @asynccontextmanager
 async def _station(
-    endpoint: Endpoint, signing: Signing | None, timeout_s: float
+    endpoint: Endpoint, number: int | None, signing: Signing | None, timeout_s: float
 ) -> AsyncIterator[Station]:
     """A ground station on a link; with a key by a relay that signs."""
     from companion.cli.signing_relay import relayed
@@ -91,12 +97,12 @@ async def _station(
 
     typer.echo(f"waiting    for a companion on {endpoint}")
     if signing is None:
-        async with connected(str(endpoint), timeout_s) as station:
+        async with connected(str(endpoint), number, timeout_s) as station:
             yield station
         return
     with relayed(endpoint, signing) as relay:
         try:
-            async with connected(relay.url, timeout_s) as station:
+            async with connected(relay.url, number, timeout_s) as station:
                 yield station
         except LinkTimeout as error:
             raise LinkTimeout(f"{error}\n    {endpoint}: {relay.account()}") from error
@@ -105,6 +111,7 @@ async def _station(
 async def _upload(
     files: tuple[Path, ...],
     endpoint: Endpoint,
+    number: int | None,
     signing: Signing | None,
     starts: bool,
     timeout_s: float,
@@ -112,7 +119,7 @@ async def _upload(
     from companion.mavlink.ftp_frames import crc32
 
     *others, mission = files
-    async with _station(endpoint, signing, timeout_s) as station:
+    async with _station(endpoint, number, signing, timeout_s) as station:
         before = await station.verdict()
         for file in others:
             await _send(station, file, mission.parent, is_needed=False)
@@ -162,14 +169,16 @@ async def _start(station: Station) -> None:
     typer.echo("started")
 
 
-async def _watch(endpoint: Endpoint, signing: Signing | None, timeout_s: float) -> int:
+async def _watch(
+    endpoint: Endpoint, number: int | None, signing: Signing | None, timeout_s: float
+) -> int:
     from rich.console import Console
     from rich.live import Live
 
     from companion.ground.station import COMPANION
     from companion.ground.watching import NAMES, WatchedFlight
 
-    async with _station(endpoint, signing, timeout_s) as station:
+    async with _station(endpoint, number, signing, timeout_s) as station:
         seen, messages = WatchedFlight(time.monotonic()), station.messages(NAMES)
         heard = await _next(messages)
         typer.echo(f"watching   component {COMPANION} of system {station.system}")

@@ -54,6 +54,9 @@ def check(
         typer.echo(json.dumps({"version": FORMAT_VERSION, "ok": True} | checked.as_json()))
         return
     typer.echo(f"mission    {checked.mission}: places {' '.join(checked.places)}")
+    if checked.earth is not None:
+        typer.echo(f"earth      {checked.earth}")
+    typer.echo(f"map        {checked.map}")
     for name, duration in checked.events.items():
         typer.echo(f"event      {name}: {duration}")
     for name, states in checked.states.items():

@@ -14,14 +14,16 @@ from __future__ import annotations
 import asyncio
 import json
 import logging
+import math
 import tempfile
+import time
 from collections.abc import AsyncGenerator, AsyncIterator, Callable, Iterable
 from contextlib import asynccontextmanager
 from pathlib import Path, PurePosixPath
 from typing import Any, NamedTuple
 
 from mavsdk import log_subscribe
-from mavsdk.asyncio import ComponentType, Configuration, Mavsdk
+from mavsdk.asyncio import ComponentType, Configuration, Mavsdk, System
 from mavsdk.asyncio.plugins.ftp import FtpAsync
 from mavsdk.asyncio.plugins.mavlink_direct import MavlinkDirectAsync
 from mavsdk.exceptions import MavsdkError
@@ -34,6 +36,9 @@ COMPANION = 191  # MAV_COMP_ID_ONBOARD_COMPUTER
 VERDICT = "verdict.json"
 PAUSE_S = 0.5
 """Between two requests for the verdict."""
+OTHERS_S = 1.5
+"""After the first vehicle, for the heartbeat of a second: that comes once a second."""
+LOOK_AGAIN_S = 0.1
 
 ProgressCallback = Callable[[int, int], None]
 """Called with the number of bytes sent and the number in all."""
@@ -50,11 +55,16 @@ class Heard(NamedTuple):
 
 
 @asynccontextmanager
-async def connected(url: str, timeout_s: float) -> AsyncIterator[Station]:
+async def connected(url: str, number: int | None, timeout_s: float) -> AsyncIterator[Station]:
     """Opens a station that hears a vehicle with a companion on board.
 
+    Args:
+        url: of the link.
+        number: the vehicle's system id; None if there is only one.
+        timeout_s: for the vehicle, and for its companion.
+
     Raises:
-        LinkError: the link cannot be opened.
+        LinkError: the link cannot be opened, or several vehicles are heard and none is named.
         LinkTimeout: no autopilot, or no companion, was heard in time.
     """
     log_subscribe(lambda *_: True)  # its log goes to standard output otherwise
@@ -64,12 +74,39 @@ async def connected(url: str, timeout_s: float) -> AsyncIterator[Station]:
             await client.add_any_connection(url)
         except MavsdkError as error:
             raise LinkError(f"cannot connect to {url}: {error}") from error
-        system = await client.first_autopilot(timeout_s=timeout_s)
-        if system is None:
-            raise LinkTimeout(f"no vehicle on {url} after {timeout_s:.0f} s")
-        station = Station(system, await system.get_system_id())
+        number, system = await _vehicle(client, url, number, timeout_s)
+        station = Station(system, number)
         await station.meet(timeout_s)
         yield station
+
+
+async def _vehicle(
+    client: Mavsdk, url: str, number: int | None, timeout_s: float
+) -> tuple[int, System]:
+    """The vehicle with a number, or the only one; its system id and MAVSDK's system."""
+    vehicles: dict[int, System] = {}
+    first_s, end_s = math.inf, time.monotonic() + timeout_s
+    while (now_s := time.monotonic()) < max(end_s, first_s + OTHERS_S):
+        for system in await client.get_systems():
+            if await system.has_autopilot():
+                vehicles[await system.get_system_id()] = system
+                first_s = min(first_s, now_s)
+        if number in vehicles:
+            return number, vehicles[number]
+        if number is None and now_s > first_s + OTHERS_S:
+            break
+        await asyncio.sleep(LOOK_AGAIN_S)
+    heard = ", ".join(map(str, sorted(vehicles)))
+    if number is not None:
+        others = f"; heard: system {heard}" if heard else ""
+        raise LinkTimeout(f"no vehicle with system id {number} on {url}{others}")
+    if not vehicles:
+        raise LinkTimeout(f"no vehicle on {url} after {timeout_s:.0f} s")
+    if len(vehicles) > 1:
+        raise LinkError(
+            f"several vehicles on {url}: systems {heard}\n    name one of them with --system"
+        )
+    return vehicles.popitem()
 
 
 class Station:

@@ -26,12 +26,16 @@ from companion.flight_events.hosting import (
     UploadNews,
 )
 from companion.flight_events.plans import LineDropped, LineTakenUp, NoPlanFound, PlanReplaced
+from companion.flight_events.reports import ReportRefused, ReportUnknown, SignalSilent
 from companion.flight_events.skills import OutcomeUnknown, SkillFailed, WrittenTreeFailed
 from companion.flight_events.sortie import (
+    AutopilotSaid,
     ControlTakenBack,
     FlightFoundAgain,
+    FrameDoubted,
     GoalFailed,
     LinkSilent,
+    OriginMoved,
     RunEnded,
     RunFailed,
     SetpointRefused,
@@ -52,6 +56,7 @@ ERROR: int = dialect.MAV_SEVERITY_ERROR
 WARNING: int = dialect.MAV_SEVERITY_WARNING
 NOTICE: int = dialect.MAV_SEVERITY_NOTICE
 INFO: int = dialect.MAV_SEVERITY_INFO
+DEBUG: int = dialect.MAV_SEVERITY_DEBUG
 
 
 def severity(event: FlightEvent) -> int:
@@ -65,16 +70,20 @@ def severity(event: FlightEvent) -> int:
             return WARNING
         case GoalFailed() | OutcomeUnknown() | LinkSilent():
             return WARNING
-        case FlightFoundAgain() | ControlTakenBack():
+        case FlightFoundAgain() | ControlTakenBack() | FrameDoubted() | OriginMoved():
             return WARNING
         case PlaceLost() | LineDropped() | ConjunctViolated() | DatagramsDropped():
             return WARNING
-        case UploadNews(is_refused=True) | FramesRefused() | PortLost():
+        case UploadNews(is_refused=True) | FramesRefused() | PortLost() | SignalSilent():
+            return WARNING
+        case ReportRefused() | ReportUnknown():
             return WARNING
         case MissionEventChanged() | BeliefRestored() | UploadNews() | RunEnded():
             return NOTICE
         case PlanReplaced() | NoPlanFound() | LineTakenUp():
             return NOTICE
+        case AutopilotSaid():
+            return DEBUG  # ground stations hear it of the autopilot itself
     return INFO
 
 

@@ -10,7 +10,6 @@ checks them before.
 
 from __future__ import annotations
 
-import os
 import struct
 from collections.abc import Callable, Container, Sequence
 from functools import cache
@@ -18,9 +17,9 @@ from itertools import chain
 from operator import attrgetter, itemgetter
 from typing import Any, NamedTuple
 
-os.environ.setdefault("MAVLINK20", "1")  # pymavlink starts in version 1 otherwise
-
 from pymavlink.dialects.v20 import common as dialect
+
+from companion.mavlink import event_messages
 
 __all__ = [
     "Fields",
@@ -36,12 +35,18 @@ __all__ = [
     "split_frames",
 ]
 
+event_messages.add_to(dialect)
+
 _SIZES = [bytes([size]) for size in range(256)]
 _HEADER = "<2x3BHB"
 """After the size: flags, sequence number, sender, and the message's id in two parts."""
 _HEADER_SIZE = struct.calcsize(_HEADER)
+_LEAST_SIZE = _HEADER_SIZE + 1
+"""With the payload's first byte. Only zeros after it are left out at the end of a frame."""
 _CHECKSUM = struct.Struct("<H")
 _MAGIC_1, _MAGIC_2 = 0xFE, 0xFD
+_SHORTEST = 8
+"""Bytes of a MAVLink 1 frame without payload."""
 _UNKNOWN_FLAGS = 0xFF & ~dialect.MAVLINK_IFLAG_SIGNED
 checksum = dialect.mcrf4xx
 """CRC-16/MCRF4XX of bytes, from an initial value."""
@@ -85,11 +90,8 @@ class MavlinkCodec:
             mavlink.seq, self.system, self.component, *layout.number, *layout.values(fields)
         )
         mavlink.seq = (mavlink.seq + 1) % 256
-        body = whole.rstrip(b"\0")  # zeros at the end are not sent, but for the first byte
-        size = len(body) - _HEADER_SIZE
-        if size < 1:
-            body, size = whole[: _HEADER_SIZE + 1], 1
-        body = _SIZES[size] + body
+        body = whole[:_LEAST_SIZE] + whole[_LEAST_SIZE:].rstrip(b"\0")
+        body = _SIZES[len(body) - _HEADER_SIZE] + body
         return b"\xfd" + body + _CHECKSUM.pack(checksum(body + layout.crc_extra, 0xFFFF))
 
     def parse(self, datagram: bytes) -> list[Message]:
@@ -128,8 +130,7 @@ class _Layout(NamedTuple):
 @cache
 def _layout(kind: Any) -> _Layout:
     count, whole = len(kind.fieldnames), _HEADER + kind.unpacker.format.lstrip("<")
-    is_text = [type_ == "char" for type_ in kind.fieldtypes]
-    names = [f"_{n}_raw" if t else n for n, t in zip(kind.fieldnames, is_text, strict=True)]
+    names = list(map(_attribute, kind.fieldnames, kind.fieldtypes))
     return _Layout(
         count,
         attrgetter(*names) if count > 1 else lambda message: (getattr(message, names[0]),),
@@ -139,6 +140,11 @@ def _layout(kind: Any) -> _Layout:
         (kind.id & 0xFFFF, kind.id >> 16),
         bytes([kind.crc_extra]),
     )
+
+
+def _attribute(name: str, type_: str) -> str:
+    """Where a message has a field, strings as bytes."""
+    return f"_{name}_raw" if type_ == "char" else name
 
 
 def _values(kind: Any) -> Callable[[Fields], Sequence[Any]]:
@@ -185,12 +191,9 @@ def split_frames(datagram: bytes) -> list[bytes]:
     A frame with an incompatibility flag that is not understood is none. It is skipped as a whole,
     so that nothing inside it is taken for a frame.
     """
-    size = len(datagram)
-    if size >= 12 and datagram[0] == _MAGIC_2 and datagram[1] == size - 12 and not datagram[2]:
-        return [datagram]  # as nearly always: one frame, unsigned
     frames: list[bytes] = []
-    at = 0
-    while at + 8 <= size:
+    at, size = 0, len(datagram)
+    while at + _SHORTEST <= size:
         length = frame_size(datagram, at)
         if length is None:
             at += 1

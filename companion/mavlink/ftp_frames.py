@@ -107,6 +107,44 @@ def read_request(payload: bytes) -> FtpRequest | None:
     return FtpRequest(sequence, session, opcode, size, offset, data)
 
 
+@dataclass(frozen=True, slots=True)
+class FtpReply:
+    """A server's reply.
+
+    Attributes:
+        sequence: that of the request + 1.
+        opcode: of the request that it answers.
+        is_ack: the request was done.
+        data: what was asked for; of a NAK its reason.
+    """
+
+    sequence: int
+    session: int
+    opcode: int
+    is_ack: bool
+    offset: int
+    data: bytes
+
+
+def read_reply(payload: bytes) -> FtpReply | None:
+    """Returns the reply in a payload; None for a request, or for less than a header."""
+    if len(payload) < _HEADER.size:
+        return None
+    sequence, session, opcode, size, asked, _, offset = _HEADER.unpack_from(payload)
+    if opcode not in (ACK, NAK) or size > DATA_BYTES:
+        return None
+    data = payload[_HEADER.size : _HEADER.size + size].ljust(size, b"\0")
+    return FtpReply(sequence, session, asked, opcode == ACK, offset, data)
+
+
+def ask(request: FtpRequest) -> bytes:
+    """Returns the payload of a request."""
+    header = _HEADER.pack(
+        request.sequence, request.session, request.opcode, request.size, 0, 0, request.offset
+    )
+    return (header + request.data).ljust(PAYLOAD_BYTES, b"\0")
+
+
 def ack(
     request: FtpRequest,
     data: bytes = b"",

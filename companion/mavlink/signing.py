@@ -25,6 +25,7 @@ import hashlib
 import hmac
 from collections.abc import Callable, Mapping
 from functools import cache
+from operator import add
 from typing import NamedTuple
 
 from companion.errors import CompanionError
@@ -224,21 +225,24 @@ class Signing:
         return signed + self._signature(signed)
 
     def _accepts(self, frame: bytes) -> bool:
-        unsigned, forged, old = self.refused
-        if frame[0] != _MAGIC_2 or not frame[2] & _SIGNED:
-            if frame[0] == _MAGIC_2 and self._may_be_unsigned(frame):
-                return True
-            self.refused = Refused(unsigned + 1, forged, old)
-            return False
+        """Whether a frame may be read; what is refused is counted."""
+        refused = self._judge(frame)
+        self.refused = Refused(*map(add, self.refused, refused))
+        return not any(refused)
+
+    def _judge(self, frame: bytes) -> Refused:
+        """Why a frame is refused, as a count of one; of none if it is accepted."""
+        if frame[0] != _MAGIC_2:
+            return Refused(unsigned=1)
+        if not frame[2] & _SIGNED:
+            return Refused() if self._may_be_unsigned(frame) else Refused(unsigned=1)
         if not hmac.compare_digest(self._signature(frame[:-6]), frame[-6:]):
-            self.refused = Refused(unsigned, forged + 1, old)
-            return False
+            return Refused(forged=1)
         stream, stamp = (frame[5], frame[6], frame[-13]), int.from_bytes(frame[-12:-6], "little")
         if not self._is_new(stream, stamp):
-            self.refused = Refused(unsigned, forged, old + 1)
-            return False
+            return Refused(old=1)
         self._learn(stream, stamp)
-        return True
+        return Refused()
 
     def _signature(self, signed: bytes) -> bytes:
         digest = self._hash.copy()
@@ -246,20 +250,18 @@ class Signing:
         return digest.digest()[:6]
 
     def _is_new(self, stream: Stream, stamp: int) -> bool:
-        if stamp >= LATEST:
-            return False
-        last = self._streams.get(stream)
-        if last is not None:
-            return stamp > last
-        return stamp >= self._stamp - BEHIND and (len(self._streams) < STREAMS or self._forget())
+        last = self._streams.get(stream, self._stamp - BEHIND - 1)
+        return last < stamp < LATEST and (stream in self._streams or self._has_room())
 
-    def _forget(self) -> bool:
-        """Makes room for a stream; whether there was one that is old enough."""
+    def _has_room(self) -> bool:
+        """Whether a stream may be added; one that is old enough makes room for it."""
+        if len(self._streams) < STREAMS:
+            return True
         oldest = min(self._streams, key=self._streams.__getitem__)
-        if self._streams[oldest] >= self._stamp - BEHIND:
-            return False
-        del self._streams[oldest]
-        return True
+        is_old = self._streams[oldest] < self._stamp - BEHIND
+        if is_old:
+            del self._streams[oldest]
+        return is_old
 
     def _learn(self, stream: Stream, stamp: int) -> None:
         """Takes over a time stamp; one that a later start would take for new is kept."""

@@ -1,12 +1,14 @@
-"""Conditions on MAVLink fields: the `when` and `until` of events.
+"""Conditions on MAVLink fields, and on what detectors report: the `when` and `until` of events.
 
     MESSAGE.field OP NUMBER              BATTERY_STATUS.battery_remaining < 30
     MESSAGE[instance].field OP NUMBER    NAMED_VALUE_INT[target].value > 0
     COMMAND.MAV_CMD_NAME                 a command sent to the companion; short for `... != 0`
+    EVENT[name] OP NUMBER                EVENT[persons] > 0, as another program reports it
+    ... is silent                        EVENT[persons] is silent: not heard for `stale_s`
 
 OP is one of < <= > >= == !=. Messages, fields and commands are checked against pymavlink's
 `common` dialect, the one that the vehicle link speaks. Instances exist where MAVLink has them:
-in messages with a field `name`.
+in messages with a field `name`. Names of reports are any words; they come by `--events`.
 """
 
 from __future__ import annotations
@@ -17,7 +19,14 @@ from pymavlink.dialects.v20 import common
 
 from companion.documents import did_you_mean
 from companion.errors import FormulaError
-from companion.mission.signals import COMMAND, Condition, Signal
+from companion.mission.signals import (
+    COMMAND,
+    REPORT,
+    AnyCondition,
+    Condition,
+    Signal,
+    Silence,
+)
 
 COMMANDS: dict[str, int] = {
     entry.name: number
@@ -31,33 +40,43 @@ PERCENT = range(-1, 101)
 
 _MESSAGES = {message.msgname: message for message in common.mavlink_map.values()}
 
+_SAYS = (
+    r"\s*(?:(?P<comparison><=|>=|==|!=|<|>)\s*"
+    r"(?P<threshold>[-+]?(?:\d{1,20}\.?\d{0,20}|\.\d{1,20})(?:[eE][-+]?\d{1,2})?)\s*"
+    r"|(?P<silent>is\s+silent)\s*)?"
+)
 _CONDITION = re.compile(
-    r"\s*(?P<message>\w+)\s*(?:\[\s*(?P<instance>[^\[\]]*?)\s*\])?\s*\.\s*(?P<field>\w+)\s*"
-    r"(?:(?P<comparison><=|>=|==|!=|<|>)\s*"
-    r"(?P<threshold>[-+]?(?:\d{1,20}\.?\d{0,20}|\.\d{1,20})(?:[eE][-+]?\d{1,2})?)\s*)?",
+    r"\s*(?P<message>\w+)\s*(?:\[\s*(?P<instance>[^\[\]]*?)\s*\])?\s*\.\s*(?P<field>\w+)" + _SAYS,
     re.ASCII,
+)
+_REPORT = re.compile(
+    rf"\s*(?P<message>{REPORT})\s*\[\s*(?P<instance>[A-Za-z_]\w{{0,62}})\s*\]" + _SAYS, re.ASCII
 )
 
 
-def parse_condition(text: str) -> Condition:
+def parse_condition(text: str) -> AnyCondition:
     """Reads a condition.
 
-    >>> parse_condition("COMMAND.MAV_CMD_USER_1").comparison
-    '!='
+    >>> print(parse_condition("COMMAND.MAV_CMD_USER_1"), parse_condition("EVENT[persons]>0"))
+    COMMAND.MAV_CMD_USER_1 EVENT[persons] > 0
 
     Raises:
         FormulaError: not a condition, or a message, field or command that is not in `common`.
     """
-    match = _CONDITION.fullmatch(text)
+    match = _REPORT.fullmatch(text) or _CONDITION.fullmatch(text)
     if match is None:
-        longest = _CONDITION.match(text)
+        longest = _REPORT.match(text) or _CONDITION.match(text)
         raise FormulaError(
             "not a condition",
             text,
             longest.end() if longest else 0,
-            hint="write MESSAGE.field > NUMBER or COMMAND.MAV_CMD_NAME",
+            hint="write MESSAGE.field > NUMBER, EVENT[name] > NUMBER or COMMAND.MAV_CMD_NAME",
         )
-    signal = _command_signal(match) if match["message"] == COMMAND else _field_signal(match)
+    signal = _signal(match)
+    if match["silent"]:
+        if signal.is_pulse:
+            raise _error(match, "silent", "a command is silent but for a moment", "remove it")
+        return Silence(signal)
     if match["comparison"]:
         condition = Condition(signal, match["comparison"], float(match["threshold"]))
         _demand_change(condition, match)
@@ -92,6 +111,12 @@ def command_number(name: str, text: str, offset: int) -> int:
             f"unknown command {name}", text, offset, len(name), did_you_mean(name, COMMANDS)
         )
     return COMMANDS[name]
+
+
+def _signal(match: re.Match[str]) -> Signal:
+    if match.re is _REPORT:
+        return Signal(REPORT, match["instance"], "")
+    return _command_signal(match) if match["message"] == COMMAND else _field_signal(match)
 
 
 def _command_signal(match: re.Match[str]) -> Signal:

@@ -6,13 +6,13 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field
 
+from companion.drawn_maps import DrawnModel
 from companion.mission.keys import Name, Text, given
-from companion.mission.world_schema import StrictModel
 
 Priority = Annotated[int, Field(ge=1, le=1_000_000)]
 
 
-class LineEntry(StrictModel):
+class LineEntry(DrawnModel):
     """A line of the task; one with a priority is dropped where no plan keeps it."""
 
     formula: Annotated[Text, Field(description="What must hold, in linear temporal logic.")]

@@ -12,32 +12,29 @@ Whether the task can be fulfilled is found by the planner.
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 
 from companion.documents import Document, Given, Source, did_you_mean, read_source, validate
 from companion.errors import FormulaError, MissionError
-from companion.geometry import ned_from_enu, wrap_angle
 from companion.ltl.formula import Operator
 from companion.ltl.parser import parse
-from companion.maps import map_of_boxes, read_map
-from companion.mission.conditions import parse_condition
+from companion.mission.coordinates import coordinates_of
+from companion.mission.event_entries import check_restored, read_events
 from companion.mission.facts import AT, HERE, Fact
 from companion.mission.literals import parse_fact
 from companion.mission.looking import check_looking
-from companion.mission.model import Event, Limits, Mission, Otherwise, Place, Skill
+from companion.mission.model import Event, Mission, Otherwise, Skill
 from companion.mission.one_place import check_one_place
 from companion.mission.pddl_domain import DomainReader, with_domain
 from companion.mission.schema import MissionFile
-from companion.mission.sites import check_limits, check_places
+from companion.mission.sites import check_places
 from companion.mission.skills import build_skills
-from companion.mission.task_lines import line_names, read_task
+from companion.mission.space import read_space
+from companion.mission.task_lines import read_task
 from companion.mission.tree import read_tree
 from companion.mission.tree_nodes import Tree
 from companion.mission.vocabulary import Vocabulary
-from companion.mission.world_schema import MapEntry, PlaceEntry
-from companion.motion.grid import OccupancyGrid
 from companion.vehicle_files import read_vehicle
 
 _SHOWN = 20  # names listed in a message
@@ -60,27 +57,24 @@ def load_mission(
         domain_of: reads the PDDL files.
 
     Raises:
-        MissionError: a file is missing, or anything in it cannot be used. It says where: file,
-            line and column, `<mission>` in place of the file for a text; the keys for data, e.g.
-            `task.search`.
+        MissionError: a file is missing, or something in it cannot be used: where, as file, line and
+            column (`<mission>` for the file of a text), or as keys of data, e.g. `task.search`.
     """
     read = read_source(source, "mission", folder)
     file, document = validate(read.content, read.name, MissionFile)
     file, declared = domain_of(file, document, read.folder)
     _check_names(file, document)
-    limits = _limits(file, document)
-    places = {name: _place(name, entry) for name, entry in file.places.items()}
-    grid = _grid(file.map, read.folder, document)
-    vehicle = read_vehicle(file.vehicle, read.folder, document)
-    check_places(places, limits, grid, vehicle, document)
-    events = _events(file, document)
+    coordinates = coordinates_of(file, document)
+    space = read_space(file, read.folder, coordinates, document)
+    places, vehicle = space.places, read_vehicle(file.vehicle, read.folder, document)
+    check_places(places, space.limits, space.grid, vehicle, coordinates, document)
+    events = read_events(file, document)
     vocabulary = Vocabulary(places, events, file.objects, declared)
-    skills = build_skills(file, document, vocabulary)
+    skills = build_skills(file, document, vocabulary, coordinates)
     check_one_place(skills, places, document)
-    _check_restored(file, skills, document)
+    check_restored(file, skills, document)
     initially = _initially(file, document, vocabulary)
-    given = {*declared, *(fact.predicate for fact in initially)}
-    _check_reachable_names(skills, given, events, document)
+    _check_reachable_names(skills, {*declared, *(f.predicate for f in initially)}, events, document)
     sets = {name: tuple(members) for name, members in file.sets.items()}
     check_looking(skills, places, sets, document)
     task, priorities = read_task(file, document, vocabulary)
@@ -88,8 +82,10 @@ def load_mission(
         name=file.name,
         path=str(read.path or ""),
         text=_text(read, document),
-        grid=grid,
-        limits=limits,
+        grid=space.grid,
+        map_file=space.map_file,
+        walls=space.walls,
+        limits=space.limits,
         vehicle=vehicle,
         places=places,
         sets=sets,
@@ -101,14 +97,8 @@ def load_mission(
         patience_s=file.patience_s,
         tree=_tree(file, document, skills, sets, vocabulary),
         priorities=priorities,
+        anchor=coordinates.anchor,
     )
-
-
-def _place(name: str, entry: PlaceEntry) -> Place:
-    position = ned_from_enu(entry.east_m, entry.north_m, entry.up_m)
-    heading_deg = entry.heading_deg
-    heading_rad = None if heading_deg is None else wrap_angle(math.radians(heading_deg))
-    return Place(name, position, entry.radius_m, heading_rad)
 
 
 def _text(source: Source, document: Document) -> str:
@@ -131,28 +121,6 @@ def _tree(
         where = document.key_at("subtrees")
         raise MissionError("there are subtrees, and no tree", where, "add tree: [...] to use them")
     return None
-
-
-def _limits(file: MissionFile, document: Document) -> Limits:
-    limits = Limits(
-        speed_mps=file.limits.speed_mps,
-        up_m=file.limits.up_m,
-        fence=tuple((north, east) for east, north in file.limits.fence),
-    )
-    check_limits(limits, file.limits.unusual, document)
-    return limits
-
-
-def _grid(map_: str | MapEntry, folder: Path, document: Document) -> OccupancyGrid:
-    try:
-        if isinstance(map_, str):
-            return read_map(folder / map_)
-        walls = [(wall.east_m, wall.north_m) for wall in map_.walls]
-        return map_of_boxes(map_.east_m, map_.north_m, map_.cell_m, walls)
-    except MissionError as error:
-        if error.where is not None:
-            raise
-        raise MissionError(error.what, document.where("map"), error.hint) from error
 
 
 def _check_names(file: MissionFile, document: Document) -> None:
@@ -209,52 +177,6 @@ def _operator(name: str) -> Operator | None:
         return parse(name).operator
     except FormulaError:
         return None
-
-
-def _events(file: MissionFile, document: Document) -> dict[str, Event]:
-    events = {}
-    for name, entry in file.events.items():
-        with document.locating("events", name, "when"):
-            when = parse_condition(entry.when)
-        with document.locating("events", name, "until"):
-            until = parse_condition(entry.until) if entry.until is not None else None
-        if until is not None and entry.latch:
-            raise MissionError(
-                f"{name} has both latch and until",
-                document.key_at("events", name, "until"),
-                "a latched fact stays true for ever: remove one of the two",
-            )
-        lasting = [each for each in (when, until) if each and not each.signal.is_pulse]
-        if not lasting and entry.for_s > 0:
-            raise MissionError(
-                f"{name} waits for a command to hold for {entry.for_s:g} s",
-                document.where("events", name, "for_s"),
-                "a command is there at the moment when it comes: remove for_s",
-            )
-        for index, conjunct in enumerate(entry.restarts):
-            lines = line_names(file)
-            if conjunct not in lines:
-                raise MissionError(
-                    f"{name} restarts {conjunct}, which the task does not have",
-                    document.where("events", name, "restarts", index),
-                    f"the task has {', '.join(lines)}. {did_you_mean(conjunct, lines)}".rstrip(),
-                )
-        restarts, restores = frozenset(entry.restarts), frozenset(entry.restores)
-        events[name] = Event(name, when, until, entry.latch, entry.for_s, restarts, restores)
-    return events
-
-
-def _check_restored(file: MissionFile, skills: Mapping[str, Skill], document: Document) -> None:
-    beliefs = sorted({atom.predicate for skill in skills.values() for atom in skill.assumes})
-    for name, entry in file.events.items():
-        for index, belief in enumerate(entry.restores):
-            if belief not in beliefs:
-                raise MissionError(
-                    f"{name} restores {belief}, which no skill assumes",
-                    document.where("events", name, "restores", index),
-                    f"beliefs are {_listing(beliefs) or 'none yet'}. "
-                    f"{did_you_mean(belief, beliefs)}".rstrip(),
-                )
 
 
 def _initially(file: MissionFile, document: Document, vocabulary: Vocabulary) -> frozenset[Fact]:

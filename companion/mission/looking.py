@@ -8,6 +8,7 @@ from itertools import product
 from companion.documents import Document, did_you_mean
 from companion.errors import MissionError
 from companion.geometry import horizontal_distance
+from companion.mission.coordinates import Coordinates
 from companion.mission.facts import AT
 from companion.mission.model import (
     Command,
@@ -25,7 +26,7 @@ from companion.motion.heading import FACING_M
 
 
 def look_at(
-    name: str, entry: SkillEntry, file: MissionFile, document: Document
+    name: str, entry: SkillEntry, file: MissionFile, document: Document, coordinates: Coordinates
 ) -> str | PointOfInterest | None:
     """The parameter of a skill, or the point, that it looks at.
 
@@ -34,8 +35,8 @@ def look_at(
     """
     wanted, where = entry.look_at, document.where("skills", name, "look_at")
     if isinstance(wanted, PointEntry):
-        text = f"east {wanted.east_m:g} m, north {wanted.north_m:g} m"
-        return PointOfInterest(text, (wanted.north_m, wanted.east_m))
+        point = coordinates.point(wanted, "skills", name, "look_at")
+        return PointOfInterest(wanted.in_words, point)
     if wanted is None:
         return None
     if wanted in entry.parameters:
@@ -51,8 +52,7 @@ def look_at(
             where,
             f"write a place, or {{east_m: 0, north_m: 0}}. {did_you_mean(wanted, known)}".rstrip(),
         )
-    place = file.places[wanted]
-    return PointOfInterest(wanted, (place.north_m, place.east_m))
+    return PointOfInterest(wanted, coordinates.point(file.places[wanted], "places", wanted))
 
 
 def check_looking(

@@ -10,13 +10,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 
-from companion.geometry import Ned, NorthEast
+from companion.drawn_maps import Wall
+from companion.geometry import GlobalOrigin, Ned, NorthEast
 from companion.ltl.formula import Formula, atoms
 from companion.mission.facts import AT, Atom, Fact, at
-from companion.mission.signals import Condition
+from companion.mission.signals import AnyCondition
 from companion.mission.tree_nodes import Tree
 from companion.motion.grid import OccupancyGrid
 from companion.motion.profile import SpeedLimits
+from companion.motion.region import Region
 from companion.vehicle_profile import VehicleProfile
 
 
@@ -34,12 +36,19 @@ class Place:
 
     Attributes:
         heading_rad: with which the vehicle arrives, clockwise from north; None for any.
+        amsl_m: its altitude above mean sea level, if it was given so.
     """
 
     name: str
     position: Ned
-    radius_m: float
+    region: Region
     heading_rad: float | None = None
+    amsl_m: float | None = None
+
+    @property
+    def inner_m(self) -> float:
+        """Radius of the disc about it that its region holds."""
+        return self.region.inner_m(self.position)
 
     @property
     def point(self) -> PointOfInterest:
@@ -55,11 +64,13 @@ class Limits:
         speed_mps: greatest speed.
         up_m: lowest and highest flight altitude above home.
         fence: polygon of north-east corners.
+        keep_out: the same of each area that is never entered, by name.
     """
 
     speed_mps: float
     up_m: tuple[float, float]
     fence: tuple[NorthEast, ...]
+    keep_out: Mapping[str, tuple[NorthEast, ...]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,18 +79,21 @@ class Event:
 
     It becomes true when `when` has held for `for_s`; false when `until` (default: not `when`)
     has held for `for_s`, or never again if `latch`. A command has no duration: it counts at once.
+    What was not heard for `stale_s` is not known: it changes nothing, but where silence is what is
+    asked for.
     When the event becomes true, the conjuncts named in `restarts` begin anew: what they still
     demanded from positions before is dropped; and withdrawn beliefs with a predicate of `restores`
     are held again.
     """
 
     name: str
-    when: Condition
-    until: Condition | None
+    when: AnyCondition
+    until: AnyCondition | None
     latch: bool
     for_s: float
     restarts: frozenset[str]
     restores: frozenset[str] = frozenset()
+    stale_s: float | None = None
 
     @property
     def fact(self) -> Fact:
@@ -257,9 +271,13 @@ class Mission:
         priorities: of the lines that may be dropped; the higher, the more important.
         initially: facts that hold at the start, beliefs left out; all others are false.
         grid: what the vehicle is told of the map beforehand.
+        map_file: that it is read from; empty if the mission draws it itself.
+        walls: that it draws.
         tree: the plan, if it was written by hand; the task is then not planned for.
         vehicle: what it is written for.
         patience_s: how long a vehicle without a plan holds, where one may become possible again.
+        anchor: where north 0, east 0 lies on the earth, in a mission with frame: wgs84; its
+            altitude is an assumption. None for metres from wherever home is.
     """
 
     name: str
@@ -278,6 +296,14 @@ class Mission:
     vehicle: VehicleProfile = field(default_factory=VehicleProfile)
     patience_s: float = PATIENCE_S
     priorities: Mapping[str, int] = field(default_factory=dict)
+    anchor: GlobalOrigin | None = None
+    map_file: str = ""
+    walls: tuple[Wall, ...] = ()
+
+    @property
+    def is_above_sea(self) -> bool:
+        """Whether a place of it was given above the sea."""
+        return any(place.amsl_m is not None for place in self.places.values())
 
     @property
     def optional(self) -> tuple[str, ...]:

@@ -3,8 +3,8 @@
 This is the written form, in people's units (east, north, up; seconds). loader.py makes the
 checked `Mission` of model.py from it. The descriptions become the JSON Schema
 (missions/mission.schema.json, by scripts/make_schema.py) that editors complete from, and the
-hints of error messages; so they are written for the author of a mission. Map, limits and places are
-in world_schema.py.
+hints of error messages; so they are written for the author of a mission. Limits and places are in
+world_schema.py, drawn maps in companion/drawn_maps.py.
 
 Small languages inside texts are not parsed here: formulas and facts (companion/ltl/formula.py),
 conditions (conditions.py), `execute` (execution.py).
@@ -16,16 +16,11 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, ConfigDict, Field
 
+from companion.drawn_maps import DrawnModel, MapEntry
 from companion.mission.keys import Name, Text, given
 from companion.mission.line_entry import TaskKey
 from companion.mission.model import PATIENCE_S
-from companion.mission.world_schema import (
-    LimitsEntry,
-    MapEntry,
-    PlaceEntry,
-    PointEntry,
-    StrictModel,
-)
+from companion.mission.world_schema import LimitsEntry, PlaceEntry, PointEntry
 from companion.vehicle_files import VehicleEntry, VehicleKey
 
 DAY_S = 86_400
@@ -34,15 +29,16 @@ Duration = Annotated[float, Field(gt=0, le=DAY_S)]
 PATIENCE = "Seconds to hold without a plan, where one may come back, before `otherwise`."
 
 
-class EventEntry(StrictModel):
+class EventEntry(DrawnModel):
     """A fact that the vehicle observes and cannot choose."""
 
     when: Annotated[
         Text,
         Field(
             description="Condition that makes the fact true, e.g. "
-            "NAMED_VALUE_INT[target].value > 0 or COMMAND.MAV_CMD_USER_1. A command is true at "
-            "the moment when it comes; the task sees it at the next position."
+            "NAMED_VALUE_INT[target].value > 0, EVENT[persons] > 0 (another program's report), "
+            "EVENT[persons] is silent, or COMMAND.MAV_CMD_USER_1. A command is true at the moment "
+            "when it comes; the task sees it at the next position."
         ),
     ]
     until: Annotated[
@@ -59,6 +55,16 @@ class EventEntry(StrictModel):
             description="Seconds a condition must hold before it counts; a command counts at once.",
         ),
     ] = 0.0
+    stale_s: Annotated[
+        float | None,
+        BeforeValidator(given, json_schema_input_type=float),
+        Field(
+            gt=0,
+            le=DAY_S,
+            description="Seconds after which what was not heard is not known: the fact stays as "
+            "it was, which is told, and `is silent` is true.",
+        ),
+    ] = None
     restarts: Annotated[
         list[Name],
         Field(
@@ -80,7 +86,7 @@ def _listed(value: Any) -> Any:
     return [value] if isinstance(value, str) else value
 
 
-class SkillEntry(StrictModel):
+class SkillEntry(DrawnModel):
     """An action template: the planner uses it with every binding of its parameters."""
 
     parameters: Annotated[
@@ -171,12 +177,12 @@ class SkillEntry(StrictModel):
         BeforeValidator(given, json_schema_input_type=Name | PointEntry),
         Field(
             description="What the vehicle looks at meanwhile: a parameter, a place, or a point "
-            "{east_m, north_m}."
+            "{east_m, north_m}; with frame: wgs84 {lat_deg, lon_deg}."
         ),
     ] = None
 
 
-class MissionFile(StrictModel):
+class MissionFile(DrawnModel):
     """A mission: what must hold, not where to fly next."""
 
     model_config = ConfigDict(title="Mission")
@@ -191,24 +197,34 @@ class MissionFile(StrictModel):
         ),
     ]
     frame: Annotated[
-        Literal["enu"],
-        Field(description="Axes of all positions. Only enu: metres east, north and up of home."),
+        Literal["enu", "wgs84"],
+        Field(
+            description="What coordinates are. enu: metres east, north and up of home. wgs84: "
+            "places have lat_deg, lon_deg and either up_m or amsl_m, corners are [lat, lon]; a map "
+            "stays in metres, from the place where the mission begins."
+        ),
     ] = "enu"
     map: Annotated[
-        Text | MapEntry,
+        Text | MapEntry | None,
+        BeforeValidator(given, json_schema_input_type=Text | MapEntry),
         Field(
             description="What the vehicle is told of the world beforehand: a map file (ROS "
             "map_server YAML), relative to this file, or an area with walls: {east_m: [-2, 12], "
-            "north_m: [-2, 12], walls: [{east_m: [4, 5], north_m: [0, 6]}]}."
+            "north_m: [-2, 12], walls: [{east_m: [4, 5], north_m: [0, 6]}]}. Without it, an open "
+            "field: the area of the fence."
         ),
-    ]
+    ] = None
     vehicle: VehicleKey = VehicleEntry()
     limits: Annotated[
         LimitsEntry, Field(description="Speed, altitudes and fence that no setpoint leaves.")
     ]
     places: Annotated[
         dict[Name, PlaceEntry],
-        Field(min_length=1, description="Name: {east_m, north_m, up_m, radius_m}."),
+        Field(
+            min_length=1,
+            description="Name: {east_m, north_m, up_m, radius_m}; with frame: wgs84 {lat_deg, "
+            "lon_deg, up_m or amsl_m, radius_m}.",
+        ),
     ]
     objects: Annotated[
         list[Name],

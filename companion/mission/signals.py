@@ -1,4 +1,4 @@
-"""Signals, the numbers on the wire that events are made of, and conditions on them."""
+"""Signals, the numbers that events are made of, and conditions on them."""
 
 from __future__ import annotations
 
@@ -8,6 +8,9 @@ from dataclasses import dataclass
 
 COMMAND = "COMMAND"
 """Stands in the place of a message's name for commands sent to the companion."""
+
+REPORT = "EVENT"
+"""Stands in the place of a message's name for what other programs report (detections.py)."""
 
 COMPARISONS: dict[str, Callable[[float, float], bool]] = {
     "<": operator.lt,
@@ -21,12 +24,13 @@ COMPARISONS: dict[str, Callable[[float, float], bool]] = {
 
 @dataclass(frozen=True, slots=True)
 class Signal:
-    """One number on the MAVLink wire: a field of a message, or the arrival of a command.
+    """One number: a field of a MAVLink message, the arrival of a command, or a detector's report.
 
     Attributes:
-        message: MAVLink message name, or `COMMAND`.
-        instance: the `name` field that tells instances apart (NAMED_VALUE_*), else "".
-        field: the message's field; for `COMMAND` the MAV_CMD name (its value is 1).
+        message: MAVLink message name, `COMMAND`, or `REPORT`.
+        instance: the `name` field that tells instances apart (NAMED_VALUE_*), or the name in a
+            report, else "".
+        field: the message's field; for `COMMAND` the MAV_CMD name (its value is 1); else "".
     """
 
     message: str
@@ -38,9 +42,15 @@ class Signal:
         """Whether it has its value at the moment of its arrival alone."""
         return self.message == COMMAND
 
+    @property
+    def is_report(self) -> bool:
+        """Whether another program reports it, and not MAVLink."""
+        return self.message == REPORT
+
     def __str__(self) -> str:
         instance = f"[{self.instance}]" if self.instance else ""
-        return f"{self.message}{instance}.{self.field}"
+        field = f".{self.field}" if self.field else ""
+        return f"{self.message}{instance}{field}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +66,19 @@ class Condition:
             return str(self.signal)
         return f"{self.signal} {self.comparison} {self.threshold:g}"
 
-    def is_met_by(self, value: float) -> bool:
-        """Whether it holds for a value of the signal."""
-        return COMPARISONS[self.comparison](value, self.threshold)
+    def is_met_by(self, value: float | None) -> bool:
+        """Whether it holds for a value of the signal; for one that is not known it does not."""
+        return value is not None and COMPARISONS[self.comparison](value, self.threshold)
+
+
+@dataclass(frozen=True, slots=True)
+class Silence:
+    """A signal was not heard for the time after which an event takes it for unknown."""
+
+    signal: Signal
+
+    def __str__(self) -> str:
+        return f"{self.signal} is silent"
+
+
+AnyCondition = Condition | Silence

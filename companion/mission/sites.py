@@ -9,8 +9,10 @@ import numpy as np
 from companion.documents import Document
 from companion.errors import MissionError
 from companion.geometry import Ned, NorthEast, enu_from_ned, is_in_polygon
+from companion.mission.coordinates import Coordinates
 from companion.mission.model import Limits, Place
 from companion.motion.grid import OccupancyGrid, distances_to_edge
+from companion.motion.polygons import cells_of
 from companion.vehicle_profile import VehicleProfile
 
 USUAL_UP_M = 500.0
@@ -54,6 +56,7 @@ def check_places(
     limits: Limits,
     grid: OccupancyGrid,
     vehicle: VehicleProfile,
+    coordinates: Coordinates,
     document: Document,
 ) -> None:
     """Checks every place.
@@ -65,11 +68,15 @@ def check_places(
         MissionError: at the key of the first place that is too near to an obstacle, outside the
             fence or outside the altitude band.
     """
+    zoned = cells_of(grid, limits.keep_out.values())
     for place in places.values():
+        above_m = -place.position[2] - vehicle.clearance_m
+        walls, kept = grid.at(above_m), zoned.at(above_m)
         problem = (
             _off_map_problem(place, grid)
-            or _fence_problem(place, limits, vehicle.margin_m)
-            or _room_problem(place, grid, vehicle.clearance_m)
+            or _fence_problem(place, limits, vehicle.margin_m, coordinates)
+            or _zone_problem(place, limits, vehicle.clearance_m)
+            or _room_problem(place, walls, kept, vehicle.clearance_m, coordinates)
             or _altitude_problem(place, limits)
         )
         if problem:
@@ -90,15 +97,25 @@ def _off_map_problem(place: Place, grid: OccupancyGrid) -> tuple[str, str] | Non
     )
 
 
-def _room_problem(place: Place, grid: OccupancyGrid, clearance_m: float) -> tuple[str, str] | None:
-    """A place on the map whose cell has no room all over: no route leads to it."""
+def _room_problem(
+    place: Place,
+    grid: OccupancyGrid,
+    kept: OccupancyGrid,
+    clearance_m: float,
+    coordinates: Coordinates,
+) -> tuple[str, str] | None:
+    """A place on the map whose cell has no room all over: no route leads to it.
+
+    Args:
+        kept: the map, on which keep-out zones are occupied, too.
+    """
     north_east = place.position[:2]
     cell = grid.cell(north_east)
-    if grid.distance_m[cell] >= clearance_m:
+    if kept.distance_m[cell] >= clearance_m:
         return None
-    nearest = _nearest_free(north_east, grid, clearance_m)
+    nearest = _nearest_free(north_east, kept, clearance_m)
     advice = (
-        f"the nearest point with room is east_m: {nearest[1]:.2f}, north_m: {nearest[0]:.2f}"
+        f"the nearest point with room is {coordinates.in_words(nearest)}"
         if nearest
         else "no point of the map has that much room; check the map's resolution"
     )
@@ -107,8 +124,9 @@ def _room_problem(place: Place, grid: OccupancyGrid, clearance_m: float) -> tupl
     clearance = grid.clearance_m(north_east)
     if clearance < clearance_m:
         return f"is only {clearance:.2f} m from a wall, {clearance_m:g} m are needed", advice
-    width, least = f"{grid.cell_m:g} m wide", f"{grid.distance_m[cell]:.2f} m"
-    what = f"is too near to a wall: its cell of the map, {width}, comes within {least} of it"
+    width, least = f"{grid.cell_m:g} m wide", f"{kept.distance_m[cell]:.2f} m"
+    what = "is too near to a wall" + (" or a keep-out zone" if kept is not grid else "")
+    what += f": its cell of the map, {width}, comes within {least} of it"
     return f"{what}, {clearance_m:g} m are needed", advice
 
 
@@ -122,13 +140,15 @@ def _nearest_free(position: NorthEast, grid: OccupancyGrid, clearance_m: float) 
     return grid.centre(int(rows[best]), int(cols[best]))
 
 
-def _fence_problem(place: Place, limits: Limits, margin_m: float) -> tuple[str, str] | None:
+def _fence_problem(
+    place: Place, limits: Limits, margin_m: float, coordinates: Coordinates
+) -> tuple[str, str] | None:
     """A place outside the fence, or where the gate would hold the vehicle short of it."""
     is_inside = is_in_polygon(place.position, limits.fence)
     gap_m = min(_distances_to_edges(place.position, limits.fence))
     if is_inside and gap_m >= margin_m:
         return None
-    corners = ", ".join(f"[{east:g}, {north:g}]" for north, east in limits.fence)
+    corners = ", ".join(map(coordinates.as_corner, limits.fence))
     advice = f"move it, or widen limits.fence: [{corners}]"
     if is_inside:
         return f"is only {gap_m:.2f} m from the fence, {margin_m:g} m are needed", advice
@@ -139,6 +159,19 @@ def _distances_to_edges(position: Ned, fence: tuple[NorthEast, ...]) -> list[flo
     north, east, _ = (np.array(metres) for metres in position)
     edges = zip(fence, (*fence[1:], fence[0]), strict=True)
     return [float(distances_to_edge(north, east, edge)) for edge in edges]
+
+
+def _zone_problem(place: Place, limits: Limits, clearance_m: float) -> tuple[str, str] | None:
+    """A place in a keep-out zone, or too near to one."""
+    for name, zone in limits.keep_out.items():
+        advice = f"move it, or change limits.keep_out.{name}"
+        if is_in_polygon(place.position, zone):
+            return f"is in the keep-out zone {name}", advice
+        gap_m = min(_distances_to_edges(place.position, zone))
+        if gap_m < clearance_m:
+            what = f"is only {gap_m:.2f} m from the keep-out zone {name}"
+            return f"{what}, {clearance_m:g} m are needed", advice
+    return None
 
 
 def _altitude_problem(place: Place, limits: Limits) -> tuple[str, str] | None:

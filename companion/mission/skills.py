@@ -14,6 +14,7 @@ from typing import TypeVar
 
 from companion.documents import Document, did_you_mean
 from companion.errors import MissionError
+from companion.mission.coordinates import Coordinates
 from companion.mission.execution import parse_execution
 from companion.mission.facts import Atom, spelled
 from companion.mission.literals import parse_effect, parse_fact, parse_literals
@@ -31,7 +32,9 @@ WAIT = "wait"  # the planner's own action, one step of rest
 T = TypeVar("T")
 
 
-def build_skills(file: MissionFile, document: Document, vocabulary: Vocabulary) -> dict[str, Skill]:
+def build_skills(
+    file: MissionFile, document: Document, vocabulary: Vocabulary, coordinates: Coordinates
+) -> dict[str, Skill]:
     """Returns the skills of a mission file; their facts are added to the vocabulary.
 
     Raises:
@@ -40,7 +43,7 @@ def build_skills(file: MissionFile, document: Document, vocabulary: Vocabulary) 
     skills: dict[str, Skill] = {}
     instances = effects = 0
     for name, entry in file.skills.items():
-        skills[name] = _SkillBuilder(name, entry, file, document, vocabulary).build()
+        skills[name] = _SkillBuilder(name, entry, file, document, vocabulary, coordinates).build()
         own = math.prod(len(file.sets[s]) for s in entry.parameters.values())
         instances += own
         effects += own * len(skills[name].conditional)
@@ -128,6 +131,7 @@ class _SkillBuilder:
     file: MissionFile
     document: Document
     vocabulary: Vocabulary
+    coordinates: Coordinates
 
     def build(self) -> Skill:
         entry = self.entry
@@ -161,7 +165,7 @@ class _SkillBuilder:
         conditions = [literal for when in conditional for literal in when.condition]
         literals = (*precondition, *changed, *conditions)
         mentioned = [*(literal.atom for literal in literals), *assumes]
-        looked_at = look_at(self.name, entry, self.file, self.document)
+        looked_at = look_at(self.name, entry, self.file, self.document, self.coordinates)
         self._refuse_unused(mentioned, execute, looked_at)
         return Skill(
             name=self.name,

@@ -1,44 +1,16 @@
-"""The model of what a mission file says of the world: map, limits and places."""
+"""The model of what a mission file says of the world: limits and places."""
 
 from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import BeforeValidator, ConfigDict, Field, JsonValue
 
-from companion.geometry import FAR_M
-from companion.mission.keys import given
-
-
-class StrictModel(BaseModel):
-    """A mapping of a mission file; unknown keys are refused."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+from companion.drawn_maps import Corner, DrawnModel, Metres
+from companion.mission.keys import Name, given
 
 
-Metres = Annotated[float, Field(ge=-FAR_M, le=FAR_M)]
-Span = Annotated[tuple[float, float], Field(description="[from, to], metres from home.")]
-
-
-class WallEntry(StrictModel):
-    """A box on the map that is occupied."""
-
-    east_m: Span
-    north_m: Span
-
-
-class MapEntry(StrictModel):
-    """An area with walls, in place of a map file; what lies outside of it is occupied."""
-
-    east_m: Span
-    north_m: Span
-    cell_m: Annotated[float, Field(ge=0.01, le=10, description="Edge of a cell, metres.")] = 0.1
-    walls: Annotated[
-        list[WallEntry], Field(description="Boxes: [{east_m: [4, 5], north_m: [0, 6]}, ...].")
-    ] = []
-
-
-class LimitsEntry(StrictModel):
+class LimitsEntry(DrawnModel):
     """What no setpoint may leave."""
 
     speed_mps: Annotated[float, Field(gt=0, le=20, description="Greatest speed, m/s.")]
@@ -47,12 +19,21 @@ class LimitsEntry(StrictModel):
         Field(description="Lowest and highest flight altitude above home, metres: [0.5, 4.0]."),
     ]
     fence: Annotated[
-        list[tuple[Metres, Metres]],
+        list[Corner] | None,
+        BeforeValidator(given, json_schema_input_type=list[Corner]),
         Field(
             min_length=3,
-            description="Corners of the area that is never left: [[east, north], ...], metres.",
+            description="Corners of the area that is never left: [[east, north], ...], metres; "
+            "with frame: wgs84 [[lat, lon], ...], degrees. Without it, the area of the map.",
         ),
-    ]
+    ] = None
+    keep_out: Annotated[
+        dict[Name, list[Corner]],
+        Field(
+            description="Areas that are never entered, by name: {pond: [[east, north], ...]}; "
+            "corners as those of the fence."
+        ),
+    ] = {}
     unusual: Annotated[
         bool,
         Field(
@@ -62,18 +43,87 @@ class LimitsEntry(StrictModel):
     ] = False
 
 
+Latitude = Annotated[float, Field(ge=-90, le=90)]
+Longitude = Annotated[float, Field(ge=-180, le=180)]
+AboveSea = Annotated[float, Field(ge=-500, le=9000)]
+Radius = Annotated[float, Field(gt=0, le=1000)]
 HeadingDeg = Annotated[float, Field(ge=-360, le=360)]
 
 
-class PlaceEntry(StrictModel):
-    """A point, in metres from the home position, with a region around it."""
+def _one_of(*required: list[JsonValue]) -> ConfigDict:
+    """A mapping that has all keys of one of the lists."""
+    return ConfigDict(json_schema_extra={"oneOf": [{"required": keys} for keys in required]})
 
-    east_m: Annotated[Metres, Field(description="Metres east of home.")]
-    north_m: Annotated[Metres, Field(description="Metres north of home.")]
-    up_m: Annotated[Metres, Field(description="Metres above home.")]
+
+class PointEntry(DrawnModel):
+    """A point on the ground plan; the vehicle need not be able to be there.
+
+    Which keys it has follows from the mission's frame (coordinates.py).
+    """
+
+    model_config = _one_of(["east_m", "north_m"], ["lat_deg", "lon_deg"])
+
+    east_m: Annotated[
+        Metres | None,
+        BeforeValidator(given, json_schema_input_type=Metres),
+        Field(description="Metres east of home."),
+    ] = None
+    north_m: Annotated[
+        Metres | None,
+        BeforeValidator(given, json_schema_input_type=Metres),
+        Field(description="Metres north of home."),
+    ] = None
+    lat_deg: Annotated[
+        Latitude | None,
+        BeforeValidator(given, json_schema_input_type=Latitude),
+        Field(description="Degrees north (WGS 84), with frame: wgs84."),
+    ] = None
+    lon_deg: Annotated[
+        Longitude | None,
+        BeforeValidator(given, json_schema_input_type=Longitude),
+        Field(description="Degrees east (WGS 84), with frame: wgs84."),
+    ] = None
+
+    @property
+    def in_words(self) -> str:
+        """The point as people are told of it."""
+        if self.lat_deg is not None and self.lon_deg is not None:
+            return f"latitude {self.lat_deg:g}, longitude {self.lon_deg:g}"
+        return f"east {self.east_m:g} m, north {self.north_m:g} m"
+
+
+class PlaceEntry(PointEntry):
+    """A point with a region around it: in metres from home, or on the earth."""
+
+    model_config = _one_of(
+        ["east_m", "north_m", "up_m"],
+        ["lat_deg", "lon_deg", "up_m"],
+        ["lat_deg", "lon_deg", "amsl_m"],
+    )
+
+    up_m: Annotated[
+        Metres | None,
+        BeforeValidator(given, json_schema_input_type=Metres),
+        Field(description="Metres above home."),
+    ] = None
+    amsl_m: Annotated[
+        AboveSea | None,
+        BeforeValidator(given, json_schema_input_type=AboveSea),
+        Field(description="Metres above mean sea level, in place of up_m, with frame: wgs84."),
+    ] = None
     radius_m: Annotated[
-        float, Field(gt=0, le=1000, description="at(place) holds within this distance, metres.")
-    ] = 0.6
+        Radius | None,
+        BeforeValidator(given, json_schema_input_type=Radius),
+        Field(description="at(place) holds within this distance, metres; 0.6 without it."),
+    ] = None
+    corners: Annotated[
+        list[Corner] | None,
+        BeforeValidator(given, json_schema_input_type=list[Corner]),
+        Field(
+            description="In place of radius_m: at(place) holds over this polygon, at whatever "
+            "height; corners as those of the fence."
+        ),
+    ] = None
     heading_deg: Annotated[
         float | None,
         BeforeValidator(given, json_schema_input_type=HeadingDeg),
@@ -84,10 +134,3 @@ class PlaceEntry(StrictModel):
             "any heading will do.",
         ),
     ] = None
-
-
-class PointEntry(StrictModel):
-    """A point on the ground plan; the vehicle need not be able to be there."""
-
-    east_m: Annotated[Metres, Field(description="Metres east of home.")]
-    north_m: Annotated[Metres, Field(description="Metres north of home.")]

@@ -11,7 +11,7 @@ from __future__ import annotations
 import base64
 import math
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +25,7 @@ from companion.flight_events.plans import PlanMade, WrittenTreeAdopted
 from companion.flight_events.skills import ClearanceChanged, SymbolMoved
 from companion.flight_events.tree import ActionTreeNode, TreeBuilt
 from companion.flight_events.word import PositionLeft
-from companion.geometry import Ned, enu_from_ned
+from companion.geometry import Ned, NorthEast, enu_from_ned
 from companion.ltl.parser import parse
 from companion.monitor.automata import TaskReader
 from companion.monitor.page_events import (
@@ -41,7 +41,8 @@ from companion.monitor.scene import Scene, read_scene
 from companion.monitor.tailing import EventLines, TlogFrames
 from companion.monitor.watching import Snapshot, Watcher
 from companion.motion.grid import OccupancyGrid
-from companion.motion.routes import RouteMap
+from companion.motion.layered_routes import LayeredRoutes
+from companion.motion.routes import PlaceRegion
 from companion.record.events import EVENTS_FILE
 
 PERIOD_S = 0.2
@@ -76,9 +77,16 @@ class Follower:
         self._lines = EventLines(folder / EVENTS_FILE)
         self._frames = TlogFrames(folder / "flight.tlog")
         self._waiting: deque[Stamped] = deque()
-        self._watcher = Watcher(scene.grid)
+        self._watcher = Watcher(scene.grid, scene.anchor)
         self._grid = scene.grid
-        self._routes = RouteMap(scene.grid, scene.sites, scene.fence, scene.clearance_m)
+        self._routes = LayeredRoutes(
+            scene.grid,
+            scene.sites,
+            scene.fence,
+            scene.clearance_m,
+            scene.speed_limits,
+            keep_out=scene.keep_out,
+        )
         self._task: TaskReader | None = None
         self._is_written = False  # the tree is the mission's own, and no way is planned
         self._next_s = 0.0
@@ -177,12 +185,24 @@ def _mission(scene: Scene, run: str, is_live: bool) -> dict[str, Any]:
             "north_m": grid.origin[0],
             "shade": base64.b64encode(_shade(grid).tobytes()).decode("ascii"),
         },
-        "fence": [[east, north] for north, east in scene.fence],
+        "fence": _corners(scene.fence),
+        "keep_out": [_corners(zone) for zone in scene.keep_out],
+        "low_walls": [_corners(wall.corners) for wall in scene.walls],
         "places": [
-            {"name": name, "enu": enu_from_ned(site.position), "radius_m": site.radius_m}
+            {"name": name, "enu": enu_from_ned(site.position), **_outline(site)}
             for name, site in scene.sites.items()
         ],
     }
+
+
+def _corners(polygon: Iterable[NorthEast]) -> list[list[float]]:
+    return [[east, north] for north, east in polygon]
+
+
+def _outline(site: PlaceRegion) -> dict[str, Any]:
+    if (corners := site.region.outline()) is None:
+        return {"radius_m": site.region.inner_m(site.position)}
+    return {"corners": _corners(corners)}
 
 
 def _shade(grid: OccupancyGrid) -> npt.NDArray[np.uint8]:

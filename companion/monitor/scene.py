@@ -8,15 +8,18 @@ from __future__ import annotations
 import base64
 import json
 import zlib
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from companion.drawn_maps import Wall, walled
 from companion.errors import MissionError
-from companion.geometry import NorthEast, ned_from_enu
+from companion.geometry import GlobalOrigin, NorthEast, ned_from_enu
 from companion.motion.grid import OccupancyGrid
+from companion.motion.profile import SpeedLimits
+from companion.motion.region import Area, Disc, Region
 from companion.motion.routes import PlaceRegion
 from companion.vehicle_profile import VehicleProfile
 
@@ -31,15 +34,23 @@ class Scene:
     Attributes:
         start_unix_s: t_s 0 of the events on the clock of flight.tlog.
         fence: north-east corners.
+        keep_out: the same of areas that are not entered.
+        walls: those that are low.
+        speed_limits: by which routes are chosen.
         clearance_m: that routes keep from obstacles.
+        anchor: where north 0, east 0 lies on the earth, if the mission says so.
     """
 
     name: str
     start_unix_s: float
     grid: OccupancyGrid
     fence: tuple[NorthEast, ...]
+    keep_out: tuple[tuple[NorthEast, ...], ...]
+    walls: tuple[Wall, ...]
     sites: dict[str, PlaceRegion]
     clearance_m: float
+    speed_limits: SpeedLimits
+    anchor: GlobalOrigin | None = None
 
 
 def read_scene(folder: Path) -> Scene:
@@ -60,7 +71,7 @@ def read_scene(folder: Path) -> Scene:
         raise MissionError(f"{path}: this is not JSON") from error
     try:
         return _scene(data)
-    except (KeyError, TypeError, ValueError, zlib.error) as error:
+    except (AttributeError, KeyError, TypeError, ValueError, zlib.error) as error:
         raise MissionError(f"{path}: not as docs/run-folder.md describes it: {error}") from error
 
 
@@ -75,13 +86,42 @@ def _scene(data: dict[str, Any]) -> Scene:
         raise ValueError(f"{len(packed)} bytes of cells")
     bits = np.unpackbits(np.frombuffer(packed, dtype=np.uint8), count=shape[0] * shape[1])
     origin = (float(about["north_m"]), float(about["east_m"]))
-    grid = OccupancyGrid(bits.reshape(shape).astype(np.bool_), float(about["cell_m"]), origin)
+    is_open = bool(about.get("open", False))  # absent at first
+    cells = bits.reshape(shape).astype(np.bool_)
+    walls = [Wall(_polygon(w["corners"]), float(w["up_m"])) for w in data.get("low_walls", ())]
+    grid = walled(OccupancyGrid(cells, float(about["cell_m"]), origin, is_open), walls)
     sites = {
         str(place["name"]): PlaceRegion(
-            ned_from_enu(*map(float, place["enu"])), float(place["radius_m"]), place["in_task"]
+            ned_from_enu(*map(float, place["enu"])), _region(place), place["in_task"]
         )
         for place in data["places"]
     }
-    fence = tuple((float(north), float(east)) for east, north in data["fence"])
-    clearance_m = float(data.get("clearance_m", VehicleProfile().clearance_m))  # absent at first
-    return Scene(str(data["name"]), float(data["start_unix_s"]), grid, fence, sites, clearance_m)
+    fence = _polygon(data["fence"])
+    keep_out = tuple(map(_polygon, data.get("keep_out", {}).values()))
+    profile = VehicleProfile()  # what follows was absent at first
+    clearance_m = float(data.get("clearance_m", profile.clearance_m))
+    name, start_unix_s = str(data["name"]), float(data["start_unix_s"])
+    usual = SpeedLimits(profile.speed_mps, profile.acceleration_mps2, profile.jerk_mps3)
+    told = data.get("speed_limits", asdict(usual))
+    limits = SpeedLimits(**{key: float(most) for key, most in told.items()})
+    anchor = _anchor(data.get("anchor"))
+    return Scene(
+        name, start_unix_s, grid, fence, keep_out, tuple(walls), sites, clearance_m, limits, anchor
+    )
+
+
+def _anchor(degrees: list[float] | None) -> GlobalOrigin | None:
+    if degrees is None:
+        return None
+    latitude, longitude = map(float, degrees)
+    return GlobalOrigin(latitude, longitude, 0.0)
+
+
+def _region(place: dict[str, Any]) -> Region:
+    if "corners" in place:
+        return Area(_polygon(place["corners"]))
+    return Disc(float(place["radius_m"]))
+
+
+def _polygon(corners: list[tuple[float, float]]) -> tuple[NorthEast, ...]:
+    return tuple((float(north), float(east)) for east, north in corners)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from companion.geometry import Ned, enu_from_ned
+from companion.geometry import GlobalOrigin, Ned, enu_from_ned
 from companion.mavlink.framing import MavlinkCodec, Message, choose, dialect, source
 from companion.mavlink.px4_modes import mode_name
 from companion.motion.grid import OccupancyGrid
@@ -20,10 +20,17 @@ from companion.vehicle.telemetry import Telemetry
 AUTOPILOT = dialect.MAV_COMP_ID_AUTOPILOT1
 COMPANION = dialect.MAV_COMP_ID_ONBOARD_COMPUTER
 SCANNER = dialect.MAV_COMP_ID_OBSTACLE_AVOIDANCE
-_CONTINUAL = frozenset({dialect.MAVLINK_MSG_ID_ATTITUDE, dialect.MAVLINK_MSG_ID_LOCAL_POSITION_NED})
+_CONTINUAL = frozenset(
+    {
+        dialect.MAVLINK_MSG_ID_ATTITUDE,
+        dialect.MAVLINK_MSG_ID_GLOBAL_POSITION_INT,
+        dialect.MAVLINK_MSG_ID_LOCAL_POSITION_NED,
+    }
+)
 _SETPOINT = dialect.MAVLINK_MSG_ID_SET_POSITION_TARGET_LOCAL_NED
 _SCAN = dialect.MAVLINK_MSG_ID_OBSTACLE_DISTANCE
 _WANTED = _CONTINUAL | {
+    dialect.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN,
     _SETPOINT,
     _SCAN,
     dialect.MAVLINK_MSG_ID_HEARTBEAT,
@@ -80,10 +87,12 @@ class Watcher:
 
     Args:
         told: the map of the mission.
+        anchor: where the mission lies on the earth, if it says so.
     """
 
-    def __init__(self, told: OccupancyGrid) -> None:
+    def __init__(self, told: OccupancyGrid, anchor: GlobalOrigin | None = None) -> None:
         self._telemetry = Telemetry()
+        self._telemetry.anchor_at(anchor)
         self._surroundings = Surroundings(told, self._telemetry)
         self._ranging = Ranging()
         self._codec = MavlinkCodec(0, 0)
@@ -108,8 +117,7 @@ class Watcher:
         for frame in choose(frames, _WANTED, _CONTINUAL):
             for message in self._codec.parse(frame):
                 self._take(now_s, message)
-        if home := self._telemetry.home:
-            self._surroundings.take(self._ranging.scans(now_s, home[:2]))
+        self._surroundings.take(self._ranging.scans(now_s))
 
     def _take(self, now_s: float, message: Message) -> None:
         system, component = source(message)
@@ -121,7 +129,7 @@ class Watcher:
             self._heard_s = now_s
             if self._telemetry.is_news(now_s, message):
                 self._telemetry.take(now_s, message)
-                self._ranging.take_pose(message)
+                self._ranging.take_pose(message, self._telemetry.frame)
             if message.get_msgId() == dialect.MAVLINK_MSG_ID_HEARTBEAT:
                 self._mode = mode_name(message.custom_mode) or "another mode"
         elif component == SCANNER and message.get_msgId() == _SCAN:
@@ -131,13 +139,12 @@ class Watcher:
 
     def snapshot(self, now_s: float) -> Snapshot | None:
         """What is known now; None until the vehicle's state is."""
-        state, home = self._telemetry.state, self._telemetry.home
-        if state is None or home is None:
+        state = self._telemetry.state
+        if state is None:
             return None
         setpoint = None
         if self._setpoint is not None and now_s - self._setpoint[0] < SETPOINT_OLD_S:
-            north, east, down = self._setpoint[1]
-            setpoint = (north - home[0], east - home[1], down - home[2])
+            setpoint = self._telemetry.frame.position(self._setpoint[1])
         return Snapshot(
             time_s=now_s,
             position=state.position,

@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -47,6 +48,18 @@ class Room:
     goals: Mapping[str, Ned]
 
 
+class Obstacles(NamedTuple):
+    """What routes keep away from.
+
+    Attributes:
+        grid: on which all of it is occupied, keep-out zones as well.
+        walls: (rows, cols) what is solid of it.
+    """
+
+    grid: OccupancyGrid
+    walls: npt.NDArray[np.bool_]
+
+
 class ClearanceLevel:
     """Routes at one clearance. The cost-to-go is found when it is first asked for.
 
@@ -55,13 +68,13 @@ class ClearanceLevel:
 
     Args:
         room: what all levels share.
-        grid: the map as it is known now.
+        obstacles: as they are known now.
         clearance_m: of this level.
     """
 
-    def __init__(self, room: Room, grid: OccupancyGrid, clearance_m: float) -> None:
+    def __init__(self, room: Room, obstacles: Obstacles, clearance_m: float) -> None:
         self._room = room
-        self._grid = grid
+        self._obstacles = obstacles
         self._clearance_m = clearance_m
         self.space = self._free_space()
         self._plain: dict[NorthEast, Cell | None] = {}
@@ -80,9 +93,13 @@ class ClearanceLevel:
             self._maps = DistanceMaps(points, self._room.regions, self.space.free)
         return self._maps
 
-    def see(self, grid: OccupancyGrid) -> bool:
-        """Takes over a map of which other cells are occupied; true if other cells are free now."""
-        self._grid, before = grid, self.space
+    @property
+    def _grid(self) -> OccupancyGrid:
+        return self._obstacles.grid
+
+    def see(self, obstacles: Obstacles) -> bool:
+        """Takes over other obstacles on the same map; true if other cells are free now."""
+        self._obstacles, before = obstacles, self.space
         self.space = self._free_space()
         self._plain = {}
         if np.array_equal(before.free, self.space.free):
@@ -94,22 +111,20 @@ class ClearanceLevel:
     def aim(self, place: str) -> None:
         """The goal of a place has changed."""
         if self._clearance_m > self._room.least_m:  # another disc is open
-            self.see(self._grid)
+            self.see(self._obstacles)
         if self._maps is not None:
             self._maps.aim(place, self.space.point(self._room.goals[place]))
 
     def above(self, added_m: float) -> ClearanceLevel:
         """A level of a greater clearance on the same map."""
-        return ClearanceLevel(self._room, self._grid, self._clearance_m + added_m)
+        return ClearanceLevel(self._room, self._obstacles, self._clearance_m + added_m)
 
     def around(self, *positions: NorthEast) -> FreeSpace:
         """The free cells with open discs around some positions."""
         opened = self._opened(positions)
         if opened is None:
             return self.space
-        return FreeSpace(
-            self._grid, self.space.free | opened, self._room.is_inside, self._clearance_m
-        )
+        return self._space(self.space.free | opened)
 
     def search(self, start: NorthEast, place: str, max_cells: int) -> int:
         """Searches about `max_cells` cells for what `entry` asks for; about how many it took."""
@@ -162,7 +177,11 @@ class ClearanceLevel:
         opened = self._opened([goal[:2] for goal in self._room.goals.values()])
         if opened is not None:
             free |= opened
-        return FreeSpace(self._grid, free, is_inside, self._clearance_m)
+        return self._space(free)
+
+    def _space(self, free: npt.NDArray[np.bool_]) -> FreeSpace:
+        grid, walls = self._obstacles
+        return FreeSpace(grid, free, self._room.is_inside, self._clearance_m, walls)
 
     def _opened(self, positions: Iterable[NorthEast]) -> npt.NDArray[np.bool_] | None:
         """(rows, cols) open discs around those positions that need one; None without any."""

@@ -38,8 +38,8 @@ class DistanceMaps:
     ) -> None:
         self._goals = dict(goals)
         self._regions = regions
-        discs = zip(regions.names, regions.centres, regions.radii, strict=True)
-        self._entering = {name: edges_entering(free.shape, *disc) for name, *disc in discs}
+        shape = free.shape
+        self._entering = {n: edges_entering(shape, regions.only(n)) for n in regions.names}
         self._entering_any = union(self._entering.values(), free.shape)
         self._entering_several = overlap(self._entering.values(), free.shape)
         self._former: dict[str, CostToGo] = {}

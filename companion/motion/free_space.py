@@ -1,8 +1,9 @@
 """Free space: the cells that are free, the legs that keep clear, and where a route begins.
 
 A cell is free if the next obstacle is at least the clearance away from all of it, and the fence
-holds all of it (`clearance_level.py`). A route begins in a free cell, or near one if the vehicle
-has drifted or something has come near it. Points are in cells (`line_of_sight.py`), positions in
+holds all of it (`clearance_level.py`). A keep-out zone is an obstacle. A route begins in a free
+cell, or near one if the vehicle has drifted or something has come near it; out of a zone the first
+leg leads straight to the nearest free cell. Points are in cells (`line_of_sight.py`), positions in
 metres.
 """
 
@@ -24,8 +25,10 @@ from companion.motion.regions import Regions
 
 ENTRY_M = 1.0  # greatest distance from a route's start to the nearest free cell (tracking error)
 
+_ENTRY_CELLS = 1.5  # and of at least so many cells: to those around the own one
 _BORDER = 1e-6  # cells; nearer to the border of a cell a leg might touch the next one
 _MAX_VIEWS = 256  # that are kept
+_BATCH = 2000  # cells that are looked at together from a zone
 
 
 class _View(NamedTuple):
@@ -34,10 +37,12 @@ class _View(NamedTuple):
     Attributes:
         is_free: the start has the clearance; if not, legs from there keep clear of walls alone.
         cells: (n, 2) nearest first.
+        reach: how far they may be, in cells.
     """
 
     is_free: bool
     cells: npt.NDArray[np.int_]
+    reach: float
 
 
 def points_of(grid: OccupancyGrid, positions: npt.ArrayLike) -> Points:
@@ -54,10 +59,11 @@ class FreeSpace:
         free: (rows, cols) bool.
 
     Args:
-        grid: the map.
+        grid: the map, on which zones are occupied.
         free: see above.
         is_inside: (rows, cols) cells that the fence holds.
         clearance_m: that free cells have, but near some places.
+        walls: (rows, cols) those of the occupied cells that are solid, not zones alone.
     """
 
     def __init__(
@@ -66,8 +72,10 @@ class FreeSpace:
         free: npt.NDArray[np.bool_],
         is_inside: npt.NDArray[np.bool_],
         clearance_m: float,
+        walls: npt.NDArray[np.bool_],
     ) -> None:
         self.grid = grid
+        self._walls = walls
         self.free = free
         self._is_inside = is_inside
         self._clearance_m = clearance_m
@@ -77,6 +85,14 @@ class FreeSpace:
     @cached_property
     def _open_sight(self) -> LineOfSight:
         return LineOfSight(~self.grid.occupied)
+
+    @cached_property
+    def _sight_between_walls(self) -> LineOfSight:
+        return LineOfSight(~self._walls)
+
+    def _is_in_zone(self, cell: Cell) -> bool:
+        is_on_map = self.grid.contains(*cell)
+        return is_on_map and bool(self.grid.occupied[cell] and not self._walls[cell])
 
     @cached_property
     def _parts(self) -> npt.NDArray[np.int32]:
@@ -102,8 +118,12 @@ class FreeSpace:
     def keeps_away(self, a: Points, b: Points) -> bool:
         """Whether a leg stays as far from obstacles as its start or the clearance, less a cell.
 
-        It leaves the fence only if it begins outside.
+        It leaves the fence only if it begins outside. One that begins in a zone leads out of it,
+        to a free cell.
         """
+        first, last = (self._cell(point) for point in (a, b))
+        if self._is_in_zone(first):
+            return self.is_free(last) and bool(self._sight_between_walls.is_clear(a, b))
         points = np.linspace(a, b, 2 + int(2 * math.dist(a, b)))
         cells = np.clip(np.floor(points).astype(int), 0, np.array(self.free.shape) - 1)
         away_m = self.grid.distance_m[cells[:, 0], cells[:, 1]]
@@ -116,7 +136,11 @@ class FreeSpace:
         """Whether free cells lead from near a start to a cell."""
         if not self.is_free(goal):
             return False
-        return bool(np.any(self._parts[self._near(self.grid.cell(start))] == self._parts[goal]))
+        cell = self.grid.cell(start)
+        near = self._parts[self._near(cell)]
+        if self._is_in_zone(cell):
+            near = self._parts[tuple(self._view(start, cell).cells.T)]
+        return bool(np.any(near == self._parts[goal]))
 
     def are_connected(self, a: Cell, b: Cell) -> bool:
         """Whether free cells lead from one cell to another."""
@@ -144,10 +168,10 @@ class FreeSpace:
         plain = self.plain_cell(start, others)
         if plain is not None and math.isfinite(cost[plain]):
             return plain
-        point = self.point(start)
-        view = self._view(start, self.grid.cell(start))
+        point, own_cell = self.point(start), self.grid.cell(start)
+        view = self._view(start, own_cell)
         cells = view.cells[np.isfinite(cost[view.cells[:, 0], view.cells[:, 1]])]
-        near = others.near(point, self._reach + 1)
+        near = others.near(point, view.reach + 1)
         if near.names:
             cells = cells[~near.are_entered(point, cells.astype(np.float64) + 0.5)]
         if not len(cells):
@@ -160,8 +184,13 @@ class FreeSpace:
 
     @property
     def _reach(self) -> float:
-        """ENTRY_M in cells."""
-        return ENTRY_M / self.grid.cell_m
+        """How far from a start a route may enter free cells, in cells, if not from a zone."""
+        return max(ENTRY_M / self.grid.cell_m, _ENTRY_CELLS)
+
+    @staticmethod
+    def _cell(point: Points) -> Cell:
+        row, col = np.floor(point).astype(int).tolist()
+        return row, col
 
     def _view(self, start: NorthEast, own_cell: Cell) -> _View:
         """The view from a start; kept, since each place is a start of routes to all others."""
@@ -176,14 +205,28 @@ class FreeSpace:
             if len(self._views) >= _MAX_VIEWS:
                 self._views.clear()
             nearest = np.argsort(away[usable], kind="stable")
-            self._views[start] = _View(is_free, cells[usable][nearest])
+            self._views[start] = _View(is_free, cells[usable][nearest], self._reach)
+            if self._is_in_zone(own_cell):
+                self._views[start] = self._view_out_of_zone(point)
         return self._views[start]
 
+    def _view_out_of_zone(self, point: Points) -> _View:
+        """The nearest free cells to which no wall bars the way, however far away they are."""
+        cells = np.argwhere(self.free)
+        centres = np.asarray(cells + 0.5, dtype=np.float64)
+        away = np.linalg.norm(centres - point, axis=1)
+        nearest = np.argsort(away, kind="stable")
+        for some in np.array_split(nearest, max(1, len(nearest) // _BATCH)):
+            usable = some[self._sight_between_walls.is_clear(point, centres[some])]
+            if usable.size:
+                return _View(False, cells[usable], float(away[usable[-1]]))
+        return _View(False, cells[:0], 0.0)
+
     def _near(self, cell: Cell) -> tuple[slice, slice]:
-        """The cells within ENTRY_M of one along each axis."""
+        """The cells within reach of one along each axis."""
+        reach = self._reach
         row, col = (
-            slice(max(math.floor(x - self._reach), 0), max(math.ceil(x + self._reach) + 1, 0))
-            for x in cell
+            slice(max(math.floor(x - reach), 0), max(math.ceil(x + reach) + 1, 0)) for x in cell
         )
         return row, col
 

@@ -1,22 +1,40 @@
 """Occupancy grid and its distance field: the cells that are free, and the nearest obstacles.
 
 Row 0 is the southmost row and column 0 the westmost column, so that row grows with north and
-column with east. Cells outside the grid count as occupied. An occupied cell is solid up to its
-edges: all distances are to edges, never to centres. The distance field tells how near any point of
-a cell may be; the distance of one position is exact.
+column with east. Cells outside the grid count as occupied, unless the grid is open. An occupied
+cell is solid up to its edges: all distances are to edges, never to centres. The distance field
+tells how near any point of a cell may be; the distance of one position is exact.
 """
 
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 from scipy import ndimage
 
 from companion.geometry import NorthEast
+
+
+@dataclass(frozen=True, eq=False)
+class LowWalls:
+    """Walls that end somewhere.
+
+    Attributes:
+        tops_m: (rows, cols) upper ends above home, 0 where there is none.
+    """
+
+    tops_m: npt.NDArray[np.float64]
+
+    @cached_property
+    def heights_m(self) -> tuple[float, ...]:
+        """The different ones, the lowest first."""
+        return tuple(float(up_m) for up_m in np.unique(self.tops_m) if up_m > 0)
 
 
 @dataclass(frozen=True)
@@ -27,21 +45,62 @@ class OccupancyGrid:
         occupied: (rows, cols) bool; unknown cells of a map file count as occupied.
         cell_m: edge of a cell.
         origin: north-east position of the outer corner of cell (0, 0).
+        is_open: what lies off the grid is no obstacle.
+        low: walls that can be flown over, whose cells are not occupied; None without any.
     """
 
     occupied: npt.NDArray[np.bool_]
     cell_m: float
     origin: NorthEast
-    distance_m: npt.NDArray[np.float64] = field(init=False, repr=False, compare=False)
-    """(rows, cols) metres from the nearest point of each cell to the nearest occupied cell's edge;
-    0 in an occupied cell and in those around it."""
+    is_open: bool = False
+    low: LowWalls | None = None
 
-    def __post_init__(self) -> None:
+    @cached_property
+    def distance_m(self) -> npt.NDArray[np.float64]:
+        """(rows, cols) metres from the nearest point of each cell to the nearest occupied edge.
+
+        0 in an occupied cell and in those around it, inf if there is no obstacle at all.
+        """
         # Two squares (i, j) cells apart, centre to centre, have a gap of (max(i - 1, 0), max(j - 1,
         # 0)) cells: the distance between their centres if the walls were a cell thicker.
-        padded = np.pad(self.occupied, 1, constant_values=True)  # outside is occupied
+        padded = np.pad(self.occupied, 1, constant_values=not self.is_open)
+        if not padded.any():
+            return np.full(self.occupied.shape, math.inf)
         distance = ndimage.distance_transform_edt(~_thickened(padded), sampling=self.cell_m)
-        object.__setattr__(self, "distance_m", np.asarray(distance)[1:-1, 1:-1])
+        return np.asarray(distance)[1:-1, 1:-1]
+
+    def layer(self, up_m: float) -> int:
+        """How many of the heights of low walls an altitude is not below."""
+        return bisect_right(self.low.heights_m, up_m) if self.low else 0
+
+    def in_layer(self, layer: int) -> OccupancyGrid:
+        """The grid on which low walls are occupied, except those of so many heights."""
+        if self.low is None:
+            return self
+        if layer not in self._layers:
+            lower_m = self.low.heights_m[layer - 1] if layer else 0.0
+            occupied = self.occupied | (self.low.tops_m > lower_m)
+            self._layers[layer] = replace(self, occupied=occupied, low=None)
+        return self._layers[layer]
+
+    def at(self, up_m: float) -> OccupancyGrid:
+        """The grid on which low walls are occupied if they end above an altitude."""
+        return self.in_layer(self.layer(up_m))
+
+    @cached_property
+    def _layers(self) -> dict[int, OccupancyGrid]:
+        return {}
+
+    def with_occupied(self, occupied: npt.NDArray[np.bool_]) -> OccupancyGrid:
+        """The same grid, of which other cells are occupied."""
+        return replace(self, occupied=occupied)
+
+    @property
+    def corners(self) -> tuple[NorthEast, ...]:
+        """North-east positions of its four outer corners."""
+        (south, west), (rows, cols) = self.origin, self.occupied.shape
+        north, east = south + rows * self.cell_m, west + cols * self.cell_m
+        return ((south, west), (south, east), (north, east), (north, west))
 
     def cell(self, position: NorthEast) -> tuple[int, int]:
         """Row and column of the cell that holds a position; may lie outside the grid."""
@@ -63,21 +122,31 @@ class OccupancyGrid:
         return bool(0 <= row < rows and 0 <= col < cols)
 
     def clearance_m(self, position: NorthEast) -> float:
-        """Distance to the nearest occupied cell's edge; 0 in an occupied cell or off the grid."""
+        """Distance to the nearest occupied cell's edge; 0 in an occupied cell.
+
+        Off the grid 0, too, unless the grid is open.
+        """
         row, col = self.cell(position)
-        if not self.contains(row, col):
-            return 0.0
         point = (np.array(position) - self.origin) / self.cell_m
+        if not self.contains(row, col):
+            return self._away(point, np.argwhere(self.occupied)) if self.is_open else 0.0
         least = self.distance_m[row, col] / self.cell_m
+        if math.isinf(least):
+            return math.inf
         reach = math.ceil(least) + 3  # it is less than a diagonal further from the point than least
         first = np.array((row - reach, col - reach))
         south, west = np.maximum(first, 0)
         near = self.occupied[south : row + reach + 1, west : col + reach + 1]
-        cells = np.argwhere(near) + np.array((south, west))
-        gaps = np.maximum(np.maximum(cells - point, point - cells - 1), 0.0)
-        away = np.hypot(gaps[:, 0], gaps[:, 1]).min(initial=math.inf)
+        away_m = self._away(point, np.argwhere(near) + np.array((south, west)))
+        if self.is_open:
+            return away_m
         to_rim = np.minimum(point, np.array(self.occupied.shape) - point).min()
-        return float(min(away, to_rim)) * self.cell_m
+        return min(away_m, float(to_rim) * self.cell_m)
+
+    def _away(self, point: npt.NDArray[np.float64], cells: npt.NDArray[np.int_]) -> float:
+        """Metres from a point, in cells, to the nearest one of some cells (n, 2)."""
+        gaps = np.maximum(np.maximum(cells - point, point - cells - 1), 0.0)
+        return float(np.hypot(gaps[:, 0], gaps[:, 1]).min(initial=math.inf)) * self.cell_m
 
 
 def _thickened(occupied: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:

@@ -21,7 +21,7 @@ from functools import cache
 import numpy as np
 import numpy.typing as npt
 
-from companion.motion.line_of_sight import Points, enters_disc
+from companion.motion.regions import Regions
 
 Cell = tuple[int, int]
 Cells = npt.NDArray[np.intp]
@@ -104,19 +104,17 @@ def grid_graph(free: npt.NDArray[np.bool_]) -> GridGraph:
     return GridGraph(bits, bits)
 
 
-def edges_entering(shape: Cell, centre: Points, radius: float) -> GridGraph:
-    """The edges that come into a disc from outside, whether cells are free or not.
+def edges_entering(shape: Cell, regions: Regions) -> GridGraph:
+    """The edges that come into a region from outside, whether cells are free or not.
 
     Args:
         shape: rows and columns of the map.
-        centre: (2,) of the disc.
-        radius: of the disc, in cells.
+        regions: each of them.
     """
-    low = np.maximum(np.floor(centre - radius).astype(int) - _REACH, 0)
-    high = np.minimum(np.ceil(centre + radius).astype(int) + _REACH, shape)
-    near = low + np.argwhere(np.ones(np.maximum(high - low, 0)))
+    near = regions.border(shape, _REACH)
     origin = near[:, None] + OFFSETS
-    enter = enters_disc(origin + 0.5, near[:, None] + 0.5, centre, radius)
+    ends = np.asarray(near[:, None] + 0.5, dtype=np.float64)
+    enter = regions.are_entered(origin + 0.5, ends)
     cell, i = np.nonzero(enter & np.all((origin >= 0) & (origin < shape), axis=-1))
     edges = empty_graph(shape)
     np.bitwise_or.at(edges.incoming, tuple(near[cell].T), _FLAGS[i])

@@ -27,6 +27,7 @@ class RangeScan:
         first_rad: direction of the first beam, 0 is north, positive to the east.
         step_rad: angle from one beam to the next; negative to the left.
         range_m: greatest distance that is measured.
+        up_m: altitude of the vehicle above home.
     """
 
     stamp_s: float
@@ -35,6 +36,7 @@ class RangeScan:
     first_rad: float
     step_rad: float
     range_m: float
+    up_m: float = 0.0
 
 
 def echoes(scan: RangeScan, reach_m: float, behind_m: float = 0.0) -> Floats:

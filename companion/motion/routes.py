@@ -8,14 +8,14 @@ Routes respect the labels of the task: no leg comes from outside into the region
 exclusive place, but legs within and out of one are allowed. So a vehicle can leave the place
 where it is, and passes through no other unrecorded.
 
-Routes are planned in the plane; the altitude changes evenly along the way. Left out: the third
-dimension of obstacles, and the vehicle's dynamics (`trajectory.py`).
+Routes are planned in the plane; the altitude changes evenly along the way. Left out: obstacles that
+are low (`layered_routes.py`), and the vehicle's dynamics (`trajectory.py`).
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,12 +23,14 @@ import numpy.typing as npt
 
 from companion.geometry import Ned, NorthEast
 from companion.motion.blends import Blend
-from companion.motion.clearance_level import ClearanceLevel, Room, levels_above
+from companion.motion.clearance_level import ClearanceLevel, Obstacles, Room, levels_above
 from companion.motion.cost_to_go import CostToGo
 from companion.motion.free_space import FreeSpace, points_of
 from companion.motion.grid import OccupancyGrid, cells_inside
 from companion.motion.grid_graph import Cell
 from companion.motion.line_of_sight import Points
+from companion.motion.polygons import cells_beside, cells_of
+from companion.motion.region import Region
 from companion.motion.regions import Regions
 from companion.motion.rounding import Waypoints, rounded
 from companion.motion.string_pulling import length, pull_string
@@ -39,16 +41,16 @@ CELLS_PER_TICK = 10_000
 
 @dataclass(frozen=True, slots=True)
 class PlaceRegion:
-    """A place and the disc around it, as routes see them.
+    """A place and its region, as routes see them.
 
     Attributes:
         position: the centre of the region, where routes to the place end at first.
-        radius_m: radius of the region in the north-east plane.
+        region: where the vehicle is at the place; here its part in the north-east plane.
         is_exclusive: the task mentions the place: no route to elsewhere may enter the region.
     """
 
     position: Ned
-    radius_m: float
+    region: Region
     is_exclusive: bool
 
 
@@ -82,6 +84,7 @@ class RouteMap:
         fence: north-east corners of the polygon that no route leaves.
         clearance_m: the least distance of a route to an obstacle.
         fence_margin_m: the same to the fence.
+        keep_out: the corners of areas that routes keep away from as from obstacles.
     """
 
     def __init__(
@@ -91,26 +94,30 @@ class RouteMap:
         fence: Sequence[NorthEast],
         clearance_m: float,
         fence_margin_m: float = 0.0,
+        keep_out: Iterable[Sequence[NorthEast]] = (),
     ) -> None:
         self.version = 0
         self._grid = grid
+        zones = cells_of(grid.with_occupied(np.zeros_like(grid.occupied)), keep_out).occupied
+        self._zones = zones if zones.any() else None
         self._goals = {name: place.position for name, place in places.items()}
         exclusive = {name: place for name, place in places.items() if place.is_exclusive}
-        regions = Regions(
-            tuple(exclusive),
-            points_of(grid, np.array([p.position for p in exclusive.values()]).reshape(-1, 3)),
-            np.array([place.radius_m for place in exclusive.values()]) / grid.cell_m,
-        )
+        regions = _regions(grid, exclusive)
         self._others = {name: regions.without(name) for name in places}
-        inside = cells_inside(grid, fence, fence_margin_m)
+        shape, corners = grid.occupied.shape, points_of(grid, fence)
+        inside = cells_inside(grid, fence, fence_margin_m) & ~cells_beside(shape, corners, 0)
         self._room = Room(clearance_m, inside, regions, self._goals)
-        self._least = ClearanceLevel(self._room, grid, clearance_m)
+        self._least = ClearanceLevel(self._room, self._obstacles(grid), clearance_m)
         self._levels = [self._least]
 
     def see(self, grid: OccupancyGrid) -> None:
         """Takes over a map with the same cells, of which others are occupied."""
-        self._grid = grid
-        self.version += any([level.see(grid) for level in self._levels])
+        obstacles = self._obstacles(grid)
+        self.version += any([level.see(obstacles) for level in self._levels])
+
+    def _obstacles(self, grid: OccupancyGrid) -> Obstacles:
+        walls, zones = grid.occupied, self._zones
+        return Obstacles(grid if zones is None else grid.with_occupied(walls | zones), walls)
 
     def add_clearance(self, added_m: float) -> None:
         """Routes keep so much more from obstacles, where the map has the room."""
@@ -194,7 +201,9 @@ class RouteMap:
         last = math.dist(goal, grid.centre(*grid.cell(goal)))
         return first + float(to_go.cost[cell]) * grid.cell_m + last
 
-    def route_from_motion(self, start: Ned, stop: Ned, place: str) -> Route | None:
+    def route_from_motion(
+        self, start: Ned, stop: Ned, place: str, down_m: float | None = None
+    ) -> Route | None:
         """A route whose first leg leads to where the vehicle can stop, straight ahead.
 
         None if that leg comes closer to obstacles than the start or the least clearance allows, by
@@ -205,13 +214,14 @@ class RouteMap:
             start: where the vehicle is.
             stop: where it can come to rest.
             place: where to fly.
+            down_m: the altitude in which it ends; None for that of the place.
         """
         least = self._least.space
         if not least.keeps_away(least.point(start), least.point(stop)):
             return None
-        return self._route(stop, place, flown=[start])
+        return self._route(stop, place, down_m, flown=[start])
 
-    def route(self, start: Ned, place: str) -> Route | None:
+    def route(self, start: Ned, place: str, down_m: float | None = None) -> Route | None:
         """The shortest route to a place, after string pulling and rounding; None if there is none.
 
         A start that is not free (the vehicle has drifted, or something has come near it) is left by
@@ -221,9 +231,11 @@ class RouteMap:
         Raises:
             KeyError: there is no such place.
         """
-        return self._route(start, place, flown=[])
+        return self._route(start, place, down_m, flown=[])
 
-    def _route(self, start: Ned, place: str, flown: list[Ned]) -> Route | None:
+    def _route(
+        self, start: Ned, place: str, down_m: float | None, flown: list[Ned]
+    ) -> Route | None:
         """A route to a place, after points that are flown anyway."""
         entry = self._entry(start[:2], place)
         if entry is None:
@@ -237,7 +249,8 @@ class RouteMap:
         points = np.vstack([path[:kept], pull_string(path[kept:], near)])
         plane = points * self._grid.cell_m + self._grid.origin
         plane[0], plane[-1] = start[:2], goal[:2]  # exactly, whatever the rounding
-        waypoints = np.vstack([*flown, _with_altitude(plane, start[2], goal[2])])
+        last_down_m = goal[2] if down_m is None else down_m
+        waypoints = np.vstack([*flown, _with_altitude(plane, start[2], last_down_m)])
         legs = _ClearLegs(space, others)
 
         def are_clear(a: Waypoints, b: Waypoints) -> npt.NDArray[np.bool_]:
@@ -255,6 +268,20 @@ class RouteMap:
             if entry := level.entry(start, place, self._others[place]):
                 return (level, *entry)
         return None
+
+
+def _regions(grid: OccupancyGrid, places: Mapping[str, PlaceRegion]) -> Regions:
+    """The regions of some places in the cells of a map."""
+    centres = points_of(grid, np.array([p.position for p in places.values()]).reshape(-1, 3))
+    outlines = {name: place.region.outline() for name, place in places.items()}
+    polygons = {name: points_of(grid, corners) for name, corners in outlines.items() if corners}
+    radii = [
+        np.linalg.norm(polygons[name] - centre, axis=1).max()
+        if name in polygons
+        else place.region.inner_m(place.position) / grid.cell_m
+        for (name, place), centre in zip(places.items(), centres, strict=True)
+    ]
+    return Regions(tuple(places), centres, np.array(radii, dtype=np.float64), polygons)
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,8 +13,11 @@ The prior map weighs more:
   corner wears it away, and a wall of the prior map goes only when beams pass through it clearly,
   for seconds.
 
-Left out: tilt, the third dimension, and errors of the position beyond EXPLAINED_M, which show up
-as obstacles.
+Low walls of the prior map stay as they are told. Where one of them, or what it explains, reaches up
+to BELOW_M below the beams, its echoes say nothing; above it a cell is as any other.
+
+Left out: tilt, the third dimension otherwise, and errors of the position beyond EXPLAINED_M, which
+show up as obstacles.
 """
 
 from __future__ import annotations
@@ -37,6 +40,8 @@ WALL_LOG_ODDS = 10.0
 """Of a wall of the prior map, and its upper clamp: 25 scans through it."""
 EXPLAINED_M = 0.25
 """An echo this close to a wall of the prior map is taken for that wall."""
+BELOW_M = 1.0
+"""A wall that ends so far below the vehicle is not seen: where it may have been meanwhile."""
 _BEHIND_M = 0.0051  # the cell of an echo is looked for this far behind it
 _DIAGONAL = 1.5  # cells; next to each other, corners included
 
@@ -61,6 +66,7 @@ class SensedMap:
         self._log_odds = np.where(walls, WALL_LOG_ODDS, MIN_LOG_ODDS).ravel()
         self._max_log_odds = np.where(walls, WALL_LOG_ODDS, MAX_LOG_ODDS).ravel()
         self._cell_of_echo = _cell_of_echo(prior)
+        self._low_m = _explained_low_m(prior)
         self._find_surface()
 
     def integrate(self, scan: RangeScan) -> bool:
@@ -80,7 +86,7 @@ class SensedMap:
         if np.array_equal(before > 0, after > 0):
             return False
         occupied = (self._log_odds > 0).reshape(self.grid.occupied.shape)
-        self.grid = OccupancyGrid(occupied, self.grid.cell_m, self.grid.origin)
+        self.grid = self.grid.with_occupied(occupied)
         return True
 
     def _find_surface(self) -> None:
@@ -104,8 +110,12 @@ class SensedMap:
         ends = echoes(scan, reach_m, _BEHIND_M) - self.grid.origin
         row, col = np.floor(ends / self.grid.cell_m).astype(np.intp).T
         is_on_map = (row >= 0) & (row < rows) & (col >= 0) & (col < cols)
-        hits = self._cell_of_echo[row[is_on_map] * cols + col[is_on_map]]
-        return np.asarray(hits[hits >= 0])
+        at = row[is_on_map] * cols + col[is_on_map]
+        hits = self._cell_of_echo[at]
+        is_news = hits >= 0
+        if self._low_m is not None:
+            is_news &= self._low_m[at] <= scan.up_m - BELOW_M
+        return np.asarray(hits[is_news])
 
     def _passed(self, scan: RangeScan, reach_m: float) -> Cells:
         """The cells of the surface that a beam and its two neighbours have passed.
@@ -134,14 +144,30 @@ class SensedMap:
         return np.asarray(self._surface[near[is_clear][is_crossed]])
 
 
+def _explained_low_m(prior: OccupancyGrid) -> Floats | None:
+    """(rows * cols,) the upper end of the low walls that an echo in each cell may come from.
+
+    -inf where it comes from none.
+    """
+    if prior.low is None:
+        return None
+    reach = math.ceil(max(EXPLAINED_M / prior.cell_m, _DIAGONAL))
+    highest = ndimage.maximum_filter(prior.low.tops_m, size=2 * reach + 1, mode="constant")
+    return np.where(highest > 0, highest, -math.inf).ravel()
+
+
 def _cell_of_echo(prior: OccupancyGrid) -> Cells:
     """(rows * cols,) for an echo in each cell, the flat index of the cell that it comes from.
 
-    Outside the map everything is a wall; an echo from there is negative.
+    Outside a map that is not open everything is a wall; an echo from there is negative.
     """
     rows, cols = prior.occupied.shape
+    if prior.is_open and not prior.occupied.any():
+        return np.arange(rows * cols, dtype=np.intp)
     away, nearest = ndimage.distance_transform_edt(
-        np.pad(~prior.occupied, 1), sampling=prior.cell_m, return_indices=True
+        np.pad(~prior.occupied, 1, constant_values=prior.is_open),
+        sampling=prior.cell_m,
+        return_indices=True,
     )
     away, (row, col) = away[1:-1, 1:-1], nearest[:, 1:-1, 1:-1] - 1
     is_on_map = (row >= 0) & (row < rows) & (col >= 0) & (col < cols)

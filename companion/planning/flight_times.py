@@ -10,29 +10,37 @@ from companion.errors import MissionError
 from companion.geometry import Ned
 from companion.mission.facts import HERE, at
 from companion.mission.model import Mission
-from companion.motion.profile import SpeedLimits, flight_time_s
-from companion.motion.routes import PlaceRegion, RouteMap
+from companion.motion.layered_routes import LayeredRoutes
+from companion.motion.profile import SpeedLimits
+from companion.motion.routes import PlaceRegion
 from companion.planning.instances import FlightTime
 from companion.slices import spent
 
 _DISTANCE_US = 30
 
 
-def route_map(mission: Mission) -> RouteMap:
+def route_map(mission: Mission) -> LayeredRoutes:
     """The routes of a mission: the places that its task mentions are not crossed by chance."""
     mentioned = mission.task_facts
     sites = {
-        name: PlaceRegion(place.position, place.radius_m, is_exclusive=at(name) in mentioned)
+        name: PlaceRegion(place.position, place.region, is_exclusive=at(name) in mentioned)
         for name, place in mission.places.items()
     }
-    vehicle = mission.vehicle
-    fence = mission.limits.fence
-    return RouteMap(mission.grid, sites, fence, vehicle.clearance_m, vehicle.margin_m)
+    vehicle, limits = mission.vehicle, mission.limits
+    return LayeredRoutes(
+        mission.grid,
+        sites,
+        limits.fence,
+        vehicle.clearance_m,
+        mission.speed_limits,
+        vehicle.margin_m,
+        limits.keep_out.values(),
+    )
 
 
 def flight_times(
     mission: Mission,
-    routes: RouteMap,
+    routes: LayeredRoutes,
     here: Callable[[], Ned | None] = lambda: None,
     limits: Callable[[], SpeedLimits] | None = None,
 ) -> FlightTime:
@@ -52,7 +60,7 @@ def flight_times(
             return math.inf
         now = limits() if limits else as_written
         spent(_DISTANCE_US)
-        return flight_time_s(routes.distance_m(start[:2], goal), now)
+        return routes.passage(start, goal).duration_s(now)
 
     return flight_time
 

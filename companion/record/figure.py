@@ -7,14 +7,16 @@ darker a cell, the nearer the next obstacle.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.patches import Polygon
 
-from companion.geometry import Ned, enu_from_ned
+from companion.geometry import Ned, NorthEast, enu_from_ned
 from companion.mission.model import Mission
 from companion.record.trail import Trail
 
@@ -57,15 +59,28 @@ def _draw_hall(mission: Mission, axis: Axes) -> None:
     rows, cols = grid.occupied.shape
     north, east = grid.origin
     extent = (east, east + cols * grid.cell_m, north, north + rows * grid.cell_m)
-    shade = np.where(grid.occupied, 0.0, 0.25 + 0.75 * grid.distance_m / SHADE_LIMIT_M)
+    near = np.minimum(grid.distance_m / SHADE_LIMIT_M, 1.0)
+    shade = np.where(grid.occupied, 0.0, 0.25 + 0.75 * near)
     axis.imshow(shade, cmap="gray", vmin=0.0, vmax=1.0, origin="lower", extent=extent)
+    for wall in mission.walls:
+        if wall.up_m is not None:
+            axis.add_patch(_patch(wall.corners, edgecolor="tab:gray", hatch="xx"))
+    for zone in mission.limits.keep_out.values():
+        axis.add_patch(_patch(zone, edgecolor="tab:red", hatch="//"))
     for place in mission.places.values():
         x, y, _ = enu_from_ned(place.position)
+        if corners := place.region.outline():
+            axis.add_patch(_patch(corners, edgecolor="tab:orange"))
         axis.plot(x, y, "o", color="tab:orange", markersize=5)
         axis.annotate(place.name, (x, y), xytext=(4, 4), textcoords="offset points", color="k")
     axis.set_aspect("equal")
     axis.set_xlabel("east [m]")
     axis.set_ylabel("north [m]")
+
+
+def _patch(corners: Iterable[NorthEast], edgecolor: str, hatch: str | None = None) -> Polygon:
+    points = [(east, north) for north, east in corners]
+    return Polygon(points, facecolor="none", edgecolor=edgecolor, hatch=hatch)
 
 
 def _draw_path(axis: Axes, positions: list[Ned], is_present: bool) -> None:

@@ -5,7 +5,10 @@ ground where it is, and an empty battery only warns. A companion that dies in fl
 these parameters, so weak ones are refused unless the operator accepts them. So are others that PX4
 sets well by default, where they were changed: its fence, and the loss of the pilot's radio.
 
-Source: PX4 v1.16, parameter reference (COM_*, GF_*).
+A return climbs first, to RTL_RETURN_ALT above home: 30 m by default, whatever is above the vehicle.
+Where the offboard loss or the fence makes it return, that must not be above the mission's ceiling.
+
+Source: PX4 v1.16, parameter reference (COM_*, GF_*, RTL_*).
 """
 
 from __future__ import annotations
@@ -35,17 +38,18 @@ REQUIREMENTS: tuple[Requirement, ...] = (
     Requirement(
         "COM_OBL_RC_ACT",
         lambda value: value in (3, 4, 5),
-        "set 5 (hold), 4 (land) or 3 (return): what it does then",
+        "set 5 (hold), 4 (land) or 3 (return, at RTL_RETURN_ALT): what it does then",
     ),
     Requirement(
         "COM_LOW_BAT_ACT",
         lambda value: value in (2, 3),
-        "set 3 (return, then land) or 2 (land): what it does when the battery is low",
+        "set 3 (return at RTL_RETURN_ALT, then land) or 2 (land): what it does when the battery "
+        "is low",
     ),
     Requirement(
         "GF_ACTION",
         lambda value: value in (2, 3, 5),
-        "set 2 (hold), 3 (return) or 5 (land): what it does at its own fence",
+        "set 2 (hold), 3 (return, at RTL_RETURN_ALT) or 5 (land): what it does at its own fence",
     ),
     Requirement(
         "COM_RCL_EXCEPT",
@@ -55,9 +59,23 @@ REQUIREMENTS: tuple[Requirement, ...] = (
 )
 
 
-def weaknesses(values: Mapping[str, float | None]) -> list[str]:
-    """What is too weak, a line each with what to do; None is a value that was not answered."""
-    lines = []
+RETURN_ALTITUDE = "RTL_RETURN_ALT"
+RETURN = 3.0
+RETURNING = ("COM_OBL_RC_ACT", "GF_ACTION")
+"""What may make the vehicle return because of the companion."""
+
+PARAMETERS = (*(requirement.parameter for requirement in REQUIREMENTS), RETURN_ALTITUDE)
+"""What has to be asked for."""
+
+
+def weaknesses(values: Mapping[str, float | None], ceiling_m: float) -> list[str]:
+    """What is too weak, a line each with what to do.
+
+    Args:
+        values: of PARAMETERS; None is one that was not answered.
+        ceiling_m: above home; the mission stays below.
+    """
+    lines = _return_above(values, ceiling_m)
     for requirement in REQUIREMENTS:
         value = values[requirement.parameter]
         if value is None:
@@ -65,3 +83,15 @@ def weaknesses(values: Mapping[str, float | None]) -> list[str]:
         elif not requirement.is_strong(value):
             lines.append(f"{requirement.parameter} is {value:g}; {requirement.advice}")
     return lines
+
+
+def _return_above(values: Mapping[str, float | None], ceiling_m: float) -> list[str]:
+    """That a return would leave the mission's limits, if it would."""
+    height_m, why = values[RETURN_ALTITUDE], [p for p in RETURNING if values[p] == RETURN]
+    if not why or (height_m is not None and height_m <= ceiling_m):
+        return []
+    is_now = "was not answered" if height_m is None else f"is {height_m:g}"
+    return [
+        f"{RETURN_ALTITUDE} {is_now}; set {ceiling_m:g} or less: {' and '.join(why)} 3 returns, "
+        f"and climbs so high first, where the mission stays below {ceiling_m:g} m"
+    ]

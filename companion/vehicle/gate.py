@@ -6,15 +6,17 @@ distances and polygons are its own, and all that it believes are the vehicle's s
 Rules, in this order; the first that applies decides:
 1. Position or heading not known, no position for `lost_s`, no mode for `mode_lost_s`, not armed, or
    in a mode that is not ours: nothing is sent.
-2. Position or heading older than `max_age_s`: hold.
-3. Asked for longer ago than `lease_s`: hold. Who flies renews the setpoint in every tick.
-4. Of the task's plan, when the task is violated: hold. A return or a landing goes on.
-5. A number that is not finite: hold.
-6. Outside the fence or the altitude band, or nearer than the margin to the fence: hold.
-7. Further from the vehicle than the carrot: hold. A setpoint that stays behind when this program
+2. Position or heading older than `max_age_s`, or a position that the autopilot is losing: hold.
+3. Where the mission's frame lies in the autopilot's is not certain: hold.
+4. Asked for longer ago than `lease_s`: hold. Who flies renews the setpoint in every tick.
+5. Of the task's plan, when the task is violated: hold. A return or a landing goes on.
+6. A number that is not finite: hold.
+7. Outside the fence or the altitude band, or nearer than the margin to the fence: hold. The same in
+   a keep-out zone, or behind one; but a vehicle that is in one may be sent to where it is less so.
+8. Further from the vehicle than the carrot: hold. A setpoint that stays behind when this program
    dies means "hover a carrot's length ahead", never "fly to the far end".
-8. Faster than the speed limit: hold.
-9. Climbing or descending faster than the vehicle can: hold.
+9. Faster than the speed limit: hold.
+10. Climbing or descending faster than the vehicle can: hold.
 
 To hold is to be sent to the present position with no velocity. The gate knows no map: walls
 are the business of routes.
@@ -42,7 +44,8 @@ class Envelope:
 
     Attributes:
         fence: polygon of north-east corners.
-        fence_margin_m: least distance from its edges.
+        fence_margin_m: least distance from its edges, and from those of the zones.
+        keep_out: polygons that are not entered.
         up_m: lowest and highest altitude above home.
         speed_mps: greatest speed.
         climb_mps: greatest vertical speed upwards.
@@ -62,6 +65,7 @@ class Envelope:
     descent_mps: float
     carrot_m: float
     fence_margin_m: float = 0.0
+    keep_out: tuple[tuple[Corner, ...], ...] = ()
     max_age_s: float = 0.5
     lease_s: float = 0.5
     lost_s: float = 3.0
@@ -98,6 +102,7 @@ def admit(
     *,
     is_entering: bool = False,
     is_violated: bool = False,
+    frame_doubt: Refusal | None = None,
 ) -> Verdict:
     """The setpoint that was asked for, a hold in its place, or nothing.
 
@@ -108,10 +113,12 @@ def admit(
         envelope: the limits.
         is_entering: OFFBOARD is about to be asked for, and wants setpoints before.
         is_violated: nothing can satisfy the task any more.
+        frame_doubt: why positions of the mission are not certain for the autopilot; a hold at the
+            present one is, wherever that is.
     """
     if state is None:
         return Verdict(None, Refusal("the position is unknown"))
-    judged = _Judged(request, state, now_s, envelope, is_entering, is_violated)
+    judged = _Judged(request, state, now_s, envelope, is_entering, is_violated, frame_doubt)
     for rule in _SILENT:
         if refusal := rule(judged):
             return Verdict(None, refusal)
@@ -131,6 +138,7 @@ class _Judged:
     envelope: Envelope
     is_entering: bool
     is_violated: bool
+    frame_doubt: Refusal | None
 
 
 def _unknown(judged: _Judged) -> Refusal | None:
@@ -167,6 +175,15 @@ def _stale(judged: _Judged) -> Refusal | None:
     return None
 
 
+def _drifting(judged: _Judged) -> Refusal | None:
+    good_for = f"good for {judged.state.accuracy_m:.1f} m, and gets worse"
+    return Refusal(f"the position is {good_for}") if judged.state.is_drifting else None
+
+
+def _displaced(judged: _Judged) -> Refusal | None:
+    return judged.frame_doubt
+
+
 def _ownerless(judged: _Judged) -> Refusal | None:
     age_s = judged.now_s - judged.request.asked_s
     return None if age_s <= judged.envelope.lease_s else Refusal(f"not renewed for {age_s:.1f} s")
@@ -187,6 +204,17 @@ def _outside_fence(judged: _Judged) -> Refusal | None:
     north, east, _ = judged.request.setpoint.position
     is_inside = _is_inside((north, east), judged.envelope.fence, judged.envelope.fence_margin_m)
     return None if is_inside else Refusal("outside the fence")
+
+
+def _in_zone(judged: _Judged) -> Refusal | None:
+    there, here = judged.request.setpoint.position[:2], judged.state.position[:2]
+    for zone in judged.envelope.keep_out:
+        away_m = _away(here, zone)
+        if not _away(there, zone) >= min(away_m, judged.envelope.fence_margin_m):
+            return Refusal("in a keep-out zone")
+        if away_m >= 0 and any(_cross(here, there, *edge) for edge in _edges(zone)):
+            return Refusal("behind a keep-out zone")
+    return None
 
 
 def _outside_band(judged: _Judged) -> Refusal | None:
@@ -223,12 +251,32 @@ def _is_inside(point: Corner, fence: Sequence[Corner], margin_m: float) -> bool:
     """Whether a point lies in a polygon and so far from its edges: crossings of a ray eastwards."""
     north, east = point
     is_inside = False
-    for (n1, e1), (n2, e2) in zip(fence, (*fence[1:], fence[0]), strict=True):
+    for (n1, e1), (n2, e2) in _edges(fence):
         if _distance(point, (n1, e1), (n2, e2)) < margin_m:
             return False
         if (n1 > north) != (n2 > north) and east < e1 + (north - n1) / (n2 - n1) * (e2 - e1):
             is_inside = not is_inside
     return is_inside
+
+
+def _away(point: Corner, zone: Sequence[Corner]) -> float:
+    """From a point to the nearest edge of a polygon, metres; negative inside."""
+    away_m = min(_distance(point, *edge) for edge in _edges(zone))
+    return -away_m if _is_inside(point, zone, 0.0) else away_m
+
+
+def _edges(polygon: Sequence[Corner]) -> Sequence[tuple[Corner, Corner]]:
+    return [*zip(polygon, (*polygon[1:], polygon[0]), strict=True)]
+
+
+def _cross(a: Corner, b: Corner, c: Corner, d: Corner) -> bool:
+    """Whether the ways from a to b and from c to d cross."""
+    return _side(a, b, c) * _side(a, b, d) < 0 and _side(c, d, a) * _side(c, d, b) < 0
+
+
+def _side(a: Corner, b: Corner, point: Corner) -> float:
+    """Positive on one side of the line through a and b, negative on the other."""
+    return (b[0] - a[0]) * (point[1] - a[1]) - (b[1] - a[1]) * (point[0] - a[0])
 
 
 def _distance(point: Corner, start: Corner, end: Corner) -> float:
@@ -244,10 +292,13 @@ _Rule = Callable[[_Judged], Refusal | None]
 _SILENT: Sequence[_Rule] = (_unknown, _lost, _mode_lost, _disarmed, _not_ours)
 _HOLD: Sequence[_Rule] = (
     _stale,
+    _drifting,
+    _displaced,
     _ownerless,
     _in_vain,
     _not_finite,
     _outside_fence,
+    _in_zone,
     _outside_band,
     _too_far,
     _too_fast,

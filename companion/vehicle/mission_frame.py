@@ -1,16 +1,29 @@
 """Where the mission's frame lies in the autopilot's local frame.
 
-Its origin is the home position: at first that of the first HOME_POSITION heard. That is one sample
-of an estimate, and PX4 takes another one when it arms; both are off by what the estimate wanders.
-So the frame settles before the first sortie: the vehicle stands where the mission begins, and the
-mean of where it is heard to stand is laid there. After that the frame is kept for good, whatever
-HOME_POSITION says: the walls of the map do not move where the vehicle lands and arms again. Only
-what the vehicle sees of these walls moves it, by what the position is wrong by (surroundings.py).
+A mission in metres: its origin is the home position, at first that of the first HOME_POSITION
+heard. That is one sample of an estimate, and PX4 takes another one when it arms; both are off by
+what the estimate wanders. So the frame settles before the first sortie: the vehicle stands where
+the mission begins, and the mean of where it is heard to stand is laid there. After that the frame
+is kept for good, whatever HOME_POSITION says: the walls of the map do not move where the vehicle
+lands and arms again. Only what the vehicle sees of these walls moves it, by what the position is
+wrong by (surroundings.py).
+
+A mission in latitude and longitude: its origin is where its file says (its anchor), at the height
+at which the vehicle stands when it begins. Each position is taken from one frame to the other by
+way of the earth, for the projections about two points differ by more than a shift. That needs the
+autopilot's own origin (origin_watch.py).
+
+Where the autopilot lays another origin, in flight or on the ground, the mission's frame stays where
+it is on the earth. Directions are not turned: between two origins 10 km apart they differ by 0.16
+degrees at a latitude of 60.
 """
 
 from __future__ import annotations
 
-from companion.geometry import Ned, NorthEast, distance, horizontal_distance
+import math
+from dataclasses import replace
+
+from companion.geometry import GlobalOrigin, Ned, NorthEast, distance, horizontal_distance
 
 SETTLING_S = 10.0
 """Time over which the standing vehicle's position is averaged."""
@@ -23,25 +36,83 @@ MOVED_M = 1.0
 
 
 class MissionFrame:
-    """The origin of the mission's frame.
+    """The mission's frame.
 
     Attributes:
-        origin: in the autopilot's local frame; None until a home position was heard.
-        altitude_m: of the origin above mean sea level.
+        altitude_m: of its origin above mean sea level.
+        anchor: where its origin lies on the earth, if the mission says so.
+        reference: where that of the autopilot's local frame lies; None until that is known.
     """
 
     def __init__(self) -> None:
-        self.origin: Ned | None = None
         self.altitude_m = 0.0
-        self._laid: Ned | None = None
+        self.anchor: GlobalOrigin | None = None
+        self.reference: GlobalOrigin | None = None
+        self._home: Ned | None = None  # of a mission in metres: its origin, but for the shift
+        self._shift: NorthEast = (0.0, 0.0)
+        self._is_laid = False
         self._mean: Ned | None = None
         self._since_s = self._heard_s = 0.0
         self._newest: Ned = (0.0, 0.0, 0.0)
 
+    @property
+    def is_known(self) -> bool:
+        """Whether positions can be taken from one frame to the other."""
+        return self._home is not None and (self.anchor is None or self.reference is not None)
+
+    @property
+    def origin(self) -> Ned | None:
+        """In the autopilot's local frame; None until it is known."""
+        return self.local((0.0, 0.0, 0.0)) if self.is_known else None
+
+    def position(self, local: Ned) -> Ned:
+        """A position of the autopilot's local frame in the mission's."""
+        north, east, down = self._unshifted(local)
+        return (north + self._shift[0], east + self._shift[1], down)
+
+    def local(self, position: Ned) -> Ned:
+        """A position of the mission's frame in the autopilot's local frame."""
+        north, east, down = position
+        there = (north - self._shift[0], east - self._shift[1], down)
+        if self.anchor is not None and self.reference is not None:
+            return self.reference.to_local(*self._on_earth(self.anchor).to_global(there))
+        assert self._home is not None
+        return _sum(self._home, there)
+
+    def _unshifted(self, local: Ned) -> Ned:
+        if self.anchor is not None and self.reference is not None:
+            return self._on_earth(self.anchor).to_local(*self.reference.to_global(local))
+        assert self._home is not None
+        north, east, down = self._home
+        return (local[0] - north, local[1] - east, local[2] - down)
+
+    def _on_earth(self, anchor: GlobalOrigin) -> GlobalOrigin:
+        return replace(anchor, altitude_m=self.altitude_m)
+
+    @property
+    def zero(self) -> GlobalOrigin | None:
+        """Where its origin lies on the earth; None where that is not known."""
+        if self.reference is None or not self.is_known:
+            return None
+        return GlobalOrigin(*self.reference.to_global(self.local((0.0, 0.0, 0.0))))
+
+    def anchor_at(self, anchor: GlobalOrigin | None) -> None:
+        """A mission begins whose origin lies there; None where the vehicle stands."""
+        if anchor != self.anchor:
+            self.anchor, self._shift = anchor, (0.0, 0.0)
+
     def take_home(self, home: Ned, altitude_m: float) -> None:
         """Takes a HOME_POSITION; the first alone counts."""
-        if self.origin is None:
-            self.origin, self.altitude_m = home, altitude_m
+        if self._home is None:
+            self._home, self.altitude_m = home, altitude_m
+
+    def take_reference(self, reference: GlobalOrigin) -> None:
+        """The autopilot's local frame lies there; what is known in the one before moves along."""
+        before, self.reference = self.reference, reference
+        if before is not None:
+            self._mean = None
+            if self._home is not None:
+                self._home = reference.to_local(*before.to_global(self._home))
 
     def take_position(self, now_s: float, local: Ned, is_standing: bool) -> None:
         """Takes a position in the autopilot's local frame."""
@@ -61,45 +132,51 @@ class MissionFrame:
             place: in the mission's frame.
             accuracy_m: of the position, as the autopilot tells it.
         """
-        if self._mean is None or self.origin is None:
+        if self._mean is None or not self.is_known:
             return None
-        north, east, _ = self.origin
-        there = (north + place[0], east + place[1], 0.0)
-        is_there = accuracy_m <= EXACT_M and all(
-            horizontal_distance(each, there) <= SETTLED_M for each in (self._mean, self._newest)
-        )
+        stands = (self._mean, self._newest)
+        gaps_m = [horizontal_distance(self.position(each), place) for each in stands]
+        is_there = accuracy_m <= EXACT_M and max(gaps_m) <= SETTLED_M
         if not is_there and self._heard_s - self._since_s < SETTLING_S:
             return None
-        return horizontal_distance(self._mean, there)
+        return gaps_m[0]
 
     def lay(self, place: Ned) -> None:
-        """The vehicle stands at a place: moves the frame so that this is so, the first time."""
-        if self._laid is not None or self._mean is None or self.origin is None:
+        """The vehicle stands at a place, and a sortie begins: moves the frame so that this is so.
+
+        A frame in metres is moved the first time only. One that lies where the file says takes its
+        height alone, each time: what GPS calls a height drifts by metres in an hour.
+        """
+        if self._mean is None or not self.is_known:
             return
-        origin = (self._mean[0] - place[0], self._mean[1] - place[1], self._mean[2])
-        if distance(origin, self.origin) > SETTLED_M:
-            self.altitude_m -= origin[2] - self.origin[2]
-            self.origin = origin
-        self._laid = self.origin
+        if self.anchor is not None and self.reference is not None:
+            self.altitude_m = self.reference.altitude_m - self._mean[2]
+        elif not self._is_laid and self._home is not None:
+            home = (self._mean[0] - place[0], self._mean[1] - place[1], self._mean[2])
+            if distance(home, self._home) > SETTLED_M:
+                self.altitude_m -= home[2] - self._home[2]
+                self._home = home
+            self._is_laid = True
 
     def keep(self, origin: Ned, altitude_m: float) -> None:
         """The frame is where it was laid in this flight, by another process."""
-        self.origin = self._laid = origin
-        self.altitude_m = altitude_m
+        self._home, self.altitude_m, self._is_laid = origin, altitude_m, True
 
     def move(self, by: NorthEast, most_m: float) -> None:
-        """Positions in the frame become greater by so much; not before it is laid.
+        """Positions in the frame become greater by so much; not before it lies anywhere for good.
 
         Args:
             by: north and east.
             most_m: greatest distance from where it was laid.
         """
-        if self._laid is None or self.origin is None:
-            return
-        north, east, down = self.origin
-        moved = (north - by[0], east - by[1], down)
-        if horizontal_distance(moved, self._laid) <= most_m:
-            self.origin = moved
+        shift = (self._shift[0] + by[0], self._shift[1] + by[1])
+        is_laid = self._is_laid or self.anchor is not None
+        if is_laid and math.hypot(*shift) <= most_m:
+            self._shift = shift
+
+
+def _sum(a: Ned, b: Ned) -> Ned:
+    return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
 
 
 def _between(start: Ned, end: Ned, share: float) -> Ned:

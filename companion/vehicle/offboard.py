@@ -35,6 +35,7 @@ from companion.vehicle.heard_time import HeardTime
 from companion.vehicle.parameters import ParameterReader
 from companion.vehicle.port import (
     Failed,
+    FrameLocation,
     Goal,
     Mode,
     Outcome,
@@ -57,7 +58,7 @@ SCAN = "OBSTACLE_DISTANCE"
 PROTOCOL = frozenset({"COMMAND_ACK", "PARAM_VALUE", SCAN})
 """Messages of the services that are spoken here."""
 
-CONTINUAL = frozenset({"ATTITUDE", "LOCAL_POSITION_NED"})
+CONTINUAL = frozenset({"ATTITUDE", "LOCAL_POSITION_NED", "GLOBAL_POSITION_INT"})
 """Of those that arrive together only the newest is looked at."""
 
 
@@ -125,8 +126,7 @@ class MavlinkVehicle:
         self._time.step(now_s, any(source(message) == autopilot for message in messages))
         for message in messages:
             self._take(message)
-        home = self._telemetry.home
-        self.scans = self._ranging.scans(now_s, home[:2]) if home else []
+        self.scans = self._ranging.scans(now_s)
         return self._readings
 
     def foresee(self, messages: list[Message]) -> list[Reading]:
@@ -144,6 +144,7 @@ class MavlinkVehicle:
         return [
             *([] if self._time.is_quiet else self._commands.due(self._time.seconds)),
             *self._telemetry.clock.due(now_s),
+            *self._telemetry.questions(now_s, (system, AUTOPILOT), self._pursuit is not None),
             *self._parameters.due(now_s, (system, AUTOPILOT)),
             *self._stream.due(now_s, system, is_entering),
         ]
@@ -164,6 +165,16 @@ class MavlinkVehicle:
     def is_doubted(self) -> bool:
         """Whether control may be somebody else's, by the newest heartbeat; nothing is sent."""
         return self._control.state is ControlState.DOUBTED
+
+    @property
+    def frame_doubt(self) -> Refusal | None:
+        """Why the position in the mission's frame is not known or not certain; None if it is."""
+        return self._telemetry.frame_doubt
+
+    @property
+    def location(self) -> FrameLocation | None:
+        """Where the frames lie on the earth; None where that is not known."""
+        return self._telemetry.location
 
     @property
     def refusal(self) -> Refusal | None:
@@ -259,11 +270,11 @@ class MavlinkVehicle:
         now_s = self._time.seconds
         elapsed_s = now_s - pursuit.start_s
         if overdue_s := pursuit.overdue_s(now_s, state.mode):
-            return self._failed(f"not {pursuit.goal.value} after {overdue_s:.0f} s")
+            return self._failed(pursuit.goal, f" after {overdue_s:.0f} s")
         if not state.is_mode_known(self._now_s):
             return None
         if approach.needs_arming and not state.is_armed:
-            return self._failed(f"not {pursuit.goal.value}: disarmed")
+            return self._failed(pursuit.goal, ": disarmed")
         if state.mode in approach.underway:
             self._end_command()  # it has had its effect
             return None
@@ -276,7 +287,7 @@ class MavlinkVehicle:
         if pursuit.ticket is not None:
             exchange = self._commands[pursuit.ticket]
             if exchange.has_failed:
-                return self._failed(f"not {pursuit.goal.value}: {exchange.in_words}")
+                return self._failed(pursuit.goal, f": {exchange.in_words}")
             if not exchange.result or now_s < exchange.next_send_s + ASK_AGAIN_S:
                 return None
             self._end_command()
@@ -285,10 +296,13 @@ class MavlinkVehicle:
         pursuit.ticket = self._start(AUTOPILOT, asked.command, parameters, None)
         return None
 
-    def _failed(self, what: str) -> Failed:
+    def _failed(self, goal: Goal, why: str) -> Failed:
         """A failure with what the autopilot said lately."""
-        texts = "; ".join(self._telemetry.texts)
-        return Failed(f"{what} (autopilot: {texts})" if texts else what)
+        words = self._telemetry.words
+        is_arming = goal is Goal.ARMED
+        said = (words.why_not_armed if is_arming else words.lately)(self._now_s)
+        texts = f" (autopilot: {'; '.join(said)})" if said else ""
+        return Failed(f"not {goal.value}{why}{texts}")
 
     def _start(self, to: int, command: int, parameters: Parameters, wait_s: float | None) -> int:
         target = (self._wire.system, to)
@@ -315,7 +329,8 @@ class MavlinkVehicle:
             is_news = self._telemetry.is_news(self._now_s, message)
             if is_news and (kind != "HEARTBEAT" or self._is_believed(message)):
                 self._telemetry.take(self._now_s, message)
-                self._ranging.take_pose(message)
+                if self.frame_doubt is None:
+                    self._ranging.take_pose(message, self._telemetry.frame)
         elif kind == SCAN and component == SCANNER:
             self._ranging.take_scan(message)
         self._readings += self._signals.read(message)

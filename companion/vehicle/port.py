@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from enum import Enum, StrEnum
 from typing import Protocol
 
-from companion.geometry import Ned, NorthEast
+from companion.geometry import GlobalOrigin, Ned, NorthEast
 from companion.motion.range_scan import RangeScan
 from companion.outcomes import Refusal
 
@@ -59,6 +59,7 @@ class VehicleState:
             its own, when it was received.
         yaw_s: the same of the heading.
         is_battery_critical: the charge is critical, or worse, by the autopilot's own word.
+        is_drifting: the autopilot is losing its position (`position_watch.py`).
     """
 
     stamp_s: float
@@ -79,6 +80,7 @@ class VehicleState:
     position_s: float = 0.0
     yaw_s: float = 0.0
     is_battery_critical: bool = False
+    is_drifting: bool = False
 
     def is_mode_known(self, now_s: float) -> bool:
         """Whether the mode is that of a recent heartbeat."""
@@ -103,6 +105,23 @@ class Setpoint:
 def hold_at(position: Ned, yaw_rad: float) -> Setpoint:
     """The setpoint of a vehicle that stays where it is."""
     return Setpoint(position, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), yaw_rad)
+
+
+@dataclass(frozen=True, slots=True)
+class FrameLocation:
+    """Where the frames lie on the earth.
+
+    Attributes:
+        origin: of the autopilot's local frame.
+        zero: the origin of the mission's frame.
+        is_asked_for: the mission says where it lies; else it lies where the vehicle began.
+        residual_m: between what the autopilot says of its position in both ways.
+    """
+
+    origin: GlobalOrigin
+    zero: GlobalOrigin
+    is_asked_for: bool
+    residual_m: float
 
 
 class Goal(StrEnum):
@@ -171,6 +190,14 @@ class Vehicle(Protocol):
     @property
     def is_doubted(self) -> bool:
         """Whether control may just have been taken from us; nothing is sent until that is known."""
+
+    @property
+    def frame_doubt(self) -> Refusal | None:
+        """Why the position in the mission's frame is not known or not certain; None if it is."""
+
+    @property
+    def location(self) -> FrameLocation | None:
+        """Where the frames lie on the earth; None where that is not known."""
 
     @property
     def refusal(self) -> Refusal | None:

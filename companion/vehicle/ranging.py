@@ -23,6 +23,7 @@ import numpy as np
 from companion.geometry import NorthEast, wrap_angle
 from companion.mavlink.framing import Message, dialect
 from companion.motion.range_scan import RangeScan
+from companion.vehicle.mission_frame import MissionFrame
 
 AHEAD_S = 0.05
 """How far position and heading are carried on, along the line through the last two."""
@@ -42,11 +43,17 @@ class Ranging:
         self._yaws: deque[tuple[float, float]] = deque(maxlen=_KEPT)
         self._waiting: deque[Message] = deque(maxlen=_KEPT)
 
-    def take_pose(self, message: Message) -> None:
-        """A LOCAL_POSITION_NED or ATTITUDE; others, and numbers that are not finite, are passed."""
+    def take_pose(self, message: Message, frame: MissionFrame) -> None:
+        """A LOCAL_POSITION_NED or ATTITUDE; others, and numbers that are not finite, are passed.
+
+        Args:
+            frame: of the mission; a position is taken once it is known.
+        """
         kind = message.get_type()
         if kind == "LOCAL_POSITION_NED" and math.isfinite(message.x + message.y):
-            _keep(self._positions, (message.time_boot_ms / 1e3, message.x, message.y))
+            if frame.is_known:
+                north, east, _ = frame.position((message.x, message.y, message.z))
+                _keep(self._positions, (message.time_boot_ms / 1e3, north, east))
         elif kind == "ATTITUDE" and math.isfinite(message.yaw):
             _keep(self._yaws, (message.time_boot_ms / 1e3, message.yaw))
 
@@ -54,12 +61,11 @@ class Ranging:
         """An OBSTACLE_DISTANCE."""
         self._waiting.append(message)
 
-    def scans(self, now_s: float, home: NorthEast) -> list[RangeScan]:
+    def scans(self, now_s: float) -> list[RangeScan]:
         """The scans that can be placed by now, in the mission's frame.
 
         Args:
             now_s: the time of the companion, which they are stamped with.
-            home: origin of the mission's frame in the autopilot's local frame.
         """
         found: list[RangeScan] = []
         for _ in range(len(self._waiting)):
@@ -68,8 +74,7 @@ class Ranging:
             if self._is_ahead(boot_s):
                 self._waiting.append(message)
             elif pose := self._pose(boot_s):
-                (north, east), yaw_rad = pose
-                scan = range_scan(message, now_s, (north - home[0], east - home[1]), yaw_rad)
+                scan = range_scan(message, now_s, *pose)
                 found += [scan] if scan else []
         return found
 

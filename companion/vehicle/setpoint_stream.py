@@ -71,6 +71,7 @@ class SetpointStream:
             self._envelope,
             is_entering=is_entering,
             is_violated=self._is_violated,
+            frame_doubt=self._telemetry.frame_doubt,
         )
         if verdict.setpoint is None:
             return []
@@ -82,7 +83,7 @@ class SetpointStream:
                 AUTOPILOT,
                 dialect.MAV_FRAME_LOCAL_NED,
                 ALL_BUT_YAW_RATE,
-                *self._telemetry.local(verdict.setpoint.position),
+                *self._telemetry.frame.local(verdict.setpoint.position),
                 *verdict.setpoint.velocity,
                 *verdict.setpoint.acceleration,
                 verdict.setpoint.yaw_rad,

@@ -44,7 +44,9 @@ class Surroundings:
 
     def take(self, scans: Iterable[RangeScan]) -> bool:
         """Takes scans in, in order; true if a cell has become occupied or free."""
-        return any([self._map.integrate(self._aligned(scan)) for scan in scans])
+        state = self._telemetry.state
+        up_m = -state.position[2] if state else 0.0
+        return any([self._map.integrate(self._aligned(replace(scan, up_m=up_m))) for scan in scans])
 
     def _aligned(self, scan: RangeScan) -> RangeScan:
         accuracy_m = self._telemetry.accuracy_m

@@ -8,21 +8,22 @@ message that a newer one of its kind has overtaken on the way.
 from __future__ import annotations
 
 import math
-from collections import deque
 from collections.abc import Callable
 
-from companion.errors import printable
-from companion.geometry import Ned, NorthEast
+from companion.geometry import GlobalOrigin, Ned, NorthEast
 from companion.mavlink.framing import Message, dialect
 from companion.mavlink.px4_modes import mode_name
 from companion.mavlink.sequence import SequenceTracker
+from companion.outcomes import Refusal
+from companion.vehicle.autopilot_words import SPOKEN, AutopilotWords
 from companion.vehicle.boot_clock import BootClock
 from companion.vehicle.control_watch import Heartbeat
 from companion.vehicle.mission_frame import MissionFrame
-from companion.vehicle.port import Mode, VehicleState
+from companion.vehicle.origin_watch import OriginWatch
+from companion.vehicle.port import FrameLocation, Mode, VehicleState
+from companion.vehicle.position_watch import PositionWatch
 
 KNOWN_MODES = {mode.value: mode for mode in Mode}
-MAX_TEXTS = 5
 MOST_TILT_RAD = math.radians(60.0)  # beyond, no weight is carried
 GRAVITY_MPS2 = 9.81
 CRITICAL_CHARGE = (
@@ -36,16 +37,18 @@ class Telemetry:
 
     Attributes:
         frame: of the mission.
+        origins: where the autopilot's local frame lies on the earth.
         clock: of the autopilot.
         heartbeat_s: when the newest heartbeat was heard.
         accuracy_m: as in VehicleState.
-        texts: what the autopilot said lately in STATUSTEXT, newest last.
+        words: in which the autopilot speaks.
     """
 
     def __init__(self) -> None:
         self.frame = MissionFrame()
+        self.origins = OriginWatch()
         self.clock = BootClock()
-        self.texts: deque[str] = deque(maxlen=MAX_TEXTS)
+        self.words = AutopilotWords()
         self.heartbeat_s = -math.inf
         self.mode: Mode | None = None
         self._order = SequenceTracker()
@@ -59,13 +62,9 @@ class Telemetry:
         self._battery_percent: int | None = None
         self._is_battery_critical = False
         self._measured_s = self._tilt_rad = self.accuracy_m = 0.0
+        self._position_watch = PositionWatch()
         self._thrust_mps2: NorthEast = (0.0, 0.0)
         self._state: VehicleState | None = None  # of what was heard so far, once it was asked for
-
-    @property
-    def home(self) -> Ned | None:
-        """The origin of the mission's frame in the autopilot's; None until heard."""
-        return self.frame.origin
 
     @property
     def state(self) -> VehicleState | None:
@@ -75,19 +74,18 @@ class Telemetry:
         return self._state
 
     def _put_together(self) -> VehicleState | None:
-        home = self.home
         if (
-            home is None
+            not self.frame.is_known
             or self.mode is None
             or self._position is None
             or self._yaw_rad is None
             or self._is_landed is None
         ):
             return None
-        stamp_s, (x, y, z), velocity = self._position
+        stamp_s, position, velocity = self._position
         return VehicleState(
             stamp_s=stamp_s,
-            position=(x - home[0], y - home[1], z - home[2]),
+            position=self.frame.position(position),
             velocity=velocity,
             yaw_rad=self._yaw_rad,
             mode=self.mode,
@@ -104,6 +102,7 @@ class Telemetry:
             position_s=self._position_s,
             yaw_s=self._yaw_s,
             is_battery_critical=self._is_battery_critical,
+            is_drifting=self._position_watch.is_drifting,
         )
 
     def stand_at(self, place: Ned) -> None:
@@ -121,20 +120,50 @@ class Telemetry:
         self.frame.move(by, most_m)
         self._state = None
 
-    def local(self, position: Ned) -> Ned:
-        """A position of the mission's frame in the autopilot's local frame."""
-        home = self.home
-        assert home is not None
-        return (position[0] + home[0], position[1] + home[1], position[2] + home[2])
+    def anchor_at(self, anchor: GlobalOrigin | None) -> None:
+        """The mission that begins lies there on the earth; None where the vehicle stands."""
+        self.frame.anchor_at(anchor)
+        self._state = None
+
+    @property
+    def location(self) -> FrameLocation | None:
+        """Where the frames lie on the earth; None where that is not known."""
+        frame, residual_m = self.frame, self.origins.residual_m
+        if frame.reference is None or frame.zero is None or residual_m is None:
+            return None
+        return FrameLocation(frame.reference, frame.zero, frame.anchor is not None, residual_m)
+
+    @property
+    def is_flown(self) -> bool:
+        """Whether it is heard that the vehicle is armed or in the air."""
+        return self.is_armed or self._is_landed is False
+
+    @property
+    def ground_amsl_m(self) -> float | None:
+        """How high the vehicle stands above the sea, disarmed; None while that is not known."""
+        is_standing = self._is_landed is True and not self.is_armed
+        return self.origins.altitude_m if is_standing else None
+
+    @property
+    def frame_doubt(self) -> Refusal | None:
+        """Why the position in the mission's frame is not known or not certain; None if it is."""
+        watch = self.origins
+        is_wanting = self.frame.anchor is not None and watch.origin is None
+        if self._position is None or not (watch.is_doubted or is_wanting):
+            return None
+        if watch.residual_m is None:
+            return Refusal("the autopilot does not say where its local frame lies on the earth")
+        about = f"are {watch.residual_m:.1f} m apart, by its GPS_GLOBAL_ORIGIN"
+        return Refusal(f"the autopilot's LOCAL_POSITION_NED and GLOBAL_POSITION_INT {about}")
 
     def is_news(self, now_s: float, message: Message) -> bool:
         """Whether no newer message of its kind has overtaken one of the autopilot; once for each.
 
-        A text says something of its own, whenever it comes.
+        Words say something of their own, whenever they come.
         """
         kind = message.get_type()
         is_overtaken = self._order.is_overtaken(now_s, kind, message.get_seq())
-        return not is_overtaken or kind == "STATUSTEXT"
+        return not is_overtaken or kind in SPOKEN
 
     def take(self, now_s: float, message: Message) -> None:
         """Takes over a message of the autopilot that is news."""
@@ -147,6 +176,7 @@ class Telemetry:
         self.heartbeat_s, heartbeat = now_s, heartbeat_of(message)
         self.mode, self.is_armed = heartbeat.mode, heartbeat.is_armed
         self.is_failsafe = heartbeat.is_failsafe
+        self.words.custom_mode = message.custom_mode
 
     def _on_position(self, now_s: float, message: Message) -> None:
         position = (message.x, message.y, message.z)
@@ -154,9 +184,24 @@ class Telemetry:
         if all(map(math.isfinite, (*position, *velocity))):
             self._position = (now_s, position, velocity)
             self._measured_s = message.time_boot_ms / 1000
+            self.origins.take_local(self._measured_s, position, velocity)
+            self._follow_origin()
             self._position_s = self.clock.measured_s(now_s, self._measured_s)
             is_standing = self._is_landed is True and not self.is_armed
             self.frame.take_position(now_s, position, is_standing)
+
+    def _on_global_position(self, _: float, message: Message) -> None:
+        self.origins.take_global(message)
+        self._follow_origin()
+
+    def _on_origin(self, _: float, message: Message) -> None:
+        self.origins.take_origin(message)
+        self._follow_origin()
+
+    def _follow_origin(self) -> None:
+        origin = self.origins.origin
+        if origin is not None and origin != self.frame.reference:
+            self.frame.take_reference(origin)
 
     def _on_attitude(self, now_s: float, message: Message) -> None:
         if math.isfinite(message.yaw):
@@ -184,17 +229,29 @@ class Telemetry:
             self._battery_percent = message.battery_remaining
         self._is_battery_critical = message.charge_state in CRITICAL_CHARGE
 
-    def _on_estimator(self, _: float, message: Message) -> None:
+    def _on_estimator(self, now_s: float, message: Message) -> None:
         if math.isfinite(message.pos_horiz_accuracy):
             self.accuracy_m = message.pos_horiz_accuracy
+            self._position_watch.take(now_s, self.accuracy_m)
 
     def _on_time(self, now_s: float, message: Message) -> None:
         self.clock.take(now_s, message)
 
-    def _on_text(self, _: float, message: Message) -> None:
-        text = printable(message.text.rstrip("\t\0 "))
-        if text and text not in self.texts:
-            self.texts.append(text)
+    def _on_words(self, now_s: float, message: Message) -> None:
+        self.words.take(now_s, message)
+
+    def questions(self, now_s: float, autopilot: tuple[int, int], is_ours: bool) -> list[Message]:
+        """What to ask the autopilot now: its words, and where its frame lies.
+
+        Args:
+            now_s: the time.
+            autopilot: its address.
+            is_ours: the vehicle was to arm, or to do anything else.
+        """
+        is_flown = self.is_armed or self._is_landed is not True
+        is_needed = self.frame_doubt is not None
+        origin = self.origins.due(now_s, autopilot, is_needed) if is_needed or is_ours else []
+        return [*self.words.due(now_s, autopilot, is_flown), *origin]
 
 
 def heartbeat_of(message: Message) -> Heartbeat:
@@ -218,14 +275,16 @@ def _thrust(roll: float, pitch: float, yaw: float) -> NorthEast:
 _HANDLERS: dict[str, Callable[[Telemetry, float, Message], None]] = {
     "HEARTBEAT": Telemetry._on_heartbeat,
     "LOCAL_POSITION_NED": Telemetry._on_position,
+    "GLOBAL_POSITION_INT": Telemetry._on_global_position,
+    "GPS_GLOBAL_ORIGIN": Telemetry._on_origin,
     "ATTITUDE": Telemetry._on_attitude,
     "HOME_POSITION": Telemetry._on_home,
     "EXTENDED_SYS_STATE": Telemetry._on_landed,
     "BATTERY_STATUS": Telemetry._on_battery,
     "ESTIMATOR_STATUS": Telemetry._on_estimator,
-    "STATUSTEXT": Telemetry._on_text,
     "TIMESYNC": Telemetry._on_time,
+    **dict.fromkeys(SPOKEN, Telemetry._on_words),
 }
 
 TELEMETRY = frozenset(_HANDLERS)
-"""Messages that make up the state, and its ages."""
+"""Messages that make up the state, its ages, and words."""

@@ -26,12 +26,10 @@ from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mission.loader import load_mission
 from companion.vehicle.endpoints import UdpPort
 from companion.vehicle.link import Link
-from sitl.link.routing import LinkName
-from sitl.link.server import HOST, PORTS
+from sitl.link.server import COMPANION_PORT, HOST
 
 INSTANCE = 96  # of the simulator, away from any that runs
-_, ITS_PORT = PORTS[LinkName.OFFBOARD]
-PORT = ITS_PORT + INSTANCE
+PORT = COMPANION_PORT + INSTANCE
 MOVE = {
     "parameters": {"from": "Place", "to": "Place"},
     "precondition": "at(from)",

@@ -28,15 +28,16 @@ from companion.mavlink.signing import Signing, SigningKey
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
 from companion.motion.grid import OccupancyGrid
+from companion.motion.layered_routes import LayeredRoutes
 from companion.motion.range_scan import RangeScan
-from companion.motion.routes import CELLS_PER_TICK, RouteMap
+from companion.motion.routes import CELLS_PER_TICK
 from companion.motion.sensed_map import SensedMap
 from companion.planning.flight_times import route_map
 from sitl.flight.controllers import Cascade, TrajectorySetpoint
 from sitl.flight.mixer import Motors
 from sitl.flight.physics import Physics
 from sitl.link.routing import LinkName
-from sitl.link.server import HOST, PORTS
+from sitl.link.server import HOST, LOCAL_PORTS
 from sitl.simulation import DT_S
 from sitl.world.lidar import STEP_RAD, Lidar, LidarSpec
 from sitl.world.scenario import PX4_HOME
@@ -74,7 +75,7 @@ def cost_to_go(runs: int) -> Iterator[Row]:
 
     def first_path_to(goal: str) -> float:
         routes = route_map(mission)  # keeps what it has found
-        return timed(lambda: routes.distance_m(home[:2], goal), 1)[0]
+        return timed(lambda: routes.distance_m(home, goal), 1)[0]
 
     goals = [name for name in mission.places if name != "Home"]
     ours = median(first_path_to(goals[i % len(goals)]) for i in range(runs))
@@ -92,9 +93,9 @@ def searching(mission: Mission, runs: int) -> Row:
     took = []
     for i in range(runs):
         routes.aim("B", (north + 0.1 * (1 + i % 2), east, down))
-        parts = [timed(lambda: routes.search(home[:2], "B", CELLS_PER_TICK), 1)]
-        while not routes.search(home[:2], "B", 0):
-            parts.append(timed(lambda: routes.search(home[:2], "B", CELLS_PER_TICK), 1))
+        parts = [timed(lambda: routes.search(home, "B", CELLS_PER_TICK), 1)]
+        while not routes.search(home, "B", 0):
+            parts.append(timed(lambda: routes.search(home, "B", CELLS_PER_TICK), 1))
         took.append(max(part for (part,) in parts))
     return Row("cost-to-go in parts, longest", median(took), "ms")
 
@@ -133,7 +134,7 @@ def rerouting(runs: int) -> Iterator[Row]:
         routes.route((*start, -2.0), "B")
         sensed.integrate(scan)
 
-        def see(sensed: SensedMap = sensed, routes: RouteMap = routes) -> None:
+        def see(sensed: SensedMap = sensed, routes: LayeredRoutes = routes) -> None:
             if not sensed.integrate(scan):
                 raise RuntimeError("the crate was not seen")
             routes.see(sensed.grid)
@@ -210,13 +211,12 @@ def take_off(udp: socket.socket) -> None:
     Raises:
         RuntimeError: it did not arm within 5 s.
     """
-    port, _ = PORTS[LinkName.OFFBOARD]
     system = 1 + INSTANCE
     station = MavlinkCodec(255, 190)
     takeoff, arm = dialect.MAV_CMD_NAV_TAKEOFF, dialect.MAV_CMD_COMPONENT_ARM_DISARM
     for command, parameters in ((takeoff, (0, 0, 0, *(math.nan,) * 4)), (arm, (1, *(0,) * 6))):
         message = dialect.MAVLink_command_long_message(system, AUTOPILOT, command, 0, *parameters)
-        udp.sendto(station.pack(message), (HOST, port + INSTANCE))
+        udp.sendto(station.pack(message), (HOST, LOCAL_PORTS[LinkName.OFFBOARD] + INSTANCE))
     udp.settimeout(5.0)
     deadline_s = time.monotonic() + 5.0
     while time.monotonic() < deadline_s:

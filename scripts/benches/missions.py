@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import gc
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from statistics import median
@@ -96,9 +96,11 @@ def timed_steps(companion: Companion) -> list[float]:
     ticks_s: list[float] = []
     step = companion.step
 
-    def timed_step(now_s: float, datagrams: list[bytes], is_tick: bool = True) -> list[bytes]:
+    def timed_step(
+        now_s: float, datagrams: list[bytes], is_tick: bool = True, reports: Sequence[bytes] = ()
+    ) -> list[bytes]:
         start_s = thread_time()
-        packets = step(now_s, datagrams, is_tick)
+        packets = step(now_s, datagrams, is_tick, reports)
         if companion.system_status is SystemStatus.ACTIVE:
             ticks_s.append(thread_time() - start_s)
         return packets

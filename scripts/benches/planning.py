@@ -27,7 +27,7 @@ from companion.acting.preparation import anticipate_events, prepare
 from companion.geometry import Ned
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
-from companion.motion.routes import RouteMap
+from companion.motion.layered_routes import LayeredRoutes
 from companion.planning.engines import solve_with
 from companion.planning.flight_times import flight_times, route_map
 from companion.planning.lasso import Solution
@@ -182,7 +182,7 @@ def _answers(
 
 
 def points_between(
-    mission: Mission, routes: RouteMap, start: str, goal: str, count: int
+    mission: Mission, routes: LayeredRoutes, start: str, goal: str, count: int
 ) -> Iterator[Ned]:
     """Positions at even distances on the route from one place to another."""
     route = routes.route(mission.places[start].position, goal)

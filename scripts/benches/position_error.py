@@ -54,6 +54,7 @@ def flights(runs: int) -> Iterator[Row]:
     """A minute of each mission, seed 0: GPS that wanders, and the drag and wander of a PX4."""
     for each in (each for each in shipped() if each.name in MISSIONS):
         mission = each.load()
+        assert each.scenario is not None
         text = each.scenario.read_text(encoding="utf-8")
         text = text.replace("map: maps/", f"map: {each.scenario.parent}/maps/")
         for name, errors in ERRORS.items():

@@ -21,12 +21,12 @@ class Shipped:
     """A mission and a world for it.
 
     Attributes:
-        name: of the scenario.
+        name: of the scenario, or of the mission if it needs none.
     """
 
     name: str
     mission: Path
-    scenario: Path
+    scenario: Path | None
 
     def load(self) -> Mission:
         """Reads the mission."""
@@ -41,7 +41,7 @@ def shipped() -> list[Shipped]:
     """All, by name. A scenario without a mission of its name belongs to the one it begins with."""
     names = [path.name.removesuffix(SCENARIO) for path in sorted(MISSIONS.glob(f"*{SCENARIO}"))]
     missions = [name for name in names if (MISSIONS / f"{name}.yaml").exists()]
-    return [
+    with_scenario = [
         Shipped(
             name,
             MISSIONS / f"{max((m for m in missions if name.startswith(m)), key=len)}.yaml",
@@ -49,3 +49,10 @@ def shipped() -> list[Shipped]:
         )
         for name in names
     ]
+    alone = [
+        path for path in MISSIONS.glob("*.yaml") if path.stem.removesuffix(".sim") not in names
+    ]
+    return sorted(
+        [*with_scenario, *(Shipped(path.stem, path, None) for path in alone)],
+        key=lambda each: each.name,
+    )

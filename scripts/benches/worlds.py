@@ -14,6 +14,7 @@ from companion.mission.facts import HERE
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission, Place
 from companion.motion.grid import OccupancyGrid
+from companion.motion.region import Disc
 from companion.planning.instances import FlightTime
 from companion.planning.lasso import Letter, Problem
 from companion.planning.planner import Planner
@@ -33,7 +34,7 @@ def patrol(sites: int, upload_sites: int, seed: int) -> Mission:
     names = ["Home", *searched, *uploads]
     chance = random.Random(seed)
     places = {
-        name: Place(name, (chance.uniform(0, SIDE_M), chance.uniform(0, SIDE_M), -2.0), 0.6)
+        name: Place(name, (chance.uniform(0, SIDE_M), chance.uniform(0, SIDE_M), -2.0), Disc(0.6))
         for name in names
     }
     search = " & ".join(f"F (at({name}) | targetFound)" for name in searched)
@@ -58,7 +59,7 @@ def patrol_in_a_hall(sites: int, upload_sites: int, seed: int) -> Mission:
         if is_apart and grid.clearance_m(position) > 0.8:
             positions.append(position)
     places = {
-        name: Place(name, (*position, -2.0), 0.5)
+        name: Place(name, (*position, -2.0), Disc(0.5))
         for name, position in zip(mission.places, positions, strict=True)
     }
     (north, east) = HALL_M

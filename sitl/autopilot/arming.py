@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from sitl.autopilot.failsafes import LINK_SILENT_S, BatteryLevel, FailsafeInputs
-from sitl.autopilot.modes import FLIGHT_MODES
+from sitl.autopilot.modes import FLIGHT_MODES, ModeRequirement
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +51,19 @@ ARMING_CHECKS: tuple[ArmingCheck, ...] = (
 )
 
 
-def arming_denial(now: PreflightState) -> str | None:
-    """The reason why arming is denied, None if it is allowed."""
-    return next((reason(now) for passes, reason in ARMING_CHECKS if not passes(now)), None)
+REASONS = (
+    "vehicle crashed",
+    *(f"not in {name}" for name, mode in FLIGHT_MODES.items() if not mode.may_arm),
+    *(requirement.value for requirement in ModeRequirement),
+    "low battery",
+    "GPS fix too low",
+    "geofence violation",
+    "no connection to ground control",
+)
+"""All reasons but those of scenarios."""
+
+
+def arming_denials(now: PreflightState) -> tuple[str, ...]:
+    """The reasons why arming is denied, once each; none if it is allowed."""
+    failed = (reason(now) for passes, reason in ARMING_CHECKS if not passes(now))
+    return tuple(dict.fromkeys(failed))

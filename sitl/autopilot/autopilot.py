@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from companion.geometry import Ned
-from sitl.autopilot.arming import PreflightState, arming_denial
+from sitl.autopilot.arming import PreflightState, arming_denials
 from sitl.autopilot.basic_modes import HoldMode
 from sitl.autopilot.failsafe_state import FailsafeState
 from sitl.autopilot.failsafes import FailsafeInputs
@@ -31,7 +31,7 @@ from sitl.autopilot.modes import FLIGHT_MODES, missing_requirement
 from sitl.autopilot.motor_control import MotorControl
 from sitl.autopilot.parameters import Parameters
 from sitl.autopilot.situation import FlightMode, Situation
-from sitl.autopilot.status_texts import BATTERY_TEXTS, Severity, StatusText, failsafe_texts
+from sitl.autopilot.status_texts import BATTERY_TEXTS, Severity, StatusText, failsafe_texts, told
 from sitl.flight.controllers import OWN_GAINS, HorizontalGains, Maybe, TrajectorySetpoint
 from sitl.flight.mixer import Motors
 from sitl.flight.physics import FlightState
@@ -110,10 +110,10 @@ class Autopilot:
         """The vehicle is where its geofence does not allow it to be."""
         return self.fence.is_breached(self._state.position, self.home, self.parameters)
 
-    def arming_denial(self) -> str | None:
-        """The reason why arming would be denied now, None if it would not."""
+    def arming_denials(self) -> tuple[str, ...]:
+        """The reasons why arming would be denied now."""
         mode, inputs = self.intended_mode, self._failsafe_inputs()
-        return arming_denial(
+        return arming_denials(
             PreflightState(mode, self._missing(mode), inputs, self.is_crashed, self.arming_refusal)
         )
 
@@ -123,9 +123,9 @@ class Autopilot:
         """Starts the motors; by force without any check."""
         if self.is_armed:
             return True
-        reason = self.arming_denial()
-        if reason is not None and not is_forced:
-            self._tell(Severity.CRITICAL, f"Arming denied: {reason}")
+        reasons = self.arming_denials()
+        if reasons and not is_forced:
+            self.status_texts.append(told(Severity.CRITICAL, "Arming denied: {1}", reasons[0]))
             return False
         self.is_armed = True
         self.flights.arm(self._state.time_s)
@@ -218,8 +218,7 @@ class Autopilot:
 
     def report_arming_denial(self) -> None:
         """Tells people why arming would be denied."""
-        reason = self.arming_denial()
-        if reason is not None:
+        for reason in self.arming_denials()[:1]:
             self._tell(Severity.WARNING, f"Preflight Fail: {reason}")
 
     def terminate(self) -> None:

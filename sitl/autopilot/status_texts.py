@@ -1,12 +1,15 @@
-"""The autopilot's status texts for people.
+"""What the autopilot tells people: a text, and for some texts an event.
 
-The wording is PX4's where it was seen.
+The wording is PX4's where it was seen. An event is a template with arguments, `{1}` or `{1:.0}`;
+`TEMPLATES` lists them all. Left out: events for what is less than a warning.
 """
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import NamedTuple
 
 from sitl.autopilot.failsafe_state import FailsafeStage, FailsafeState
 from sitl.autopilot.failsafes import BatteryLevel
@@ -22,18 +25,55 @@ class Severity(IntEnum):
     INFO = 6
 
 
+class ToldEvent(NamedTuple):
+    """A line of `TEMPLATES`, and what fills it."""
+
+    template: str
+    arguments: tuple[str | float, ...] = ()
+
+    @property
+    def text(self) -> str:
+        """The event in words."""
+
+        def filled(slot: re.Match[str]) -> str:
+            argument = self.arguments[int(slot[1]) - 1]
+            return argument if isinstance(argument, str) else f"{argument:{slot[2]}f}"
+
+        return re.sub(r"\{(\d):?([^}]*)\}", filled, self.template)
+
+
 @dataclass(frozen=True, slots=True)
 class StatusText:
-    """A line for people, sent as STATUSTEXT."""
+    """A line for people, sent as STATUSTEXT, and as EVENT if it has one."""
 
     severity: Severity
     text: str
+    event: ToldEvent | None = None
+
+
+WORD, FLOAT = "word", "float"
+TEMPLATES: dict[str, tuple[str, ...]] = {
+    "Arming denied: {1}": (WORD,),
+    "Low battery": (),
+    "Critical battery": (),
+    "Emergency battery level": (),
+    "Failsafe activated: entering Hold for {1:.0} seconds": (FLOAT,),
+    "Failsafe warning: {1}": (WORD,),
+    "Failsafe activated: {1}": (WORD,),
+}
+"""Template of an event -> the types of its arguments."""
+
+
+def told(severity: Severity, template: str, *arguments: str | float) -> StatusText:
+    """A line for people that is an event, too."""
+    event = ToldEvent(template, arguments)
+    return StatusText(severity, event.text, event)
 
 
 BATTERY_TEXTS = {
-    BatteryLevel.LOW: StatusText(Severity.CRITICAL, "Low battery"),
-    BatteryLevel.CRITICAL: StatusText(Severity.CRITICAL, "Critical battery"),
-    BatteryLevel.EMERGENCY: StatusText(Severity.EMERGENCY, "Emergency battery level"),
+    BatteryLevel.LOW: told(Severity.CRITICAL, "Low battery"),
+    BatteryLevel.CRITICAL: told(Severity.CRITICAL, "Critical battery"),
+    BatteryLevel.EMERGENCY: told(Severity.EMERGENCY, "Emergency battery level"),
 }
 
 
@@ -43,10 +83,8 @@ def failsafe_texts(state: FailsafeState, parameters: Parameters) -> list[StatusT
     if selected is None:
         return []
     if state.stage is FailsafeStage.DELAYED:
-        hold_s = parameters["COM_FAIL_ACT_T"]
-        text = f"Failsafe activated: entering Hold for {hold_s:.0f} seconds"
-    elif state.stage is FailsafeStage.WARNING:
-        text = f"Failsafe warning: {selected.cause.value}"
-    else:
-        text = f"Failsafe activated: {selected.cause.value}"
-    return [StatusText(Severity.CRITICAL, text)]
+        delayed = "Failsafe activated: entering Hold for {1:.0} seconds"
+        return [told(Severity.CRITICAL, delayed, parameters["COM_FAIL_ACT_T"])]
+    is_warning = state.stage is FailsafeStage.WARNING
+    template = "Failsafe warning: {1}" if is_warning else "Failsafe activated: {1}"
+    return [told(Severity.CRITICAL, template, selected.cause.value)]

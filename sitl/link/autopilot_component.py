@@ -2,18 +2,17 @@
 
 `SERVICES` maps a message to what answers it; what is not listed is not for the autopilot. Per step
 the component also sends what is due on each link: streams, HEARTBEAT at once when armed, mode or
-system status changed, the second answer to DO_SET_MODE, and notices as STATUSTEXT.
+system status changed, the second answer to DO_SET_MODE, and notices as STATUSTEXT and EVENT.
 
 Sources: the services of https://mavlink.io/en/services/; PX4's answers as they were seen.
-Left out so far: MAVLink FTP, events.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import ClassVar
 
-from companion.mavlink import ftp
+from companion.geometry import GlobalOrigin
 from companion.mavlink.framing import MavlinkCodec, Message, dialect, source
 from companion.mavlink.px4_modes import mode_name
 from companion.mavlink.statustext import chunks
@@ -21,6 +20,8 @@ from sitl.autopilot.modes import FLIGHT_MODES
 from sitl.autopilot.situation import heading
 from sitl.link import parameters, setpoints
 from sitl.link.commands import ACCEPTED_FIRST, execute, request_from
+from sitl.link.events import EventService
+from sitl.link.files import FileServer
 from sitl.link.messages import MESSAGE_CLASSES, MESSAGES, compose, message_name
 from sitl.link.mission_items import MissionType, WireItem, areas_from, item_from
 from sitl.link.mission_progress import MissionProgressReporter
@@ -33,6 +34,7 @@ from sitl.results import MavResult
 from sitl.world.faults import ANSWERS, Answer
 
 AUTOPILOT = 1  # MAV_COMP_ID_AUTOPILOT1
+ORIGIN_S = 1.0  # how often it is looked whether the origin has changed
 LISTED_PER_STEP = 5  # of a parameter list: 140 take 0.1 s
 Outgoing = list[tuple[LinkName, bytes]]
 
@@ -41,15 +43,34 @@ class AutopilotLink:
     """The autopilot's end of one link: its sequence numbers and its streams."""
 
     def __init__(
-        self, name: LinkName, system: int, vehicle: SimulatedVehicle, out: Outgoing
+        self,
+        name: LinkName,
+        system: int,
+        vehicle: SimulatedVehicle,
+        events: EventService,
+        out: Outgoing,
     ) -> None:
         self.name = name
+        self.files = FileServer(events.files)
+        self._events = events
         self.vehicle = vehicle
         self._out = out
         self.streams = Streams(name, vehicle.state.time_s)
         self.next_step: list[Message] = []
         self.listing: list[str] = []
         self._codec = MavlinkCodec(system, AUTOPILOT)
+        self._told_origin: GlobalOrigin | None = None
+        self._origin_due_s = vehicle.state.time_s
+
+    def tell_origin(self) -> None:
+        """Packs GPS_GLOBAL_ORIGIN, if it has changed; PX4 looks once a second."""
+        now_s, origin = self.vehicle.state.time_s, self.vehicle.origin
+        if now_s < self._origin_due_s:
+            return
+        self._origin_due_s += ORIGIN_S
+        if origin != self._told_origin:
+            self._told_origin = origin
+            self.stream("GPS_GLOBAL_ORIGIN")
 
     def send(self, message: Message) -> None:
         """Packs a message for this link."""
@@ -67,10 +88,17 @@ class AutopilotLink:
 
     def request_message(self, message_id: int) -> bool:
         """Sends a message once; False if there is none with that id."""
+        if message_id == dialect.MAVLINK_MSG_ID_COMPONENT_METADATA:
+            self.next_step.append(self._events.metadata_message(self.vehicle.boot_ms))
+            return True
         if (name := message_name(message_id)) is None:
             return False
         self.next_step.append(compose(name, self.vehicle))
         return True
+
+    def ask_for_checks(self) -> None:
+        """The arming checks are reported in the next step."""
+        self._events.is_asked = True
 
     def interval_us(self, message_id: int) -> int:
         """Interval of a stream, 0 for what is not sent by itself."""
@@ -93,6 +121,7 @@ class AutopilotComponent:
         links: those with somebody at the other end.
         router: knows where a ground station listens.
         answers: how a MAV_CMD is taken, other than it would be; read with every command.
+        refusals: reasons of the scenario for which arming is refused.
     """
 
     def __init__(
@@ -102,6 +131,7 @@ class AutopilotComponent:
         links: frozenset[LinkName],
         router: Router,
         answers: Mapping[int, Answer],
+        refusals: Iterable[str],
     ) -> None:
         self.address = (system, AUTOPILOT)
         self._vehicle = vehicle
@@ -109,8 +139,9 @@ class AutopilotComponent:
         self._answers = answers
         self._late: list[tuple[float, AutopilotLink, Message]] = []
         self._out: Outgoing = []
+        self._events = EventService(refusals)
         self._links = {
-            name: AutopilotLink(name, system, vehicle, self._out)
+            name: AutopilotLink(name, system, vehicle, self._events, self._out)
             for name in LinkName
             if name in links
         }
@@ -134,7 +165,7 @@ class AutopilotComponent:
         now = status(vehicle.autopilot)
         for origin, message in self._missions.due(now_s):
             self._links[origin].send(message)
-        common = self._progress.due(vehicle)
+        common = [*self._progress.due(vehicle), *self._due_events(now_s)]
         if now != self._reported_status:
             common.append(compose("HEARTBEAT", vehicle))
             self._reported_status = now
@@ -144,6 +175,7 @@ class AutopilotComponent:
             link.next_step.clear()
             if link.listing:
                 self._list_parameters(link)
+            link.tell_origin()
             for name in link.streams.due(now_s):
                 link.stream(name)
         for due_s, link, message in self._late:
@@ -164,6 +196,16 @@ class AutopilotComponent:
         out = self._out.copy()
         self._out.clear()
         return out
+
+    def _due_events(self, now_s: float) -> list[Message]:
+        """Events of this step, and the number of the newest now and then."""
+        autopilot, boot_ms, events = self._vehicle.autopilot, self._vehicle.boot_ms, self._events
+        is_armed = autopilot.is_armed
+        common = [] if is_armed else events.report(autopilot.arming_denials, boot_ms)
+        for text in autopilot.status_texts:
+            if text.event is not None:
+                common.append(events.told(text.severity, text.event, boot_ms))
+        return common + events.newest(now_s)
 
     def _send_status_texts(self) -> None:
         status_texts = self._vehicle.autopilot.status_texts
@@ -225,7 +267,12 @@ class AutopilotComponent:
             link.send(dialect.MAVLink_timesync_message(self._vehicle.boot_us * 1000, message.ts1))
 
     def _ftp(self, link: AutopilotLink, message: Message) -> None:
-        link.send_if(ftp.refusal(message))
+        for answer in link.files.answers(self._vehicle.state.time_s, message):
+            link.send(answer)
+
+    def _request_event(self, link: AutopilotLink, message: Message) -> None:
+        for answer in self._events.again(message, source(message)):
+            link.send(answer)
 
     def _heartbeat(self, link: AutopilotLink, message: Message) -> None:
         if message.type == MAV_TYPE_GCS:
@@ -270,6 +317,7 @@ class AutopilotComponent:
         "SET_POSITION_TARGET_LOCAL_NED": _setpoint,
         "SET_POSITION_TARGET_GLOBAL_INT": _setpoint,
         "FILE_TRANSFER_PROTOCOL": _ftp,
+        "REQUEST_EVENT": _request_event,
         "PING": _ping,
         "TIMESYNC": _timesync,
         "PARAM_REQUEST_LIST": _param_list,

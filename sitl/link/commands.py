@@ -50,6 +50,9 @@ class CommandContext(Protocol):
     def send(self, message: Message) -> None:
         """Sends a message on this link."""
 
+    def ask_for_checks(self) -> None:
+        """The arming checks are reported in the next step."""
+
     def interval_us(self, message_id: int) -> int:
         """Interval of a stream, 0 for what is not sent by itself."""
 
@@ -167,6 +170,7 @@ def _run_prearm_checks(on: CommandContext, request: CommandRequest) -> MavResult
     if autopilot.is_armed:
         return MavResult.TEMPORARILY_REJECTED
     autopilot.report_arming_denial()
+    on.ask_for_checks()
     return MavResult.ACCEPTED
 
 

@@ -191,7 +191,7 @@ class LidarComponent:
         """HEARTBEAT and the scan."""
         sent = self._sender.heartbeat(state.time_s)
         if self._sender.is_due(SCAN_S, state.time_s):
-            scan_m = self._lidar.scan(state.position[:2], state.euler[2])
+            scan_m = self._lidar.scan(state.position[:2], state.euler[2], -state.position[2])
             sent.append(self._sender.pack(self._report(scan_m, state.time_s)))
         return sent
 

@@ -1,9 +1,13 @@
 """The UDP door: PX4's ports.
 
-Each link has a local port and the port where its peer is expected; instance i adds i to all:
+Each link has a local port and the port where its peer is expected. Instance i adds i to all but
+that of the ground station: one ground station sees all vehicles.
 
     GCS       local 18570, sends to 127.0.0.1:14550
     OFFBOARD  local 14580, sends to 127.0.0.1:14540
+
+PX4 does so (ROMFS/px4fmu_common/init.d-posix/px4-rc.mavlink), but sends from instance 10 on to
+14549; here counting goes on.
 
 Whoever sends to the local port becomes the peer, so that a client on another port is answered
 where it is. Only this machine is listened to. What is received at once is bounded, on each link for
@@ -21,8 +25,8 @@ from companion.mavlink.intake import LONGEST, READS, Intake
 from sitl.link.routing import LinkName
 
 HOST = "127.0.0.1"
-PORTS = {LinkName.GCS: (18570, 14550), LinkName.OFFBOARD: (14580, 14540)}
-"""Link -> local port, peer's port."""
+LOCAL_PORTS = {LinkName.GCS: 18570, LinkName.OFFBOARD: 14580}
+COMPANION_PORT, GROUND_PORT = 14540, 14550
 
 BUFFER_BYTES = 1 << 20  # a client that lists all parameters at once sends and gets bursts
 
@@ -30,15 +34,32 @@ BUFFER_BYTES = 1 << 20  # a client that lists all parameters at once sends and g
 class Server:
     """The sockets of one instance; use it in a `with` statement.
 
+    Args:
+        instance: whose ports.
+        ground_port: where a ground station is expected.
+
+    Attributes:
+        peers: who is expected, or has spoken, on each link.
+
     Raises:
-        LinkError: a local port is taken.
+        LinkError: a local port is taken, or ground station and companion would have the same port.
     """
 
-    def __init__(self, instance: int) -> None:
-        self.peers = {link: (HOST, peer + instance) for link, (_, peer) in PORTS.items()}
+    def __init__(self, instance: int, ground_port: int = GROUND_PORT) -> None:
+        self.instance = instance
+        companion_port = COMPANION_PORT + instance
+        if companion_port == ground_port:
+            raise LinkError(
+                f"instance {instance} would expect its companion on UDP port {ground_port}, as the "
+                f"ground station; choose another instance with -i, or a --ground-port"
+            )
+        self.peers = {
+            LinkName.GCS: (HOST, ground_port),
+            LinkName.OFFBOARD: (HOST, companion_port),
+        }
         self._sockets: dict[LinkName, socket.socket] = {}
-        self._intakes = {link: Intake() for link in PORTS}
-        for link, (local, _) in PORTS.items():
+        self._intakes = {link: Intake() for link in LOCAL_PORTS}
+        for link, local in LOCAL_PORTS.items():
             self._sockets[link] = udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
             udp.setblocking(False)
             udp.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, BUFFER_BYTES)

@@ -1,9 +1,9 @@
 """Collisions with walls, and with the ground by more than the legs.
 
-Walls are the occupied cells of the true map and have no upper end; off the map counts as a wall.
-The vehicle is a disc. Accuracy is that of the map's distance field: about one cell. The flight
-physics knows contact of the legs alone, so a vehicle that falls over has to be stopped: it would
-sink into the ground.
+Walls are the occupied cells of the true map, and low ones up to where they end; off the map counts
+as a wall, unless it is open. The vehicle is a disc, its legs below it. Accuracy is that of the
+map's distance field: about one cell. The flight physics knows contact of the legs alone, so a
+vehicle that falls over has to be stopped: it would sink into the ground.
 """
 
 from __future__ import annotations
@@ -38,7 +38,8 @@ class CollisionCounter:
         if self.grid is None:
             return False
         was_touching = self._is_touching
-        self._is_touching = self.grid.clearance_m(position[:2]) < self._radius_m
+        walls = self.grid.at(-position[2] - LEG_M)
+        self._is_touching = walls.clearance_m(position[:2]) < self._radius_m
         has_begun = self._is_touching and not was_touching
         self.count += has_begun
         return has_begun

@@ -1,8 +1,8 @@
 """The lidar: distances to the nearest walls, all around the vehicle.
 
 A level scanner in the vehicle's centre: 72 beams, 5 degrees apart, the first one straight ahead,
-then clockwise. It turns with the heading; tilt is left out. Walls have no upper end, and off the
-map is a wall, as for collisions.
+then clockwise. It turns with the heading; tilt is left out. It looks over walls that end below it;
+off a map that is not open is a wall, as for collisions.
 
 A beam is exact up to rounding, and hits a corner that it grazes: the faces between free and
 occupied cells are straight lines along rows and columns, and every beam is cut with all of them.
@@ -81,25 +81,31 @@ class Lidar:
     def set_map(self, grid: OccupancyGrid | None) -> None:
         """The true map from now on."""
         self._grid = grid
-        if grid is not None:
-            walls = np.pad(grid.occupied, 1, constant_values=True)
-            found = np.concatenate((_faces(walls, _NORTH), _faces(walls.T, _EAST)))
-            over, *places = found.T.copy()
-            self._faces = WallFaces(over.astype(np.intp), *places)
+        self._faces: dict[int, WallFaces] = {}
 
-    def scan(self, position: NorthEast, yaw_rad: float) -> Floats:
-        """(BEAMS,) distance along each beam, metres; inf where nothing is within range."""
-        grid = self._grid
-        if grid is None:
+    def scan(self, position: NorthEast, yaw_rad: float, up_m: float = 0.0) -> Floats:
+        """(BEAMS,) distance along each beam, metres; inf where nothing is within range.
+
+        Args:
+            position: of the vehicle.
+            yaw_rad: its heading.
+            up_m: its altitude above home.
+        """
+        if self._grid is None:
             return np.full(BEAMS, math.inf)
+        layer = self._grid.layer(up_m)
+        grid = self._grid.in_layer(layer)
+        if layer not in self._faces:
+            self._faces[layer] = _faces_of(grid)
         row, column = grid.cell(position)
-        if not grid.contains(row, column) or grid.occupied[row, column]:
+        is_on_map = grid.contains(row, column)
+        if grid.occupied[row, column] if is_on_map else not grid.is_open:
             return np.zeros(BEAMS)
         start = (np.array(position) - grid.origin) / grid.cell_m
         c, s = math.cos(yaw_rad), math.sin(yaw_rad)
         beams = np.array((c * _AHEAD - s * _RIGHT, s * _AHEAD + c * _RIGHT))
         far = self.spec.range_m / grid.cell_m
-        lengths = _lengths_to_walls(self._faces, start, beams, far)
+        lengths = _lengths_to_walls(self._faces[layer], start, beams, far)
         distances_m = np.where(lengths <= far, grid.cell_m * lengths, math.inf)
         if self.spec.noise_m > 0:
             noise = [self._random.gauss(0.0, self.spec.noise_m) for _ in range(BEAMS)]
@@ -107,11 +113,19 @@ class Lidar:
         return distances_m
 
 
+def _faces_of(grid: OccupancyGrid) -> WallFaces:
+    """All borders of a map."""
+    walls = np.pad(grid.occupied, 1, constant_values=not grid.is_open)
+    found = np.concatenate((_faces(walls, _NORTH), _faces(walls.T, _EAST)))
+    over, *places = found.T.copy()
+    return WallFaces(over.astype(np.intp), *places)
+
+
 def _faces(walls: npt.NDArray[np.bool_], axis: int) -> Floats:
     """(n, 5) the borders of free lines of cells and walls, joined where they touch, as `Faces`.
 
     Args:
-        walls: (lines + 2, cells + 2), with a rim of walls.
+        walls: (lines + 2, cells + 2), with a rim of what lies off the map.
         axis: that the lines follow each other along.
     """
     found = []

@@ -64,7 +64,7 @@ class TrueMap:
         occupied = walls.occupied.copy()
         for name in self._present:
             occupied |= _touched(self._obstacles[name], walls)
-        return OccupancyGrid(occupied, walls.cell_m, walls.origin)
+        return walls.with_occupied(occupied)
 
 
 def _touched(obstacle: Obstacle, grid: OccupancyGrid) -> npt.NDArray[np.bool_]:

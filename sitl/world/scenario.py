@@ -32,6 +32,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from companion.documents import Document, Given, Source, did_you_mean, read_source, validate
+from companion.drawn_maps import MapEntry, drawn_map, walls_of
 from companion.errors import MissionError
 from companion.geometry import GlobalOrigin, Ned, ned_from_enu
 from companion.maps import read_map
@@ -47,7 +48,7 @@ from sitl.world.obstacles import Obstacle, TrueMap
 from sitl.world.payload import PayloadAnswer, PayloadScript, PayloadSite
 from sitl.world.reading import command_number, read_events, read_obstacles
 from sitl.world.scenario_events import ScenarioEvent, VisitTrigger
-from sitl.world.schema import PayloadModel, ScenarioModel
+from sitl.world.schema import GlobalModel, PayloadModel, ScenarioModel
 from sitl.world.visits import Circle
 
 DEFAULT_MAP = "the default map"
@@ -59,7 +60,8 @@ class Scenario:
     """A world; the default one is empty.
 
     Attributes:
-        home: where local NED (0, 0, 0) lies.
+        home: where local NED (0, 0, 0) of the world lies.
+        origin: where that of the autopilot lies; None is home.
         vehicle: as it truly is; the mission may think otherwise.
         start: where the vehicle stands at first.
         yaw_rad: where it looks at first.
@@ -73,7 +75,8 @@ class Scenario:
         lidar: None is no lidar.
         pads: charging pads, each with its current in amperes.
         events: in the order of the file.
-        map_path: None is a world without walls, but for a map that was given otherwise.
+        map: its file, or itself; None is a world without walls, but for a map that was given
+            otherwise.
     """
 
     home: GlobalOrigin = PX4_HOME
@@ -93,7 +96,14 @@ class Scenario:
     obstacles: tuple[Obstacle, ...] = ()
     pads: tuple[tuple[Circle, float], ...] = ()
     events: tuple[ScenarioEvent, ...] = ()
-    map_path: Path | None = None
+    origin: GlobalOrigin | None = None
+    map: Path | MapEntry | None = None
+
+    @property
+    def arming_refusals(self) -> tuple[str, ...]:
+        """Reasons for which its events refuse arming."""
+        values = [v for event in self.events for key, v in event.effects if key == "arming"]
+        return tuple(value.refused for value in values if value.refused is not None)
 
 
 def read_scenario(
@@ -113,10 +123,10 @@ def read_scenario(
     """
     source = given if isinstance(given, Source) else read_source(given, "scenario")
     scenario, document = _parse(source, default_home, default_map is not None)
-    grid = default_map if scenario.map_path is None else read_map(scenario.map_path)
+    grid = _grid(scenario.map, document) or default_map
     now = TrueMap(grid, scenario.obstacles).grid
     radius_m = scenario.vehicle.radius_m
-    if now and now.clearance_m(scenario.start[:2]) < radius_m:
+    if now and now.at(0.0).clearance_m(scenario.start[:2]) < radius_m:
         raise MissionError(
             "the start lies in a wall or an obstacle, too near one, or off the map",
             document.where("start"),
@@ -138,8 +148,8 @@ def _parse(
     source: Source, default_home: GlobalOrigin, has_default_map: bool
 ) -> tuple[Scenario, Document]:
     model, document = validate(source.content, source.name, ScenarioModel)
-    map_path = source.folder / model.map if model.map else None
-    if map_path is None and has_default_map:
+    map_ = source.folder / model.map if isinstance(model.map, str) else model.map
+    if map_ is None and has_default_map:
         model = model.model_copy(update={"map": DEFAULT_MAP})
     for name, value in model.parameters.items():
         _check_parameter(name, value, document)
@@ -147,9 +157,7 @@ def _parse(
     start, home, wind = model.start, model.home, model.wind
     lidar = model.lidar_on_board
     scenario = Scenario(
-        home=GlobalOrigin(home.latitude_deg, home.longitude_deg, home.altitude_m)
-        if home
-        else default_home,
+        home=_on_earth(home) if home else default_home,
         vehicle=read_vehicle(model.vehicle, source.folder, document),
         start=ned_from_enu(start.east_m, start.north_m, 0.0),
         yaw_rad=math.radians(start.heading_deg),
@@ -168,9 +176,26 @@ def _parse(
             (Circle((pad.north_m, pad.east_m), pad.radius_m), pad.current_a) for pad in model.pads
         ),
         events=_first_sighting(model) + read_events(model, document),
-        map_path=map_path,
+        origin=_on_earth(model.origin) if model.origin else None,
+        map=map_,
     )
     return scenario, document
+
+
+def _on_earth(place: GlobalModel) -> GlobalOrigin:
+    return GlobalOrigin(place.latitude_deg, place.longitude_deg, place.altitude_m)
+
+
+def _grid(map_: Path | MapEntry | None, document: Document) -> OccupancyGrid | None:
+    """The map that a scenario names or draws; one without an area is that of its walls."""
+    if not isinstance(map_, MapEntry):
+        return read_map(map_) if map_ else None
+    try:
+        walls = walls_of(map_)
+        corners = [corner for wall in walls for corner in wall.corners]
+        return drawn_map(map_, walls, corners or None)
+    except MissionError as error:
+        raise MissionError(error.what, document.where("map"), error.hint) from error
 
 
 def _first_sighting(model: ScenarioModel) -> tuple[ScenarioEvent, ...]:

@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from companion.geometry import Ned, ned_from_enu
+from companion.geometry import GlobalOrigin, Ned, ned_from_enu
 from companion.mavlink.framing import dialect
 from sitl.results import MavResult
 from sitl.world.faults import Answer, Direction, LinkQuality, Port, Reboot
@@ -58,6 +58,9 @@ class EffectReceiver(Protocol):
     def jump_estimate(self, by: Ned) -> None:
         """The estimated position steps, NED."""
 
+    def lay_origin(self, origin: GlobalOrigin) -> None:
+        """The autopilot's local frame begins elsewhere."""
+
     def reboot(self, reboot: Reboot) -> None:
         """The autopilot restarts."""
 
@@ -83,6 +86,9 @@ EFFECTS: Mapping[str, Callable[[EffectReceiver, Any], None]] = {
     ),
     "estimate": lambda world, value: world.jump_estimate(
         ned_from_enu(value.east_m, value.north_m, value.up_m)
+    ),
+    "origin": lambda world, value: world.lay_origin(
+        GlobalOrigin(value.latitude_deg, value.longitude_deg, value.altitude_m)
     ),
     "reboot": lambda world, value: world.reboot(Reboot(value.silent_s, value.recovers)),
     "answer": lambda world, value: world.set_answer(getattr(dialect, value.command), value.answer),

@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from companion.drawn_maps import MapEntry
 from companion.geometry import FAR_M
 from companion.vehicle_files import VehicleEntry, VehicleKey
 from sitl.world.faults import Answer, Direction, Port
@@ -43,8 +44,8 @@ class StartModel(_Strict):
     heading_deg: Annotated[float, _described("clockwise from north", ge=-360, le=360)] = 0.0
 
 
-class HomeModel(_Strict):
-    """The place of the local frame's origin on the earth."""
+class GlobalModel(_Strict):
+    """A place on the earth."""
 
     latitude_deg: Annotated[float, _described("degrees north", ge=-90, le=90)]
     longitude_deg: Annotated[float, _described("degrees east", ge=-180, le=180)]
@@ -258,6 +259,7 @@ class ScenarioEventModel(_Strict):
     ] = None
     link: Annotated[LinkEventModel | None, _described("it loses or delays, or is good")] = None
     estimate: Annotated[EstimateEventModel | None, _described("the position jumps")] = None
+    origin: Annotated[GlobalModel | None, _described("the local frame begins elsewhere")] = None
     reboot: Annotated[RebootEventModel | None, _described("the autopilot restarts")] = None
     answer: Annotated[AnswerEventModel | None, _described("how the autopilot takes a command")] = (
         None
@@ -269,9 +271,15 @@ class ScenarioModel(_Strict):
 
     version: Annotated[Literal[1], _described("of this format")]
     vehicle: VehicleKey = VehicleEntry()
-    map: Annotated[str | None, _described("ROS map_server YAML file, relative to this file")] = None
+    map: Annotated[
+        str | MapEntry | None,
+        _described("ROS map_server YAML file, relative to this file, or an area with walls"),
+    ] = None
     start: Annotated[StartModel, _described("where the vehicle stands at first")] = StartModel()
-    home: Annotated[HomeModel | None, _described("where on the earth home lies")] = None
+    home: Annotated[GlobalModel | None, _described("where on the earth home lies")] = None
+    origin: Annotated[
+        GlobalModel | None, _described("where the autopilot's local frame lies; at home without it")
+    ] = None
     airframe: Annotated[
         Literal["quad_450", "px4_sih"],
         _described("px4_sih: with the heavy drag and the gains of PX4's built-in quadrotor"),

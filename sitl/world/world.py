@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import replace
 from random import Random
 
-from companion.geometry import Ned
+from companion.geometry import GlobalOrigin, Ned
 from companion.motion.grid import OccupancyGrid
 from sitl.autopilot.autopilot import Autopilot
 from sitl.flight.estimate import Estimator
@@ -44,6 +44,7 @@ class World:
             sends them takes them off the list.
         autopilot: of the vehicle; another one after a reboot.
         reboots: those that are to be done now; who does them takes them off the list.
+        origins: of the local frame, likewise.
         link_qualities: of the links that are disturbed.
         answers: how the autopilot takes a MAV_CMD, where it is not as it should be.
     """
@@ -67,6 +68,7 @@ class World:
         self.is_wreck = False
         self.operator_commands: list[str] = []
         self.reboots: list[Reboot] = []
+        self.origins: list[GlobalOrigin] = []
         self.link_qualities: dict[tuple[Port, Direction], LinkQuality] = {}
         self.answers: dict[int, Answer] = {}
         self._schedule = EventSchedule(scenario.events, physics.state.position)
@@ -172,6 +174,10 @@ class World:
     def jump_estimate(self, by: Ned) -> None:
         """The estimated position steps, NED."""
         self._estimator.jump(by)
+
+    def lay_origin(self, origin: GlobalOrigin) -> None:
+        """The autopilot's local frame begins elsewhere."""
+        self.origins.append(origin)
 
     def reboot(self, reboot: Reboot) -> None:
         """The autopilot restarts."""

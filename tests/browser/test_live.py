@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from browsing import Open
-from ports import free_instance
+from ports import free_instance, own_ports
 
 pytestmark = pytest.mark.sockets
 
@@ -25,7 +25,7 @@ LINES = "[...document.querySelectorAll('#lines li span')].map(line => line.textC
 def flight(tmp_path: Path) -> Iterator[str]:
     """The address of a flight's page."""
     arguments = [
-        *("sim", SURVEILLANCE, "--speed", SPEED, "-i", free_instance()),
+        *("sim", SURVEILLANCE, "--speed", SPEED, *own_ports(free_instance())),
         *("--log-dir", tmp_path, "--monitor", "127.0.0.1:0"),
     ]
     with subprocess.Popen(

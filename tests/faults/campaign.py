@@ -46,11 +46,18 @@ def world(name: str, *faults: dict[str, Any]) -> World:
     return replace(scenario, events=(*added.events, *scenario.events)), grid
 
 
+def begin(
+    name: str, *faults: dict[str, Any], seed: int = 0, up: Air = clear, down: Air = clear
+) -> Lockstep:
+    """A shipped mission with faults, to be flown."""
+    return Lockstep(shipped(name), world(name, *faults), seed=seed, up=up, down=down)
+
+
 def fly(
     name: str, *faults: dict[str, Any], seed: int = 0, up: Air = clear, down: Air = clear
 ) -> Lockstep:
     """A shipped mission with faults, flown to its end."""
-    flight = Lockstep(shipped(name), world(name, *faults), seed=seed, up=up, down=down)
+    flight = begin(name, *faults, seed=seed, up=up, down=down)
     return flight.until(lambda: flight.companion.has_ended, LONGEST_S)
 
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 from random import Random
 
 import pytest
-from campaign import actions, fly, shipped, sweep, undisturbed, world
+from campaign import actions, begin, shipped, sweep, undisturbed, world
 from lockstep import Lockstep
 from synthetic import mission
 
 from companion.errors import Aborted
+from companion.flight_events.skills import SkillCompleted
 from companion.flight_events.sortie import Phase, PhaseEntered, RunEnded, TaskSatisfied
 from companion.geometry import Ned, distance
 from companion.mavlink.framing import dialect
@@ -18,6 +19,8 @@ from sitl.world.scenario import read_scenario
 
 pytestmark = pytest.mark.faults
 
+CHARGED_S = 110.0
+"""After the first recharge of the patrol."""
 SURVEILLANCE, PATROL = "surveillance", "persistent_patrol"
 TOLD_WITHIN_S = 3.0
 TASK_S, LANDING_S = 5.0, 60.0
@@ -101,7 +104,8 @@ def test_a_jump_of_the_estimate_changes_no_action(seed: int) -> None:
 
 
 def test_a_battery_that_is_not_known_is_neither_full_nor_empty() -> None:
-    """The patrol recharges below 30 %: not for -1 %."""
+    """The patrol recharges below 30 %, at first after half a minute: not for -1 %."""
     unknown = {"at_s": 3, "battery": {"known": False}}
-    flight = fly(PATROL, unknown, {"at_s": 20, "battery": {"known": True}})
-    assert actions(flight) == actions(undisturbed(PATROL))
+    flight = begin(PATROL, unknown, {"at_s": 20, "battery": {"known": True}}).run_for(CHARGED_S)
+    assert [e for e in actions(flight) if isinstance(e, SkillCompleted) and "recharge" in e.action]
+    assert actions(flight) == actions(begin(PATROL).run_for(CHARGED_S))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from itertools import count
 
@@ -9,9 +10,11 @@ import pytest
 from campaign import fly, shipped, sweep, undisturbed, world
 from lockstep import Lockstep
 
+from companion.acting.flight import TICK_S
 from companion.errors import Aborted
-from companion.flight_events.sortie import Phase, PhaseEntered, RunFailed
+from companion.flight_events.sortie import Phase, PhaseEntered, RunFailed, SetpointRefused
 from companion.mavlink.framing import MavlinkCodec, dialect
+from companion.vehicle.position_watch import WORST_M
 
 pytestmark = pytest.mark.faults
 
@@ -47,11 +50,32 @@ def test_without_satellites_the_autopilot_has_the_vehicle(at_s: float) -> None:
     assert max(sent) <= taken_s
 
 
-def test_a_short_loss_of_satellites_changes_no_action() -> None:
-    """Meanwhile the vehicle keeps more from walls, as its position is good for less."""
-    flight = fly(
-        SURVEILLANCE, {"at_s": 10, "gps": {"lost": True}}, {"at_s": 12, "gps": {"lost": False}}
-    )
+@pytest.mark.parametrize("at_s", sweep((8.0, 10.0, 22.0, 45.0), few=lambda at_s: at_s == 10.0))
+@pytest.mark.parametrize("noise_m", [0.0, 0.25])
+def test_without_satellites_nothing_moves_a_second_after_the_bound(
+    at_s: float, noise_m: float
+) -> None:
+    """The autopilot tells its accuracy once a second, and takes the vehicle only later."""
+    noise = {"at_s": 0.1, "gps": {"noise_m": noise_m}}
+    lost = {"at_s": at_s, "gps": {"lost": True, "noise_m": noise_m}}
+    flight = Lockstep(shipped(SURVEILLANCE), world(SURVEILLANCE, noise, lost))
+    flight.until(lambda: flight.simulation._estimator.accuracy_m > WORST_M)
+    bound_s = flight.now_s
+    assert at_s < bound_s and flight.simulation.mode == "OFFBOARD"
+    flight.until(lambda: flight.simulation.mode != "OFFBOARD", 10.0)
+    later = [s.message for s in flight.setpoints if s.time_s > bound_s + 1.0 + 2 * TICK_S]
+    assert flight.now_s - bound_s > 1.2 and len(later) > 3
+    assert not any(math.hypot(m.vx, m.vy, m.vz) for m in later)
+    assert "gets worse" in flight.of(SetpointRefused)[-1].reason
+
+
+@pytest.mark.parametrize("away_s", [2.0, 4.8])
+def test_a_short_loss_of_satellites_changes_no_action(away_s: float) -> None:
+    """Meanwhile the vehicle keeps more from walls, as its position is good for less, or holds."""
+    back = {"at_s": 10 + away_s, "gps": {"lost": False}}
+    flight = fly(SURVEILLANCE, {"at_s": 10, "gps": {"lost": True}}, back)
+    refused = [event.reason for event in flight.of(SetpointRefused)]
+    assert bool(refused) is (away_s > 4.0) and all("gets worse" in why for why in refused)
     expected = undisturbed(SURVEILLANCE)
     assert flight.places == expected.places
     assert flight.ending == expected.ending

@@ -40,6 +40,7 @@ COMPANION = 191
 """Its companion's component id."""
 PAYLOAD = 25
 """Component id of the shipped missions' payloads."""
+ASKING = (dialect.MAV_CMD_REQUEST_MESSAGE, dialect.MAV_CMD_RUN_PREARM_CHECKS)
 SETPOINT = "SET_POSITION_TARGET_LOCAL_NED"
 
 
@@ -302,8 +303,9 @@ class Lockstep(Happened):
 
     @property
     def commands(self) -> list[Said]:
-        """The commands that the companion sent."""
-        return [s for s in self.said if s.message.get_type() == "COMMAND_LONG"]
+        """The commands that the companion sent, but for those that only ask."""
+        sent = [s for s in self.said if s.message.get_type() == "COMMAND_LONG"]
+        return [s for s in sent if s.message.command not in ASKING]
 
     # -- the ground station --------------------------------------------------------------------
 

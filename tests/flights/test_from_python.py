@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from ports import free_instance
+from ports import free_instance, own_ports
 
 from companion import FlightResult, LinkError, audit, load_mission, run
 from companion.flight_events.event import Stamped
@@ -50,7 +50,7 @@ PATROL = {key: MISSION[key] for key in MISSION if key != "goal"} | {
 def vehicle() -> Iterator[str]:
     """A simulator in a process of its own; the URL on which it is heard."""
     instance = free_instance()
-    command = [sys.executable, "-m", "sitl", "-i", str(instance), "--quiet"]
+    command = [sys.executable, "-m", "sitl", *own_ports(instance), "--quiet"]
     with subprocess.Popen(command, stdout=subprocess.DEVNULL) as sitl:
         yield f"udpin://127.0.0.1:{14540 + instance}"
         sitl.send_signal(signal.SIGINT)

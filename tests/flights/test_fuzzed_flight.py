@@ -19,7 +19,7 @@ import psutil
 import pytest
 from attacks import attacks, means_nothing
 from lossy_wire import lossy_wire
-from ports import free_instance
+from ports import free_instance, own_ports
 from test_sockets import START_S, STORED, SURVEILLANCE, Run, recorded, run
 
 from companion.flight_events.hosting import DatagramsDropped, FramesRefused
@@ -88,7 +88,7 @@ def test_a_flight_is_as_without_them(is_signed: bool, run: Run, tmp_path: Path) 
     datagrams = fuzzed(1 + instance, is_signed)
     scenario = SURVEILLANCE.with_suffix(".sim.yaml")
     with lossy_wire(instance, loss=0.0) as wire:
-        simulator = run("sitl", "-i", instance, "--scenario", scenario, *signing)
+        simulator = run("sitl", *own_ports(instance), "--scenario", scenario, *signing)
         simulator.until_printed("companion on UDP", START_S)
         companion = run(
             *("companion", "run", SURVEILLANCE, "--log-dir", tmp_path / "runs", *signing),

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from ports import free_instance
+from ports import free_instance, own_ports
 from pymavlink import mavutil
 from test_mavproxy import MAVProxy
 from test_mavsdk_client import mavsdk
@@ -134,7 +134,7 @@ def station(instance: int) -> Iterator[Station]:
 def test_an_operator_starts_and_steps_in(
     run: Run, instance: int, station: Station, tmp_path: Path
 ) -> None:
-    simulator = run("sitl", "--scenario", SCENARIO, "-i", instance)
+    simulator = run("sitl", "--scenario", SCENARIO, *own_ports(instance))
     simulator.until_printed("ground station on UDP", START_S)
     connect = f"udpin://127.0.0.1:{COMPANION + instance}"
     options = ("--wait", "--connect", connect, "--log-dir", tmp_path)
@@ -164,7 +164,7 @@ def test_an_operator_starts_and_steps_in(
 
 
 def test_mavproxy_starts_it_and_shows_what_happens(run: Run, instance: int, tmp_path: Path) -> None:
-    simulator = run("sitl", "--scenario", SCENARIO, "-i", instance)
+    simulator = run("sitl", "--scenario", SCENARIO, *own_ports(instance))
     simulator.until_printed("ground station on UDP", START_S)
     companion = run(
         *("companion", "run", SURVEILLANCE, "--wait", "--log-dir", tmp_path / "runs"),
@@ -184,7 +184,7 @@ def test_mavproxy_starts_it_and_shows_what_happens(run: Run, instance: int, tmp_
 
 def test_mavsdk_hears_what_happens(run: Run, instance: int, tmp_path: Path) -> None:
     """It is there before the first word: nothing is told again."""
-    simulator = run("sitl", "--scenario", SCENARIO, "-i", instance)
+    simulator = run("sitl", "--scenario", SCENARIO, *own_ports(instance))
     simulator.until_printed("ground station on UDP", START_S)
 
     def fly() -> None:

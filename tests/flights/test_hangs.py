@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 import pytest
 from lossy_wire import LossyWire, lossy_wire
-from ports import free_instance
+from ports import free_instance, own_ports
 from test_sockets import START_S, Run, run
 
 from companion.mavlink.framing import MavlinkCodec, dialect
@@ -104,7 +104,9 @@ def start(run: Run) -> Iterator[Start]:
     instance = free_instance()
     programs = []
     with lossy_wire(instance, loss=0.0) as wire:
-        simulator = run("sitl", "-i", instance, "--scenario", SURVEILLANCE.with_suffix(".sim.yaml"))
+        simulator = run(
+            "sitl", *own_ports(instance), "--scenario", SURVEILLANCE.with_suffix(".sim.yaml")
+        )
         simulator.until_printed("companion on UDP", START_S)
         connect = f"udpin://127.0.0.1:{wire.companion_port}"
 

@@ -34,4 +34,4 @@ def test_a_blocked_site_is_seen_from_elsewhere_and_a_closed_one_is_given_up(seed
     view = flight.of(SymbolMoved, place="A")[-1]
     assert view.source == "samples of the region"
     site = mission.places["A"]
-    assert horizontal_distance(view.position, site.position) <= site.radius_m
+    assert horizontal_distance(view.position, site.position) <= site.inner_m

@@ -16,7 +16,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from ports import free_instance
+from ports import free_instance, own_ports
 
 pytestmark = pytest.mark.sockets
 
@@ -96,7 +96,7 @@ class MAVProxy:
 @pytest.fixture
 def mavproxy(tmp_path: Path) -> Iterator[MAVProxy]:
     instance = free_instance()
-    command = [sys.executable, "-m", "sitl", "-i", str(instance)]
+    command = [sys.executable, "-m", "sitl", *own_ports(instance)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as simulator:
         assert simulator.stdout
         simulator.stdout.readline()

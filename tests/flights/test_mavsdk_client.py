@@ -13,7 +13,7 @@ from collections.abc import AsyncGenerator, AsyncIterator, Awaitable, Callable, 
 from typing import TypeVar
 
 import pytest
-from ports import free_instance
+from ports import free_instance, own_ports
 
 mavsdk = pytest.importorskip("mavsdk.asyncio")
 from mavsdk.asyncio.plugins.action import ActionAsync  # noqa: E402
@@ -33,7 +33,7 @@ T = TypeVar("T")
 def port() -> Iterator[int]:
     """The ground station's port of a running simulator."""
     instance = free_instance()
-    command = [sys.executable, "-m", "sitl", "-i", str(instance), "--speed", str(SPEED)]
+    command = [sys.executable, "-m", "sitl", *own_ports(instance), "--speed", str(SPEED)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as child:
         assert child.stdout is not None
         printed = child.stdout.readline() + child.stdout.readline()

@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from ports import free_instance
+from ports import free_instance, own_ports
 from test_sockets import Run, run
 
 pytestmark = [
@@ -32,7 +32,7 @@ def peak_mb(pid: int) -> float:
 
 def test_150_mb_are_enough_after_several_uploads(run: Run, tmp_path: Path) -> None:
     number = free_instance()
-    run("sitl", "-i", number, "--scenario", MISSIONS / "delivery.sim.yaml")
+    run("sitl", *own_ports(number), "--scenario", MISSIONS / "delivery.sim.yaml")
     link = f"udpin://127.0.0.1:{14540 + number}"
     companion = run(
         *("companion", "run", "--connect", link, "--log-dir", tmp_path, "--monitor", "off")

@@ -22,11 +22,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from ports import free_instance
+from ports import free_instance, own_ports
 from pymavlink import mavutil
 
 from sitl.link.routing import LinkName
-from sitl.link.server import PORTS
+from sitl.link.server import LOCAL_PORTS
 
 pytestmark = pytest.mark.sockets
 
@@ -85,7 +85,7 @@ class Stations(threading.Thread):
     def __init__(self, instance: int) -> None:
         super().__init__(daemon=True)
         self._vehicle = 1 + instance
-        port = PORTS[LinkName.GCS][0] + instance
+        port = LOCAL_PORTS[LinkName.GCS] + instance
         self._link = mavutil.mavlink_connection(f"udpout:127.0.0.1:{port}")
         self.asked = 0
         self.answered = dict.fromkeys(STATIONS, 0)
@@ -142,7 +142,7 @@ def watched_flight(log_dir: Path) -> float:
     """All get what they ask for; the longest gap of an empty loop meanwhile."""
     instance = free_instance()
     arguments = [
-        *("sim", SURVEILLANCE, "-i", instance, "--log-dir", log_dir),
+        *("sim", SURVEILLANCE, *own_ports(instance), "--log-dir", log_dir),
         *("--monitor", "127.0.0.1:0"),
     ]
     command = [sys.executable, "-m", "companion", *map(str, arguments)]

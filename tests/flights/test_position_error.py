@@ -15,7 +15,12 @@ from shipped import MISSIONS
 
 from companion.acting.flight import TICK_S
 from companion.flight_events.skills import ClearanceChanged, PlaceReached, SkillFailed
-from companion.flight_events.sortie import Phase, PhaseEntered, VehicleCrashed
+from companion.flight_events.sortie import (
+    Phase,
+    PhaseEntered,
+    SetpointRefused,
+    VehicleCrashed,
+)
 from companion.mission.loader import load_mission
 from sitl.world.scenario import read_scenario
 
@@ -82,13 +87,14 @@ def test_with_noise_of_gps_it_keeps_away_from_walls_and_sees_no_others(
 ) -> None:
     flight = FlightInError(name, seed, event=GPS)
     assert flight.of(ClearanceChanged)
+    assert not flight.of(SetpointRefused)
     assert flight.phantoms == 0
     assert flight.least_m >= NEEDED_M
     assert not flight.of(VehicleCrashed)
 
 
 @pytest.mark.parametrize("name", ["surveillance", "hall_of_20"])
-@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.long)])
 def test_with_the_drag_and_the_wander_of_a_px4_it_keeps_off_the_walls(name: str, seed: int) -> None:
     flight = FlightInError(name, seed, differs=WANDER)
     assert flight.phantoms == 0

@@ -33,6 +33,7 @@ from companion.flight_events.facts import BeliefWithdrawn
 from companion.flight_events.plans import PlanReplaced
 from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFailed
 from companion.flight_events.sortie import (
+    AutopilotSaid,
     Phase,
     PhaseEntered,
     ReturnBegun,
@@ -139,7 +140,9 @@ def test_a_mode_that_the_autopilot_refuses_changes_nothing(
     flight = on_the_way_to_b(start(has_station=True))
     flight.station_chooses("POSCTL")
     flight.until_the_end()
-    assert flight.story == undisturbed.story
+    said = flight.of(AutopilotSaid)  # to a station, and so to everybody
+    assert "POSCTL refused: no manual control input" in [event.words for event in said]
+    assert [event for event in flight.story if event not in said] == undisturbed.story
     assert flown_modes(flight) == flown_modes(undisturbed)
 
 
@@ -382,12 +385,10 @@ def test_a_stop_before_the_task(phase: Phase, climbs: bool, start: Start) -> Non
 
 
 def test_a_vehicle_that_may_not_arm_says_why(start: Start, hall: World) -> None:
-    """The battery is empty. PX4 tells reasons (STATUSTEXT) only if a ground station is there."""
+    """The battery is empty; STATUSTEXT and the report of the arming checks say so, once."""
     scenario, grid = hall
     flight = start((replace(scenario, charge=0.05), grid), has_station=True).until_the_end()
-    assert flight.ending == aborted(
-        "not armed: temporarily rejected (autopilot: Arming denied: low battery)"
-    )
+    assert flight.ending == aborted("not armed: temporarily rejected (autopilot: low battery)")
     assert flight.setpoints == []
     assert flight.armings == 0
 
@@ -400,6 +401,18 @@ def test_weak_failsafes_are_not_flown_with(start: Start, hall: World) -> None:
     assert "COM_OF_LOSS_T is 5; set 1.0 or less" in ended.reason
     assert "COM_OBL_RC_ACT is 0; set 5 (hold)" in ended.reason
     assert flight.commands == [] and flight.setpoints == []
+
+
+def test_a_return_above_the_missions_ceiling_is_not_flown_with(start: Start, hall: World) -> None:
+    """The hall's is 4 m; PX4's return climbs to 30 m unless RTL_RETURN_ALT is set."""
+    scenario, grid = hall
+    high = replace(scenario, parameters={"COM_OBL_RC_ACT": 3})
+    flight = start((high, grid)).until_the_end()
+    ended = flight.one(RunFailed, exit_code=Aborted.exit_code)
+    assert "RTL_RETURN_ALT is 30; set 4 or less: COM_OBL_RC_ACT 3 returns" in ended.reason
+    assert flight.commands == []
+    low = replace(scenario, parameters={"COM_OBL_RC_ACT": 3, "RTL_RETURN_ALT": 3.5})
+    assert start((low, grid)).until_reported(PhaseEntered, phase=Phase.TAKE_OFF).armings == 1
 
 
 def test_a_vehicle_that_is_armed_already_is_left_alone(start: Start) -> None:

@@ -16,17 +16,17 @@ from contextlib import ExitStack, closing, suppress
 from pathlib import Path
 
 import pytest
-from ports import free_instance
+from ports import free_instance, own_ports
 from test_sockets import FLIGHT_S, START_S, Command
 
 from companion.mavlink.stream_frames import StreamFrames
 from companion.record.events import read_events
 from sitl.link.routing import LinkName
-from sitl.link.server import PORTS
+from sitl.link.server import COMPANION_PORT, LOCAL_PORTS
 
 pytestmark = pytest.mark.sockets
 
-ITS_PORT, OUR_PORT = PORTS[LinkName.OFFBOARD]
+ITS_PORT = LOCAL_PORTS[LinkName.OFFBOARD]
 HOP = """\
 version: 1
 name: hop
@@ -60,7 +60,7 @@ class Line:
         os.set_blocking(self._ours, False)
         self.device = os.ttyname(self._theirs)
         self._udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self._udp.bind(("127.0.0.1", OUR_PORT + instance))
+        self._udp.bind(("127.0.0.1", COMPANION_PORT + instance))
         self._simulator = ("127.0.0.1", ITS_PORT + instance)
         self._is_closed = threading.Event()
         self._thread = threading.Thread(target=self._carry)
@@ -100,7 +100,7 @@ def test_a_mission_is_flown_over_a_serial_line(
     mission.write_text(HOP, encoding="utf-8")
     connect = f"serial://{line.device}:921600"
     with ExitStack() as commands:
-        simulator = Command("sitl", "-i", instance)
+        simulator = Command("sitl", *own_ports(instance))
         commands.callback(simulator.close)
         asked = ("run", mission, "--connect", connect, "--log-dir", tmp_path, "--monitor", "off")
         companion = Command("companion", *asked, "--accept-weak-failsafes")

@@ -114,6 +114,14 @@ SHIPPED = (
         ],
     ),
     Shipped(
+        "field",
+        "field",
+        [
+            *("Barn", SkillCompleted("look(Barn)"), "Pond", SkillCompleted("look(Pond)")),
+            *("Home", TaskSatisfied()),
+        ],
+    ),
+    Shipped(
         "hall_of_20",
         "hall_of_20",
         [

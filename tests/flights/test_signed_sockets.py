@@ -12,7 +12,7 @@ import socket
 from pathlib import Path
 
 import pytest
-from ports import free_instance
+from ports import free_instance, own_ports
 from test_sockets import Run, run
 from test_uploads import ANSWER_S, MISSION, START_S, like_the_papers
 
@@ -43,7 +43,7 @@ def test_a_signed_upload_is_flown_and_watched_to_its_end(
 
     hop = like_the_papers(tmp_path, "hop", "F at(A) & F G at(Home)")
     missions = MISSION.parent
-    simulator = run(*ours(SITL.replace("missions/", f"{missions}/"), "-i", number))
+    simulator = run(*ours(SITL.replace("missions/", f"{missions}/"), *own_ports(number)))
     simulator.until_printed(ports["14550"], START_S)
     on_board = run(*ours(RUN, "--connect", f"udpin://127.0.0.1:{ports['14540']}"))
     on_board.until_printed("hosting", START_S)

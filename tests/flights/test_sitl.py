@@ -12,17 +12,17 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from ports import free_instance
+from ports import free_instance, own_ports
 
 from companion.mavlink.framing import MavlinkCodec, dialect
 from sitl.link.routing import LinkName
-from sitl.link.server import HOST, PORTS
+from sitl.link.server import HOST, LOCAL_PORTS
 
 pytestmark = pytest.mark.sockets
 
 START_S = 300.0  # wall time that no start and no message needs
 EVENTS = "version: 1\nhappens:\n  - {at_s: 0.5, wind: {east_mps: 2}}\n"
-LOCAL, _ = PORTS[LinkName.OFFBOARD]
+LOCAL = LOCAL_PORTS[LinkName.OFFBOARD]
 
 
 @contextmanager
@@ -87,7 +87,7 @@ def check(path: Path) -> subprocess.CompletedProcess[str]:
 def test_the_environment_of_px4_is_honoured() -> None:
     instance = free_instance()
     home = {"PX4_HOME_LAT": "48.5", "PX4_HOME_LON": "-11.25", "PX4_HOME_ALT": "250"}
-    with running("-i", instance, PX4_SIM_SPEED_FACTOR="4", **home):
+    with running(*own_ports(instance), PX4_SIM_SPEED_FACTOR="4", **home):
         place = first(instance, "GLOBAL_POSITION_INT")
         assert keeps_pace(instance, 4.0)
     assert (place.lat, place.lon) == (pytest.approx(485000000, 10), pytest.approx(-112500000, 10))
@@ -96,7 +96,7 @@ def test_the_environment_of_px4_is_honoured() -> None:
 
 def test_an_option_wins_over_the_environment() -> None:
     instance = free_instance()
-    options = ("-i", instance, "--speed", 2, "--home", "10,20,30")
+    options = (*own_ports(instance), "--speed", 2, "--home", "10,20,30")
     with running(*options, PX4_SIM_SPEED_FACTOR="9", PX4_HOME_LAT="48.5"):
         place = first(instance, "GLOBAL_POSITION_INT")
         assert keeps_pace(instance, 2.0)
@@ -105,9 +105,9 @@ def test_an_option_wins_over_the_environment() -> None:
 
 def test_instances_side_by_side_are_vehicles_of_their_own() -> None:
     one = free_instance()
-    with running("-i", one):
+    with running(*own_ports(one)):
         other = free_instance()
-        with running("-i", other, "--home", "10,20,30"):
+        with running(*own_ports(other), "--home", "10,20,30"):
             vehicles = {instance: list(islice(heard(instance), 200)) for instance in (one, other)}
             latitudes = [first(instance, "GLOBAL_POSITION_INT").lat for instance in vehicles]
     for instance, messages in vehicles.items():
@@ -119,10 +119,10 @@ def test_what_happens_is_told_in_a_line_unless_it_shall_be_quiet(tmp_path: Path)
     scenario = tmp_path / "a.sim.yaml"
     scenario.write_text(EVENTS)
     instance = free_instance()
-    with running("--scenario", scenario, "-i", instance) as sitl:
+    with running("--scenario", scenario, *own_ports(instance)) as sitl:
         assert sitl.stdout is not None
         assert sitl.stdout.readline() == "sitl: 0.50 s: wind: east_mps 2.0\n"
-    with running("--scenario", scenario, "-i", instance, "--quiet") as sitl:
+    with running("--scenario", scenario, *own_ports(instance), "--quiet") as sitl:
         next(now_s for now_s in boot_times_s(instance) if now_s > 1.0)
         sitl.terminate()
         assert sitl.stdout is not None

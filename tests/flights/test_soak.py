@@ -24,7 +24,7 @@ import numpy as np
 import psutil
 import pytest
 from lossy_wire import LossyWire, lossy_wire
-from ports import free_instance
+from ports import free_instance, own_ports
 from test_sockets import START_S, Command, Run, run
 
 from companion.flight_events.plans import LapCompleted
@@ -102,7 +102,7 @@ def test_hours_in_flight_over_a_link_that_loses(run: Run, tmp_path: Path) -> Non
     scenario, instance = tmp_path / "soak.sim.yaml", free_instance()
     scenario.write_text(SCENARIO, encoding="utf-8")
     with lossy_wire(instance, LOSS) as wire:
-        simulator = run("sitl", "-i", instance, "--scenario", scenario)
+        simulator = run("sitl", *own_ports(instance), "--scenario", scenario)
         simulator.until_printed("companion on UDP", START_S)
         connect = f"udpin://127.0.0.1:{wire.companion_port}"
         companion = run(

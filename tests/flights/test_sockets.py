@@ -21,7 +21,7 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
 import pytest
-from ports import free_instance
+from ports import free_instance, own_ports
 from test_mavsdk_client import first, mavsdk
 from test_shipped import SHIPPED
 
@@ -38,7 +38,7 @@ from companion.flight_events.sortie import (
 )
 from companion.record.audit import audit
 from companion.record.events import read_events
-from sitl.link.server import PORTS
+from sitl.link.server import LOCAL_PORTS
 
 pytestmark = pytest.mark.sockets
 
@@ -127,7 +127,16 @@ Run = Callable[..., Command]
 def simulated(run: Run, mission: Path, speed: int, instance: int, log_dir: Path) -> Command:
     """`companion sim`; without the page, which takes as much time as the flight."""
     return run(
-        *("companion", "sim", mission, "--speed", speed, "-i", instance, "--log-dir", log_dir),
+        *(
+            "companion",
+            "sim",
+            mission,
+            "--speed",
+            speed,
+            *own_ports(instance),
+            "--log-dir",
+            log_dir,
+        ),
         *("--monitor", "off"),
     )
 
@@ -153,7 +162,7 @@ def instance() -> int:
 
 def assert_no_simulator_is_left(instance: int) -> None:
     """A simulator holds its two ports for as long as it lives."""
-    for base, _ in PORTS.values():
+    for base in LOCAL_PORTS.values():
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as udp:
             udp.bind(("127.0.0.1", base + instance))
 
@@ -226,7 +235,9 @@ def test_the_mission_flies_on_a_simulator_started_separately(
         *("companion", "run", SURVEILLANCE, "--connect", connect, "--log-dir", tmp_path)
     )
     companion.until_printed(f"waiting    for a vehicle on {connect}", START_S)
-    simulator = run("sitl", "-i", instance, "--scenario", SURVEILLANCE.with_suffix(".sim.yaml"))
+    simulator = run(
+        "sitl", *own_ports(instance), "--scenario", SURVEILLANCE.with_suffix(".sim.yaml")
+    )
     assert companion.exit_code() == 0, companion.printed
     assert sequence(tmp_path) == STORED.read_text(encoding="utf-8")
     os.kill(simulator.pid, signal.SIGTERM)
@@ -240,7 +251,7 @@ def test_a_flight_that_was_killed_is_gone_on_with(run: Run, instance: int, tmp_p
     """
     connect = f"udpin://127.0.0.1:{COMPANION + instance}"
     asked = "companion", "run", SURVEILLANCE, "--connect", connect, "--log-dir", tmp_path
-    run("sitl", "-i", instance, "--scenario", SURVEILLANCE.with_suffix(".sim.yaml"))
+    run("sitl", *own_ports(instance), "--scenario", SURVEILLANCE.with_suffix(".sim.yaml"))
     killed = run(*asked, "--resume")
     killed.until_printed("at A")
     os.kill(killed.pid, signal.SIGKILL)

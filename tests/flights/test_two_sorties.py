@@ -41,7 +41,7 @@ class Hosted(Lockstep):
     def load(self, path: Path) -> Mission:
         raise AssertionError("nothing is uploaded")
 
-    def prepare(self, mission: Mission, speed_max_mps: float) -> Any:
+    def prepare(self, mission: Mission, speed_max_mps: float, ground_amsl_m: float | None) -> Any:
         return Polled(mission, speed_max_mps)
 
     def begin_run(self, mission: Mission) -> Recorder:

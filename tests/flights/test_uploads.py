@@ -20,7 +20,7 @@ from pathlib import Path
 os.environ.setdefault("MAVLINK20", "1")
 
 import pytest
-from ports import free_instance
+from ports import free_instance, own_ports
 from pymavlink import mavutil
 from pymavlink.mavftp import MAVFTP
 from test_ground_station import START, Station
@@ -45,7 +45,7 @@ START_S, ANSWER_S = 300.0, 600.0  # wall time that no start and no answer needs
 def instance() -> Iterator[int]:
     """Of a running simulator."""
     number = free_instance()
-    command = [sys.executable, "-m", "sitl", "-i", str(number)]
+    command = [sys.executable, "-m", "sitl", *own_ports(number)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as child:
         assert child.stdout is not None
         assert str(14550 + number) in child.stdout.readline() + child.stdout.readline()
@@ -237,7 +237,7 @@ def test_missions_are_uploaded_one_is_flown_and_watched_to_its_end(
     monkeypatch.setenv("COMPANION_LOG_DIR", str(tmp_path))
     number = free_instance()
     scenario = MISSION.with_suffix(".sim.yaml")
-    simulator = run("sitl", "-i", number, "--scenario", scenario)
+    simulator = run("sitl", *own_ports(number), "--scenario", scenario)
     simulator.until_printed(str(14550 + number), START_S)
     on_board = run("companion", "run", "--connect", f"udpin://127.0.0.1:{14540 + number}")
     on_board.until_printed("hosting", START_S)
@@ -268,7 +268,7 @@ def test_a_mission_that_was_accepted_is_flown_although_the_companion_is_killed_b
 ) -> None:
     """It goes before the mission of the command, which a service on board gives at each start."""
     number = free_instance()
-    simulator = run("sitl", "-i", number, "--scenario", MISSION.with_suffix(".sim.yaml"))
+    simulator = run("sitl", *own_ports(number), "--scenario", MISSION.with_suffix(".sim.yaml"))
     simulator.until_printed(str(14550 + number), START_S)
     command = (
         *("companion", "run", MISSION, "--wait", "--monitor", "off", "--log-dir", tmp_path),

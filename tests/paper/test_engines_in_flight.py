@@ -58,7 +58,11 @@ class Flown(Happened):
 
 @pytest.mark.parametrize(
     ("engine", "encoding"),
-    [("fast-downward", Encoding.V1), ("fast-downward", Encoding.V4), ("pyperplan", Encoding.V5)],
+    [
+        pytest.param("fast-downward", Encoding.V1, marks=pytest.mark.long),
+        ("fast-downward", Encoding.V4),
+        ("pyperplan", Encoding.V5),
+    ],
 )
 def test_the_paper_s_mission_is_flown_by_planners_off_the_shelf(
     engine: str, encoding: Encoding

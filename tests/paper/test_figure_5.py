@@ -15,7 +15,7 @@ from companion.acting.behaviour_tree.builder import build
 from companion.acting.replanning.assumptions import Assumptions
 from companion.flight_events.plans import LapCompleted
 from companion.mission.model import Mission
-from companion.motion.routes import RouteMap
+from companion.motion.layered_routes import LayeredRoutes
 
 
 def text_of(root: py_trees.behaviour.Behaviour) -> list[str]:
@@ -49,7 +49,7 @@ def indented(lines: list[str], by: int) -> list[str]:
 
 
 def test_the_first_plan_of_the_paper_s_mission(
-    section_v: Mission, surveillance_routes: RouteMap
+    section_v: Mission, surveillance_routes: LayeredRoutes
 ) -> None:
     assert tree_of_the_plan(Rig(section_v, surveillance_routes)) == [
         "[-] root",

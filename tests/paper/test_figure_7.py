@@ -75,7 +75,7 @@ def entered(mission: Mission, trail: list[Ned]) -> list[str]:
         return {
             name
             for name, place in mission.places.items()
-            if horizontal_distance(position, place.position) <= place.radius_m
+            if horizontal_distance(position, place.position) <= place.inner_m
         }
 
     first = sorted(places(trail[0]))

@@ -24,7 +24,7 @@ from companion.ltl.semantics import holds
 from companion.ltl.translate import translate
 from companion.mission.model import Mission
 from companion.mission.signals import Signal
-from companion.motion.routes import RouteMap
+from companion.motion.layered_routes import LayeredRoutes
 from companion.planning.instances import Instances
 from companion.planning.lasso import Problem, word
 from companion.planning.planner import Planner
@@ -42,7 +42,7 @@ PHI = """
 
 
 @pytest.fixture
-def rig(section_v: Mission, surveillance_routes: RouteMap) -> Rig:
+def rig(section_v: Mission, surveillance_routes: LayeredRoutes) -> Rig:
     return Rig(section_v, surveillance_routes)
 
 
@@ -175,7 +175,7 @@ def test_when_all_sites_refuse_there_is_no_plan_and_each_is_to_blame(rig: Rig) -
 
 
 def test_nothing_but_the_initial_state_changes_in_flight(
-    section_v: Mission, surveillance_routes: RouteMap, monkeypatch: pytest.MonkeyPatch
+    section_v: Mission, surveillance_routes: LayeredRoutes, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Each conjunct is translated once, and skills are instantiated once, over the whole flight."""
     translated, instantiated = Mock(wraps=translate), Mock(wraps=Instances)

@@ -20,6 +20,7 @@ from companion.motion.cost_to_go import (
     repaired,
 )
 from companion.motion.grid_graph import GridGraph, edges_entering, grid_graph, union
+from tests.discs import disc
 
 FAST = settings(max_examples=150, deadline=None, derandomize=True)
 SHAPE = (24, 31)
@@ -68,7 +69,7 @@ def barred(draw: st.DrawFn) -> GridGraph:
     """The edges into some discs."""
     centres = st.tuples(st.floats(0, SHAPE[0]), st.floats(0, SHAPE[1])).map(np.array)
     discs = draw(st.lists(st.tuples(centres, st.floats(0.5, 6.0)), max_size=3))
-    return union((edges_entering(SHAPE, *disc) for disc in discs), SHAPE)
+    return union((edges_entering(SHAPE, disc(*each)) for each in discs), SHAPE)
 
 
 def walked(to_go: CostToGo, start: int) -> list[int]:

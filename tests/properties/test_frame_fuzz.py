@@ -55,7 +55,9 @@ class Waiting(Notes):
     def load(self, path: Path) -> Mission:
         raise AssertionError("nothing is uploaded")
 
-    def prepare(self, mission: Mission, speed_max_mps: float) -> Polled:
+    def prepare(
+        self, mission: Mission, speed_max_mps: float, ground_amsl_m: float | None
+    ) -> Polled:
         raise AssertionError("nobody starts")
 
     def begin_run(self, mission: Mission) -> Recorder:

@@ -110,7 +110,9 @@ class Aboard(Notes):
     def load(self, path: Path) -> Mission:
         raise AssertionError("nothing that was uploaded here may be flown")
 
-    def prepare(self, mission: Mission, speed_max_mps: float) -> Polled:
+    def prepare(
+        self, mission: Mission, speed_max_mps: float, ground_amsl_m: float | None
+    ) -> Polled:
         return Polled(mission, speed_max_mps)
 
     def begin_run(self, mission: Mission) -> Recorder:

@@ -24,6 +24,7 @@ from companion.motion.grid import OccupancyGrid
 from companion.motion.line_of_sight import LineOfSight
 from companion.motion.path import Path
 from companion.motion.profile import SpeedLimits, flight_time_s
+from companion.motion.region import Disc
 from companion.motion.regions import Regions
 from companion.motion.routes import PlaceRegion, Route, RouteMap
 from companion.motion.trajectory import Trajectory, motion_of, run_out
@@ -146,7 +147,7 @@ def test_added_clearance_is_kept_where_there_is_room_and_closes_no_way(
     free = np.argwhere(brute_force_distance(grid) >= least_m).tolist()
     assume(free)
     start, goal = draw_position(data, grid, free), draw_position(data, grid, free)
-    routes = RouteMap(grid, {"goal": PlaceRegion((*goal, -2.0), 0.5, True)}, WIDE, least_m)
+    routes = RouteMap(grid, {"goal": PlaceRegion((*goal, -2.0), Disc(0.5), True)}, WIDE, least_m)
     plain = routes.route((*start, -1.0), "goal")
     routes.add_clearance(added * grid.cell_m)
     wide = routes.route((*start, -1.0), "goal")
@@ -185,7 +186,9 @@ def test_legs_keep_the_clearance_and_exist_where_cells_connect(
     assume(is_free.any())
     free = np.argwhere(is_free).tolist()
     start, goal = draw_position(data, grid, free), draw_position(data, grid, free)
-    routes = RouteMap(grid, {"goal": PlaceRegion((*goal, -2.0), 0.5, True)}, WIDE, clearance_m)
+    routes = RouteMap(
+        grid, {"goal": PlaceRegion((*goal, -2.0), Disc(0.5), True)}, WIDE, clearance_m
+    )
     route = routes.route((*start, -1.0), "goal")
     parts = ndimage.label(is_free)[0]
     if parts[grid.cell(start)] != parts[grid.cell(goal)]:
@@ -226,7 +229,7 @@ def test_lengths_are_close_to_the_optimum_of_a_visibility_graph(
         zip(first[clear].tolist(), second[clear].tolist(), lengths[clear].tolist(), strict=True)
     )
     goal = data.draw(st.integers(0, len(free) - 1))
-    place = PlaceRegion((*grid.centre(*free[goal].tolist()), 0.0), 0.0, False)
+    place = PlaceRegion((*grid.centre(*free[goal].tolist()), 0.0), Disc(0.0), False)
     routes = RouteMap(grid, {"goal": place}, WIDE, 2 * grid.cell_m)
     optimum = nx.single_source_dijkstra_path_length(visible, goal)
     for i, cell in list(enumerate(free.tolist()))[::5]:
@@ -249,14 +252,17 @@ def test_no_route_enters_the_region_of_another_place(
     start = draw_position(data, grid, free)
     radius = st.floats(0.1, 4.0).map(lambda cells: cells * grid.cell_m)
     places = {
-        name: PlaceRegion((*draw_position(data, grid, free), 0.0), data.draw(radius), True)
+        name: PlaceRegion((*draw_position(data, grid, free), 0.0), Disc(data.draw(radius)), True)
         for name in ("goal", "X", "Y")
     }
     route = RouteMap(grid, places, WIDE, grid.cell_m).route((*start, 0.0), "goal")
     assume(route is not None)
     assert route is not None
     for name in ("X", "Y"):
-        centre, radius_m = np.array(places[name].position[:2]), places[name].radius_m
+        centre, radius_m = (
+            np.array(places[name].position[:2]),
+            places[name].region.inner_m((0, 0, 0)),
+        )
         legs = list(pairwise(route.waypoints[:, :2]))
         outside = [i for i, (a, _) in enumerate(legs) if np.linalg.norm(a - centre) >= radius_m]
         for a, b in legs[outside[0] :] if outside else []:  # once outside, outside for good
@@ -272,7 +278,7 @@ def test_routes_do_not_depend_on_what_the_map_was_before(
     names = ("A", "B", "X")
     radius = st.floats(0.1, 3.0).map(lambda cells: cells * grid.cell_m)
     places = {
-        name: PlaceRegion((*draw_position(data, grid, cells), 0.0), data.draw(radius), True)
+        name: PlaceRegion((*draw_position(data, grid, cells), 0.0), Disc(data.draw(radius)), True)
         for name in names
     }
     start = draw_position(data, grid, cells)
@@ -304,7 +310,9 @@ def test_a_start_beside_the_free_cells_is_left_across_no_obstacle(
     assume(is_free.any() and band)
     start = draw_position(data, grid, band)
     goal = draw_position(data, grid, np.argwhere(is_free).tolist())
-    routes = RouteMap(grid, {"goal": PlaceRegion((*goal, 0.0), 0.5, True)}, WIDE, 2.5 * grid.cell_m)
+    routes = RouteMap(
+        grid, {"goal": PlaceRegion((*goal, 0.0), Disc(0.5), True)}, WIDE, 2.5 * grid.cell_m
+    )
     route = routes.route((*start, 0.0), "goal")
     assume(route is not None)
     assert route is not None
@@ -331,10 +339,12 @@ def test_a_rounded_path_keeps_the_clearance_and_enters_no_other_region(
     assume(free)
     start = draw_position(data, grid, free)
     places = {
-        name: PlaceRegion((*draw_position(data, grid, free), -2.0), radius * grid.cell_m, True)
+        name: PlaceRegion(
+            (*draw_position(data, grid, free), -2.0), Disc(radius * grid.cell_m), True
+        )
         for name, radius in (("goal", 0.5), ("X", data.draw(st.floats(0.5, 3.0))))
     }
-    assume(math.dist(start, places["X"].position[:2]) > places["X"].radius_m)
+    assume(math.dist(start, places["X"].position[:2]) > places["X"].region.inner_m((0, 0, 0)))
     route = RouteMap(grid, places, WIDE, 1.5 * grid.cell_m).route((*start, -1.0), "goal")
     assume(route is not None)
     assert route is not None
@@ -344,7 +354,7 @@ def test_a_rounded_path_keeps_the_clearance_and_enters_no_other_region(
     cells = np.floor((flown - grid.origin) / grid.cell_m).astype(int)
     assert is_free[cells[:, 0], cells[:, 1]].all()
     away_m = np.linalg.norm(flown - places["X"].position[:2], axis=1)
-    assert away_m.min() >= places["X"].radius_m - 1e-9
+    assert away_m.min() >= places["X"].region.inner_m((0, 0, 0)) - 1e-9
 
 
 @settings(FAST, max_examples=30)
@@ -355,7 +365,9 @@ def test_along_a_rounded_route_neither_velocity_nor_acceleration_jumps(
     free = np.argwhere(brute_force_distance(grid) >= grid.cell_m).tolist()
     assume(free)
     start, goal = draw_position(data, grid, free), draw_position(data, grid, free)
-    routes = RouteMap(grid, {"goal": PlaceRegion((*goal, -2.0), 0.5, True)}, WIDE, grid.cell_m)
+    routes = RouteMap(
+        grid, {"goal": PlaceRegion((*goal, -2.0), Disc(0.5), True)}, WIDE, grid.cell_m
+    )
     route = routes.route((*start, -1.0), "goal")
     assume(route is not None)
     assert route is not None

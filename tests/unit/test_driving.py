@@ -112,7 +112,9 @@ class Line(Notes):
     def load(self, path: Path) -> Mission:
         raise AssertionError("nothing is uploaded")
 
-    def prepare(self, mission: Mission, speed_max_mps: float) -> Polled:
+    def prepare(
+        self, mission: Mission, speed_max_mps: float, ground_amsl_m: float | None
+    ) -> Polled:
         return Polled(mission, speed_max_mps)
 
     def begin_run(self, mission: Mission) -> Recorder:

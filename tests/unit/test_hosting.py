@@ -82,7 +82,7 @@ class Hosted(Notes):
         taken, self.upload = self.upload, None
         return taken
 
-    def prepare(self, mission: Mission, speed_max_mps: float) -> Any:
+    def prepare(self, mission: Mission, speed_max_mps: float, ground_amsl_m: float | None) -> Any:
         self.prepared.append((str(mission.task["task"]), speed_max_mps))
         return self.preparation or Polled(mission, speed_max_mps, self._polls)
 

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from companion.drawn_maps import MapEntry, drawn_map
 from companion.errors import MissionError
-from companion.maps import MAX_CELLS, map_of_boxes, read_map
+from companion.maps import MAX_CELLS, read_map
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -125,8 +126,9 @@ def test_a_huge_image_is_refused_before_it_is_decoded(tmp_path: Path) -> None:
     with pytest.raises(MissionError, match=r"map.yaml:\d+:\d+: the map has 2001 x 2000 cells"):
         read_map(path)
     with pytest.raises(MissionError, match="the map has 2001 x 2000 cells"):
-        map_of_boxes((0.0, 200.1), (0.0, 200.0), 0.1)
-    assert map_of_boxes((0.0, 200.0), (0.0, 200.0), 0.1).occupied.size == MAX_CELLS
+        drawn_map(MapEntry(east_m=(0.0, 200.1), north_m=(0.0, 200.0)), ())
+    whole = MapEntry(east_m=(0.0, 200.0), north_m=(0.0, 200.0))
+    assert drawn_map(whole, ()).occupied.size == MAX_CELLS
 
 
 @pytest.mark.parametrize("pixels", [b"P5\n4 4\n255\n\0", b"P5\n1 1\n65535\n\0\0", b"\x89PNG\r\n"])

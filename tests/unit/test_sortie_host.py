@@ -27,20 +27,21 @@ def host() -> SortieHost:
 def test_a_mission_is_prepared_in_another_thread(
     host: SortieHost, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(PREPARE, lambda *asked, engine: ((*asked, engine), threading.get_ident()))
+    monkeypatch.setattr(PREPARE, lambda *asked, **how: (asked, how, threading.get_ident()))
     flown = mission("F at(A)")
-    asked, thread = host.prepare(flown, 2.0).result()
-    assert asked == (flown, 2.0, ENGINE) and thread != threading.get_ident()
+    asked, how, thread = host.prepare(flown, 2.0, 488.0).result()
+    assert asked == (flown, 2.0) and how == {"engine": ENGINE, "ground_amsl_m": 488.0}
+    assert thread != threading.get_ident()
 
 
 def test_what_is_wrong_is_raised_where_the_result_is_asked_for(
     host: SortieHost, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def fails(*_: Any, engine: Any) -> Any:
+    def fails(*_: Any, **__: Any) -> Any:
         raise CompanionError("no such action")
 
     monkeypatch.setattr(PREPARE, fails)
-    prepared = host.prepare(mission("F at(A)"), 2.0)
+    prepared = host.prepare(mission("F at(A)"), 2.0, None)
     with pytest.raises(CompanionError, match="no such action"):
         prepared.result()
     assert prepared.done()
@@ -52,12 +53,12 @@ def test_the_end_waits_for_no_preparation(
     """Neither the host's nor the program's: a thread that is no daemon would hold that up."""
     may_end, threads = threading.Event(), []
 
-    def takes_long(*_: Any, engine: Any) -> None:
+    def takes_long(*_: Any, **__: Any) -> None:
         threads.append(threading.current_thread())
         may_end.wait()
 
     monkeypatch.setattr(PREPARE, takes_long)
-    prepared = host.prepare(mission("F at(A)"), 2.0)
+    prepared = host.prepare(mission("F at(A)"), 2.0, None)
     host.close()
     assert not prepared.done()
     may_end.set()

@@ -127,7 +127,7 @@ class MoveCommand(Leaf):
 
     def _knows_ways(self, start: Ned) -> bool:
         """Whether a route from there takes no search any more; else does a tick's part of it."""
-        is_known = self._flight.routes.search(start[:2], self._place, CELLS_PER_TICK)
+        is_known = self._flight.routes.search(start, self._place, CELLS_PER_TICK)
         self._is_searching = not is_known
         return is_known
 
@@ -229,7 +229,7 @@ class MoveCommand(Leaf):
     def _is_there(self, gap_m: float, state: VehicleState) -> bool:
         """Whether the vehicle is at the place, as well as its position can tell, and slow."""
         wander_m = ARRIVAL_SIGMAS * state.accuracy_m
-        near_m = max(ARRIVAL_M, min(wander_m, self._flight.symbols.radius_m(self._place)))
+        near_m = max(ARRIVAL_M, min(wander_m, self._flight.symbols.inner_m(self._place)))
         return gap_m < near_m and math.hypot(*state.velocity) < ARRIVAL_MPS
 
     def _why_not_there(self, gap_m: float, state: VehicleState) -> str:

@@ -88,7 +88,7 @@ class Patience:
         """Whether no place can be reached from here: the position, or the map, is wrong."""
         state, routes = self._flight.vehicle.state, self._flight.routes
         return state is not None and not any(
-            routes.is_connected(state.position[:2], place) for place in self._planner.mission.places
+            routes.is_connected(state.position, place) for place in self._planner.mission.places
         )
 
     @property

@@ -124,7 +124,7 @@ class Reachability:
         state = self._flight.vehicle.state
         if state is None:
             return frozenset()
-        is_connected, here = self._flight.routes.is_connected, state.position[:2]
+        is_connected, here = self._flight.routes.is_connected, state.position
         places = self._planner.mission.places
         return frozenset(place for place in places if not is_connected(here, place))
 

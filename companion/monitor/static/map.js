@@ -21,10 +21,14 @@ export class MapView {
     this.hall.style.setProperty("--ratio", cols / rows);
     this.corner = [east_m, SVG_Y(north_m + this.height_m)];
     this.layers = Object.fromEntries(
-      ["fence", "places", "cells", "path", "past", "trail", "names", "carrot", "setpoint", "vehicle"]
+      ["fence", "low_walls", "keep_out", "places", "cells", "path", "past", "trail", "names", "carrot", "setpoint", "vehicle"]
         .map((name) => [name, svg("g", { class: name })]));
     this.overlay.replaceChildren(svg("title"), ...Object.values(this.layers));
     this.layers.fence.append(svg("polygon", { points: line(mission.fence) }));
+    this.layers.low_walls.append(
+      ...mission.low_walls.map((wall) => svg("polygon", { points: line(wall) })));
+    this.layers.keep_out.append(
+      ...mission.keep_out.map((zone) => svg("polygon", { points: line(zone) })));
     this.layers.places.append(...mission.places.map(region));
     this.names = mission.places.map(name);
     this.layers.names.append(...this.names);
@@ -127,8 +131,11 @@ export class MapView {
   }
 }
 
-const region = ({ enu: [east, north], radius_m }) =>
-  svg("circle", { cx: east, cy: SVG_Y(north), r: radius_m });
+const region = ({ enu: [east, north], radius_m, corners }) => corners
+  ? svg("polygon", { points: line(corners) })
+  : svg("circle", { cx: east, cy: SVG_Y(north), r: radius_m });
 
-const name = ({ name, enu: [east, north], radius_m }) =>
-  svg("text", { x: east, y: SVG_Y(north + radius_m) }, name);
+const name = ({ name, enu: [east, north], radius_m, corners }) => {
+  const top = corners ? Math.max(...corners.map((corner) => corner[1])) : north + radius_m;
+  return svg("text", { x: east, y: SVG_Y(top) }, name);
+};

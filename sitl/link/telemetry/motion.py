@@ -27,7 +27,7 @@ def attitude_quaternion(v: SimulatedVehicle) -> Fields:
 
 
 def local_position_ned(v: SimulatedVehicle) -> Fields:
-    """LOCAL_POSITION_NED, origin at the simulator's home."""
+    """LOCAL_POSITION_NED about GPS_GLOBAL_ORIGIN."""
     return (v.boot_ms, *v.state.position, *v.state.velocity)
 
 

@@ -16,11 +16,13 @@ from companion.acting.authority import (
     loss_of_link,
     not_at_home,
     not_handed_over,
+    why_left_alone,
 )
 from companion.errors import CompanionError, LinkError
 from companion.flight_events.sortie import Phase
-from companion.mission.model import Place
+from companion.mission.model import Limits, Place
 from companion.motion.position_error import greatest_error_m
+from companion.motion.region import Disc
 from companion.outcomes import Refusal
 from companion.vehicle.port import Mode, Takeover, VehicleState
 
@@ -28,8 +30,9 @@ NOW_S = 10_000.0
 FLYING = on_hold(NOW_S)
 STANDING = replace(FLYING, is_armed=False, is_landed=True)
 ABOUT_TO_FLY = replace(FLYING, is_landed=True)
-HOME = Place("Home", (0.0, 0.0, -2.0), 0.4)
+HOME = Place("Home", (0.0, 0.0, -2.0), Disc(0.4))
 EPSILON = 1e-6
+LIMITS = Limits(2.0, (0.5, 4.0), ())
 
 
 def flight(takeover: Takeover | None = None, is_landed_by_plan: bool = False) -> Any:
@@ -59,6 +62,27 @@ def test_only_what_stands_disarmed_is_given_up_soon(state: VehicleState, bound_s
     assert str(loss) == f"no position from the vehicle for {bound_s:.0f} s"
 
 
+UNKNOWN = "the vehicle's state is not known"
+IN_USE = "the vehicle is armed or flying already; it is left alone"
+
+
+@pytest.mark.parametrize(
+    ("state", "why"),
+    [
+        (STANDING, None),
+        (None, UNKNOWN),
+        (replace(STANDING, stamp_s=NOW_S - 11.0), UNKNOWN),
+        (ABOUT_TO_FLY, IN_USE),
+        (replace(FLYING, is_armed=False), IN_USE),
+        (FLYING, IN_USE),
+    ],
+)
+def test_a_run_begins_with_what_stands_disarmed(
+    state: VehicleState | None, why: str | None
+) -> None:
+    assert reason(why_left_alone(state, NOW_S)) == why
+
+
 def test_a_vehicle_that_was_disarmed_in_the_air_may_still_be_heard() -> None:
     falling = replace(FLYING, is_armed=False, stamp_s=NOW_S - 11.0)
     assert loss_of_link(falling, NOW_S) is None
@@ -78,7 +102,7 @@ def test_home_is_as_wide_as_its_radius_and_what_the_position_may_be_off_by(
     accuracy_m: float,
 ) -> None:
     state = replace(STANDING, accuracy_m=accuracy_m)
-    wide_m = HOME.radius_m + greatest_error_m(accuracy_m)
+    wide_m = HOME.inner_m + greatest_error_m(accuracy_m)
     assert not_at_home(wide_m, state, HOME) is None
     assert reason(not_at_home(wide_m + EPSILON, state, HOME)) == (
         f"the vehicle stands {wide_m:.1f} m from Home, where the mission begins; put it there"
@@ -151,11 +175,28 @@ def test_what_each_phase_may_find(
     ],
 )
 def test_when_control_may_be_taken_back(state: VehicleState | None, why: str | None) -> None:
-    assert reason(not_handed_over(state, NOW_S, False)) == why
-    assert reason(not_handed_over(state, NOW_S, True)) == why
+    assert reason(not_handed_over(state, NOW_S, False, LIMITS)) == why
+    assert reason(not_handed_over(state, NOW_S, True, LIMITS)) == why
 
 
 def test_of_failsafes_only_the_loss_of_our_stream_is_no_obstacle() -> None:
     held = replace(FLYING, is_failsafe=True)
-    assert reason(not_handed_over(held, NOW_S, False)) == "a failsafe of the autopilot is active"
-    assert not_handed_over(held, NOW_S, True) is None
+    assert (
+        reason(not_handed_over(held, NOW_S, False, LIMITS))
+        == "a failsafe of the autopilot is active"
+    )
+    assert not_handed_over(held, NOW_S, True, LIMITS) is None
+
+
+def test_what_a_return_has_carried_far_above_the_mission_is_to_be_brought_down() -> None:
+    """There no setpoint would pass the gate."""
+
+    def why(up_m: float) -> str | None:
+        return reason(
+            not_handed_over(replace(FLYING, position=(0.0, 0.0, -up_m)), NOW_S, True, LIMITS)
+        )
+
+    assert why(4.0 + 1.0) is None
+    assert why(4.0 + 1.0 + EPSILON) == (
+        "the vehicle is 5.0 m up, and the mission stays below 4 m; bring it down first"
+    )

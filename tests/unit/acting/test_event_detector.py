@@ -24,9 +24,11 @@ def event(
     until: str | None = None,
     latch: bool = False,
     for_s: float = 0.0,
+    stale_s: float | None = None,
 ) -> Event:
     condition = parse_condition(until) if until else None
-    return Event(name, parse_condition(when), condition, latch, for_s, frozenset())
+    lines = frozenset[str]()
+    return Event(name, parse_condition(when), condition, latch, for_s, lines, stale_s=stale_s)
 
 
 def changes(watched: Event, readings: Sequence[tuple[float, float]]) -> Changes:
@@ -227,3 +229,54 @@ def test_what_is_foreseen_comes_and_nothing_is_taken_before(
         found = detector.update(now_s, readings)
         assert found == other.update(now_s, readings)
         assert foreseen == ({name for name, _ in found} if readings else set())
+
+
+# -- silence ---------------------------------------------------------------------------------------
+
+
+def at_times(watched: Event, heard: dict[float, float], end_s: float) -> Changes:
+    """When the event changed, of values heard at some times, looked at twenty times a second."""
+    detector = EventDetector({watched.name: watched})
+    found = []
+    for tick in range(round(20 * end_s)):
+        now_s = tick / 20
+        readings = [(LEVEL, heard[now_s])] if now_s in heard else []
+        found += [(now_s, holds) for _, holds in detector.update(now_s, readings)]
+    return found
+
+
+def test_what_is_silent_stays_as_it_was() -> None:
+    """Neither does it fall, nor does the time of a change go on."""
+    watched = event(stale_s=2.0, for_s=1.0)
+    assert at_times(watched, {0.0: 10}, 20.0) == [(1.0, True)]
+    assert at_times(event(stale_s=2.0, for_s=3.0), {0.0: 10}, 20.0) == []
+    falls = {0.0: 10, 5.0: 50, 6.0: 50}
+    assert at_times(watched, falls, 20.0) == [(1.0, True), (6.0, False)]
+
+
+def test_without_a_time_for_it_nothing_falls_silent() -> None:
+    assert at_times(event(for_s=10.0), {0.0: 10}, 20.0) == [(10.0, True)]
+
+
+def test_silence_is_an_event_of_its_own() -> None:
+    """From the beginning on, if nothing is ever heard; over as soon as something is."""
+    silent = event(when="BATTERY_STATUS.battery_remaining is silent", stale_s=2.0)
+    assert at_times(silent, {}, 10.0) == [(2.05, True)]
+    assert at_times(silent, {1.0: 5, 4.0: 5, 5.0: 5}, 6.5) == [(3.05, True), (4.0, False)]
+
+
+def test_silence_of_an_event_is_told_once_and_its_end() -> None:
+    detector = EventDetector({"e": event(stale_s=2.0), "other": event(name="other")})
+    told = []
+    for tick in range(200):
+        now_s = tick / 20
+        detector.update(now_s, [(LEVEL, 5.0)] if now_s in (0.0, 6.0) else [])
+        told += [(now_s, e.name, is_silent) for e, is_silent in detector.silences(now_s)]
+    assert told == [(2.05, "e", True), (6.0, "e", False), (8.05, "e", True)]
+
+
+def test_until_may_be_heard_while_when_is_silent() -> None:
+    watched = event(until="COMMAND.MAV_CMD_USER_1", stale_s=1.0)
+    detector = EventDetector({"e": watched})
+    assert detector.update(0.0, [(LEVEL, 5.0)]) == [("e", True)]
+    assert detector.update(9.0, [(Signal(COMMAND, "", "MAV_CMD_USER_1"), 1.0)]) == [("e", False)]

@@ -23,8 +23,11 @@ from companion.flight_events.sortie import (
     ReturnFailed,
     RunFailed,
 )
+from companion.mission.model import Limits
 from companion.outcomes import Refusal
 from companion.vehicle.port import MODE_KNOWN_S, Goal, Mode, Takeover, VehicleState
+
+LIMITS = Limits(2.0, (0.5, 4.0), ())
 
 
 def patrol(may_yield: bool = True) -> SortieRig:
@@ -147,10 +150,10 @@ def test_it_is_handed_over_only_if_all_is_so() -> None:
         {"is_failsafe": True},
         *({"mode": mode} for mode in Mode if mode is not Mode.LOITER),
     ]
-    assert not_handed_over(good, 10.0, False) is None
-    assert not_handed_over(None, 10.0, False)
+    assert not_handed_over(good, 10.0, False, LIMITS) is None
+    assert not_handed_over(None, 10.0, False, LIMITS)
     for one, other in product(wrong, wrong):
-        assert not_handed_over(replace(good, **(one | other)), 10.0, False)  # type: ignore[arg-type]
+        assert not_handed_over(replace(good, **(one | other)), 10.0, False, LIMITS)  # type: ignore[arg-type]
 
 
 def test_a_failsafe_that_only_no_longer_heard_us_is_no_obstacle() -> None:
@@ -158,10 +161,10 @@ def test_a_failsafe_that_only_no_longer_heard_us_is_no_obstacle() -> None:
         10.0, (0.0, 0.0, -2.0), (0.0, 0.0, 0.0), 0.0, Mode.LOITER, True, False, True, 80, 10.0
     )
     held = replace(held, position_s=10.0)
-    assert not_handed_over(held, 10.0, True) is None
+    assert not_handed_over(held, 10.0, True, LIMITS) is None
     for mode in Mode:
         if mode is not Mode.LOITER:
-            assert not_handed_over(replace(held, mode=mode), 10.0, True)
+            assert not_handed_over(replace(held, mode=mode), 10.0, True, LIMITS)
 
 
 @pytest.mark.parametrize("is_critical", [False, True])

@@ -16,18 +16,22 @@ from companion.flight_events.skills import PlaceReached, SymbolMoved
 from companion.geometry import Ned, distance, horizontal_distance
 from companion.mission.model import Place
 from companion.motion.grid import OccupancyGrid
-from companion.motion.routes import PlaceRegion, RouteMap
+from companion.motion.layered_routes import LayeredRoutes
+from companion.motion.profile import SpeedLimits
+from companion.motion.region import Disc
+from companion.motion.routes import PlaceRegion
 from companion.slices import InSlices
 
 HOME: Ned = (0.0, 0.0, -2.0)
-WIDE = Place("A", (5.0, 0.0, -2.0), 2.0)
+WIDE = Place("A", (5.0, 0.0, -2.0), Disc(2.0))
+LIMITS = SpeedLimits(2.0, 2.0, 8.0)
 FENCE = ((-9.0, -9.0), (-9.0, 9.0), (9.0, 9.0), (9.0, -9.0))
 
 
-def world(*blocked: tuple[float, float]) -> tuple[Symbols, RouteMap]:
+def world(*blocked: tuple[float, float]) -> tuple[Symbols, LayeredRoutes]:
     """20 m by 20 m with 0.4 m boxes, and one wide place."""
-    routes = RouteMap(
-        grid(*blocked), {"A": PlaceRegion(WIDE.position, WIDE.radius_m, False)}, FENCE, 0.6
+    routes = LayeredRoutes(
+        grid(*blocked), {"A": PlaceRegion(WIDE.position, WIDE.region, False)}, FENCE, 0.6, LIMITS
     )
     return Symbols({"A": WIDE}, routes), routes
 
@@ -47,7 +51,7 @@ def grid(*blocked: tuple[float, float]) -> OccupancyGrid:
 
 @given(st.floats(0.31, 20.0))
 def test_samples_lie_in_the_region_and_apart(radius_m: float) -> None:
-    place = Place("A", WIDE.position, radius_m)
+    place = Place("A", WIDE.position, Disc(radius_m))
     samples = list(around(place, Value(place.position, "", 0.0)))
     away = [horizontal_distance(sample, place.position) for sample in samples]
     assert len(samples) == SAMPLES
@@ -69,8 +73,8 @@ def test_an_obstacle_in_the_place_moves_its_waypoint_within_the_region() -> None
     assert grounded(symbols, 3.0)
     value = symbols["A"]
     assert (value.source, value.stamp_s) == ("samples of the region", 3.0)
-    assert horizontal_distance(value.position, WIDE.position) <= WIDE.radius_m - INSIDE_M
-    assert routes.is_free(value.position[:2])
+    assert horizontal_distance(value.position, WIDE.position) <= WIDE.inner_m - INSIDE_M
+    assert routes.is_free(value.position)
     route = routes.route(HOME, "A")
     assert route is not None and tuple(route.waypoints[-1]) == value.position
 
@@ -95,14 +99,16 @@ def test_a_region_without_a_free_waypoint_cannot_be_grounded_and_stays() -> None
     before = symbols["A"]
     assert not grounded(symbols, 1.0)
     assert symbols["A"] is before
-    assert routes.distance_m(HOME[:2], "A") == math.inf
+    assert routes.distance_m(HOME, "A") == math.inf
 
 
 def test_a_waypoint_beyond_a_wall_is_not_taken() -> None:
     """Free, but no way leads there: the test of reachability refuses what the other one lets by."""
     wall = [(7.0, e / 5) for e in range(-50, 50)]
-    place = Place("A", (7.0, 0.0, -2.0), 2.5)
-    routes = RouteMap(grid(*wall), {"A": PlaceRegion(place.position, 2.5, False)}, FENCE, 0.6)
+    place = Place("A", (7.0, 0.0, -2.0), Disc(2.5))
+    routes = LayeredRoutes(
+        grid(*wall), {"A": PlaceRegion(place.position, place.region, False)}, FENCE, 0.6, LIMITS
+    )
     symbols = Symbols({"A": place}, routes)
     assert grounded(symbols, 1.0)
     assert symbols["A"].position[0] < 7.0
@@ -161,7 +167,7 @@ def test_a_try_that_fails_is_followed_by_another_waypoint() -> None:
     rig.run_until(PlaceReached, place="A")
     assert rig.vehicle.state is not None
     gap_m = horizontal_distance(rig.vehicle.state.position, POSITIONS["A"])
-    assert 0.0 < gap_m <= rig.mission.places["A"].radius_m
+    assert 0.0 < gap_m <= rig.mission.places["A"].inner_m
     assert rig.executive.replans == 0
 
 
@@ -169,6 +175,6 @@ def test_a_try_that_fails_is_followed_by_another_waypoint() -> None:
 def test_the_planner_s_costs_follow_the_waypoint(name: str) -> None:
     rig = Rig(mission("F at(A) & F at(B)"))
     far: Ned = (*(c + 0.75 for c in POSITIONS[name][:2]), -2.0)  # type: ignore[assignment]
-    before = rig.flight.routes.distance_m((0.0, 0.0), name)
+    before = rig.flight.routes.distance_m((0.0, 0.0, -2.0), name)
     rig.flight.routes.aim(name, far)
-    assert rig.flight.routes.distance_m((0.0, 0.0), name) > before
+    assert rig.flight.routes.distance_m((0.0, 0.0, -2.0), name) > before

@@ -111,7 +111,7 @@ def test_by_default_the_world_is_that_of_the_mission(mission: Mission) -> None:
 def test_a_scenario_beside_the_mission_is_taken(surveillance: Mission) -> None:
     scenario, grid = world_of(surveillance)
     assert scenario.wind != (0.0, 0.0, 0.0)
-    assert scenario.map_path is not None
+    assert scenario.map is not None
     assert grid is not surveillance.grid
 
 

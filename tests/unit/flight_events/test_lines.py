@@ -28,6 +28,7 @@ from companion.flight_events.plans import (
 from companion.flight_events.reading import read_line
 from companion.flight_events.skills import PlaceReached, SkillFailed
 from companion.flight_events.sortie import (
+    AutopilotSaid,
     BatteryCharged,
     GoalFailed,
     Phase,
@@ -88,6 +89,7 @@ def test_keys_stand_in_the_order_of_the_fields() -> None:
         SkillFailed("upload(r1)", "denied: it failed: why"),
         PhaseEntered(Phase.TAKE_OFF),
         BatteryCharged(90),
+        AutopilotSaid("Low battery"),
         GoalFailed("not armed: denied"),
         TaskSatisfied(),
         RunFailed("task satisfied, landed", exit_code=3),

@@ -43,6 +43,12 @@ from companion.flight_events.plans import (
     PlanReplaced,
     WrittenTreeAdopted,
 )
+from companion.flight_events.reports import (
+    ReportRefused,
+    ReportUnknown,
+    SignalHeard,
+    SignalSilent,
+)
 from companion.flight_events.skills import (
     ClearanceChanged,
     OutcomeUnknown,
@@ -55,6 +61,7 @@ from companion.flight_events.skills import (
     WrittenTreeFailed,
 )
 from companion.flight_events.sortie import (
+    AutopilotSaid,
     BatteryCharged,
     ControlRegained,
     ControlTakenBack,
@@ -62,9 +69,13 @@ from companion.flight_events.sortie import (
     EndedAtLimit,
     FlightFoundAgain,
     FlightLimitReached,
+    FrameDoubted,
+    FrameLocated,
+    FrameTrusted,
     GoalFailed,
     LinkBack,
     LinkSilent,
+    OriginMoved,
     Phase,
     PhaseEntered,
     ReturnBegun,
@@ -175,6 +186,17 @@ TEXTS: list[tuple[FlightEvent, str]] = [
         "the companion was away for 12.5 s, while flying the task; "
         "hold, then continue, gives it back",
     ),
+    (
+        FrameLocated("Home", 47.41, 8.53, 1984.94, 488.0, 0.005),
+        "Home is 1984.94 m from the origin 47.41, 8.53 of the autopilot, and 488.0 m above the "
+        "sea; its positions agree to 0.005 m",
+    ),
+    (
+        OriginMoved(2581.09),
+        "the autopilot's origin has moved by 2581.09 m; flying on in its new frame",
+    ),
+    (FrameTrusted(), "the position is certain again; going on"),
+    (FrameDoubted("two positions"), "waiting: two positions"),
     (StopRequested(), "stopping as asked"),
     (FlightLimitReached("3 laps"), "3 laps flown: returning"),
     (ReturnBegun("Home"), "returning to Home"),
@@ -182,6 +204,7 @@ TEXTS: list[tuple[FlightEvent, str]] = [
     (VehicleLanded(), "landed on the way"),
     (VehicleAirborne(), "in the air again"),
     (BatteryCharged(90), "charged to 90 %"),
+    (AutopilotSaid("Low battery"), "the autopilot says: Low battery"),
     (GoalFailed("not armed: denied"), "not armed: denied"),
     (SetpointRefused("outside the fence"), "setpoint refused, holding: outside the fence"),
     (VehicleCrashed("the vehicle fell"), "the vehicle fell"),
@@ -197,6 +220,19 @@ TEXTS: list[tuple[FlightEvent, str]] = [
         "serial:///dev/ttyTHS1:921600 is not there, and is tried again each second: no such file",
     ),
     (PortRestored("tcpout://10.0.0.1:5760"), "tcpout://10.0.0.1:5760 is there again"),
+    (
+        SignalSilent("personSeen", "EVENT[persons]"),
+        "personSeen is not known any more: EVENT[persons] is silent",
+    ),
+    (
+        SignalHeard("personSeen", "EVENT[persons]"),
+        "personSeen is known again: EVENT[persons] is heard",
+    ),
+    (ReportRefused("no JSON: x", 3), "reports refused: 3; the last one: no JSON: x"),
+    (
+        ReportUnknown("dogs", "persons"),
+        "dogs is reported, which the mission does not ask for; it asks for persons",
+    ),
     (
         RecordingFailed("No space left on device"),
         "the run folder cannot be written, the flight goes on: No space left on device",

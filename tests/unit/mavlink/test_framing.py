@@ -8,7 +8,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.mavlink.framing import MavlinkCodec, choose, dialect, source, split_frames
+from companion.mavlink.framing import (
+    MavlinkCodec,
+    choose,
+    dialect,
+    is_intact,
+    message_id,
+    source,
+    split_frames,
+)
 
 STUBS = [b"", b"\xfd", b"\xfd\xff\x00", b"\xfe\xff", b"\xfd" + bytes(9), b"hello"]
 
@@ -94,6 +102,15 @@ def test_extensions_that_are_left_out_are_what_pymavlink_makes_of_them() -> None
     assert extended > 50
 
 
+@given(st.integers(0, 2**24 - 1))
+def test_a_message_s_id_has_three_bytes_the_lowest_first(number: int) -> None:
+    """https://mavlink.io/en/guide/serialization.html, also beyond the dialect's ids."""
+    kind = type("Far", (dialect.MAVLink_ping_message,), {"id": number})
+    packed = MavlinkCodec(1, 191).frame(kind, (0, 7, 0, 0))
+    assert packed[7:10] == number.to_bytes(3, "little")
+    assert message_id(packed) == number
+
+
 def test_hearing_does_not_disturb_speaking() -> None:
     both = MavlinkCodec(1, 1)
     both.pack(value(0))
@@ -144,6 +161,21 @@ def test_no_bytes_raise_and_the_next_datagram_is_heard(junk: list[bytes]) -> Non
     assert values(ear.parse(frame(5))) == [5]
 
 
+@pytest.mark.parametrize("kind", FRAMES)
+def test_a_frame_is_intact_if_no_byte_is_changed(kind: str) -> None:
+    whole = FRAMES[kind](5)
+    checked = 2 + whole[1] + (10 if kind == "MAVLink 1" else 14) - 4
+    assert is_intact(whole) is True
+    for at in range(2, checked):
+        assert is_intact(whole[:at] + bytes([whole[at] ^ 0x81]) + whole[at + 1 :]) is False, at
+
+
+def test_of_an_unknown_message_no_frame_is_intact() -> None:
+    unknown = dialect.MAVLink_message(54321, "NEW")
+    packed = bytes(unknown._pack(dialect.MAVLink(None, 1, 1), 0, b"payload"))
+    assert is_intact(packed) is False
+
+
 # -- incompatibility flags -------------------------------------------------------------------------
 
 
@@ -192,6 +224,19 @@ def test_a_datagram_is_split_into_the_frames_that_it_was_made_of(
     assert split_frames(datagram) == frames
 
 
+@pytest.mark.parametrize("kind", FRAMES)
+def test_a_frame_ends_where_its_header_says(kind: str) -> None:
+    whole = FRAMES[kind](5)
+    for more in range(20):
+        assert split_frames(whole + bytes(more)) == [whole]
+
+
+def test_the_shortest_frame_is_one_of_mavlink_1_without_payload() -> None:
+    shortest = b"\xfe\x00\x00\x01\x01\x00\x00\x00"
+    assert split_frames(shortest) == [shortest]
+    assert split_frames(frame(1) + shortest) == [frame(1), shortest]
+
+
 @given(st.binary(max_size=600))
 def test_the_frames_of_any_bytes_lie_in_them_in_order(datagram: bytes) -> None:
     at = 0
@@ -230,3 +275,21 @@ def test_of_what_comes_often_only_the_newest_of_each_sender_is_chosen() -> None:
         spoilt = spoilt[:10] + bytes([spoilt[10] ^ 1]) + spoilt[11:]
         assert choose([third, spoilt], both, often) == [third]  # newest, but damaged
     assert choose([old_frame(1), old_frame(2)], both, often) == [old_frame(1), old_frame(2)]
+
+
+@pytest.mark.parametrize("first", [0, 100, 200])
+def test_newer_is_what_is_less_than_half_the_sequence_numbers_ahead(first: int) -> None:
+    """Serial number arithmetic, RFC 1982."""
+    known = {dialect.MAVLINK_MSG_ID_NAMED_VALUE_INT}
+    one = MavlinkCodec(1, 26)
+    sent = [one.pack(value(number)) for number in range(512)]
+    for ahead in range(1, 256):
+        pair = [sent[first], sent[first + ahead]]
+        assert choose(pair, known, known) == [pair[ahead < 128]], ahead
+
+
+def test_of_mavlink_1_all_frames_are_chosen() -> None:
+    """Their messages' ids stand elsewhere, and two of one sender may begin alike."""
+    known = {dialect.MAVLINK_MSG_ID_NAMED_VALUE_INT}
+    frames = [old_frame(7), old_frame(7)]
+    assert choose(frames, known, known) == frames

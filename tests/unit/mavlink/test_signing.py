@@ -7,6 +7,7 @@ have the key.
 from __future__ import annotations
 
 from collections.abc import Callable
+from datetime import UTC, datetime, timedelta
 from random import Random
 from typing import Any
 
@@ -20,6 +21,7 @@ from companion.mavlink.signing import (
     BEHIND,
     EPOCH_UNIX_S,
     HARMLESS,
+    KEPT_EVERY,
     KEPT_EVERY_S,
     LATEST,
     REQUESTS,
@@ -103,6 +105,33 @@ def test_our_time_stamps_increase_strictly_and_follow_the_clock() -> None:
     second = UNITS_PER_S
     assert [s for s in stamps if s > second][:6] == [second + i for i in range(1, 7)]
     assert stamps[-3:] == [2 * second + 1, 2 * second + 2, 2 * second + 3]
+
+
+@pytest.mark.parametrize("year", [2015, 2026, 2058])
+def test_a_time_stamp_counts_10_us_since_2015(year: int) -> None:
+    """https://mavlink.io/en/guide/message_signing.html, "timestamp"."""
+    now = datetime(year, 3, 4, 5, 6, 7, tzinfo=UTC)
+    since = now - datetime(2015, 1, 1, tzinfo=UTC)
+    (sent,) = signing(start_unix_s=now.timestamp()).send(0.0, [start()])
+    assert stamp_of(sent) == since / timedelta(microseconds=10) + 1
+
+
+def test_before_2015_time_stamps_begin_at_the_epoch_and_are_kept() -> None:
+    """As on a machine whose clock was never set."""
+    kept: list[Stamps] = []
+    (sent,) = signing(start_unix_s=0.0, keep=kept.append).send(0.0, [start()])
+    assert stamp_of(sent) == 1
+    assert kept == [{(255, 190, 0): 1}]
+
+
+def test_without_a_word_of_it_a_frame_leaves_on_link_0() -> None:
+    (sent,) = signing().send(0.0, [start()])
+    assert [sent] == signing().send(0.0, [start_of(sent)], 0)
+
+
+def start_of(signed: bytes) -> bytes:
+    """The command as it was before it was signed."""
+    return signed[:2] + b"\0" + signed[3:-15] + unflagged(signed)
 
 
 def test_what_is_signed_already_stays_as_it_is() -> None:
@@ -258,6 +287,43 @@ def test_a_clock_that_is_not_known_goes_on_where_it_was() -> None:
     assert again.receive(0.0, signing(start_unix_s=NOW_S - 61.0).send(0.0, [heartbeat()])) == []
 
 
+def test_a_stream_that_is_new_may_be_a_minute_behind_and_not_10_us_more() -> None:
+    """Behind the clock as it is then, not as it was at the start."""
+    for now_s in (0.0, 100.0):
+        for late, accepted in ((0, True), (1, False)):
+            ours = signing()
+            (sent,) = at(NOW + int(now_s) * UNITS_PER_S - 60 * UNITS_PER_S - late)
+            assert ours.receive(now_s, [sent]) == [sent] * accepted
+
+
+def at(stamp: int, codec: MavlinkCodec = STATION) -> list[bytes]:
+    """A command that is signed with a time stamp."""
+    elsewhere = {(9, 9, 9): stamp - 1 - KEPT_EVERY}
+    sent = signing(start_unix_s=0.0, heard=elsewhere).send(0.0, [start(codec)])
+    assert stamp_of(sent[0]) == stamp
+    return sent
+
+
+def test_time_stamps_are_kept_every_two_seconds() -> None:
+    """As often as a restart makes up for, and not oftener: a disk is written for each."""
+    kept: list[Stamps] = []
+    ours = signing(keep=kept.append)
+    for second in range(9):
+        ours.send(float(second), [start()])
+    assert [stamps[255, 190, 0] - NOW - 1 for stamps in kept] == [
+        second * UNITS_PER_S for second in (0, 2, 4, 6, 8)
+    ]
+
+
+def test_after_a_restart_of_two_seconds_a_peer_is_heard_at_once() -> None:
+    kept: list[Stamps] = []
+    station = signing()
+    signing(keep=kept.append).receive(0.0, station.send(0.0, [start()]))
+    fresh = station.send(2.001, [start()])
+    again = signing(start_unix_s=NOW_S + 2.001, heard=kept[-1])
+    assert again.receive(0.0, fresh) == fresh
+
+
 def test_ours_follows_the_time_stamps_that_are_accepted() -> None:
     ahead = signing(start_unix_s=NOW_S + 3600.0)
     ours = signing()
@@ -274,6 +340,9 @@ def test_the_end_of_the_range_is_not_taken_over() -> None:
     assert ours.receive(0.0, signing(start_unix_s=late_s).send(0.0, [heartbeat()])) == []
     (sent,) = ours.send(0.0, [start()])
     assert stamp_of(sent) == NOW + 1
+    assert ours.receive(0.0, at(LATEST)) == []
+    last = at(LATEST - 1)
+    assert ours.receive(0.0, last) == last
 
 
 def test_the_table_of_streams_is_bounded() -> None:
@@ -289,6 +358,19 @@ def test_the_table_of_streams_is_bounded() -> None:
     fresh = peer.send(late_s, [start(MavlinkCodec(9, 1))])
     assert ours.receive(late_s, fresh) == fresh  # in place of one that is old
     assert ours.receive(late_s, fresh) == []
+
+
+def test_a_stream_is_forgotten_when_none_of_its_frames_would_be_taken_for_new() -> None:
+    """A minute old it could still be replayed; 10 us later it could not."""
+    ours = signing()
+    oldest, *others = [at(NOW + i, MavlinkCodec(1 + i // 128, i % 128)) for i in range(STREAMS)]
+    for sent in (oldest, *others):
+        assert ours.receive(0.0, sent) == sent
+    for more, is_forgotten in ((0, False), (1, True)):
+        now_s = (60 * UNITS_PER_S + more + 0.5) / UNITS_PER_S
+        fresh = at(NOW + 60 * UNITS_PER_S, MavlinkCodec(9, 1))
+        assert ours.receive(now_s, fresh) == fresh * is_forgotten
+        assert ours.receive(now_s, oldest) == []
 
 
 # -- unsigned ------------------------------------------------------------------------------------
@@ -344,9 +426,25 @@ def test_what_was_refused_is_told_when_it_has_doubled() -> None:
     for _ in range(9):
         ours.receive(0.0, [start()])
         told.append(ours.news())
+    assert ours.refused == Refused(unsigned=9, forged=0, old=0)
     counts = [None if refused is None else refused.unsigned for refused in told]
     assert counts == [1, 2, None, 4, None, None, None, 8, None]
     assert str(Refused(1, 2, 3)) == "1 unsigned, 2 with another key, 3 too old"
+
+
+def test_each_refused_frame_counts_once_by_its_reason() -> None:
+    """A sequence number of MAVLink 1 stands where MAVLink 2 has its flags."""
+    ours, sent = signing(), signing().send(0.0, [start()])
+    old = v1()
+    for unsigned in range(1, 5):
+        beat = dialect.MAVLink_heartbeat_message(2, 12, 0, 0, 3, 3)
+        assert ours.receive(0.0, [bytes(beat.pack(old, True))]) == []
+        old.seq += 1
+        assert ours.refused == Refused(unsigned, 0, 0)
+    assert ours.receive(0.0, sent) == sent
+    for number in range(1, 4):
+        assert ours.receive(0.0, [*sent, *ATTACKS["another key"](sent)[:1]]) == []
+        assert ours.refused == Refused(4, number, number)
 
 
 def test_a_key_is_not_printed() -> None:
@@ -358,6 +456,12 @@ def test_a_key_is_not_printed() -> None:
 def test_a_passphrase_makes_qgroundcontrol_s_key() -> None:
     """SHA-256 of "abc": FIPS 180-2, B.1."""
     assert SigningKey.from_passphrase("abc").secret.hex().startswith("ba7816bf8f01cfea414140de5dae")
+
+
+def test_64_hexadecimal_digits_are_a_key() -> None:
+    assert SigningKey.from_hex(KEY.secret.hex()).secret == KEY.secret
+    with pytest.raises(CompanionError, match="is 64 hexadecimal digits"):
+        SigningKey.from_hex("zz" * 32)
 
 
 @pytest.mark.parametrize("text", ["", "00" * 31, "00" * 33, "zz" * 32, "ü"])

@@ -55,6 +55,8 @@ def test_condition(text: str, condition: Condition) -> None:
         ("VFR_HUD.alt §> nan", "not a condition", "NUMBER"),
         ("VFR_HUD.alt > 1 §& 2", "not a condition", "NUMBER"),
         ("§", "not a condition", "NUMBER"),
+        ("§EVENT[two words] > 0", "not a condition", "EVENT[name] > NUMBER"),
+        ("COMMAND.MAV_CMD_USER_1 §is silent", "a command is silent but for a moment", "remove it"),
     ],
 )
 def test_wrong_condition(text: str, what: str, hint: str) -> None:

@@ -44,8 +44,8 @@ SPOILT: list[tuple[str, str, str, str]] = [
     ("name: patrol", "name: §7", "name is 7, expected a text", "Letters"),
     ("name: patrol", "name: §a/b", "name is 'a/b'", "Letters"),
     ("name: patrol\n", "", "the key name is missing", "Letters"),
-    ("frame: enu", "frame: §ned", "frame is 'ned', expected enu", "Only enu"),
-    ("frame: enu", "frame: §nu", "frame is 'nu', expected enu", "Did you mean enu?"),
+    ("frame: enu", "frame: §ned", "frame is 'ned', expected enu or wgs84", "metres east"),
+    ("frame: enu", "frame: §nu", "frame is 'nu', expected enu or wgs84", "Did you mean enu?"),
     ("places:", "§palces:", "unknown key 'palces'", "Did you mean places?"),
     ("speed_mps: 2.0", "speed_mps: §fast", "speed_mps is 'fast', expected a number", "m/s"),
     ("speed_mps: 2.0", "speed_mps: §'2.0'", "speed_mps is '2.0', expected a number", "m/s"),
@@ -217,7 +217,7 @@ def test_good_mission_means_what_it_says(load: Load, good: str, room: Path) -> N
     assert mission.text == good
     assert mission.path == str(room / "mission.yaml")
     assert mission.places["A"].position == (7.0, 5.0, -1.5)
-    assert (mission.places["A"].radius_m, mission.places["no"].radius_m) == (0.6, 0.4)
+    assert (mission.places["A"].inner_m, mission.places["no"].inner_m) == (0.6, 0.4)
     assert mission.limits.fence == ((0, 0), (0, 10), (8.5, 10), (8.5, 0))
     assert mission.sets == {"Place": ("Home", "A", "no"), "Site": ("A", "no")}
     assert mission.grid.occupied.shape == (20, 20)

@@ -31,6 +31,7 @@ from companion.monitor.page_events import (
     DerivedEvent,
     WayPlanned,
 )
+from companion.monitor.scene import read_scene
 from companion.record.run_folder import RunFolder
 
 MISSIONS = Path(__file__).parents[3] / "missions"
@@ -210,6 +211,18 @@ def test_the_scene_is_as_documented(surveillance_run: Path, surveillance: Missio
     assert math.isclose(scene["start_unix_s"], 1_700_000_000.0)
 
 
+def test_a_scene_that_was_written_before_zones_and_low_walls_is_read(
+    surveillance_run: Path, tmp_path: Path
+) -> None:
+    scene = json.loads((surveillance_run / "scene.json").read_bytes())
+    for key in ("keep_out", "low_walls", "speed_limits", "clearance_m"):
+        del scene[key]
+    del scene["map"]["open"]
+    (tmp_path / "scene.json").write_text(json.dumps(scene), encoding="utf-8")
+    assert read_scene(tmp_path).keep_out == ()
+    assert not read_scene(tmp_path).grid.is_open
+
+
 @pytest.mark.parametrize(
     "change",
     [
@@ -223,6 +236,9 @@ def test_the_scene_is_as_documented(surveillance_run: Path, surveillance: Missio
         lambda scene: scene.update(start_unix_s="now"),
         lambda scene: scene.update(fence=[[1]]),
         lambda scene: scene.update(places=7),
+        lambda scene: scene.update(keep_out=[1]),
+        lambda scene: scene.update(low_walls=[1]),
+        lambda scene: scene.update(speed_limits=7),
     ],
 )
 def test_a_damaged_scene_is_refused(surveillance_run: Path, tmp_path: Path, change: Any) -> None:

@@ -19,6 +19,7 @@ from companion.motion.cost_to_go import (
 )
 from companion.motion.grid_graph import Cell, edges_entering, grid_graph, overlap, union
 from companion.motion.line_of_sight import LineOfSight
+from tests.discs import disc
 
 
 def on_map(free: npt.NDArray[np.bool_], goal: Cell) -> CostToGo:
@@ -76,7 +77,7 @@ def test_no_edge_cuts_the_corner_of_a_cell_that_is_not_free() -> None:
 
 def test_a_region_without_the_edges_into_it_can_be_left_only() -> None:
     free = np.ones((9, 20), dtype=np.bool_)
-    graph = grid_graph(free).without(edges_entering(free.shape, np.array([4.5, 10.5]), 3.0))
+    graph = grid_graph(free).without(edges_entering(free.shape, disc((4.5, 10.5), 3.0)))
     out = cost_to_go(graph, (4, 0))
     assert out.cost[4, 10] == pytest.approx(10.0)  # from the middle straight on to the goal
     assert out.cost[4, 19] > 19.0  # from beyond it around
@@ -87,14 +88,14 @@ def test_a_region_without_the_edges_into_it_can_be_left_only() -> None:
 
 def test_a_region_beside_the_map_is_entered_by_no_edge() -> None:
     for centre in ([-50.0, 1.0], [1.0, 50.0]):
-        assert not edges_entering((3, 3), np.array(centre), 2.0).incoming.any()
+        assert not edges_entering((3, 3), disc(centre, 2.0)).incoming.any()
 
 
 def test_edges_are_seen_alike_from_both_ends() -> None:
     """Also those that enter one region alone: outgoing at a cell is incoming at another one."""
     shape = (12, 15)
     discs = [(np.array([4.0, 5.0]), 2.5), (np.array([7.5, 7.5]), 3.0)]
-    entering = union((edges_entering(shape, *disc) for disc in discs), shape)
+    entering = union((edges_entering(shape, disc(*each)) for each in discs), shape)
     free = np.random.default_rng(0).random(shape) < 0.9
     graph, cells = grid_graph(free).without(entering), np.arange(free.size)
     (ends, there), (starts, back) = graph.successors(cells), graph.predecessors(cells)
@@ -121,7 +122,7 @@ def test_edges_into_several_regions_are_their_overlap() -> None:
     """What is barred to the paths to a place: the edges into all other regions."""
     shape = (20, 20)
     discs = [((8.0, 8.0), 4.0), ((8.0, 12.0), 4.0), ((11.0, 10.0), 3.5), ((3.0, 17.0), 2.0)]
-    entering = [edges_entering(shape, np.array(centre), radius) for centre, radius in discs]
+    entering = [edges_entering(shape, disc(centre, radius)) for centre, radius in discs]
     every, several = union(entering, shape), overlap(entering, shape)
     assert several.outgoing.any()
     for own in entering:

@@ -16,6 +16,7 @@ import pytest
 
 from companion.geometry import NorthEast, ned_from_enu
 from companion.maps import read_map
+from companion.motion.region import Disc
 from companion.motion.routes import PlaceRegion, RouteMap
 
 HALL = Path(__file__).resolve().parents[3] / "missions" / "maps" / "hall.yaml"
@@ -33,7 +34,8 @@ RADIUS_M = 0.6
 MARGIN_M = 1.5
 FENCE: list[NorthEast] = [(-1.8, -1.8), (-1.8, 21.8), (13.8, 21.8), (13.8, -1.8)]
 REGIONS = {
-    name: PlaceRegion(ned_from_enu(*place, 1.5), RADIUS_M, True) for name, place in PLACES.items()
+    name: PlaceRegion(ned_from_enu(*place, 1.5), Disc(RADIUS_M), True)
+    for name, place in PLACES.items()
 }
 
 

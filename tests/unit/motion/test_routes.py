@@ -11,6 +11,7 @@ from companion.geometry import NorthEast, is_in_polygon
 from companion.motion.clearance_level import ClearanceLevel
 from companion.motion.grid import OccupancyGrid, cells_inside
 from companion.motion.path import Path
+from companion.motion.region import Disc
 from companion.motion.routes import PlaceRegion, Route, RouteMap
 
 WIDE: list[NorthEast] = [(-9, -9), (-9, 99), (99, 99), (99, -9)]
@@ -25,7 +26,7 @@ def grid_of(*rows: str, cell_m: float = 1.0) -> OccupancyGrid:
 def at(
     north_m: float, east_m: float, radius_m: float = 0.4, is_exclusive: bool = True
 ) -> PlaceRegion:
-    return PlaceRegion((north_m, east_m, -2.0), radius_m, is_exclusive)
+    return PlaceRegion((north_m, east_m, -2.0), Disc(radius_m), is_exclusive)
 
 
 def route_of(routes: RouteMap, start: NorthEast, name: str) -> Route:
@@ -132,12 +133,15 @@ def test_a_start_on_the_edge_of_a_free_cell_has_a_route() -> None:
 
 
 def test_the_fence_agrees_with_the_polygon_rule() -> None:
+    """A cell is free if its corners are inside, and no edge crosses it, as one of a notch does."""
     fence: list[NorthEast] = [(0.7, 0.4), (5.3, 2.2), (4.6, 9.1), (2.5, 4.4), (0.2, 8.8)]
     empty = OccupancyGrid(np.zeros((6, 10), dtype=np.bool_), 1.0, (0.0, 0.0))
     routes = RouteMap(empty, {}, fence, 0.0)
+    edges = np.linspace(fence, [*fence[1:], fence[0]], 1000)
     for row, col in np.ndindex(6, 10):
         corners = [(row + r, col + c) for r in (0, 1) for c in (0, 1)]
         expected = all(is_in_polygon(corner, fence) for corner in corners)
+        expected &= not np.any(np.all((edges > (row, col)) & (edges < (row + 1, col + 1)), axis=-1))
         assert routes.is_free((row + 0.5, col + 0.5)) is expected
     assert not routes.is_free((-1.0, 2.0))
 

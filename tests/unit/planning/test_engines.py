@@ -24,7 +24,7 @@ from companion.errors import CompanionError
 from companion.flight_events.skills import PlaceReached
 from companion.mission.model import Mission
 from companion.mission.signals import Signal
-from companion.motion.routes import RouteMap
+from companion.motion.layered_routes import LayeredRoutes
 from companion.planning import engines
 from companion.planning.builtin.search import Search
 from companion.planning.check import fault
@@ -64,7 +64,7 @@ class Asked(NamedTuple):
 
 
 @pytest.fixture(scope="module")
-def phases(surveillance: Mission, surveillance_routes: RouteMap) -> list[Asked]:
+def phases(surveillance: Mission, surveillance_routes: LayeredRoutes) -> list[Asked]:
     """Section V: the start; a target on the way to B; r1 refuses the upload."""
     rig = Rig(surveillance, surveillance_routes)
     replan = rig.planner.replan

@@ -11,6 +11,7 @@ from synthetic import POSITIONS, mission
 from companion.errors import MissionError
 from companion.geometry import Ned
 from companion.mission.model import Place
+from companion.motion.region import Disc
 from companion.planning.flight_times import flight_times, from_table, route_map
 from companion.vehicle_profile import VehicleProfile
 
@@ -27,7 +28,7 @@ def test_only_places_of_the_task_are_not_crossed_by_chance() -> None:
     straight = math.hypot(6.0, 6.0)
     for task, is_in_the_way in (("F at(A)", False), ("F at(A) & G !at(M)", True)):
         asked = mission(task, places="HAC")
-        middle = Place("M", (3.0, 3.0, -2.0), 1.0)
+        middle = Place("M", (3.0, 3.0, -2.0), Disc(1.0))
         routes = route_map(replace(asked, places={**asked.places, "M": middle}))
         route = routes.route(POSITIONS["C"], "A")
         assert route is not None

@@ -8,13 +8,13 @@ import pytest
 
 from companion.errors import MissionError
 from companion.mission.model import Mission
-from companion.motion.routes import RouteMap
+from companion.motion.layered_routes import LayeredRoutes
 from companion.planning.flight_times import flight_times
 from companion.planning.planner import Planner
 
 
 @pytest.fixture
-def planner(surveillance: Mission, surveillance_routes: RouteMap) -> Planner:
+def planner(surveillance: Mission, surveillance_routes: LayeredRoutes) -> Planner:
     return Planner(surveillance, flight_times(surveillance, surveillance_routes))
 
 

@@ -66,7 +66,7 @@ def test_a_step_of_charge_moves_the_voltage_and_is_no_consumption() -> None:
     assert physics.battery().consumed_mah == pytest.approx(consumed, abs=1e-3)
 
 
-@pytest.mark.parametrize("charging_a", [2.0, 10.0])
+@pytest.mark.parametrize("charging_a", [pytest.param(2.0, marks=pytest.mark.long), 10.0])
 def test_a_charger_first_holds_the_current_then_the_voltage(charging_a: float) -> None:
     physics = Physics(origin=SEA, charge=0.85)
     physics.charging_a = charging_a

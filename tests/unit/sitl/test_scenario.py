@@ -69,7 +69,7 @@ def test_every_key_is_read_into_local_ned() -> None:
             (PayloadSite((4.0, 9.0), 1.0, PayloadAnswer(MavResult.FAILED, 2.0)),),
             MavResult.ACCEPTED,
         ),
-        map_path=Path("missions/maps/hall.yaml"),
+        map=Path("missions/maps/hall.yaml"),
     )
 
 

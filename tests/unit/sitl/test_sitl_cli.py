@@ -11,7 +11,7 @@ from companion.errors import LinkError
 from companion.mavlink.intake import LONGEST, SENDER_FRAMES, STRANGERS_FRAMES
 from sitl.cli import default_home, main, parse_home
 from sitl.link.routing import LinkName
-from sitl.link.server import PORTS, Server
+from sitl.link.server import LOCAL_PORTS, Server
 from sitl.world.scenario import PX4_HOME
 
 
@@ -55,7 +55,7 @@ def test_the_server_answers_whoever_speaks_and_ignores_deaf_peers(instance: int)
         server.send([(LinkName.GCS, b"nobody")] * 3)  # ECONNREFUSED comes back to the socket
         client.bind(("127.0.0.1", 0))
         client.settimeout(60.0)
-        client.sendto(b"hello", ("127.0.0.1", PORTS[LinkName.OFFBOARD][0] + instance))
+        client.sendto(b"hello", ("127.0.0.1", LOCAL_PORTS[LinkName.OFFBOARD] + instance))
         assert server.receive(60.0) == [(LinkName.OFFBOARD, b"hello")]
         server.send([(LinkName.OFFBOARD, b"answer")])
         assert client.recvfrom(100)[0] == b"answer"
@@ -65,7 +65,7 @@ def test_the_server_takes_in_so_much_at_once_and_nothing_that_is_too_long(instan
     with Server(instance) as server:
         senders = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(2)]
         with closing(senders[0]), closing(senders[1]):
-            address = ("127.0.0.1", PORTS[LinkName.OFFBOARD][0] + instance)
+            address = ("127.0.0.1", LOCAL_PORTS[LinkName.OFFBOARD] + instance)
             senders[0].sendto(bytes(65_507), address)
             for _ in range(STRANGERS_FRAMES):  # the first one makes it the peer
                 senders[0].sendto(b"flood", address)

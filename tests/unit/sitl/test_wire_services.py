@@ -286,7 +286,7 @@ def test_links_without_a_peer_get_nothing() -> None:
     assert {link for link, _ in simulation.step(1.0, [])} == {LinkName.OFFBOARD}
 
 
-def test_ftp_is_refused_at_once_and_to_whom_asked() -> None:
+def test_a_file_that_is_not_there_is_refused_at_once_and_to_whom_asked() -> None:
     wire = Wire(address=(255, 190))
     payload = struct.pack("<HBBBBBxI", 41, 7, 4, 3, 0, 0, 99) + b"abc"
     wire.send(

@@ -14,11 +14,13 @@ STRONG: dict[str, float | None] = {
     "COM_LOW_BAT_ACT": 3.0,
     "GF_ACTION": 2.0,
     "COM_RCL_EXCEPT": 0.0,
+    "RTL_RETURN_ALT": 4.0,
 }
+CEILING_M = 4.0
 
 
 def test_strong_failsafes_have_no_weakness() -> None:
-    assert weaknesses(STRONG) == []
+    assert weaknesses(STRONG, CEILING_M) == []
 
 
 @pytest.mark.parametrize(
@@ -33,20 +35,43 @@ def test_strong_failsafes_have_no_weakness() -> None:
 )
 def test_each_parameter_is_judged(parameter: str, strong: set[float]) -> None:
     values = {-1.0, 0.0, 0.1, 0.5, 1.0, 1.1, 2.0, 3.0, 4.0, 5.0, 6.0, 60.0, math.inf, math.nan}
-    assert {v for v in values if weaknesses({**STRONG, parameter: v}) == []} == strong
+    assert {v for v in values if weaknesses({**STRONG, parameter: v}, CEILING_M) == []} == strong
 
 
 def test_a_weakness_says_what_to_do() -> None:
-    (line,) = weaknesses({**STRONG, "COM_OBL_RC_ACT": 0.0})
-    assert line == "COM_OBL_RC_ACT is 0; set 5 (hold), 4 (land) or 3 (return): what it does then"
+    (line,) = weaknesses({**STRONG, "COM_OBL_RC_ACT": 0.0}, CEILING_M)
+    assert line == (
+        "COM_OBL_RC_ACT is 0; set 5 (hold), 4 (land) or 3 (return, at RTL_RETURN_ALT): "
+        "what it does then"
+    )
 
 
 def test_no_answer_is_a_weakness() -> None:
-    (line,) = weaknesses({**STRONG, "COM_OF_LOSS_T": None})
+    (line,) = weaknesses({**STRONG, "COM_OF_LOSS_T": None}, CEILING_M)
     assert line.startswith("COM_OF_LOSS_T was not answered; set 1.0 or less")
 
 
 def test_px4_as_it_comes_is_weak_in_two() -> None:
     """Defaults of PX4 v1.16: 1.0 s, Position, warning alone, Hold, none."""
-    found = weaknesses({**STRONG, "COM_OBL_RC_ACT": 0.0, "COM_LOW_BAT_ACT": 0.0})
+    found = weaknesses({**STRONG, "COM_OBL_RC_ACT": 0.0, "COM_LOW_BAT_ACT": 0.0}, CEILING_M)
     assert [line.split()[0] for line in found] == ["COM_OBL_RC_ACT", "COM_LOW_BAT_ACT"]
+
+
+@pytest.mark.parametrize("parameter", ["COM_OBL_RC_ACT", "GF_ACTION"])
+def test_a_return_stays_below_the_missions_ceiling(parameter: str) -> None:
+    """PX4 climbs to RTL_RETURN_ALT above home before it flies there; 30 m by default."""
+    returning = {**STRONG, parameter: 3.0}
+    assert weaknesses(returning, CEILING_M) == []
+    assert weaknesses({**returning, "RTL_RETURN_ALT": 30.0}, 30.0) == []
+    (high,) = weaknesses({**returning, "RTL_RETURN_ALT": 30.0}, CEILING_M)
+    assert high == (
+        f"RTL_RETURN_ALT is 30; set 4 or less: {parameter} 3 returns, and climbs so high first, "
+        "where the mission stays below 4 m"
+    )
+    (unknown,) = weaknesses({**returning, "RTL_RETURN_ALT": None}, CEILING_M)
+    assert unknown.startswith("RTL_RETURN_ALT was not answered; set 4 or less")
+
+
+def test_without_a_return_its_height_is_of_no_account() -> None:
+    assert weaknesses({**STRONG, "RTL_RETURN_ALT": 30.0}, CEILING_M) == []
+    assert weaknesses({**STRONG, "RTL_RETURN_ALT": None}, CEILING_M) == []

@@ -146,6 +146,14 @@ def test_old_telemetry_holds() -> None:
     assert verdict(state=heard(yaw_s=math.nan)) == held("the heading is nan s old")
 
 
+def test_a_position_that_is_being_lost_holds() -> None:
+    """By whatever plan, and however bad one is that stays as it is."""
+    for is_for_task in (False, True):
+        lost = verdict(state=heard(is_drifting=True, accuracy_m=0.75), is_for_task=is_for_task)
+        assert lost == held("the position is good for 0.8 m, and gets worse")
+        assert verdict(state=heard(accuracy_m=5.0), is_for_task=is_for_task) == Verdict(GOOD)
+
+
 def test_a_setpoint_that_nobody_renews_holds() -> None:
     assert verdict(asked_s=NOW_S - 0.5) == Verdict(GOOD)
     assert verdict(asked_s=NOW_S - 0.5 - AFTER) == held("not renewed for 0.5 s")
@@ -162,6 +170,16 @@ def test_a_plan_for_a_task_that_is_violated_holds(
     """A return, a landing and a hold go on."""
     found = verdict(is_for_task=is_for_task, is_violated=is_violated)
     assert found == (Verdict(GOOD) if passes else held("the task is violated"))
+
+
+def test_a_frame_in_doubt_holds_where_the_vehicle_is() -> None:
+    """Whatever is asked for, and also what asks for OFFBOARD; what is not sent stays so."""
+    doubt, asked = Refusal("two positions"), Request(GOOD, NOW_S)
+    for state in (STATE, heard(mode=Mode.LOITER)):
+        found = admit(asked, state, NOW_S, ENVELOPE, is_entering=True, frame_doubt=doubt)
+        assert found == held("two positions")
+    lost = admit(asked, heard(is_armed=False), NOW_S, ENVELOPE, frame_doubt=doubt)
+    assert lost == nothing("the vehicle is not armed")
 
 
 def test_nothing_is_of_the_task_or_violated_unless_that_is_said() -> None:

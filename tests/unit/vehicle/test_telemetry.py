@@ -9,7 +9,7 @@ from autopilot import Autopilot, battery
 
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.vehicle.port import Mode
-from companion.vehicle.telemetry import MAX_TEXTS, Telemetry
+from companion.vehicle.telemetry import Telemetry
 
 EAR = MavlinkCodec(0, 0)
 
@@ -89,7 +89,7 @@ def test_positions_are_shifted_to_home_and_back() -> None:
     telemetry = heard(autopilot)
     assert telemetry.state is not None
     assert telemetry.state.position == (1.0, 2.0, -3.0)
-    assert telemetry.local(telemetry.state.position) == (11.0, -18.0, -2.5)
+    assert telemetry.frame.local(telemetry.state.position) == (11.0, -18.0, -2.5)
 
 
 def test_the_mission_s_frame_does_not_follow_a_home_that_moves() -> None:
@@ -97,7 +97,7 @@ def test_the_mission_s_frame_does_not_follow_a_home_that_moves() -> None:
     telemetry = heard(autopilot)
     autopilot.home, autopilot.home_altitude_m = [5.0, 5.0, 0.0], 500.0
     take(telemetry, autopilot.telemetry())
-    assert telemetry.home == (0.0, 0.0, 0.0)
+    assert telemetry.frame.origin == (0.0, 0.0, 0.0)
     assert telemetry.frame.altitude_m == 488.0
 
 
@@ -166,14 +166,6 @@ def test_a_mode_without_a_name_here_is_another_one() -> None:
     telemetry = heard(Autopilot())
     say(telemetry, dialect.MAVLink_heartbeat_message(2, 12, 1, 0x00FF0000, 4, 3))
     assert telemetry.state is not None and telemetry.state.mode is Mode.OTHER
-
-
-def test_the_last_texts_are_kept_once_each() -> None:
-    telemetry = Telemetry()
-    for i in (0, 1, 1, 2, 3, 4, 5, 6):
-        say(telemetry, dialect.MAVLink_statustext_message(6, f"text {i}\t".encode()))
-    say(telemetry, dialect.MAVLink_statustext_message(6, b"\t"))
-    assert list(telemetry.texts) == [f"text {i}" for i in range(7 - MAX_TEXTS, 7)]
 
 
 def test_messages_that_say_nothing_of_the_state_are_ignored() -> None:
