@@ -27,7 +27,7 @@ from companion.flight_events.sortie import (
     RunFailed,
     TaskSatisfied,
 )
-from companion.mavlink.framing import dialect
+from companion.mavlink.framing import Message, dialect
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
 from sitl.world.scenario import read_scenario
@@ -41,6 +41,7 @@ BACK_S = 5.0
 """From the last key to control."""
 CAMPAIGN = (pytest.mark.faults, pytest.mark.long)
 SENT = ("SET_POSITION_TARGET_LOCAL_NED", "COMMAND_LONG")
+QUESTIONS = (dialect.MAV_CMD_REQUEST_MESSAGE, dialect.MAV_CMD_RUN_PREARM_CHECKS)
 
 
 @pytest.fixture
@@ -62,8 +63,13 @@ def cut_off(flight: Lockstep, away_s: float = 3.0) -> int:
 
 
 def sent_since(flight: Lockstep, before: int) -> list[str]:
-    kinds = (said.message.get_type() for said in flight.said[before:])
-    return [kind for kind in kinds if kind in SENT]
+    """Setpoints and commands; what is asked of an autopilot is none."""
+    messages = [said.message for said in flight.said[before:]]
+    return [m.get_type() for m in messages if m.get_type() in SENT and not is_question(m)]
+
+
+def is_question(message: Message) -> bool:
+    return message.get_type() == "COMMAND_LONG" and message.command in QUESTIONS
 
 
 def says_continue(flight: Lockstep) -> None:
