@@ -14,7 +14,6 @@ from __future__ import annotations
 import asyncio
 import json
 import logging
-import math
 import tempfile
 import time
 from collections.abc import AsyncGenerator, AsyncIterator, Callable, Iterable
@@ -85,16 +84,15 @@ async def _vehicle(
 ) -> tuple[int, System]:
     """The vehicle with a number, or the only one; its system id and MAVSDK's system."""
     vehicles: dict[int, System] = {}
-    first_s, end_s = math.inf, time.monotonic() + timeout_s
-    while (now_s := time.monotonic()) < max(end_s, first_s + OTHERS_S):
+    end_s, is_one_heard = time.monotonic() + timeout_s, False
+    while (now_s := time.monotonic()) < end_s:
         for system in await client.get_systems():
             if await system.has_autopilot():
                 vehicles[await system.get_system_id()] = system
-                first_s = min(first_s, now_s)
         if number in vehicles:
             return number, vehicles[number]
-        if number is None and now_s > first_s + OTHERS_S:
-            break
+        if number is None and vehicles and not is_one_heard:
+            end_s, is_one_heard = now_s + OTHERS_S, True
         await asyncio.sleep(LOOK_AGAIN_S)
     heard = ", ".join(map(str, sorted(vehicles)))
     if number is not None:

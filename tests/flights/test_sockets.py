@@ -29,6 +29,7 @@ from companion.flight_events.event import FlightEvent
 from companion.flight_events.reading import read_line
 from companion.flight_events.skills import PlaceReached, SkillCompleted
 from companion.flight_events.sortie import (
+    AutopilotSaid,
     Phase,
     PhaseEntered,
     RunFailed,
@@ -47,6 +48,7 @@ STORED = Path(__file__).parents[1] / "data" / "surveillance.events.txt"
 GROUND_STATION, COMPANION = 14550, 14540
 START_S, FLIGHT_S = 300.0, 900.0  # wall time that no start and no flight needs
 SPEED = 2
+LEFT_OUT = (SetpointRefused, AutopilotSaid)
 
 
 class Command:
@@ -176,12 +178,13 @@ def run_folder(log_dir: Path) -> Path:
 def recorded(log_dir: Path) -> list[FlightEvent]:
     """All that people were told in the only run.
 
-    On a busy machine the gate may hold the vehicle for a moment; that is left out.
+    On a busy machine the gate may hold the vehicle for a moment; that is left out. So are the
+    autopilot's own words: some are said only where a ground station is heard.
     """
     folder = run_folder(log_dir)
     lines = (folder / "events.jsonl").read_text(encoding="utf-8").splitlines()
     events = [read_line(line).event for line in lines]
-    return [e for e in events if e.is_told and not isinstance(e, SetpointRefused)]
+    return [e for e in events if e.is_told and not isinstance(e, LEFT_OUT)]
 
 
 def sequence(log_dir: Path) -> str:
