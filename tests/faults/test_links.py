@@ -45,9 +45,7 @@ def test_loss_with_a_payload(share: float, seed: int) -> None:
     assert_flown_as_without(fly(SURVEILLANCE, seed=seed, up=up, down=down), SURVEILLANCE)
 
 
-@pytest.mark.parametrize(
-    ("share", "seed"), sweep(SHARES, SEEDS, few=lambda share, seed: (share, seed) == (0.2, 0))
-)
+@pytest.mark.parametrize(("share", "seed"), sweep(SHARES, SEEDS, few=lambda *_: False))
 def test_loss_with_three_landings(share: float, seed: int) -> None:
     """The flight takes longer, and the battery is told late: one site more may come before either.
 
