@@ -46,20 +46,61 @@ def on_hold(now_s: float) -> VehicleState:
     )
 
 
+class FakePayloads:
+    """Answers commands as it was told.
+
+    Attributes:
+        answers: seconds and outcome for each command, in the order they are sent; then DONE.
+        sent: every command, as (component, command, parameters).
+        patience: how long the answer of each is waited for.
+        forgotten: the tickets of those that were forgotten.
+    """
+
+    def __init__(self) -> None:
+        self.answers: list[tuple[float, Outcome]] = []
+        self.sent: list[tuple[int, int, tuple[float, ...]]] = []
+        self.patience: list[float | None] = []
+        self.forgotten: list[int] = []
+        self._now_s = 0.0
+        self._due: dict[int, tuple[float, Outcome]] = {}
+
+    def step(self, now_s: float) -> None:
+        """Time passes."""
+        self._now_s = now_s
+
+    def send(
+        self, component: int, command: int, parameters: tuple[float, ...], timeout_s: float | None
+    ) -> int:
+        self.sent.append((component, command, parameters))
+        self.patience.append(timeout_s)
+        delay_s, outcome = self.answers.pop(0) if self.answers else (0.0, Progress.DONE)
+        is_final = outcome is not Progress.RUNNING
+        if timeout_s is not None and not (is_final and delay_s <= timeout_s):
+            delay_s, outcome = timeout_s, Failed(f"no final answer in {timeout_s:g} s")
+        self._due[len(self.sent)] = (self._now_s + delay_s, outcome)
+        return len(self.sent)
+
+    def outcome(self, ticket: int) -> Outcome:
+        due_s, outcome = self._due[ticket]
+        return outcome if self._now_s >= due_s else Progress.RUNNING
+
+    def forget(self, ticket: int) -> None:
+        self.forgotten.append(ticket)
+        del self._due[ticket]
+
+
 class FakeVehicle:
     """Stands on the ground at first, disarmed.
 
     Attributes:
         script: goal -> after how many seconds it comes to which outcome; at once to DONE if absent.
-        answers: seconds and outcome for each command, in the order they are sent; then DONE.
         drift: where the point settles relative to its setpoint.
         is_stuck: it moves no longer.
         frame_doubt: why its position is not certain; nothing at first.
         location: where its frames lie on the earth; not known at first.
         is_turning: its heading is that of its setpoint.
+        payloads: its payloads.
         flown: every setpoint that it was given; None when it was released.
-        sent: every command, as (component, command, parameters).
-        patience: how long the answer of each is waited for.
         pursued: the goals that were worked for, in order.
         scans: what it hears of its surroundings; nothing at first.
         parameters: the autopilot's parameters; strong failsafes at first.
@@ -77,14 +118,11 @@ class FakeVehicle:
         self.location: FrameLocation | None = None
         self.refusal: Refusal | None = None
         self.script: dict[Goal, tuple[float, Outcome]] = {}
-        self.answers: list[tuple[float, Outcome]] = []
         self.drift: Ned = (0.0, 0.0, 0.0)
         self.is_stuck = False
         self.is_turning = True
         self.flown: list[Setpoint | None] = []
-        self.sent: list[tuple[int, int, tuple[float, ...]]] = []
-        self.patience: list[float | None] = []
-        self.forgotten: list[int] = []
+        self.payloads = FakePayloads()
         self.pursued: list[Goal] = []
         self.parameters: dict[str, float] = {
             "COM_OF_LOSS_T": 1.0,
@@ -95,7 +133,6 @@ class FakeVehicle:
             "RTL_RETURN_ALT": 30.0,
         }
         self._now_s = self._since_s = 0.0
-        self._due: dict[int, tuple[float, Outcome]] = {}
 
     @property
     def setpoint(self) -> Setpoint | None:
@@ -118,6 +155,7 @@ class FakeVehicle:
     def step(self, now_s: float) -> None:
         """Time passes: the point moves towards its setpoint, and its position is heard."""
         dt_s, self._now_s = now_s - self._now_s, now_s
+        self.payloads.step(now_s)
         if self.state is None:
             return
         position, velocity = self.state.position, (0.0, 0.0, 0.0)
@@ -158,26 +196,6 @@ class FakeVehicle:
 
     def regain(self) -> None:
         self.takeover = None
-
-    def send_command(
-        self, component: int, command: int, parameters: tuple[float, ...], timeout_s: float | None
-    ) -> int:
-        self.sent.append((component, command, parameters))
-        self.patience.append(timeout_s)
-        delay_s, outcome = self.answers.pop(0) if self.answers else (0.0, Progress.DONE)
-        is_final = outcome is not Progress.RUNNING
-        if timeout_s is not None and not (is_final and delay_s <= timeout_s):
-            delay_s, outcome = timeout_s, Failed(f"no final answer in {timeout_s:g} s")
-        self._due[len(self.sent)] = (self._now_s + delay_s, outcome)
-        return len(self.sent)
-
-    def command_outcome(self, ticket: int) -> Outcome:
-        due_s, outcome = self._due[ticket]
-        return outcome if self._now_s >= due_s else Progress.RUNNING
-
-    def forget_command(self, ticket: int) -> None:
-        self.forgotten.append(ticket)
-        del self._due[ticket]
 
 
 AFTER: dict[Goal, dict[str, object]] = {

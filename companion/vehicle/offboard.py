@@ -7,7 +7,8 @@ not for here (`ground/component.py`).
 Rules:
 1. Other systems than the vehicle's are ignored.
 2. Every setpoint passes the gate (`gate.py`); nothing repeats a setpoint by itself.
-3. A skill's command passes the rules of `mavlink/payload_commands.py`.
+3. What else is spoken is spoken by services, each in a file of its own (`services.py`): payloads'
+   commands (`payload_commands.py`), our own goals' (`goal_pursuit.py`).
 4. A goal is pursued until it is observed (`goals.py`). While nothing is heard of the autopilot no
    command is sent, and no goal's or command's time passes (`heard_time.py`).
 5. A mode that our goal does not pass through was chosen by somebody else, on the ground as in the
@@ -22,22 +23,20 @@ Source: https://mavlink.io/en/services/command.html, PX4's offboard mode.
 from __future__ import annotations
 
 from companion.geometry import Ned
-from companion.mavlink.commands import CommandSender, Parameters
 from companion.mavlink.framing import Message, dialect, source
-from companion.mavlink.payload_commands import why_not_sent
 from companion.mission.signals import Signal
 from companion.motion.range_scan import RangeScan
 from companion.outcomes import Refusal
 from companion.vehicle.control_watch import ControlState, ControlWatch
 from companion.vehicle.gate import Envelope
-from companion.vehicle.goals import APPROACHES, Pursuit
+from companion.vehicle.goal_pursuit import GoalPursuit
 from companion.vehicle.heard_time import HeardTime
 from companion.vehicle.parameters import ParameterReader
+from companion.vehicle.payload_commands import PayloadCommands
 from companion.vehicle.port import (
     Failed,
     FrameLocation,
     Goal,
-    Mode,
     Outcome,
     Progress,
     Setpoint,
@@ -45,18 +44,16 @@ from companion.vehicle.port import (
     VehicleState,
 )
 from companion.vehicle.ranging import Ranging
+from companion.vehicle.services import Moment, Service
 from companion.vehicle.setpoint_stream import SetpointStream
 from companion.vehicle.signals import Reading, SignalReader
 from companion.vehicle.telemetry import TELEMETRY, Telemetry, heartbeat_of
-from companion.vehicle.wire import AUTOPILOT, COMPONENT, Wire
+from companion.vehicle.wire import AUTOPILOT, Wire
 
 SCANNER = dialect.MAV_COMP_ID_OBSTACLE_AVOIDANCE
-ASK_AGAIN_S = 2.0
-"""Pause before a command that was accepted without effect is sent again."""
-
 SCAN = "OBSTACLE_DISTANCE"
-PROTOCOL = frozenset({"COMMAND_ACK", "PARAM_VALUE", SCAN})
-"""Messages of the services that are spoken here."""
+PROTOCOL = frozenset({"PARAM_VALUE", SCAN})
+"""Messages that are read here, beside those of telemetry and services."""
 
 CONTINUAL = frozenset({"ATTITUDE", "LOCAL_POSITION_NED", "GLOBAL_POSITION_INT"})
 """Of those that arrive together only the newest is looked at."""
@@ -74,6 +71,7 @@ class MavlinkVehicle:
 
     Attributes:
         scans: what was heard of the surroundings since the tick before, in order.
+        payloads: what skills have to do with payloads.
     """
 
     def __init__(
@@ -89,23 +87,23 @@ class MavlinkVehicle:
         self._telemetry = telemetry
         self._stream = SetpointStream(telemetry, envelope)
         self._control = ControlWatch()
-        self._takeoff_up_m = takeoff_up_m
         self._signals = SignalReader(signals)
         self._ranging = Ranging()
-        self._commands = CommandSender()
         self._parameters = ParameterReader()
         self._readings: list[Reading] = []
         self._time = HeardTime()
-        self._pursuit: Pursuit | None = None
-        self._first_mode: Mode | None = None
         self._now_s = 0.0
+        self._goals = GoalPursuit(wire, telemetry, takeoff_up_m)
+        self.payloads = PayloadCommands(wire)
+        self._services: tuple[Service, ...] = (self._goals, self.payloads)
 
     # -- messages ------------------------------------------------------------------------------
 
     @property
     def wanted(self) -> frozenset[str]:
         """Names of the messages that are read here."""
-        return PROTOCOL | TELEMETRY | self.telling
+        of_services = (service.wanted for service in self._services)
+        return PROTOCOL.union(TELEMETRY, self.telling, *of_services)
 
     @property
     def continual(self) -> frozenset[str]:
@@ -124,6 +122,8 @@ class MavlinkVehicle:
         self._readings = []
         autopilot = (self._wire.system, AUTOPILOT)
         self._time.step(now_s, any(source(message) == autopilot for message in messages))
+        for service in self._services:
+            service.step(self._moment)
         for message in messages:
             self._take(message)
         self.scans = self._ranging.scans(now_s)
@@ -137,16 +137,18 @@ class MavlinkVehicle:
     def transmit(self, now_s: float) -> list[Message]:
         """What has to leave now: commands, questions, and at most one setpoint."""
         self._now_s = now_s
-        if self._control.state is not ControlState.OURS:
-            return []
-        system = self._wire.system
-        is_entering = self._pursuit is not None and self._pursuit.goal is Goal.OFFBOARD
+        is_ours = self._control.state is ControlState.OURS
+        speaking = [s for s in self._services if is_ours or not s.needs_control]
+        said = [message for service in speaking for message in service.due(self._moment)]
+        if not is_ours:
+            return said
+        system, goal = self._wire.system, self._goals.goal
         return [
-            *([] if self._time.is_quiet else self._commands.due(self._time.seconds)),
+            *said,
             *self._telemetry.clock.due(now_s),
-            *self._telemetry.questions(now_s, (system, AUTOPILOT), self._pursuit is not None),
+            *self._telemetry.questions(now_s, (system, AUTOPILOT), goal is not None),
             *self._parameters.due(now_s, (system, AUTOPILOT)),
-            *self._stream.due(now_s, system, is_entering),
+            *self._stream.due(now_s, system, is_entering=goal is Goal.OFFBOARD),
         ]
 
     # -- port.Vehicle --------------------------------------------------------------------------
@@ -196,8 +198,8 @@ class MavlinkVehicle:
     def release(self) -> None:
         """Streams nothing and asks for nothing any longer."""
         self._stream.end()
-        self._pursuit = None
-        self._commands = CommandSender()
+        for service in self._services:
+            service.release()
         self._control.settle()
 
     def regain(self) -> None:
@@ -206,49 +208,14 @@ class MavlinkVehicle:
 
     def pursue(self, goal: Goal) -> Outcome:
         """Works towards a goal; the caller asks in every tick until it is reached or has failed."""
-        state, approach = self.state, APPROACHES[goal]
         if self.takeover is not None:
             return Failed(str(self.takeover))
-        if state is None or self.is_doubted:
+        if self.state is None or self.is_doubted:
             return Progress.RUNNING
-        pursuit = self._pursuit
-        if pursuit is None or pursuit.goal is not goal or pursuit.has_failed:
-            self._end_command()
-            allowed = approach.passes | {state.mode}
-            self._first_mode = self._first_mode or state.mode
-            pursuit = Pursuit(goal, allowed, state.mode, self._time.seconds)
-            self._pursuit = pursuit
-        if state.is_mode_known(self._now_s) and approach.is_reached(state):
-            self._end_command()
-            if approach.keeps is not None:
-                pursuit.allowed = approach.keeps
-            if goal is Goal.LANDED:
-                self._stream.end()  # OFFBOARD on the ground is not ours to stream in
-            return Progress.DONE
-        failure = self._ask(pursuit, state)
-        pursuit.has_failed = failure is not None
-        return failure or Progress.RUNNING
-
-    def send_command(
-        self, component: int, command: int, parameters: tuple[float, ...], timeout_s: float | None
-    ) -> int:
-        """Starts a skill's command if payloads take it; returns its ticket."""
-        p1, p2, p3, p4, p5, p6, p7 = (*parameters, *[0.0] * (7 - len(parameters)))
-        ticket = self._start(component, command, (p1, p2, p3, p4, p5, p6, p7), timeout_s)
-        if why_not := why_not_sent(component, command):
-            self._commands.refuse(ticket, Refusal(f"not sent: {why_not}"))
-        return ticket
-
-    def command_outcome(self, ticket: int) -> Outcome:
-        """How far the command of a ticket has come."""
-        exchange = self._commands[ticket]
-        if exchange.has_failed:
-            return Failed(exchange.in_words)
-        return Progress.DONE if exchange.result else Progress.RUNNING
-
-    def forget_command(self, ticket: int) -> None:
-        """Asks for a command no longer."""
-        self._commands.forget(ticket)
+        outcome = self._goals.pursue(goal, self.state, self._moment)
+        if outcome is Progress.DONE and goal is Goal.LANDED:
+            self._stream.end()  # OFFBOARD on the ground is not ours to stream in
+        return outcome
 
     def gap_m(self, place: Ned) -> float | None:
         """How far from a place the vehicle stands; None until that is certain."""
@@ -262,57 +229,6 @@ class MavlinkVehicle:
         """A parameter of the autopilot; asks for it, and is None until it was answered."""
         return self._parameters.read(name)
 
-    # -- goals ---------------------------------------------------------------------------------
-
-    def _ask(self, pursuit: Pursuit, state: VehicleState) -> Failed | None:
-        """Sends the goal's command when it is time to, unless the goal has failed."""
-        approach = APPROACHES[pursuit.goal]
-        now_s = self._time.seconds
-        elapsed_s = now_s - pursuit.start_s
-        if overdue_s := pursuit.overdue_s(now_s, state.mode):
-            return self._failed(pursuit.goal, f" after {overdue_s:.0f} s")
-        if not state.is_mode_known(self._now_s):
-            return None
-        if approach.needs_arming and not state.is_armed:
-            return self._failed(pursuit.goal, ": disarmed")
-        if state.mode in approach.underway:
-            self._end_command()  # it has had its effect
-            return None
-        if elapsed_s < approach.lead_s:
-            return None
-        asked = APPROACHES[Goal.HOLDING] if state.mode in approach.leaves else approach
-        if asked is not pursuit.asked:
-            self._end_command()
-            pursuit.asked = asked
-        if pursuit.ticket is not None:
-            exchange = self._commands[pursuit.ticket]
-            if exchange.has_failed:
-                return self._failed(pursuit.goal, f": {exchange.in_words}")
-            if not exchange.result or now_s < exchange.next_send_s + ASK_AGAIN_S:
-                return None
-            self._end_command()
-        takeoff_altitude_m = self._telemetry.frame.altitude_m + self._takeoff_up_m
-        parameters = asked.parameters(takeoff_altitude_m)
-        pursuit.ticket = self._start(AUTOPILOT, asked.command, parameters, None)
-        return None
-
-    def _failed(self, goal: Goal, why: str) -> Failed:
-        """A failure with what the autopilot said lately."""
-        words = self._telemetry.words
-        is_arming = goal is Goal.ARMED
-        said = (words.why_not_armed if is_arming else words.lately)(self._now_s)
-        texts = f" (autopilot: {'; '.join(said)})" if said else ""
-        return Failed(f"not {goal.value}{why}{texts}")
-
-    def _start(self, to: int, command: int, parameters: Parameters, wait_s: float | None) -> int:
-        target = (self._wire.system, to)
-        return self._commands.start(self._time.seconds, target, command, parameters, wait_s)
-
-    def _end_command(self) -> None:
-        if self._pursuit is not None and self._pursuit.ticket is not None:
-            self._commands.forget(self._pursuit.ticket)
-            self._pursuit.ticket = None
-
     # -- in ------------------------------------------------------------------------------------
 
     def _take(self, message: Message) -> None:
@@ -320,10 +236,10 @@ class MavlinkVehicle:
         system, component = source(message)
         if system != self._wire.system:
             return
-        if kind == "COMMAND_ACK":
-            if message.target_component in (0, COMPONENT):
-                self._commands.receive(self._time.seconds, message)
-        elif component == AUTOPILOT:
+        for service in self._services:
+            if kind in service.wanted:
+                service.take(self._moment, message)
+        if component == AUTOPILOT:
             if kind == "PARAM_VALUE":
                 self._parameters.take(message)
             is_news = self._telemetry.is_news(self._now_s, message)
@@ -337,8 +253,12 @@ class MavlinkVehicle:
 
     def _is_believed(self, message: Message) -> bool:
         """Rule 5, from the first goal on; what begins a doubt is not believed yet."""
-        pursuit, heartbeat = self._pursuit, heartbeat_of(message)
-        if pursuit is not None:
-            is_ours = pursuit.admits(heartbeat.mode, heartbeat.is_armed, self._first_mode)
+        heartbeat = heartbeat_of(message)
+        if self._goals.goal is not None:
+            is_ours = self._goals.admits(heartbeat.mode, heartbeat.is_armed)
             self._control.take(self._now_s, heartbeat, is_ours)
         return not self.is_doubted
+
+    @property
+    def _moment(self) -> Moment:
+        return Moment(self._now_s, self._time.seconds, self._time.is_quiet)

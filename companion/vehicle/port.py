@@ -172,8 +172,31 @@ class Takeover:
         return f"{who} has control, in {self.mode.value}"
 
 
+class Payloads(Protocol):
+    """The payloads of a vehicle: what skills command."""
+
+    def send(
+        self, component: int, command: int, parameters: tuple[float, ...], timeout_s: float | None
+    ) -> int:
+        """Start a MAVLink command to a component; returns a ticket for `outcome`.
+
+        Without a final answer within `timeout_s` the command has failed; without `timeout_s` the
+        command protocol says how long to wait.
+        """
+
+    def outcome(self, ticket: int) -> Outcome:
+        """How far the command of a ticket has come."""
+
+    def forget(self, ticket: int) -> None:
+        """Do not ask for a command any longer."""
+
+
 class Vehicle(Protocol):
     """A vehicle that the acting side flies."""
+
+    @property
+    def payloads(self) -> Payloads:
+        """What skills command."""
 
     @property
     def state(self) -> VehicleState | None:
@@ -223,18 +246,3 @@ class Vehicle(Protocol):
 
     def regain(self) -> None:
         """The operator has given control back after it was lost."""
-
-    def send_command(
-        self, component: int, command: int, parameters: tuple[float, ...], timeout_s: float | None
-    ) -> int:
-        """Start a MAVLink command to a component; returns a ticket for `command_outcome`.
-
-        Without a final answer within `timeout_s` the command has failed; without `timeout_s` the
-        command protocol says how long to wait.
-        """
-
-    def command_outcome(self, ticket: int) -> Outcome:
-        """How far the command of a ticket has come."""
-
-    def forget_command(self, ticket: int) -> None:
-        """Do not ask for a command any longer."""

@@ -131,13 +131,13 @@ class TestVehicle:
         until(world, has_arrived, 15.0)
 
     def test_the_payload_answers(self, world: World) -> None:
-        ticket = world.vehicle.send_command(PAYLOAD, USER_1, (1.0,), None)
+        ticket = world.vehicle.payloads.send(PAYLOAD, USER_1, (1.0,), None)
         until(
             world,
-            lambda: world.vehicle.command_outcome(ticket) is Progress.DONE,
+            lambda: world.vehicle.payloads.outcome(ticket) is Progress.DONE,
             10.0,
         )
-        world.vehicle.forget_command(ticket)
+        world.vehicle.payloads.forget(ticket)
 
     def test_parameters_are_answered(self, world: World) -> None:
         until(world, lambda: world.vehicle.parameter("COM_OBL_RC_ACT") == 5.0, 5.0)

@@ -49,7 +49,7 @@ def rig(section_v: Mission, surveillance_routes: LayeredRoutes) -> Rig:
 def fly_section_5(rig: Rig) -> Rig:
     """The flight of Fig. 7: a target on the way to B for the second time, r1 refuses."""
     rig.begin()
-    rig.vehicle.answers = [(2.0, Failed("denied")), (1.0, Progress.DONE)]
+    rig.vehicle.payloads.answers = [(2.0, Failed("denied")), (1.0, Progress.DONE)]
     rig.run_until(PlaceReached, place="A", times=2)
     for _ in range(60):
         rig.tick()
@@ -151,7 +151,11 @@ def test_the_word_that_was_flown_satisfies_what_was_never_restarted(rig: Rig) ->
 
 def test_a_refused_site_is_not_tried_again(rig: Rig) -> None:
     rig.begin()
-    rig.vehicle.answers = [(1.0, Failed("denied")), (1.0, Failed("denied")), (1.0, Progress.DONE)]
+    rig.vehicle.payloads.answers = [
+        (1.0, Failed("denied")),
+        (1.0, Failed("denied")),
+        (1.0, Progress.DONE),
+    ]
     rig.run_until(PlaceReached, place="A")
     rig.tick(TARGET)
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
@@ -163,7 +167,7 @@ def test_a_refused_site_is_not_tried_again(rig: Rig) -> None:
 
 def test_when_all_sites_refuse_there_is_no_plan_and_each_is_to_blame(rig: Rig) -> None:
     rig.begin()
-    rig.vehicle.answers = [(1.0, Failed("denied"))] * 3
+    rig.vehicle.payloads.answers = [(1.0, Failed("denied"))] * 3
     rig.tick(TARGET)
     assert rig.run_to_the_end() is TaskStatus.NO_PLAN
     last = rig.one(NoPlanFound).explanation
@@ -252,7 +256,7 @@ def test_what_was_visited_is_not_visited_again() -> None:
     ]
     task = {"visit": "F (at(A) & F at(B))", "report": "F done"}
     rig = Rig(mission(task, skills=skills)).begin()
-    rig.vehicle.answers = [(1.0, Failed("denied")), (1.0, Progress.DONE)]
+    rig.vehicle.payloads.answers = [(1.0, Failed("denied")), (1.0, Progress.DONE)]
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
     assert rig.executive.replans == 1
     assert rig.places == ["A", "B", "H"]

@@ -40,7 +40,7 @@ def rig_of(parts: list[str]) -> Rig:
     skills = [command("do", "at(B)", "done"), command("undo", "at(H) & done", "!done")]
     rig = Rig(mission({f"line{i}": p for i, p in enumerate(parts)}, "HABC", skills))
     a_while = (0.2, Progress.DONE)  # so that a command is seen while it is under way
-    rig.vehicle.answers = [a_while] * 100
+    rig.vehicle.payloads.answers = [a_while] * 100
     return rig
 
 

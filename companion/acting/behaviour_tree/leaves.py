@@ -251,10 +251,10 @@ class SendCommand(Leaf):
             if not flight.journal.is_kept:
                 is_late = flight.now_s - self._begun_s > DISK_S
                 return self.fail("the journal does not reach the disk") if is_late else RUNNING
-            self._ticket = flight.vehicle.send_command(
+            self._ticket = flight.vehicle.payloads.send(
                 command.component, command.command, command.parameters, self._timeout_s
             )
-        outcome = flight.vehicle.command_outcome(self._ticket)
+        outcome = flight.vehicle.payloads.outcome(self._ticket)
         if outcome is Progress.DONE:
             return Status.SUCCESS
         return self.fail(outcome.reason) if isinstance(outcome, Failed) else RUNNING
@@ -264,7 +264,7 @@ class SendCommand(Leaf):
         if new_status is RUNNING or self._intention is None:
             return
         if self._ticket is not None:
-            self._flight.vehicle.forget_command(self._ticket)
+            self._flight.vehicle.payloads.forget(self._ticket)
         if new_status is not Status.SUCCESS:
             self._flight.settle(self._intention)
         self._intention = self._ticket = None

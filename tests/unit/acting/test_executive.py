@@ -136,7 +136,7 @@ def test_an_event_that_only_a_precondition_mentions_replans() -> None:
     careful = command("report", "!low", "reported")
     asked = mission("F reported", skills=[careful], events=[LOW])
     rig = Rig(replace(asked, patience_s=0.0)).begin()
-    rig.vehicle.answers = [(5.0, Progress.DONE)]
+    rig.vehicle.payloads.answers = [(5.0, Progress.DONE)]
     rig.tick()
     rig.tick(reading("low"))
     rig.run(lambda: rig.executive.status is TaskStatus.NO_PLAN, limit_s=0.5)
@@ -165,7 +165,7 @@ def test_a_failed_skill_replans_without_its_belief() -> None:
         command("dear", "at(H)", "done", cost_s=9.0),
     ]
     rig = Rig(mission("F done", skills=skills)).begin()
-    rig.vehicle.answers = [(1.0, Failed("denied")), (1.0, Progress.DONE)]
+    rig.vehicle.payloads.answers = [(1.0, Failed("denied")), (1.0, Progress.DONE)]
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
     assert rig.story == [
         "cheap, (wait)^w",
@@ -178,14 +178,14 @@ def test_a_failed_skill_replans_without_its_belief() -> None:
 
 def test_no_plan_says_which_belief_is_to_blame() -> None:
     rig = Rig(mission("F done", skills=[command("do", "at(H)", "done")])).begin()
-    rig.vehicle.answers = [(0.0, Failed("denied"))]
+    rig.vehicle.payloads.answers = [(0.0, Failed("denied"))]
     assert rig.run_to_the_end() is TaskStatus.NO_PLAN
     assert "with can_do there would be a plan" in rig.one(NoPlanFound).explanation
 
 
 def test_the_vehicle_holds_where_no_plan_is_left() -> None:
     rig = Rig(mission("F done", skills=[command("do", "at(H)", "done")])).begin()
-    rig.vehicle.answers = [(0.0, Failed("denied"))]
+    rig.vehicle.payloads.answers = [(0.0, Failed("denied"))]
     rig.run_to_the_end()
     assert rig.vehicle.setpoint == hold_at(POSITIONS["H"], 0.0)
 
@@ -199,7 +199,7 @@ def test_the_reason_is_found_in_slices_while_the_vehicle_holds(
     rig = Rig(mission({"do": "F done", **conjuncts}, skills=[DO])).begin()
     searches = Mock(wraps=rig.planner.explain_soon)
     monkeypatch.setattr(rig.planner, "explain_soon", searches)
-    rig.vehicle.answers = [(0.0, Failed("denied"))]
+    rig.vehicle.payloads.answers = [(0.0, Failed("denied"))]
     rig.run(lambda: rig.executive.status is TaskStatus.NO_PLAN, limit_s=20.0)
     taken_s = rig.time_of(NoPlanFound) - rig.time_of(BeliefWithdrawn)
     assert taken_s > 10 * TICK_S
@@ -214,7 +214,7 @@ def test_a_belief_that_comes_back_meanwhile_gives_a_plan(monkeypatch: pytest.Mon
     again = replace(event("again"), restores=frozenset({"can_do"}))
     conjuncts = {f"c{i}": f"F at({name}) | F done" for i, name in enumerate("AB" * 5)}
     rig = Rig(mission({"do": "F done", **conjuncts}, skills=[DO], events=[again])).begin()
-    rig.vehicle.answers = [(0.0, Failed("denied")), (0.0, Progress.DONE)]
+    rig.vehicle.payloads.answers = [(0.0, Failed("denied")), (0.0, Progress.DONE)]
     rig.run(lambda: bool(rig.of(BeliefWithdrawn)), limit_s=2.0)
     rig.tick(reading("again"))
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
@@ -228,7 +228,7 @@ def test_what_flaps_while_the_reason_is_looked_for_does_not_hold_the_vehicle_for
     conjuncts = {f"c{i}": f"F at({name}) | F done" for i, name in enumerate("AB" * 5)}
     asked = mission({"do": "F done", **conjuncts}, skills=[DO], events=[FOUND])
     rig = Rig(replace(asked, patience_s=0.0)).begin()
-    rig.vehicle.answers = [(0.0, Failed("denied"))]
+    rig.vehicle.payloads.answers = [(0.0, Failed("denied"))]
     rig.run(lambda: bool(rig.of(BeliefWithdrawn)), limit_s=2.0)
     for i in range(round(2 * MAX_IDLE_REPLANS * FLAPPING_S / TICK_S)):
         rig.tick(reading("found", float(i % 2 == 0)))
@@ -275,7 +275,7 @@ def test_a_position_between_two_replans_shows_that_they_led_somewhere() -> None:
 
 def test_a_last_resort_flies_to_a_place_and_rests() -> None:
     rig = Rig(mission("F done", skills=[command("do", "at(A)", "done")])).begin()
-    rig.vehicle.answers = [(0.0, Failed("denied"))]
+    rig.vehicle.payloads.answers = [(0.0, Failed("denied"))]
     assert rig.run_to_the_end() is TaskStatus.NO_PLAN
     assert rig.executive.go_to("H")
     assert str(rig.executive.lasso) == "move(here, H), (wait)^w"
@@ -297,10 +297,10 @@ def test_a_last_resort_needs_a_skill_that_flies_there() -> None:
 
 def test_stop_interrupts_the_skill_under_way() -> None:
     rig = Rig(mission("F done", skills=[command("do", "at(H)", "done")])).begin()
-    rig.vehicle.answers = [(0.0, Progress.RUNNING)]
+    rig.vehicle.payloads.answers = [(0.0, Progress.RUNNING)]
     rig.tick()
     rig.executive.stop()
-    assert rig.vehicle.forgotten == [1]
+    assert rig.vehicle.payloads.forgotten == [1]
     assert rig.vehicle.setpoint == hold_at(POSITIONS["H"], 0.0)
 
 
@@ -329,7 +329,7 @@ def test_what_is_done_needs_no_precondition() -> None:
 def test_an_event_that_does_not_matter_is_no_reason() -> None:
     skills = [command("a", "at(H)", "done"), command("b", "at(H)", "done", cost_s=9.0)]
     rig = Rig(mission("F done", skills=skills, events=[event("lamp")])).begin()
-    rig.vehicle.answers = [(1.0, Failed("denied"))]
+    rig.vehicle.payloads.answers = [(1.0, Failed("denied"))]
     rig.tick(reading("lamp"))
     rig.run(lambda: rig.executive.replans == 1)
     replaced = rig.one(PlanReplaced)
@@ -483,7 +483,7 @@ def test_a_task_that_is_violated_on_the_ground_is_not_satisfied_in_the_end(
 def test_the_state_says_what_is_done() -> None:
     rig = Rig(mission("F done", skills=[DO], events=[FOUND]))
     states = [rig.executive.state]
-    rig.vehicle.answers = [(0.0, Failed("denied"))]
+    rig.vehicle.payloads.answers = [(0.0, Failed("denied"))]
     rig.begin()
     states.append(rig.executive.state)
     while rig.executive.status is TaskStatus.RUNNING:

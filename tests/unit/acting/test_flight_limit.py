@@ -117,7 +117,7 @@ def test_a_pause_goes_before_the_limit() -> None:
 def test_a_flight_home_for_want_of_a_plan_is_not_an_end_at_the_limit() -> None:
     asked = mission("F done & G F at(B)", skills=[command("do", "at(A)", "done")])
     run = SortieRig(asked, limit=FlightLimit(duration_s=40.0))
-    run.vehicle.answers = [(0.0, Failed("denied"))]
+    run.vehicle.payloads.answers = [(0.0, Failed("denied"))]
     run.until(Phase.ENDED)
     assert run.sortie.failure is not None
     assert run.sortie.failure.exit_code == NoPlanError.exit_code

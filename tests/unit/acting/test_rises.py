@@ -108,7 +108,7 @@ def test_interruptions_and_replans_on_the_way_consume_no_rise() -> None:
 def test_a_failed_command_consumes_no_rise() -> None:
     task = {"work": "F done | F at(B)", "come": "G (asked -> F at(A))"}
     rig = Rig(mission(task, skills=[command("do", "at(H)", "done")], events=[ASKED]))
-    rig.vehicle.answers = [(9.0, Progress.DONE), (1.0, Failed("denied"))]
+    rig.vehicle.payloads.answers = [(9.0, Progress.DONE), (1.0, Failed("denied"))]
     rig.begin()
     rig.tick()
     raise_for(rig, 0)

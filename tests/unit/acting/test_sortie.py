@@ -415,7 +415,7 @@ def test_a_stop_while_landing_changes_nothing() -> None:
 def without_plan(otherwise: Otherwise) -> SortieRig:
     """In the air at A when the only way to do the task is refused."""
     run = SortieRig(mission("F done", skills=[NO_WAY_OUT], otherwise=otherwise))
-    run.vehicle.answers = [(0.0, Failed("denied"))]
+    run.vehicle.payloads.answers = [(0.0, Failed("denied"))]
     run.until(Phase.ENDED)
     assert run.end.exit_code == NoPlanError.exit_code
     assert run.failure.reason.startswith("no plan: task cannot hold from here.")
@@ -447,7 +447,7 @@ def test_otherwise_return_home_flies_home_and_lands_there() -> None:
 def test_when_the_way_home_fails_as_well_it_lands_where_it_is() -> None:
     asked = mission("F done", skills=[NO_WAY_OUT], otherwise=Otherwise.RETURN_HOME)
     run = SortieRig(asked)
-    run.vehicle.answers = [(0.0, Failed("denied"))]
+    run.vehicle.payloads.answers = [(0.0, Failed("denied"))]
     run.until(Phase.TASK)
     while ReturnBegun("H") not in run.events:
         run.step()
@@ -465,7 +465,7 @@ def test_a_search_that_is_given_up_in_flight_leads_to_otherwise(
     """At A it is refused, and the other skill that would do is not found."""
     other = command("other", "at(H)", "done", cost_s=99.0)
     run = SortieRig(mission("F done", skills=[NO_WAY_OUT, other], otherwise=otherwise))
-    run.vehicle.answers = [(0.0, Failed("denied"))]
+    run.vehicle.payloads.answers = [(0.0, Failed("denied"))]
     run.until(Phase.TASK)
     give_up_searches(monkeypatch, "IN_FLIGHT")
     run.until(Phase.ENDED)

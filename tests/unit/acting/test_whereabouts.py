@@ -34,9 +34,9 @@ def blow(vehicle: FakeVehicle, away_m: float) -> None:
 def busy_at_a() -> Rig:
     """The payload takes its time."""
     vehicle = FakeVehicle((0.0, 0.0, 0.0)).take_off(2.0)
-    vehicle.answers = [(30.0, Progress.DONE)]
+    vehicle.payloads.answers = [(30.0, Progress.DONE)]
     rig = Rig(mission("F done", skills=[AT_A]), vehicle=vehicle).begin()
-    rig.run(lambda: bool(vehicle.sent))
+    rig.run(lambda: bool(vehicle.payloads.sent))
     return rig
 
 
@@ -56,7 +56,7 @@ def test_blown_away_from_a_place_it_flies_back_before_it_goes_on() -> None:
     assert str(rig.executive.lasso) == "move(here, A), do, (wait)^w"
     rig.vehicle.is_stuck = False
     rig.run_to_the_end()
-    assert len(rig.vehicle.sent) == 2 and rig.of(SkillCompleted)
+    assert len(rig.vehicle.payloads.sent) == 2 and rig.of(SkillCompleted)
     assert distance(rig.vehicle.state.position, POSITIONS["A"]) < RADIUS_M  # type: ignore[union-attr]
     assert not rig.of(BeliefWithdrawn), "the payload has not failed"
 
@@ -144,8 +144,8 @@ def interrupted_at_a(tree: bool = False) -> SortieRig:
         back = Fallback((Act("do"), Steps((Act("move(*, A)"), Act("do")))))
         asked = replace(asked, task={}, tree=Steps((Act("move(H, A)"), back)))
     run = SortieRig(asked, may_yield=True)
-    run.vehicle.answers = [(30.0, Progress.DONE)]
-    while not run.vehicle.sent:
+    run.vehicle.payloads.answers = [(30.0, Progress.DONE)]
+    while not run.vehicle.payloads.sent:
         run.step()
     return run
 
@@ -173,7 +173,7 @@ def test_what_was_begun_at_a_place_goes_on_there_and_nowhere_else(
     assert run.sortie.resume() is None
     run.vehicle.flown[:] = []
     run.until(Phase.TASK)
-    while len(run.vehicle.sent) < 2:
+    while len(run.vehicle.payloads.sent) < 2:
         run.step()
     assert run.of(PlaceLost) == [PlaceLost("A", distance(ELSEWHERE, POSITIONS["A"]).__round__(1))]
     assert distance(run.position, POSITIONS["A"]) < RADIUS_M

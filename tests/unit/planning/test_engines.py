@@ -77,7 +77,7 @@ def phases(surveillance: Mission, surveillance_routes: LayeredRoutes) -> list[As
     rig.planner.replan = noting_replan  # type: ignore[method-assign]
     start = Asked(*rig.task.problem())
     rig.begin()
-    rig.vehicle.answers = [(2.0, Failed("denied")), (1.0, Progress.DONE)]
+    rig.vehicle.payloads.answers = [(2.0, Failed("denied")), (1.0, Progress.DONE)]
     rig.run_until(PlaceReached, place="A", times=2)
     for _ in range(60):
         rig.tick()

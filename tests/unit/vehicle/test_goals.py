@@ -20,9 +20,9 @@ from autopilot import (
 
 from companion.mavlink.framing import dialect
 from companion.mavlink.px4_modes import custom_mode
+from companion.vehicle.goal_pursuit import ASK_AGAIN_S
 from companion.vehicle.goals import EFFECT_S
 from companion.vehicle.heard_time import QUIET_S
-from companion.vehicle.offboard import ASK_AGAIN_S
 from companion.vehicle.port import Failed, Goal, Mode, Progress, Setpoint, Takeover
 
 SETPOINT = "SET_POSITION_TARGET_LOCAL_NED"
@@ -199,7 +199,7 @@ def test_a_new_goal_ends_the_command_of_the_old_one(meeting: Meeting) -> None:
 def test_a_mode_that_we_did_not_ask_for_ends_all_at_once_and_for_good(meeting: Meeting) -> None:
     in_offboard(meeting)
     meeting.vehicle.fly(AHEAD)
-    meeting.vehicle.send_command(25, dialect.MAV_CMD_USER_1, (1.0,), None)
+    meeting.vehicle.payloads.send(25, dialect.MAV_CMD_USER_1, (1.0,), None)
     meeting.autopilot.mode = "POSCTL"
     meeting.autopilot.is_idle = True
     sent = meeting.run(3.0)

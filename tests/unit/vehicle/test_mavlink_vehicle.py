@@ -202,46 +202,46 @@ def payload(answer: int, target: tuple[int, int] = (1, 191)) -> bytes:
 @pytest.mark.parametrize("target", [(1, 191), (0, 0)])  # to us, or by a sender that names nobody
 def test_a_command_to_a_component_and_its_answer(meeting: Meeting, target: tuple[int, int]) -> None:
     meeting.tick()
-    ticket = meeting.vehicle.send_command(25, USER_1, (1.5, -2.0), None)
+    ticket = meeting.vehicle.payloads.send(25, USER_1, (1.5, -2.0), None)
     (sent,) = of_type(meeting.tick(), "COMMAND_LONG")
     assert (sent.target_system, sent.target_component, sent.command) == (1, 25, USER_1)
     assert [sent.param1, sent.param2, sent.param3, sent.param7] == [1.5, -2.0, 0.0, 0.0]
-    assert meeting.vehicle.command_outcome(ticket) is Progress.RUNNING
+    assert meeting.vehicle.payloads.outcome(ticket) is Progress.RUNNING
     meeting.tick(payload(ACCEPTED, target))
-    assert meeting.vehicle.command_outcome(ticket) is Progress.DONE
+    assert meeting.vehicle.payloads.outcome(ticket) is Progress.DONE
 
 
 def test_a_refusal_is_handed_on_in_words(meeting: Meeting) -> None:
     meeting.tick()
-    ticket = meeting.vehicle.send_command(25, USER_1, (), None)
+    ticket = meeting.vehicle.payloads.send(25, USER_1, (), None)
     meeting.tick(payload(dialect.MAV_RESULT_TEMPORARILY_REJECTED))
-    assert meeting.vehicle.command_outcome(ticket) is Progress.RUNNING
+    assert meeting.vehicle.payloads.outcome(ticket) is Progress.RUNNING
     meeting.tick(payload(dialect.MAV_RESULT_UNSUPPORTED))
-    outcome = meeting.vehicle.command_outcome(ticket)
+    outcome = meeting.vehicle.payloads.outcome(ticket)
     assert outcome == Failed("unsupported")
 
 
 def test_an_answer_to_somebody_else_is_not_ours(meeting: Meeting) -> None:
     meeting.tick()
-    ticket = meeting.vehicle.send_command(25, USER_1, (), None)
+    ticket = meeting.vehicle.payloads.send(25, USER_1, (), None)
     theirs = dialect.MAVLink_command_ack_message(USER_1, ACCEPTED, 0, 0, 255, 190)
     meeting.tick(MavlinkCodec(1, 25).pack(theirs))
     meeting.tick(MavlinkCodec(2, 25).pack(theirs))
-    assert meeting.vehicle.command_outcome(ticket) is Progress.RUNNING
+    assert meeting.vehicle.payloads.outcome(ticket) is Progress.RUNNING
 
 
 def test_a_forgotten_command_is_not_sent_again(meeting: Meeting) -> None:
     meeting.tick()
-    meeting.vehicle.forget_command(meeting.vehicle.send_command(25, USER_1, (), None))
+    meeting.vehicle.payloads.forget(meeting.vehicle.payloads.send(25, USER_1, (), None))
     assert of_type(meeting.run(3.0), "COMMAND_LONG") == []
 
 
 @pytest.mark.parametrize("component", [0, 1, 25])
 def test_a_command_that_moves_the_vehicle_never_leaves(component: int, meeting: Meeting) -> None:
     meeting.tick()
-    ticket = meeting.vehicle.send_command(component, DISARM, (0.0, 21196.0), None)
+    ticket = meeting.vehicle.payloads.send(component, DISARM, (0.0, 21196.0), None)
     assert of_type(meeting.run(1.0), "COMMAND_LONG") == []
-    outcome = meeting.vehicle.command_outcome(ticket)
+    outcome = meeting.vehicle.payloads.outcome(ticket)
     assert isinstance(outcome, Failed)
     assert outcome.reason.startswith("not sent: ")
 

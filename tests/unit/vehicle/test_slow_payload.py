@@ -49,13 +49,13 @@ class Talk:
         self._on_the_way: list[bytes] = []
         meeting.tick()
         self._start_s = meeting.now_s
-        self._ticket = meeting.vehicle.send_command(COMPONENT, USER_1, (), timeout_s)
+        self._ticket = meeting.vehicle.payloads.send(COMPONENT, USER_1, (), timeout_s)
 
     def outcome(self, limit_s: float = 60.0) -> Outcome:
         """What becomes of it."""
         for _ in range(round(limit_s / TICK_S)):
             self._tick()
-            outcome = self._meeting.vehicle.command_outcome(self._ticket)
+            outcome = self._meeting.vehicle.payloads.outcome(self._ticket)
             if outcome is not Progress.RUNNING:
                 return outcome
         raise AssertionError(f"still under way after {limit_s:.0f} s")

@@ -81,7 +81,7 @@ def test_a_belief_that_comes_back_does_not_stop_the_tree() -> None:
     either = Fallback((Act("do"), Act("move(H, A)")))
     steps = Steps((either, Act("move(A, B)")))
     rig = Rig(replace(mission({}, skills=[do]), tree=steps)).begin()
-    rig.vehicle.answers = [(0.1, Failed("denied"))]
+    rig.vehicle.payloads.answers = [(0.1, Failed("denied"))]
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
     assert rig.events[1:] == [
         *(SkillFailed("do", "denied"), BeliefWithdrawn("can_do"), BeliefRestored("can_do")),
@@ -91,7 +91,7 @@ def test_a_belief_that_comes_back_does_not_stop_the_tree() -> None:
 
 def test_a_failure_ends_the_task_in_words() -> None:
     rig = fly(Act("do"), Act("move(H, A)"))
-    rig.vehicle.answers = [(0.1, Failed("denied"))]
+    rig.vehicle.payloads.answers = [(0.1, Failed("denied"))]
     assert rig.run_to_the_end() is TaskStatus.NO_PLAN
     assert rig.events[-1] == WrittenTreeFailed("do failed: denied")
     assert str(rig.executive.failure) == rig.events[-1].text
@@ -100,7 +100,7 @@ def test_a_failure_ends_the_task_in_words() -> None:
 
 def test_a_fallback_takes_what_succeeds_first() -> None:
     rig = fly(Fallback((SEEN, Act("do"), Act("move(H, A)"))), Act("move(H, B)"))
-    rig.vehicle.answers = [(0.1, Progress.DONE)]
+    rig.vehicle.payloads.answers = [(0.1, Progress.DONE)]
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
     assert rig.places == ["B"]
 

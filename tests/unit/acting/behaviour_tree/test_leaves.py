@@ -118,7 +118,7 @@ def test_the_last_effects_of_a_lap_count_it_and_rest_is_not_worth_a_word() -> No
 def test_withdraw_gives_up_what_was_assumed_and_says_why() -> None:
     rig = a_rig()
     rig.task.begin(action(rig, "do"))
-    rig.vehicle.answers = [(0.0, Failed("denied"))]
+    rig.vehicle.payloads.answers = [(0.0, Failed("denied"))]
     left = SendCommand(rig.flight, ASK, None)
     run(rig, left)
     leaf = Withdraw(rig.flight, intention(rig, "do"), left)
@@ -178,11 +178,11 @@ def test_a_symbol_is_grounded_in_parts_while_the_vehicle_holds(
 
 def test_a_command_is_sent_once_and_waited_for_on_hold() -> None:
     rig = a_rig()
-    rig.vehicle.answers = [(1.0, Progress.DONE)]
+    rig.vehicle.payloads.answers = [(1.0, Progress.DONE)]
     leaf = SendCommand(rig.flight, ASK, None)
     assert run(rig, leaf) is Status.SUCCESS
-    assert rig.vehicle.sent == [(PAYLOAD, USER_1, (1.5, -2.0))]
-    assert rig.vehicle.forgotten == [1]
+    assert rig.vehicle.payloads.sent == [(PAYLOAD, USER_1, (1.5, -2.0))]
+    assert rig.vehicle.payloads.forgotten == [1]
     at_home = hold_at(POSITIONS["H"], 0.0)
     assert set(rig.vehicle.flown) == {at_home}
     assert rig.flight.now_s == pytest.approx(1.0, abs=1.5 * TICK_S)
@@ -190,7 +190,7 @@ def test_a_command_is_sent_once_and_waited_for_on_hold() -> None:
 
 def test_a_refused_command_fails_with_the_answer() -> None:
     rig = a_rig()
-    rig.vehicle.answers = [(0.0, Failed("denied"))]
+    rig.vehicle.payloads.answers = [(0.0, Failed("denied"))]
     leaf = SendCommand(rig.flight, ASK, None)
     assert tick(rig, leaf) is Status.FAILURE
     assert leaf.feedback_message == "denied"
@@ -198,23 +198,23 @@ def test_a_refused_command_fails_with_the_answer() -> None:
 
 def test_a_command_without_a_final_answer_fails_at_its_timeout() -> None:
     rig = a_rig()
-    rig.vehicle.answers = [(0.0, Progress.RUNNING)]
+    rig.vehicle.payloads.answers = [(0.0, Progress.RUNNING)]
     start_s = later(rig)
     leaf = SendCommand(rig.flight, ASK, timeout_s=3.0)
     assert run(rig, leaf) is Status.FAILURE
     assert leaf.feedback_message == "no final answer in 3 s"
     assert rig.flight.now_s - start_s == pytest.approx(3.0, abs=3 * TICK_S)
-    assert rig.vehicle.forgotten == [1]
+    assert rig.vehicle.payloads.forgotten == [1]
 
 
 def test_an_interrupted_command_is_not_asked_for_any_longer() -> None:
     rig = a_rig()
-    rig.vehicle.answers = [(9.0, Progress.DONE)]
+    rig.vehicle.payloads.answers = [(9.0, Progress.DONE)]
     leaf = SendCommand(rig.flight, ASK, None)
     assert tick(rig, leaf) is Status.RUNNING
     leaf.stop(Status.INVALID)
     leaf.stop(Status.INVALID)
-    assert rig.vehicle.forgotten == [1]
+    assert rig.vehicle.payloads.forgotten == [1]
 
 
 def test_rest_holds_for_its_time() -> None:

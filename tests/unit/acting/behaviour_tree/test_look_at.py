@@ -117,7 +117,7 @@ def tree_of(rig: Rig, name: str = "photo") -> Behaviour:
 def test_a_command_is_sent_when_the_vehicle_looks_there() -> None:
     rig = Rig(asked(looking(command("photo").execute)))
     tree = tree_of(rig)
-    while not rig.vehicle.sent:
+    while not rig.vehicle.payloads.sent:
         tick(rig, tree)
     assert rig.vehicle.state is not None
     assert error_rad(rig.vehicle.state.yaw_rad, WEST) <= HEADING_TOLERANCE_RAD

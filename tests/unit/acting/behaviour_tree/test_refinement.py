@@ -98,7 +98,7 @@ def test_steps_are_done_one_after_the_other() -> None:
     lasso = Lasso((action,), (next(iter(rig.planner.model.actions)),))
     rig.executive._adopt(lasso, ExecutiveState.EXECUTING)
     rig.run_until(SkillCompleted, action="shoot(H, A)")
-    assert [sent[1] for sent in rig.vehicle.sent] == [31010, 31010]
+    assert [sent[1] for sent in rig.vehicle.payloads.sent] == [31010, 31010]
 
 
 def test_steps_have_one_time_limit_together() -> None:
@@ -183,7 +183,7 @@ def test_a_belief_comes_back_after_its_time_and_the_plan_changes_at_the_next_pla
     short = replace(command("short", "at(A)", "done"), retry_after_s=10.0)
     asked = mission("(G F done) | (G F at(A) & G F at(B))", skills=[short])
     rig = Rig(asked).begin()
-    rig.vehicle.answers = [(0.5, Failed("denied"))]
+    rig.vehicle.payloads.answers = [(0.5, Failed("denied"))]
     rig.run_until(BeliefWithdrawn, belief="can_short")
     withdrawn_s = rig.flight.now_s
     rig.run_until(BeliefRestored, belief="can_short")
@@ -199,7 +199,7 @@ def test_an_event_restores_beliefs_by_their_predicate() -> None:
         "F done | (G F at(A) & G F at(B))", skills=[command("do", "at(A)", "done")], events=[again]
     )
     rig = Rig(asked).begin()
-    rig.vehicle.answers = [(0.5, Failed("denied"))]
+    rig.vehicle.payloads.answers = [(0.5, Failed("denied"))]
     rig.run_until(BeliefWithdrawn, belief="can_do")
     rig.tick(reading("again"))
     assert BeliefRestored("can_do") in rig.events
@@ -232,6 +232,10 @@ def test_what_is_denied_while_there_is_still_hope_is_not_asked_for_ever() -> Non
     """Three refusals in a row, each ten seconds after the other: one command each."""
     short = replace(command("short", "at(A)", "done"), retry_after_s=10.0)
     rig = Rig(mission("F done | (G F at(A) & G F at(B))", skills=[short])).begin()
-    rig.vehicle.answers = [(0.1, Failed("denied")), (0.1, Failed("denied")), (0.1, Progress.DONE)]
+    rig.vehicle.payloads.answers = [
+        (0.1, Failed("denied")),
+        (0.1, Failed("denied")),
+        (0.1, Progress.DONE),
+    ]
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
-    assert len(rig.vehicle.sent) == 3
+    assert len(rig.vehicle.payloads.sent) == 3

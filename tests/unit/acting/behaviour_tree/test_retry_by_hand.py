@@ -38,7 +38,7 @@ def fly(*nodes: Tree, skills: tuple[Skill, ...] = (DO,), answers: object = ()) -
     again = replace(event("again"), restores=frozenset({"can_do"}))
     made = mission({}, skills=skills, events=[event("seen"), again])
     rig = Rig(replace(made, tree=Steps(nodes))).begin()
-    rig.vehicle.answers = list(answers)  # type: ignore[call-overload]
+    rig.vehicle.payloads.answers = list(answers)  # type: ignore[call-overload]
     return rig
 
 
@@ -53,7 +53,7 @@ def retry(times: int, *nodes: Tree) -> Retry:
 def test_a_skill_that_assumes_something_is_tried_so_often(times: int) -> None:
     rig = fly(retry(times, Act("do")), answers=[DENIED] * 9)
     assert rig.run_to_the_end() is TaskStatus.NO_PLAN
-    assert len(rig.vehicle.sent) == times
+    assert len(rig.vehicle.payloads.sent) == times
     assert rig.of(SkillFailed) == [SkillFailed("do", "denied")] * times
     assert rig.of(BeliefWithdrawn) == [BeliefWithdrawn("can_do")]
     assert rig.events[-2] == BeliefWithdrawn("can_do")
@@ -70,14 +70,14 @@ def test_a_try_that_succeeds_leaves_the_belief() -> None:
 def test_the_tries_of_a_skill_are_counted_within_each_of_the_retry(tries: int, times: int) -> None:
     rig = fly(retry(times, Act("do")), skills=(replace(DO, tries=tries),), answers=[DENIED] * 19)
     rig.run_to_the_end()
-    assert len(rig.vehicle.sent) == tries * times
+    assert len(rig.vehicle.payloads.sent) == tries * times
     assert len(rig.of(SkillFailed)) == times
 
 
 def test_a_retry_in_a_retry_gives_up_with_the_last_of_all_tries() -> None:
     rig = fly(retry(2, retry(3, Act("do"))), answers=[DENIED] * 19)
     rig.run_to_the_end()
-    assert len(rig.vehicle.sent) == 6
+    assert len(rig.vehicle.payloads.sent) == 6
     assert len(rig.of(BeliefWithdrawn)) == 1
 
 
@@ -85,7 +85,7 @@ def test_a_retry_that_begins_anew_has_all_of_its_tries() -> None:
     answers = [DENIED, DONE, DENIED, DONE, DENIED, DENIED]
     rig = fly(Repeat(Steps((retry(2, Act("do")),)), None), answers=answers)
     assert rig.run_to_the_end() is TaskStatus.NO_PLAN
-    assert len(rig.vehicle.sent) == 6
+    assert len(rig.vehicle.payloads.sent) == 6
     assert len(rig.of(BeliefWithdrawn)) == 1
 
 
@@ -154,7 +154,7 @@ def test_a_flight_that_something_else_has_followed_does_not_begin_again() -> Non
     """A retry goes on with a flight only as long as no position was reached since."""
     rig = stuck(retry(2, Fallback((retry(2, Act("move(H, A)")), Act("move(here, B)"))), Act("do")))
     rig.vehicle.change(position=POSITIONS["B"])
-    rig.vehicle.answers = [DENIED]
+    rig.vehicle.payloads.answers = [DENIED]
     assert rig.run_to_the_end() is TaskStatus.NO_PLAN
     assert rig.task.facts == facts_of("at(B)")
     assert [e.action for e in rig.of(PlaceReached)] == ["move(here, B)"]
@@ -210,7 +210,7 @@ LEAVE = replace(command("leave", "", "left"), execute=(Charge(10), TakeOff()))
 
 def test_a_skill_that_fails_on_the_ground_is_tried_again_in_the_air() -> None:
     rig, sortie = on_the_ground(retry(2, Act("dock(H, A)")), Act("leave"), skills=(DOCK, LEAVE))
-    rig.vehicle.answers = [DENIED, DONE]
+    rig.vehicle.payloads.answers = [DENIED, DONE]
     until_the_end(rig, sortie)
     assert sortie.failure is None
     told = [s.event for s in rig.flight.reports]
@@ -222,7 +222,7 @@ def test_a_skill_that_fails_on_the_ground_is_tried_again_in_the_air() -> None:
 def test_what_follows_a_failure_on_the_ground_begins_in_the_air() -> None:
     either = Fallback((Act("dock(H, A)"), Act("move(*, B)")))
     rig, sortie = on_the_ground(either, skills=(DOCK, LEAVE))
-    rig.vehicle.answers = [DENIED]
+    rig.vehicle.payloads.answers = [DENIED]
     until_the_end(rig, sortie)
     assert sortie.failure is None
     assert PlaceReached("B", "move(here, B)") in [s.event for s in rig.flight.reports]
@@ -231,10 +231,10 @@ def test_what_follows_a_failure_on_the_ground_begins_in_the_air() -> None:
 def test_a_skill_that_begins_on_the_ground_is_tried_again_there() -> None:
     ask = replace(LEAVE, execute=(Command(25, 31010, "MAV_CMD_USER_1", ()), TakeOff()))
     rig, sortie = on_the_ground(Act("dock(H, A)"), retry(3, Act("leave")), skills=(DOCK, ask))
-    rig.vehicle.answers = [DONE, DENIED, DENIED, DONE]
+    rig.vehicle.payloads.answers = [DONE, DENIED, DENIED, DONE]
     until_the_end(rig, sortie)
     assert sortie.failure is None
-    assert len(rig.vehicle.sent) == 4
+    assert len(rig.vehicle.payloads.sent) == 4
     told = [s.event for s in rig.flight.reports]
     assert (told.count(VehicleLanded()), told.count(VehicleAirborne())) == (1, 1)
 
@@ -255,7 +255,7 @@ def test_a_pause_is_no_failed_try_and_the_command_is_sent_anew() -> None:
     rig.tick()
     pause(rig, 5.0)
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
-    assert len(rig.vehicle.sent) == 3
+    assert len(rig.vehicle.payloads.sent) == 3
     assert len(rig.of(SkillFailed)) == 1
 
 
@@ -297,7 +297,7 @@ def test_a_timeout_around_a_retry_on_the_ground_ends_all_of_its_tries() -> None:
     limited = Timeout(Steps((retry(3, Act("leave")),)), 5.0)
     nodes = (Act("dock(H, A)"), Fallback((limited, Act("move(*, B)"))))
     rig, sortie = on_the_ground(*nodes, skills=(DOCK, slow))
-    rig.vehicle.answers = [DONE, (0.0, Progress.RUNNING)]
+    rig.vehicle.payloads.answers = [DONE, (0.0, Progress.RUNNING)]
     until_the_end(rig, sortie)
     assert sortie.failure is None
     told = [s.event for s in rig.flight.reports]

@@ -102,7 +102,7 @@ def test_an_executive_that_is_stopped_has_a_tree_that_does_nothing() -> None:
 
 def test_a_leaf_that_fails_says_why() -> None:
     rig = Rig(mission("F done", skills=[move(), command("do", "at(H)", "done")]))
-    rig.vehicle.answers = [(0.0, Failed("denied"))]
+    rig.vehicle.payloads.answers = [(0.0, Failed("denied"))]
     rig.executive.plan()
     for _ in range(3):
         rig.pass_time()

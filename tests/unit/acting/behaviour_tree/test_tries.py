@@ -32,13 +32,13 @@ def made_of(*steps: object, **more: object) -> Skill:
 
 def begin(*skills: Skill, answers: object = ()) -> Rig:
     rig = Rig(mission("F done", skills=skills)).begin()
-    rig.vehicle.answers = list(answers)  # type: ignore[call-overload]
+    rig.vehicle.payloads.answers = list(answers)  # type: ignore[call-overload]
     return rig
 
 
 def sent(rig: Rig) -> list[float]:
     """The first parameters of the commands, in order."""
-    return [parameters[0] for _, _, parameters in rig.vehicle.sent]
+    return [parameters[0] for _, _, parameters in rig.vehicle.payloads.sent]
 
 
 # -- how often -------------------------------------------------------------------------------------
@@ -48,7 +48,7 @@ def sent(rig: Rig) -> list[float]:
 def test_a_command_is_tried_so_often_and_then_its_belief_is_given_up(tries: int) -> None:
     rig = begin(made_of(PHOTO, tries=tries), answers=[DENIED] * 9)
     assert rig.run_to_the_end() is TaskStatus.NO_PLAN
-    assert len(rig.vehicle.sent) == tries
+    assert len(rig.vehicle.payloads.sent) == tries
     assert rig.of(SkillFailed) == [SkillFailed("do", "denied")]
     assert rig.of(BeliefWithdrawn) == [BeliefWithdrawn("can_do")]
 
@@ -56,7 +56,7 @@ def test_a_command_is_tried_so_often_and_then_its_belief_is_given_up(tries: int)
 def test_a_try_that_succeeds_is_the_last_and_nothing_has_failed() -> None:
     rig = begin(made_of(PHOTO, tries=3), answers=[DENIED, DONE])
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
-    assert len(rig.vehicle.sent) == 2
+    assert len(rig.vehicle.payloads.sent) == 2
     assert rig.of(SkillFailed) == []
     assert rig.task.withdrawn == frozenset()
 
@@ -86,7 +86,7 @@ def test_a_place_that_was_reached_is_flown_to_at_the_same_waypoint_again() -> No
     """The payload has refused; the flight has not failed."""
     rig = begin(look(tries=3), answers=[DENIED, DENIED, DONE])
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
-    assert len(rig.vehicle.sent) == 3
+    assert len(rig.vehicle.payloads.sent) == 3
     assert rig.of(SymbolMoved) == []
 
 
@@ -137,7 +137,7 @@ def test_a_command_among_steps_may_take_all_of_the_skills_time(
     outer = made_of(PHOTO, Do("shoot", ()), timeout_s=outer_s)
     rig = begin(outer, replace(inner, assumes=()))
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
-    assert rig.vehicle.patience == expected
+    assert rig.vehicle.payloads.patience == expected
 
 
 # -- landings --------------------------------------------------------------------------------------
@@ -151,7 +151,7 @@ def dock(*steps: object, tries: int) -> Rig:
 
 def test_another_try_of_a_landing_begins_in_the_air() -> None:
     rig = dock(Fly("to"), Land(), PHOTO, TakeOff(), tries=3)
-    rig.vehicle.answers = [DENIED, DONE]
+    rig.vehicle.payloads.answers = [DENIED, DONE]
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
     assert rig.of(SkillFailed) == []
     assert len(rig.of(VehicleLanded)) == len(rig.of(VehicleAirborne)) == 2
@@ -174,7 +174,7 @@ def test_what_began_on_the_ground_and_has_taken_off_is_not_tried_again() -> None
     leave = replace(leave, is_planned=False)
     rig = begin(made_of(Land(), Do("leave", ())), leave, answers=[DENIED] * 9)
     rig.run_until(SkillFailed, reason="not tried again: it began on the ground, and is in the air")
-    assert len(rig.vehicle.sent) == 1
+    assert len(rig.vehicle.payloads.sent) == 1
     assert rig.vehicle.pursued.count(Goal.LANDED) == 1
 
 
@@ -221,7 +221,9 @@ def test_any_refinement_does_what_the_reference_does(node: object, outcomes: lis
     endless = iter([*outcomes, *[True] * 500])
     is_done = tried(node if isinstance(node, tuple) else (1, [node]), endless, log)
     rig = begin(*skills_of(node, "do"))
-    rig.vehicle.answers = [(0.0, Progress.DONE if o else Failed("denied")) for o in outcomes]
+    rig.vehicle.payloads.answers = [
+        (0.0, Progress.DONE if o else Failed("denied")) for o in outcomes
+    ]
     rig.run(lambda: bool(rig.of(SkillCompleted) or rig.of(SkillFailed)))
-    assert len(rig.vehicle.sent) == len(log)
+    assert len(rig.vehicle.payloads.sent) == len(log)
     assert bool(rig.of(SkillCompleted)) == is_done

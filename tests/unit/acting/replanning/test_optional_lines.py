@@ -185,7 +185,7 @@ def test_there_is_no_hope_in_what_helps_an_optional_line_alone() -> None:
     lines = {"look": "F seen", "far": "G (rain -> F at(B))"}
     look = command("look", "at(A) & !at(B)", "seen")
     rig = Rig(mission(lines, skills=[look], events=[RAIN], priorities={"far": 1})).begin()
-    rig.vehicle.answers = [(1.0, Failed("denied"))]
+    rig.vehicle.payloads.answers = [(1.0, Failed("denied"))]
     rig.tick(reading("rain"))
     rig.run(lambda: rig.executive.status is TaskStatus.NO_PLAN)
     assert not rig.of(PlanAwaited)
@@ -196,7 +196,7 @@ def test_what_is_tried_in_vain_for_an_optional_line_does_not_end_the_mission() -
     lines = {"near": "F at(A) & F at(H)", "look": "F seen"}
     look = skill("look", Command(25, 31010, "MAV_CMD_USER_1", ()), "", "at(H)", (), "seen")
     rig = Rig(mission(lines, skills=[look], priorities={"look": 1})).begin()
-    rig.vehicle.answers = [(0.1, Failed("denied"))] * 50
+    rig.vehicle.payloads.answers = [(0.1, Failed("denied"))] * 50
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
     assert rig.of(LineDropped)[-1] == LineDropped("look", LED_NOWHERE)
     assert places(rig) == ["A", "H"]

@@ -122,7 +122,7 @@ def test_a_violation_is_not_waited_for() -> None:
 def test_a_change_that_would_give_no_plan_either_is_no_hope() -> None:
     """The payload has refused for good, whether A is covered or not."""
     rig = Rig(patrol()).begin()
-    rig.vehicle.answers = [(1.0, Failed("denied"))]
+    rig.vehicle.payloads.answers = [(1.0, Failed("denied"))]
     rig.run_until(PlaceReached, place="A")
     rig.tick(reading("covered", 0.0))
     rig.run(lambda: rig.executive.status is TaskStatus.NO_PLAN, limit_s=3.0)
@@ -132,10 +132,10 @@ def test_a_change_that_would_give_no_plan_either_is_no_hope() -> None:
 def test_a_belief_with_a_return_is_waited_for() -> None:
     asked = mission("F seen", skills=[replace(CLEAR_A, retry_after_s=10.0)], events=[COVERED])
     rig = Rig(asked).begin()
-    rig.vehicle.answers = [(1.0, Failed("denied"))]
+    rig.vehicle.payloads.answers = [(1.0, Failed("denied"))]
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
     assert rig.one(PlanAwaited).hopes == "can_look"
-    assert len(rig.vehicle.sent) == 2
+    assert len(rig.vehicle.payloads.sent) == 2
 
 
 def test_an_operator_may_pause_and_go_on_meanwhile() -> None:

@@ -157,7 +157,7 @@ def test_what_the_map_changes_in_beliefs_is_handed_on_as_it_is_reported() -> Non
 
 def test_what_was_refused_is_not_believed_again_because_of_a_way() -> None:
     rig = Rig(mission("F did", skills=[command("do", "at(A)", "did")])).begin()
-    rig.vehicle.answers = [(0.0, Failed("denied"))]
+    rig.vehicle.payloads.answers = [(0.0, Failed("denied"))]
     rig.run_until(BeliefWithdrawn, belief="can_do")
     before = rig.task.withdrawn
     for walled_in in (("B",), ()):

@@ -1,0 +1,132 @@
+"""Pursues one goal of the vehicle after the other (`goals.py`), by commands to its autopilot.
+
+A command that was accepted without effect is sent again after a pause. While nothing is heard of
+the autopilot no command is sent, and no goal's time passes.
+"""
+
+from __future__ import annotations
+
+from companion.mavlink.commands import CommandSender
+from companion.mavlink.framing import Message
+from companion.vehicle.goals import APPROACHES, Pursuit
+from companion.vehicle.port import Failed, Goal, Mode, Outcome, Progress, VehicleState
+from companion.vehicle.services import Moment
+from companion.vehicle.telemetry import Telemetry
+from companion.vehicle.wire import AUTOPILOT, COMPONENT, Wire
+
+ASK_AGAIN_S = 2.0
+"""Pause before a command that was accepted without effect is sent again."""
+
+
+class GoalPursuit:
+    """The goal that is pursued; a service of the vehicle.
+
+    Args:
+        wire: whose system it is.
+        telemetry: what its autopilot says.
+        takeoff_up_m: altitude above home to take off to.
+    """
+
+    wanted = frozenset({"COMMAND_ACK"})
+    needs_control = True
+
+    def __init__(self, wire: Wire, telemetry: Telemetry, takeoff_up_m: float) -> None:
+        self._wire = wire
+        self._telemetry = telemetry
+        self._takeoff_up_m = takeoff_up_m
+        self._commands = CommandSender()
+        self._pursuit: Pursuit | None = None
+        self._first_mode: Mode | None = None
+
+    @property
+    def goal(self) -> Goal | None:
+        """What is pursued, or was reached last; None before the first one."""
+        return self._pursuit.goal if self._pursuit is not None else None
+
+    def pursue(self, goal: Goal, state: VehicleState, moment: Moment) -> Outcome:
+        """Works towards a goal; the caller asks in every tick until it is reached or has failed."""
+        approach, pursuit = APPROACHES[goal], self._pursuit
+        if pursuit is None or pursuit.goal is not goal or pursuit.has_failed:
+            self._end_command()
+            allowed = approach.passes | {state.mode}
+            self._first_mode = self._first_mode or state.mode
+            pursuit = Pursuit(goal, allowed, state.mode, moment.heard_s)
+            self._pursuit = pursuit
+        if state.is_mode_known(moment.now_s) and approach.is_reached(state):
+            self._end_command()
+            if approach.keeps is not None:
+                pursuit.allowed = approach.keeps
+            return Progress.DONE
+        failure = self._ask(pursuit, state, moment)
+        pursuit.has_failed = failure is not None
+        return failure or Progress.RUNNING
+
+    def admits(self, mode: Mode, is_armed: bool) -> bool:
+        """Takes a mode that was heard; whether it means that nobody has taken control."""
+        pursuit = self._pursuit
+        return pursuit is None or pursuit.admits(mode, is_armed, self._first_mode)
+
+    def _ask(self, pursuit: Pursuit, state: VehicleState, moment: Moment) -> Failed | None:
+        """Sends the goal's command when it is time to, unless the goal has failed."""
+        approach = APPROACHES[pursuit.goal]
+        heard_s = moment.heard_s
+        elapsed_s = heard_s - pursuit.start_s
+        if overdue_s := pursuit.overdue_s(heard_s, state.mode):
+            return self._failed(pursuit.goal, f" after {overdue_s:.0f} s", moment)
+        if not state.is_mode_known(moment.now_s):
+            return None
+        if approach.needs_arming and not state.is_armed:
+            return self._failed(pursuit.goal, ": disarmed", moment)
+        if state.mode in approach.underway:
+            self._end_command()  # it has had its effect
+            return None
+        if elapsed_s < approach.lead_s:
+            return None
+        asked = APPROACHES[Goal.HOLDING] if state.mode in approach.leaves else approach
+        if asked is not pursuit.asked:
+            self._end_command()
+            pursuit.asked = asked
+        if pursuit.ticket is not None:
+            exchange = self._commands[pursuit.ticket]
+            if exchange.has_failed:
+                return self._failed(pursuit.goal, f": {exchange.in_words}", moment)
+            if not exchange.result or heard_s < exchange.next_send_s + ASK_AGAIN_S:
+                return None
+            self._end_command()
+        takeoff_altitude_m = self._telemetry.frame.altitude_m + self._takeoff_up_m
+        parameters = asked.parameters(takeoff_altitude_m)
+        target = (self._wire.system, AUTOPILOT)
+        pursuit.ticket = self._commands.start(heard_s, target, asked.command, parameters)
+        return None
+
+    def _failed(self, goal: Goal, why: str, moment: Moment) -> Failed:
+        """A failure with what the autopilot said lately."""
+        words = self._telemetry.words
+        is_arming = goal is Goal.ARMED
+        said = (words.why_not_armed if is_arming else words.lately)(moment.now_s)
+        texts = f" (autopilot: {'; '.join(said)})" if said else ""
+        return Failed(f"not {goal.value}{why}{texts}")
+
+    def _end_command(self) -> None:
+        if self._pursuit is not None and self._pursuit.ticket is not None:
+            self._commands.forget(self._pursuit.ticket)
+            self._pursuit.ticket = None
+
+    # -- services.Service ----------------------------------------------------------------------
+
+    def step(self, moment: Moment) -> None:
+        """Goals are worked towards when they are pursued."""
+
+    def take(self, moment: Moment, message: Message) -> None:
+        """Takes an answer to us."""
+        if message.target_component in (0, COMPONENT):
+            self._commands.receive(moment.heard_s, message)
+
+    def due(self, moment: Moment) -> list[Message]:
+        """The command to send now."""
+        return [] if moment.is_quiet else self._commands.due(moment.heard_s)
+
+    def release(self) -> None:
+        """Asks for nothing any longer."""
+        self._pursuit = None
+        self._commands = CommandSender()

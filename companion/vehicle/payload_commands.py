@@ -1,0 +1,78 @@
+"""The commands of skills to payloads, over MAVLink.
+
+1. A command passes the rules of `mavlink/payload_commands.py`, or it is never sent.
+2. While nothing is heard of the autopilot no command is sent, and no command's time passes.
+
+Source: https://mavlink.io/en/services/command.html.
+"""
+
+from __future__ import annotations
+
+from companion.mavlink.commands import CommandSender
+from companion.mavlink.framing import Message
+from companion.mavlink.payload_commands import why_not_sent
+from companion.outcomes import Refusal
+from companion.vehicle.port import Failed, Outcome, Progress
+from companion.vehicle.services import Moment
+from companion.vehicle.wire import COMPONENT, Wire
+
+
+class PayloadCommands:
+    """Fulfils `port.Payloads`, and is a service of the vehicle.
+
+    Args:
+        wire: whose system the payloads belong to.
+    """
+
+    wanted = frozenset({"COMMAND_ACK"})
+    needs_control = True
+
+    def __init__(self, wire: Wire) -> None:
+        self._wire = wire
+        self._commands = CommandSender()
+        self._heard_s = 0.0
+
+    # -- port.Payloads -------------------------------------------------------------------------
+
+    def send(
+        self, component: int, command: int, parameters: tuple[float, ...], timeout_s: float | None
+    ) -> int:
+        """Starts a skill's command if payloads take it; returns its ticket."""
+        p1, p2, p3, p4, p5, p6, p7 = (*parameters, *[0.0] * (7 - len(parameters)))
+        target = (self._wire.system, component)
+        ticket = self._commands.start(
+            self._heard_s, target, command, (p1, p2, p3, p4, p5, p6, p7), timeout_s
+        )
+        if why_not := why_not_sent(component, command):
+            self._commands.refuse(ticket, Refusal(f"not sent: {why_not}"))
+        return ticket
+
+    def outcome(self, ticket: int) -> Outcome:
+        """How far the command of a ticket has come."""
+        exchange = self._commands[ticket]
+        if exchange.has_failed:
+            return Failed(exchange.in_words)
+        return Progress.DONE if exchange.result else Progress.RUNNING
+
+    def forget(self, ticket: int) -> None:
+        """Asks for a command no longer."""
+        self._commands.forget(ticket)
+
+    # -- services.Service ----------------------------------------------------------------------
+
+    def step(self, moment: Moment) -> None:
+        """Time has passed."""
+        self._heard_s = moment.heard_s
+
+    def take(self, moment: Moment, message: Message) -> None:
+        """Takes an answer to us."""
+        if message.target_component in (0, COMPONENT):
+            self._commands.receive(moment.heard_s, message)
+
+    def due(self, moment: Moment) -> list[Message]:
+        """The commands to send now."""
+        return [] if moment.is_quiet else self._commands.due(moment.heard_s)
+
+    def release(self) -> None:
+        """Asks for nothing any longer."""
+        self._commands = CommandSender()
