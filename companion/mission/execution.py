@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from companion.documents import did_you_mean
 from companion.errors import FormulaError
@@ -18,27 +19,20 @@ from companion.mission.conditions import command_number
 from companion.mission.model import Charge, Command, Do, Execution, Fly, Land, TakeOff, Wait
 
 FLOAT32_MAX = 3.4028234e38  # MAVLink carries command parameters as IEEE 754 single precision
-FORMS = {
-    "fly": "fly(parameter)",
-    "command": "command(component, MAV_CMD_NAME, param1, ... param7)",
-    "wait": "wait(seconds)",
-    "land": "land()",
-    "charge": "charge(percent)",
-    "take_off": "take_off()",
-}
-"""What `execute` may be."""
-
-_COUNTS = {
-    "fly": (1, 1),
-    "command": (2, 9),
-    "wait": (1, 1),
-    "land": (0, 0),
-    "charge": (1, 1),
-    "take_off": (0, 0),
-}
-"""Fewest and most arguments."""
 
 _CALL = re.compile(r"\s*(?P<verb>\w+)\s*\((?P<arguments>[^()]*)\)\s*", re.ASCII)
+
+
+class _Known(NamedTuple):
+    """The names that a step may use.
+
+    Attributes:
+        parameters: names of the skill's parameters.
+        components: name -> MAVLink component id.
+    """
+
+    parameters: Collection[str]
+    components: Mapping[str, int]
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,29 +66,21 @@ def parse_execution(
             command that no skill may send to the component (`mavlink/payload_commands.py`).
     """
     match = _CALL.fullmatch(text)
-    forms = ", ".join(FORMS.values())
+    forms = ", ".join(kind.form for kind in KINDS.values())
     if match is None:
         raise FormulaError("not something to execute", text, 0, len(text), f"write {forms}")
     verb = match["verb"]
     arguments = list(_arguments(match))
     if verb in skills:
         return Do(verb, tuple(argument.word for argument in arguments))
-    if verb not in FORMS:
-        hint = f"write {forms}. {did_you_mean(verb, [*FORMS, *skills])}".rstrip()
+    kind = KINDS.get(verb)
+    if kind is None:
+        hint = f"write {forms}. {did_you_mean(verb, [*KINDS, *skills])}".rstrip()
         raise FormulaError(f"unknown primitive {verb}", text, match.start("verb"), len(verb), hint)
-    least, most = _COUNTS[verb]
-    if not least <= len(arguments) <= most:
+    if not kind.fewest <= len(arguments) <= kind.most:
         what = f"{verb} has {len(arguments)} arguments"
-        raise FormulaError(what, text, match.start("verb"), len(verb), f"write {FORMS[verb]}")
-    if verb == "fly":
-        return _fly(arguments[0], parameters)
-    if verb == "wait":
-        return Wait(_duration_s(arguments[0]))
-    if verb == "charge":
-        return Charge(_percent(arguments[0]))
-    if verb in ("land", "take_off"):
-        return Land() if verb == "land" else TakeOff()
-    return _command(arguments, components)
+        raise FormulaError(what, text, match.start("verb"), len(verb), f"write {kind.form}")
+    return kind.read(arguments, _Known(parameters, components))
 
 
 def _arguments(match: re.Match[str]) -> Iterator[_Argument]:
@@ -107,7 +93,8 @@ def _arguments(match: re.Match[str]) -> Iterator[_Argument]:
         offset += len(part) + 1
 
 
-def _fly(place: _Argument, parameters: Collection[str]) -> Fly:
+def _fly(arguments: list[_Argument], known: _Known) -> Fly:
+    (place,), parameters = arguments, known.parameters
     if place.word not in parameters:
         listing = f"parameters are {', '.join(parameters)}." if parameters else "it has none."
         hint = f"{listing} {did_you_mean(place.word, parameters)}".rstrip()
@@ -115,13 +102,9 @@ def _fly(place: _Argument, parameters: Collection[str]) -> Fly:
     return Fly(place.word)
 
 
-def _command(arguments: list[_Argument], components: Mapping[str, int]) -> Command:
+def _command(arguments: list[_Argument], known: _Known) -> Command:
     component, command, *numbers = arguments
-    if component.word not in components:
-        listing = ", ".join(components) or "none yet"
-        hint = f"components are {listing}. {did_you_mean(component.word, components)}".rstrip()
-        raise component.error(f"unknown component {component.word}", hint)
-    addressee = components[component.word]
+    addressee = _addressee(component, known)
     number = command_number(command.word, command.text, command.offset)
     if why_not := why_not_sent(addressee, number):
         raise command.error(
@@ -136,6 +119,16 @@ def _command(arguments: list[_Argument], components: Mapping[str, int]) -> Comma
         name=command.word,
         parameters=tuple(_number(argument) for argument in numbers),
     )
+
+
+def _addressee(component: _Argument, known: _Known) -> int:
+    """The id of a component that is named."""
+    components = known.components
+    if component.word not in components:
+        listing = ", ".join(components) or "none yet"
+        hint = f"components are {listing}. {did_you_mean(component.word, components)}".rstrip()
+        raise component.error(f"unknown component {component.word}", hint)
+    return components[component.word]
 
 
 def _duration_s(argument: _Argument) -> float:
@@ -160,3 +153,29 @@ def _number(argument: _Argument) -> float:
     if not abs(number) <= FLOAT32_MAX:  # not a number compares as false
         raise argument.error(f"{argument.word or 'nothing'} is not a number", "write e.g. 1.5")
     return number
+
+
+class StepKind(NamedTuple):
+    """A kind of step.
+
+    Attributes:
+        form: how it is written.
+        fewest, most: numbers of arguments.
+        read: makes the step of its arguments.
+    """
+
+    form: str
+    fewest: int
+    most: int
+    read: Callable[[list[_Argument], _Known], Execution]
+
+
+KINDS = {
+    "fly": StepKind("fly(parameter)", 1, 1, _fly),
+    "command": StepKind("command(component, MAV_CMD_NAME, param1, ... param7)", 2, 9, _command),
+    "wait": StepKind("wait(seconds)", 1, 1, lambda given, _: Wait(_duration_s(given[0]))),
+    "land": StepKind("land()", 0, 0, lambda *_: Land()),
+    "charge": StepKind("charge(percent)", 1, 1, lambda given, _: Charge(_percent(given[0]))),
+    "take_off": StepKind("take_off()", 0, 0, lambda *_: TakeOff()),
+}
+"""What `execute` may be."""
