@@ -26,13 +26,13 @@ from sitl.flight.local_frame import LocalFrame
 from sitl.flight.physics import FlightState, Physics
 from sitl.flight.sensors import Sensors
 from sitl.link.autopilot_component import AUTOPILOT, AutopilotComponent, Outgoing
+from sitl.link.component_sender import OnboardComponent, PackedMessage
 from sitl.link.disturbance import Disturbance
+from sitl.link.marker_camera import MarkerCameraComponent
 from sitl.link.onboard_components import (
     DetectorComponent,
     LidarComponent,
-    OnboardComponent,
     OperatorComponent,
-    PackedMessage,
     PayloadComponent,
 )
 from sitl.link.routing import LinkName, Router, target
@@ -100,9 +100,10 @@ class Simulation:
             self._estimator,
             self._autopilot,
             Random(f"lidar {seed}"),
+            seed,
         )
         self.event_log = self._world.event_log
-        self._on_board = _onboard_components(system, self._world, scenario)
+        self._on_board = _onboard_components(system, self._world, scenario, self._vehicle)
         addresses = [(system, AUTOPILOT), *(each.address for each in self._on_board)]
         self._local = frozenset(addresses)
         self._refusals = scenario.arming_refusals
@@ -289,7 +290,9 @@ def _physics(scenario: Scenario, airframe: Airframe, seed: int) -> Physics:
     )
 
 
-def _onboard_components(system: int, world: World, scenario: Scenario) -> list[OnboardComponent]:
+def _onboard_components(
+    system: int, world: World, scenario: Scenario, vehicle: SimulatedVehicle
+) -> list[OnboardComponent]:
     components: list[OnboardComponent] = []
     if world.detector:
         components.append(DetectorComponent(system, world.detector))
@@ -297,6 +300,8 @@ def _onboard_components(system: int, world: World, scenario: Scenario) -> list[O
         components.append(PayloadComponent(system, world.payload))
     if world.lidar:
         components.append(LidarComponent(system, world.lidar))
+    if world.marker_camera:
+        components.append(MarkerCameraComponent(system, world.marker_camera, vehicle))
     if any(kind == "operator" for event in scenario.events for kind, _ in event.effects):
         components.append(OperatorComponent(system, world.operator_commands))
     return components

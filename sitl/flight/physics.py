@@ -9,6 +9,9 @@ Position is that of the centre of mass, less the height at which it stands on it
 on flat ground at the home position is (0, 0, 0). North and east come from JSBSim's own tangent
 plane, height from the ground below (the plane and the ellipsoid part by 8 cm at 1 km).
 
+The ground is flat, and as high as the world says: a roof is ground to a vehicle above it, for the
+legs as for the air under its rotors.
+
 Left out: walls (the world checks collisions against its distance field), sensor noise, a damaged
 vehicle. The vehicle touches the ground with its legs only.
 
@@ -111,7 +114,7 @@ class BatteryStatus:
 
 
 class Physics:
-    """One vehicle in the air above flat ground.
+    """One vehicle in the air above level ground.
 
     Args:
         dt_s: length of a step.
@@ -150,6 +153,7 @@ class Physics:
     ) -> None:
         self._fdm = _load(dt_s)
         self._start = start
+        self._ground_m, self._ground_up_m = origin.altitude_m, 0.0
         self._dt_s = dt_s
         self._steps = 0
         self._set_initial_conditions(origin, start, yaw_rad)
@@ -184,6 +188,16 @@ class Physics:
         """The battery's state of charge jumps, 0 to 1; nothing counts as consumed by it."""
         self._full_charge += charge - self._charge()
         self._fdm["battery/charge"] = charge
+
+    @property
+    def ground_up_m(self) -> float:
+        """How high the ground below the vehicle lies above that at home."""
+        return self._ground_up_m
+
+    @ground_up_m.setter
+    def ground_up_m(self, up_m: float) -> None:
+        self._ground_up_m = up_m
+        self._set_ground((self._ground_m + up_m) / M_PER_FT)
 
     def battery(self) -> BatteryStatus:
         """The battery as its gauge reports it now."""
@@ -241,6 +255,7 @@ class Physics:
         self._set_commands = [
             self._node(f"rotor/command-{i}").set_double_value for i in range(1, 5)
         ]
+        self._set_ground = self._node("position/terrain-elevation-asl-ft").set_double_value
         self._set_rate_integrators = [
             self._node(f"simulation/integrator/rate/{i}").set_double_value
             for i in ("rotational", "translational")
@@ -281,7 +296,7 @@ class Physics:
             (
                 self._start[0] + self._north() * M_PER_FT,
                 self._start[1] + self._east() * M_PER_FT,
-                STANDING_M - self._height() * M_PER_FT,
+                STANDING_M - self._height() * M_PER_FT - self._ground_up_m,
             ),
             (v_n() * M_PER_FT, v_e() * M_PER_FT, v_d() * M_PER_FT),
             quaternion_from_euler(*euler),

@@ -10,20 +10,18 @@ where that is. The operator is a ground station that says only what the scenario
 from __future__ import annotations
 
 import math
-from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
 
-from companion.mavlink.framing import MavlinkCodec, Message, dialect, source
+from companion.mavlink.framing import Message, dialect, source
 from sitl.flight.physics import FlightState
+from sitl.link.component_sender import COMMANDS, ComponentSender, PackedMessage
 from sitl.link.routing import target
-from sitl.results import MavResult
 from sitl.world.detector import TargetDetector
 from sitl.world.lidar import BEAMS, Lidar
-from sitl.world.payload import CommandAck, Payload
+from sitl.world.payload import Payload
 
-HEARTBEAT_S = 1.0
 REPORT_S = 0.5
 SCAN_S = 0.1
 OPERATOR = (254, 190)
@@ -31,68 +29,7 @@ OPERATOR = (254, 190)
 COMPANION = 191
 NEAREST_CM = 5
 TARGET_NAME = b"target"
-_COMMANDS = ("COMMAND_LONG", "COMMAND_INT")
 _LASER, _BODY_FRD = 0, 12
-_ONBOARD_CONTROLLER, _NO_AUTOPILOT, _ACTIVE = 18, 8, 4
-
-PackedMessage = tuple[Message, bytes]
-"""A message and its frame."""
-
-
-class OnboardComponent(Protocol):
-    """A component on board."""
-
-    address: tuple[int, int]
-
-    def receive(self, message: Message, state: FlightState) -> list[PackedMessage]:
-        """Handles any message; returns what is sent at once."""
-
-    def step(self, state: FlightState) -> list[PackedMessage]:
-        """The messages that are due now."""
-
-
-class _ComponentSender:
-    """Packs messages and keeps time for what repeats."""
-
-    def __init__(self, address: tuple[int, int]) -> None:
-        self._codec = MavlinkCodec(*address)
-        self._next_s: dict[float, float] = {}
-
-    def pack(self, message: Message) -> PackedMessage:
-        return message, self._codec.pack(message)
-
-    def is_due(self, every_s: float, now_s: float) -> bool:
-        next_s = self._next_s.get(every_s, now_s)
-        if now_s < next_s:
-            return False
-        self._next_s[every_s] = next_s + every_s
-        return True
-
-    def acknowledge(self, command: int, reply: CommandAck) -> PackedMessage:
-        return self.pack(
-            dialect.MAVLink_command_ack_message(
-                command, reply.result, reply.progress, 0, *reply.requester
-            )
-        )
-
-    def refuse(self, message: Message, address: tuple[int, int]) -> list[PackedMessage]:
-        """UNSUPPORTED for any command."""
-        if message.get_type() not in _COMMANDS or target(message) != address:
-            return []
-        return [
-            self.acknowledge(message.command, CommandAck(source(message), MavResult.UNSUPPORTED)),
-        ]
-
-    def heartbeat(self, now_s: float) -> list[PackedMessage]:
-        if not self.is_due(HEARTBEAT_S, now_s):
-            return []
-        return [
-            self.pack(
-                dialect.MAVLink_heartbeat_message(
-                    _ONBOARD_CONTROLLER, _NO_AUTOPILOT, 0, 0, _ACTIVE, 3
-                )
-            )
-        ]
 
 
 class DetectorComponent:
@@ -101,7 +38,7 @@ class DetectorComponent:
     def __init__(self, system: int, detector: TargetDetector) -> None:
         self.address = (system, detector.component)
         self._detector = detector
-        self._sender = _ComponentSender(self.address)
+        self._sender = ComponentSender(self.address)
 
     def receive(self, message: Message, state: FlightState) -> list[PackedMessage]:
         """Knows no command."""
@@ -124,11 +61,11 @@ class PayloadComponent:
     def __init__(self, system: int, payload: Payload) -> None:
         self.address = (system, payload.script.component)
         self._payload = payload
-        self._sender = _ComponentSender(self.address)
+        self._sender = ComponentSender(self.address)
 
     def receive(self, message: Message, state: FlightState) -> list[PackedMessage]:
         """A COMMAND_LONG or COMMAND_INT."""
-        if message.get_type() not in _COMMANDS or target(message) != self.address:
+        if message.get_type() not in COMMANDS or target(message) != self.address:
             return []
         reply = self._payload.receive(
             source(message),
@@ -155,7 +92,7 @@ class OperatorComponent:
     def __init__(self, system: int, commands: list[str]) -> None:
         self._system = system
         self._commands = commands
-        self._sender = _ComponentSender(OPERATOR)
+        self._sender = ComponentSender(OPERATOR)
 
     def receive(self, message: Message, state: FlightState) -> list[PackedMessage]:
         """Nothing is answered."""
@@ -181,7 +118,7 @@ class LidarComponent:
     def __init__(self, system: int, lidar: Lidar) -> None:
         self.address = (system, lidar.spec.component)
         self._lidar = lidar
-        self._sender = _ComponentSender(self.address)
+        self._sender = ComponentSender(self.address)
 
     def receive(self, message: Message, state: FlightState) -> list[PackedMessage]:
         """Knows no command."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 from companion.documents import Document, did_you_mean
 from companion.errors import MissionError
 from companion.mavlink.framing import dialect
+from sitl.world.marker_schema import check_marker_event
 from sitl.world.obstacles import Obstacle
 from sitl.world.scenario_events import (
     EFFECTS,
@@ -146,6 +147,8 @@ def _check_effects(
         command_number(entry.operator, document, "happens", i, "operator")
     if entry.answer is not None:
         command_number(entry.answer.command, document, "happens", i, "answer", "command")
+    if entry.marker is not None:
+        check_marker_event(entry.marker, model.marker_camera, document, i)
     if entry.battery and entry.battery.charge is None and entry.battery.known is None:
         raise MissionError("battery needs charge or known", document.where("happens", i, "battery"))
     if entry.gps and entry.gps.lost is None and entry.gps.noise_m is None:

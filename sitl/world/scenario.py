@@ -44,6 +44,8 @@ from sitl.autopilot.parameters import PARAMETERS
 from sitl.flight.estimate import Wander
 from sitl.results import MavResult
 from sitl.world.lidar import LidarSpec
+from sitl.world.marker_schema import marker_camera
+from sitl.world.markers import MarkerCameraSpec
 from sitl.world.obstacles import Obstacle, TrueMap
 from sitl.world.payload import PayloadAnswer, PayloadScript, PayloadSite
 from sitl.world.reading import command_number, read_events, read_obstacles
@@ -73,6 +75,7 @@ class Scenario:
         parameters: values that differ from the airframe's.
         detector: component id of the target detector; None is no detector.
         lidar: None is no lidar.
+        marker_camera: None is no camera for landing markers, and none of these.
         pads: charging pads, each with its current in amperes.
         events: in the order of the file.
         map: its file, or itself; None is a world without walls, but for a map that was given
@@ -98,6 +101,7 @@ class Scenario:
     events: tuple[ScenarioEvent, ...] = ()
     origin: GlobalOrigin | None = None
     map: Path | MapEntry | None = None
+    marker_camera: MarkerCameraSpec | None = None
 
     @property
     def arming_refusals(self) -> tuple[str, ...]:
@@ -178,6 +182,7 @@ def _parse(
         events=_first_sighting(model) + read_events(model, document),
         origin=_on_earth(model.origin) if model.origin else None,
         map=map_,
+        marker_camera=marker_camera(model.marker_camera, document) if model.marker_camera else None,
     )
     return scenario, document
 

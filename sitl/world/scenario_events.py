@@ -17,6 +17,8 @@ from companion.geometry import GlobalOrigin, Ned, ned_from_enu
 from companion.mavlink.framing import dialect
 from sitl.results import MavResult
 from sitl.world.faults import Answer, Direction, LinkQuality, Port, Reboot
+from sitl.world.marker_schema import marker_change
+from sitl.world.markers import MarkerChange
 from sitl.world.payload import PayloadAnswer
 from sitl.world.visits import Circle, VisitCounter
 
@@ -67,6 +69,9 @@ class EffectReceiver(Protocol):
     def set_answer(self, command: int, answer: Answer | None) -> None:
         """How the autopilot takes a MAV_CMD from now on; None is as it should."""
 
+    def change_marker(self, change: MarkerChange) -> None:
+        """Something becomes of a landing marker."""
+
 
 EFFECTS: Mapping[str, Callable[[EffectReceiver, Any], None]] = {
     "target": lambda world, value: world.show_target(value == "seen"),
@@ -92,6 +97,7 @@ EFFECTS: Mapping[str, Callable[[EffectReceiver, Any], None]] = {
     ),
     "reboot": lambda world, value: world.reboot(Reboot(value.silent_s, value.recovers)),
     "answer": lambda world, value: world.set_answer(getattr(dialect, value.command), value.answer),
+    "marker": lambda world, value: world.change_marker(marker_change(value)),
 }
 """Key in the scenario -> what it does with the key's value."""
 

@@ -8,96 +8,91 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
-
 from companion.drawn_maps import MapEntry
 from companion.geometry import FAR_M
 from companion.vehicle_files import VehicleEntry, VehicleKey
 from sitl.world.faults import Answer, Direction, Port
+from sitl.world.marker_schema import MarkerCameraModel, MarkerEventModel
+from sitl.world.schema_fields import (
+    Component,
+    East,
+    EastSpeed,
+    North,
+    NorthSpeed,
+    Strict,
+    described,
+)
 
 ResultName = Literal["ACCEPTED", "TEMPORARILY_REJECTED", "DENIED", "FAILED"]
 
 
-class _Strict(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+Charge = Annotated[float, described("state of charge, 0 to 1", ge=0, le=1)]
+Result = Annotated[ResultName, described("the MAV_RESULT of the final answer")]
+After = Annotated[float, described("seconds until the final answer", ge=0)]
 
 
-def _described(description: str, **limits: Any) -> Any:
-    return Field(description=description, **limits)
-
-
-East = Annotated[float, _described("metres east of home", ge=-FAR_M, le=FAR_M)]
-North = Annotated[float, _described("metres north of home", ge=-FAR_M, le=FAR_M)]
-EastSpeed = Annotated[float, _described("m/s towards east", ge=-30, le=30)]
-NorthSpeed = Annotated[float, _described("m/s towards north", ge=-30, le=30)]
-Component = Annotated[int, _described("its MAVLink component id", ge=2, le=255)]
-Charge = Annotated[float, _described("state of charge, 0 to 1", ge=0, le=1)]
-Result = Annotated[ResultName, _described("the MAV_RESULT of the final answer")]
-After = Annotated[float, _described("seconds until the final answer", ge=0)]
-
-
-class StartModel(_Strict):
+class StartModel(Strict):
     """The place and heading of the vehicle at the start."""
 
     east_m: East = 0.0
     north_m: North = 0.0
-    heading_deg: Annotated[float, _described("clockwise from north", ge=-360, le=360)] = 0.0
+    heading_deg: Annotated[float, described("clockwise from north", ge=-360, le=360)] = 0.0
 
 
-class GlobalModel(_Strict):
+class GlobalModel(Strict):
     """A place on the earth."""
 
-    latitude_deg: Annotated[float, _described("degrees north", ge=-90, le=90)]
-    longitude_deg: Annotated[float, _described("degrees east", ge=-180, le=180)]
-    altitude_m: Annotated[float, _described("above mean sea level", ge=-500, le=9000)] = 488.0
+    latitude_deg: Annotated[float, described("degrees north", ge=-90, le=90)]
+    longitude_deg: Annotated[float, described("degrees east", ge=-180, le=180)]
+    altitude_m: Annotated[float, described("above mean sea level", ge=-500, le=9000)] = 488.0
 
 
-class WindModel(_Strict):
+class WindModel(Strict):
     """The air's velocity and its gusts."""
 
     east_mps: EastSpeed = 0.0
     north_mps: NorthSpeed = 0.0
     turbulence_mps: Annotated[
         float,
-        _described("deviation of vertical gusts; horizontal ones are twice as strong", ge=0, le=10),
+        described("deviation of vertical gusts; horizontal ones are twice as strong", ge=0, le=10),
     ] = 0.0
 
 
-class BatteryModel(_Strict):
+class BatteryModel(Strict):
     """The battery at the start."""
 
     charge: Charge = 1.0
     drains: Annotated[
-        Literal["armed", "always"], _described("when; in PX4's simulator while armed")
+        Literal["armed", "always"], described("when; in PX4's simulator while armed")
     ] = "armed"
 
 
-class WanderModel(_Strict):
+class WanderModel(Strict):
     """The errors of the estimate while GPS has its fix; PX4's own are 0.25 m and 0.3 m/s."""
 
-    position_m: Annotated[float, _described("RMS of the horizontal position", gt=0, le=5)] = 0.25
-    velocity_mps: Annotated[float, _described("RMS of the velocity", gt=0, le=5)] = 0.3
+    position_m: Annotated[float, described("RMS of the horizontal position", gt=0, le=5)] = 0.25
+    velocity_mps: Annotated[float, described("RMS of the velocity", gt=0, le=5)] = 0.3
 
 
-class CircleModel(_Strict):
+class CircleModel(Strict):
     """A circle on the ground."""
 
     east_m: East
     north_m: North
-    radius_m: Annotated[float, _described("metres", gt=0, le=FAR_M)]
+    radius_m: Annotated[float, described("metres", gt=0, le=FAR_M)]
 
 
 class VisitModel(CircleModel):
     """A visit of the vehicle to a circle."""
 
-    visit: Annotated[int, _described("the vehicle's n-th visit to the circle, from 1", ge=1)] = 1
+    visit: Annotated[int, described("the vehicle's n-th visit to the circle, from 1", ge=1)] = 1
 
 
-class TargetModel(_Strict):
+class TargetModel(Strict):
     """The target detector."""
 
     component: Component = 26
-    seen: Annotated[VisitModel | None, _described("when the target is seen first")] = None
+    seen: Annotated[VisitModel | None, described("when the target is seen first")] = None
 
 
 class SiteModel(CircleModel):
@@ -107,112 +102,108 @@ class SiteModel(CircleModel):
     after_s: After = 1.0
 
 
-class PayloadModel(_Strict):
+class PayloadModel(Strict):
     """The payload."""
 
     component: Component = 25
-    command: Annotated[str, _described("a MAVLink command by name, such as MAV_CMD_USER_1")]
+    command: Annotated[str, described("a MAVLink command by name, such as MAV_CMD_USER_1")]
     answers: Annotated[
-        tuple[SiteModel, ...], _described("the first circle that holds the vehicle answers")
+        tuple[SiteModel, ...], described("the first circle that holds the vehicle answers")
     ] = ()
-    otherwise: Annotated[ResultName, _described("the answer outside all circles")] = "DENIED"
+    otherwise: Annotated[ResultName, described("the answer outside all circles")] = "DENIED"
 
 
-class LidarModel(_Strict):
+class LidarModel(Strict):
     """The lidar."""
 
     component: Component = 196
-    range_m: Annotated[float, _described("farther walls are not seen", gt=0, le=600)] = 12.0
-    noise_m: Annotated[float, _described("deviation of each distance", ge=0, le=100)] = 0.0
+    range_m: Annotated[float, described("farther walls are not seen", gt=0, le=600)] = 12.0
+    noise_m: Annotated[float, described("deviation of each distance", ge=0, le=100)] = 0.0
 
 
-class BoxModel(_Strict):
+class BoxModel(Strict):
     """A box with sides to the east and to the north."""
 
-    east_m: Annotated[tuple[East, East], _described("[from, to]")]
-    north_m: Annotated[tuple[North, North], _described("[from, to]")]
+    east_m: Annotated[tuple[East, East], described("[from, to]")]
+    north_m: Annotated[tuple[North, North], described("[from, to]")]
 
 
-class ObstacleModel(_Strict):
+class ObstacleModel(Strict):
     """An obstacle that the mission's map does not show: a circle or a box."""
 
-    name: Annotated[str, _described("for events", min_length=1)]
-    circle: Annotated[CircleModel | None, _described("its shape, if it is round")] = None
-    box: Annotated[BoxModel | None, _described("its shape, if it is a box")] = None
-    present: Annotated[bool, _described("whether it is there at the start")] = True
+    name: Annotated[str, described("for events", min_length=1)]
+    circle: Annotated[CircleModel | None, described("its shape, if it is round")] = None
+    box: Annotated[BoxModel | None, described("its shape, if it is a box")] = None
+    present: Annotated[bool, described("whether it is there at the start")] = True
 
 
 class PadModel(CircleModel):
     """A charging pad: on it, landed and disarmed, the battery charges."""
 
-    current_a: Annotated[float, _described("amperes that the charger gives", gt=0, le=100)] = 5.0
+    current_a: Annotated[float, described("amperes that the charger gives", gt=0, le=100)] = 5.0
 
 
-class PayloadEventModel(_Strict):
+class PayloadEventModel(Strict):
     """The answer of the payload from now on, everywhere."""
 
     result: Result = "ACCEPTED"
     after_s: After = 1.0
-    silent: Annotated[bool, _described("nothing is answered at all")] = False
-    progress: Annotated[bool, _described("tell the progress each second")] = False
+    silent: Annotated[bool, described("nothing is answered at all")] = False
+    progress: Annotated[bool, described("tell the progress each second")] = False
 
 
-class WindEventModel(_Strict):
+class WindEventModel(Strict):
     """The air's velocity from now on."""
 
     east_mps: EastSpeed = 0.0
     north_mps: NorthSpeed = 0.0
 
 
-class ObstacleEventModel(_Strict):
+class ObstacleEventModel(Strict):
     """An obstacle appears or disappears."""
 
-    name: Annotated[str, _described("of one of the obstacles")]
-    present: Annotated[bool, _described("true: it appears; false: it disappears")]
+    name: Annotated[str, described("of one of the obstacles")]
+    present: Annotated[bool, described("true: it appears; false: it disappears")]
 
 
-class BatteryEventModel(_Strict):
+class BatteryEventModel(Strict):
     """The battery's charge jumps, or is not known; what is left out stays."""
 
-    charge: Annotated[float | None, _described("state of charge, 0 to 1", ge=0, le=1)] = None
-    known: Annotated[bool | None, _described("the gauge is read; false: -1 is told")] = None
+    charge: Annotated[float | None, described("state of charge, 0 to 1", ge=0, le=1)] = None
+    known: Annotated[bool | None, described("the gauge is read; false: -1 is told")] = None
 
 
-class GpsEventModel(_Strict):
+class GpsEventModel(Strict):
     """The quality of GPS from now on; what is left out stays."""
 
-    lost: Annotated[bool | None, _described("there is no fix")] = None
-    noise_m: Annotated[float | None, _described("deviation of the fix, metres", ge=0, le=100)] = (
-        None
-    )
+    lost: Annotated[bool | None, described("there is no fix")] = None
+    noise_m: Annotated[float | None, described("deviation of the fix, metres", ge=0, le=100)] = None
 
 
-class ArmingEventModel(_Strict):
+class ArmingEventModel(Strict):
     """Arming is refused, or allowed again."""
 
-    refused: Annotated[str | None, _described("why, as it is told", min_length=1)] = None
-    allowed: Annotated[Literal[True] | None, _described("the refusal ends")] = None
+    refused: Annotated[str | None, described("why, as it is told", min_length=1)] = None
+    allowed: Annotated[Literal[True] | None, described("the refusal ends")] = None
 
 
-Share = Annotated[float, _described("share of the datagrams", ge=0, le=1)]
-Late = Annotated[float, _described("seconds", ge=0, le=60)]
-Jump = Annotated[float, _described("metres", ge=-FAR_M, le=FAR_M)]
+Share = Annotated[float, described("share of the datagrams", ge=0, le=1)]
+Late = Annotated[float, described("seconds", ge=0, le=60)]
+Jump = Annotated[float, described("metres", ge=-FAR_M, le=FAR_M)]
 
 
-class LinkEventModel(_Strict):
+class LinkEventModel(Strict):
     """What a link does to datagrams from now on; what is left out is good."""
 
-    port: Annotated[Port | None, _described("companion: 14540; ground: 14550; else both")] = None
-    direction: Annotated[Direction | None, _described("only in this direction; else in both")] = (
-        None
-    )
-    loss: Annotated[Share, _described("that are lost; 1 cuts the link")] = 0.0
-    doubled: Annotated[Share, _described("that come twice")] = 0.0
-    delay_s: Annotated[Late, _described("each comes so much later")] = 0.0
-    jitter_s: Annotated[Late, _described("and up to this later again, by chance")] = 0.0
+    port: Annotated[Port | None, described("companion: 14540; ground: 14550; else both")] = None
+    direction: Annotated[Direction | None, described("only in this direction; else in both")] = None
+    loss: Annotated[Share, described("that are lost; 1 cuts the link")] = 0.0
+    doubled: Annotated[Share, described("that come twice")] = 0.0
+    delay_s: Annotated[Late, described("each comes so much later")] = 0.0
+    jitter_s: Annotated[Late, described("and up to this later again, by chance")] = 0.0
 
 
-class EstimateEventModel(_Strict):
+class EstimateEventModel(Strict):
     """The estimated position steps by a vector, and stays off by it."""
 
     east_m: Jump = 0.0
@@ -220,87 +211,93 @@ class EstimateEventModel(_Strict):
     up_m: Jump = 0.0
 
 
-class RebootEventModel(_Strict):
+class RebootEventModel(Strict):
     """The autopilot restarts: disarmed, its clock at 0."""
 
-    silent_s: Annotated[float, _described("until it is heard again", ge=0, le=600)] = 3.0
-    recovers: Annotated[bool, _described("in the air it holds its place and stays armed")] = False
+    silent_s: Annotated[float, described("until it is heard again", ge=0, le=600)] = 3.0
+    recovers: Annotated[bool, described("in the air it holds its place and stays armed")] = False
 
 
-class AnswerEventModel(_Strict):
+class AnswerEventModel(Strict):
     """How the autopilot takes a command from now on."""
 
-    command: Annotated[str, _described("MAV_CMD_... to the autopilot")]
-    answer: Annotated[Answer | None, _described("what it answers; without it, as it should")] = None
+    command: Annotated[str, described("MAV_CMD_... to the autopilot")]
+    answer: Annotated[Answer | None, described("what it answers; without it, as it should")] = None
 
 
-class ScenarioEventModel(_Strict):
+class ScenarioEventModel(Strict):
     """One trigger (at_s, place or command) and its effects, once."""
 
-    at_s: Annotated[float | None, _described("trigger: simulated seconds", ge=0)] = None
-    place: Annotated[VisitModel | None, _described("trigger: a visit to a circle")] = None
-    command: Annotated[str | None, _described("trigger: MAV_CMD_... that arrives on board")] = None
-    nth: Annotated[int | None, _described("the n-th such command", ge=1)] = None
-    component: Annotated[int | None, _described("to whom the command goes", ge=1, le=255)] = None
-    after_s: Annotated[float, _described("seconds after the trigger", ge=0)] = 0.0
+    at_s: Annotated[float | None, described("trigger: simulated seconds", ge=0)] = None
+    place: Annotated[VisitModel | None, described("trigger: a visit to a circle")] = None
+    command: Annotated[str | None, described("trigger: MAV_CMD_... that arrives on board")] = None
+    nth: Annotated[int | None, described("the n-th such command", ge=1)] = None
+    component: Annotated[int | None, described("to whom the command goes", ge=1, le=255)] = None
+    after_s: Annotated[float, described("seconds after the trigger", ge=0)] = 0.0
     target: Annotated[
-        Literal["seen", "lost"] | None, _described("the detector sees the target, or no more")
+        Literal["seen", "lost"] | None, described("the detector sees the target, or no more")
     ] = None
-    payload: Annotated[PayloadEventModel | None, _described("what it answers from now on")] = None
-    wind: Annotated[WindEventModel | None, _described("where the air moves to from now on")] = None
-    obstacle: Annotated[ObstacleEventModel | None, _described("one appears or disappears")] = None
-    battery: Annotated[
-        BatteryEventModel | None, _described("its charge jumps, or is not known")
-    ] = None
-    gps: Annotated[GpsEventModel | None, _described("it is lost, found or noisy")] = None
-    arming: Annotated[ArmingEventModel | None, _described("it is refused, or allowed again")] = None
-    operator: Annotated[
-        str | None, _described("MAV_CMD_... that the operator sends to the companion")
-    ] = None
-    link: Annotated[LinkEventModel | None, _described("it loses or delays, or is good")] = None
-    estimate: Annotated[EstimateEventModel | None, _described("the position jumps")] = None
-    origin: Annotated[GlobalModel | None, _described("the local frame begins elsewhere")] = None
-    reboot: Annotated[RebootEventModel | None, _described("the autopilot restarts")] = None
-    answer: Annotated[AnswerEventModel | None, _described("how the autopilot takes a command")] = (
+    payload: Annotated[PayloadEventModel | None, described("what it answers from now on")] = None
+    wind: Annotated[WindEventModel | None, described("where the air moves to from now on")] = None
+    obstacle: Annotated[ObstacleEventModel | None, described("one appears or disappears")] = None
+    battery: Annotated[BatteryEventModel | None, described("its charge jumps, or is not known")] = (
         None
     )
+    gps: Annotated[GpsEventModel | None, described("it is lost, found or noisy")] = None
+    arming: Annotated[ArmingEventModel | None, described("it is refused, or allowed again")] = None
+    operator: Annotated[
+        str | None, described("MAV_CMD_... that the operator sends to the companion")
+    ] = None
+    link: Annotated[LinkEventModel | None, described("it loses or delays, or is good")] = None
+    estimate: Annotated[EstimateEventModel | None, described("the position jumps")] = None
+    origin: Annotated[GlobalModel | None, described("the local frame begins elsewhere")] = None
+    reboot: Annotated[RebootEventModel | None, described("the autopilot restarts")] = None
+    answer: Annotated[AnswerEventModel | None, described("how the autopilot takes a command")] = (
+        None
+    )
+    marker: Annotated[
+        MarkerEventModel | None, described("a landing marker appears, disappears or moves")
+    ] = None
 
 
-class ScenarioModel(_Strict):
+class ScenarioModel(Strict):
     """The whole file."""
 
-    version: Annotated[Literal[1], _described("of this format")]
+    version: Annotated[Literal[1], described("of this format")]
     vehicle: VehicleKey = VehicleEntry()
     map: Annotated[
         str | MapEntry | None,
-        _described("ROS map_server YAML file, relative to this file, or an area with walls"),
+        described("ROS map_server YAML file, relative to this file, or an area with walls"),
     ] = None
-    start: Annotated[StartModel, _described("where the vehicle stands at first")] = StartModel()
-    home: Annotated[GlobalModel | None, _described("where on the earth home lies")] = None
+    start: Annotated[StartModel, described("where the vehicle stands at first")] = StartModel()
+    home: Annotated[GlobalModel | None, described("where on the earth home lies")] = None
     origin: Annotated[
-        GlobalModel | None, _described("where the autopilot's local frame lies; at home without it")
+        GlobalModel | None, described("where the autopilot's local frame lies; at home without it")
     ] = None
     airframe: Annotated[
         Literal["quad_450", "px4_sih"],
-        _described("px4_sih: with the heavy drag and the gains of PX4's built-in quadrotor"),
+        described("px4_sih: with the heavy drag and the gains of PX4's built-in quadrotor"),
     ] = "quad_450"
-    wind: Annotated[WindModel, _described("where the air moves to, and its gusts")] = WindModel()
+    wind: Annotated[WindModel, described("where the air moves to, and its gusts")] = WindModel()
     wander: Annotated[
-        WanderModel | None, _described("the estimate wanders about the true position")
+        WanderModel | None, described("the estimate wanders about the true position")
     ] = None
-    battery: Annotated[BatteryModel, _described("how full it is at the start")] = BatteryModel()
+    battery: Annotated[BatteryModel, described("how full it is at the start")] = BatteryModel()
     parameters: Annotated[
-        dict[str, float], _described("of the autopilot, by PX4's names, where they differ")
+        dict[str, float], described("of the autopilot, by PX4's names, where they differ")
     ] = {}
-    target: Annotated[TargetModel | None, _described("a target detector on board")] = None
-    payload: Annotated[PayloadModel | None, _described("a payload on board")] = None
-    lidar: Annotated[LidarModel | None, _described("there by default where there is a map")] = None
+    target: Annotated[TargetModel | None, described("a target detector on board")] = None
+    payload: Annotated[PayloadModel | None, described("a payload on board")] = None
+    lidar: Annotated[LidarModel | None, described("there by default where there is a map")] = None
+    marker_camera: Annotated[
+        MarkerCameraModel | None, described("looks down for landing markers")
+    ] = None
     obstacles: Annotated[
-        tuple[ObstacleModel, ...], _described("what the mission's map does not show")
+        tuple[ObstacleModel, ...], described("what the mission's map does not show")
     ] = ()
-    pads: Annotated[tuple[PadModel, ...], _described("charging pads")] = ()
+    pads: Annotated[tuple[PadModel, ...], described("charging pads")] = ()
     happens: Annotated[
-        tuple[ScenarioEventModel, ...], _described("what happens when, each once")
+        tuple[ScenarioEventModel, ...], described("what happens when, each once")
     ] = ()
 
     @property
@@ -311,7 +308,12 @@ class ScenarioModel(_Strict):
     @property
     def components(self) -> dict[str, int]:
         """Key of each component on board beside the autopilot -> its MAVLink component id."""
-        parts = {"target": self.target, "payload": self.payload, "lidar": self.lidar_on_board}
+        parts = {
+            "target": self.target,
+            "payload": self.payload,
+            "lidar": self.lidar_on_board,
+            "marker_camera": self.marker_camera,
+        }
         return {key: part.component for key, part in parts.items() if part}
 
 

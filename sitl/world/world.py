@@ -16,10 +16,11 @@ from companion.motion.grid import OccupancyGrid
 from sitl.autopilot.autopilot import Autopilot
 from sitl.flight.estimate import Estimator
 from sitl.flight.physics import FlightState, Physics
-from sitl.world.collision import CollisionCounter, is_wreck
+from sitl.world.collision import CollisionCounter, ground_up_m, is_over_edge, is_wreck
 from sitl.world.detector import TargetDetector
 from sitl.world.faults import Answer, Direction, LinkQuality, Port, Reboot
 from sitl.world.lidar import Lidar
+from sitl.world.markers import MarkerCamera, MarkerChange
 from sitl.world.obstacles import TrueMap
 from sitl.world.payload import Payload, PayloadAnswer
 from sitl.world.scenario import Scenario
@@ -36,6 +37,7 @@ class World:
         estimator: of the vehicle.
         autopilot: of the vehicle, at first.
         rng: of the lidar's noise.
+        seed: of what has chances of its own.
 
     Attributes:
         event_log: time and text of each event so far, damage included.
@@ -57,6 +59,7 @@ class World:
         estimator: Estimator,
         autopilot: Autopilot,
         rng: Random,
+        seed: int = 0,
     ) -> None:
         self._physics, self._estimator, self.autopilot = physics, estimator, autopilot
         self._map = TrueMap(grid, scenario.obstacles)
@@ -64,6 +67,8 @@ class World:
         self.detector = TargetDetector(scenario.detector) if scenario.detector else None
         self.payload = Payload(scenario.payload) if scenario.payload else None
         self.lidar = Lidar(scenario.lidar, self._map.grid, rng) if scenario.lidar else None
+        camera = scenario.marker_camera
+        self.marker_camera = MarkerCamera(camera, Random(f"markers {seed}")) if camera else None
         self.event_log: list[tuple[float, str]] = []
         self.is_wreck = False
         self.operator_commands: list[str] = []
@@ -88,6 +93,7 @@ class World:
         self._update_battery(state)
         if not self.is_wreck:
             self._detect_damage(state)
+            self._lay_ground(state)
 
     def _update_battery(self, state: FlightState) -> None:
         """Charging and draining of the battery; in PX4's simulator it drains while armed."""
@@ -103,11 +109,20 @@ class World:
                 physics.charging_a = charging_a
 
     def _detect_damage(self, state: FlightState) -> None:
-        if self.collisions.update(state.position):
+        ground_m = self._physics.ground_up_m
+        if self.collisions.update(state.position, ground_m):
             self._crash(state, "Collision with a wall")
-        if is_wreck(state):
+        is_falling = is_over_edge(self._map.grid, state, ground_m)
+        if is_falling or is_wreck(state, ground_m):
             self.is_wreck = True
-            self._crash(state, "Crash detected")
+            self._crash(state, "Over the edge of a roof" if is_falling else "Crash detected")
+
+    def _lay_ground(self, state: FlightState) -> None:
+        """What carries the vehicle is the ground, or the roof that it is above."""
+        before_m = self._physics.ground_up_m
+        ground_m = ground_up_m(self._map.grid, state.position, before_m)
+        if ground_m != before_m:
+            self._physics.ground_up_m = ground_m
 
     def _crash(self, state: FlightState, text: str) -> None:
         self.event_log.append((state.time_s, text))
@@ -189,3 +204,8 @@ class World:
             self.answers.pop(command, None)
         else:
             self.answers[command] = answer
+
+    def change_marker(self, change: MarkerChange) -> None:
+        """Something becomes of a landing marker."""
+        if self.marker_camera:
+            self.marker_camera.change(change, self._physics.state.time_s)

@@ -1,0 +1,176 @@
+"""Landing markers, and the camera on board that looks down for them.
+
+The camera looks along the body's own axis, so a tilt moves what it sees. It sees all markers that
+are there, not too far, not too near and within its view; what it measures is off by an angle, so
+that it is the better the nearer the marker is. It misses some looks, and now and then takes
+something else for a marker. Whatever stands between is left out.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from enum import StrEnum
+from random import Random
+from typing import NamedTuple
+
+from companion.geometry import Ned, NorthEast, Quaternion
+from sitl.flight.physics import FlightState
+
+STRAY_M = 3.0
+"""Deviation of what is taken for a marker and is none."""
+
+
+class MarkerReport(StrEnum):
+    """The form in which LANDING_TARGET tells where a marker is."""
+
+    LOCAL_NED = "LOCAL_NED"
+    BODY_FRD = "BODY_FRD"
+    LOCAL_FRD = "LOCAL_FRD"
+    ANGLES = "angles"
+
+
+@dataclass(frozen=True, slots=True)
+class Marker:
+    """A marker.
+
+    Attributes:
+        name: for events.
+        number: that is read off it, its target_num.
+        position: where it is, or was at `since_s`.
+        velocity: how it moves, north and east.
+        is_present: whether it is there.
+        since_s: since when it moves so.
+    """
+
+    name: str
+    number: int
+    position: Ned
+    is_present: bool = True
+    velocity: NorthEast = (0.0, 0.0)
+    since_s: float = 0.0
+
+    def at(self, now_s: float) -> Ned:
+        """Where it is at a time."""
+        north, east, down = self.position
+        moved_s = now_s - self.since_s
+        return (north + self.velocity[0] * moved_s, east + self.velocity[1] * moved_s, down)
+
+
+@dataclass(frozen=True, slots=True)
+class MarkerChange:
+    """What becomes of a marker; None leaves it as it is."""
+
+    name: str
+    is_present: bool | None = None
+    place: NorthEast | None = None
+    velocity: NorthEast | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class MarkerCameraSpec:
+    """The camera.
+
+    Attributes:
+        component: its MAVLink component id.
+        reports: in which form.
+        rate_hz: looks a second.
+        nearest_m, range_m: distances within which a marker is seen.
+        view_rad: the whole angle of its view.
+        noise_rad: standard deviation of the direction; of the distance, the same share of it.
+        misses: share of the looks in which a marker is not found.
+        strays: share of those in which something else is taken for it.
+        markers: at the start.
+    """
+
+    component: int = 40
+    reports: MarkerReport = MarkerReport.LOCAL_NED
+    rate_hz: float = 20.0
+    nearest_m: float = 0.3
+    range_m: float = 12.0
+    view_rad: float = math.radians(70.0)
+    noise_rad: float = math.radians(0.5)
+    misses: float = 0.0
+    strays: float = 0.0
+    markers: tuple[Marker, ...] = field(default=())
+
+
+class Sighting(NamedTuple):
+    """A marker as seen: from the vehicle to it, NED and in the body's axes."""
+
+    number: int
+    offset: Ned
+    in_body: Ned
+
+
+class MarkerCamera:
+    """The camera and the markers of a world.
+
+    Args:
+        spec: what it sees, and how well.
+        rng: of its errors.
+    """
+
+    def __init__(self, spec: MarkerCameraSpec, rng: Random) -> None:
+        self.spec = spec
+        self._rng = rng
+        self._markers = {marker.name: marker for marker in spec.markers}
+
+    def change(self, change: MarkerChange, now_s: float) -> None:
+        """Something becomes of a marker."""
+        marker = self._markers[change.name]
+        position = marker.at(now_s)
+        place = change.place or position[:2]
+        self._markers[change.name] = replace(
+            marker,
+            position=(*place, position[2]),
+            is_present=marker.is_present if change.is_present is None else change.is_present,
+            velocity=marker.velocity if change.velocity is None else change.velocity,
+            since_s=now_s,
+        )
+
+    def look(self, state: FlightState) -> list[Sighting]:
+        """What is seen in one look, in the order of the file."""
+        seen = (self._sighting(marker, state) for marker in self._markers.values())
+        return [sighting for sighting in seen if sighting is not None]
+
+    def _sighting(self, marker: Marker, state: FlightState) -> Sighting | None:
+        offset = _minus(marker.at(state.time_s), state.position)
+        distance_m = math.hypot(*offset)
+        spec = self.spec
+        if not marker.is_present or not spec.nearest_m <= distance_m <= spec.range_m:
+            return None
+        if _rotated(_conjugate(state.attitude), offset)[2] < distance_m * math.cos(
+            spec.view_rad / 2
+        ):
+            return None
+        if self._rng.random() < spec.misses:
+            return None
+        error_m = distance_m * spec.noise_rad
+        stray_m = STRAY_M if self._rng.random() < spec.strays else 0.0
+        north, east, down = (each + self._rng.gauss(0.0, error_m) for each in offset)
+        if stray_m:
+            north, east = north + self._rng.gauss(0.0, stray_m), east + self._rng.gauss(0, stray_m)
+        measured = (north, east, down)
+        return Sighting(marker.number, measured, _rotated(_conjugate(state.attitude), measured))
+
+
+def _minus(a: Ned, b: Ned) -> Ned:
+    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
+
+
+def _conjugate(q: Quaternion) -> Quaternion:
+    return (q[0], -q[1], -q[2], -q[3])
+
+
+def _rotated(q: Quaternion, vector: Ned) -> Ned:
+    """A vector turned by a unit quaternion: v + 2 w (u x v) + 2 u x (u x v)."""
+    w, *u = q
+    once = _cross((u[0], u[1], u[2]), vector)
+    twice = _cross((u[0], u[1], u[2]), once)
+    north, east, down = (v + 2 * (w * a + b) for v, a, b in zip(vector, once, twice, strict=True))
+    return (north, east, down)
+
+
+def _cross(a: Ned, b: Ned) -> Ned:
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])

@@ -1,0 +1,54 @@
+"""Low walls as roofs: standing on one, taking off from it, and its edge."""
+
+from __future__ import annotations
+
+import pytest
+from wire import Wire
+
+from companion.mavlink.framing import dialect
+from sitl.world.scenario import read_scenario
+
+ROOF_M = 3.0
+WORLD = """\
+version: 1
+map: {cell_m: 0.1, walls: [{east_m: [2, 6], north_m: [-2, 2], up_m: 3}]}
+"""
+
+
+def over(east_m: float) -> Wire:
+    """A vehicle that hovers at 5 m, and then lands there."""
+    wire = Wire(*read_scenario(WORLD))
+    wire.fly_offboard(0.0, 0.0, -5.0)
+    wire.run(6.0, send=lambda: wire.setpoint(0.0, east_m, -5.0))
+    assert wire.command(dialect.MAV_CMD_NAV_LAND, 0, 0, 0, 0, 0, 0, 0)[0] == 0
+    return wire
+
+
+def test_a_vehicle_lands_on_a_roof_and_takes_off_again() -> None:
+    wire = over(4.0)
+    wire.run_until(lambda: not wire.simulation.is_armed, 20.0)
+    assert wire.simulation.flight.position == pytest.approx((0.0, 4.0, -ROOF_M), abs=0.1)
+    assert not wire.simulation.is_damaged and wire.simulation.collisions == 0
+    wire.run(2.0)
+    assert wire.simulation.flight.position[2] == pytest.approx(-ROOF_M, abs=0.005)
+    wire.fly_offboard(0.0, 4.0, -5.0)
+    wire.run(6.0, send=lambda: wire.setpoint(0.0, 0.0, -5.0))
+    wire.command(dialect.MAV_CMD_NAV_LAND)
+    wire.run_until(lambda: not wire.simulation.is_armed, 20.0)
+    assert wire.simulation.flight.position[2] == pytest.approx(0.0, abs=0.01)
+    assert not wire.simulation.is_damaged
+
+
+@pytest.mark.parametrize("east_m", [2.05, 5.95])
+def test_a_foot_beyond_the_edge_is_a_crash(east_m: float) -> None:
+    wire = over(east_m)
+    wire.run_until(lambda: not wire.simulation.is_armed, 20.0)
+    assert wire.simulation.is_damaged
+    assert "Over the edge of a roof" in [text for _, text in wire.simulation.event_log]
+
+
+def test_a_roof_is_a_wall_from_beside() -> None:
+    wire = Wire(*read_scenario(WORLD))
+    wire.fly_offboard(0.0, 0.0, -2.0)
+    wire.run(4.0, send=lambda: wire.setpoint(0.0, 4.0, -2.0))
+    assert wire.simulation.collisions == 1
