@@ -102,7 +102,10 @@ class GlobalOrigin:
         return f"{self.latitude_deg},{self.longitude_deg},{self.altitude_m}"
 
     def to_global(self, ned: Ned) -> tuple[float, float, float]:
-        """Latitude and longitude in degrees and altitude above mean sea level in metres."""
+        """Latitude and longitude in degrees and altitude above mean sea level in metres.
+
+        Across the 180th meridian the longitude goes on at -180.
+        """
         north, east = ned[0] / EARTH_RADIUS_M, ned[1] / EARTH_RADIUS_M
         c = math.hypot(north, east)
         lat0, lon0 = math.radians(self.latitude_deg), math.radians(self.longitude_deg)
@@ -113,7 +116,8 @@ class GlobalOrigin:
         lon = lon0 + math.atan2(
             east * sin_c, c * math.cos(lat0) * cos_c - north * math.sin(lat0) * sin_c
         )
-        return (math.degrees(lat), math.degrees(lon), self.altitude_m - ned[2])
+        east_deg = math.remainder(math.degrees(lon), 360.0)
+        return (math.degrees(lat), east_deg, self.altitude_m - ned[2])
 
     def to_local(self, latitude_deg: float, longitude_deg: float, altitude_m: float) -> Ned:
         """Local NED of a global position; the inverse of `to_global`."""

@@ -42,7 +42,7 @@ from companion.planning.engine_port import Engine
 from companion.vehicle.detections import Detections
 from companion.vehicle.gate import Envelope
 from companion.vehicle.offboard import MavlinkVehicle
-from companion.vehicle.signals import Reading
+from companion.vehicle.signals import OtherSystems, Reading, SignalReader
 from companion.vehicle.surroundings import Surroundings
 from companion.vehicle.telemetry import Telemetry
 from companion.vehicle.wire import Wire
@@ -142,13 +142,11 @@ class Run:
         self._wire, self._telemetry = wire, telemetry
         telemetry.anchor_at(mission.anchor)
         telemetry.words.take_news()  # of another flight
+        said = frozenset(signal for signal in detector.signals if not signal.is_report)
         self.vehicle = MavlinkVehicle(
-            wire,
-            telemetry,
-            envelope_of(mission),
-            frozenset(signal for signal in detector.signals if not signal.is_report),
-            takeoff_up_m=-home.position[2],
+            wire, telemetry, envelope_of(mission), said, takeoff_up_m=-home.position[2]
         )
+        self._other_systems = OtherSystems(SignalReader(said))
         self._detections = Detections(detector.signals)
         self.awaited = frozenset(s.field for s in detector.signals if s.is_pulse)
         acting = assemble(prepared, self.vehicle, detector)
@@ -217,7 +215,7 @@ class Run:
         self.vehicle.set_violated(bool(self.flight.task.violated))
         readings = asked + self.vehicle.receive(now_s, messages) + self._detections.read(reports)
         if not self.sortie.has_ended:  # the end is the last of its record
-            self._tell_of_others()
+            self._tell_of_others(messages)
         if self._surroundings.take(self.vehicle.scans):
             self.flight.routes.see(self._surroundings.grid)
         self.sortie.step(now_s, readings)
@@ -229,11 +227,12 @@ class Run:
         self._note_vehicle(now_s)
         return self.flight.collect_reports()
 
-    def _tell_of_others(self) -> None:
-        """What the autopilot has said, and what of other programs' reports is refused."""
+    def _tell_of_others(self, messages: list[Message]) -> None:
+        """What the autopilot has said, and what is refused of others' reports and messages."""
         for text in self._telemetry.words.take_news():
             self.flight.report(AutopilotSaid(text))
-        for news in self._detections.news():
+        passed_over = self._other_systems.news(self._wire.system, messages)
+        for news in (*self._detections.news(), *passed_over):
             self.flight.report(news)
 
     def _tell_of_silence(self, now_s: float) -> None:

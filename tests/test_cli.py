@@ -9,6 +9,7 @@ import shutil
 import socket
 import subprocess
 import sys
+import tomllib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -113,6 +114,13 @@ def test_help_names_the_commands(companion: Companion) -> None:
     ended = companion("--help")
     assert ended.code == 0
     assert set(re.findall(r"^│ ([a-z]+) ", ended.out, re.MULTILINE)) == OPTIONS.keys()
+
+
+def test_the_version_is_that_of_the_project(companion: Companion) -> None:
+    pyproject = tomllib.loads((MISSIONS.parent / "pyproject.toml").read_text(encoding="utf-8"))
+    ended = companion("--version")
+    assert (ended.code, ended.err) == (0, "")
+    assert ended.out == f"companion {pyproject['project']['version']}\n"
 
 
 def test_check_prints_the_task_and_the_plan(companion: Companion) -> None:

@@ -13,6 +13,7 @@ from __future__ import annotations
 import os
 import stat
 import sys
+from typing import Annotated
 
 import typer
 
@@ -28,6 +29,8 @@ from companion.cli.terminal import give_up
 from companion.cli.trees import tree
 from companion.errors import CompanionError
 
+DISTRIBUTION = "mav-companion"
+"""As pyproject.toml names it; its version is written there, and nowhere else."""
 OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
 
 app = typer.Typer(
@@ -42,6 +45,26 @@ for command in (check, plan, tree, ltl, run, sim, audit, replay, upload, watch, 
 app.command("import")(import_)
 app.add_typer(key, name="key")
 app.command(hidden=True)(monitor)
+
+
+def _print_version(is_wanted: bool) -> None:
+    if is_wanted:
+        from importlib import metadata
+
+        typer.echo(f"companion {metadata.version(DISTRIBUTION)}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_print_version, is_eager=True, help="Print the version."
+        ),
+    ] = False,
+) -> None:
+    """What belongs to no command."""
 
 
 def main() -> None:

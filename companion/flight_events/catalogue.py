@@ -42,6 +42,7 @@ from companion.flight_events.reports import (
     ReportRefused,
     ReportUnknown,
     SignalHeard,
+    SignalOfAnother,
     SignalSilent,
 )
 from companion.flight_events.skills import (
@@ -149,6 +150,7 @@ EVENTS: tuple[type[FlightEvent], ...] = (
     SignalHeard,
     ReportRefused,
     ReportUnknown,
+    SignalOfAnother,
     RecordingFailed,
     TreeBuilt,
     NodesChanged,

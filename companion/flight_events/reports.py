@@ -54,3 +54,15 @@ class ReportUnknown(FlightEvent):
 
     name: InText[str]
     known: InText[str]
+
+
+@dataclass(frozen=True, slots=True)
+class SignalOfAnother(FlightEvent):
+    """Another system than the vehicle says what an event is made of; told once for each."""
+
+    kind = "report"
+    template = "{signal} of system {system} is passed over: the vehicle is system {vehicle}"
+
+    signal: SignalName
+    system: Annotated[int, Doc("the system id of who says it")]
+    vehicle: Annotated[int, Doc("the system id of the vehicle")]

@@ -26,7 +26,12 @@ from companion.flight_events.hosting import (
     UploadNews,
 )
 from companion.flight_events.plans import LineDropped, LineTakenUp, NoPlanFound, PlanReplaced
-from companion.flight_events.reports import ReportRefused, ReportUnknown, SignalSilent
+from companion.flight_events.reports import (
+    ReportRefused,
+    ReportUnknown,
+    SignalOfAnother,
+    SignalSilent,
+)
 from companion.flight_events.skills import OutcomeUnknown, SkillFailed, WrittenTreeFailed
 from companion.flight_events.sortie import (
     AutopilotSaid,
@@ -76,7 +81,7 @@ def severity(event: FlightEvent) -> int:
             return WARNING
         case UploadNews(is_refused=True) | FramesRefused() | PortLost() | SignalSilent():
             return WARNING
-        case ReportRefused() | ReportUnknown():
+        case ReportRefused() | ReportUnknown() | SignalOfAnother():
             return WARNING
         case MissionEventChanged() | BeliefRestored() | UploadNews() | RunEnded():
             return NOTICE

@@ -5,11 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from companion.mavlink.framing import Message
+from companion.flight_events.event import FlightEvent
+from companion.flight_events.reports import SignalOfAnother
+from companion.mavlink.framing import Message, source
 from companion.mission.signals import Signal
 
 NOT_KNOWN = {("BATTERY_STATUS", "battery_remaining"): -1, ("SYS_STATUS", "battery_remaining"): -1}
 """Values that mean "not known"; they are never handed on as numbers."""
+
+MOST_TOLD = 20
+"""Of a flight: who speaks in the names of many systems fills no log."""
 
 Reading = tuple[Signal, float]
 """A signal and its value."""
@@ -42,3 +47,34 @@ class SignalReader:
             if math.isfinite(value) and value != NOT_KNOWN.get((signal.message, signal.field)):
                 readings.append((signal, float(value)))
         return readings
+
+
+class OtherSystems:
+    """Tells once of each signal of the mission that another system than the vehicle says.
+
+    It is passed over: a payload has the system id of its vehicle. One that has not is a mistake
+    which nobody would see otherwise: its event just never comes.
+
+    Args:
+        reader: of the signals that are asked for.
+    """
+
+    def __init__(self, reader: SignalReader) -> None:
+        self._reader = reader
+        self._told: set[tuple[Signal, int]] = set()
+
+    def news(self, vehicle: int, messages: Iterable[Message]) -> list[FlightEvent]:
+        """Which of these were not told before.
+
+        Args:
+            vehicle: the system id of our own.
+            messages: of anybody.
+        """
+        found: list[FlightEvent] = []
+        for message in messages:
+            system = source(message)[0]
+            for signal, _ in self._reader.read(message) if system != vehicle else ():
+                if (signal, system) not in self._told and len(self._told) < MOST_TOLD:
+                    self._told.add((signal, system))
+                    found.append(SignalOfAnother(str(signal), system, vehicle))
+        return found

@@ -18,6 +18,7 @@ from companion.driving import fly
 from companion.errors import Aborted, LinkTimeout
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.hosting import DatagramsDropped, FramesRefused
+from companion.flight_events.reports import SignalOfAnother
 from companion.flight_events.skills import PlaceReached, SkillCompleted
 from companion.flight_events.sortie import (
     Phase,
@@ -244,10 +245,13 @@ def test_a_command_of_a_skill_reaches_its_component() -> None:
 
 def test_an_event_off_the_wire_replans() -> None:
     asked = mission("G (F at(A) | found) & G (F at(B) | found)", events=[event("found")])
-    world = World(asked)
-    detector = MavlinkCodec(1, 26)
-    world.neighbour = lambda datagrams: [detector.pack(named("found", world.now > 7.0))]
+    world, detector, another = World(asked), MavlinkCodec(1, 26), MavlinkCodec(2, 26)
+    world.neighbour = lambda datagrams: [
+        detector.pack(named("found", world.now > 7.0)),
+        another.pack(named("found", 1)),
+    ]
     world.fly()
+    assert world.notes.events.count(SignalOfAnother("NAMED_VALUE_INT[found].value", 2, 1)) == 1
     assert [event for event in world.notes.story if isinstance(event, Replan)] == [
         Replan("found", "move(here, B), (wait)^w")  # which was demanded before
     ]

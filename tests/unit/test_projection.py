@@ -40,3 +40,17 @@ def test_there_and_back_is_the_same_point(
     origin = GlobalOrigin(latitude, longitude, 488.0)
     back = origin.to_local(*origin.to_global((north, east, down)))
     assert back == pytest.approx((north, east, down), abs=1e-3)
+
+
+@given(latitudes, longitudes, metres, metres)
+def test_a_longitude_lies_on_the_earth_also_across_the_180th_meridian(
+    latitude: float, longitude: float, north: float, east: float
+) -> None:
+    assert abs(GlobalOrigin(latitude, longitude, 0.0).to_global((north, east, 0.0))[1]) <= 180
+
+
+def test_the_place_east_of_the_180th_meridian_is_in_the_west() -> None:
+    origin = GlobalOrigin(-16.8, 179.9999, 0.0)
+    longitude = origin.to_global((0.0, 100.0, 0.0))[1]
+    assert longitude == pytest.approx(-179.99916, abs=1e-4)
+    assert origin.to_local(-16.8, longitude, 0.0)[:2] == pytest.approx((0.0, 100.0), abs=1e-3)

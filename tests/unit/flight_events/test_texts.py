@@ -47,6 +47,7 @@ from companion.flight_events.reports import (
     ReportRefused,
     ReportUnknown,
     SignalHeard,
+    SignalOfAnother,
     SignalSilent,
 )
 from companion.flight_events.skills import (
@@ -232,6 +233,10 @@ TEXTS: list[tuple[FlightEvent, str]] = [
     (
         ReportUnknown("dogs", "persons"),
         "dogs is reported, which the mission does not ask for; it asks for persons",
+    ),
+    (
+        SignalOfAnother("NAMED_VALUE_INT[target].value", 1, 3),
+        "NAMED_VALUE_INT[target].value of system 1 is passed over: the vehicle is system 3",
     ),
     (
         RecordingFailed("No space left on device"),

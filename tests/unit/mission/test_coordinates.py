@@ -6,7 +6,7 @@ import copy
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from companion.errors import MissionError
@@ -70,7 +70,10 @@ def points(mission: Mission) -> list[float]:
     return [*corners, *places, *look.position]
 
 
-@given(st.floats(-80, 80), st.floats(0.01, 179.9))
+@given(st.floats(-80, 80), st.floats(-180, 180).filter(bool))
+@example(47.4, 180.0)
+@example(-16.8, -180.0)
+@example(-16.8, 179.9999)
 def test_degrees_mean_what_metres_mean_anywhere_on_the_earth(lat: float, lon: float) -> None:
     metres = load_mission(IN_METRES)
     there = load_mission(in_degrees(GlobalOrigin(lat, lon, 0.0)))
