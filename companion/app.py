@@ -96,10 +96,10 @@ class Companion:
     # -- from outside --------------------------------------------------------------------------
 
     @property
-    def is_waiting(self) -> bool:
-        """Whether the only run waits for a vehicle, of which none has been heard yet."""
-        is_waiting = self._run is not None and self._run.sortie.phase is Phase.WAITING
-        return (is_waiting or self._only is not None) and self._host is None
+    def missing(self) -> str | None:
+        """What the only run still waits to hear of its vehicle; None if it waits for nothing."""
+        is_begun = self._run is not None and not self._run.is_waiting
+        return None if is_begun or self._host is not None else self._telemetry.missing
 
     @property
     def has_ended(self) -> bool:

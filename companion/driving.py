@@ -50,7 +50,8 @@ def fly(
         reports: where other programs on board report events; each tick reads it.
 
     Raises:
-        LinkTimeout: no vehicle was heard in time (seconds of the clock's time).
+        LinkTimeout: no vehicle was heard in time (seconds of the clock's time), or not what a
+            mission needs to begin.
     """
     try:
         _drive(companion, link, clock, timeout_s, beat, reports)
@@ -76,12 +77,8 @@ def _drive(
         if is_tick:
             clock.sleep_until(next_tick_s)
         now_s = _step(companion, link, clock, heard, is_tick, now_s, reports)
-        if companion.is_waiting and now_s - begun_s > timeout_s:
-            raise LinkTimeout(
-                f"no vehicle on {link.endpoint} after {timeout_s:.0f} s: {link.account()}\n"
-                "    PX4 SITL and `sitl` send to port 14540 by themselves; is one running?\n"
-                "    QGroundControl must not listen on this port"
-            )
+        if now_s - begun_s > timeout_s and (missing := companion.missing) is not None:
+            raise _timed_out(link, timeout_s, missing)
         is_flying = companion.system_status is not SystemStatus.STANDBY
         if is_flying and not was_flying:
             _set_aside()
@@ -90,6 +87,22 @@ def _drive(
             log.debug("tick %.0f ms late", 1000 * (now_s - next_tick_s))
         if is_tick or now_s > next_tick_s:
             next_tick_s = max(next_tick_s + TICK_S, now_s)
+
+
+def _timed_out(link: Link, timeout_s: float, missing: str) -> LinkTimeout:
+    """No vehicle was heard in time, or one that does not tell what a mission needs to begin."""
+    if link.has_heard:
+        return LinkTimeout(
+            f"the vehicle on {link.endpoint} is not ready after {timeout_s:.0f} s: it tells "
+            f"{missing}\n"
+            "    an autopilot has a position and a home when its GPS is good, minutes after a cold "
+            "start; --timeout waits longer"
+        )
+    return LinkTimeout(
+        f"no vehicle on {link.endpoint} after {timeout_s:.0f} s: {link.account()}\n"
+        "    PX4 SITL and `sitl` send to port 14540 by themselves; is one running?\n"
+        "    QGroundControl must not listen on this port"
+    )
 
 
 def _step(

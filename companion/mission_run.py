@@ -186,6 +186,11 @@ class Run:
             self._telemetry.frame.keep(seen.origin, seen.altitude_m)
 
     @property
+    def is_waiting(self) -> bool:
+        """Whether its vehicle is waited for; while a plan is searched it is not."""
+        return self.sortie.phase is Phase.WAITING and not self.sortie.beginning.is_planning
+
+    @property
     def watched(self) -> frozenset[Fact]:
         """The events whose change the plan under way watches for; none while no plan is flown."""
         is_flown = self.sortie.phase is Phase.TASK

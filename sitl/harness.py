@@ -53,9 +53,9 @@ class LockstepFlight:
         while not self.companion.has_ended:
             now_s = self.now_s
             self.tick()
-            if self.companion.is_waiting and now_s > timeout_s:
+            if now_s > timeout_s and (missing := self.companion.missing) is not None:
                 raise LinkTimeout(
-                    f"the simulated vehicle was not heard in {timeout_s:.0f} s of its time\n"
+                    f"the simulated vehicle tells {missing} in {timeout_s:.0f} s of its time\n"
                     "    does the simulation have the link to the companion?"
                 )
         self.simulation.settle()

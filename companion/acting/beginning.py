@@ -36,6 +36,11 @@ class Beginning:
         self._executive = executive
         self._planning: InSlices[PlanFailure | None] | None = None
 
+    @property
+    def is_planning(self) -> bool:
+        """Whether the vehicle stands there, and a plan is searched."""
+        return self._planning is not None
+
     def tick(self, state: VehicleState) -> Progress | CompanionError:
         """DONE with a plan; or why the mission cannot begin."""
         if self._planning is None:

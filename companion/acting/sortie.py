@@ -55,7 +55,7 @@ class Sortie:
     """Flies a mission once.
 
     Attributes:
-        phase: where it is.
+        phase, beginning: where it is, and how it comes to a plan first.
         failure: why the sortie did not end well; None while it does.
 
     Args:
@@ -86,7 +86,7 @@ class Sortie:
         self.failure: CompanionError | None = None
         self._flight = flight
         self._executive = executive
-        self._beginning = Beginning(flight, executive, home)
+        self.beginning = Beginning(flight, executive, home)
         self._failsafes = FailsafeCheck(flight, accepts_weak_failsafes)
         self._crash_watch = CrashWatch(flight.profile)
         self._crash: Crash | None = None
@@ -255,7 +255,7 @@ class Sortie:
         if self._resumption is not None:
             self._find_again(self._resumption, state)
             return
-        outcome = self._beginning.tick(state)
+        outcome = self.beginning.tick(state)
         if isinstance(outcome, CompanionError):
             self._give_up(outcome)
         elif outcome is Progress.DONE:

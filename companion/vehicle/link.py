@@ -128,6 +128,11 @@ class Link:
             events.append(FramesRefused(*refused))
         return events
 
+    @property
+    def has_heard(self) -> bool:
+        """Whether an autopilot was heard."""
+        return self._autopilot.system is not None
+
     def account(self) -> str:
         """What was heard so far, in words."""
         if not self._taken:

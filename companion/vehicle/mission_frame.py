@@ -61,6 +61,11 @@ class MissionFrame:
         return self._home is not None and (self.anchor is None or self.reference is not None)
 
     @property
+    def is_home_known(self) -> bool:
+        """Whether a HOME_POSITION was heard."""
+        return self._home is not None
+
+    @property
     def origin(self) -> Ned | None:
         """In the autopilot's local frame; None until it is known."""
         return self.local((0.0, 0.0, 0.0)) if self.is_known else None

@@ -73,6 +73,22 @@ class Telemetry:
             self._state = self._put_together()
         return self._state
 
+    @property
+    def missing(self) -> str:
+        """What a mission that is to begin still waits to hear of its vehicle, in words."""
+        if self.mode is None:
+            return "no HEARTBEAT of an autopilot"
+        if self._position is None:
+            return "no position (LOCAL_POSITION_NED)"
+        if not self.frame.is_known:
+            is_home = self.frame.is_home_known
+            return "no origin (GPS_GLOBAL_ORIGIN)" if is_home else "no home (HOME_POSITION)"
+        if self._yaw_rad is None:
+            return "no heading (ATTITUDE)"
+        if self._is_landed is None:
+            return "not whether it stands on the ground (EXTENDED_SYS_STATE)"
+        return "not that it stands still, disarmed and on the ground"
+
     def _put_together(self) -> VehicleState | None:
         if (
             not self.frame.is_known

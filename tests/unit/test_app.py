@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from itertools import pairwise
+from typing import Any
 
 import pytest
 from autopilot import ARM, LAND, SET_MODE, TAKE_OFF, Autopilot, named, of_type
@@ -30,6 +31,7 @@ from companion.flight_events.sortie import (
 from companion.geometry import Ned
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mission.model import Mission
+from companion.slices import InSlices
 
 
 class Notes(Happened):
@@ -97,6 +99,10 @@ class World:
 
     def send(self, datagrams: list[bytes]) -> None:
         self._answers = [*self.autopilot.answer(datagrams), *self.neighbour(datagrams)]
+
+    @property
+    def has_heard(self) -> bool:
+        return not self.is_silent
 
     def account(self) -> str:
         return "nothing arrived"
@@ -170,6 +176,49 @@ def test_no_vehicle_in_time_is_an_error_with_the_account_of_the_link() -> None:
     first = str(error.value).splitlines()[0]
     assert first == "no vehicle on udpin://0.0.0.0:14540 after 5 s: nothing arrived"
     assert world.now == pytest.approx(5.0, abs=0.11)
+
+
+@pytest.mark.parametrize(
+    ("left_out", "missing"),
+    [
+        ("HOME_POSITION", "no home (HOME_POSITION)"),
+        ("LOCAL_POSITION_NED", "no position (LOCAL_POSITION_NED)"),
+        ("ATTITUDE", "no heading (ATTITUDE)"),
+        ("EXTENDED_SYS_STATE", "not whether it stands on the ground (EXTENDED_SYS_STATE)"),
+    ],
+)
+def test_a_vehicle_that_is_heard_and_not_ready_in_time_is_told_what_it_lacks(
+    left_out: str, missing: str
+) -> None:
+    world = World(mission("F at(A)"))
+    codec, whole = MavlinkCodec(1, 1), world.autopilot.telemetry
+
+    def telemetry() -> list[bytes]:
+        frames = whole()
+        return [f for f in frames if left_out not in {m.get_type() for m in codec.parse(f)}]
+
+    world.autopilot.telemetry = telemetry  # type: ignore[method-assign]
+    with pytest.raises(LinkTimeout) as error:
+        world.fly(timeout_s=5.0)
+    first = str(error.value).splitlines()[0]
+    assert first == (
+        f"the vehicle on udpin://0.0.0.0:14540 is not ready after 5 s: it tells {missing}"
+    )
+
+
+def test_a_search_for_a_plan_on_the_ground_is_no_wait_for_the_vehicle(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    class TakesSeconds(InSlices[Any]):
+        """Work that is done after 3 s."""
+
+        def step(self) -> bool:
+            return world.now > 3.0 and super().step()
+
+    monkeypatch.setattr("companion.acting.beginning.InSlices", TakesSeconds)
+    world = World(mission("F at(A)"))
+    world.fly(timeout_s=1.0)
+    assert world.companion.failure is None
 
 
 def test_a_vehicle_that_falls_silent_later_is_another_matter() -> None:
