@@ -36,11 +36,12 @@ from companion.geometry import Ned
 from companion.mavlink.framing import Message
 from companion.mission.digest import digest
 from companion.mission.facts import Fact
-from companion.mission.model import Mission
-from companion.motion.position_error import AddedClearance
+from companion.mission.model import Mission, Place
+from companion.motion.marker_track import HEIGHT_M, LAND_FROM_M
+from companion.motion.position_error import MOST_M, AddedClearance
 from companion.planning.engine_port import Engine
 from companion.vehicle.detections import Detections
-from companion.vehicle.gate import Envelope
+from companion.vehicle.gate import Envelope, LandingSite
 from companion.vehicle.offboard import MavlinkVehicle
 from companion.vehicle.signals import OtherSystems, Reading, SignalReader
 from companion.vehicle.surroundings import Surroundings
@@ -144,7 +145,14 @@ class Run:
         telemetry.words.take_news()  # of another flight
         said = frozenset(signal for signal in detector.signals if not signal.is_report)
         self.vehicle = MavlinkVehicle(
-            wire, telemetry, envelope_of(mission), said, takeoff_up_m=-home.position[2]
+            wire,
+            telemetry,
+            envelope_of(mission),
+            said,
+            takeoff_up_m=-home.position[2],
+            marker_components=frozenset(
+                place.marker.component for place in mission.places.values() if place.marker
+            ),
         )
         self._other_systems = OtherSystems(SignalReader(said))
         self._detections = Detections(detector.signals)
@@ -305,4 +313,14 @@ def envelope_of(mission: Mission) -> Envelope:
         vehicle.carrot_m,
         vehicle.margin_m,
         tuple(limits.keep_out.values()),
+        sites=tuple(map(_site, filter(lambda place: place.marker, mission.places.values()))),
     )
+
+
+def _site(place: Place) -> LandingSite:
+    """Where the vehicle may come down to the marker of a place."""
+    assert place.marker is not None
+    centre = place.position[:2]
+    outline = place.region.outline()
+    reach_m = max(math.dist(centre, c) for c in outline) if outline else place.inner_m
+    return LandingSite(centre, reach_m + MOST_M, place.marker.up_m + LAND_FROM_M - HEIGHT_M)

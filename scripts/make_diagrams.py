@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from companion.acting import phases
+from companion.acting.behaviour_tree import marker_states
 from companion.ground import ftp_sessions, upload_states
 from companion.transitions import StateTransition
 
@@ -37,6 +38,7 @@ class Diagram(NamedTuple):
 
 DIAGRAMS = (
     Diagram("sortie", "sortie.md", phases.TRANSITIONS),
+    Diagram("marker", "landing.md", marker_states.TRANSITIONS),
     Diagram("upload", "uploads.md", upload_states.TRANSITIONS),
     Diagram("FTP session", "uploads.md", ftp_sessions.TRANSITIONS),
 )

@@ -16,6 +16,7 @@ from companion.vehicle.port import (
     Failed,
     FrameLocation,
     Goal,
+    MarkerSighting,
     Mode,
     Outcome,
     Progress,
@@ -89,6 +90,18 @@ class FakePayloads:
         del self._due[ticket]
 
 
+class FakeMarkers:
+    """Sees what a test says.
+
+    Attributes:
+        seen, refused: since the tick before.
+    """
+
+    def __init__(self) -> None:
+        self.seen: list[MarkerSighting] = []
+        self.refused: list[Refusal] = []
+
+
 class FakeVehicle:
     """Stands on the ground at first, disarmed.
 
@@ -100,6 +113,7 @@ class FakeVehicle:
         location: where its frames lie on the earth; not known at first.
         is_turning: its heading is that of its setpoint.
         payloads: its payloads.
+        markers: what it sees of landing markers; nothing at first.
         flown: every setpoint that it was given; None when it was released.
         pursued: the goals that were worked for, in order.
         scans: what it hears of its surroundings; nothing at first.
@@ -123,6 +137,7 @@ class FakeVehicle:
         self.is_turning = True
         self.flown: list[Setpoint | None] = []
         self.payloads = FakePayloads()
+        self.markers = FakeMarkers()
         self.pursued: list[Goal] = []
         self.parameters: dict[str, float] = {
             "COM_OF_LOSS_T": 1.0,
@@ -177,7 +192,7 @@ class FakeVehicle:
     def parameter(self, name: str) -> float | None:
         return self.parameters.get(name)
 
-    def pursue(self, goal: Goal) -> Outcome:
+    def pursue(self, goal: Goal, takeoff_up_m: float | None = None) -> Outcome:
         if not self.pursued or self.pursued[-1] is not goal:
             self.pursued.append(goal)
             self._since_s = self._now_s
@@ -188,7 +203,7 @@ class FakeVehicle:
             self.change(**AFTER[goal])
         return outcome
 
-    def fly(self, setpoint: Setpoint, is_for_task: bool = False) -> None:
+    def fly(self, setpoint: Setpoint, is_for_task: bool = False, is_landing: bool = False) -> None:
         self.flown.append(setpoint)
 
     def release(self) -> None:

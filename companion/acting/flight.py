@@ -33,12 +33,14 @@ class PlanProgress:
         is_landed_by_plan: the plan has landed the vehicle, and has not taken off again; the leaves
             that land and take off write it.
         is_stranded: an action has failed there; `ActionNode` writes it.
+        is_descending: the vehicle comes down to the marker of its place; the leaf writes it.
     """
 
     completed: int = 0
     laps: int = 0
     is_landed_by_plan: bool = False
     is_stranded: bool = False
+    is_descending: bool = False
 
 
 @dataclass
@@ -78,6 +80,7 @@ class Flight:
     is_task_flown: bool = False
     _intentions: int = field(default=0, init=False)
     _setpoint: Setpoint | None = field(default=None, init=False)
+    _is_landing: bool = field(default=False, init=False)
     _stop: Stop | None = field(default=None, init=False)
     _stop_begin_s: float = field(default=0.0, init=False)
     _streamed_s: float = field(default=0.0, init=False)
@@ -169,6 +172,11 @@ class Flight:
         self._stop = None
         self._stream(sample, heading_rad, self.is_task_flown)
 
+    def descend(self, sample: Sample) -> None:
+        """Streams a moment of the way down to a marker, or of the search for it."""
+        self._stop = None
+        self._stream(sample, None, self.is_task_flown, is_landing=True)
+
     def stop_along(self, stop: Stop, time_s: float) -> None:
         """Comes to rest along a path, and stays at its end.
 
@@ -193,7 +201,8 @@ class Flight:
         if self._stop is not None:
             return
         if self._setpoint is not None:
-            self._stream(_rest_at(self._setpoint.position), heading_rad)
+            at_rest = _rest_at(self._setpoint.position)
+            self._stream(at_rest, heading_rad, is_landing=self._is_landing)
         elif state is not None and not state.is_landed:
             self._stream(_rest_at(state.position), heading_rad)
 
@@ -202,11 +211,18 @@ class Flight:
         self.forget_setpoint()
         self.hold()
 
-    def _stream(self, sample: Sample, heading_rad: float | None, is_for_task: bool = False) -> None:
+    def _stream(
+        self,
+        sample: Sample,
+        heading_rad: float | None,
+        is_for_task: bool = False,
+        is_landing: bool = False,
+    ) -> None:
         yaw_rad = self._turned(heading_rad)
         setpoint = Setpoint(sample.position, sample.velocity, sample.acceleration, yaw_rad)
         self._setpoint, self._streamed_s = setpoint, self.now_s
-        self.vehicle.fly(setpoint, is_for_task)
+        self._is_landing = is_landing
+        self.vehicle.fly(setpoint, is_for_task, is_landing)
 
     def _turned(self, heading_rad: float | None) -> float:
         """The heading that is told next: that of before, turned no faster than the vehicle may."""

@@ -97,6 +97,15 @@ class Symbols:
         """The present value of a symbol."""
         return self._values[name]
 
+    def place(self, name: str) -> Place:
+        """A place as the mission has it."""
+        return self._places[name]
+
+    def up_m(self, name: str | None) -> float | None:
+        """Altitude of a place above home; None of what is no place."""
+        place = self._places.get(name or "")
+        return -place.position[2] if place is not None else None
+
     def heading_rad(self, name: str) -> float | None:
         """With what heading the vehicle arrives, at whatever waypoint; None for any."""
         return self._places[name].heading_rad

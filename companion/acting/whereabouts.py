@@ -66,7 +66,10 @@ class Whereabouts:
         if place is None:  # it is between places already
             return None
         margin_m = max(MARGIN_M, SIGMAS * state.accuracy_m)
-        if place.region.away_m(place.position, state.position) <= margin_m:
+        north, east, down = state.position
+        if flight.progress.is_descending:
+            down = place.position[2]  # it comes down to its marker
+        if place.region.away_m(place.position, (north, east, down)) <= margin_m:
             return None
         return PlaceLost(place.name, round(distance(place.position, state.position), 1))
 

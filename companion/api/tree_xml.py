@@ -46,6 +46,7 @@ LEAVES = {
     LeafType.COMMAND: ("Action", "SendCommand"),
     LeafType.WAIT: ("Action", "Wait"),
     LeafType.LAND: ("Action", "Land"),
+    LeafType.LAND_ON: ("Action", "LandOnMarker"),
     LeafType.TAKE_OFF: ("Action", "TakeOff"),
     LeafType.CHARGE: ("Action", "ChargeBattery"),
     LeafType.BEGIN_AGAIN: ("Action", "BeginAgain"),

@@ -27,6 +27,13 @@ from companion.flight_events.hosting import (
     TerminalHungUp,
     UploadChecked,
 )
+from companion.flight_events.landing import (
+    LandedOnMarker,
+    MarkerAbandoned,
+    MarkerLost,
+    MarkerSeen,
+    SightingsRefused,
+)
 from companion.flight_events.plans import (
     EngineFailed,
     LapCompleted,
@@ -130,6 +137,11 @@ EVENTS: tuple[type[FlightEvent], ...] = (
     FlightLimitReached,
     ReturnBegun,
     ReturnFailed,
+    MarkerSeen,
+    MarkerLost,
+    SightingsRefused,
+    MarkerAbandoned,
+    LandedOnMarker,
     VehicleLanded,
     VehicleAirborne,
     BatteryCharged,

@@ -39,6 +39,7 @@ class LeafType(Enum):
     COMMAND = "command"
     WAIT = "wait"
     LAND = "land"
+    LAND_ON = "land_on"
     TAKE_OFF = "take_off"
     CHARGE = "charge"
     BEGIN_AGAIN = "begin_again"

@@ -1,7 +1,7 @@
 """The steps of a skill's `execute`: what it does to the vehicle and its payloads.
 
 fly(parameter)    command(component, MAV_CMD_NAME[, param1, ... param7])    wait(seconds)
-land()    charge(percent)    take_off()    another skill with its arguments
+land()    land_on(parameter)    charge(percent)    take_off()    another skill with its arguments
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from companion.documents import did_you_mean
 from companion.errors import FormulaError
 from companion.mavlink.payload_commands import AUTOPILOT, commands_for, why_not_sent
 from companion.mission.conditions import command_number
-from companion.mission.model import Charge, Command, Do, Execution, Fly, Land, TakeOff, Wait
+from companion.mission.model import Charge, Command, Do, Execution, Fly, Land, LandOn, TakeOff, Wait
 
 FLOAT32_MAX = 3.4028234e38  # MAVLink carries command parameters as IEEE 754 single precision
 
@@ -94,12 +94,17 @@ def _arguments(match: re.Match[str]) -> Iterator[_Argument]:
 
 
 def _fly(arguments: list[_Argument], known: _Known) -> Fly:
-    (place,), parameters = arguments, known.parameters
+    return Fly(_parameter(arguments[0], known))
+
+
+def _parameter(place: _Argument, known: _Known) -> str:
+    """The name of a parameter of the skill."""
+    parameters = known.parameters
     if place.word not in parameters:
         listing = f"parameters are {', '.join(parameters)}." if parameters else "it has none."
         hint = f"{listing} {did_you_mean(place.word, parameters)}".rstrip()
         raise place.error(f"{place.word} is not a parameter of this skill", hint)
-    return Fly(place.word)
+    return place.word
 
 
 def _command(arguments: list[_Argument], known: _Known) -> Command:
@@ -111,7 +116,7 @@ def _command(arguments: list[_Argument], known: _Known) -> Command:
             why_not,
             f"to the autopilot skills send {', '.join(sorted(commands_for(addressee)))}"
             if addressee == AUTOPILOT
-            else "skills command payloads; the vehicle is flown by fly(), land() and take_off()",
+            else "skills command payloads; fly(), land(), land_on(), take_off() move the vehicle",
         )
     return Command(
         component=addressee,
@@ -175,6 +180,9 @@ KINDS = {
     "command": StepKind("command(component, MAV_CMD_NAME, param1, ... param7)", 2, 9, _command),
     "wait": StepKind("wait(seconds)", 1, 1, lambda given, _: Wait(_duration_s(given[0]))),
     "land": StepKind("land()", 0, 0, lambda *_: Land()),
+    "land_on": StepKind(
+        "land_on(parameter)", 1, 1, lambda given, known: LandOn(_parameter(given[0], known))
+    ),
     "charge": StepKind("charge(percent)", 1, 1, lambda given, _: Charge(_percent(given[0]))),
     "take_off": StepKind("take_off()", 0, 0, lambda *_: TakeOff()),
 }

@@ -22,9 +22,10 @@ from companion.ltl.parser import parse
 from companion.mission.coordinates import coordinates_of
 from companion.mission.event_entries import check_restored, read_events
 from companion.mission.facts import AT, HERE, Fact
+from companion.mission.landing_sites import check_landings, with_markers
 from companion.mission.literals import parse_fact
 from companion.mission.looking import check_looking
-from companion.mission.model import Event, Mission, Otherwise, Skill
+from companion.mission.model import Event, Mission, Otherwise, Place, Skill
 from companion.mission.one_place import check_one_place
 from companion.mission.pddl_domain import DomainReader, with_domain
 from companion.mission.schema import MissionFile
@@ -35,7 +36,9 @@ from companion.mission.task_lines import read_task
 from companion.mission.tree import read_tree
 from companion.mission.tree_nodes import Tree
 from companion.mission.vocabulary import Vocabulary
+from companion.motion.grid import OccupancyGrid
 from companion.vehicle_files import read_vehicle
+from companion.vehicle_profile import VehicleProfile
 
 _SHOWN = 20  # names listed in a message
 
@@ -68,15 +71,15 @@ def load_mission(
     space = read_space(file, read.folder, coordinates, document)
     places, vehicle = space.places, read_vehicle(file.vehicle, read.folder, document)
     check_places(places, space.limits, space.grid, vehicle, coordinates, document)
+    places = with_markers(places, file, space.grid, vehicle, document)
     events = read_events(file, document)
     vocabulary = Vocabulary(places, events, file.objects, declared)
     skills = build_skills(file, document, vocabulary, coordinates)
-    check_one_place(skills, places, document)
     check_restored(file, skills, document)
     initially = _initially(file, document, vocabulary)
     _check_reachable_names(skills, {*declared, *(f.predicate for f in initially)}, events, document)
     sets = {name: tuple(members) for name, members in file.sets.items()}
-    check_looking(skills, places, sets, document)
+    _check_skills(skills, places, sets, (space.grid, vehicle), document)
     task, priorities = read_task(file, document, vocabulary)
     return Mission(
         name=file.name,
@@ -99,6 +102,19 @@ def load_mission(
         priorities=priorities,
         anchor=coordinates.anchor,
     )
+
+
+def _check_skills(
+    skills: Mapping[str, Skill],
+    places: Mapping[str, Place],
+    sets: Mapping[str, tuple[str, ...]],
+    room: tuple[OccupancyGrid, VehicleProfile],
+    document: Document,
+) -> None:
+    """Refuses skills after which the vehicle is nowhere, and looks and landings that cannot be."""
+    check_one_place(skills, places, document)
+    check_looking(skills, places, sets, document)
+    check_landings(skills, places, sets, *room, document)
 
 
 def _text(source: Source, document: Document) -> str:

@@ -14,6 +14,7 @@ from companion.drawn_maps import Wall
 from companion.geometry import GlobalOrigin, Ned, NorthEast
 from companion.ltl.formula import Formula, atoms
 from companion.mission.facts import AT, Atom, Fact, at
+from companion.mission.markers import LandingMarker
 from companion.mission.signals import AnyCondition
 from companion.mission.tree_nodes import Tree
 from companion.motion.grid import OccupancyGrid
@@ -37,6 +38,7 @@ class Place:
     Attributes:
         heading_rad: with which the vehicle arrives, clockwise from north; None for any.
         amsl_m: its altitude above mean sea level, if it was given so.
+        marker: below it; None if there is none.
     """
 
     name: str
@@ -44,6 +46,7 @@ class Place:
     region: Region
     heading_rad: float | None = None
     amsl_m: float | None = None
+    marker: LandingMarker | None = None
 
     @property
     def inner_m(self) -> float:
@@ -170,8 +173,15 @@ class Land:
 
 
 @dataclass(frozen=True, slots=True)
+class LandOn:
+    """Primitive: land on the marker of the place bound to the parameter `place`, and disarm."""
+
+    place: str
+
+
+@dataclass(frozen=True, slots=True)
 class TakeOff:
-    """Primitive: arm, climb to the altitude of the mission's take-off, go on in OFFBOARD."""
+    """Primitive: arm, climb to the altitude of the place, go on in OFFBOARD."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -189,7 +199,7 @@ class Do:
     arguments: tuple[str, ...]
 
 
-Primitive = Fly | Command | Wait | Land | TakeOff | Charge
+Primitive = Fly | Command | Wait | Land | LandOn | TakeOff | Charge
 Execution = Primitive | Do
 
 

@@ -134,7 +134,8 @@ class SkillEntry(DrawnModel):
             min_length=1,
             description="What the vehicle does, one thing or a list, one after the other: "
             "fly(parameter), command(component, MAV_CMD_NAME[, param1, ...]), wait(seconds), "
-            "land(), charge(percent), take_off(), or another skill with its arguments.",
+            "land(), land_on(parameter), charge(percent), take_off(), or another skill with its "
+            "arguments.",
         ),
     ]
     planned: Annotated[

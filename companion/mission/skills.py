@@ -19,7 +19,7 @@ from companion.mission.execution import parse_execution
 from companion.mission.facts import Atom, spelled
 from companion.mission.literals import parse_effect, parse_fact, parse_literals
 from companion.mission.looking import look_at
-from companion.mission.model import Do, Execution, Fly, PointOfInterest, Skill
+from companion.mission.model import Do, Execution, Fly, LandOn, PointOfInterest, Skill
 from companion.mission.schema import MissionFile, SkillEntry
 from companion.mission.vocabulary import Domain, Vocabulary
 
@@ -226,7 +226,7 @@ class _SkillBuilder:
         self, execute: tuple[Execution, ...], domains: Mapping[str, Domain]
     ) -> None:
         for step in execute:
-            for member in domains[step.place] if isinstance(step, Fly) else ():
+            for member in domains[step.place] if isinstance(step, Fly | LandOn) else ():
                 if member not in self.file.places:
                     raise MissionError(
                         f"{self.name} cannot fly to {member}, which is no place",
@@ -273,7 +273,7 @@ class _SkillBuilder:
     ) -> None:
         used: set[str | PointOfInterest | None] = {looked_at}
         used |= {argument for atom in atoms for argument in atom.arguments}
-        used |= {step.place for step in execute if isinstance(step, Fly)}
+        used |= {step.place for step in execute if isinstance(step, Fly | LandOn)}
         used |= {word for step in execute if isinstance(step, Do) for word in step.arguments}
         for parameter in self.entry.parameters:
             if parameter not in used:

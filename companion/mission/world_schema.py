@@ -92,6 +92,17 @@ class PointEntry(DrawnModel):
         return f"east {self.east_m:g} m, north {self.north_m:g} m"
 
 
+class MarkerEntry(DrawnModel):
+    """A marker on which the vehicle can land (LANDING_TARGET)."""
+
+    component: Annotated[
+        Name, Field(description="Who sees it: a name of `components`, the detector's.")
+    ]
+    number: Annotated[
+        int, Field(ge=0, le=255, description="That is read off it: its target_num; 0 without it.")
+    ] = 0
+
+
 class PlaceEntry(PointEntry):
     """A point with a region around it: in metres from home, or on the earth."""
 
@@ -132,5 +143,13 @@ class PlaceEntry(PointEntry):
             le=360,
             description="Degrees clockwise from north with which the vehicle arrives; without it "
             "any heading will do.",
+        ),
+    ] = None
+    marker: Annotated[
+        MarkerEntry | None,
+        BeforeValidator(given, json_schema_input_type=MarkerEntry),
+        Field(
+            description="A marker below it, within its region, on the ground or on a wall with "
+            "up_m, for land_on: {component: NAME, number: 3}."
         ),
     ] = None

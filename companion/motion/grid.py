@@ -143,6 +143,32 @@ class OccupancyGrid:
         to_rim = np.minimum(point, np.array(self.occupied.shape) - point).min()
         return min(away_m, float(to_rim) * self.cell_m)
 
+    def ground_m(self, position: NorthEast, radius_m: float) -> tuple[float, float]:
+        """Lowest and highest upper end of what carries a vehicle, within a radius of a position.
+
+        Args:
+            position: its middle.
+            radius_m: 0 for the position alone.
+
+        Returns:
+            Metres above home: 0 for the ground, more for the end of a low wall.
+        """
+        if self.low is None:
+            return 0.0, 0.0
+        shape, near = self.occupied.shape, []
+        for axis in (0, 1):
+            point = (position[axis] - self.origin[axis]) / self.cell_m
+            reach = radius_m / self.cell_m
+            cells = np.arange(math.floor(point - reach), math.floor(point + reach) + 1)
+            gaps = np.maximum(np.maximum(cells - point, point - cells - 1), 0.0)
+            is_on = (cells >= 0) & (cells < shape[axis])
+            near.append((np.clip(cells, 0, shape[axis] - 1), gaps, is_on))
+        (rows, south, rows_on), (cols, east, cols_on) = near
+        is_near = np.hypot(south[:, None], east[None, :]) * self.cell_m <= radius_m
+        tops_m = np.where(rows_on[:, None] & cols_on, self.low.tops_m[rows[:, None], cols], 0.0)
+        found = tops_m[is_near]
+        return float(found.min()), float(found.max())
+
     def _away(self, point: npt.NDArray[np.float64], cells: npt.NDArray[np.int_]) -> float:
         """Metres from a point, in cells, to the nearest one of some cells (n, 2)."""
         gaps = np.maximum(np.maximum(cells - point, point - cells - 1), 0.0)

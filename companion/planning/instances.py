@@ -23,7 +23,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from companion.mission.facts import HERE, Fact, spelled
-from companion.mission.model import Do, Fly, Literal, Mission, PointOfInterest, Skill, flies
+from companion.mission.model import Do, Fly, LandOn, Literal, Mission, PointOfInterest, Skill, flies
 from companion.planning.domain import (
     UNIT_MS,
     WAIT,
@@ -169,8 +169,8 @@ def _refined(mission: Mission, skill: Skill, binding: dict[str, str]) -> tuple[S
     """The steps of a skill under a binding, down to primitives."""
     steps: list[Step] = []
     for step in skill.execute:
-        if isinstance(step, Fly):
-            steps.append(Fly(binding.get(step.place, step.place)))
+        if isinstance(step, Fly | LandOn):
+            steps.append(type(step)(binding.get(step.place, step.place)))
         elif isinstance(step, Do):
             inner = mission.skills[step.skill]
             own = _own(inner, step, binding)

@@ -12,7 +12,9 @@ Rules, in this order; the first that applies decides:
 5. Of the task's plan, when the task is violated: hold. A return or a landing goes on.
 6. A number that is not finite: hold.
 7. Outside the fence or the altitude band, or nearer than the margin to the fence: hold. The same in
-   a keep-out zone, or behind one; but a vehicle that is in one may be sent to where it is less so.
+   a keep-out zone, or behind one; but a vehicle that is in one, or below the band, may be sent to
+   where it is less so. A landing on a marker may lead below the band over a site of the mission, or
+   not as far down as the band would let it: as low as the site is, no lower.
 8. Further from the vehicle than the carrot: hold. A setpoint that stays behind when this program
    dies means "hover a carrot's length ahead", never "fly to the far end".
 9. Faster than the speed limit: hold.
@@ -39,6 +41,21 @@ Corner = tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True)
+class LandingSite:
+    """Where a mission lands on a marker.
+
+    Attributes:
+        centre: its middle.
+        radius_m: how far it reaches.
+        lowest_up_m: altitude above home below which no setpoint leads there.
+    """
+
+    centre: Corner
+    radius_m: float
+    lowest_up_m: float
+
+
+@dataclass(frozen=True, slots=True)
 class Envelope:
     """What no setpoint may leave.
 
@@ -51,6 +68,7 @@ class Envelope:
         climb_mps: greatest vertical speed upwards.
         descent_mps: the same downwards.
         carrot_m: greatest distance of a setpoint from the vehicle.
+        sites: where it may land on markers.
         max_age_s: age of position or heading at which the vehicle holds.
         lease_s: age of a setpoint at which the vehicle holds.
         lost_s: age of the position at which the stream ends and the autopilot's failsafe begins.
@@ -70,6 +88,7 @@ class Envelope:
     lease_s: float = 0.5
     lost_s: float = 3.0
     mode_lost_s: float = 10.0
+    sites: tuple[LandingSite, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,11 +98,13 @@ class Request:
     Attributes:
         asked_s: when.
         is_for_task: it is of the task's plan, not of a return, a landing or a hold.
+        is_landing: it is of the way down to a marker, or up from there.
     """
 
     setpoint: Setpoint
     asked_s: float
     is_for_task: bool = False
+    is_landing: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -219,7 +240,12 @@ def _in_zone(judged: _Judged) -> Refusal | None:
 
 def _outside_band(judged: _Judged) -> Refusal | None:
     low, high = judged.envelope.up_m
-    is_inside = low <= -judged.request.setpoint.position[2] <= high
+    north, east, down = judged.request.setpoint.position
+    if judged.request.is_landing:
+        sites = judged.envelope.sites
+        over = [s.lowest_up_m for s in sites if math.dist(s.centre, (north, east)) <= s.radius_m]
+        low = max(over, default=low)
+    is_inside = min(low, -judged.state.position[2]) <= -down <= high
     return None if is_inside else Refusal("outside the altitude band")
 
 

@@ -16,6 +16,8 @@ from companion.vehicle.wire import AUTOPILOT, COMPONENT, Wire
 
 ASK_AGAIN_S = 2.0
 """Pause before a command that was accepted without effect is sent again."""
+ROOF_M = 1.0
+"""So much above home a vehicle stands on something; less may be an error of its altitude."""
 
 
 class GoalPursuit:
@@ -43,14 +45,24 @@ class GoalPursuit:
         """What is pursued, or was reached last; None before the first one."""
         return self._pursuit.goal if self._pursuit is not None else None
 
-    def pursue(self, goal: Goal, state: VehicleState, moment: Moment) -> Outcome:
-        """Works towards a goal; the caller asks in every tick until it is reached or has failed."""
+    def pursue(
+        self, goal: Goal, state: VehicleState, moment: Moment, takeoff_up_m: float | None = None
+    ) -> Outcome:
+        """Works towards a goal; the caller asks in every tick until it is reached or has failed.
+
+        Args:
+            goal: what to bring about.
+            state: of the vehicle.
+            moment: now.
+            takeoff_up_m: altitude above home to take off to; the mission's own without it.
+        """
         approach, pursuit = APPROACHES[goal], self._pursuit
         if pursuit is None or pursuit.goal is not goal or pursuit.has_failed:
             self._end_command()
             allowed = approach.passes | {state.mode}
             self._first_mode = self._first_mode or state.mode
-            pursuit = Pursuit(goal, allowed, state.mode, moment.heard_s)
+            up_m = self._takeoff_up(state, takeoff_up_m)
+            pursuit = Pursuit(goal, allowed, state.mode, moment.heard_s, takeoff_up_m=up_m)
             self._pursuit = pursuit
         if state.is_mode_known(moment.now_s) and approach.is_reached(state):
             self._end_command()
@@ -93,11 +105,17 @@ class GoalPursuit:
             if not exchange.result or heard_s < exchange.next_send_s + ASK_AGAIN_S:
                 return None
             self._end_command()
-        takeoff_altitude_m = self._telemetry.frame.altitude_m + self._takeoff_up_m
+        takeoff_altitude_m = self._telemetry.frame.altitude_m + pursuit.takeoff_up_m
         parameters = asked.parameters(takeoff_altitude_m)
         target = (self._wire.system, AUTOPILOT)
         pursuit.ticket = self._commands.start(heard_s, target, asked.command, parameters)
         return None
+
+    def _takeoff_up(self, state: VehicleState, asked_m: float | None) -> float:
+        """The altitude above home to take off to: from a roof, so much higher at least."""
+        up_m = -state.position[2]
+        ground_m = up_m if state.is_landed and up_m > ROOF_M else 0.0
+        return max(ground_m + self._takeoff_up_m, asked_m or 0.0)
 
     def _failed(self, goal: Goal, why: str, moment: Moment) -> Failed:
         """A failure with what the autopilot said lately."""

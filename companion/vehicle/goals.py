@@ -70,6 +70,7 @@ class Pursuit:
         ticket: the command under way.
         asked: the approach to which that command belongs.
         has_failed: it was given up; the goal may be pursued anew.
+        takeoff_up_m: altitude above home that a take-off leads to.
         underway_s: when the vehicle was last on its way; the start before that.
     """
 
@@ -80,6 +81,7 @@ class Pursuit:
     ticket: int | None = None
     asked: Approach | None = None
     has_failed: bool = False
+    takeoff_up_m: float = 0.0
     underway_s: float = field(init=False)
 
     def __post_init__(self) -> None:

@@ -31,6 +31,7 @@ from companion.vehicle.control_watch import ControlState, ControlWatch
 from companion.vehicle.gate import Envelope
 from companion.vehicle.goal_pursuit import GoalPursuit
 from companion.vehicle.heard_time import HeardTime
+from companion.vehicle.marker_sightings import MarkerSightings
 from companion.vehicle.parameters import ParameterReader
 from companion.vehicle.payload_commands import PayloadCommands
 from companion.vehicle.port import (
@@ -68,10 +69,12 @@ class MavlinkVehicle:
         envelope: limits of the gate.
         signals: what to hand on from the wire besides the state.
         takeoff_up_m: altitude above home to take off to.
+        marker_components: who is believed to see landing markers.
 
     Attributes:
         scans: what was heard of the surroundings since the tick before, in order.
         payloads: what skills have to do with payloads.
+        markers: what is seen of landing markers.
     """
 
     def __init__(
@@ -81,6 +84,7 @@ class MavlinkVehicle:
         envelope: Envelope,
         signals: frozenset[Signal],
         takeoff_up_m: float,
+        marker_components: frozenset[int] = frozenset(),
     ) -> None:
         self.scans: list[RangeScan] = []
         self._wire = wire
@@ -95,7 +99,9 @@ class MavlinkVehicle:
         self._now_s = 0.0
         self._goals = GoalPursuit(wire, telemetry, takeoff_up_m)
         self.payloads = PayloadCommands(wire)
-        self._services: tuple[Service, ...] = (self._goals, self.payloads)
+        self.markers = MarkerSightings(telemetry, marker_components)
+        services: list[Service] = [self._goals, self.payloads]
+        self._services = (*services, self.markers) if marker_components else tuple(services)
 
     # -- messages ------------------------------------------------------------------------------
 
@@ -183,9 +189,9 @@ class MavlinkVehicle:
         """Why a hold is sent in place of the setpoint; None while it is not."""
         return self._stream.refusal
 
-    def fly(self, setpoint: Setpoint, is_for_task: bool = False) -> None:
+    def fly(self, setpoint: Setpoint, is_for_task: bool = False, is_landing: bool = False) -> None:
         """Streams a setpoint from now on; it has to be renewed before its lease is over."""
-        self._stream.fly(setpoint, self._now_s, is_for_task)
+        self._stream.fly(setpoint, self._now_s, is_for_task, is_landing)
 
     def set_speed_limit(self, speed_mps: float) -> None:
         """The gate admits no faster setpoint from now on."""
@@ -206,13 +212,13 @@ class MavlinkVehicle:
         """Takes back control that was lost; the operator has given it."""
         self._control.regain()
 
-    def pursue(self, goal: Goal) -> Outcome:
+    def pursue(self, goal: Goal, takeoff_up_m: float | None = None) -> Outcome:
         """Works towards a goal; the caller asks in every tick until it is reached or has failed."""
         if self.takeover is not None:
             return Failed(str(self.takeover))
         if self.state is None or self.is_doubted:
             return Progress.RUNNING
-        outcome = self._goals.pursue(goal, self.state, self._moment)
+        outcome = self._goals.pursue(goal, self.state, self._moment, takeoff_up_m)
         if outcome is Progress.DONE and goal is Goal.LANDED:
             self._stream.end()  # OFFBOARD on the ground is not ours to stream in
         return outcome

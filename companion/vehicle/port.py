@@ -191,12 +191,45 @@ class Payloads(Protocol):
         """Do not ask for a command any longer."""
 
 
+@dataclass(frozen=True, slots=True)
+class MarkerSighting:
+    """A landing marker, as it was seen once.
+
+    Attributes:
+        seen_s: when.
+        component: by whom.
+        number: that was read off it.
+        position: where, in the mission's frame.
+    """
+
+    seen_s: float
+    component: int
+    number: int
+    position: Ned
+
+
+class Markers(Protocol):
+    """What is seen of landing markers."""
+
+    @property
+    def seen(self) -> Sequence[MarkerSighting]:
+        """Sightings since the tick before, in order."""
+
+    @property
+    def refused(self) -> Sequence[Refusal]:
+        """Why others were not taken, in the same time."""
+
+
 class Vehicle(Protocol):
     """A vehicle that the acting side flies."""
 
     @property
     def payloads(self) -> Payloads:
         """What skills command."""
+
+    @property
+    def markers(self) -> Markers:
+        """What is seen of landing markers."""
 
     @property
     def state(self) -> VehicleState | None:
@@ -235,11 +268,17 @@ class Vehicle(Protocol):
     def parameter(self, name: str) -> float | None:
         """A parameter of the autopilot; asks for it, and is None until it was answered."""
 
-    def pursue(self, goal: Goal) -> Outcome:
-        """Work towards a goal; call it every tick while the outcome is RUNNING."""
+    def pursue(self, goal: Goal, takeoff_up_m: float | None = None) -> Outcome:
+        """Work towards a goal; call it every tick while the outcome is RUNNING.
 
-    def fly(self, setpoint: Setpoint, is_for_task: bool = False) -> None:
-        """The setpoint to stream from now on; whether it is of the task's plan."""
+        A take-off leads to an altitude above home, the mission's own if none is said.
+        """
+
+    def fly(self, setpoint: Setpoint, is_for_task: bool = False, is_landing: bool = False) -> None:
+        """The setpoint to stream from now on.
+
+        It may be of the task's plan; and of the way down to a marker, or up from there.
+        """
 
     def release(self) -> None:
         """Stream nothing and ask for nothing any longer."""

@@ -36,9 +36,11 @@ class SetpointStream:
         self._request: Request | None = None
         self._is_violated = False
 
-    def fly(self, setpoint: Setpoint, now_s: float, is_for_task: bool) -> None:
+    def fly(
+        self, setpoint: Setpoint, now_s: float, is_for_task: bool, is_landing: bool = False
+    ) -> None:
         """Asks for a setpoint, for the time of its lease."""
-        self._request = Request(setpoint, now_s, is_for_task)
+        self._request = Request(setpoint, now_s, is_for_task, is_landing)
 
     def end(self) -> None:
         """Nothing is asked for any longer."""

@@ -122,6 +122,16 @@ SHIPPED = (
         ],
     ),
     Shipped(
+        "rooftop",
+        "rooftop",
+        [
+            *("Workshop", SkillFailed("deliver(Workshop)", "its marker is not seen")),
+            *(BeliefWithdrawn("canLand(Workshop)"),),
+            Replanned("deliver(Workshop) failed: its marker is not seen"),
+            *("Office", SkillCompleted("deliver(Office)"), "Home", TaskSatisfied()),
+        ],
+    ),
+    Shipped(
         "hall_of_20",
         "hall_of_20",
         [

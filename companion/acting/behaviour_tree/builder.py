@@ -33,6 +33,7 @@ from py_trees.decorators import Inverter, Repeat, Retry
 from companion.acting.behaviour_tree import landing
 from companion.acting.behaviour_tree.deadline import Deadline
 from companion.acting.behaviour_tree.intention import Intention
+from companion.acting.behaviour_tree.land_on import LandOnMarker
 from companion.acting.behaviour_tree.leaf import Leaf
 from companion.acting.behaviour_tree.leaves import (
     AssumptionsHold,
@@ -48,7 +49,16 @@ from companion.acting.behaviour_tree.look_at import LookAt
 from companion.acting.behaviour_tree.move import MoveCommand
 from companion.acting.flight import Flight
 from companion.acting.replanning.assumptions import Assumptions
-from companion.mission.model import Charge, Command, Fly, Land, PointOfInterest, TakeOff, Wait
+from companion.mission.model import (
+    Charge,
+    Command,
+    Fly,
+    Land,
+    LandOn,
+    PointOfInterest,
+    TakeOff,
+    Wait,
+)
 from companion.planning.domain import Refinement, Step
 from companion.planning.lasso import Lasso
 
@@ -174,7 +184,7 @@ def _one_try(
 def _touches_ground(steps: Many[Step]) -> bool:
     """Whether they land or take off, so that another try may not begin as the first one did."""
     return any(
-        isinstance(step, Land | TakeOff)
+        isinstance(step, Land | LandOn | TakeOff)
         or (isinstance(step, Refinement) and _touches_ground(step.steps))
         for step in steps
     )
@@ -207,6 +217,8 @@ def _step(
             return _looking(flight, Rest(flight, duration_s), look_at)
         case Land():
             return landing.LandVehicle(flight, "land")
+        case LandOn(place):
+            return LandOnMarker(flight, place)
         case TakeOff():
             return landing.TakeOffVehicle(flight, "take off")
         case Charge(percent):

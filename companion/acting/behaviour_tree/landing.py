@@ -16,6 +16,7 @@ from companion.acting.flight import Flight
 from companion.flight_events.event import FlightEvent
 from companion.flight_events.sortie import BatteryCharged, VehicleAirborne, VehicleLanded
 from companion.flight_events.tree import LeafType
+from companion.mission.facts import AT
 from companion.vehicle.port import Failed, Goal, Progress
 
 NO_CHARGE_S = 120.0
@@ -26,6 +27,8 @@ class ReachGoals(Leaf):
     """Works towards goals of the vehicle, one after the other."""
 
     goals: tuple[Goal, ...] = ()
+    takeoff_up_m: float | None = None
+    """Altitude above home to take off to; None for the mission's own."""
 
     def __init__(self, flight: Flight, name: str) -> None:
         super().__init__(flight, name)
@@ -38,9 +41,11 @@ class ReachGoals(Leaf):
     def update(self) -> Status:
         """SUCCESS when the last goal is reached."""
         flight = self._flight
-        if self._left[0] in (Goal.OFFBOARD, Goal.LANDED):
+        if self._left[0] is Goal.OFFBOARD:
+            flight.hold_here()  # it may still rise
+        elif self._left[0] is Goal.LANDED:
             flight.hold()  # until the autopilot does
-        outcome = flight.vehicle.pursue(self._left[0])
+        outcome = flight.vehicle.pursue(self._left[0], self.takeoff_up_m)
         if isinstance(outcome, Failed):
             return self.fail(outcome.reason)
         if outcome is Progress.DONE:
@@ -69,11 +74,19 @@ class LandVehicle(ReachGoals):
 
 
 class TakeOffVehicle(ReachGoals):
-    """Arms, climbs, and takes the vehicle over in OFFBOARD."""
+    """Arms, climbs to the altitude of its place, and takes the vehicle over in OFFBOARD."""
 
     does = LeafType.TAKE_OFF
 
     goals = (Goal.ARMED, Goal.AIRBORNE, Goal.OFFBOARD)
+
+    def initialise(self) -> None:
+        """Where the vehicle is, by the plan, is how high it climbs."""
+        super().initialise()
+        task = self._flight.task
+        place = task.running.destination if task.running is not None else None
+        at = next((fact.arguments[0] for fact in task.facts if fact.predicate == AT), None)
+        self.takeoff_up_m = self._flight.symbols.up_m(place or at)
 
     def reached(self) -> FlightEvent:
         """The plan may be interrupted again."""

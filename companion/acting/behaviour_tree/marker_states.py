@@ -1,0 +1,58 @@
+"""What a landing on a marker is doing: its states, what ends each, and where that leads."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+from companion.transitions import StateTransition, TransitionTable
+
+
+class MarkerState(Enum):
+    """What a landing on a marker is doing."""
+
+    LOOKING = "looking"
+    DESCENDING = "descending"
+    WAITING = "waiting"
+    CLIMBING = "climbing"
+    SEARCHING = "searching"
+    LEAVING = "leaving"
+    LANDING = "landing"
+
+
+class MarkerCue(Enum):
+    """What ends a state."""
+
+    SEEN = "the marker is seen"
+    LOST = "it is not seen any more"
+    LOW = "low, still and over it"
+    TIME_UP = "it is not seen in time"
+    ARRIVED = "where it was seen last"
+    REFUSED = "nobody may land there"
+
+
+def _row(state: MarkerState, cue: MarkerCue, then: MarkerState, effect: str) -> _Row:
+    return StateTransition(state, cue, then, effect)
+
+
+_Row = StateTransition[MarkerState, MarkerCue]
+_LOOKING, _DESCENDING, _WAITING, _CLIMBING, _SEARCHING, _LEAVING, _LANDING = MarkerState
+_OVER = "sinks over it, while it is below"
+_BACK = "climbs back to the place; there the skill fails"
+TRANSITIONS = TransitionTable(
+    _row(_LOOKING, MarkerCue.SEEN, _DESCENDING, _OVER),
+    _row(_LOOKING, MarkerCue.TIME_UP, _SEARCHING, "flies to the corners of a square"),
+    _row(_LOOKING, MarkerCue.REFUSED, _LEAVING, _BACK),
+    _row(_DESCENDING, MarkerCue.LOST, _WAITING, "holds"),
+    _row(_DESCENDING, MarkerCue.LOW, _LANDING, "the autopilot lands; nothing interrupts that"),
+    _row(_DESCENDING, MarkerCue.REFUSED, _LEAVING, _BACK),
+    _row(_WAITING, MarkerCue.SEEN, _DESCENDING, _OVER),
+    _row(_WAITING, MarkerCue.TIME_UP, _CLIMBING, "climbs to where it was seen last"),
+    _row(_WAITING, MarkerCue.REFUSED, _LEAVING, _BACK),
+    _row(_CLIMBING, MarkerCue.SEEN, _DESCENDING, _OVER),
+    _row(_CLIMBING, MarkerCue.ARRIVED, _SEARCHING, "flies to the corners of a square"),
+    _row(_CLIMBING, MarkerCue.REFUSED, _LEAVING, _BACK),
+    _row(_SEARCHING, MarkerCue.SEEN, _DESCENDING, _OVER),
+    _row(_SEARCHING, MarkerCue.TIME_UP, _LEAVING, _BACK),
+    _row(_SEARCHING, MarkerCue.REFUSED, _LEAVING, _BACK),
+)
+"""The rows; LEAVING and LANDING end with the skill."""

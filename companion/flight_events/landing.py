@@ -1,0 +1,67 @@
+"""Events about landings on markers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from companion.flight_events.event import FlightEvent
+from companion.flight_events.event_fields import Doc, InText
+
+PlaceName = Annotated[str, Doc("the place whose marker it is")]
+
+
+@dataclass(frozen=True, slots=True)
+class MarkerSeen(FlightEvent):
+    """The marker to land on is seen; the vehicle comes down over it."""
+
+    kind = "marker"
+    template = "the marker of {place} is seen, {off_m:.1f} m from its place"
+
+    place: PlaceName
+    off_m: Annotated[float, Doc("from the middle of its place, over the ground")]
+
+
+@dataclass(frozen=True, slots=True)
+class MarkerLost(FlightEvent):
+    """The marker to land on is not seen any more."""
+
+    kind = "marker"
+    template = "the marker of {place} is lost, {up_m:.1f} m above it"
+
+    place: PlaceName
+    up_m: Annotated[float, Doc("of the vehicle above the marker")]
+
+
+@dataclass(frozen=True, slots=True)
+class SightingsRefused(FlightEvent):
+    """Sightings of a marker cannot be used; told when their number has doubled."""
+
+    kind = "marker"
+    template = "sightings for {place} refused: {number}; the last one: {reason}"
+
+    place: PlaceName
+    number: Annotated[int, Doc("refused since the landing began")]
+    reason: InText[str]
+
+
+@dataclass(frozen=True, slots=True)
+class MarkerAbandoned(FlightEvent):
+    """The landing on a marker is given up; the vehicle climbs back to the place."""
+
+    kind = "marker"
+    template = "no landing on the marker of {place}: {reason}"
+
+    place: PlaceName
+    reason: InText[str]
+
+
+@dataclass(frozen=True, slots=True)
+class LandedOnMarker(FlightEvent):
+    """The vehicle has landed on a marker."""
+
+    kind = "marker"
+    template = "landed {off_m:.2f} m from the marker of {place}"
+
+    place: PlaceName
+    off_m: Annotated[float, Doc("from its middle, as far as the vehicle knows")]
