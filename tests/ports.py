@@ -6,6 +6,7 @@ No two of the instances share a port, and two test runs on a machine hardly choo
 from __future__ import annotations
 
 import contextlib
+import os
 import random
 import socket
 
@@ -15,9 +16,16 @@ INSTANCES = [tens + one for tens in (30, 80, 130, 180) for one in range(10)]
 """The ports of an instance lie 10, 30 and 40 apart, and so those of others might."""
 
 
+def _share() -> list[int]:
+    """Those of this process, where pytest runs in several: no two take the same one at once."""
+    number = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw"))
+    return INSTANCES[number :: int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))]
+
+
 def free_instance(besides: int | None = None) -> int:
     """An instance, another than one, whose UDP ports are free here; `own_ports` names them."""
-    for instance in random.SystemRandom().sample(INSTANCES, len(INSTANCES)):
+    share = _share()
+    for instance in random.SystemRandom().sample(share, len(share)):
         if instance == besides:
             continue
         with contextlib.ExitStack() as stack:

@@ -16,7 +16,7 @@ import pytest
 from first_installation import environment, hidden_modules, shown_extras
 
 ROOT = Path(__file__).parents[1]
-TOOLS = ("bash", "cat", "chmod", "cmp", "cp", "dirname", "flock", "mkdir")
+TOOLS = ("bash", "cat", "chmod", "cmp", "cp", "dirname", "flock", "mkdir", "mktemp", "rm")
 
 PYTHON = """#!/usr/bin/env bash
 # Is new enough, makes environments that hold itself and our tools, installs by a note.
@@ -164,8 +164,10 @@ def test_what_only_the_tests_need_is_hidden_from_the_commands(tmp_path: Path) ->
     assert done.stdout == "none\n"
 
 
-CHECKS = ["ruff check .", "ruff format --check .", "mypy", "lint-imports --no-logo"]
+LINT, CHECKS = ["ruff check .", "ruff format --check ."], ["mypy", "lint-imports --no-logo"]
 ALL_CORES = "pytest --quiet --numprocesses logical -m "
+ALONE = "alone and not long"
+AT_ONCE = "--numprocesses 4 --dist worksteal"
 NOT_READ = "--ignore tests/flights --ignore tests/browser --ignore tests/properties"
 """Folders without a fast test, which take seconds to import."""
 FAST = "not flight and not slow and not alone and not sockets and not long"
@@ -177,19 +179,31 @@ FAST = "not flight and not slow and not alone and not sockets and not long"
         (
             [],
             [
-                *CHECKS,
+                *LINT,
                 f"{ALL_CORES}not alone and not sockets and not long and not soak",
-                "pytest --quiet -m alone and not long",
+                *CHECKS,  # begun before, told when both have ended
+                "pytest --quiet -m alone and not sockets and not long tests/unit/test_b.py",
             ],
         ),
-        (["--fast"], [*CHECKS, f"{ALL_CORES}{FAST} {NOT_READ}"]),
-        (["--fast", "-k", "lasso"], [*CHECKS, f"{ALL_CORES}{FAST} {NOT_READ} -k lasso"]),
+        (
+            ["--sockets", "-x"],
+            [
+                f"pytest --quiet {AT_ONCE} -m sockets and not {ALONE} tests/test_a.py -x",
+                f"pytest --quiet -m sockets and {ALONE} tests/test_a.py -x",
+            ],
+        ),
+        (["--fast"], [*LINT, *CHECKS, f"{ALL_CORES}{FAST} {NOT_READ}"]),
+        (["--fast", "-k", "lasso"], [*LINT, *CHECKS, f"{ALL_CORES}{FAST} {NOT_READ} -k lasso"]),
         (["-m", "sockets"], ["pytest -m sockets"]),
     ],
 )
 def test_what_the_tests_are_asked_for(clone: Path, arguments: list[str], ran: list[str]) -> None:
     """As `scripts/test --fast`, and without it."""
     provide(clone, PYTHON)
+    (clone / "tests" / "unit").mkdir(parents=True)
+    (clone / "tests" / "test_a.py").write_text("pytestmark = pytest.mark.sockets", "utf-8")
+    (clone / "tests" / "unit" / "test_b.py").write_text("@pytest.mark.alone\n", "utf-8")
+    (clone / "tests" / "test_c.py").write_text("", "utf-8")
     process = start(clone, *arguments, script="test")
     out, err = process.communicate(timeout=60)
     assert process.returncode == 0, err

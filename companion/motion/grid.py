@@ -20,6 +20,9 @@ from scipy import ndimage
 
 from companion.geometry import NorthEast
 
+ROUNDING_M = 1e-9
+"""By what two ways to calculate a distance may differ."""
+
 
 @dataclass(frozen=True, eq=False)
 class LowWalls:
@@ -168,6 +171,20 @@ class OccupancyGrid:
         tops_m = np.where(rows_on[:, None] & cols_on, self.low.tops_m[rows[:, None], cols], 0.0)
         found = tops_m[is_near]
         return float(found.min()), float(found.max())
+
+    def is_within(self, position: NorthEast, distance_m: float) -> bool:
+        """Whether the clearance of a position is less than a distance.
+
+        Most positions are cells away from everything, which the map of distances tells at once.
+
+        >>> wall = OccupancyGrid(np.eye(1, 9, dtype=np.bool_), 1.0, (0.0, 0.0), is_open=True)
+        >>> wall.is_within((0.5, 3.5), 2.4), wall.is_within((0.5, 3.5), 2.6)
+        (False, True)
+        """
+        row, col = self.cell(position)
+        if self.contains(row, col) and self.distance_m[row, col] > distance_m + ROUNDING_M:
+            return False
+        return self.clearance_m(position) < distance_m
 
     def _away(self, point: npt.NDArray[np.float64], cells: npt.NDArray[np.int_]) -> float:
         """Metres from a point, in cells, to the nearest one of some cells (n, 2)."""

@@ -178,10 +178,11 @@ class AutopilotComponent:
             link.tell_origin()
             for name in link.streams.due(now_s):
                 link.stream(name)
-        for due_s, link, message in self._late:
-            if due_s <= now_s:
-                link.send(message)
-        self._late = [late for late in self._late if late[0] > now_s]
+        if self._late:
+            for due_s, link, message in self._late:
+                if due_s <= now_s:
+                    link.send(message)
+            self._late = [late for late in self._late if late[0] > now_s]
         self._send_status_texts()
         return self.flush()
 

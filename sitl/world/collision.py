@@ -53,7 +53,7 @@ class CollisionCounter:
             return False
         was_touching = self._is_touching
         walls = self.grid.at(max(-position[2], ground_m))
-        self._is_touching = walls.clearance_m(position[:2]) < self._radius_m
+        self._is_touching = walls.is_within(position[:2], self._radius_m)
         has_begun = self._is_touching and not was_touching
         self.count += has_begun
         return has_begun

@@ -57,9 +57,15 @@ def test_a_reboot_during_the_task_ends_the_run(silent_s: float, seed: int, recov
     assert flight.armings == 1
 
 
-@pytest.mark.parametrize("recovers", [True, False])
-@pytest.mark.parametrize("silent_s", [0.3, 3.0])
-@pytest.mark.parametrize("phase", [Phase.ARMING, Phase.TAKE_OFF, Phase.OFFBOARD, Phase.LANDING])
+@pytest.mark.parametrize(
+    ("phase", "silent_s", "recovers"),
+    sweep(
+        (Phase.ARMING, Phase.TAKE_OFF, Phase.OFFBOARD, Phase.LANDING),
+        (0.3, 3.0),
+        (True, False),
+        few=lambda _, silent_s, recovers: (silent_s < 1.0) is recovers,
+    ),
+)
 def test_nothing_arms_by_itself_after_a_reboot(
     phase: Phase, silent_s: float, recovers: bool
 ) -> None:

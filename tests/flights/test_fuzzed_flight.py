@@ -28,6 +28,7 @@ from companion.mavlink.key_file import make_key
 __all__ = ["run"]
 pytestmark = [
     pytest.mark.sockets,
+    pytest.mark.alone,
     pytest.mark.skipif(sys.platform != "linux", reason="only Linux stamps datagrams so"),
 ]
 

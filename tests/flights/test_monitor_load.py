@@ -28,7 +28,7 @@ from pymavlink import mavutil
 from sitl.link.routing import LinkName
 from sitl.link.server import LOCAL_PORTS
 
-pytestmark = pytest.mark.sockets
+pytestmark = [pytest.mark.sockets, pytest.mark.alone]
 
 SURVEILLANCE = Path(__file__).parents[2] / "missions" / "surveillance.yaml"
 CLIENTS = 20

@@ -81,7 +81,7 @@ class FlightInError(Lockstep):
 
 
 @pytest.mark.parametrize("name", ["surveillance", "inspection"])
-@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.long)])
 def test_with_noise_of_gps_it_keeps_away_from_walls_and_sees_no_others(
     name: str, seed: int
 ) -> None:

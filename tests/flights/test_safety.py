@@ -242,7 +242,7 @@ def test_a_vehicle_that_is_silent_for_ever_ends_the_run(
     assert flight.simulation.mode == "AUTO.LOITER"
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", [0, *(pytest.param(n, marks=pytest.mark.long) for n in (1, 2, 3))])
 def test_loss_changes_no_action(seed: int, start: Start, undisturbed: Lockstep) -> None:
     """A tenth of all datagrams each way; what is sent only once is the subject of the next test."""
     up = AllButFinalAnswers(Lossy(0.1, seed))

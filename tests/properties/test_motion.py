@@ -135,6 +135,8 @@ def test_the_distance_of_a_position_is_that_to_the_nearest_edge(
     nearest_m = np.linalg.norm(gaps, axis=1).min() * grid.cell_m
     assert grid.clearance_m(position) == pytest.approx(nearest_m, abs=1e-9)
     assert grid.distance_m[grid.cell(position)] <= nearest_m + 1e-9
+    for distance_m in (0.0, data.draw(st.floats(0, 2 * nearest_m + 1)), nearest_m + 1e-6):
+        assert grid.is_within(position, distance_m) is (grid.clearance_m(position) < distance_m)
 
 
 @FAST
