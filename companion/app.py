@@ -61,6 +61,7 @@ class Companion:
 
     Attributes:
         failure: why the last run did not end well.
+        wire: its ear and its voice.
     """
 
     def __init__(
@@ -76,7 +77,7 @@ class Companion:
         journalled: JournalledFlight | None = None,
     ) -> None:
         self.failure: CompanionError | None = None
-        self._wire = Wire()
+        self.wire = Wire()
         self._telemetry = Telemetry()
         self._component = Component(self, host.uploads if host else None, page)
         self._host = host
@@ -132,7 +133,7 @@ class Companion:
         """Whether they change an event that the plan watches; they are for the next step yet."""
         if self._run is None or not self._run.watched:
             return False
-        messages = self._wire.peek(datagrams)
+        messages = self.wire.peek(datagrams)
         return self._run.is_urgent(now_s, messages, self._component.foresee(messages))
 
     def step(
@@ -153,29 +154,32 @@ class Companion:
         if self._has_hung_up:
             self._has_hung_up = False
             self._say(TerminalHungUp())
-        if self._wire.system:  # before that, nobody would hear what is told
+        if self.wire.system:  # before that, nobody would hear what is told
             self._poll()
-        messages = self._wire.parse(datagrams)
-        asked = self._component.receive(now_s, self._wire.system, messages)
-        run = self._run
+        messages = self.wire.parse(datagrams)
+        asked = self._component.receive(now_s, self.wire.system, messages)
+        at_once, run = self.wire.answers(now_s, datagrams), self._run
+        answered = self.wire.take_answered()
         if run is None:
             self._idle(messages)
-            questions = self._telemetry.questions(now_s, (self._wire.system, AUTOPILOT), False)
+            questions = self._telemetry.questions(now_s, (self.wire.system, AUTOPILOT), False)
             leaving = self._component.transmit(now_s, self._is_stopping)
-            return self._wire.pack(leaving + questions)
+            return at_once + self.wire.pack(leaving + questions)
         self._follow_parameters()
         happened = run.step(now_s, messages, asked, is_tick, reports)
         for stamped in happened:
             self._component.tell(now_s, stamped.event)
+        if run.has_armed:
+            self._component.mark(run.recorder.name)
         self.failure = run.sortie.failure
         leaving = self._component.transmit(now_s, run.sortie.has_ended)
-        answers = self._wire.pack(leaving + run.vehicle.transmit(now_s))
-        run.record(now_s, datagrams + answers, happened)
+        answers = self.wire.pack(leaving + run.vehicle.transmit(now_s))
+        run.record(now_s, datagrams + answered + answers, happened)
         if run.sortie.has_ended and self._host is not None:
             self._host.end_run(run.recorder)
             self._run = None
             self._listen()
-        return answers
+        return at_once + answers
 
     # -- ground.operations.Operations ----------------------------------------------------------
 
@@ -183,10 +187,7 @@ class Companion:
     def system_status(self) -> SystemStatus:
         """What HEARTBEAT says of the sortie, or of the last one."""
         phase = self._run.sortie.phase if self._run else Phase.ENDED
-        if phase is Phase.YIELDED or (phase is Phase.ENDED and self.failure is not None):
-            return SystemStatus.CRITICAL
-        is_flown = phase not in (*ON_THE_GROUND, Phase.ENDED)
-        return SystemStatus.ACTIVE if is_flown else SystemStatus.STANDBY
+        return SystemStatus.of(phase, has_failed=self.failure is not None)
 
     @property
     def awaited(self) -> frozenset[str]:
@@ -254,7 +255,7 @@ class Companion:
         self._run = Run(
             prepared,
             recorder,
-            self._wire,
+            self.wire,
             self._telemetry,
             self._now_s,
             self._accepts_weak_failsafes,
@@ -295,7 +296,7 @@ class Companion:
         at the beginning of a run which mission was started.
         """
         for message in messages:
-            is_theirs = source(message) == (self._wire.system, AUTOPILOT)
+            is_theirs = source(message) == (self.wire.system, AUTOPILOT)
             if is_theirs and self._telemetry.is_news(self._now_s, message):
                 self._telemetry.take(self._now_s, message)
         self._begin_only()
@@ -341,8 +342,8 @@ class Companion:
 
     def _listen(self) -> None:
         """What is decoded depends on the events of the mission."""
-        vehicle = self._run.vehicle if self._run else None
-        wanted = vehicle.wanted if vehicle else TELEMETRY
-        continual = vehicle.continual if vehicle else frozenset()
-        telling = vehicle.telling | COMMANDS if vehicle else frozenset()
-        self._wire.listen(wanted | WANTED, continual, telling)
+        if self._run is None:
+            self.wire.listen(TELEMETRY | WANTED, frozenset())
+            return
+        vehicle = self._run.vehicle
+        self.wire.listen(vehicle.wanted | WANTED, vehicle.continual, vehicle.telling | COMMANDS)

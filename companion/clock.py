@@ -43,6 +43,11 @@ class ScaledClock:
         self._read_s = wall_s
         return (wall_s - self._start_s) * self._speed
 
+    @property
+    def zero_s(self) -> float | None:
+        """What the machine's clock showed when this one showed 0; None if it does not run as it."""
+        return self._start_s if self._speed == 1.0 and self._max_jump_s == math.inf else None
+
     def sleep_until(self, time_s: float) -> None:
         """Sleeps until a scaled time."""
         time.sleep(max(0.0, self.wall_s_until(time_s)))

@@ -32,9 +32,10 @@ def fly(
     """Drives a companion over a link, at 20 Hz of the clock's time, until it has ended.
 
     While nothing is flown, what arrives is answered at once: a file comes as a request after the
-    other, and each would wait for the next tick. In flight, the change of an event that the plan
-    watches is answered by one step between two ticks, which moves none of them. What a flood of
-    datagrams loses, and what is refused on a signed link, is told by the companion.
+    other, and each would wait for the next tick. The autopilot's questions for the time are
+    answered so in flight, too, without a step. The change of an event that the plan watches is
+    answered by one step between two ticks, which moves none of them. What a flood of datagrams
+    loses, and what is refused on a signed link, is told by the companion.
 
     After a pause of this process (stopped, a machine that stalls) the autopilot may have left
     OFFBOARD, and would return to it by the next setpoint. So what was to be sent before the pause
@@ -67,6 +68,7 @@ def _drive(
     beat: Callable[[], None],
     reports: ReportPort | None,
 ) -> None:
+    companion.wire.time.zero_s = clock.zero_s
     begun_s = next_tick_s = now_s = clock.now_s()
     was_flying, is_tick = False, True
     while not companion.has_ended:
@@ -150,6 +152,8 @@ def _hears(
             return True
         arrived, now_s = link.receive(), clock.now_s()
         heard += arrived
+        if answers := companion.wire.answers(now_s, arrived):
+            link.answer(answers)
         if now_s >= until_s or companion.is_urgent(now_s, arrived):
             return now_s < until_s
     return False

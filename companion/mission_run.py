@@ -43,6 +43,7 @@ from companion.planning.engine_port import Engine
 from companion.vehicle.detections import Detections
 from companion.vehicle.gate import Envelope, LandingSite
 from companion.vehicle.offboard import MavlinkVehicle
+from companion.vehicle.run_clocks import ClockReading, RunClocks
 from companion.vehicle.signals import OtherSystems, Reading, SignalReader
 from companion.vehicle.surroundings import Surroundings
 from companion.vehicle.telemetry import Telemetry
@@ -56,6 +57,10 @@ class Recorder(Protocol):
     """Keeps what happens in a run."""
 
     @property
+    def name(self) -> str:
+        """By which its record is found; empty if there is none."""
+
+    @property
     def journal(self) -> Journal:
         """Keeps what another process needs to go on with the run."""
 
@@ -67,6 +72,9 @@ class Recorder(Protocol):
 
     def position(self, now_s: float, position: Ned) -> None:
         """Where the vehicle is, once per tick."""
+
+    def clocks(self, reading: ClockReading) -> None:
+        """The clocks were read."""
 
 
 @dataclass(frozen=True)
@@ -161,6 +169,7 @@ class Run:
         self.flight = acting.flight
         self.executive = acting.executive
         self._seen_s = -math.inf
+        self._clocks = RunClocks(wire, telemetry)
         self._keep(prepared, journalled)
         self.sortie = Sortie(
             acting.flight,
@@ -199,6 +208,11 @@ class Run:
         return self.sortie.phase is Phase.WAITING and not self.sortie.beginning.is_planning
 
     @property
+    def has_armed(self) -> bool:
+        """Whether the vehicle was heard to be armed in this step, and not before."""
+        return self._clocks.has_armed
+
+    @property
     def watched(self) -> frozenset[Fact]:
         """The events whose change the plan under way watches for; none while no plan is flown."""
         is_flown = self.sortie.phase is Phase.TASK
@@ -231,6 +245,8 @@ class Run:
             self._tell_of_others(messages)
         if self._surroundings.take(self.vehicle.scans):
             self.flight.routes.see(self._surroundings.grid)
+        state = self.vehicle.state
+        self._clocks.follow(state is not None and state.is_armed)
         self.sortie.step(now_s, readings)
         if not is_tick and self.executive.lasso is not plan:
             self.sortie.step(now_s, [])
@@ -277,6 +293,8 @@ class Run:
                 self.recorder.journal.note(now_s, PlanNumbered(stamped.event.number))
             time_s = round(stamped.time_s - self.start_s, 3)
             self.recorder.report(Stamped(time_s, stamped.event))
+        for reading in self._clocks.due(now_s, self.start_s, self.sortie.has_ended):
+            self.recorder.clocks(reading)
 
     def _learn(self) -> None:
         """What the vehicle's drag is; and how good its position is, by what routes keep more."""

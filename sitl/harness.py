@@ -1,7 +1,8 @@
 """Simulator and companion in lockstep in one process: as fast as the machine, deterministic.
 
 Both are state machines over time and datagrams, so they need neither sockets nor a clock. Each
-tick is one of the companion; what one side sends arrives at the other in the next one.
+tick is one of the companion; what one side sends arrives at the other in the next one. What the
+companion answers at once arrives at once, as it does in real time.
 """
 
 from __future__ import annotations
@@ -40,6 +41,10 @@ class LockstepFlight:
         from_vehicle = self.simulation.step(self.now_s, self._to_vehicle)
         self.truth.append((self.now_s, self.simulation.flight.position))
         heard = [datagram for link, datagram in from_vehicle if link is LinkName.OFFBOARD]
+        if answers := self.companion.wire.answers(self.now_s, heard):
+            at_once = [(LinkName.OFFBOARD, answer) for answer in answers]
+            from_vehicle = self.simulation.step(self.now_s, at_once)
+            heard += [datagram for link, datagram in from_vehicle if link is LinkName.OFFBOARD]
         sent = self.companion.step(self.now_s, heard)
         self._to_vehicle = [(LinkName.OFFBOARD, datagram) for datagram in sent]
         self._ticks += 1

@@ -37,6 +37,7 @@ from sitl.link.onboard_components import (
 )
 from sitl.link.routing import LinkName, Router, target
 from sitl.link.signed_links import signed, verified
+from sitl.link.time_offset import TimeOffset
 from sitl.link.vehicle import SimulatedVehicle
 from sitl.world.faults import Direction, Reboot
 from sitl.world.scenario import Scenario
@@ -131,6 +132,10 @@ class Simulation:
     def mode(self) -> str:
         """The flight mode flown now, by PX4's name."""
         return self._autopilot.mode
+
+    def time_offset(self, link: LinkName) -> TimeOffset:
+        """What the autopilot reckons of the clock at the other end of a link."""
+        return self._autopilot_component.time_offset(link)
 
     @property
     def true_map(self) -> OccupancyGrid | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import re
@@ -18,9 +19,12 @@ from urllib.error import HTTPError
 
 import pytest
 from commands import Companion
+from mcap.reader import make_reader
 
 DOCUMENTED = "companion replay runs/2026-11-21T101500-surveillance"
 """The command in README.md."""
+AS_A_FILE = "companion replay runs/2026-11-21T101500-surveillance --mcap surveillance.mcap"
+"""The one in docs/run-folder.md."""
 ROOT = Path(__file__).parents[1]
 START_S = 300.0  # wall time that no answer needs
 
@@ -194,3 +198,70 @@ sys.stdin.readline()
                 return
         time.sleep(0.05)
     raise AssertionError("the page is still served")
+
+
+# -- as a file -------------------------------------------------------------------------------------
+
+
+def test_a_run_becomes_a_file_for_foxglove(
+    companion: Companion, surveillance_run: Path, tmp_path: Path
+) -> None:
+    _, command, _, option, name = AS_A_FILE.split()
+    file = tmp_path / name
+    ended = companion(command, surveillance_run, option, file)
+    assert ended.code == 0, ended.err
+    assert re.search(rf"written    {file}: \d+ messages, 0\.\d MB", ended.out)
+    reader = make_reader(io.BytesIO(file.read_bytes()))
+    assert {a.name for a in reader.iter_attachments()} == {
+        "mission.yaml",
+        "scene.json",
+        "events.jsonl",
+        "clocks.json",
+    }
+    (geojson,) = (json.loads(m.data) for _, _, m in reader.iter_messages(["/map"]))
+    kinds = {f["properties"]["kind"] for f in json.loads(geojson["geojson"])["features"]}
+    assert {"home", "place", "fence", "flown"} <= kinds
+
+
+def test_a_file_that_is_there_is_kept(
+    companion: Companion, surveillance_run: Path, tmp_path: Path
+) -> None:
+    file = tmp_path / "run.mcap"
+    file.write_text("of somebody")
+    ended = companion("replay", surveillance_run, "--mcap", file)
+    assert ended.code == 2
+    assert f"{file} is there already" in ended.err and "choose another" in ended.err
+    assert file.read_text() == "of somebody"
+
+
+@pytest.mark.parametrize("place", ["nothing/run.mcap", "."])
+def test_a_file_that_cannot_be_written_is_told(
+    companion: Companion, surveillance_run: Path, tmp_path: Path, place: str
+) -> None:
+    ended = companion("replay", surveillance_run, "--mcap", tmp_path / place)
+    assert ended.code in (1, 2)
+    assert str(tmp_path) in ended.err and "Traceback" not in ended.err
+
+
+def test_what_cannot_be_shown_leaves_no_file(
+    companion: Companion, surveillance_run: Path, tmp_path: Path
+) -> None:
+    file = tmp_path / "run.mcap"
+    ended = companion("replay", tmp_path, "--mcap", file)
+    assert ended.code == 2 and f"{tmp_path} is no run folder" in ended.err
+    shutil.copy(surveillance_run / "events.jsonl", tmp_path)
+    ended = companion("replay", tmp_path, "--mcap", file)
+    assert ended.code == 2 and "scene.json cannot be read" in ended.err
+    assert not file.exists()
+
+
+def test_a_run_that_was_cut_off_is_written_as_far_as_it_goes(
+    companion: Companion, surveillance_run: Path, tmp_path: Path
+) -> None:
+    run = shutil.copytree(surveillance_run, tmp_path / "run")
+    for name in ("events.jsonl", "flight.tlog"):
+        data = (run / name).read_bytes()
+        (run / name).write_bytes(data[: len(data) // 2])
+    ended = companion("replay", run, "--mcap", tmp_path / "half.mcap")
+    assert ended.code == 0, ended.err
+    assert "notice     the run has no end: it was cut off, or still goes on" in ended.out

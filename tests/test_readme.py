@@ -91,6 +91,9 @@ ELSEWHERE = {
     ),
     "companion audit runs/2026-11-21T101500-surveillance": "tests/test_cli_audit.py",
     "companion replay runs/2026-11-21T101500-surveillance": "tests/test_cli_replay.py",
+    "companion replay runs/2026-11-21T101500-surveillance --mcap surveillance.mcap": (
+        "tests/test_cli_replay.py"
+    ),
     "scripts/fly --speed max": ".ci/run",
     "scripts/test": ".ci/run",
     "scripts/test --fast": "tests/test_scripts.py",

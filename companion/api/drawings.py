@@ -89,6 +89,14 @@ def run_drawing(folder: Path) -> Drawing:
     return replace(drawing, home_amsl_m=home.altitude_m if home else None, flown=flown)
 
 
+def home_of_run(folder: Path) -> GlobalOrigin | None:
+    """Where the frame of a run lies on the earth; None where the autopilot never said so."""
+    anchor, (home, _) = read_scene(folder).anchor, _where(folder)
+    if anchor is not None and home is not None:
+        return replace(anchor, altitude_m=home.altitude_m)
+    return anchor or home
+
+
 def _of_scene(scene: Scene, zero: GlobalOrigin) -> Drawing:
     """What the scene of a run shows; it begins at the place that is nearest to home."""
     places = {}

@@ -18,6 +18,7 @@ from companion.geometry import Ned
 from companion.mission.model import Mission
 from companion.mission_run import Recorder
 from companion.record.run_folder import RunFolder
+from companion.vehicle.run_clocks import ClockReading
 
 OnEvent = Callable[[Stamped], None]
 """Told of each event that is news for people, when it happens."""
@@ -102,6 +103,11 @@ class Recording:
         self._on_event = on_event
 
     @property
+    def name(self) -> str:
+        """That of the other recorder; without one there is nothing to be found."""
+        return self._other.name if self._other is not None else ""
+
+    @property
     def journal(self) -> Journal:
         """That of the other recorder; without one nothing is kept."""
         return self._other.journal if self._other is not None else NoJournal()
@@ -124,6 +130,11 @@ class Recording:
         self.positions.append((now_s, position))
         if self._other is not None:
             self._other.position(now_s, position)
+
+    def clocks(self, reading: ClockReading) -> None:
+        """The clocks were read."""
+        if self._other is not None:
+            self._other.clocks(reading)
 
 
 @contextmanager

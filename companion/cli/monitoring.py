@@ -10,6 +10,7 @@ from typing import Annotated
 
 import typer
 
+from companion.cli.log_files import write_run
 from companion.errors import CompanionError
 from companion.monitor.child import Child, listen, url
 
@@ -99,17 +100,25 @@ def replay(
     run: Annotated[Path, typer.Argument(metavar="RUN", help="A run folder, as sim and run print.")],
     port: Annotated[int, typer.Option(help="The page's port.", min=0, max=65535)] = 8080,
     open_page: Annotated[bool, typer.Option("--open", help="Open it in a browser.")] = False,
+    mcap: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Write the run for Foxglove instead; a new file."),
+    ] = None,
 ) -> None:
     """Shows a recorded run on the monitor page, with a slider over its time.
 
     The page is served on 127.0.0.1, on PORT or the next free one, until Ctrl-C. A run that was cut
-    off is shown as far as it goes.
+    off is shown as far as it goes. With --mcap nothing is served: the run becomes a file.
 
     \b
     Examples:
       companion sim missions/surveillance.yaml --speed max --log-dir runs
       companion replay runs/2026-11-21T101500-surveillance
+      companion replay runs/2026-11-21T101500-surveillance --mcap surveillance.mcap
     """
+    if mcap is not None:
+        write_run(run, mcap)
+        return
     from companion.monitor.server import replay as serve
     from companion.record.events import read_events
 

@@ -19,7 +19,7 @@ Rules:
 5. Answers go to who has asked, by the target of the message. PARAM_VALUE has none.
 
 Sources: https://mavlink.io/en/services/ command, heartbeat, parameter, ping. Left out: message
-intervals and missions (UNSUPPORTED), TIMESYNC.
+intervals and missions (UNSUPPORTED). TIMESYNC is answered by `vehicle/time_answers.py`.
 """
 
 from __future__ import annotations
@@ -122,6 +122,14 @@ class Component:
             self._texts.tell(now_s, severity(event), event.text)
         if isinstance(event, RunEnded):
             self._ending.append(_exit_code(now_s, event.exit_code))
+
+    def mark(self, name: str) -> None:
+        """Says which run this is, as the vehicle was armed; nothing of one without a record.
+
+        PX4 writes the texts of its own system into the log that it has begun with arming.
+        """
+        if name:
+            self._texts.mark(f"run {name}")
 
     def transmit(self, now_s: float, is_last: bool = False) -> list[Message]:
         """Returns the messages that leave now; at the end of a run all that are left."""

@@ -13,6 +13,8 @@ from enum import Enum
 from pathlib import Path
 from typing import Protocol
 
+from companion.acting.phases import ON_THE_GROUND
+from companion.flight_events.sortie import Phase
 from companion.ground.upload_states import UploadVerdict
 from companion.outcomes import Refusal
 
@@ -23,6 +25,13 @@ class SystemStatus(Enum):
     STANDBY = "nothing is flown"
     ACTIVE = "a sortie is flown"
     CRITICAL = "the last sortie failed, or control is lost"
+
+    @classmethod
+    def of(cls, phase: Phase, has_failed: bool) -> SystemStatus:
+        """That of a phase of a sortie; after its end, of whether it has failed."""
+        if phase is Phase.YIELDED or (phase is Phase.ENDED and has_failed):
+            return cls.CRITICAL
+        return cls.STANDBY if phase in (*ON_THE_GROUND, Phase.ENDED) else cls.ACTIVE
 
 
 class Operations(Protocol):

@@ -8,6 +8,7 @@ news.
 
 from __future__ import annotations
 
+import math
 from collections import deque
 
 from companion.errors import printable
@@ -107,14 +108,20 @@ class StatusTextQueue:
 
     def tell(self, now_s: float, severity: int, text: str) -> None:
         """Puts a text into the queue, however long it is and however many lines it has."""
-        if severity > self.level:
-            return
+        if severity <= self.level:
+            self._put(now_s, severity, text)
+
+    def mark(self, text: str) -> None:
+        """Puts a text into the queue that logs are found by: at any level, and however late."""
+        self._put(math.inf, NOTICE, text)
+
+    def _put(self, since_s: float, severity: int, text: str) -> None:
         one_line = "; ".join(line.strip() for line in printable(text).splitlines() if line.strip())
         raw = one_line.encode()
         if len(raw) > LONGEST:
             one_line = raw[: LONGEST - 3].decode(errors="ignore") + "..."
         self._number += 1
-        self._queue.append((now_s, severity, chunks(severity, one_line, self._number)))
+        self._queue.append((since_s, severity, chunks(severity, one_line, self._number)))
 
     def due(self, now_s: float) -> list[Message]:
         """Returns the message to send now, if any."""

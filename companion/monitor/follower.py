@@ -59,6 +59,7 @@ class Follower:
         mission: what does not change: names, map, places.
         events: what happened so far.
         snapshots: the vehicle so far, 5 for each second of its time.
+        ways: along which the plans lead, each with the time from which on it is flown.
 
     Args:
         folder: the run folder.
@@ -73,6 +74,7 @@ class Follower:
         self.mission = _mission(scene, folder.name, is_live)
         self.events: list[Stamped] = []
         self.snapshots: list[Snapshot] = []
+        self.ways: list[tuple[float, tuple[Ned, ...]]] = []
         self._scene = scene
         self._lines = EventLines(folder / EVENTS_FILE)
         self._frames = TlogFrames(folder / "flight.tlog")
@@ -134,12 +136,12 @@ class Follower:
             stamped = self._waiting.popleft()
             self.events.append(stamped)
             try:
-                derived = list(self._derived(stamped.event))
+                derived = list(self._derived(stamped.event, stamped.time_s))
             except (CompanionError, KeyError):
                 continue  # a formula or a place that is none; `companion audit` says where
             self.events += [Stamped(stamped.time_s, event) for event in derived]
 
-    def _derived(self, event: FlightEvent) -> Iterator[FlightEvent]:
+    def _derived(self, event: FlightEvent, time_s: float) -> Iterator[FlightEvent]:
         match event:
             case PlanMade(task=task) | WrittenTreeAdopted(task=task):
                 self._is_written = isinstance(event, WrittenTreeAdopted)
@@ -154,9 +156,11 @@ class Follower:
             case SymbolMoved():
                 self._routes.aim(event.place, event.position)
             case TreeBuilt() if not self._is_written:
-                yield WayPlanned(tuple(self._legs(event)))
+                legs = list(self._legs(event))
+                self.ways.append((time_s, tuple(corner for leg in legs for corner in leg)))
+                yield WayPlanned(tuple(map(_on_the_page, legs)))
 
-    def _legs(self, tree: TreeBuilt) -> Iterator[Leg]:
+    def _legs(self, tree: TreeBuilt) -> Iterator[list[Ned]]:
         """The way of each action that flies somewhere."""
         at: Ned | None = self._watcher.position
         for node in tree.nodes:
@@ -164,8 +168,12 @@ class Follower:
             if at is not None and place in self._scene.sites:
                 route = self._routes.route(at, place)
                 corners = route.waypoints if route else np.array([at])
-                yield tuple((round(e, 2), round(n, 2)) for n, e, _ in corners.tolist())
+                yield [(north, east, down) for north, east, down in corners.tolist()]
                 at = tuple(corners[-1].tolist())
+
+
+def _on_the_page(corners: Iterable[Ned]) -> Leg:
+    return tuple((round(east, 2), round(north, 2)) for north, east, _ in corners)
 
 
 def _mission(scene: Scene, run: str, is_live: bool) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""One folder per run: mission, scene, plans, events.jsonl, flight.tlog, flight.png.
+"""One folder per run: mission, scene, plans, events.jsonl, flight.tlog, clocks.json, flight.png.
 
 - `events.jsonl`: one event per line with `t_s` (seconds since the run began), `kind`, `text` and
   the fields of the event (docs/run-folder.md). It holds no wall-clock time, so that equal runs
@@ -8,6 +8,7 @@
 - `flight.tlog`: every MAVLink frame in either direction behind eight bytes of time (big-endian
   microseconds since 1970), as MAVProxy and QGroundControl write it. It reaches the disk five times
   a second of the flight's time, so that others can follow it.
+- `clocks.json`: what the clocks of the run showed at the same time (clocks.py).
 - `journal.jsonl`: what another process needs to go on with the flight (journal_file.py), if asked.
 """
 
@@ -32,11 +33,13 @@ from companion.flight_events.writing import json_of, line_of
 from companion.geometry import Ned
 from companion.mavlink.framing import dialect, message_id, split_frames
 from companion.mission.model import Mission
+from companion.record.clocks import ClockFile
 from companion.record.drawing import draw_here
 from companion.record.events import EVENTS_FILE
 from companion.record.journal_file import JournalFile
 from companion.record.scene import scene
 from companion.record.trail import Trail
+from companion.vehicle.run_clocks import ClockReading
 
 FLUSH_S = 0.2
 SETUP_SIGNING: int = dialect.MAVLINK_MSG_ID_SETUP_SIGNING
@@ -89,9 +92,15 @@ class RunFolder:
             (folder / "scene.json").write_text(about, encoding="utf-8")
         else:
             self._positions = _cut(events, cut_off_at)
+        self._clocks = ClockFile(folder, is_continued=cut_off_at is not None)
         mode = "w" if cut_off_at is None else "a"
         self._events = events.open(mode, encoding="utf-8")
         self._tlog = (folder / "flight.tlog").open(f"{mode}b")
+
+    @property
+    def name(self) -> str:
+        """Of the folder; the vehicle's own log is marked with it."""
+        return self.folder.name
 
     def report(self, stamped: Stamped) -> None:
         """Appends a line to events.jsonl, at once; a plan also becomes a file."""
@@ -125,6 +134,11 @@ class RunFolder:
     def position(self, now_s: float, position: Ned) -> None:
         """Adds to the trail of flight.png."""
         self.trail.add(position)
+
+    def clocks(self, reading: ClockReading) -> None:
+        """Adds to clocks.json."""
+        with self._going_on():
+            self._clocks.add(reading)
 
     def close(self) -> None:
         """Closes the files and draws the flight."""

@@ -39,6 +39,18 @@ class _Answer(NamedTuple):
     boot_s: float
 
 
+class ClockOffset(NamedTuple):
+    """What one clock shows beside another.
+
+    Attributes:
+        offset_s: what ours shows when the other shows 0.
+        uncertainty_s: the most that this is wrong by.
+    """
+
+    offset_s: float
+    uncertainty_s: float
+
+
 class BootClock:
     """The clock of one autopilot, as seen from here.
 
@@ -86,6 +98,17 @@ class BootClock:
             return now_s
         best = min(self._answers)
         return min(now_s, best.asked_s + boot_s - best.boot_s)
+
+    @property
+    def offset(self) -> ClockOffset | None:
+        """Our clock beside the autopilot's; None before it has answered.
+
+        It has read its clock while the question was on its way, there or back.
+        """
+        if not self._answers:
+            return None
+        round_trip_s, asked_s, boot_s = min(self._answers)
+        return ClockOffset(asked_s + round_trip_s / 2 - boot_s, round_trip_s / 2)
 
     def _follow(self, boot_s: float) -> None:
         """Takes the autopilot's time; one that steps back is that of another boot."""

@@ -81,10 +81,13 @@ class Link:
     def send(self, datagrams: list[bytes]) -> None:
         """Sends to the vehicle; what the network does not take is lost, as on a radio."""
         self._intake.begin_step()
+        self.answer([*self._call(), *datagrams])
+
+    def answer(self, datagrams: list[bytes]) -> None:
+        """Sends within a step: what is taken in is still bounded by where the step began."""
         address = self._peer
         if address is None:
             return
-        datagrams = [*self._call(), *datagrams]
         if self._signing is not None:
             datagrams = self._signing.send(time.monotonic() - self._begun_s, datagrams)
         for datagram in datagrams:
@@ -92,7 +95,7 @@ class Link:
 
     def _call(self) -> list[bytes]:
         now_s = time.monotonic()
-        if self._autopilot.system is not None or now_s < self._call_s:
+        if self._peer is None or self._autopilot.system is not None or now_s < self._call_s:
             return []
         self._call_s = now_s + CALL_S
         kind, mode = dialect.MAV_TYPE_ONBOARD_CONTROLLER, dialect.MAV_AUTOPILOT_INVALID

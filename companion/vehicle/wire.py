@@ -7,6 +7,7 @@ stations' side (`ground/component.py`) both read the messages that it hands out.
    is sent before.
 2. Only messages that somebody has asked for are decoded, and of continual ones only the newest.
 3. There is one sequence of numbers, whoever of the two speaks.
+4. The autopilot's questions for the time are answered at once, by `answers`, and once.
 
 Source: https://mavlink.io/en/services/heartbeat.html. No I/O: `link.py` moves the bytes.
 """
@@ -14,15 +15,22 @@ Source: https://mavlink.io/en/services/heartbeat.html. No I/O: `link.py` moves t
 from __future__ import annotations
 
 from companion.mavlink.framing import MavlinkCodec, Message, choose, dialect, source
+from companion.vehicle.time_answers import TIMESYNC, TimeAnswers
 
 COMPONENT = dialect.MAV_COMP_ID_ONBOARD_COMPUTER
 AUTOPILOT = dialect.MAV_COMP_ID_AUTOPILOT1
 
 
 class Wire:
-    """The ear and the voice of component 191."""
+    """The ear and the voice of component 191.
+
+    Attributes:
+        time: answers the autopilot's questions for it.
+    """
 
     def __init__(self) -> None:
+        self.time = TimeAnswers()
+        self._answered: list[bytes] = []
         self._codec = MavlinkCodec(0, COMPONENT)
         self._wanted: frozenset[int] = frozenset()
         self._continual: frozenset[int] = frozenset()
@@ -66,6 +74,23 @@ class Wire:
         """The messages that may tell an event; all are parsed when they are taken."""
         frames = choose(datagrams, self._telling, frozenset())
         return [message for frame in frames for message in self._codec.parse(frame)]
+
+    def answers(self, now_s: float, datagrams: list[bytes]) -> list[bytes]:
+        """What leaves at once in answer to what arrives, without a step; nothing twice."""
+        if not self.system:
+            return []
+        autopilot, leaving = (self.system, AUTOPILOT), []
+        for frame in choose(datagrams, TIMESYNC, frozenset()):
+            for message in self._codec.parse(frame):
+                if answer := self.time.answer(now_s, autopilot, message):
+                    leaving.append(self._codec.pack(answer))
+        self._answered += leaving
+        return leaving
+
+    def take_answered(self) -> list[bytes]:
+        """What has left so since the last call; the record of the flight has it, too."""
+        answered, self._answered = self._answered, []
+        return answered
 
     def pack(self, messages: list[Message]) -> list[bytes]:
         """A datagram for each message; none before the system is known."""

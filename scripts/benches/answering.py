@@ -26,6 +26,7 @@ from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mission.loader import load_mission
 from companion.vehicle.endpoints import UdpPort
 from companion.vehicle.link import Link
+from companion.vehicle.run_clocks import ClockReading
 from sitl.link.server import COMPANION_PORT, HOST
 
 INSTANCE = 96  # of the simulator, away from any that runs
@@ -64,6 +65,7 @@ class Answers(Link):
         self.is_flown = threading.Event()
         self.times_s: list[float] = []
         self.journal: Journal = NoJournal()
+        self.name = ""
         self._is_replanned = self._is_due = False
 
     def report(self, stamped: Stamped) -> None:
@@ -73,6 +75,9 @@ class Answers(Link):
         elif isinstance(stamped.event, NodesChanged) and stamped.event.tip.startswith("move_cmd"):
             self.is_flown.set()
             self._is_due, self._is_replanned = self._is_due or self._is_replanned, False
+
+    def clocks(self, reading: ClockReading) -> None:
+        """Not read."""
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
         """Kept nowhere."""

@@ -33,6 +33,7 @@ from companion.motion.range_scan import RangeScan
 from companion.motion.routes import CELLS_PER_TICK
 from companion.motion.sensed_map import SensedMap
 from companion.planning.flight_times import route_map
+from companion.vehicle.run_clocks import ClockReading
 from sitl.flight.controllers import Cascade, TrajectorySetpoint
 from sitl.flight.mixer import Motors
 from sitl.flight.physics import Physics
@@ -55,12 +56,16 @@ class Flight:
     end_s: float = 0.0
     datagrams: list[bytes] = field(default_factory=list)
     journal: Journal = field(default_factory=NoJournal)
+    name: str = ""
 
     def report(self, stamped: Stamped) -> None:
         """Events are not needed."""
 
     def position(self, now_s: float, position: Ned) -> None:
         """Positions are not needed."""
+
+    def clocks(self, reading: ClockReading) -> None:
+        """Not read."""
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
         """Keeps the datagrams of both directions."""

@@ -21,6 +21,7 @@ from companion.geometry import Ned, distance
 from companion.ground.operations import SystemStatus
 from companion.mavlink.framing import MavlinkCodec, split_frames
 from companion.planning.planner import Planner
+from companion.vehicle.run_clocks import ClockReading
 from sitl.simulation import Simulation
 
 SETPOINT = bytes([84, 0, 0])  # id of SET_POSITION_TARGET_LOCAL_NED, in bytes 7 to 9 of a frame
@@ -47,6 +48,7 @@ class Tracking:
     told_mps: float = 0.0
     ear: MavlinkCodec = field(default_factory=lambda: MavlinkCodec(0, 0))
     journal: Journal = field(default_factory=NoJournal)
+    name: str = ""
 
     def report(self, stamped: Stamped) -> None:
         """The task lasts until something else is flown than its plan."""
@@ -57,6 +59,9 @@ class Tracking:
                 self.is_on_task = True
             case event if event.kind == PhaseEntered.kind:
                 self.is_on_task = False
+
+    def clocks(self, reading: ClockReading) -> None:
+        """Not read."""
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
         """Hears the setpoints."""

@@ -29,6 +29,7 @@ from sitl.link.mission_service import MissionService
 from sitl.link.routing import MAV_TYPE_GCS, LinkName, Router, is_for
 from sitl.link.streams import Streams
 from sitl.link.telemetry.system import status
+from sitl.link.time_offset import TimeOffset
 from sitl.link.vehicle import SimulatedVehicle
 from sitl.results import MavResult
 from sitl.world.faults import ANSWERS, Answer
@@ -58,6 +59,7 @@ class AutopilotLink:
         self.streams = Streams(name, vehicle.state.time_s)
         self.next_step: list[Message] = []
         self.listing: list[str] = []
+        self.time_offset = TimeOffset()
         self._codec = MavlinkCodec(system, AUTOPILOT)
         self._told_origin: GlobalOrigin | None = None
         self._origin_due_s = vehicle.state.time_s
@@ -151,6 +153,10 @@ class AutopilotComponent:
         self._missions: MissionService = MissionService(
             self._accept_plan, lambda: vehicle.autopilot.mission.current
         )
+
+    def time_offset(self, name: LinkName) -> TimeOffset:
+        """What is reckoned of the clock at the other end of a link."""
+        return self._links[name].time_offset
 
     def receive(self, name: LinkName, message: Message) -> None:
         """Handles a message that came in on a link."""
@@ -266,6 +272,8 @@ class AutopilotComponent:
     def _timesync(self, link: AutopilotLink, message: Message) -> None:
         if message.tc1 == 0:
             link.send(dialect.MAVLink_timesync_message(self._vehicle.boot_us * 1000, message.ts1))
+        elif message.tc1 > 0:
+            link.time_offset.take(self._vehicle.boot_us, message.tc1, message.ts1)
 
     def _ftp(self, link: AutopilotLink, message: Message) -> None:
         for answer in link.files.answers(self._vehicle.state.time_s, message):

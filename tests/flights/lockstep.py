@@ -25,6 +25,7 @@ from companion.mavlink.px4_modes import MODES
 from companion.mavlink.signing import Signing
 from companion.mission.model import Mission
 from companion.motion.grid import OccupancyGrid
+from companion.vehicle.run_clocks import ClockReading
 from sitl.link.routing import LinkName
 from sitl.results import MavResult
 from sitl.simulation import Simulation
@@ -178,6 +179,7 @@ class Lockstep(Happened):
         vehicle: Signing | None = None,
     ) -> None:
         self.journal = KeptJournal()
+        self.name = "the-run"
         self._mission, self._resumes = mission, resumes
         scenario, grid = world
         links = {LinkName.OFFBOARD} | ({LinkName.GCS} if has_station else set())
@@ -223,6 +225,9 @@ class Lockstep(Happened):
             assert "not renewed" not in stamped.event.reason, stamped
         if stamped.event.is_told:
             self.reports.append(stamped)
+
+    def clocks(self, reading: ClockReading) -> None:
+        """Not read."""
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
         """Kept in `said`."""

@@ -461,7 +461,7 @@ def test_a_setpoint_outside_the_fence_never_leaves(
     """Behind the back of everything that acts, for a second: the vehicle is told to leave."""
     down = Cut()
     flight = on_the_way_to_b(start(down=down))
-    run, wire = flight.companion._run, flight.companion._wire
+    run, wire = flight.companion._run, flight.companion.wire
     assert run is not None
     vehicle = run.vehicle
     outside = hold_at((30.0, 30.0, -2.0), 0.0)

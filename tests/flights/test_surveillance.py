@@ -37,6 +37,7 @@ from companion.flight_events.sortie import Phase, PhaseEntered, TaskSatisfied
 from companion.geometry import Ned, horizontal_distance, is_in_polygon
 from companion.mission.model import Mission
 from companion.record.run_folder import RunFolder
+from companion.vehicle.run_clocks import ClockReading
 from companion.vehicle_profile import VehicleProfile
 from sitl.flight.physics import FlightState
 from sitl.harness import LockstepFlight
@@ -87,12 +88,16 @@ class Witness:
     flown: Flown
 
     journal = NoJournal()
+    name = ""
 
     def __init__(self, folder: RunFolder) -> None:
         self._folder = folder
 
     def report(self, stamped: Stamped) -> None:
         self._folder.report(stamped)
+
+    def clocks(self, reading: ClockReading) -> None:
+        self._folder.clocks(reading)
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
         self._folder.packets(now_s, datagrams)
@@ -247,7 +252,7 @@ def test_the_run_folder_is_complete(flown: Flown, surveillance: Mission) -> None
     folder = flown.folder
     assert {path.name for path in folder.iterdir()} == {
         *("mission.yaml", "scene.json", "events.jsonl", "flight.tlog", "flight.png"),
-        *("plan-0.json", "plan-1.json", "plan-2.json"),
+        *("plan-0.json", "plan-1.json", "plan-2.json", "clocks.json"),
     }
     assert (folder / "mission.yaml").read_text(encoding="utf-8") == surveillance.text
     plans = [json.loads((folder / f"plan-{n}.json").read_text()) for n in range(3)]

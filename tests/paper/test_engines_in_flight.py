@@ -23,6 +23,7 @@ from companion.planning.engine_port import Engine, EngineFailure, EngineJob
 from companion.planning.engines import EngineTimeout
 from companion.planning.lasso import Lasso, Letter, Problem
 from companion.planning.objective import Encoding
+from companion.vehicle.run_clocks import ClockReading
 
 MISSION = Path(__file__).parents[2] / "missions" / "paper_section_v.yaml"
 DURATION_S = 1.5
@@ -40,6 +41,7 @@ class Flown(Happened):
     """A flight of the paper's mission, seed 0, with all that happened."""
 
     journal = NoJournal()
+    name = ""
 
     def __init__(self, engine: Engine) -> None:
         self.reports: list[Stamped] = []
@@ -48,6 +50,9 @@ class Flown(Happened):
 
     def report(self, stamped: Stamped) -> None:
         self.reports.append(stamped)
+
+    def clocks(self, reading: ClockReading) -> None:
+        """Not read."""
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
         """Not needed."""

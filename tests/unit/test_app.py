@@ -32,12 +32,14 @@ from companion.geometry import Ned
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mission.model import Mission
 from companion.slices import InSlices
+from companion.vehicle.run_clocks import ClockReading
 
 
 class Notes(Happened):
     """A recorder that keeps everything."""
 
     journal = NoJournal()
+    name = "the-run"
 
     def __init__(self) -> None:
         self.reports: list[Stamped] = []
@@ -46,6 +48,9 @@ class Notes(Happened):
 
     def report(self, stamped: Stamped) -> None:
         self.reports.append(stamped)
+
+    def clocks(self, reading: ClockReading) -> None:
+        """Not read."""
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
         self.datagrams.append((now_s, list(datagrams)))
@@ -67,6 +72,7 @@ class World:
     """
 
     endpoint = "udpin://0.0.0.0:14540"
+    zero_s = None
 
     def __init__(self, asked: Mission, **options: bool) -> None:
         self.notes = Notes()

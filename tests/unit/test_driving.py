@@ -37,6 +37,7 @@ class Line(Notes):
 
     endpoint = "udpin://0.0.0.0:14540"
     uploads = None
+    zero_s = 700.0
 
     def __init__(self, asks_until_s: float) -> None:
         super().__init__()
@@ -46,6 +47,8 @@ class Line(Notes):
         self.beats_s: list[float] = []
         self.began_s = self.ended_s = 0.0
         self.answers = 0
+        self.round_trips_s: list[float] = []
+        self.shown_s: list[float] = []
         self.set_aside_before = self.set_aside = 0
         self._asks_until_s = asks_until_s
         self._autopilot, self._station = Autopilot(), MavlinkCodec(255, 190)
@@ -89,6 +92,12 @@ class Line(Notes):
             if acknowledged.command == REQUEST:
                 self._ask(REQUEST if self.now < self._asks_until_s else START)
 
+    def answer(self, datagrams: list[bytes]) -> None:
+        """What leaves within a step: the time that the autopilot has asked for."""
+        for message in (m for d in datagrams for m in self._ear.parse(d)):
+            self.shown_s.append(message.tc1 / 1e9 - self.now)
+            self.round_trips_s.append(self.now + UNDER_WAY_S - message.ts1 / 1e9)
+
     def discard(self) -> None:
         raise AssertionError("nothing here pauses")
 
@@ -105,6 +114,10 @@ class Line(Notes):
     def _stream(self, until_s: float) -> None:
         while self._streamed_s <= until_s:
             self._under_way += [(self._streamed_s, d) for d in self._autopilot.telemetry()]
+            question = dialect.MAVLink_timesync_message(0, round(self._streamed_s * 1e9))
+            self._under_way.append(
+                (self._streamed_s + UNDER_WAY_S, self._autopilot.codec.pack(question))
+            )
             self._streamed_s += STREAM_S
 
     # -- host and recorder ---------------------------------------------------------------------
@@ -159,6 +172,13 @@ def test_the_heartbeat_is_the_same_with_and_without_questions(line: Line) -> Non
     gaps = [later - earlier for earlier, later in pairwise(while_asked)]
     assert len(gaps) >= 8
     assert all(1.0 - 1e-9 <= gap <= 1.0 + TICK_S for gap in gaps)
+
+
+def test_in_flight_a_question_for_the_time_waits_for_no_tick(line: Line) -> None:
+    """PX4 takes no answer that has been 10 ms or more on its way."""
+    assert len(line.round_trips_s) > 100
+    assert max(line.round_trips_s) == pytest.approx(2 * UNDER_WAY_S)
+    assert line.shown_s == pytest.approx([line.zero_s] * len(line.shown_s), abs=1e-9)
 
 
 def test_in_flight_what_was_there_before_is_not_searched_for_garbage(line: Line) -> None:

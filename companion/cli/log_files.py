@@ -1,0 +1,61 @@
+"""A run for the tools that show logs: `companion replay RUN --mcap OUT`."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import IO
+
+import typer
+
+from companion.errors import CompanionError, MissionError
+
+ATTACHED = ("mission.yaml", "scene.json", "events.jsonl", "clocks.json")
+"""Files of the run that go along, so that one file is enough."""
+
+
+def write_run(run: Path, output: Path) -> None:
+    """Writes a run as an MCAP file, which must not be there yet.
+
+    Raises:
+        MissionError: it is no run folder, or the file is there already.
+        CompanionError: the file cannot be written.
+    """
+    from companion.record.events import read_events
+
+    ending = read_events(run).ending  # says what is wrong with a folder, as an audit does
+    try:
+        with output.open("xb") as stream:
+            try:
+                count = _write(run, stream)
+            except BaseException:
+                output.unlink()
+                raise
+    except FileExistsError:
+        raise MissionError(
+            f"{output} is there already", hint="remove it, or choose another"
+        ) from None
+    except OSError as error:
+        raise CompanionError(f"cannot write {output}: {error.strerror or error}") from error
+    if ending is None:
+        typer.echo("notice     the run has no end: it was cut off, or still goes on")
+    typer.echo(f"written    {output}: {count} messages, {output.stat().st_size / 1e6:.1f} MB")
+
+
+def _write(run: Path, stream: IO[bytes]) -> int:
+    from companion.api.drawings import home_of_run, run_drawing
+    from companion.foxglove.mcap_file import write_mcap
+    from companion.foxglove.recording import RecordedRun
+    from companion.plans.geojson_writing import geojson_text
+
+    zero = home_of_run(run)
+    geojson = geojson_text(run_drawing(run)) if zero is not None else None
+    if zero is None:
+        typer.echo("notice     the autopilot has not said where on the earth it was: no map")
+    tlog = run / "flight.tlog"
+    size = tlog.stat().st_size if tlog.exists() else 0
+    with typer.progressbar(length=size, label="reading", file=sys.stderr) as bar:
+        recorded = RecordedRun(run, zero, geojson, bar.update)
+        bar.update(size)
+    attachments = {name: (run / name).read_bytes() for name in ATTACHED if (run / name).exists()}
+    return write_mcap(stream, recorded.start_unix_ns, recorded.messages(), attachments)

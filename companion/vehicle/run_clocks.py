@@ -1,0 +1,74 @@
+"""When the clocks of a run are read, and what they show: when it begins, arms and ends.
+
+When the vehicle is armed PX4 begins a log, so that is when its clock and ours are held beside each
+other, and when the log is marked with the run. A mission that lands on its way arms again, and so
+has another log.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from companion.vehicle.boot_clock import ClockOffset
+from companion.vehicle.telemetry import Telemetry
+from companion.vehicle.wire import Wire
+
+
+class ClockReading(NamedTuple):
+    """What the clocks showed at one time.
+
+    Attributes:
+        occasion: why they were read.
+        time_s: since the run began.
+        clock_s: the machine's monotonic clock; None in lockstep.
+        autopilot: when the autopilot's clock showed 0, since the run began; None before it has
+            said so.
+    """
+
+    occasion: str
+    time_s: float
+    clock_s: float | None
+    autopilot: ClockOffset | None
+
+
+class RunClocks:
+    """The clocks of one run.
+
+    Args:
+        wire: whose answers tell the autopilot our time.
+        telemetry: has the autopilot's clock.
+
+    Attributes:
+        has_armed: the vehicle was heard to be armed in this step, and not before.
+    """
+
+    def __init__(self, wire: Wire, telemetry: Telemetry) -> None:
+        self._wire, self._telemetry = wire, telemetry
+        self.has_armed = self._is_armed = self._has_begun = self._is_due = False
+
+    def follow(self, is_armed: bool) -> None:
+        """A step has begun."""
+        self.has_armed, self._is_armed = is_armed and not self._is_armed, is_armed
+        self._is_due = is_armed and (self._is_due or self.has_armed)
+
+    def due(self, now_s: float, start_s: float, has_ended: bool) -> list[ClockReading]:
+        """What is to be recorded of this step; of an armed vehicle when its clock is known.
+
+        Args:
+            now_s: the flight's time.
+            start_s: when the run began.
+            has_ended: whether this is its last step.
+        """
+        begins, self._has_begun = not self._has_begun, True
+        zero_s, offset = self._wire.time.zero_s, self._telemetry.clock.offset
+        is_armed = self._is_due and offset is not None
+        self._is_due = self._is_due and not is_armed
+        occasions = {"start": begins, "armed": is_armed, "end": has_ended}
+        if offset is not None:
+            offset = offset._replace(offset_s=offset.offset_s - start_s)
+        clock_s = zero_s + now_s if zero_s is not None else None
+        return [
+            ClockReading(occasion, now_s - start_s, clock_s, offset)
+            for occasion, is_now in occasions.items()
+            if is_now
+        ]

@@ -1,0 +1,65 @@
+"""The autopilot's questions for the time, answered: so its log knows our clock.
+
+PX4 asks by TIMESYNC ten times a second on a link to a companion (`tc1` = 0). It reckons from the
+answers by how much its clock is ahead of ours, writes that into its log (`timesync_status`), and
+reads time stamps of ours with it. The clock that answers is one, and never steps back: the
+machine's monotonic clock (CLOCK_MONOTONIC), which other programs on board read as well; in lockstep
+the time of the flight.
+
+Rules:
+1. The vehicle's own autopilot is answered. What another component, or the autopilot of another
+   system, asks is not ours to answer.
+2. PX4 takes no answer that has been 10 ms or more on its way. So a question is answered when it
+   arrives (`driving.py`), not in the next tick. One question gets one answer.
+3. One answer in LEAST_S, whatever arrives: a flood is not answered by a flood.
+4. An answer commands nothing. It is given in every phase, whoever flies.
+
+Source: https://mavlink.io/en/services/timesync.html; PX4 v1.16 as it was seen. Our own questions
+are those of `boot_clock.py`; answers to them are not looked at here.
+"""
+
+from __future__ import annotations
+
+import math
+
+from companion.mavlink.framing import Message, dialect, source
+
+LEAST_S = 0.02
+"""Five times as often as PX4 asks."""
+NANO = 1_000_000_000
+TIMESYNC = frozenset({dialect.MAVLINK_MSG_ID_TIMESYNC})
+
+
+class TimeAnswers:
+    """Answers to the autopilot of one vehicle.
+
+    >>> answers = TimeAnswers()
+    >>> question = dialect.MAVLink_timesync_message(0, 77)  # its sender is not known: 0, 0
+    >>> answers.answer(2.5, (0, 0), question).tc1
+    2500000000
+    >>> answers.answer(2.6, (0, 0), question) is None  # it has its answer
+    True
+
+    Attributes:
+        zero_s: what the machine's clock showed when the flight's showed 0; None in lockstep.
+    """
+
+    def __init__(self) -> None:
+        self.zero_s: float | None = None
+        self._asked: int | None = None
+        self._next_s = -math.inf
+
+    def answer(self, now_s: float, autopilot: tuple[int, int], message: Message) -> Message | None:
+        """The answer to a TIMESYNC; None if there is nothing to answer.
+
+        Args:
+            now_s: the flight's time.
+            autopilot: system and component id of the vehicle's autopilot.
+            message: what was heard.
+        """
+        is_question = message.tc1 == 0 and source(message) == autopilot
+        if not is_question or message.ts1 == self._asked or now_s < self._next_s:
+            return None
+        self._asked, self._next_s = message.ts1, now_s + LEAST_S
+        shown = max(1, round(((self.zero_s or 0.0) + now_s) * NANO))  # 0 would be a question
+        return dialect.MAVLink_timesync_message(shown, message.ts1)
