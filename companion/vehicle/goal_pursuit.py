@@ -18,6 +18,9 @@ ASK_AGAIN_S = 2.0
 """Pause before a command that was accepted without effect is sent again."""
 ROOF_M = 1.0
 """So much above home a vehicle stands on something; less may be an error of its altitude."""
+SHORT_M = 1.5
+"""A take-off that ends by itself is no lower than that below its altitude: PX4 ends it within
+NAV_MC_ALT_RAD, 0.8 m, and was seen to by up to 0.9 m of its own estimate."""
 
 
 class GoalPursuit:
@@ -76,7 +79,17 @@ class GoalPursuit:
     def admits(self, mode: Mode, is_armed: bool) -> bool:
         """Takes a mode that was heard; whether it means that nobody has taken control."""
         pursuit = self._pursuit
-        return pursuit is None or pursuit.admits(mode, is_armed, self._first_mode)
+        if pursuit is None:
+            return True
+        is_passed = pursuit.admits(mode, is_armed, self._first_mode)
+        return is_passed and not self._is_held_low(pursuit, mode)
+
+    def _is_held_low(self, pursuit: Pursuit, mode: Mode) -> bool:
+        """Whether a climb has ended in a hold so low that somebody must have chosen it."""
+        state = self._telemetry.state
+        if pursuit.goal is not Goal.AIRBORNE or mode is not Mode.LOITER or state is None:
+            return False
+        return state.mode is Mode.TAKEOFF and -state.position[2] < pursuit.takeoff_up_m - SHORT_M
 
     def _ask(self, pursuit: Pursuit, state: VehicleState, moment: Moment) -> Failed | None:
         """Sends the goal's command when it is time to, unless the goal has failed."""

@@ -116,6 +116,18 @@ def test_the_pilot_wins_from_the_first_command_on(after_s: float, start: Start) 
     assert all(said.time_s <= switched_s + 0.1 for said in flight.commands + flight.setpoints)
 
 
+def test_a_pilot_who_holds_in_the_climb_keeps_the_vehicle(start: Start) -> None:
+    """A take-off ends in hold by itself, too; but not so low."""
+    flight = start(has_station=True).until_reported(PhaseEntered, phase=Phase.TAKE_OFF)
+    while -flight.simulation.flight.position[2] < 0.05:
+        flight.run_for(0.05)
+    flight.station_chooses("AUTO.LOITER")
+    flight.until_the_end().run(5.0)
+    assert flight.ending == aborted("the pilot has control, in AUTO.LOITER")
+    assert flight.setpoints == []
+    assert flight.simulation.mode == "AUTO.LOITER"
+
+
 @pytest.mark.parametrize("silence_s", [1.2, 2.0, 3.0, 8.0])
 @pytest.mark.parametrize("after_s", [0.0, 0.8])
 def test_lost_heartbeats_at_the_take_off_fake_no_take_over(

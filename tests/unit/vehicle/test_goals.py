@@ -95,7 +95,7 @@ def test_a_vehicle_on_its_way_has_all_of_its_time(meeting: Meeting) -> None:
     meeting.tick(act=lambda: meeting.vehicle.pursue(Goal.AIRBORNE))
     meeting.autopilot.mode = "AUTO.TAKEOFF"
     assert meeting.pursue(Goal.AIRBORNE) == Failed("not airborne after 60 s")
-    meeting.autopilot.mode = "AUTO.LOITER"
+    meeting.autopilot.mode, meeting.autopilot.position[2] = "AUTO.LOITER", -1.2
     assert meeting.now_s - begun_s == pytest.approx(60.0, abs=0.2)
     begun_s = meeting.now_s
     assert meeting.pursue(Goal.AIRBORNE) == Failed("not airborne after 12 s")
@@ -167,6 +167,7 @@ def test_a_vehicle_on_its_way_is_not_asked_again(meeting: Meeting) -> None:
     meeting.autopilot.mode = "AUTO.TAKEOFF"
     assert of_type(meeting.run(20.0, act=act), "COMMAND_LONG") == []
     meeting.autopilot.mode, meeting.autopilot.is_landed = "AUTO.LOITER", False
+    meeting.autopilot.position[2] = -1.2
     assert meeting.pursue(Goal.AIRBORNE) is Progress.DONE
 
 
@@ -345,8 +346,25 @@ def test_a_stale_mode_is_not_the_hold_after_the_take_off(meeting: Meeting) -> No
     meeting.run(1.0, act=lambda: meeting.vehicle.pursue(Goal.AIRBORNE))
     assert meeting.vehicle.takeover is None
     assert meeting.vehicle.pursue(Goal.AIRBORNE) is Progress.RUNNING
-    meeting.autopilot.mode = "AUTO.LOITER"
+    meeting.autopilot.mode, meeting.autopilot.position[2] = "AUTO.LOITER", -1.2
     assert meeting.pursue(Goal.AIRBORNE) is Progress.DONE
+
+
+@pytest.mark.parametrize(("up_m", "is_pilot"), [(0.4, True), (0.6, False)])
+def test_a_hold_in_the_climb_is_a_pilots_as_far_as_the_height_tells(
+    up_m: float, is_pilot: bool, meeting: Meeting
+) -> None:
+    """Seen on a PX4: a take-off to 2 m ends by itself from 1.1 m up on, by its own estimate."""
+    meeting.pursue(Goal.ARMED)
+    meeting.autopilot.is_idle = True
+    meeting.tick(act=lambda: meeting.vehicle.pursue(Goal.AIRBORNE))
+    meeting.autopilot.mode, meeting.autopilot.is_landed = "AUTO.TAKEOFF", False
+    meeting.run(2.0, act=lambda: meeting.vehicle.pursue(Goal.AIRBORNE))
+    meeting.autopilot.mode, meeting.autopilot.position[2] = "AUTO.LOITER", -up_m
+    outcome = meeting.pursue(Goal.AIRBORNE, 5.0)
+    assert outcome == (
+        Failed("the pilot has control, in AUTO.LOITER") if is_pilot else Progress.DONE
+    )
 
 
 def test_no_mode_is_asked_for_while_the_mode_is_not_known(meeting: Meeting) -> None:
