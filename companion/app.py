@@ -7,8 +7,10 @@ real (or scaled) time from a socket; the simulator's harness drives the same obj
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
+from companion.acting.arming_terms import USUAL_TERMS, ArmingTerms
 from companion.acting.authority import why_left_alone
 from companion.acting.flight_limit import NO_LIMIT, FlightLimit
 from companion.acting.journal import JournalledFlight
@@ -33,6 +35,7 @@ from companion.mission.model import Mission
 from companion.mission_run import OnlyRun, Recorder, Run
 from companion.outcomes import Refusal
 from companion.planning.engine_port import Engine
+from companion.vehicle.own_fences import OwnFences
 from companion.vehicle.telemetry import TELEMETRY, Telemetry
 from companion.vehicle.wire import AUTOPILOT, Wire
 
@@ -51,13 +54,14 @@ class Companion:
     Args:
         mission: what to fly; None to wait for an upload.
         recorder: told of everything that happens in the only run; None with a host.
-        accepts_weak_failsafes: fly although the autopilot's failsafes are weak.
+        terms: on which vehicles are armed.
         host: makes and ends runs, and reads missions.
         page: the monitor page, if there is one.
         limit: of each flight: after what the vehicle is called home.
         engine: who plans the only mission; None for the built-in search. A host knows its own.
         resumes: where the autopilot holds because it no longer heard us, without an operator.
         journalled: a run that was cut off, to go on with; the mission is its own.
+        own_fences: those that were written to autopilots before.
 
     Attributes:
         failure: why the last run did not end well.
@@ -68,13 +72,14 @@ class Companion:
         self,
         mission: Mission | None,
         recorder: Recorder | None,
-        accepts_weak_failsafes: bool = False,
+        terms: ArmingTerms = USUAL_TERMS,
         host: Host | None = None,
         page: MonitorPage | None = None,
         limit: FlightLimit = NO_LIMIT,
         engine: Engine | None = None,
         resumes: bool = False,
         journalled: JournalledFlight | None = None,
+        own_fences: OwnFences | None = None,
     ) -> None:
         self.failure: CompanionError | None = None
         self.wire = Wire()
@@ -82,15 +87,19 @@ class Companion:
         self._component = Component(self, host.uploads if host else None, page)
         self._host = host
         self._mission = mission
-        self._accepts_weak_failsafes = accepts_weak_failsafes
-        self._limit, self._resumes = limit, resumes
+        self._run_of = partial(
+            Run,
+            terms=terms,
+            own_fences=own_fences or OwnFences(),
+            may_yield=host is not None,
+            limit=limit,
+            resumes=resumes,
+        )
         self._run: Run | None = None
         self._preparation: Preparation | None = None
         self._is_prepared = self._is_stopping = self._has_hung_up = False
         self._adjusted, self._now_s = -1, 0.0
-        self._only: OnlyRun | None = None
-        if mission is not None and recorder is not None:
-            self._only = OnlyRun(mission, recorder, engine, journalled)
+        self._only = OnlyRun.of(mission, recorder, engine, journalled)
         self._listen()
         self._begin_only()
 
@@ -252,18 +261,8 @@ class Companion:
         if journalled is not None and (settings := journalled.settings) is not None:
             self._component.parameters.put(SPEED_MAX, settings.speed_max_mps)
             self._component.parameters.put(BELIEF_RETRY, settings.belief_retry_s)
-        self._run = Run(
-            prepared,
-            recorder,
-            self.wire,
-            self._telemetry,
-            self._now_s,
-            self._accepts_weak_failsafes,
-            may_yield=self._host is not None,
-            limit=self._limit,
-            resumes=self._resumes,
-            journalled=journalled,
-        )
+        parts = prepared, recorder, self.wire, self._telemetry, self._now_s
+        self._run = self._run_of(*parts, journalled=journalled)
         self._listen()
 
     def _launch(self, host: Host, preparation: Preparation) -> None:

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+from companion.acting.arming_terms import USUAL_TERMS, ArmingTerms
 from companion.acting.assembly import assemble
 from companion.acting.event_detector import EventDetector
 from companion.acting.flight_limit import NO_LIMIT, FlightLimit
@@ -43,6 +44,7 @@ from companion.planning.engine_port import Engine
 from companion.vehicle.detections import Detections
 from companion.vehicle.gate import Envelope, LandingSite
 from companion.vehicle.offboard import MavlinkVehicle
+from companion.vehicle.own_fences import OwnFences
 from companion.vehicle.run_clocks import ClockReading, RunClocks
 from companion.vehicle.signals import OtherSystems, Reading, SignalReader
 from companion.vehicle.surroundings import Surroundings
@@ -92,6 +94,19 @@ class OnlyRun:
     engine: Engine | None
     journalled: JournalledFlight | None
 
+    @classmethod
+    def of(
+        cls,
+        mission: Mission | None,
+        recorder: Recorder | None,
+        engine: Engine | None,
+        journalled: JournalledFlight | None,
+    ) -> OnlyRun | None:
+        """The only run of a mission with a recorder; None for a companion that hosts."""
+        if mission is None or recorder is None:
+            return None
+        return cls(mission, recorder, engine, journalled)
+
     def prepare(self, telemetry: Telemetry) -> PreparedMission | Aborted | None:
         """Its preparation, or why it cannot begin; None until all that it needs was heard.
 
@@ -119,7 +134,8 @@ class Run:
         wire: whose system the vehicle is.
         telemetry: what its autopilot says, and has said before this run.
         start_s: when it begins.
-        accepts_weak_failsafes: fly although the autopilot's failsafes are weak.
+        terms: on which the vehicle is armed.
+        own_fences: those that were written to its autopilot.
         may_yield: wait for the operator when somebody else has taken control in flight.
         limit: after what the vehicle is called home.
         resumes: where the autopilot holds because it no longer heard us, without an operator.
@@ -136,7 +152,8 @@ class Run:
         wire: Wire,
         telemetry: Telemetry,
         start_s: float,
-        accepts_weak_failsafes: bool = False,
+        terms: ArmingTerms = USUAL_TERMS,
+        own_fences: OwnFences | None = None,
         may_yield: bool = False,
         limit: FlightLimit = NO_LIMIT,
         resumes: bool = False,
@@ -144,7 +161,6 @@ class Run:
     ) -> None:
         mission = prepared.mission
         self._detector = detector = EventDetector(mission.events)
-        home, profile = mission.home, mission.vehicle
         self.mission = mission
         self.recorder = recorder
         self.start_s = start_s
@@ -157,10 +173,11 @@ class Run:
             telemetry,
             envelope_of(mission),
             said,
-            takeoff_up_m=-home.position[2],
+            takeoff_up_m=-mission.home.position[2],
             marker_components=frozenset(
                 place.marker.component for place in mission.places.values() if place.marker
             ),
+            own_fences=own_fences,
         )
         self._other_systems = OtherSystems(SignalReader(said))
         self._detections = Detections(detector.signals)
@@ -174,9 +191,8 @@ class Run:
         self.sortie = Sortie(
             acting.flight,
             acting.executive,
-            home,
-            mission.otherwise,
-            accepts_weak_failsafes,
+            mission,
+            terms,
             may_yield,
             limit,
             resumes,
@@ -185,7 +201,7 @@ class Run:
             else None,
         )
         self._surroundings = Surroundings(mission.grid, telemetry)
-        self._added_clearance = AddedClearance(profile.deviation_m)
+        self._added_clearance = AddedClearance(mission.vehicle.deviation_m)
 
     def _keep(self, prepared: PreparedMission, journalled: JournalledFlight | None) -> None:
         """From now on the journal has what another process needs to go on."""

@@ -7,9 +7,11 @@ delay or fail, commands are answered after a delay, in order. Time is an argumen
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
-from companion.geometry import Ned
+from companion.geofence import FenceArea
+from companion.geometry import Ned, NorthEast
 from companion.motion.range_scan import RangeScan
 from companion.outcomes import Refusal
 from companion.vehicle.port import (
@@ -21,6 +23,7 @@ from companion.vehicle.port import (
     Outcome,
     Progress,
     Setpoint,
+    StoredFence,
     Takeover,
     VehicleState,
 )
@@ -102,6 +105,55 @@ class FakeMarkers:
         self.refused: list[Refusal] = []
 
 
+class FakeFence:
+    """The fence of an autopilot, which at first does not know where on the earth it is.
+
+    Attributes:
+        nowhere: why it does not; None where it does.
+        stored: what it has.
+        home: that of the autopilot.
+        taken: what becomes of a fence that is written.
+        objections: what is said when one is written.
+        written: all that were written.
+        is_mine: whether what it has was written by this companion, in another flight.
+    """
+
+    def __init__(self) -> None:
+        self.nowhere: str | None = "the autopilot tells no position on the earth"
+        self.stored: StoredFence | None = StoredFence((), 0)
+        self.home: NorthEast | None = None
+        self.outcome: Outcome = Progress.DONE
+        self.taken: Outcome = Progress.DONE
+        self.said: list[str] = []
+        self.objections: list[str] = []
+        self.written: list[tuple[FenceArea, ...]] = []
+        self.is_mine = False
+        self._vouched: object = None
+
+    def locate(self) -> Outcome:
+        return Progress.DONE if self.nowhere is None else Failed(self.nowhere)
+
+    def read(self) -> None:
+        """It is told at once."""
+
+    def write(self, areas: Sequence[FenceArea]) -> None:
+        self.written.append(tuple(areas))
+        self.objections = list(self.said)
+        if self.taken is Progress.DONE:
+            self.stored = StoredFence(tuple(areas), 4 * len(areas))
+        else:
+            self.outcome = self.taken
+
+    def is_own(self) -> bool:
+        return self.is_mine
+
+    def is_vouched_for(self) -> bool:
+        return self._vouched is self.stored
+
+    def vouch(self) -> None:
+        self._vouched = self.stored
+
+
 class FakeVehicle:
     """Stands on the ground at first, disarmed.
 
@@ -114,6 +166,7 @@ class FakeVehicle:
         is_turning: its heading is that of its setpoint.
         payloads: its payloads.
         markers: what it sees of landing markers; nothing at first.
+        fence: of its autopilot.
         flown: every setpoint that it was given; None when it was released.
         pursued: the goals that were worked for, in order.
         scans: what it hears of its surroundings; nothing at first.
@@ -138,6 +191,7 @@ class FakeVehicle:
         self.flown: list[Setpoint | None] = []
         self.payloads = FakePayloads()
         self.markers = FakeMarkers()
+        self.fence = FakeFence()
         self.pursued: list[Goal] = []
         self.parameters: dict[str, float] = {
             "COM_OF_LOSS_T": 1.0,

@@ -30,9 +30,7 @@ class SortieRig(Happened):
     def __init__(self, asked: Mission, **options: Any) -> None:
         self.vehicle = FakeVehicle()
         self.rig = Rig(asked, vehicle=self.vehicle)
-        self.sortie = Sortie(
-            self.rig.flight, self.rig.executive, asked.home, asked.otherwise, **options
-        )
+        self.sortie = Sortie(self.rig.flight, self.rig.executive, asked, **options)
 
     def step(self, *readings: tuple[Signal, float]) -> None:
         self.rig.pass_time()

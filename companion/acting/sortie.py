@@ -14,18 +14,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
+from companion.acting.arming_terms import USUAL_TERMS, ArmingTerms
 from companion.acting.authority import is_silent, loss_of_control
 from companion.acting.beginning import Beginning
 from companion.acting.control import Control
 from companion.acting.crash_watch import Crash, CrashWatch
 from companion.acting.ending import ending, ending_begun, last_resort
 from companion.acting.executive import Executive
-from companion.acting.failsafe_check import FailsafeCheck
 from companion.acting.flight import Flight
 from companion.acting.flight_limit import NO_LIMIT, FlightLimit, LimitWatch
 from companion.acting.flown_task import FlownTask
 from companion.acting.frame_watch import FrameWatch
 from companion.acting.gate_watch import GateWatch
+from companion.acting.ground_checks import GroundChecks
 from companion.acting.journal import PhaseBegun
 from companion.acting.phases import GOALS, ON_THE_GROUND, TRANSITIONS, UNDER_TASK, SortieEvent
 from companion.acting.resumption import Resumption
@@ -41,7 +42,7 @@ from companion.flight_events.sortie import (
     StopRequested,
     VehicleCrashed,
 )
-from companion.mission.model import Otherwise, Place
+from companion.mission.model import Mission
 from companion.mission.signals import Signal
 from companion.outcomes import Refusal
 from companion.vehicle.port import Failed, Progress, VehicleState
@@ -61,9 +62,8 @@ class Sortie:
     Args:
         flight: the flight.
         executive: acts out the task.
-        home: where the vehicle has to stand at the start.
-        otherwise: what to do when no plan exists.
-        accepts_weak_failsafes: fly although the autopilot's failsafes are weak.
+        mission: where it begins, and what to do when no plan exists.
+        terms: on which the vehicle is armed.
         may_yield: wait for the operator when somebody else has taken control in flight.
         limit: after what the vehicle is called home.
         resumes: where the autopilot holds because it no longer heard us, without an operator.
@@ -74,9 +74,8 @@ class Sortie:
         self,
         flight: Flight,
         executive: Executive,
-        home: Place,
-        otherwise: Otherwise,
-        accepts_weak_failsafes: bool = False,
+        mission: Mission,
+        terms: ArmingTerms = USUAL_TERMS,
         may_yield: bool = False,
         limit: FlightLimit = NO_LIMIT,
         resumes: bool = False,
@@ -86,14 +85,15 @@ class Sortie:
         self.failure: CompanionError | None = None
         self._flight = flight
         self._executive = executive
-        self.beginning = Beginning(flight, executive, home)
-        self._failsafes = FailsafeCheck(flight, accepts_weak_failsafes)
+        self.beginning = Beginning(flight, executive, mission.home)
+        self._ground_checks = GroundChecks(flight, terms, tuple(mission.places.values()))
         self._crash_watch = CrashWatch(flight.profile)
         self._crash: Crash | None = None
         self._gate_watch, self._frame_watch = GateWatch(flight), FrameWatch(flight)
         self._control = Control(flight, may_yield, resumes, resumption)
         self._limit = LimitWatch(limit, executive, flight)
-        self._flown = FlownTask(flight, executive, home.name, otherwise, self._limit)
+        home, otherwise = mission.home.name, mission.otherwise
+        self._flown = FlownTask(flight, executive, home, otherwise, self._limit)
         self._resumption = resumption
         self._after_offboard = SortieEvent.TASK_GOES_ON
         self._is_stopping = self._was_stopped = False
@@ -279,9 +279,9 @@ class Sortie:
         else:
             self._on(SortieEvent.FOUND_AGAIN, self._control.found(resumption, state))
 
-    def _check_failsafes(self, _: VehicleState) -> None:
-        """Goes on to arming when the autopilot's failsafes are known and strong, or accepted."""
-        outcome = self._failsafes.tick()
+    def _check_autopilot(self, _: VehicleState) -> None:
+        """Goes on to arming when the autopilot's failsafes are strong, and its fence in force."""
+        outcome = self._ground_checks.tick()
         if isinstance(outcome, Failed):
             self._give_up(Aborted(outcome.reason))
         elif outcome is Progress.DONE:
@@ -339,7 +339,7 @@ class Sortie:
 
 _WORK: dict[Phase, Callable[[Sortie, VehicleState], None]] = {
     Phase.WAITING: Sortie._begin,
-    Phase.CHECKING: Sortie._check_failsafes,
+    Phase.CHECKING: Sortie._check_autopilot,
     Phase.TASK: Sortie._fly,
     Phase.PAUSED: lambda sortie, _: sortie._flight.hold(),
     Phase.RETURNING: Sortie._fly,

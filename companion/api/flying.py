@@ -8,12 +8,14 @@ from contextlib import closing, contextmanager
 from pathlib import Path
 from types import FrameType
 
+from companion.acting.arming_terms import ArmingTerms, FencePolicy
 from companion.acting.flight_limit import FlightLimit
 from companion.api.results import FlightResult, FlownTrajectory, OnEvent, recording
 from companion.app import Companion
 from companion.clock import ScaledClock
 from companion.driving import fly
 from companion.mission.model import Mission
+from companion.record.own_fence_file import own_fences_in
 from companion.vehicle.endpoints import parse_url
 from companion.vehicle.link import Link
 from companion.vehicle.report_port import reports_at
@@ -29,6 +31,7 @@ def run(
     folder: Path | str | None = None,
     on_event: OnEvent | None = None,
     accepts_weak_failsafes: bool = False,
+    autopilot_fence: str = "upload",
     laps: int | None = None,
     limit_s: float | None = None,
     timeout_s: float = 30.0,
@@ -53,6 +56,8 @@ def run(
         folder: where to write a run folder; none by default.
         on_event: told of each event that is news for people.
         accepts_weak_failsafes: fly although the autopilot's own failsafes are weak.
+        autopilot_fence: `upload`, `keep`, `replace` or `none`, as `companion run` has it; what was
+            uploaded is remembered beside `folder`, if there is one.
         laps: after so many laps the vehicle is called home; None is no limit.
         limit_s: the same after so many seconds since it was to arm.
         timeout_s: seconds to wait for a vehicle.
@@ -71,7 +76,9 @@ def run(
         recording(mission, folder, on_event) as recorder,
     ):
         limit = FlightLimit(laps, limit_s)
-        companion = Companion(mission, recorder, accepts_weak_failsafes, limit=limit)
+        terms = ArmingTerms(accepts_weak_failsafes, FencePolicy(autopilot_fence))
+        own = own_fences_in(Path(folder).parent) if folder is not None else None
+        companion = Companion(mission, recorder, terms, limit=limit, own_fences=own)
         with _stopped_by_interrupt(companion):
             fly(companion, link, ScaledClock(1.0), timeout_s, reports=reports)
     return FlightResult(

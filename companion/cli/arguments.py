@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from companion.acting.arming_terms import FencePolicy
+
 if TYPE_CHECKING:
     from companion.mavlink.signing import Signing
     from companion.mission.model import Mission
@@ -62,6 +64,20 @@ LimitS = Annotated[
         help="The same after so many seconds since arming, in the vehicle's time. [default: none]",
         min=1.0,
         show_default=False,
+    ),
+]
+WeakFailsafes = Annotated[
+    bool,
+    typer.Option(
+        "--accept-weak-failsafes", help="Fly although the autopilot's own failsafes are weak."
+    ),
+]
+AutopilotFence = Annotated[
+    FencePolicy,
+    typer.Option(
+        "--autopilot-fence",
+        help="upload: the mission's fence, unless there is somebody else's; keep: fly within the "
+        "one that is there; replace: put the mission's in its place; none: do not ask for it.",
     ),
 ]
 LinkUrl = Annotated[

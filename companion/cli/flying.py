@@ -15,8 +15,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from companion.acting.arming_terms import ArmingTerms, FencePolicy
 from companion.cli.arguments import (
     DEFAULT_LOG_DIR,
+    AutopilotFence,
     Events,
     GroundPort,
     Instance,
@@ -29,6 +31,7 @@ from companion.cli.arguments import (
     SigningKeyFile,
     Timeout,
     UnsignedVehicle,
+    WeakFailsafes,
     load,
     signing_of,
 )
@@ -76,9 +79,8 @@ def run(
         typer.Argument(metavar="MISSION", help="The mission's YAML file; without: uploads."),
     ] = None,
     connect: LinkUrl = f"udpin://0.0.0.0:{OFFBOARD_PORT}",
-    accept_weak_failsafes: Annotated[
-        bool, typer.Option(help="Fly although the autopilot's own failsafes are weak.")
-    ] = False,
+    accept_weak_failsafes: WeakFailsafes = False,
+    autopilot_fence: AutopilotFence = FencePolicy.UPLOAD,
     wait: Annotated[
         bool,
         typer.Option("--wait", help="Fly when a ground station says so, and again and again."),
@@ -108,6 +110,7 @@ def run(
     """
     from companion.acting.flight_limit import FlightLimit
     from companion.app import Companion
+    from companion.record.own_fence_file import own_fences_in
     from companion.vehicle.endpoints import parse_url
     from companion.vehicle.link import Link
 
@@ -117,7 +120,8 @@ def run(
     cut_off = cut_off_run(log_dir, loaded) if resume else None
     companion_of = partial(
         Companion,
-        accepts_weak_failsafes=accept_weak_failsafes,
+        terms=ArmingTerms(accept_weak_failsafes, autopilot_fence),
+        own_fences=own_fences_in(log_dir),
         limit=limit,
         resumes=resume,
         journalled=cut_off.journalled if cut_off else None,

@@ -15,6 +15,7 @@ from companion.flight_events.facts import (
     PlacesConnected,
     PlacesCutOff,
 )
+from companion.flight_events.fence import FenceKept, FenceMissing, FenceReplaced, FenceWritten
 from companion.flight_events.hosting import (
     DatagramsDropped,
     FramesRefused,
@@ -123,6 +124,10 @@ EVENTS: tuple[type[FlightEvent], ...] = (
     ConjunctViolated,
     PhaseEntered,
     WeakFailsafeAccepted,
+    FenceWritten,
+    FenceReplaced,
+    FenceKept,
+    FenceMissing,
     ControlYielded,
     ControlRegained,
     ControlTakenBack,

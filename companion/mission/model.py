@@ -68,12 +68,14 @@ class Limits:
         up_m: lowest and highest flight altitude above home.
         fence: polygon of north-east corners.
         keep_out: the same of each area that is never entered, by name.
+        is_fence_written: the mission has a fence of its own; else it is the edge of its map.
     """
 
     speed_mps: float
     up_m: tuple[float, float]
     fence: tuple[NorthEast, ...]
     keep_out: Mapping[str, tuple[NorthEast, ...]] = field(default_factory=dict)
+    is_fence_written: bool = True
 
 
 @dataclass(frozen=True, slots=True)

@@ -61,7 +61,8 @@ def read_space(
         walls = walls_of(entry, partial(_map_corner, coordinates))
         grid = read_map(Path(map_file)) if map_file else drawn_map(entry, walls, fence)
     keep_out = _keep_out(file, fence or grid.corners, coordinates, document)
-    limits = Limits(file.limits.speed_mps, file.limits.up_m, fence or grid.corners, keep_out)
+    edge = fence or grid.corners
+    limits = Limits(file.limits.speed_mps, file.limits.up_m, edge, keep_out, fence is not None)
     check_limits(limits, file.limits.unusual, document)
     places = {
         name: _place(name, entry, coordinates, document) for name, entry in file.places.items()

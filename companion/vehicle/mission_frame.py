@@ -101,6 +101,19 @@ class MissionFrame:
             return None
         return GlobalOrigin(*self.reference.to_global(self.local((0.0, 0.0, 0.0))))
 
+    def on_earth(self, point: NorthEast) -> tuple[float, float] | None:
+        """Latitude and longitude of a point, as the autopilot reckons; None where not known."""
+        if self.reference is None or not self.is_known:
+            return None
+        return self.reference.to_global(self.local((*point, 0.0)))[:2]
+
+    def from_earth(self, latitude_deg: float, longitude_deg: float) -> NorthEast | None:
+        """North and east of a point on the earth, the other way round; None where not known."""
+        if self.reference is None or not self.is_known:
+            return None
+        there = self.reference.to_local(latitude_deg, longitude_deg, self.reference.altitude_m)
+        return self.position(there)[:2]
+
     def anchor_at(self, anchor: GlobalOrigin | None) -> None:
         """A mission begins whose origin lies there; None where the vehicle stands."""
         if anchor != self.anchor:

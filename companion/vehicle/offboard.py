@@ -8,7 +8,8 @@ Rules:
 1. Other systems than the vehicle's are ignored.
 2. Every setpoint passes the gate (`gate.py`); nothing repeats a setpoint by itself.
 3. What else is spoken is spoken by services, each in a file of its own (`services.py`): payloads'
-   commands (`payload_commands.py`), our own goals' (`goal_pursuit.py`).
+   commands (`payload_commands.py`), our own goals' (`goal_pursuit.py`), the autopilot's fence
+   (`fence_service.py`).
 4. A goal is pursued until it is observed (`goals.py`). While nothing is heard of the autopilot no
    command is sent, and no goal's or command's time passes (`heard_time.py`).
 5. A mode that our goal does not pass through was chosen by somebody else, on the ground as in the
@@ -28,10 +29,12 @@ from companion.mission.signals import Signal
 from companion.motion.range_scan import RangeScan
 from companion.outcomes import Refusal
 from companion.vehicle.control_watch import ControlState, ControlWatch
+from companion.vehicle.fence_service import FenceService
 from companion.vehicle.gate import Envelope
 from companion.vehicle.goal_pursuit import GoalPursuit
 from companion.vehicle.heard_time import HeardTime
 from companion.vehicle.marker_sightings import MarkerSightings
+from companion.vehicle.own_fences import OwnFences
 from companion.vehicle.parameters import ParameterReader
 from companion.vehicle.payload_commands import PayloadCommands
 from companion.vehicle.port import (
@@ -70,11 +73,13 @@ class MavlinkVehicle:
         signals: what to hand on from the wire besides the state.
         takeoff_up_m: altitude above home to take off to.
         marker_components: who is believed to see landing markers.
+        own_fences: those that were written to its autopilot; None for none yet.
 
     Attributes:
         scans: what was heard of the surroundings since the tick before, in order.
         payloads: what skills have to do with payloads.
         markers: what is seen of landing markers.
+        fence: of the autopilot.
     """
 
     def __init__(
@@ -85,6 +90,7 @@ class MavlinkVehicle:
         signals: frozenset[Signal],
         takeoff_up_m: float,
         marker_components: frozenset[int] = frozenset(),
+        own_fences: OwnFences | None = None,
     ) -> None:
         self.scans: list[RangeScan] = []
         self._wire = wire
@@ -100,7 +106,8 @@ class MavlinkVehicle:
         self._goals = GoalPursuit(wire, telemetry, takeoff_up_m)
         self.payloads = PayloadCommands(wire)
         self.markers = MarkerSightings(telemetry, marker_components)
-        services: list[Service] = [self._goals, self.payloads]
+        self.fence = FenceService(wire, telemetry, own_fences or OwnFences())
+        services: list[Service] = [self._goals, self.payloads, self.fence]
         self._services = (*services, self.markers) if marker_components else tuple(services)
 
     # -- messages ------------------------------------------------------------------------------

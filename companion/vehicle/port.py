@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from enum import Enum, StrEnum
 from typing import Protocol
 
+from companion.geofence import FenceArea
 from companion.geometry import GlobalOrigin, Ned, NorthEast
 from companion.motion.range_scan import RangeScan
 from companion.outcomes import Refusal
@@ -220,8 +221,68 @@ class Markers(Protocol):
         """Why others were not taken, in the same time."""
 
 
+@dataclass(frozen=True, slots=True)
+class StoredFence:
+    """The fence that an autopilot has.
+
+    Attributes:
+        areas: in the mission's frame, as the autopilot takes them.
+        points: items of which it is made.
+        flaw: why the autopilot does not take it as it was meant; None if it does.
+    """
+
+    areas: tuple[FenceArea, ...]
+    points: int
+    flaw: str | None = None
+
+    def __str__(self) -> str:
+        return f"{_counted(self.points, 'point')}, {_counted(len(self.areas), 'area')}"
+
+
+class AutopilotFence(Protocol):
+    """The fence of a vehicle's autopilot; it is read and written on the ground alone, disarmed."""
+
+    @property
+    def stored(self) -> StoredFence | None:
+        """What was read last; None before, and where it is not known where it lies."""
+
+    @property
+    def outcome(self) -> Outcome:
+        """What has become of the last `read` or `write`."""
+
+    @property
+    def home(self) -> NorthEast | None:
+        """The autopilot's home in the mission's frame; None where that is not known."""
+
+    @property
+    def objections(self) -> Sequence[str]:
+        """What the autopilot has said, since the last `write`, of areas that it leaves out."""
+
+    def locate(self) -> Outcome:
+        """Ask where the autopilot's frame lies on the earth; call it every tick while RUNNING."""
+
+    def read(self) -> None:
+        """Begin to ask for the fence."""
+
+    def write(self, areas: Sequence[FenceArea]) -> None:
+        """Begin to put a fence in the place of the one that is there."""
+
+    def is_own(self) -> bool:
+        """Whether what was read last was written by this companion, now or in another flight."""
+
+    def is_vouched_for(self) -> bool:
+        """Whether what was read last is known to be in force."""
+
+    def vouch(self) -> None:
+        """What was written last was read back, and nothing was said against it."""
+
+
 class Vehicle(Protocol):
     """A vehicle that the acting side flies."""
+
+    @property
+    def fence(self) -> AutopilotFence:
+        """The fence of its autopilot."""
 
     @property
     def payloads(self) -> Payloads:
@@ -285,3 +346,7 @@ class Vehicle(Protocol):
 
     def regain(self) -> None:
         """The operator has given control back after it was lost."""
+
+
+def _counted(number: int, thing: str) -> str:
+    return f"{number} {thing}" if number == 1 else f"{number} {thing}s"

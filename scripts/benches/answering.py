@@ -14,6 +14,7 @@ from statistics import median
 from typing import Any
 
 from benches import ROOT, Row
+from companion.acting.arming_terms import ArmingTerms
 from companion.acting.journal import Journal, NoJournal
 from companion.app import Companion
 from companion.clock import ScaledClock
@@ -112,7 +113,8 @@ def answering(runs: int) -> Iterator[Row]:
         link = Answers()
         asked: list[tuple[bool, float]] = []
         try:
-            companion = Asked(load_mission(PATROL), link, accepts_weak_failsafes=True)
+            terms = ArmingTerms(accepts_weak_failsafes=True)
+            companion = Asked(load_mission(PATROL), link, terms=terms)
             asking = threading.Thread(
                 target=ask, args=(companion, link, max(3, runs // 2), asked), daemon=True
             )

@@ -17,13 +17,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from companion.geofence import FenceArea
 from companion.geometry import Ned
 from sitl.autopilot.arming import PreflightState, arming_denials
 from sitl.autopilot.basic_modes import HoldMode
 from sitl.autopilot.failsafe_state import FailsafeState
 from sitl.autopilot.failsafes import FailsafeInputs
 from sitl.autopilot.flight_record import FlightRecord
-from sitl.autopilot.geofence import FenceArea, Geofence
+from sitl.autopilot.geofence import Geofence
 from sitl.autopilot.health import Health
 from sitl.autopilot.mission_items import MissionItem
 from sitl.autopilot.mission_plan import MissionPlan
@@ -202,7 +203,8 @@ class Autopilot:
         if self.parameters["GF_ACTION"] and not self.is_landed:
             kept_to["current vehicle position"] = self._state.position
         for name in self.fence.load(areas, kept_to):
-            self._tell(Severity.CRITICAL, f"Geofence invalid, doesn't contain {name}")
+            text = f"Geofence invalid, doesn't contain {name}"
+            self.status_texts.append(told(Severity.CRITICAL, text))
 
     def start_mission(self, index: int | None) -> bool:
         """Flies the mission, from an item if one is given; arms."""

@@ -12,45 +12,10 @@ Source: PX4 1.16, src/modules/navigator/geofence.cpp. Left out: a prediction of 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
-from companion.geometry import Ned, NorthEast, horizontal_distance, is_in_polygon
+from companion.geofence import FenceArea
+from companion.geometry import Ned, horizontal_distance
 from sitl.autopilot.parameters import Parameters
-
-
-@dataclass(frozen=True, slots=True)
-class FencePolygon:
-    """A simple polygon of three or more corners."""
-
-    corners: tuple[NorthEast, ...]
-
-    def contains(self, point: Sequence[float]) -> bool:
-        """True if a point lies inside, seen from above."""
-        return is_in_polygon(point, self.corners)
-
-
-@dataclass(frozen=True, slots=True)
-class FenceCircle:
-    """A circle."""
-
-    centre: NorthEast
-    radius_m: float
-
-    def contains(self, point: Sequence[float]) -> bool:
-        """True if a point lies inside, seen from above."""
-        return horizontal_distance(point, self.centre) < self.radius_m
-
-
-@dataclass(frozen=True, slots=True)
-class FenceArea:
-    """A part of a fence: to stay in, or to stay out of."""
-
-    shape: FencePolygon | FenceCircle
-    is_inclusion: bool
-
-    def allows(self, point: Sequence[float]) -> bool:
-        """True if a point keeps to this area."""
-        return self.shape.contains(point) == self.is_inclusion
 
 
 class Geofence:

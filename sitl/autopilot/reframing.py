@@ -12,9 +12,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from companion.geofence import FenceArea, FenceCircle
 from companion.geometry import Ned, NorthEast
 from sitl.autopilot.autopilot import Autopilot
-from sitl.autopilot.geofence import FenceArea, FenceCircle
 from sitl.flight.controllers import HorizontalGains, Maybe, TrajectorySetpoint
 from sitl.flight.physics import FlightState
 

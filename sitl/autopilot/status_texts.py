@@ -60,6 +60,8 @@ TEMPLATES: dict[str, tuple[str, ...]] = {
     "Failsafe activated: entering Hold for {1:.0} seconds": (FLOAT,),
     "Failsafe warning: {1}": (WORD,),
     "Failsafe activated: {1}": (WORD,),
+    "Geofence invalid, doesn't contain Home position": (),
+    "Geofence invalid, doesn't contain current vehicle position": (),
 }
 """Template of an event -> the types of its arguments."""
 

@@ -307,16 +307,12 @@ class AutopilotComponent:
 
     def _accept_plan(
         self, kind: MissionType, items: tuple[WireItem, ...], current: int | None
-    ) -> bool:
+    ) -> None:
         autopilot, origin = self._vehicle.autopilot, self._vehicle.origin
         if kind is MissionType.MISSION:
             autopilot.load_mission([item_from(item, origin) for item in items], current)
         elif kind is MissionType.FENCE:
-            areas = areas_from(items, origin)
-            if areas is None:
-                return False
-            autopilot.load_fence(areas)
-        return True
+            autopilot.load_fence(areas_from(items, origin))
 
     SERVICES: ClassVar[dict[str, Callable[[AutopilotComponent, AutopilotLink, Message], None]]] = {
         "HEARTBEAT": _heartbeat,

@@ -36,6 +36,11 @@ UNKNOWN_WORD = 255
 PROTOCOL = 8  # log level of what nobody is shown
 GENERAL, DETAILS = "etc/extras/component_general.json.xz", "etc/extras/all_events.json.xz"
 _RESET, _UNAVAILABLE = 1, 0
+PX4_NUMBERS = {
+    "Geofence invalid, doesn't contain Home position": 10973461,
+    "Geofence invalid, doesn't contain current vehicle position": 9432105,
+}
+"""Those that are known by their number; the others have one of ours."""
 
 
 class Kind(NamedTuple):
@@ -49,6 +54,8 @@ class Kind(NamedTuple):
     @property
     def number(self) -> int:
         """Of the event within the component, 24 bits."""
+        if self.message in PX4_NUMBERS:
+            return PX4_NUMBERS[self.message]
         return zlib.crc32(f"{self.group} {self.type} {self.message}".encode()) & 0xFFFFFF
 
 

@@ -16,9 +16,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 
+from companion.geofence import FenceArea, FenceCircle, FencePolygon
 from companion.geometry import GlobalOrigin, NorthEast
 from companion.mavlink.framing import Message, dialect
-from sitl.autopilot.geofence import FenceArea, FenceCircle, FencePolygon
 from sitl.autopilot.mission_items import MissionItem
 
 GLOBAL, MISSION, RELATIVE = 0, 2, 3  # MAV_FRAME
@@ -152,25 +152,29 @@ def item_from(item: WireItem, origin: GlobalOrigin) -> MissionItem:
     return MissionItem(item.command, item.parameters, place, up_m, is_above_home, item.autocontinue)
 
 
-def areas_from(items: Sequence[WireItem], origin: GlobalOrigin) -> list[FenceArea] | None:
-    """The areas of a fence of accepted items, None if a polygon is not complete."""
+def areas_from(items: Sequence[WireItem], origin: GlobalOrigin) -> list[FenceArea]:
+    """The areas of a fence of accepted items, as PX4 makes them.
+
+    Polygons are to come first. Behind a circle PX4 goes on item by item, so that each corner of a
+    polygon begins one of its own, with as many of the items after it. One that goes beyond the last
+    item contains nothing.
+    """
     areas: list[FenceArea] = []
-    at = 0
+    points = [_place(item, origin) or (0.0, 0.0) for item in items]
+    at, has_circle = 0, False
     while at < len(items):
-        item, places = items[at], 1
-        if item.command in _POLYGONS:
-            places = round(item.parameters[0] or 0.0)
-            corners = tuple(_place(corner, origin) for corner in items[at : at + places])
-            if {(each.command, each.parameters[0]) for each in items[at : at + places]} != {
-                (item.command, item.parameters[0])
-            } or len(corners) < places:
-                return None
-            known = tuple(corner for corner in corners if corner is not None)
-            areas.append(FenceArea(FencePolygon(known), _POLYGONS[item.command]))
-        elif item.command in _CIRCLES and (centre := _place(item, origin)) is not None:
-            circle = FenceCircle(centre, item.parameters[0] or 0.0)
+        item, count = items[at], 1
+        number = item.parameters[0] or 0.0
+        if item.command in _CIRCLES:
+            has_circle = True
+            circle = FenceCircle(points[at], number)
             areas.append(FenceArea(circle, _CIRCLES[item.command]))
-        at += places
+        elif item.command in _POLYGONS:
+            corners = tuple(points[at : at + int(number)])
+            polygon = FencePolygon(corners if len(corners) == int(number) else ())
+            areas.append(FenceArea(polygon, _POLYGONS[item.command]))
+            count = 1 if has_circle else int(number)
+        at += count
     return areas
 
 

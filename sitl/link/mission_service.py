@@ -13,7 +13,7 @@ MAV_MISSION_TYPE. Rules:
 4. The last item once more is acknowledged once more: the acknowledgement was lost.
 5. Download: MISSION_REQUEST_LIST takes a picture of the store, from which items are answered in
    any order until the client acknowledges, or is silent for 5 s. Without it requests are passed
-   over. Downloads disturb nobody.
+   over. Downloads disturb nobody but their own client, who cannot upload meanwhile.
 6. Equal items leave a store, and the flight of a mission, as they were.
 
     upload      MISSION_COUNT                        an item
@@ -46,7 +46,8 @@ from sitl.link.mission_items import (
 )
 from sitl.link.routing import LinkName
 
-MOST_ITEMS = 500
+MOST_ITEMS = {MissionType.MISSION: 500, MissionType.FENCE: 64, MissionType.RALLY: 32}
+"""What a plan may have; a fence and rally points as in PX4."""
 MOST_DOWNLOADS = 16  # at once; the oldest is given up for one more
 REQUEST_AGAIN_S = 0.25
 SILENT_S = 5.0
@@ -54,8 +55,8 @@ ALL_KINDS = 255  # MAV_MISSION_TYPE_ALL
 
 Address = tuple[int, int]
 Items = tuple[WireItem, ...]
-AcceptPlan = Callable[[MissionType, Items, int | None], bool]
-"""Hands a new plan to the autopilot, with the item marked as current; False if it is refused."""
+AcceptPlan = Callable[[MissionType, Items, int | None], None]
+"""Hands a new plan to the autopilot, with the item marked as current."""
 
 
 @dataclass(slots=True)
@@ -148,14 +149,17 @@ class MissionService:
         upload = self._upload
         if kind is None:
             return [_ack(client, dialect.MAV_MISSION_UNSUPPORTED, message.mission_type)]
+        if client in self._downloads:
+            return [_ack(client, dialect.MAV_MISSION_ERROR, kind)]
         if isinstance(upload, MissionUpload):
             if upload.client != client or upload.items:
                 return [_ack(client, dialect.MAV_MISSION_ERROR, kind)]
             self._upload = None
-        if count > MOST_ITEMS:
+        if count > MOST_ITEMS[kind]:
             return [_ack(client, dialect.MAV_MISSION_NO_SPACE, kind)]
         if count == 0:
-            return [_ack(client, self._replace(kind, (), None), kind)]
+            self._replace(kind, (), None)
+            return [_ack(client, dialect.MAV_MISSION_ACCEPTED, kind)]
         self._upload = upload = MissionUpload(link, client, kind, count, now_s, now_s)
         return [upload.request()]
 
@@ -182,7 +186,8 @@ class MissionService:
         if len(upload.items) < upload.count:
             upload.asked_s = now_s
             return [upload.request()]
-        return self._finish(upload, self._replace(upload.kind, tuple(upload.items), upload.current))
+        self._replace(upload.kind, tuple(upload.items), upload.current)
+        return self._finish(upload, dialect.MAV_MISSION_ACCEPTED)
 
     def _finish(self, upload: MissionUpload, result: int) -> list[Message]:
         is_accepted = result == dialect.MAV_MISSION_ACCEPTED
@@ -190,13 +195,11 @@ class MissionService:
         self._upload = AcceptedUpload(upload.client, upload.kind, last_seq) if is_accepted else None
         return [_ack(upload.client, result, upload.kind)]
 
-    def _replace(self, kind: MissionType, items: Items, current: int | None) -> int:
-        """Changes a store; MAV_MISSION_RESULT of that."""
+    def _replace(self, kind: MissionType, items: Items, current: int | None) -> None:
+        """Changes a store; rule 6."""
         if items != self._stores[kind]:
-            if not self._accept(kind, items, current):
-                return int(dialect.MAV_MISSION_ERROR)
             self._stores[kind] = items
-        return int(dialect.MAV_MISSION_ACCEPTED)
+            self._accept(kind, items, current)
 
     def _clear(self, link: LinkName, message: Message, now_s: float) -> list[Message]:
         client, kind = source(message), _kind(message)

@@ -12,6 +12,7 @@ from autopilot import ARM, LAND, SET_MODE, TAKE_OFF, Autopilot, named, of_type
 from happened import Happened, Replan
 from synthetic import PAYLOAD, POSITIONS, command, event, mission
 
+from companion.acting.arming_terms import ArmingTerms
 from companion.acting.flight import TICK_S
 from companion.acting.journal import NoJournal
 from companion.app import Companion
@@ -282,7 +283,7 @@ def test_the_failure_is_that_of_the_sortie() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("accepts", [False, True])
 def test_weak_failsafes_are_refused_unless_accepted(accepts: bool) -> None:
-    world = World(mission("F at(A)"), accepts_weak_failsafes=accepts)
+    world = World(mission("F at(A)"), terms=ArmingTerms(accepts_weak_failsafes=accepts))
     world.autopilot.parameters["COM_OBL_RC_ACT"] = 0.0
     world.fly()
     assert (world.companion.failure is None) is accepts
@@ -302,7 +303,7 @@ def test_an_event_off_the_wire_replans() -> None:
     asked = mission("G (F at(A) | found) & G (F at(B) | found)", events=[event("found")])
     world, detector, another = World(asked), MavlinkCodec(1, 26), MavlinkCodec(2, 26)
     world.neighbour = lambda datagrams: [
-        detector.pack(named("found", world.now > 7.0)),
+        detector.pack(named("found", world.now > 8.0)),
         another.pack(named("found", 1)),
     ]
     world.fly()

@@ -20,6 +20,7 @@ from companion.acting.preparation import PreparedMission
 from companion.app import Companion
 from companion.errors import CompanionError, NoPlanError
 from companion.flight_events.event import Stamped
+from companion.flight_events.fence import FenceMissing
 from companion.flight_events.hosting import MissionReady, RunNotBegun
 from companion.flight_events.plans import PlanMade
 from companion.flight_events.sortie import Phase, PhaseEntered, RunEnded, TaskSatisfied
@@ -156,7 +157,9 @@ def test_the_time_of_a_run_begins_with_the_run(hosted: Hosted) -> None:
     hosted.fly()
     times_s = {type(s.event): s.time_s for s in reversed(hosted.reports)}
     assert times_s[PlanMade] <= 2 * TICK_S
-    assert hosted.events[1:3] == [PhaseEntered(Phase.CHECKING), PhaseEntered(Phase.ARMING)]
+    checking, fence, arming = hosted.events[1:4]
+    assert [checking, arming] == [PhaseEntered(Phase.CHECKING), PhaseEntered(Phase.ARMING)]
+    assert isinstance(fence, FenceMissing)
 
 
 def test_heartbeats_go_on_while_it_is_prepared(hosted: Hosted) -> None:

@@ -7,10 +7,12 @@ from sortie_rig import SortieRig
 from synthetic import command, event, mission, reading
 
 from companion.acting import authority, beginning
+from companion.acting.arming_terms import ArmingTerms
 from companion.acting.authority import LINK_LOST_S, SILENT_S
 from companion.acting.failsafe_check import ANSWER_TIMEOUT_S
 from companion.acting.phases import GOALS, TRANSITIONS, SortieEvent
 from companion.errors import Aborted, LinkError, NoPlanError, SearchLimit
+from companion.flight_events.fence import FenceMissing
 from companion.flight_events.plans import PlanMade
 from companion.flight_events.skills import PlaceReached
 from companion.flight_events.sortie import (
@@ -68,6 +70,7 @@ def test_a_sortie_that_goes_well() -> None:
     assert run.story == [
         "move(H, A), (wait)^w",
         PhaseEntered(Phase.CHECKING),
+        FenceMissing("the autopilot tells no position on the earth"),
         PhaseEntered(Phase.ARMING),
         PhaseEntered(Phase.TAKE_OFF),
         PhaseEntered(Phase.OFFBOARD),
@@ -173,7 +176,7 @@ def test_weak_failsafes_are_refused() -> None:
 
 
 def test_weak_failsafes_are_accepted_by_name() -> None:
-    run = SortieRig(SHORT, accepts_weak_failsafes=True)
+    run = SortieRig(SHORT, terms=ArmingTerms(accepts_weak_failsafes=True))
     run.vehicle.parameters["COM_LOW_BAT_ACT"] = 0.0
     run.until(Phase.ENDED)
     assert run.end == TaskSatisfied()

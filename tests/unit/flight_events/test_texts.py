@@ -18,6 +18,7 @@ from companion.flight_events.facts import (
     PlacesConnected,
     PlacesCutOff,
 )
+from companion.flight_events.fence import FenceKept, FenceMissing, FenceReplaced, FenceWritten
 from companion.flight_events.hosting import (
     DatagramsDropped,
     FramesRefused,
@@ -174,6 +175,16 @@ TEXTS: list[tuple[FlightEvent, str]] = [
     ),
     *((PhaseEntered(phase), phase.value) for phase in Phase),
     (WeakFailsafeAccepted("COM_LOW_BAT_ACT is 0"), "accepted: COM_LOW_BAT_ACT is 0"),
+    (
+        FenceWritten("4 points, 1 area"),
+        "the autopilot has the mission's fence (4 points, 1 area), also after the flight",
+    ),
+    (
+        FenceReplaced("4 points, 1 area", "9 points, 2 areas"),
+        "the mission's fence (4 points, 1 area) has replaced the autopilot's (9 points, 2 areas)",
+    ),
+    (FenceKept("12 points, 2 areas"), "the autopilot keeps its fence (12 points, 2 areas)"),
+    (FenceMissing("it tells no position"), "no fence in the autopilot: it tells no position"),
     (ControlYielded(LOST), f"{LOST}; hold, then continue, gives it back"),
     (ControlRegained(), "control given back by the operator"),
     (

@@ -6,10 +6,11 @@ from itertools import pairwise
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from plans import ACCEPTED, ERROR, download, place, upload
+from plans import ACCEPTED, NO_SPACE, download, place, upload
 from wire import NAN, Wire, gcs_heartbeat
 
-from sitl.autopilot.geofence import FenceArea, FenceCircle, FencePolygon, Geofence
+from companion.geofence import FenceArea, FenceCircle, FencePolygon
+from sitl.autopilot.geofence import Geofence
 from sitl.autopilot.parameters import Parameters
 
 HOME = (0.0, 0.0, 0.0)
@@ -108,20 +109,38 @@ def test_a_fence_from_the_wire() -> None:
         assert autopilot.fence.is_breached(position, HOME, autopilot.parameters) is is_breached
 
 
-@pytest.mark.parametrize(
-    "corners",
-    [
-        [place(5001, point, 5.0, kind=1) for point in SQUARE],
-        [place(5001 + (i == 2), point, 4.0, kind=1) for i, point in enumerate(SQUARE)],
-    ],
-    ids=["one corner short", "corners of another area"],
-)
-def test_a_polygon_that_is_not_complete_is_refused(corners: list[object]) -> None:
+def test_a_polygon_that_is_not_complete_is_taken_and_left_out() -> None:
+    """As in PX4: the protocol looks at each item alone."""
     wire = Wire()
-    kept = [place(5003, (0, 0, 0), 40.0, kind=1)]
-    assert upload(wire, kept, kind=1) == ACCEPTED
-    assert upload(wire, corners, kind=1) == ERROR
-    assert [item.command for item in download(wire, 1)] == [5003]
+    wire.send(gcs_heartbeat())
+    short = [place(5001, point, 5.0, kind=1) for point in SQUARE]
+    assert upload(wire, short, kind=1) == ACCEPTED
+    wire.run(0.1)
+    assert [item.command for item in download(wire, 1)] == [5001] * 4
+    assert wire.simulation._autopilot.fence.areas == ()
+    assert "Geofence invalid, doesn't contain Home position" in wire.texts()
+
+
+def test_behind_a_circle_each_corner_begins_a_polygon() -> None:
+    """The trap of PX4's geofence.cpp: four corners are four polygons that read on."""
+    wire = Wire()
+    island = place(5004, (500.0, 0.0, 0.0), 3.0, kind=1)
+    corners = [place(5001, point, 4.0, kind=1) for point in SQUARE]
+    assert upload(wire, [island, *corners, *corners], kind=1) == ACCEPTED
+    wire.run(0.1)
+    areas = wire.simulation._autopilot.fence.areas
+    polygons = [area.shape for area in areas if isinstance(area.shape, FencePolygon)]
+    assert len(areas) - len(polygons) == 1
+    assert len(polygons) == 5  # of eight; three go beyond the last item, and contain nothing
+    assert upload(wire, [*corners, island], kind=1) == ACCEPTED
+    wire.run(0.1)
+    assert len(wire.simulation._autopilot.fence.areas) == 2
+
+
+def test_more_than_64_points_have_no_room() -> None:
+    wire = Wire()
+    many = [place(5003, (0.0, 0.0, 0.0), 40.0, kind=1)] * 65
+    assert upload(wire, many, kind=1) == NO_SPACE
 
 
 def test_a_fence_around_somewhere_else_is_not_taken_up() -> None:

@@ -35,7 +35,7 @@ A, B = (1, 191), (255, 190)
 
 
 def missions() -> MissionService:
-    return MissionService(lambda kind, items, current: True, lambda: 0)
+    return MissionService(lambda kind, items, current: None, lambda: 0)
 
 
 class Client:
@@ -204,7 +204,7 @@ def test_the_last_item_again_is_acknowledged_again() -> None:
 
 def test_too_many_and_too_far() -> None:
     client = Client(missions())
-    assert client.send(count(MOST_ITEMS + 1))[0].type == NO_SPACE
+    assert client.send(count(MOST_ITEMS[MissionType.MISSION] + 1))[0].type == NO_SPACE
     client.send(count(1))
     beyond = waypoints(8)[7]
     assert client.send(beyond)[0].type == INVALID_SEQUENCE

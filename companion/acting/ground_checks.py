@@ -1,0 +1,34 @@
+"""What is asked of the autopilot before it is armed: its failsafes, then its fence."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from companion.acting.arming_terms import ArmingTerms
+from companion.acting.failsafe_check import FailsafeCheck
+from companion.acting.fence_check import FenceCheck
+from companion.acting.flight import Flight
+from companion.mission.model import Place
+from companion.vehicle.port import Outcome, Progress
+
+
+class GroundChecks:
+    """The checks of one sortie.
+
+    Args:
+        flight: whose autopilot is asked.
+        terms: what the operator has said.
+        places: of the mission.
+    """
+
+    def __init__(self, flight: Flight, terms: ArmingTerms, places: Sequence[Place]) -> None:
+        failsafes = FailsafeCheck(flight, terms.accepts_weak_failsafes)
+        self._checks = [failsafes.tick, FenceCheck(flight, terms.fence, places).tick]
+
+    def tick(self) -> Outcome:
+        """DONE when the vehicle may be armed; or why it may not."""
+        outcome = self._checks[0]()
+        if outcome is not Progress.DONE or len(self._checks) == 1:
+            return outcome
+        del self._checks[0]
+        return Progress.RUNNING

@@ -1,0 +1,52 @@
+"""Events about the fence of the autopilot, before arming."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from companion.flight_events.event import FlightEvent
+from companion.flight_events.event_fields import Doc, InText
+
+FenceWords = Annotated[str, Doc("points and areas")]
+
+
+@dataclass(frozen=True, slots=True)
+class FenceWritten(FlightEvent):
+    """The autopilot has the mission's fence, and it is in force."""
+
+    kind = "fence"
+    template = "the autopilot has the mission's fence ({fence}), also after the flight"
+
+    fence: InText[FenceWords]
+
+
+@dataclass(frozen=True, slots=True)
+class FenceReplaced(FlightEvent):
+    """The same, in the place of another fence."""
+
+    kind = "fence"
+    template = "the mission's fence ({fence}) has replaced the autopilot's ({before})"
+
+    fence: InText[FenceWords]
+    before: InText[FenceWords]
+
+
+@dataclass(frozen=True, slots=True)
+class FenceKept(FlightEvent):
+    """The fence that the autopilot has stays, and all places lie in it."""
+
+    kind = "fence"
+    template = "the autopilot keeps its fence ({fence})"
+
+    fence: InText[FenceWords]
+
+
+@dataclass(frozen=True, slots=True)
+class FenceMissing(FlightEvent):
+    """The autopilot has no fence; the gate of the companion alone holds the vehicle inside."""
+
+    kind = "fence"
+    template = "no fence in the autopilot: {reason}"
+
+    reason: InText[str]

@@ -1,0 +1,98 @@
+"""The areas of a geofence: to stay in, and to stay out of.
+
+They come from a mission, or from the items of the mission protocol, and mean the same: each of them
+must be kept to. The simulator's autopilot and the companion read them alike.
+
+Source: PX4 1.16, src/modules/navigator/geofence.cpp. Areas have no altitudes; PX4 reads none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from companion.geometry import NorthEast, horizontal_distance, is_in_polygon
+
+
+@dataclass(frozen=True, slots=True)
+class FencePolygon:
+    """A simple polygon of three or more corners. One without corners contains nothing.
+
+    >>> FencePolygon(((0, 0), (0, 2), (2, 2), (2, 0))).contains((1, 1))
+    True
+    """
+
+    corners: tuple[NorthEast, ...]
+
+    def contains(self, point: Sequence[float]) -> bool:
+        """True if a point lies inside, seen from above."""
+        return bool(self.corners) and is_in_polygon(point, self.corners)
+
+    def is_like(self, other: object, within_m: float) -> bool:
+        """Whether the corners are the same, wherever they begin and whichever way they go."""
+        if not isinstance(other, FencePolygon) or len(other.corners) != len(self.corners):
+            return False
+        count = len(self.corners)
+        return not count or any(
+            all(
+                horizontal_distance(corner, other.corners[(first + way * at) % count]) <= within_m
+                for at, corner in enumerate(self.corners)
+            )
+            for way in (1, -1)
+            for first in range(count)
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class FenceCircle:
+    """A circle."""
+
+    centre: NorthEast
+    radius_m: float
+
+    def contains(self, point: Sequence[float]) -> bool:
+        """True if a point lies inside, seen from above."""
+        return horizontal_distance(point, self.centre) < self.radius_m
+
+    def is_like(self, other: object, within_m: float) -> bool:
+        """Whether centre and radius are the same."""
+        return (
+            isinstance(other, FenceCircle)
+            and horizontal_distance(self.centre, other.centre) <= within_m
+            and abs(self.radius_m - other.radius_m) <= within_m
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class FenceArea:
+    """A part of a fence: to stay in, or to stay out of."""
+
+    shape: FencePolygon | FenceCircle
+    is_inclusion: bool
+
+    def allows(self, point: Sequence[float]) -> bool:
+        """True if a point keeps to this area."""
+        return self.shape.contains(point) == self.is_inclusion
+
+    def is_like(self, other: FenceArea, within_m: float) -> bool:
+        """Whether both are the same area."""
+        return self.is_inclusion == other.is_inclusion and self.shape.is_like(other.shape, within_m)
+
+
+def are_alike(these: Sequence[FenceArea], those: Sequence[FenceArea], within_m: float) -> bool:
+    """Whether two fences have the same areas, in any order.
+
+    >>> square = FenceArea(FencePolygon(((0, 0), (0, 2), (2, 2), (2, 0))), True)
+    >>> turned = FenceArea(FencePolygon(((2.1, 2), (2, 0), (0, 0), (0, 2))), True)
+    >>> are_alike([square], [turned], 0.2), are_alike([square], [turned, square], 0.2)
+    (True, False)
+    """
+    if len(these) != len(those):
+        return False
+    left = list(those)
+    for area in these:
+        same = next((other for other in left if area.is_like(other, within_m)), None)
+        if same is None:
+            return False
+        left.remove(same)
+    return True

@@ -1,0 +1,101 @@
+"""A fence as items of the mission protocol, and back.
+
+Written: polygons first, as PX4 has it: behind a circle it takes each corner of a polygon for the
+first one of a polygon of its own. Read: as PX4 takes it, and with the flaw that it does not tell.
+
+Source: PX4 1.16, src/modules/navigator/geofence.cpp (_updateFence).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+from companion.geofence import FenceArea, FenceCircle, FencePolygon
+from companion.geometry import NorthEast
+from companion.mavlink.framing import dialect
+from companion.mavlink.plan_transfer import PlanItem
+from companion.vehicle.port import StoredFence
+
+_POLYGONS = {5001: True, 5002: False}
+_CIRCLES = {5003: True, 5004: False}
+"""MAV_CMD -> an area of inclusion."""
+_RETURN_POINT = 5000
+_COMMANDS = {
+    (FencePolygon, True): 5001,
+    (FencePolygon, False): 5002,
+    (FenceCircle, True): 5003,
+    (FenceCircle, False): 5004,
+}
+
+OnEarth = Callable[[NorthEast], tuple[float, float] | None]
+"""Latitude and longitude of a point in the mission's frame."""
+FromEarth = Callable[[float, float], NorthEast | None]
+"""The other way round."""
+
+
+def items_of(
+    areas: Sequence[FenceArea], on_earth: OnEarth, first: int = 0
+) -> tuple[PlanItem, ...] | None:
+    """The items of a fence; None while it is not known where on the earth it lies.
+
+    Args:
+        areas: in the mission's frame.
+        on_earth: takes a point there.
+        first: the corner with which each polygon begins.
+    """
+    items: list[PlanItem] = []
+    for area in sorted(areas, key=lambda each: isinstance(each.shape, FenceCircle)):
+        shape, points = area.shape, tuple[NorthEast, ...]()
+        command = _COMMANDS[type(shape), area.is_inclusion]
+        if isinstance(shape, FenceCircle):
+            points, number = (shape.centre,), shape.radius_m
+        else:
+            at = first % len(shape.corners)
+            points, number = (*shape.corners[at:], *shape.corners[:at]), float(len(shape.corners))
+        for point in points:
+            if (there := on_earth(point)) is None:
+                return None
+            x, y = (round(degrees * 1e7) for degrees in there)
+            items.append(PlanItem(command, dialect.MAV_FRAME_GLOBAL, number, x, y))
+    return tuple(items)
+
+
+def fence_of(items: Sequence[PlanItem], from_earth: FromEarth) -> StoredFence | None:
+    """What PX4 makes of items; None while it is not known where they lie.
+
+    Args:
+        items: of a fence, as they were read.
+        from_earth: takes a place on the earth to the mission's frame.
+    """
+    points: list[NorthEast] = []
+    for item in items:
+        if (point := from_earth(item.x / 1e7, item.y / 1e7)) is None:
+            return None
+        points.append(point)
+    areas: list[FenceArea] = []
+    flaw: str | None = None
+    has_circle, at = False, 0
+    while at < len(items):
+        item, count = items[at], 1
+        if item.command in _CIRCLES:
+            has_circle = True
+            areas.append(FenceArea(FenceCircle(points[at], _number(item)), _CIRCLES[item.command]))
+        elif item.command in _POLYGONS:
+            corners = max(int(_number(item)), 1)
+            is_whole = at + corners <= len(items)
+            shape = FencePolygon(tuple(points[at : at + corners]) if is_whole else ())
+            areas.append(FenceArea(shape, _POLYGONS[item.command]))
+            count = 1 if has_circle else corners
+            if has_circle:
+                flaw = "a circle stands before a polygon, and PX4 misreads what follows it"
+            elif not is_whole:
+                flaw = "a polygon is not whole"
+        elif item.command != _RETURN_POINT:
+            flaw = f"it has an item of the command {item.command}"
+        at += count
+    return StoredFence(tuple(areas), len(items), flaw)
+
+
+def _number(item: PlanItem) -> float:
+    return item.first if math.isfinite(item.first) else 0.0

@@ -1,0 +1,277 @@
+"""The mission's fence is the autopilot's too: in force before arming, and held by both.
+
+The simulator's autopilot has PX4's rules: it takes every fence and reads it back whole, leaves out
+areas without its home, loads equal items once, and holds in OFFBOARD when a fence is left.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from lockstep import VEHICLE, Deaf, Lockstep, Lossy
+
+from companion.acting.arming_terms import ArmingTerms, FencePolicy
+from companion.api.simulating import world_of
+from companion.app import Companion
+from companion.flight_events.fence import FenceKept, FenceReplaced, FenceWritten
+from companion.flight_events.sortie import AutopilotSaid, Phase, PhaseEntered, SetpointRefused
+from companion.geofence import FencePolygon
+from companion.geometry import GlobalOrigin, Ned, is_in_polygon
+from companion.mavlink.framing import dialect
+from companion.mission.loader import load_mission
+from companion.mission.model import Mission
+from companion.vehicle.offboard import MavlinkVehicle
+from companion.vehicle.own_fences import OwnFences
+from companion.vehicle.port import Setpoint
+from sitl.world.scenario import PX4_HOME
+
+SQUARE = ((-15.0, -15.0), (-15.0, 35.0), (15.0, 35.0), (15.0, -15.0))
+"""North and east."""
+POND = ((5.0, 5.0), (5.0, 10.0), (10.0, 10.0), (10.0, 5.0))
+POLYGON, CIRCLE = dialect.MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION, 5003
+
+
+DATA: dict[str, Any] = {
+    "version": 1,
+    "name": "meadow",
+    "places": {
+        "Home": {"east_m": 0, "north_m": 0, "up_m": 3, "radius_m": 2},
+        "A": {"east_m": 20, "north_m": 0, "up_m": 3},
+    },
+    "sets": {"Place": ["Home", "A"]},
+    "skills": {
+        "move": {
+            "parameters": {"from": "Place", "to": "Place"},
+            "precondition": "at(from)",
+            "effect": "at(to) & !at(from)",
+            "execute": "fly(to)",
+        }
+    },
+    "initially": ["at(Home)"],
+    "task": {"visit": "F at(A) & F G at(Home)"},
+}
+
+
+def mission(fence: tuple[tuple[float, float], ...] = SQUARE, **limits: Any) -> Mission:
+    """Home, and A 20 m east of it."""
+    bounds = {"speed_mps": 4, "up_m": [1, 10], "fence": [[e, n] for n, e in fence]} | limits
+    return load_mission(DATA | {"limits": bounds})
+
+
+def at(origin: GlobalOrigin) -> dict[str, float]:
+    degrees = {"latitude_deg": origin.latitude_deg, "longitude_deg": origin.longitude_deg}
+    return degrees | {"altitude_m": origin.altitude_m}
+
+
+def mission_on_earth(home: GlobalOrigin, fence: Sequence[Sequence[float]]) -> Mission:
+    """The same mission in latitude and longitude."""
+    places = {
+        name: dict(zip(("lat_deg", "lon_deg"), home.to_global((0.0, east, 0.0)), strict=False))
+        | {"up_m": 3, "radius_m": 2}
+        for name, east in (("Home", 0.0), ("A", 20.0))
+    }
+    limits = {"speed_mps": 4, "up_m": [1, 10], "fence": [list(corner) for corner in fence]}
+    return load_mission(DATA | {"frame": "wgs84", "places": places, "limits": limits})
+
+
+MEADOW = mission(keep_out={"Pond": [[e, n] for n, e in POND]})
+
+
+def start(
+    asked: Mission = MEADOW,
+    policy: FencePolicy = FencePolicy.UPLOAD,
+    own: OwnFences | None = None,
+    **options: Any,
+) -> Lockstep:
+    flight = Lockstep(asked, world_of(asked, None), **({"has_station": True} | options))
+    terms = ArmingTerms(fence=policy)
+    flight.companion = Companion(asked, flight, terms, own_fences=own)
+    return flight
+
+
+def station_uploads(flight: Lockstep, *items: tuple[int, float, Ned]) -> None:
+    """A ground station writes a fence of (command, param1, point)."""
+    kind = dialect.MAV_MISSION_TYPE_FENCE
+    flight.is_companion_alive = False
+    flight.run(0.2)
+    flight.station_says(dialect.MAVLink_mission_count_message(VEHICLE, 1, len(items), kind))
+    for seq, (command, first, point) in enumerate(items):
+        flight.run(0.05)
+        lat_deg, lon_deg, _ = PX4_HOME.to_global(point)
+        x, y = round(lat_deg * 1e7), round(lon_deg * 1e7)
+        head = (VEHICLE, 1, seq, dialect.MAV_FRAME_GLOBAL, command, 0, 1, first, 0.0, 0.0, 0.0)
+        flight.station_says(dialect.MAVLink_mission_item_int_message(*head, x, y, 0.0, kind))
+    flight.run(0.2)
+    flight.is_companion_alive = True
+
+
+def areas(flight: Lockstep) -> tuple[Any, ...]:
+    """Those that the autopilot has in force."""
+    return flight.simulation._autopilot.fence.areas
+
+
+def armed(flight: Lockstep) -> Lockstep:
+    return flight.until_reported(PhaseEntered, 60.0, phase=Phase.ARMING)
+
+
+def refused(flight: Lockstep) -> str:
+    flight.until_the_end()
+    assert flight.armings == 0 and flight.exit_code == 5
+    return flight.ending.text
+
+
+def test_it_is_in_force_before_arming_and_costs_three_seconds() -> None:
+    flight = armed(start())
+    assert flight.one(FenceWritten).fence == "8 points, 2 areas"
+    inclusion, pond = areas(flight)
+    assert inclusion.is_inclusion and not pond.is_inclusion
+    for area, corners in ((inclusion, SQUARE), (pond, POND)):
+        assert FencePolygon(corners).is_like(area.shape, within_m=0.05)
+    times_s = [s.time_s for s in flight.reports if isinstance(s.event, PhaseEntered)]
+    assert times_s[1] - times_s[0] < 3.5
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_link_that_loses_a_third_delays_it_alone(seed: int) -> None:
+    flight = start(up=Lossy(0.3, seed), down=Lossy(0.3, 100 + seed))
+    assert armed(flight).of(FenceWritten) != []
+    assert len(areas(flight)) == 2
+
+
+@pytest.mark.parametrize("frame", ["enu", "wgs84"])
+def test_it_lies_where_it_was_drawn_wherever_the_origin_is(frame: str) -> None:
+    """The autopilot counts from a point 2 km away, and by its own projection about that."""
+    home = GlobalOrigin(47.397742, 8.545594, 488.0)
+    origin = GlobalOrigin(47.4112, 8.5283, 455.0)
+    degrees = [home.to_global((*corner, 0.0))[:2] for corner in SQUARE]
+    asked = mission() if frame == "enu" else mission_on_earth(home, degrees)
+    flight = Lockstep(
+        asked, world_of(asked, {"version": 1, "home": at(home), "origin": at(origin)})
+    )
+    (area,) = areas(armed(flight))
+    if frame == "enu":
+        north, east, _ = origin.to_local(home.latitude_deg, home.longitude_deg, 0.0)
+        drawn = [(n + north, e + east) for n, e in SQUARE]
+    else:
+        drawn = [origin.to_local(*each, 0.0)[:2] for each in degrees]
+    assert FencePolygon(tuple(drawn)).is_like(area.shape, within_m=0.1)
+
+
+def test_somebody_elses_fence_is_refused_with_both_ways_out() -> None:
+    flight = start()
+    station_uploads(flight, (CIRCLE, 400.0, (0.0, 0.0, 0.0)))
+    reason = refused(flight)
+    assert reason.startswith("the vehicle has another fence (1 point, 1 area)\n")
+    assert "--autopilot-fence keep" in reason and "--autopilot-fence replace" in reason
+    (area,) = areas(flight)
+    assert area.shape.radius_m == 400.0
+
+
+@pytest.mark.parametrize("policy", [FencePolicy.KEEP, FencePolicy.REPLACE])
+def test_it_is_kept_or_replaced_as_the_operator_says(policy: FencePolicy) -> None:
+    flight = start(policy=policy)
+    station_uploads(flight, (CIRCLE, 400.0, (0.0, 0.0, 0.0)))
+    armed(flight)
+    told = FenceKept if policy is FencePolicy.KEEP else FenceReplaced
+    assert len(flight.of(told)) == 1
+    assert len(areas(flight)) == (1 if policy is FencePolicy.KEEP else 2)
+
+
+def test_a_kept_fence_without_a_place_is_refused_by_its_name() -> None:
+    flight = start(policy=FencePolicy.KEEP)
+    station_uploads(flight, (CIRCLE, 10.0, (0.0, 0.0, 0.0)))
+    assert refused(flight) == "A lies outside the vehicle's own fence (area 1 of 1)"
+
+
+def test_a_circle_before_a_polygon_is_seen() -> None:
+    flight = start(policy=FencePolicy.KEEP)
+    corners = [(POLYGON, 4.0, (n, e, 0.0)) for n, e in SQUARE]
+    station_uploads(flight, (CIRCLE, 400.0, (0.0, 0.0, 0.0)), *corners)
+    assert "a circle stands before a polygon" in refused(flight)
+
+
+def home_moves(flight: Lockstep) -> None:
+    """The autopilot's home is elsewhere from now on, as by DO_SET_HOME."""
+    flight.until_reported(PhaseEntered, phase=Phase.CHECKING)
+    flight.simulation._autopilot.home = (300.0, 0.0, 0.0)
+
+
+def test_a_home_elsewhere_is_seen() -> None:
+    flight = start()
+    home_moves(flight)
+    assert "home" in refused(flight).lower()
+
+
+@pytest.mark.parametrize("has_station", [False, True])
+def test_an_area_that_is_left_out_is_heard_of(has_station: bool) -> None:
+    """By PX4's event, or its text where a ground station is; nothing else shows it."""
+    home = Deaf(dialect.MAVLINK_MSG_ID_HOME_POSITION)
+    flight = start(up=home, has_station=has_station)
+    home_moves(flight)
+    home.is_deaf = True
+    reason = refused(flight)
+    assert "and leaves a part of it out" in reason
+    assert "Geofence invalid, doesn't contain Home position" in reason
+    assert [area.is_inclusion for area in areas(flight)] == [False]
+
+
+def test_the_next_mission_of_this_companion_replaces_its_own() -> None:
+    own = OwnFences()
+    first = armed(start(own=own))
+    assert len(own.written) == 1
+    bigger = mission(tuple((n * 1.5, e * 1.5) for n, e in SQUARE))
+    second = start(bigger, own=own)
+    second.simulation = first.simulation
+    second._ticks = first._ticks
+    second.station_commands(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0, 21196)
+    second.is_companion_alive = False
+    second.run(1.0)
+    second.is_companion_alive = True
+    armed(second)
+    told = second.one(FenceReplaced)
+    assert (told.before, told.fence) == ("8 points, 2 areas", "4 points, 1 area")
+
+
+def test_another_sender_that_pushes_it_out_is_held_by_the_autopilot() -> None:
+    flight = start().until_reported(PhaseEntered, phase=Phase.TASK)
+    mask, frame = 0b110111111000, dialect.MAV_FRAME_LOCAL_NED
+
+    def is_pushed_out() -> bool:
+        flight.station_says(
+            dialect.MAVLink_set_position_target_local_ned_message(
+                0, VEHICLE, 1, frame, mask, -40.0, 10.0, -3.0, 0, 0, 0, 0, 0, 0, 0, 0
+            )
+        )
+        return flight.companion.has_ended
+
+    flight.until(is_pushed_out, 60.0)
+    assert flight.exit_code == 5
+    assert flight.ending.text == "a failsafe of the autopilot has control, in AUTO.LOITER"
+    assert flight.simulation.mode == "AUTO.LOITER"
+    assert any("geofence" in said.words for said in flight.of(AutopilotSaid))
+    held_s = flight.now_s
+    flight.run(5.0)
+    assert flight.simulation.mode == "AUTO.LOITER", "it does not come back by itself"
+    assert all(sent.time_s <= held_s for sent in flight.setpoints)
+
+
+def test_what_leaves_the_fence_is_refused_by_the_companions_own_gate(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Its margin lies inside, so the autopilot's fence on the same edge is never reached."""
+    flight = start().until_reported(PhaseEntered, phase=Phase.TASK)
+    fly = MavlinkVehicle.fly
+
+    def away(vehicle: MavlinkVehicle, setpoint: Setpoint, is_for_task: bool = False) -> None:
+        fly(vehicle, replace(setpoint, position=(-15.2, 10.0, -3.0)), is_for_task)
+
+    monkeypatch.setattr(MavlinkVehicle, "fly", away)
+    before = len(flight.setpoints)
+    flight.run(3.0)
+    assert {event.reason for event in flight.of(SetpointRefused)} == {"outside the fence"}
+    for sent in flight.setpoints[before + 1 :]:
+        assert is_in_polygon((sent.message.x, sent.message.y), SQUARE)
+    assert flight.simulation.mode == "OFFBOARD"
