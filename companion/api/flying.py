@@ -10,10 +10,11 @@ from types import FrameType
 
 from companion.acting.arming_terms import ArmingTerms, FencePolicy
 from companion.acting.flight_limit import FlightLimit
-from companion.api.results import FlightResult, FlownTrajectory, OnEvent, recording
+from companion.api.results import FlightResult, FlownTrajectory, OnEvent, Recording, recording
 from companion.app import Companion
 from companion.clock import ScaledClock
 from companion.driving import fly
+from companion.errors import CompanionError
 from companion.mission.model import Mission
 from companion.record.own_fence_file import own_fences_in
 from companion.vehicle.endpoints import parse_url
@@ -81,11 +82,18 @@ def run(
         companion = Companion(mission, recorder, terms, limit=limit, own_fences=own)
         with _stopped_by_interrupt(companion):
             fly(companion, link, ScaledClock(1.0), timeout_s, reports=reports)
+    return _result(mission, recorder, companion.failure, folder)
+
+
+def _result(
+    mission: Mission, recorder: Recording, failure: CompanionError | None, folder: Path | str | None
+) -> FlightResult:
+    """What happened, once the flight has ended."""
     return FlightResult(
         mission=mission,
         events=tuple(recorder.events),
         trajectory=FlownTrajectory.of(recorder.positions),
-        failure=companion.failure,
+        failure=failure,
         folder=Path(folder) if folder is not None else None,
     )
 
