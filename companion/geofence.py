@@ -79,6 +79,24 @@ class FenceArea:
         return self.is_inclusion == other.is_inclusion and self.shape.is_like(other.shape, within_m)
 
 
+@dataclass(frozen=True, slots=True)
+class StoredFence:
+    """The fence that an autopilot has.
+
+    Attributes:
+        areas: in the mission's frame, as the autopilot takes them.
+        points: items of which it is made.
+        flaw: why the autopilot does not take it as it was meant; None if it does.
+    """
+
+    areas: tuple[FenceArea, ...]
+    points: int
+    flaw: str | None = None
+
+    def __str__(self) -> str:
+        return f"{_counted(self.points, 'point')}, {_counted(len(self.areas), 'area')}"
+
+
 def are_alike(these: Sequence[FenceArea], those: Sequence[FenceArea], within_m: float) -> bool:
     """Whether two fences have the same areas, in any order.
 
@@ -96,3 +114,7 @@ def are_alike(these: Sequence[FenceArea], those: Sequence[FenceArea], within_m: 
             return False
         left.remove(same)
     return True
+
+
+def _counted(number: int, thing: str) -> str:
+    return f"{number} {thing}" if number == 1 else f"{number} {thing}s"

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from companion.acting.arming_terms import USUAL_TERMS, ArmingTerms
-from companion.acting.assembly import assemble
+from companion.acting.assembly import assemble, envelope_of
 from companion.acting.event_detector import EventDetector
 from companion.acting.flight_limit import NO_LIMIT, FlightLimit
 from companion.acting.journal import (
@@ -37,12 +37,10 @@ from companion.geometry import Ned
 from companion.mavlink.framing import Message
 from companion.mission.digest import digest
 from companion.mission.facts import Fact
-from companion.mission.model import Mission, Place
-from companion.motion.marker_track import HEIGHT_M, LAND_FROM_M
-from companion.motion.position_error import MOST_M, AddedClearance
+from companion.mission.model import Mission
+from companion.motion.position_error import AddedClearance
 from companion.planning.engine_port import Engine
 from companion.vehicle.detections import Detections
-from companion.vehicle.gate import Envelope, LandingSite
 from companion.vehicle.offboard import MavlinkVehicle
 from companion.vehicle.own_fences import OwnFences
 from companion.vehicle.run_clocks import ClockReading, RunClocks
@@ -333,28 +331,3 @@ class Run:
     def _position(self) -> Ned | None:
         state = self.vehicle.state
         return state.position if state and self.vehicle.frame_doubt is None else None
-
-
-def envelope_of(mission: Mission) -> Envelope:
-    """What no setpoint of a mission may leave."""
-    limits, vehicle = mission.limits, mission.vehicle
-    return Envelope(
-        limits.fence,
-        limits.up_m,
-        mission.speed_limits.speed_mps,
-        vehicle.climb_mps,
-        vehicle.descent_mps,
-        vehicle.carrot_m,
-        vehicle.margin_m,
-        tuple(limits.keep_out.values()),
-        sites=tuple(map(_site, filter(lambda place: place.marker, mission.places.values()))),
-    )
-
-
-def _site(place: Place) -> LandingSite:
-    """Where the vehicle may come down to the marker of a place."""
-    assert place.marker is not None
-    centre = place.position[:2]
-    outline = place.region.outline()
-    reach_m = max(math.dist(centre, c) for c in outline) if outline else place.inner_m
-    return LandingSite(centre, reach_m + MOST_M, place.marker.up_m + LAND_FROM_M - HEIGHT_M)

@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from companion.geofence import FenceArea
+from companion.geofence import FenceArea, StoredFence
 from companion.geometry import Ned, NorthEast
 from companion.motion.range_scan import RangeScan
 from companion.outcomes import Refusal
@@ -23,7 +23,6 @@ from companion.vehicle.port import (
     Outcome,
     Progress,
     Setpoint,
-    StoredFence,
     Takeover,
     VehicleState,
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from companion.acting.event_detector import EventDetector
@@ -10,8 +11,12 @@ from companion.acting.flight import Flight
 from companion.acting.preparation import PreparedMission
 from companion.acting.symbols import Symbols
 from companion.geometry import Ned
+from companion.mission.model import Mission, Place
+from companion.motion.marker_track import HEIGHT_M, LAND_FROM_M
+from companion.motion.position_error import MOST_M
 from companion.planning.flight_times import flight_times
 from companion.planning.task_state import TaskState
+from companion.vehicle.gate import Envelope, LandingSite
 from companion.vehicle.port import Vehicle
 
 
@@ -47,3 +52,28 @@ def assemble(prepared: PreparedMission, vehicle: Vehicle, detector: EventDetecto
         symbols=Symbols(mission.places, routes),
     )
     return ActingParts(flight, Executive(prepared, flight, detector))
+
+
+def envelope_of(mission: Mission) -> Envelope:
+    """What no setpoint of a mission may leave."""
+    limits, vehicle = mission.limits, mission.vehicle
+    return Envelope(
+        limits.fence,
+        limits.up_m,
+        mission.speed_limits.speed_mps,
+        vehicle.climb_mps,
+        vehicle.descent_mps,
+        vehicle.carrot_m,
+        vehicle.margin_m,
+        tuple(limits.keep_out.values()),
+        sites=tuple(map(_site, filter(lambda place: place.marker, mission.places.values()))),
+    )
+
+
+def _site(place: Place) -> LandingSite:
+    """Where the vehicle may come down to the marker of a place."""
+    assert place.marker is not None
+    centre = place.position[:2]
+    outline = place.region.outline()
+    reach_m = max(math.dist(centre, c) for c in outline) if outline else place.inner_m
+    return LandingSite(centre, reach_m + MOST_M, place.marker.up_m + LAND_FROM_M - HEIGHT_M)

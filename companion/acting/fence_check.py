@@ -26,11 +26,11 @@ from enum import Enum
 from companion.acting.arming_terms import FencePolicy
 from companion.acting.flight import Flight
 from companion.flight_events.fence import FenceKept, FenceMissing, FenceReplaced, FenceWritten
-from companion.geofence import FenceArea, FencePolygon, are_alike
+from companion.geofence import FenceArea, FencePolygon, StoredFence, are_alike
 from companion.geometry import NorthEast
 from companion.mission.model import Limits, Place
 from companion.transitions import StateTransition, TransitionTable
-from companion.vehicle.port import Failed, Outcome, Progress, StoredFence
+from companion.vehicle.port import Failed, Outcome, Progress
 
 ALIKE_M = 0.2
 """Corners that are nearer to each other are the same; the protocol rounds to a centimetre."""

@@ -11,11 +11,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
-from companion.geofence import FenceArea, FenceCircle, FencePolygon
+from companion.geofence import FenceArea, FenceCircle, FencePolygon, StoredFence
 from companion.geometry import NorthEast
 from companion.mavlink.framing import dialect
 from companion.mavlink.plan_transfer import PlanItem
-from companion.vehicle.port import StoredFence
 
 _POLYGONS = {5001: True, 5002: False}
 _CIRCLES = {5003: True, 5004: False}

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from companion.geofence import FenceArea, are_alike
+from companion.geofence import FenceArea, StoredFence, are_alike
 from companion.geometry import NorthEast
 from companion.mavlink.framing import Message, dialect, source
 from companion.mavlink.plan_transfer import (
@@ -26,7 +26,7 @@ from companion.mavlink.plan_transfer import (
 )
 from companion.vehicle.fence_items import fence_of, items_of
 from companion.vehicle.own_fences import FenceItems, OwnFences
-from companion.vehicle.port import Failed, Outcome, Progress, StoredFence
+from companion.vehicle.port import Failed, Outcome, Progress
 from companion.vehicle.services import Moment
 from companion.vehicle.telemetry import Telemetry
 from companion.vehicle.wire import AUTOPILOT, COMPONENT, Wire

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from enum import Enum, StrEnum
 from typing import Protocol
 
-from companion.geofence import FenceArea
+from companion.geofence import FenceArea, StoredFence
 from companion.geometry import GlobalOrigin, Ned, NorthEast
 from companion.motion.range_scan import RangeScan
 from companion.outcomes import Refusal
@@ -221,24 +221,6 @@ class Markers(Protocol):
         """Why others were not taken, in the same time."""
 
 
-@dataclass(frozen=True, slots=True)
-class StoredFence:
-    """The fence that an autopilot has.
-
-    Attributes:
-        areas: in the mission's frame, as the autopilot takes them.
-        points: items of which it is made.
-        flaw: why the autopilot does not take it as it was meant; None if it does.
-    """
-
-    areas: tuple[FenceArea, ...]
-    points: int
-    flaw: str | None = None
-
-    def __str__(self) -> str:
-        return f"{_counted(self.points, 'point')}, {_counted(len(self.areas), 'area')}"
-
-
 class AutopilotFence(Protocol):
     """The fence of a vehicle's autopilot; it is read and written on the ground alone, disarmed."""
 
@@ -346,7 +328,3 @@ class Vehicle(Protocol):
 
     def regain(self) -> None:
         """The operator has given control back after it was lost."""
-
-
-def _counted(number: int, thing: str) -> str:
-    return f"{number} {thing}" if number == 1 else f"{number} {thing}s"

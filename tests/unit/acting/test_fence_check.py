@@ -13,9 +13,9 @@ from companion.acting.arming_terms import ArmingTerms, FencePolicy
 from companion.acting.fence_check import LISTEN_S, TRANSITIONS, FenceStage, areas_of
 from companion.flight_events.fence import FenceKept, FenceMissing, FenceReplaced, FenceWritten
 from companion.flight_events.sortie import Phase
-from companion.geofence import FenceArea, FenceCircle, FencePolygon
+from companion.geofence import FenceArea, FenceCircle, FencePolygon, StoredFence
 from companion.geometry import NorthEast
-from companion.vehicle.port import Failed, Progress, StoredFence
+from companion.vehicle.port import Failed, Progress
 
 ASKED = mission("F at(A)")
 OURS = areas_of(ASKED.limits)
