@@ -88,6 +88,7 @@ class Follower:
             scene.clearance_m,
             scene.speed_limits,
             keep_out=scene.keep_out,
+            up_m=scene.up_m,
         )
         self._task: TaskReader | None = None
         self._is_written = False  # the tree is the mission's own, and no way is planned

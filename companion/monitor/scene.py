@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import base64
 import json
+import math
 import zlib
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -25,6 +26,7 @@ from companion.vehicle_profile import VehicleProfile
 
 SCENE = "scene.json"
 MAX_CELLS = 16_000_000
+NO_BAND = (-math.inf, -math.inf)
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +40,7 @@ class Scene:
         walls: those that are low.
         speed_limits: by which routes are chosen.
         clearance_m: that routes keep from obstacles.
+        up_m: the altitude band in which they lead over walls.
         anchor: where north 0, east 0 lies on the earth, if the mission says so.
     """
 
@@ -51,6 +54,7 @@ class Scene:
     clearance_m: float
     speed_limits: SpeedLimits
     anchor: GlobalOrigin | None = None
+    up_m: tuple[float, float] = NO_BAND
 
 
 def read_scene(folder: Path) -> Scene:
@@ -104,10 +108,10 @@ def _scene(data: dict[str, Any]) -> Scene:
     usual = SpeedLimits(profile.speed_mps, profile.acceleration_mps2, profile.jerk_mps3)
     told = data.get("speed_limits", asdict(usual))
     limits = SpeedLimits(**{key: float(most) for key, most in told.items()})
-    anchor = _anchor(data.get("anchor"))
-    return Scene(
-        name, start_unix_s, grid, fence, keep_out, tuple(walls), sites, clearance_m, limits, anchor
-    )
+    low_m, high_m = map(float, data.get("up_m", NO_BAND))
+    anchor, low_walls, band = _anchor(data.get("anchor")), tuple(walls), (low_m, high_m)
+    about_routes = (keep_out, low_walls, sites, clearance_m, limits)
+    return Scene(name, start_unix_s, grid, fence, *about_routes, anchor, band)
 
 
 def _anchor(degrees: list[float] | None) -> GlobalOrigin | None:

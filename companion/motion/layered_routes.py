@@ -2,14 +2,17 @@
 
 A low wall is an obstacle to a vehicle that is not the clearance above it. Which walls those are
 depends on the altitude alone, so there is a plane of routes (`routes.py`) for each set of low walls
-that can be flown over, found when it is first asked for. There are two ways to fly from one height
-to another:
+that can be flown over, found when it is first asked for. There are three ways to fly from one
+height to another:
 
 - sloped: straight up or down along the whole way, around all that is not clear at the lower end;
 - stepped: a climb on the spot first, or a descent on the spot last, and between them level, over
-  the walls that are low enough for the higher end.
+  the walls that are low enough for the higher end;
+- over the top: a climb on the spot to the clearance above a wall that is higher than both ends, or
+  almost, then level, then a descent on the spot; within the altitude band.
 
-The quicker one is flown, and costs what it takes. Left out: flying higher than both ends.
+The quickest one is flown, and costs what it takes. A start from which nothing leads away level, low
+above a roof or below the band, is left by a climb.
 """
 
 from __future__ import annotations
@@ -38,33 +41,45 @@ class Passage:
     Attributes:
         over_ground_m: in the plane.
         down_m: from its beginning to its end; negative for a climb.
-        is_stepped: see above.
+        climb_m: on the spot at its beginning, before it is level; None where it is sloped.
     """
 
     over_ground_m: float
     down_m: float
-    is_stepped: bool = False
+    climb_m: float | None = None
+
+    @property
+    def is_stepped(self) -> bool:
+        """Whether it is level between a climb and a descent on the spot."""
+        return self.climb_m is not None
 
     def duration_s(self, limits: SpeedLimits) -> float:
-        """Time to fly it from rest to rest; of a stepped one, with a stop between its two parts.
+        """Time to fly it from rest to rest; of a stepped one, with a stop between its parts.
 
         >>> Passage(0.0, -6.0).duration_s(SpeedLimits(4.0, 2.0, 8.0, climb_mps=2.0))
         4.25
         >>> level = SpeedLimits(2.0, 2.0, 8.0)
-        >>> Passage(6.0, -6.0, is_stepped=True).duration_s(level)
+        >>> Passage(6.0, -6.0, climb_m=6.0).duration_s(level)
         8.5
+        >>> Passage(6.0, 0.0, climb_m=6.0).duration_s(level)
+        12.75
         """
         if math.isinf(self.over_ground_m):
             return math.inf
-        if self.is_stepped:
-            upright = Passage(0.0, self.down_m).duration_s(limits)
-            return upright + flight_time_s(self.over_ground_m, limits)
+        if self.climb_m is not None:
+            upright = (down for down in (-self.climb_m, self.down_m + self.climb_m) if down)
+            on_the_spot_s = sum(Passage(0.0, down).duration_s(limits) for down in upright)
+            return on_the_spot_s + flight_time_s(self.over_ground_m, limits)
         length_m = math.hypot(self.over_ground_m, self.down_m)
         if abs(self.down_m) < LEVEL_M:
             return flight_time_s(length_m, limits)
         return flight_time_s(length_m, limits.along(self.down_m / length_m))
 
 
+BELOW_M = 0.3
+"""So far below the band a vehicle is that has not only wandered."""
+MOST_TOPS = 3
+"""Altitudes above low walls at which routes are looked for: each is a plane with all its ways."""
 LevelRoute = Callable[[Ned, str, float], Route | None]
 """A route from a point to a place in the altitude that is said, down."""
 
@@ -83,6 +98,7 @@ class LayeredRoutes:
         limits: by which the quicker way is chosen.
         fence_margin_m: the least distance to the fence.
         keep_out: the corners of areas that routes keep away from as from obstacles.
+        up_m: the altitude band; without it no route leads above both of its ends.
     """
 
     def __init__(
@@ -94,14 +110,17 @@ class LayeredRoutes:
         limits: SpeedLimits,
         fence_margin_m: float = 0.0,
         keep_out: Iterable[Sequence[NorthEast]] = (),
+        up_m: tuple[float, float] = (-math.inf, -math.inf),
     ) -> None:
         self.version = 0
+        self._lowest_m = up_m[0]
         self._grid, self._clearance_m, self._limits = grid, clearance_m, limits
         self._places = dict(places)
         self._fence, self._margin_m, self._keep_out = fence, fence_margin_m, tuple(keep_out)
         self._goals = {name: place.position for name, place in places.items()}
         self._added_m = 0.0
         self._planes: dict[int, RouteMap] = {}
+        self._tops = _tops(grid, clearance_m, up_m[1])
 
     def _layer(self, up_m: float) -> int:
         """Which walls are in the way at an altitude."""
@@ -141,7 +160,7 @@ class LayeredRoutes:
 
     def find(self, max_cells: int) -> bool:
         """Searches about `max_cells` cells of outdated distance maps; True once all are current."""
-        layers = {self._layer(-goal[2]) for goal in self._goals.values()}
+        layers = {self._layer(-goal[2]) for goal in self._goals.values()} | {*self._tops}
         return all(self._plane(layer).find(max_cells) for layer in sorted(layers))
 
     def search(self, start: Ned, place: str, max_cells: int) -> bool:
@@ -150,7 +169,7 @@ class LayeredRoutes:
         Raises:
             KeyError: there is no such place.
         """
-        layers = self._layers(start, place)
+        layers = dict.fromkeys(layer for layer, _ in self._ways(start, place))
         return all(self._plane(layer).search(start[:2], place, max_cells) for layer in layers)
 
     def aim(self, place: str, goal: Ned) -> None:
@@ -180,7 +199,7 @@ class LayeredRoutes:
 
     def is_connected(self, start: Ned, place: str) -> bool:
         """Whether free cells lead from near a start to a place, whatever regions lie between."""
-        layers = self._layers(start, place)
+        layers = dict.fromkeys(layer for layer, _ in self._ways(start, place))
         return any(self._plane(layer).is_connected(start[:2], place) for layer in layers)
 
     def passage(self, start: Ned, place: str) -> Passage:
@@ -189,7 +208,17 @@ class LayeredRoutes:
         Raises:
             KeyError: there is no such place.
         """
-        return min(self._passages(start, place), key=lambda way: way.duration_s(self._limits))
+        return self._quickest(start, place)[1]
+
+    def _quickest(self, start: Ned, place: str) -> tuple[int, Passage]:
+        """The quickest way, and the layer that it is flown in."""
+        down_m = self._goals[place][2] - start[2]
+        found = []
+        for layer, level_up_m in self._ways(start, place):
+            over_ground_m = self._plane(layer).distance_m(start[:2], place)
+            climb_m = None if level_up_m is None else level_up_m + start[2]
+            found.append((layer, Passage(over_ground_m, down_m, climb_m)))
+        return min(found, key=lambda each: each[1].duration_s(self._limits))
 
     def distance_m(self, start: Ned, place: str) -> float:
         """Length of the quickest way to a place over the ground; inf if there is none."""
@@ -197,10 +226,10 @@ class LayeredRoutes:
 
     def route(self, start: Ned, place: str) -> Route | None:
         """The quickest route to a place; None if there is none. See `RouteMap.route`."""
-        low, high = self._ends(start, place)
-        if not self.passage(start, place).is_stepped:
-            return self._plane(low).route(start, place)
-        return self._stepped(start, place, self._plane(high).route)
+        layer, passage = self._quickest(start, place)
+        if passage.climb_m is None:
+            return self._plane(layer).route(start, place)
+        return self._stepped(start, place, passage.climb_m, self._plane(layer).route)
 
     def route_from_motion(self, start: Ned, stop: Ned, place: str) -> Route | None:
         """A route whose first leg leads to where the vehicle can stop, straight ahead.
@@ -212,36 +241,39 @@ class LayeredRoutes:
             stop: where it can come to rest.
             place: where to fly.
         """
-        low, high = self._ends(stop, place)
-        if not self.passage(stop, place).is_stepped:
-            return self._plane(low).route_from_motion(start, stop, place)
-        if self._goals[place][2] < stop[2] or abs(stop[2] - start[2]) > LEVEL_M:
+        layer, passage = self._quickest(stop, place)
+        if passage.climb_m is None:
+            return self._plane(layer).route_from_motion(start, stop, place)
+        if passage.climb_m > LEVEL_M or abs(stop[2] - start[2]) > LEVEL_M:
             return None
 
         def level(stop: Ned, place: str, down_m: float) -> Route | None:
-            return self._plane(high).route_from_motion(start, stop, place, down_m)
+            return self._plane(layer).route_from_motion(start, stop, place, down_m)
 
-        return self._stepped(stop, place, level)
+        return self._stepped(stop, place, 0.0, level)
 
-    def _ends(self, start: Ned, place: str) -> tuple[int, int]:
-        """The layers of the lower and of the higher end of a way."""
+    def _ways(self, start: Ned, place: str) -> Iterator[tuple[int, float | None]]:
+        """The ways to a place: in which layer, and how high the level part is; None is sloped."""
         ups_m = (-start[2], -self._goals[place][2])
-        return self._layer(min(ups_m)), self._layer(max(ups_m))
+        low, high = self._layer(min(ups_m)), self._layer(max(ups_m))
+        if not self._must_climb(start):
+            yield low, None
+        if high != low or self._must_climb(start):
+            yield high, max(ups_m)
+        for layer, up_m in self._tops.items():
+            if layer > high and up_m > max(ups_m):
+                yield layer, up_m
 
-    def _layers(self, start: Ned, place: str) -> Iterable[int]:
-        return dict.fromkeys(self._ends(start, place))
+    def _must_climb(self, start: Ned) -> bool:
+        """Whether a start is below the band, or too low above a wall to leave it level."""
+        up_m, top_m = -start[2], self._grid.ground_m(start[:2], 0.0)[1]
+        is_low = top_m - LEVEL_M <= up_m < top_m + self._clearance_m - LEVEL_M
+        return up_m < self._lowest_m - BELOW_M or (top_m > 0 and is_low)
 
-    def _passages(self, start: Ned, place: str) -> Iterator[Passage]:
-        low, high = self._ends(start, place)
-        down_m = self._goals[place][2] - start[2]
-        yield Passage(self._plane(low).distance_m(start[:2], place), down_m)
-        if high != low:
-            yield Passage(self._plane(high).distance_m(start[:2], place), down_m, is_stepped=True)
-
-    def _stepped(self, start: Ned, place: str, level: LevelRoute) -> Route | None:
-        """A climb on the spot, a level route, a descent on the spot; one of the two is left out."""
+    def _stepped(self, start: Ned, place: str, climb_m: float, level: LevelRoute) -> Route | None:
+        """A climb on the spot, a level route, a descent on the spot; of no height, left out."""
         goal = self._goals[place]
-        down_m = min(start[2], goal[2])
+        down_m = start[2] - climb_m
         route = level((*start[:2], down_m), place, down_m)
         if route is None:
             return None
@@ -252,3 +284,15 @@ class LayeredRoutes:
         if goal[2] > down_m + LEVEL_M:
             waypoints, blends = np.vstack([waypoints, goal]), [*blends, None]
         return Route(waypoints, tuple(blends))
+
+
+def _tops(grid: OccupancyGrid, clearance_m: float, ceiling_m: float) -> dict[int, float]:
+    """The layers above low walls, and the altitude from which each is flown in.
+
+    At most MOST_TOPS of them: that above all walls, and some between.
+    """
+    heights_m = grid.low.heights_m if grid.low is not None else ()
+    tops = {i + 1: height_m + clearance_m for i, height_m in enumerate(heights_m)}
+    within = [layer for layer, up_m in tops.items() if up_m <= ceiling_m]
+    every = max(1, math.ceil(len(within) / MOST_TOPS))
+    return {layer: tops[layer] for layer in sorted(within[::-1][::every])}

@@ -35,6 +35,7 @@ def route_map(mission: Mission) -> LayeredRoutes:
         mission.speed_limits,
         vehicle.margin_m,
         limits.keep_out.values(),
+        limits.up_m,
     )
 
 

@@ -43,6 +43,7 @@ def scene(mission: Mission, start_unix_s: float) -> dict[str, object]:
         "low_walls": [wall.as_entry() for wall in mission.walls if wall.up_m is not None],
         "speed_limits": asdict(mission.speed_limits),
         "clearance_m": mission.vehicle.clearance_m,
+        "up_m": list(mission.limits.up_m),
         "fence": [[east, north] for north, east in mission.limits.fence],
         "keep_out": {
             name: [[east, north] for north, east in zone]

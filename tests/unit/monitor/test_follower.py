@@ -215,7 +215,7 @@ def test_a_scene_that_was_written_before_zones_and_low_walls_is_read(
     surveillance_run: Path, tmp_path: Path
 ) -> None:
     scene = json.loads((surveillance_run / "scene.json").read_bytes())
-    for key in ("keep_out", "low_walls", "speed_limits", "clearance_m"):
+    for key in ("keep_out", "low_walls", "speed_limits", "clearance_m", "up_m"):
         del scene[key]
     del scene["map"]["open"]
     (tmp_path / "scene.json").write_text(json.dumps(scene), encoding="utf-8")
@@ -239,6 +239,7 @@ def test_a_scene_that_was_written_before_zones_and_low_walls_is_read(
         lambda scene: scene.update(keep_out=[1]),
         lambda scene: scene.update(low_walls=[1]),
         lambda scene: scene.update(speed_limits=7),
+        lambda scene: scene.update(up_m=[1]),
     ],
 )
 def test_a_damaged_scene_is_refused(surveillance_run: Path, tmp_path: Path, change: Any) -> None:

@@ -29,11 +29,16 @@ HALF = ((-1.0, 7.0), (-1.0, 8.0), (9.0, 8.0), (9.0, 7.0))
 WEST, EAST = (2.0, 3.0), (2.0, 13.0)
 
 
-def routes_to(goal: Ned, *walls: Wall, cell_m: float = 0.25) -> LayeredRoutes:
+NO_BAND = (-math.inf, -math.inf)
+
+
+def routes_to(
+    goal: Ned, *walls: Wall, cell_m: float = 0.25, up_m: tuple[float, float] = NO_BAND
+) -> LayeredRoutes:
     cells = np.zeros((math.ceil(12 / cell_m), math.ceil(16 / cell_m)), dtype=np.bool_)
     grid = walled(OccupancyGrid(cells, cell_m, (0.0, 0.0), is_open=True), walls)
     places = {"B": PlaceRegion(goal, Disc(0.5), True)}
-    return LayeredRoutes(grid, places, FENCE, CLEARANCE_M, LIMITS, 0.1)
+    return LayeredRoutes(grid, places, FENCE, CLEARANCE_M, LIMITS, 0.1, up_m=up_m)
 
 
 def flown(route: Route) -> list[Ned]:
@@ -127,6 +132,52 @@ def test_the_quicker_way_is_flown() -> None:
     around = high.passage((9.9, 6.0, -0.7), "B")
     assert around.is_stepped is False
     assert min(-down for *_, down in flown(high.route((9.9, 6.0, -0.7), "B") or _none())) >= 0.7
+
+
+@pytest.mark.parametrize(("from_m", "to_m"), [(1.0, 1.0), (1.0, 2.0), (2.0, 1.0)])
+def test_a_wall_that_is_higher_than_both_ends_is_flown_over(from_m: float, to_m: float) -> None:
+    """At the clearance above it, and in the time that is planned."""
+    start = (*WEST, -from_m)
+    routes = routes_to((*EAST, -to_m), Wall(ACROSS, 2.0), up_m=(0.5, 8.0))
+    way, route = routes.passage(start, "B"), routes.route(start, "B")
+    assert way.climb_m == pytest.approx(2.0 + CLEARANCE_M - from_m)
+    assert routes.is_connected(start, "B") and routes.search(start, "B", 10**6)
+    assert route is not None
+    path = flown(route)
+    assert max(-down for *_, down in path) == pytest.approx(2.0 + CLEARANCE_M)
+    over = [-down for _, east, down in path if 7.0 - CLEARANCE_M <= east <= 8.0 + CLEARANCE_M]
+    assert over and min(over) == pytest.approx(2.0 + CLEARANCE_M)
+    assert path[0] == pytest.approx(start) and path[-1] == pytest.approx((*EAST, -to_m))
+    assert way.duration_s(LIMITS) == pytest.approx(duration_s(route), rel=0.03)
+    assert routes.is_clear(route.waypoints)
+
+
+def test_the_top_is_flown_over_within_the_band_alone_and_where_that_is_quicker() -> None:
+    start, wall = (*WEST, -1.0), Wall(ACROSS, 2.0)
+    assert routes_to((*EAST, -1.0), wall, up_m=(0.5, 2.6)).route(start, "B") is not None
+    assert routes_to((*EAST, -1.0), wall, up_m=(0.5, 2.59)).route(start, "B") is None
+    for up_m, is_over in ((1.2, True), (7.0, False)):  # a detour of 11 m, or up and down
+        routes = routes_to((*EAST, -1.0), Wall(HALF, up_m), up_m=(0.5, 9.0))
+        assert routes.passage(start, "B").is_stepped is is_over
+
+
+def test_the_lowest_of_several_tops_that_leads_there_is_flown_over() -> None:
+    tower = Wall(((3.0, 9.0), (3.0, 10.0), (9.0, 10.0), (9.0, 9.0)), 5.0)
+    routes = routes_to((*EAST, -1.0), Wall(ACROSS, 2.0), tower, up_m=(0.5, 9.0))
+    assert routes.passage((*WEST, -1.0), "B").climb_m == pytest.approx(1.6)
+
+
+def test_what_is_low_above_a_roof_or_below_the_band_climbs_first() -> None:
+    """So a landing there that was interrupted is left."""
+    roof = Wall(((0.5, 5.0), (0.5, 11.0), (11.5, 11.0), (11.5, 5.0)), 3.0)
+    routes = routes_to((*EAST, -2.0), roof, up_m=(0.5, 9.0))
+    low = (6.0, 8.0, -3.3)
+    route = routes.route(low, "B")
+    assert route is not None
+    assert route.waypoints[1].tolist() == pytest.approx([6.0, 8.0, -3.6])
+    below = routes_to((*EAST, -2.0), up_m=(1.0, 9.0)).route((*WEST, -0.4), "B")
+    assert below is not None
+    assert below.waypoints[1].tolist() == [*WEST, -2.0]
 
 
 def _none() -> Route:
