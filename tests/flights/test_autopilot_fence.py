@@ -265,8 +265,8 @@ def test_what_leaves_the_fence_is_refused_by_the_companions_own_gate(
     flight = start().until_reported(PhaseEntered, phase=Phase.TASK)
     fly = MavlinkVehicle.fly
 
-    def away(vehicle: MavlinkVehicle, setpoint: Setpoint, is_for_task: bool = False) -> None:
-        fly(vehicle, replace(setpoint, position=(-15.2, 10.0, -3.0)), is_for_task)
+    def away(vehicle: MavlinkVehicle, setpoint: Setpoint, *more: bool) -> None:
+        fly(vehicle, replace(setpoint, position=(-15.2, 10.0, -3.0)), *more)
 
     monkeypatch.setattr(MavlinkVehicle, "fly", away)
     before = len(flight.setpoints)
