@@ -265,9 +265,14 @@ class MavlinkVehicle:
         self._readings += self._signals.read(message)
 
     def _is_believed(self, message: Message) -> bool:
-        """Rule 5, from the first goal on; what begins a doubt is not believed yet."""
+        """Rule 5, from the first goal on; what begins a doubt is not believed yet.
+
+        Before it no mode is another one: a pause of ours is over with the next heartbeat.
+        """
         heartbeat = heartbeat_of(message)
-        if self._goals.goal is not None:
+        if self._goals.goal is None:
+            self._control.settle()
+        else:
             is_ours = self._goals.admits(heartbeat.mode, heartbeat.is_armed)
             self._control.take(self._now_s, heartbeat, is_ours)
         return not self.is_doubted

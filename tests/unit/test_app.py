@@ -403,3 +403,25 @@ def test_after_a_pause_of_the_process_the_mode_is_heard_before_anything_is_sent(
     assert PhaseEntered(Phase.TASK) in world.notes.events
     assert isinstance(world.companion.failure, Aborted)
     assert world.paused_s - 1.5 * TICK_S < sent[-1] <= world.paused_s
+
+
+class PausedEarly(World):
+    """Pauses for 3 s as soon as a phase has been entered, before anything is asked for in it."""
+
+    def __init__(self, phase: Phase) -> None:
+        super().__init__(mission("F at(A)"))
+        self._phase: Phase | None = phase
+
+    def sleep_until(self, time_s: float) -> None:
+        super().sleep_until(time_s)
+        assert self.now < 100.0, self.notes.events
+        if self._phase is not None and PhaseEntered(self._phase) in self.notes.events:
+            self.now += PAUSED_S
+            self._phase = None
+
+
+@pytest.mark.parametrize("phase", [Phase.CHECKING, Phase.ARMING, Phase.TAKE_OFF])
+def test_after_a_pause_on_the_ground_the_next_heartbeat_is_enough(phase: Phase) -> None:
+    """Nobody is asked for anything yet, so no mode is another one."""
+    world = PausedEarly(phase).fly()
+    assert world.notes.events[-1] == TaskSatisfied()
