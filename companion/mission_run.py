@@ -38,6 +38,7 @@ from companion.mavlink.framing import Message
 from companion.mission.digest import digest
 from companion.mission.facts import Fact
 from companion.mission.model import Mission
+from companion.mission.refinement import confirming
 from companion.motion.position_error import AddedClearance
 from companion.planning.engine_port import Engine
 from companion.vehicle.detections import Detections
@@ -165,7 +166,8 @@ class Run:
         self._wire, self._telemetry = wire, telemetry
         telemetry.anchor_at(mission.anchor)
         telemetry.words.take_news()  # of another flight
-        said = frozenset(signal for signal in detector.signals if not signal.is_report)
+        signals = detector.signals | confirming(mission.skills)
+        said = frozenset(signal for signal in signals if not signal.is_report)
         self.vehicle = MavlinkVehicle(
             wire,
             telemetry,
@@ -178,8 +180,8 @@ class Run:
             own_fences=own_fences,
         )
         self._other_systems = OtherSystems(SignalReader(said))
-        self._detections = Detections(detector.signals)
-        self.awaited = frozenset(s.field for s in detector.signals if s.is_pulse)
+        self._detections = Detections(signals)
+        self.awaited = frozenset(s.field for s in signals if s.is_pulse)
         acting = assemble(prepared, self.vehicle, detector)
         self.flight = acting.flight
         self.executive = acting.executive

@@ -26,8 +26,11 @@ from sitl.flight.local_frame import LocalFrame
 from sitl.flight.physics import FlightState, Physics
 from sitl.flight.sensors import Sensors
 from sitl.link.autopilot_component import AUTOPILOT, AutopilotComponent, Outgoing
+from sitl.link.camera_component import CameraComponent
 from sitl.link.component_sender import OnboardComponent, PackedMessage
 from sitl.link.disturbance import Disturbance
+from sitl.link.gimbal_component import GimbalComponent
+from sitl.link.gripper_component import GripperComponent
 from sitl.link.marker_camera import MarkerCameraComponent
 from sitl.link.onboard_components import (
     DetectorComponent,
@@ -305,6 +308,12 @@ def _onboard_components(
         components.append(PayloadComponent(system, world.payload))
     if world.lidar:
         components.append(LidarComponent(system, world.lidar))
+    for camera in world.cameras:
+        components.append(CameraComponent(system, camera, scenario.home))
+    if world.gimbal:
+        components.append(GimbalComponent(system, world.gimbal))
+    if world.gripper:
+        components.append(GripperComponent(system, world.gripper))
     if world.marker_camera:
         components.append(MarkerCameraComponent(system, world.marker_camera, vehicle))
     if any(kind == "operator" for event in scenario.events for kind, _ in event.effects):

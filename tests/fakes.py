@@ -14,6 +14,15 @@ from companion.geofence import FenceArea, StoredFence
 from companion.geometry import Ned, NorthEast
 from companion.motion.range_scan import RangeScan
 from companion.outcomes import Refusal
+from companion.vehicle.camera_port import (
+    IntendedShot,
+    NoPhoto,
+    PhotoMade,
+    ShotOutcome,
+    ShotOwner,
+    ShotReady,
+)
+from companion.vehicle.gimbal_port import Aim, Aimed, AimOutcome
 from companion.vehicle.port import (
     Failed,
     FrameLocation,
@@ -153,6 +162,77 @@ class FakeFence:
         self._vouched = self.stored
 
 
+class FakeCameras:
+    """Makes every photo at once, unless it was told otherwise.
+
+    Attributes:
+        answers: seconds and outcome for each photo, in the order they are asked for; then made.
+        prepared: whom each photo is for.
+        shot: those that were asked for.
+        recalled: photos of another process.
+    """
+
+    def __init__(self) -> None:
+        self.answers: list[tuple[float, PhotoMade | NoPhoto]] = []
+        self.prepared: list[tuple[int, ShotOwner]] = []
+        self.shot: list[int] = []
+        self.recalled: list[IntendedShot] = []
+        self._now_s = 0.0
+        self._due: dict[int, tuple[float, PhotoMade | NoPhoto]] = {}
+
+    def step(self, now_s: float) -> None:
+        """Time passes."""
+        self._now_s = now_s
+
+    def prepare(self, component: int, owner: ShotOwner, timeout_s: float | None) -> int:
+        self.prepared.append((component, owner))
+        return len(self.prepared)
+
+    def shoot(self, ticket: int) -> None:
+        self.shot.append(ticket)
+        made = PhotoMade(len(self.shot), len(self.shot) - 1)
+        delay_s, outcome = self.answers.pop(0) if self.answers else (0.0, made)
+        self._due[ticket] = (self._now_s + delay_s, outcome)
+
+    def outcome(self, ticket: int) -> ShotOutcome:
+        if ticket not in self._due:
+            return ShotReady(ticket, len(self.shot))
+        due_s, outcome = self._due[ticket]
+        return outcome if self._now_s >= due_s else None
+
+    def forget(self, ticket: int) -> None:
+        self._due.pop(ticket, None)
+
+    def recall(self, shot: IntendedShot) -> None:
+        self.recalled.append(shot)
+
+
+class FakeGimbals:
+    """Points wherever it is told to, at once.
+
+    Attributes:
+        outcomes: of each pointing, in order; then it points there.
+        pointed: component and aim of each.
+    """
+
+    def __init__(self) -> None:
+        self.outcomes: list[AimOutcome] = []
+        self.pointed: list[tuple[int, Aim]] = []
+        self._current: dict[int, AimOutcome] = {}
+
+    def point(self, component: int, aim: Aim, timeout_s: float | None) -> int:
+        self.pointed.append((component, aim))
+        ticket = len(self.pointed)
+        self._current[ticket] = self.outcomes.pop(0) if self.outcomes else Aimed()
+        return ticket
+
+    def outcome(self, ticket: int) -> AimOutcome:
+        return self._current[ticket]
+
+    def forget(self, ticket: int) -> None:
+        del self._current[ticket]
+
+
 class FakeVehicle:
     """Stands on the ground at first, disarmed.
 
@@ -166,6 +246,8 @@ class FakeVehicle:
         payloads: its payloads.
         markers: what it sees of landing markers; nothing at first.
         fence: of its autopilot.
+        cameras: its cameras.
+        gimbals: its gimbals.
         flown: every setpoint that it was given; None when it was released.
         pursued: the goals that were worked for, in order.
         scans: what it hears of its surroundings; nothing at first.
@@ -191,6 +273,8 @@ class FakeVehicle:
         self.payloads = FakePayloads()
         self.markers = FakeMarkers()
         self.fence = FakeFence()
+        self.cameras = FakeCameras()
+        self.gimbals = FakeGimbals()
         self.pursued: list[Goal] = []
         self.parameters: dict[str, float] = {
             "COM_OF_LOSS_T": 1.0,
@@ -224,6 +308,7 @@ class FakeVehicle:
         """Time passes: the point moves towards its setpoint, and its position is heard."""
         dt_s, self._now_s = now_s - self._now_s, now_s
         self.payloads.step(now_s)
+        self.cameras.step(now_s)
         if self.state is None:
             return
         position, velocity = self.state.position, (0.0, 0.0, 0.0)

@@ -103,7 +103,7 @@ class Executive:
         """Takes readings off the wire and turns them into facts."""
         flight, events = self._flight, self._planner.mission.events
         restores: frozenset[str] = frozenset()
-        for name, holds in self._detector.update(flight.now_s, readings):
+        for name, holds in self._detector.update(flight.now_s, flight.hear(readings)):
             flight.task.take(events[name], holds)
             flight.report(MissionEventChanged(name, holds))
             restores |= events[name].restores if holds else frozenset()

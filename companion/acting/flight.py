@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from companion.acting.journal import CommandIntended, CommandSettled, Journal, NoJournal
@@ -10,6 +11,7 @@ from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.skills import SymbolMoved
 from companion.geometry import Ned
 from companion.mission.model import Limits
+from companion.mission.signals import Signal
 from companion.motion.drag_estimate import DragEstimate
 from companion.motion.heading import turned
 from companion.motion.layered_routes import LayeredRoutes
@@ -62,6 +64,7 @@ class Flight:
         reports: what happened and has not been collected yet; the flight's own methods write it.
         journal: keeps what another process needs to go on with the flight; the run gives it.
         is_task_flown: what is flown is the plan of the task; `FlownTask` writes it.
+        heard: when each signal was heard last, and its value.
     """
 
     vehicle: Vehicle
@@ -78,6 +81,7 @@ class Flight:
     reports: list[Stamped] = field(default_factory=list)
     journal: Journal = field(default_factory=NoJournal)
     is_task_flown: bool = False
+    heard: dict[Signal, tuple[float, float]] = field(default_factory=dict)
     _intentions: int = field(default=0, init=False)
     _setpoint: Setpoint | None = field(default=None, init=False)
     _is_landing: bool = field(default=False, init=False)
@@ -88,6 +92,12 @@ class Flight:
     def elapsed_s(self, since_s: float) -> float:
         """Time since a step before; no more than two ticks, so that nothing jumps after a stall."""
         return min(self.now_s - since_s, 2 * TICK_S)
+
+    def hear(self, readings: Sequence[tuple[Signal, float]]) -> Sequence[tuple[Signal, float]]:
+        """Notes what was heard in this tick, and hands it on."""
+        for signal, value in readings:
+            self.heard[signal] = (self.now_s, value)
+        return readings
 
     def report(self, event: FlightEvent) -> None:
         """Notes something that happened now."""

@@ -14,6 +14,7 @@ from typing import Protocol
 from companion.flight_events.sortie import Phase
 from companion.geometry import Ned
 from companion.planning.task_changes import TaskChange
+from companion.vehicle.camera_port import IntendedShot
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,6 +115,7 @@ JournalEntry = (
     | VehicleSeen
     | CommandIntended
     | CommandSettled
+    | IntendedShot
     | OperatorSettings
     | PlanNumbered
     | TaskChange
@@ -153,6 +155,7 @@ class JournalledFlight:
         seen: where the vehicle was last; None if it never was seen.
         changes: of the task's state.
         unsettled: commands of the skill under way that were done, or of which that is not known.
+        shots: photos that were about to be asked for, the newest ones.
         settings: of the operator; None for the first ones.
         replans: how often it has planned again.
         time_s: of the last entry.
@@ -167,6 +170,7 @@ class JournalledFlight:
     seen: VehicleSeen | None = None
     changes: tuple[TaskChange, ...] = ()
     unsettled: tuple[CommandIntended, ...] = field(default=())
+    shots: tuple[IntendedShot, ...] = ()
     settings: OperatorSettings | None = None
     replans: int = 0
     time_s: float = 0.0
@@ -183,6 +187,7 @@ class JournalledFlight:
         return self.phase is Phase.ENDED or self.armed_s is None
 
 
+KEPT_SHOTS = 20
 _END_OF_SKILL = ("complete", "interrupt")
 _ON_THE_WAY_BACK = (Phase.YIELDED, Phase.OFFBOARD)
 
@@ -231,6 +236,8 @@ def _after(flight: JournalledFlight, time_s: float, entry: JournalEntry) -> Jour
         case CommandSettled(number):
             left = tuple(each for each in flight.unsettled if each.number != number)
             return replace(flight, unsettled=left)
+        case IntendedShot():
+            return replace(flight, shots=(*flight.shots, entry)[-KEPT_SHOTS:])
         case PlanNumbered(number):
             return replace(flight, replans=number)
         case OperatorSettings():

@@ -134,6 +134,10 @@ def restore(
     events = planner.mission.events
     detector.resume(name for name, event in events.items() if event.fact in task.facts)
     task.on_change = lambda change: journal.note(flight.now_s, change)
+    for shot in journalled.shots:
+        flight.vehicle.cameras.recall(shot)
+        if shot.position == task.positions:
+            flight.report(OutcomeUnknown(shot.action, "the camera is asked how many it has made"))
     for each in journalled.unsettled:
         _give_up(replay, each.action, flight)
         journal.note(flight.now_s, CommandSettled(each.number))

@@ -56,6 +56,7 @@ from companion.flight_events.reports import (
 from companion.flight_events.skills import (
     ClearanceChanged,
     OutcomeUnknown,
+    PhotoTaken,
     PlaceReached,
     RouteBlocked,
     SkillCompleted,
@@ -109,6 +110,7 @@ EVENTS: tuple[type[FlightEvent], ...] = (
     PlaceReached,
     SkillCompleted,
     SkillFailed,
+    PhotoTaken,
     OutcomeUnknown,
     WrittenTreeFailed,
     RouteBlocked,

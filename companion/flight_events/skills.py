@@ -46,6 +46,22 @@ class SkillFailed(FlightEvent):
 
 
 @dataclass(frozen=True, slots=True)
+class PhotoTaken(FlightEvent):
+    """A camera has made a photo for a skill."""
+
+    kind = "photo"
+    template = "photo {number} of {camera} at {place}"
+
+    number: Annotated[int, Doc("of the photo, as the camera counts them, from 1")]
+    camera: Annotated[str, Doc("its name in the mission")]
+    place: Annotated[str, Doc("where the vehicle was: a place, or metres from home")]
+    image_index: Annotated[
+        int | None, Doc("that the camera told; null where that message was lost")
+    ]
+    position: Annotated[Ned, Doc("of the vehicle: local NED, metres")]
+
+
+@dataclass(frozen=True, slots=True)
 class OutcomeUnknown(FlightEvent):
     """The companion was cut off while a skill commanded a payload."""
 

@@ -1,7 +1,9 @@
 """The steps of a skill's `execute`: what it does to the vehicle and its payloads.
 
-fly(parameter)    command(component, MAV_CMD_NAME[, param1, ... param7])    wait(seconds)
-land()    land_on(parameter)    charge(percent)    take_off()    another skill with its arguments
+fly(parameter)    wait(seconds)    land()    land_on(parameter)    charge(percent)    take_off()
+command(component, MAV_CMD_NAME[, param1, ... param7])    photo(camera)
+gimbal(component, pitch_deg, yaw_deg)    grip(component)    release(component)
+another skill with its arguments
 """
 
 from __future__ import annotations
@@ -10,13 +12,17 @@ import math
 import re
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
+from math import radians
 from typing import NamedTuple
 
 from companion.documents import did_you_mean
 from companion.errors import FormulaError
+from companion.mavlink.framing import dialect
 from companion.mavlink.payload_commands import AUTOPILOT, commands_for, why_not_sent
 from companion.mission.conditions import command_number
 from companion.mission.model import Charge, Command, Do, Execution, Fly, Land, LandOn, TakeOff, Wait
+from companion.mission.payload_steps import Photo, PointGimbal
 
 FLOAT32_MAX = 3.4028234e38  # MAVLink carries command parameters as IEEE 754 single precision
 
@@ -126,6 +132,30 @@ def _command(arguments: list[_Argument], known: _Known) -> Command:
     )
 
 
+def _photo(arguments: list[_Argument], known: _Known) -> Photo:
+    (camera,) = arguments
+    addressee = _addressee(camera, known)
+    if addressee == AUTOPILOT:
+        hint = "a camera is a component of its own, usually 100; one that the autopilot triggers "
+        raise camera.error("the autopilot is no camera", hint + "is commanded by command()")
+    return Photo(addressee, camera.word)
+
+
+def _gimbal(arguments: list[_Argument], known: _Known) -> PointGimbal:
+    component, pitch, yaw = arguments
+    addressee, pitch_deg, yaw_deg = _addressee(component, known), _number(pitch), _number(yaw)
+    if not -90 <= pitch_deg <= 90:
+        raise pitch.error("a gimbal looks 90 degrees down to 90 up", "write e.g. -90 for down")
+    if not -180 <= yaw_deg <= 180:
+        raise yaw.error("a gimbal looks 180 degrees to the left or to the right", "write e.g. 90")
+    return PointGimbal(addressee, component.word, radians(pitch_deg), radians(yaw_deg))
+
+
+def _gripper(action: int, arguments: list[_Argument], known: _Known) -> Command:
+    number, name = dialect.MAV_CMD_DO_GRIPPER, "MAV_CMD_DO_GRIPPER"
+    return Command(_addressee(arguments[0], known), number, name, (1.0, float(action)))
+
+
 def _addressee(component: _Argument, known: _Known) -> int:
     """The id of a component that is named."""
     components = known.components
@@ -178,6 +208,12 @@ class StepKind(NamedTuple):
 KINDS = {
     "fly": StepKind("fly(parameter)", 1, 1, _fly),
     "command": StepKind("command(component, MAV_CMD_NAME, param1, ... param7)", 2, 9, _command),
+    "photo": StepKind("photo(camera)", 1, 1, _photo),
+    "gimbal": StepKind("gimbal(component, pitch_deg, yaw_deg)", 3, 3, _gimbal),
+    "grip": StepKind("grip(component)", 1, 1, partial(_gripper, dialect.GRIPPER_ACTION_GRAB)),
+    "release": StepKind(
+        "release(component)", 1, 1, partial(_gripper, dialect.GRIPPER_ACTION_RELEASE)
+    ),
     "wait": StepKind("wait(seconds)", 1, 1, lambda given, _: Wait(_duration_s(given[0]))),
     "land": StepKind("land()", 0, 0, lambda *_: Land()),
     "land_on": StepKind(

@@ -10,18 +10,10 @@ from companion.errors import MissionError
 from companion.geometry import horizontal_distance
 from companion.mission.coordinates import Coordinates
 from companion.mission.facts import AT
-from companion.mission.model import (
-    Command,
-    Do,
-    Fly,
-    Place,
-    PointOfInterest,
-    Skill,
-    Wait,
-    flies,
-)
+from companion.mission.model import Place, PointOfInterest, Skill
+from companion.mission.refinement import flies, looks_while_holding, turns
 from companion.mission.schema import MissionFile, SkillEntry
-from companion.mission.world_schema import PointEntry
+from companion.mission.world_schema import LookAtEntry
 from companion.motion.heading import FACING_M
 
 
@@ -34,9 +26,9 @@ def look_at(
         MissionError: there is no such parameter or place, or the parameter may be an object.
     """
     wanted, where = entry.look_at, document.where("skills", name, "look_at")
-    if isinstance(wanted, PointEntry):
+    if isinstance(wanted, LookAtEntry):
         point = coordinates.point(wanted, "skills", name, "look_at")
-        return PointOfInterest(wanted.in_words, point)
+        return PointOfInterest(wanted.in_words, point, wanted.up_m)
     if wanted is None:
         return None
     if wanted in entry.parameters:
@@ -55,6 +47,25 @@ def look_at(
     return PointOfInterest(wanted, coordinates.point(file.places[wanted], "places", wanted))
 
 
+def gimbal_of(name: str, entry: SkillEntry, file: MissionFile, document: Document) -> int | None:
+    """The component with which a skill looks at something, beside the vehicle.
+
+    Raises:
+        MissionError: there is no such component, or nothing that is looked at.
+    """
+    if entry.gimbal is None:
+        return None
+    where = document.where("skills", name, "gimbal")
+    if entry.look_at is None:
+        hint = "add look_at, or point it by a step gimbal(component, pitch_deg, yaw_deg)"
+        raise MissionError(f"{name} has a gimbal, and looks at nothing", where, hint)
+    if entry.gimbal not in file.components:
+        known = ", ".join(file.components) or "none yet"
+        hint = f"components are {known}. {did_you_mean(entry.gimbal, file.components)}".rstrip()
+        raise MissionError(f"unknown component {entry.gimbal}", where, hint)
+    return file.components[entry.gimbal]
+
+
 def check_looking(
     skills: Mapping[str, Skill],
     places: Mapping[str, Place],
@@ -71,28 +82,23 @@ def check_looking(
         if skill.look_at is None:
             continue
         where = document.where("skills", skill.name, "look_at")
-        if not _turns(skill, skills):
+        if not turns(skill, skills):
             raise MissionError(
                 f"{skill.name} does not fly, command or wait, so it looks at nothing",
                 where,
                 "remove look_at: the autopilot lands and takes off with the heading that it has",
             )
-        if flies(skill, skills):
+        if skill.gimbal is not None and not looks_while_holding(skill, skills):
+            hint = "a gimbal points where the vehicle holds: add photo(), wait() or command()"
+            what = f"{skill.name} holds nowhere, so its gimbal points at nothing"
+            raise MissionError(what, document.where("skills", skill.name, "gimbal"), hint)
+        if flies(skill, skills) or skill.gimbal is not None:
             continue
         for stays, looks in _pairs(skill, places, sets):
             if horizontal_distance(stays.position, looks.position) < FACING_M:
                 what = f"{skill.name} looks at {looks.name} from {stays.name}"
                 hint = f"look at what is {FACING_M:g} m away; distinct: keeps parameters apart"
                 raise MissionError(f"{what}: no direction leads there", where, hint)
-
-
-def _turns(skill: Skill, skills: Mapping[str, Skill]) -> bool:
-    """Whether the companion has the vehicle in its hands in one of its steps."""
-    return any(
-        isinstance(step, Fly | Command | Wait)
-        or (isinstance(step, Do) and _turns(skills[step.skill], skills))
-        for step in skill.execute
-    )
 
 
 def _pairs(

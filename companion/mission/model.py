@@ -15,7 +15,8 @@ from companion.geometry import GlobalOrigin, Ned, NorthEast
 from companion.ltl.formula import Formula, atoms
 from companion.mission.facts import AT, Atom, Fact, at
 from companion.mission.markers import LandingMarker
-from companion.mission.signals import AnyCondition
+from companion.mission.payload_steps import Photo, PointGimbal
+from companion.mission.signals import AnyCondition, Condition
 from companion.mission.tree_nodes import Tree
 from companion.motion.grid import OccupancyGrid
 from companion.motion.profile import SpeedLimits
@@ -25,10 +26,17 @@ from companion.vehicle_profile import VehicleProfile
 
 @dataclass(frozen=True, slots=True)
 class PointOfInterest:
-    """What the vehicle looks at: a place, or a point to which it need not be able to fly."""
+    """What the vehicle looks at: a place, or a point to which it need not be able to fly.
+
+    Attributes:
+        up_m: how high above home; of a place, the ground there.
+        gimbal: component that looks at it too; None for none.
+    """
 
     name: str
     position: NorthEast
+    up_m: float = 0.0
+    gimbal: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,7 +209,7 @@ class Do:
     arguments: tuple[str, ...]
 
 
-Primitive = Fly | Command | Wait | Land | LandOn | TakeOff | Charge
+Primitive = Fly | Command | Photo | PointGimbal | Wait | Land | LandOn | TakeOff | Charge
 Execution = Primitive | Do
 
 
@@ -224,6 +232,8 @@ class Skill:
         retry_after_s: time after which a belief that its failure withdrew is held again.
         look_at: what the vehicle looks at meanwhile: one of its parameters, or always the same.
         is_repeatable: its commands may be sent again where it is not known whether they were done.
+        confirmed_by: what has to be heard after its last step; None for nothing.
+        gimbal: component that looks at it, too; None for the vehicle alone.
     """
 
     name: str
@@ -241,6 +251,8 @@ class Skill:
     retry_after_s: float | None = None
     look_at: str | PointOfInterest | None = None
     is_repeatable: bool = False
+    confirmed_by: Condition | None = None
+    gimbal: int | None = None
 
     @property
     def origin(self) -> str | None:
@@ -251,14 +263,6 @@ class Skill:
             if literal.is_positive and atom.predicate == AT and atom.arguments[0] in names:
                 return atom.arguments[0]
         return None
-
-
-def flies(skill: Skill, skills: Mapping[str, Skill]) -> bool:
-    """Whether a skill, or one of those that refine it, flies to a place."""
-    return any(
-        isinstance(step, Fly) or (isinstance(step, Do) and flies(skills[step.skill], skills))
-        for step in skill.execute
-    )
 
 
 PATIENCE_S = 60.0

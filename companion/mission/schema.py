@@ -20,7 +20,7 @@ from companion.drawn_maps import DrawnModel, MapEntry
 from companion.mission.keys import Name, Text, given
 from companion.mission.line_entry import TaskKey
 from companion.mission.model import PATIENCE_S
-from companion.mission.world_schema import LimitsEntry, PlaceEntry, PointEntry
+from companion.mission.world_schema import LimitsEntry, LookAtEntry, PlaceEntry
 from companion.vehicle_files import VehicleEntry, VehicleKey
 
 DAY_S = 86_400
@@ -133,8 +133,10 @@ class SkillEntry(DrawnModel):
         Field(
             min_length=1,
             description="What the vehicle does, one thing or a list, one after the other: "
-            "fly(parameter), command(component, MAV_CMD_NAME[, param1, ...]), wait(seconds), "
-            "land(), land_on(parameter), charge(percent), take_off(), or another skill with its "
+            "fly(parameter), command(component, MAV_CMD_NAME[, param1, ...]), photo(camera), "
+            "gimbal(component, pitch_deg, yaw_deg), grip(component), release(component), "
+            "wait(seconds), land(), land_on(parameter), charge(percent), take_off(), or another "
+            "skill with its "
             "arguments.",
         ),
     ]
@@ -173,13 +175,26 @@ class SkillEntry(DrawnModel):
         BeforeValidator(given, json_schema_input_type=Duration),
         Field(gt=0, le=DAY_S, description="Longest time of one try, seconds; without it no limit."),
     ] = None
+    confirmed_by: Annotated[
+        Text | None,
+        BeforeValidator(given, json_schema_input_type=Text),
+        Field(
+            description="Condition that what is heard after the last step has to meet, or the "
+            "skill has failed, e.g. NAMED_VALUE_INT[load].value > 0; within timeout_s, or 10 s."
+        ),
+    ] = None
     look_at: Annotated[
-        Name | PointEntry | None,
-        BeforeValidator(given, json_schema_input_type=Name | PointEntry),
+        Name | LookAtEntry | None,
+        BeforeValidator(given, json_schema_input_type=Name | LookAtEntry),
         Field(
             description="What the vehicle looks at meanwhile: a parameter, a place, or a point "
             "{east_m, north_m}; with frame: wgs84 {lat_deg, lon_deg}."
         ),
+    ] = None
+    gimbal: Annotated[
+        Name | None,
+        BeforeValidator(given, json_schema_input_type=Name),
+        Field(description="Component of a gimbal that looks there too, while the vehicle holds."),
     ] = None
 
 

@@ -14,13 +14,15 @@ from typing import TypeVar
 
 from companion.documents import Document, did_you_mean
 from companion.errors import MissionError
+from companion.mission.conditions import parse_condition
 from companion.mission.coordinates import Coordinates
-from companion.mission.execution import parse_execution
+from companion.mission.execution import KINDS, parse_execution
 from companion.mission.facts import Atom, spelled
 from companion.mission.literals import parse_effect, parse_fact, parse_literals
-from companion.mission.looking import look_at
+from companion.mission.looking import gimbal_of, look_at
 from companion.mission.model import Do, Execution, Fly, LandOn, PointOfInterest, Skill
 from companion.mission.schema import MissionFile, SkillEntry
+from companion.mission.signals import Condition, Silence
 from companion.mission.vocabulary import Domain, Vocabulary
 
 MAX_INSTANCES = 50_000  # actions of all skills; 220 places give `move` about that many
@@ -183,15 +185,27 @@ class _SkillBuilder:
             retry_after_s=entry.retry_after_s,
             look_at=looked_at,
             is_repeatable=entry.repeatable,
+            confirmed_by=self._confirmed_by(),
+            gimbal=gimbal_of(self.name, entry, self.file, self.document),
         )
+
+    def _confirmed_by(self) -> Condition | None:
+        text, keys = self.entry.confirmed_by, ("skills", self.name, "confirmed_by")
+        if text is None:
+            return None
+        with self.document.locating(*keys):
+            condition = parse_condition(text)
+        if isinstance(condition, Silence):
+            hint = "write what has to be heard, e.g. NAMED_VALUE_INT[load].value > 0"
+            raise MissionError("silence confirms nothing", self.document.where(*keys), hint)
+        return condition
 
     def _execute(self, domains: Mapping[str, Domain]) -> tuple[Execution, ...]:
         steps = []
+        skills = [name for name in self.file.skills if name != self.name or name not in KINDS]
         for index, text in enumerate(self.entry.execute):
             with self.document.locating("skills", self.name, "execute", index):
-                steps.append(
-                    parse_execution(text, list(domains), self.file.components, self.file.skills)
-                )
+                steps.append(parse_execution(text, list(domains), self.file.components, skills))
         return tuple(steps)
 
     def _domains(self) -> Mapping[str, Domain]:

@@ -29,7 +29,8 @@ from companion.errors import MissionError
 from companion.mission.execution import parse_execution
 from companion.mission.facts import ANYWHERE, HERE, Atom, Fact
 from companion.mission.literals import parse_literals
-from companion.mission.model import Skill, Wait, flies
+from companion.mission.model import Skill, Wait
+from companion.mission.refinement import flies
 from companion.mission.skills import WAIT
 from companion.mission.tree_nodes import (
     Act,

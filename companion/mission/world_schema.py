@@ -103,6 +103,12 @@ class MarkerEntry(DrawnModel):
     ] = 0
 
 
+class LookAtEntry(PointEntry):
+    """A point to look at."""
+
+    up_m: Annotated[Metres, Field(description="Metres above home, for a gimbal.")] = 0.0
+
+
 class PlaceEntry(PointEntry):
     """A point with a region around it: in metres from home, or on the earth."""
 

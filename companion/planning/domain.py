@@ -7,6 +7,7 @@ from typing import Generic, TypeVar
 
 from companion.mission.facts import ANYWHERE, Atom, Fact, spelled
 from companion.mission.model import Fly, PointOfInterest, Primitive, Wait
+from companion.mission.signals import Condition
 
 REST_S = 1.0
 """Length of one step of rest."""
@@ -39,6 +40,7 @@ class Refinement:
 
     Attributes:
         look_at: what the vehicle looks at meanwhile; None for what the skill that it refines says.
+        confirmed_by: what has to be heard after the last step.
     """
 
     name: str
@@ -46,6 +48,7 @@ class Refinement:
     tries: int
     timeout_s: float | None
     look_at: PointOfInterest | None = None
+    confirmed_by: Condition | None = None
 
 
 Step = Primitive | Refinement
@@ -68,6 +71,7 @@ class Action:
         retry_after_s: time after which what it assumes is believed again; None is never.
         look_at: what the vehicle looks at meanwhile; None for nothing of its own.
         is_repeatable: its commands may be sent again where it is not known whether they were done.
+        confirmed_by: what has to be heard after the last step; None for nothing.
     """
 
     skill: str
@@ -85,6 +89,7 @@ class Action:
     retry_after_s: float | None = None
     look_at: PointOfInterest | None = None
     is_repeatable: bool = False
+    confirmed_by: Condition | None = None
     name: str = field(init=False, compare=False)
 
     def __post_init__(self) -> None:

@@ -23,7 +23,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from companion.mission.facts import HERE, Fact, spelled
-from companion.mission.model import Do, Fly, LandOn, Literal, Mission, PointOfInterest, Skill, flies
+from companion.mission.model import Do, Fly, LandOn, Literal, Mission, PointOfInterest, Skill
+from companion.mission.refinement import flies
 from companion.planning.domain import (
     UNIT_MS,
     WAIT,
@@ -177,16 +178,18 @@ def _refined(mission: Mission, skill: Skill, binding: dict[str, str]) -> tuple[S
             name = spelled(inner.name, tuple(own.values()))
             below = _refined(mission, inner, own)
             look_at = _look_at(mission, inner, own)
-            steps.append(Refinement(name, below, inner.tries, inner.timeout_s, look_at))
+            limits = (inner.tries, inner.timeout_s)
+            steps.append(Refinement(name, below, *limits, look_at, inner.confirmed_by))
         else:
             steps.append(step)
     return tuple(steps)
 
 
 def _look_at(mission: Mission, skill: Skill, binding: dict[str, str]) -> PointOfInterest | None:
-    if not isinstance(skill.look_at, str):
-        return skill.look_at
-    return mission.places[binding[skill.look_at]].point
+    point = skill.look_at
+    if isinstance(point, str):
+        point = mission.places[binding[point]].point
+    return point and replace(point, gimbal=skill.gimbal)
 
 
 def _instance(mission: Mission, skill: Skill, binding: dict[str, str]) -> _Instance | None:
@@ -221,6 +224,7 @@ def _instance(mission: Mission, skill: Skill, binding: dict[str, str]) -> _Insta
         retry_after_s=skill.retry_after_s,
         look_at=_look_at(mission, skill, binding),
         is_repeatable=skill.is_repeatable,
+        confirmed_by=skill.confirmed_by,
     )
     return _Instance(action, flight)
 

@@ -28,9 +28,11 @@ from companion.mavlink.framing import Message, dialect, source
 from companion.mission.signals import Signal
 from companion.motion.range_scan import RangeScan
 from companion.outcomes import Refusal
+from companion.vehicle.cameras import MavlinkCameras
 from companion.vehicle.control_watch import ControlState, ControlWatch
 from companion.vehicle.fence_service import FenceService
 from companion.vehicle.gate import Envelope
+from companion.vehicle.gimbals import MavlinkGimbals
 from companion.vehicle.goal_pursuit import GoalPursuit
 from companion.vehicle.heard_time import HeardTime
 from companion.vehicle.marker_sightings import MarkerSightings
@@ -80,6 +82,8 @@ class MavlinkVehicle:
         payloads: what skills have to do with payloads.
         markers: what is seen of landing markers.
         fence: of the autopilot.
+        cameras: its cameras.
+        gimbals: its gimbals.
     """
 
     def __init__(
@@ -107,7 +111,10 @@ class MavlinkVehicle:
         self.payloads = PayloadCommands(wire)
         self.markers = MarkerSightings(telemetry, marker_components)
         self.fence = FenceService(wire, telemetry, own_fences or OwnFences())
-        services: list[Service] = [self._goals, self.payloads, self.fence]
+        self.cameras = MavlinkCameras(wire)
+        self.gimbals = MavlinkGimbals(wire, telemetry)
+        devices: list[Service] = [self.payloads, self.cameras, self.gimbals]
+        services: list[Service] = [self._goals, *devices, self.fence]
         self._services = (*services, self.markers) if marker_components else tuple(services)
 
     # -- messages ------------------------------------------------------------------------------
@@ -225,6 +232,8 @@ class MavlinkVehicle:
             return Failed(str(self.takeover))
         if self.state is None or self.is_doubted:
             return Progress.RUNNING
+        if goal is Goal.LANDED:
+            self.gimbals.give_back()
         outcome = self._goals.pursue(goal, self.state, self._moment, takeoff_up_m)
         if outcome is Progress.DONE and goal is Goal.LANDED:
             self._stream.end()  # OFFBOARD on the ground is not ours to stream in

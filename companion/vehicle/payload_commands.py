@@ -1,20 +1,26 @@
 """The commands of skills to payloads, over MAVLink.
 
 1. A command passes the rules of `mavlink/payload_commands.py`, or it is never sent.
-2. While nothing is heard of the autopilot no command is sent, and no command's time passes.
+2. Silence and absence are two things: who did not answer, and sends no heartbeat, is not there.
+3. While nothing is heard of the autopilot no command is sent, and no command's time passes.
 
 Source: https://mavlink.io/en/services/command.html.
 """
 
 from __future__ import annotations
 
-from companion.mavlink.commands import CommandSender
-from companion.mavlink.framing import Message
+import math
+
+from companion.mavlink.commands import CommandSender, Exchange
+from companion.mavlink.framing import Message, source
 from companion.mavlink.payload_commands import why_not_sent
 from companion.outcomes import Refusal
 from companion.vehicle.port import Failed, Outcome, Progress
 from companion.vehicle.services import Moment
 from companion.vehicle.wire import COMPONENT, Wire
+
+ONLINE_S = 3.0
+"""Age of the newest heartbeat up to which a component is there; one comes each second."""
 
 
 class PayloadCommands:
@@ -24,13 +30,15 @@ class PayloadCommands:
         wire: whose system the payloads belong to.
     """
 
-    wanted = frozenset({"COMMAND_ACK"})
+    wanted = frozenset({"COMMAND_ACK", "HEARTBEAT"})
     needs_control = True
 
     def __init__(self, wire: Wire) -> None:
         self._wire = wire
         self._commands = CommandSender()
         self._heard_s = 0.0
+        self._targets: dict[int, int] = {}
+        self._heartbeats_s: dict[int, float] = {}
 
     # -- port.Payloads -------------------------------------------------------------------------
 
@@ -43,6 +51,7 @@ class PayloadCommands:
         ticket = self._commands.start(
             self._heard_s, target, command, (p1, p2, p3, p4, p5, p6, p7), timeout_s
         )
+        self._targets[ticket] = component
         if why_not := why_not_sent(component, command):
             self._commands.refuse(ticket, Refusal(f"not sent: {why_not}"))
         return ticket
@@ -51,12 +60,25 @@ class PayloadCommands:
         """How far the command of a ticket has come."""
         exchange = self._commands[ticket]
         if exchange.has_failed:
-            return Failed(exchange.in_words)
+            return Failed(exchange.in_words + self._absence(ticket, exchange))
         return Progress.DONE if exchange.result else Progress.RUNNING
 
     def forget(self, ticket: int) -> None:
         """Asks for a command no longer."""
         self._commands.forget(ticket)
+        self._targets.pop(ticket, None)
+
+    def _absence(self, ticket: int, exchange: Exchange) -> str:
+        """That nobody is there to answer; "" if somebody is, or has answered."""
+        component = self._targets[ticket]
+        heard_s = self._heartbeats_s.get(component, -math.inf)
+        if (
+            exchange.result != "NO_ANSWER"
+            or exchange.is_answered
+            or self._heard_s - heard_s <= ONLINE_S
+        ):
+            return ""
+        return f", and no heartbeat of component {component}"
 
     # -- services.Service ----------------------------------------------------------------------
 
@@ -65,7 +87,10 @@ class PayloadCommands:
         self._heard_s = moment.heard_s
 
     def take(self, moment: Moment, message: Message) -> None:
-        """Takes an answer to us."""
+        """Takes an answer to us, or a heartbeat."""
+        if message.get_type() == "HEARTBEAT":
+            self._heartbeats_s[source(message)[1]] = moment.heard_s
+            return
         if message.target_component in (0, COMPONENT):
             self._commands.receive(moment.heard_s, message)
 

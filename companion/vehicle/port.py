@@ -16,6 +16,8 @@ from companion.geofence import FenceArea, StoredFence
 from companion.geometry import GlobalOrigin, Ned, NorthEast
 from companion.motion.range_scan import RangeScan
 from companion.outcomes import Refusal
+from companion.vehicle.camera_port import Cameras
+from companion.vehicle.gimbal_port import Gimbals
 
 MODE_KNOWN_S = 1.5
 """Age of the newest heartbeat, sent once a second, up to which its mode is taken for the present
@@ -273,6 +275,14 @@ class Vehicle(Protocol):
     @property
     def markers(self) -> Markers:
         """What is seen of landing markers."""
+
+    @property
+    def cameras(self) -> Cameras:
+        """Its cameras."""
+
+    @property
+    def gimbals(self) -> Gimbals:
+        """Its gimbals."""
 
     @property
     def state(self) -> VehicleState | None:

@@ -72,14 +72,8 @@ class ComponentSender:
             self.acknowledge(message.command, CommandAck(source(message), MavResult.UNSUPPORTED)),
         ]
 
-    def heartbeat(self, now_s: float) -> list[PackedMessage]:
-        """HEARTBEAT when it is due."""
+    def heartbeat(self, now_s: float, kind: int = _ONBOARD_CONTROLLER) -> list[PackedMessage]:
+        """HEARTBEAT when it is due, of a MAV_TYPE."""
         if not self.is_due(HEARTBEAT_S, now_s):
             return []
-        return [
-            self.pack(
-                dialect.MAVLink_heartbeat_message(
-                    _ONBOARD_CONTROLLER, _NO_AUTOPILOT, 0, 0, _ACTIVE, 3
-                )
-            )
-        ]
+        return [self.pack(dialect.MAVLink_heartbeat_message(kind, _NO_AUTOPILOT, 0, 0, _ACTIVE, 3))]

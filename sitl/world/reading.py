@@ -9,6 +9,7 @@ from __future__ import annotations
 from companion.documents import Document, did_you_mean
 from companion.errors import MissionError
 from companion.mavlink.framing import dialect
+from sitl.world.device_schema import check_camera_event, check_device_event
 from sitl.world.marker_schema import check_marker_event
 from sitl.world.obstacles import Obstacle
 from sitl.world.scenario_events import (
@@ -111,7 +112,7 @@ def _trigger(
     if place := entry.place:
         return VisitTrigger(Circle((place.north_m, place.east_m), place.radius_m), place.visit)
     number = command_number(entry.command or "", document, "happens", i, "command")
-    on_board = {AUTOPILOT, *model.components.values()}
+    on_board = {AUTOPILOT, *(component for _, component in model.components)}
     if entry.component is not None and entry.component not in on_board:
         raise MissionError(
             f"there is no component {entry.component} on board, so this can never happen",
@@ -149,6 +150,12 @@ def _check_effects(
         command_number(entry.answer.command, document, "happens", i, "answer", "command")
     if entry.marker is not None:
         check_marker_event(entry.marker, model.marker_camera, document, i)
+    if entry.camera is not None:
+        check_camera_event(entry.camera, model.cameras, document, i)
+    if entry.gimbal is not None:
+        check_device_event("gimbal", entry.gimbal, model.gimbal, document, i)
+    if entry.gripper is not None:
+        check_device_event("gripper", entry.gripper, model.gripper, document, i)
     if entry.battery and entry.battery.charge is None and entry.battery.known is None:
         raise MissionError("battery needs charge or known", document.where("happens", i, "battery"))
     if entry.gps and entry.gps.lost is None and entry.gps.noise_m is None:

@@ -43,6 +43,10 @@ from companion.vehicle_profile import VehicleProfile
 from sitl.autopilot.parameters import PARAMETERS
 from sitl.flight.estimate import Wander
 from sitl.results import MavResult
+from sitl.world.camera import CameraSpec
+from sitl.world.device_schema import camera, gimbal, gripper
+from sitl.world.gimbal import GimbalSpec
+from sitl.world.gripper import GripperSpec
 from sitl.world.lidar import LidarSpec
 from sitl.world.marker_schema import marker_camera
 from sitl.world.markers import MarkerCameraSpec
@@ -76,6 +80,8 @@ class Scenario:
         detector: component id of the target detector; None is no detector.
         lidar: None is no lidar.
         marker_camera: None is no camera for landing markers, and none of these.
+        cameras: those that make photos.
+        gimbal, gripper: None is none.
         pads: charging pads, each with its current in amperes.
         events: in the order of the file.
         map: its file, or itself; None is a world without walls, but for a map that was given
@@ -102,6 +108,9 @@ class Scenario:
     origin: GlobalOrigin | None = None
     map: Path | MapEntry | None = None
     marker_camera: MarkerCameraSpec | None = None
+    cameras: tuple[CameraSpec, ...] = ()
+    gimbal: GimbalSpec | None = None
+    gripper: GripperSpec | None = None
 
     @property
     def arming_refusals(self) -> tuple[str, ...]:
@@ -183,6 +192,9 @@ def _parse(
         origin=_on_earth(model.origin) if model.origin else None,
         map=map_,
         marker_camera=marker_camera(model.marker_camera, document) if model.marker_camera else None,
+        cameras=tuple(map(camera, model.cameras)),
+        gimbal=gimbal(model.gimbal, document) if model.gimbal else None,
+        gripper=gripper(model.gripper) if model.gripper else None,
     )
     return scenario, document
 
@@ -213,15 +225,18 @@ def _first_sighting(model: ScenarioModel) -> tuple[ScenarioEvent, ...]:
 
 
 def _check_components(model: ScenarioModel, document: Document) -> None:
-    owners: dict[int, str] = {}
-    for key, component in model.components.items():
+    owners: dict[int, tuple[str | int, ...]] = {}
+    for keys, component in model.components:
         if component in owners:
+            first = owners[component]
+            said = keys if keys[0] in model.model_fields_set else first
+            names = [" ".join(map(str, each)) for each in (first, keys)]
             raise MissionError(
-                f"{owners[component]} and {key} have the same component id {component}",
-                document.where(key if getattr(model, key) else owners[component], "component"),
+                f"{' and '.join(names)} have the same component id {component}",
+                document.where(*said, "component"),
                 "each component on board needs an id of its own",
             )
-        owners[component] = key
+        owners[component] = keys
 
 
 def _check_parameter(name: str, value: float, document: Document) -> None:

@@ -16,7 +16,11 @@ from typing import Any, Protocol
 from companion.geometry import GlobalOrigin, Ned, ned_from_enu
 from companion.mavlink.framing import dialect
 from sitl.results import MavResult
+from sitl.world.camera import CameraChange
+from sitl.world.device_schema import camera_change, gimbal_change, gripper_change
 from sitl.world.faults import Answer, Direction, LinkQuality, Port, Reboot
+from sitl.world.gimbal import GimbalChange
+from sitl.world.gripper import GripperChange
 from sitl.world.marker_schema import marker_change
 from sitl.world.markers import MarkerChange
 from sitl.world.payload import PayloadAnswer
@@ -72,6 +76,15 @@ class EffectReceiver(Protocol):
     def change_marker(self, change: MarkerChange) -> None:
         """Something becomes of a landing marker."""
 
+    def change_camera(self, change: CameraChange) -> None:
+        """Something becomes of a camera."""
+
+    def change_gimbal(self, change: GimbalChange) -> None:
+        """Something becomes of the gimbal."""
+
+    def change_gripper(self, change: GripperChange) -> None:
+        """Something becomes of the gripper."""
+
 
 EFFECTS: Mapping[str, Callable[[EffectReceiver, Any], None]] = {
     "target": lambda world, value: world.show_target(value == "seen"),
@@ -98,6 +111,9 @@ EFFECTS: Mapping[str, Callable[[EffectReceiver, Any], None]] = {
     "reboot": lambda world, value: world.reboot(Reboot(value.silent_s, value.recovers)),
     "answer": lambda world, value: world.set_answer(getattr(dialect, value.command), value.answer),
     "marker": lambda world, value: world.change_marker(marker_change(value)),
+    "camera": lambda world, value: world.change_camera(camera_change(value)),
+    "gimbal": lambda world, value: world.change_gimbal(gimbal_change(value)),
+    "gripper": lambda world, value: world.change_gripper(gripper_change(value)),
 }
 """Key in the scenario -> what it does with the key's value."""
 

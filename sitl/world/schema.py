@@ -11,6 +11,14 @@ from typing import Annotated, Any, Literal
 from companion.drawn_maps import MapEntry
 from companion.geometry import FAR_M
 from companion.vehicle_files import VehicleEntry, VehicleKey
+from sitl.world.device_schema import (
+    CameraEventModel,
+    CameraModel,
+    GimbalEventModel,
+    GimbalModel,
+    GripperEventModel,
+    GripperModel,
+)
 from sitl.world.faults import Answer, Direction, Port
 from sitl.world.marker_schema import MarkerCameraModel, MarkerEventModel
 from sitl.world.schema_fields import (
@@ -258,6 +266,9 @@ class ScenarioEventModel(Strict):
     marker: Annotated[
         MarkerEventModel | None, described("a landing marker appears, disappears or moves")
     ] = None
+    camera: Annotated[CameraEventModel | None, described("what becomes of a camera")] = None
+    gimbal: Annotated[GimbalEventModel | None, described("what becomes of the gimbal")] = None
+    gripper: Annotated[GripperEventModel | None, described("what becomes of the gripper")] = None
 
 
 class ScenarioModel(Strict):
@@ -292,6 +303,9 @@ class ScenarioModel(Strict):
     marker_camera: Annotated[
         MarkerCameraModel | None, described("looks down for landing markers")
     ] = None
+    cameras: Annotated[tuple[CameraModel, ...], described("cameras on board")] = ()
+    gimbal: Annotated[GimbalModel | None, described("a gimbal on board")] = None
+    gripper: Annotated[GripperModel | None, described("a gripper on board")] = None
     obstacles: Annotated[
         tuple[ObstacleModel, ...], described("what the mission's map does not show")
     ] = ()
@@ -306,15 +320,19 @@ class ScenarioModel(Strict):
         return self.lidar or (LidarModel() if self.map else None)
 
     @property
-    def components(self) -> dict[str, int]:
-        """Key of each component on board beside the autopilot -> its MAVLink component id."""
+    def components(self) -> tuple[tuple[tuple[str | int, ...], int], ...]:
+        """The place in the file of each component on board, and its MAVLink component id."""
         parts = {
             "target": self.target,
             "payload": self.payload,
             "lidar": self.lidar_on_board,
             "marker_camera": self.marker_camera,
+            "gimbal": self.gimbal,
+            "gripper": self.gripper,
         }
-        return {key: part.component for key, part in parts.items() if part}
+        single = [((key,), part.component) for key, part in parts.items() if part]
+        cameras = [(("cameras", i), each.component) for i, each in enumerate(self.cameras)]
+        return (*single, *cameras)
 
 
 def json_schema() -> dict[str, Any]:

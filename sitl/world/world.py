@@ -16,9 +16,12 @@ from companion.motion.grid import OccupancyGrid
 from sitl.autopilot.autopilot import Autopilot
 from sitl.flight.estimate import Estimator
 from sitl.flight.physics import FlightState, Physics
+from sitl.world.camera import Camera, CameraChange
 from sitl.world.collision import CollisionCounter, ground_up_m, is_over_edge, is_wreck
 from sitl.world.detector import TargetDetector
 from sitl.world.faults import Answer, Direction, LinkQuality, Port, Reboot
+from sitl.world.gimbal import Gimbal, GimbalChange
+from sitl.world.gripper import Gripper, GripperChange
 from sitl.world.lidar import Lidar
 from sitl.world.markers import MarkerCamera, MarkerChange
 from sitl.world.obstacles import TrueMap
@@ -69,6 +72,11 @@ class World:
         self.lidar = Lidar(scenario.lidar, self._map.grid, rng) if scenario.lidar else None
         camera = scenario.marker_camera
         self.marker_camera = MarkerCamera(camera, Random(f"markers {seed}")) if camera else None
+        self.cameras = [
+            Camera(each, Random(f"camera {each.component} {seed}")) for each in scenario.cameras
+        ]
+        self.gimbal = Gimbal(scenario.gimbal) if scenario.gimbal else None
+        self.gripper = Gripper(scenario.gripper) if scenario.gripper else None
         self.event_log: list[tuple[float, str]] = []
         self.is_wreck = False
         self.operator_commands: list[str] = []
@@ -209,3 +217,20 @@ class World:
         """Something becomes of a landing marker."""
         if self.marker_camera:
             self.marker_camera.change(change, self._physics.state.time_s)
+
+    def change_camera(self, change: CameraChange) -> None:
+        """Something becomes of a camera."""
+        for camera in self.cameras:
+            if change.component in (None, camera.spec.component):
+                camera.change(change)
+                return
+
+    def change_gimbal(self, change: GimbalChange) -> None:
+        """Something becomes of the gimbal."""
+        if self.gimbal:
+            self.gimbal.change(change)
+
+    def change_gripper(self, change: GripperChange) -> None:
+        """Something becomes of the gripper."""
+        if self.gripper:
+            self.gripper.change(change)

@@ -41,7 +41,11 @@ COMPANION = 191
 """Its companion's component id."""
 PAYLOAD = 25
 """Component id of the shipped missions' payloads."""
-ASKING = (dialect.MAV_CMD_REQUEST_MESSAGE, dialect.MAV_CMD_RUN_PREARM_CHECKS)
+ASKING = (
+    dialect.MAV_CMD_REQUEST_MESSAGE,
+    dialect.MAV_CMD_REQUEST_CAMERA_CAPTURE_STATUS,
+    dialect.MAV_CMD_RUN_PREARM_CHECKS,
+)
 SETPOINT = "SET_POSITION_TARGET_LOCAL_NED"
 
 

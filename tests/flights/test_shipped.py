@@ -59,6 +59,13 @@ def delivered(parcel: str, customer: str) -> Story:
     ]
 
 
+NO_PHOTO = SkillFailed("shoot(T7)", "the camera says that the photo has failed")
+
+
+def photo(tree: int) -> Story:
+    return [f"T{tree}", SkillCompleted(f"shoot(T{tree})")]
+
+
 def noticed(event: str, reason: str) -> Story:
     return [MissionEventChanged(event, holds=True), Replanned(reason)]
 
@@ -129,6 +136,16 @@ SHIPPED = (
             *(BeliefWithdrawn("canLand(Workshop)"),),
             Replanned("deliver(Workshop) failed: its marker is not seen"),
             *("Office", SkillCompleted("deliver(Office)"), "Home", TaskSatisfied()),
+        ],
+    ),
+    Shipped(
+        "orchard",
+        "orchard",
+        [
+            *(*photo(1), *photo(5), *photo(9), *photo(10), *photo(6), "T7"),
+            *(NO_PHOTO, BeliefWithdrawn("works(T7)"), Replanned(NO_PHOTO.text)),
+            *(*photo(11), *photo(12), *photo(8), *photo(4), *photo(3), *photo(2)),
+            *("Home", TaskSatisfied()),
         ],
     ),
     Shipped(

@@ -17,8 +17,9 @@ refinement. A plan needs no such check, as it is replaced when its place is lost
 
 A refinement of several steps is a sequence of them; a step that is itself a skill is refined in
 turn, until all leaves are primitives. Whatever a refinement is, all of it is tried so often, each
-time within the time limit; what is tried once has no decorator. Where a skill looks at something, a
-leaf that flies, commands or waits is a Sequence (no memory): LookAt | leaf.
+time within the time limit; what is tried once has no decorator. What confirms a skill is waited for
+after its last step. Where a skill looks at something, a leaf that flies, commands or waits is a
+Sequence (no memory): LookAt | leaf; a gimbal that looks there too comes between them.
 """
 
 from __future__ import annotations
@@ -31,7 +32,9 @@ from py_trees.composites import Selector, Sequence
 from py_trees.decorators import Inverter, Repeat, Retry
 
 from companion.acting.behaviour_tree import landing
+from companion.acting.behaviour_tree.confirmation import Confirm
 from companion.acting.behaviour_tree.deadline import Deadline
+from companion.acting.behaviour_tree.gimbal import AimGimbal, LookThroughGimbal
 from companion.acting.behaviour_tree.intention import Intention
 from companion.acting.behaviour_tree.land_on import LandOnMarker
 from companion.acting.behaviour_tree.leaf import Leaf
@@ -47,6 +50,7 @@ from companion.acting.behaviour_tree.leaves import (
 )
 from companion.acting.behaviour_tree.look_at import LookAt
 from companion.acting.behaviour_tree.move import MoveCommand
+from companion.acting.behaviour_tree.photo import TakePhoto, number_photos
 from companion.acting.flight import Flight
 from companion.acting.replanning.assumptions import Assumptions
 from companion.mission.model import (
@@ -59,6 +63,7 @@ from companion.mission.model import (
     TakeOff,
     Wait,
 )
+from companion.mission.payload_steps import Photo, PointGimbal
 from companion.planning.domain import Refinement, Step
 from companion.planning.lasso import Lasso
 
@@ -115,7 +120,8 @@ def action_tree(
         ends_lap: whether the action is the last one of the loop.
     """
     action = intention.action
-    steps = Refinement("steps", action.execute, action.tries, action.timeout_s, action.look_at)
+    about = (action.tries, action.timeout_s, action.look_at, action.confirmed_by)
+    steps = Refinement("steps", action.execute, *about)
     refinement = _refinement(flight, steps)
     if assumptions is None and action.destination is None:
         at_place = Sequence("at its place", memory=False)
@@ -130,6 +136,7 @@ def action_tree(
         ],
     )
     selector = ActionNode(flight, intention)
+    number_photos(refinement)
     selector.add_children([triple, Inverter("not", Withdraw(flight, intention, triple))])
     return selector
 
@@ -171,12 +178,18 @@ def _one_try(
 
     A command among them may take all of that time.
     """
-    match skill.steps:
+    match skill.steps if skill.confirmed_by is None else ():
         case (Fly(place),):
             return _flight_to(flight, place, skill.timeout_s, look_at)
         case (Command() as command,):
             return _looking(flight, SendCommand(flight, command, limit_s), look_at)
+        case (PointGimbal() as gimbal,):
+            return AimGimbal(flight, gimbal, limit_s)
+        case (Photo() as photo,):
+            return _looking(flight, TakePhoto(flight, photo, limit_s), look_at)
     steps = [_step(flight, step, limit_s, look_at) for step in skill.steps]
+    if skill.confirmed_by is not None:
+        steps.append(Confirm(flight, skill.confirmed_by, limit_s))
     once = steps[0] if len(steps) == 1 else _sequence(skill.name, steps)
     return Deadline(flight, once, skill.timeout_s) if skill.timeout_s is not None else once
 
@@ -201,7 +214,10 @@ def _looking(flight: Flight, leaf: Leaf, look_at: PointOfInterest | None) -> Beh
     if look_at is None:
         return leaf
     looking = Sequence("looking", memory=False)
-    looking.add_children([LookAt(flight, look_at, leaf), leaf])
+    looking.add_child(LookAt(flight, look_at, leaf))
+    if look_at.gimbal is not None and not isinstance(leaf, MoveCommand):
+        looking.add_child(LookThroughGimbal(flight, look_at, leaf))
+    looking.add_child(leaf)
     return looking
 
 
@@ -213,6 +229,10 @@ def _step(
             return _flight_to(flight, place, None, look_at)
         case Command():
             return _looking(flight, SendCommand(flight, step, limit_s), look_at)
+        case PointGimbal():
+            return AimGimbal(flight, step, limit_s)
+        case Photo():
+            return _looking(flight, TakePhoto(flight, step, limit_s), look_at)
         case Wait(duration_s):
             return _looking(flight, Rest(flight, duration_s), look_at)
         case Land():

@@ -29,7 +29,11 @@ class Deadline(Decorator):
     def update(self) -> Status:
         """The child's status, until the time is over."""
         if self.decorated.status is Status.RUNNING and self._flight.now_s > self._end_s:
+            tip = self.decorated.tip()
+            about = tip.feedback_message if tip is not None else ""
             self.decorated.stop(Status.INVALID)
-            self.feedback_message = f"not done after {self.timeout_s:g} s"
+            self.feedback_message = f"not done after {self.timeout_s:g} s" + (
+                f": {about}" if about else ""
+            )
             return Status.FAILURE
         return self.decorated.status

@@ -31,6 +31,13 @@ from companion.flight_events.hosting import (
     TerminalHungUp,
     UploadChecked,
 )
+from companion.flight_events.landing import (
+    LandedOnMarker,
+    MarkerAbandoned,
+    MarkerLost,
+    MarkerSeen,
+    SightingsRefused,
+)
 from companion.flight_events.plans import (
     EngineFailed,
     LapCompleted,
@@ -54,6 +61,7 @@ from companion.flight_events.reports import (
 from companion.flight_events.skills import (
     ClearanceChanged,
     OutcomeUnknown,
+    PhotoTaken,
     PlaceReached,
     RouteBlocked,
     RouteResponse,
@@ -131,6 +139,7 @@ TEXTS: list[tuple[FlightEvent, str]] = [
     (PlaceReached("A", "move(Home, A)"), "at A"),
     (SkillCompleted("upload(r1)"), "upload(r1) done"),
     (SkillFailed("upload(r1)", "denied"), "upload(r1) failed: denied"),
+    (PhotoTaken(13, "camera", "A", 12, (1.0, 2.0, -3.0)), "photo 13 of camera at A"),
     (
         OutcomeUnknown("upload(r1)", "it is taken for failed"),
         "upload(r1): whether it was done is not known; it is taken for failed",
@@ -213,6 +222,14 @@ TEXTS: list[tuple[FlightEvent, str]] = [
     (FlightLimitReached("3 laps"), "3 laps flown: returning"),
     (ReturnBegun("Home"), "returning to Home"),
     (ReturnFailed("Home", "no clear route"), "cannot return to Home: no clear route"),
+    (MarkerSeen("Roof", 0.42), "the marker of Roof is seen, 0.4 m from its place"),
+    (MarkerLost("Roof", 3.14), "the marker of Roof is lost, 3.1 m above it"),
+    (
+        SightingsRefused("Roof", 4, "it moves"),
+        "sightings for Roof refused: 4; the last one: it moves",
+    ),
+    (MarkerAbandoned("Roof", "it moves"), "no landing on the marker of Roof: it moves"),
+    (LandedOnMarker("Roof", 0.086), "landed 0.09 m from the marker of Roof"),
     (VehicleLanded(), "landed on the way"),
     (VehicleAirborne(), "in the air again"),
     (BatteryCharged(90), "charged to 90 %"),

@@ -165,5 +165,14 @@ def test_the_example_of_the_documentation_flies() -> None:
 
 def test_the_faults_of_the_documentation_are_read() -> None:
     page = (MISSIONS.parent / "docs" / "scenario.md").read_text()
-    text = "version: 1\n" + page.split("```yaml\n")[2].split("```")[0]
+    faults = page.split("## Faults")[1]
+    text = "version: 1\n" + faults.split("```yaml\n")[1].split("```")[0]
     assert len(parse_scenario(text, MISSIONS / "example.sim.yaml").events) == 6
+
+
+def test_the_payloads_of_the_documentation_are_read() -> None:
+    page = (MISSIONS.parent / "docs" / "scenario.md").read_text()
+    text = "version: 1\n" + page.split("## Payloads")[1].split("```yaml\n")[1].split("```")[0]
+    scenario = parse_scenario(text, MISSIONS / "example.sim.yaml")
+    assert len(scenario.cameras) == 1 and scenario.gimbal and scenario.gripper
+    assert len(scenario.events) == 4

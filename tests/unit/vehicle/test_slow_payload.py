@@ -116,7 +116,7 @@ def test_a_payload_that_is_not_heard_at_first_is_asked_again_and_works_once(
 
 def test_a_silent_payload_is_asked_for_the_skills_time(meeting: Meeting) -> None:
     talk = Talk(meeting, PayloadAnswer(MavResult.ACCEPTED, is_silent=True), timeout_s=7.0)
-    assert talk.outcome() == Failed("no answer in 7 s")
+    assert talk.outcome() == Failed("no answer in 7 s, and no heartbeat of component 25")
     assert talk.took_s == pytest.approx(7.0, abs=2 * TICK_S)
 
 

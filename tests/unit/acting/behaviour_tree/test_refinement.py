@@ -150,7 +150,7 @@ def test_a_charger_that_gives_nothing_is_given_up_and_the_sortie_takes_off_again
     rig = Rig(asked)
     vehicle = rig.vehicle
     vehicle.change(battery_percent=20, is_landed=True, is_armed=False, position=(0.0, 0.0, 0.0))
-    sortie = Sortie(rig.flight, rig.executive, asked.home, asked.otherwise)
+    sortie = Sortie(rig.flight, rig.executive, asked)
 
     def until(event: FlightEvent, limit_s: float = 400.0) -> None:
         for _ in range(round(limit_s * 20)):

@@ -1,0 +1,46 @@
+"""The leaf that waits, after the last step of a skill, for what confirms that it was done."""
+
+from __future__ import annotations
+
+from py_trees.common import Status
+
+from companion.acting.behaviour_tree.leaf import Leaf
+from companion.acting.flight import Flight
+from companion.flight_events.tree import LeafType
+from companion.mission.signals import Condition
+
+CONFIRM_S = 10.0
+"""Time to be confirmed in, where the skill says none."""
+
+
+class Confirm(Leaf):
+    """Waits, holding, for a reading that meets a condition; one from before confirms nothing.
+
+    Args:
+        flight: what it acts on.
+        condition: to be met.
+        timeout_s: the time of the skill; None for CONFIRM_S.
+    """
+
+    does = LeafType.CONFIRM
+
+    def __init__(self, flight: Flight, condition: Condition, timeout_s: float | None) -> None:
+        super().__init__(flight, f"confirmed by {condition}")
+        self._condition = condition
+        self._limit_s = CONFIRM_S if timeout_s is None else timeout_s
+
+    def initialise(self) -> None:
+        """Starts the time."""
+        self._begun_s = self._flight.now_s
+
+    def update(self) -> Status:
+        """SUCCESS once such a reading was heard."""
+        flight, condition = self._flight, self._condition
+        flight.hold()
+        heard_s, value = flight.heard.get(condition.signal, (self._begun_s, None))
+        is_new = heard_s > self._begun_s
+        if is_new and condition.is_met_by(value):
+            return Status.SUCCESS
+        last = f"it says {value:g}" if is_new and value is not None else "nothing is heard of it"
+        self.feedback_message = f"not confirmed by {condition}: {last}"
+        return Status.FAILURE if flight.now_s - self._begun_s > self._limit_s else Status.RUNNING

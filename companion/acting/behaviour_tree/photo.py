@@ -1,0 +1,110 @@
+"""The leaf that makes a photo: done when the camera has it, and made once for each time it is due.
+
+A photo is due once for its action, each time that the position of the word is another. A try after
+a failed one, the end of a pause, another plan, or another process after a crash comes back to the
+same photo: the camera's count then says whether it was made.
+"""
+
+from __future__ import annotations
+
+from py_trees.behaviour import Behaviour
+from py_trees.common import Status
+
+from companion.acting.behaviour_tree.leaf import Leaf
+from companion.acting.behaviour_tree.leaves import DISK_S
+from companion.acting.flight import Flight
+from companion.flight_events.skills import PhotoTaken
+from companion.flight_events.tree import LeafType
+from companion.mission.facts import AT, Atom
+from companion.mission.payload_steps import Photo
+from companion.vehicle.camera_port import IntendedShot, NoPhoto, PhotoMade, ShotOwner, ShotReady
+
+
+class TakePhoto(Leaf):
+    """Makes a photo, holding.
+
+    That it is about to be asked for is in the journal, on the disk, before it is.
+
+    Attributes:
+        nth: of the photos of its action, from 0.
+
+    Args:
+        flight: what it acts on.
+        photo: by which camera.
+        timeout_s: time for all of it; None for the usual one.
+    """
+
+    does = LeafType.PHOTO
+
+    def __init__(self, flight: Flight, photo: Photo, timeout_s: float | None) -> None:
+        super().__init__(flight, f"photo {photo.camera}")
+        self.nth = 0
+        self._photo = photo
+        self._timeout_s = timeout_s
+        self._ticket: int | None = None
+        self._intended_s: float | None = None
+
+    def initialise(self) -> None:
+        """Asks the camera how many photos it has made."""
+        cameras = self._flight.vehicle.cameras
+        self._ticket = cameras.prepare(self._photo.component, self._owner, self._timeout_s)
+        self._intended_s = None
+
+    def update(self) -> Status:
+        """SUCCESS if the photo is there."""
+        flight, ticket = self._flight, self._ticket
+        assert ticket is not None
+        flight.hold()
+        match flight.vehicle.cameras.outcome(ticket):
+            case ShotReady() as ready:
+                return self._shoot(ready, ticket)
+            case PhotoMade() as made:
+                self._tell(made)
+                return Status.SUCCESS
+            case NoPhoto(reason):
+                return self.fail(reason)
+        return Status.RUNNING
+
+    def terminate(self, new_status: Status) -> None:
+        """Asks for it no longer."""
+        if new_status is not Status.RUNNING and self._ticket is not None:
+            self._flight.vehicle.cameras.forget(self._ticket)
+            self._ticket = None
+
+    @property
+    def _owner(self) -> ShotOwner:
+        task = self._flight.task
+        return (task.running.name if task.running else "", task.positions, self.nth)
+
+    def _shoot(self, ready: ShotReady, ticket: int) -> Status:
+        """What is intended is written down first."""
+        flight = self._flight
+        if self._intended_s is None:
+            self._intended_s = flight.now_s
+            about = (ready.sequence, ready.image_count)
+            flight.journal.note(
+                flight.now_s, IntendedShot(self._photo.component, *self._owner, *about)
+            )
+        if flight.journal.is_kept:
+            flight.vehicle.cameras.shoot(ticket)
+        elif flight.now_s - self._intended_s > DISK_S:
+            return self.fail("the journal does not reach the disk")
+        return Status.RUNNING
+
+    def _tell(self, made: PhotoMade) -> None:
+        flight, state = self._flight, self._flight.vehicle.state
+        if state is not None:
+            atoms = [Atom.parse(fact) for fact in sorted(flight.task.facts) if fact.startswith(AT)]
+            places = [atom.arguments[0] for atom in atoms if atom.predicate == AT]
+            north_m, east_m, _ = state.position
+            place = places[0] if places else f"{east_m:.1f} m east, {north_m:.1f} m north"
+            flight.report(
+                PhotoTaken(made.number, self._photo.camera, place, made.image_index, state.position)
+            )
+
+
+def number_photos(steps: Behaviour) -> None:
+    """Numbers the photos of one action."""
+    photos = [leaf for leaf in steps.iterate() if isinstance(leaf, TakePhoto)]
+    for nth, photo in enumerate(photos):
+        photo.nth = nth

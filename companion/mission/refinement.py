@@ -1,0 +1,38 @@
+"""What skills do, through those that refine them, and what confirms them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from companion.mission.model import Command, Do, Fly, Skill, Wait
+from companion.mission.payload_steps import Photo, PointGimbal
+from companion.mission.signals import Signal
+
+
+def flies(skill: Skill, skills: Mapping[str, Skill]) -> bool:
+    """Whether a skill, or one of those that refine it, flies to a place."""
+    return _does(skill, skills, Fly)
+
+
+def turns(skill: Skill, skills: Mapping[str, Skill]) -> bool:
+    """Whether the companion has the vehicle in its hands in one of its steps."""
+    return _does(skill, skills, (Fly, Command, Photo, PointGimbal, Wait))
+
+
+def looks_while_holding(skill: Skill, skills: Mapping[str, Skill]) -> bool:
+    """Whether it holds the vehicle for something else than to point a gimbal."""
+    return _does(skill, skills, (Command, Photo, Wait))
+
+
+def confirming(skills: Mapping[str, Skill]) -> frozenset[Signal]:
+    """The signals that confirm skills."""
+    confirmed = (skill.confirmed_by for skill in skills.values())
+    return frozenset(condition.signal for condition in confirmed if condition is not None)
+
+
+def _does(skill: Skill, skills: Mapping[str, Skill], kinds: type | tuple[type, ...]) -> bool:
+    return any(
+        isinstance(step, kinds)
+        or (isinstance(step, Do) and _does(skills[step.skill], skills, kinds))
+        for step in skill.execute
+    )

@@ -1,0 +1,114 @@
+"""The cameras of a vehicle over MAVLink: who is there, what each has counted, one photo at a time.
+
+What a camera says is kept whether a photo is under way or not. Photos of one camera are made one
+after the other (`photo_shot.py`).
+"""
+
+from __future__ import annotations
+
+from companion.mavlink.framing import Message, source
+from companion.vehicle.camera_port import IntendedShot, ShotOutcome, ShotOwner
+from companion.vehicle.photo_shot import SHOOT, KnownCamera, PhotoShot
+from companion.vehicle.services import Moment
+from companion.vehicle.wire import COMPONENT, Wire
+
+IMAGE, CAPTURE_STATUS, STORAGE = (
+    "CAMERA_IMAGE_CAPTURED",
+    "CAMERA_CAPTURE_STATUS",
+    "STORAGE_INFORMATION",
+)
+
+
+class MavlinkCameras:
+    """Fulfils `camera_port.Cameras`, and is a service of the vehicle.
+
+    Args:
+        wire: whose system the cameras belong to.
+    """
+
+    wanted = frozenset({"HEARTBEAT", "COMMAND_ACK", IMAGE, CAPTURE_STATUS, STORAGE})
+    needs_control = True
+
+    def __init__(self, wire: Wire) -> None:
+        self._wire = wire
+        self._cameras: dict[int, KnownCamera] = {}
+        self._shots: dict[int, PhotoShot] = {}
+        self._tickets = 0
+        self._heard_s = 0.0
+
+    # -- camera_port.Cameras -------------------------------------------------------------------
+
+    def prepare(self, component: int, owner: ShotOwner, timeout_s: float | None) -> int:
+        """Begins with a photo; returns its ticket."""
+        self._tickets += 1
+        camera = self._camera(component)
+        self._shots[self._tickets] = PhotoShot(camera, owner, timeout_s)
+        return self._tickets
+
+    def shoot(self, ticket: int) -> None:
+        """Asks for the photo, which is ready."""
+        self._shots[ticket].shoot(self._heard_s)
+
+    def outcome(self, ticket: int) -> ShotOutcome:
+        """What has become of it."""
+        return self._shots[ticket].outcome
+
+    def forget(self, ticket: int) -> None:
+        """Asks for it no longer."""
+        self._shots.pop(ticket, None)
+
+    def recall(self, shot: IntendedShot) -> None:
+        """Another process was about to ask for this photo."""
+        camera = self._camera(shot.component)
+        camera.sequence = max(camera.sequence, shot.sequence)
+        camera.mark(shot.owner, shot.image_count, self._heard_s)
+
+    # -- services.Service ----------------------------------------------------------------------
+
+    def step(self, moment: Moment) -> None:
+        """Time has passed, and what came in the tick before is known."""
+        self._heard_s = moment.heard_s
+        for shot in self._first_ones():
+            shot.step(moment.heard_s)
+
+    def take(self, moment: Moment, message: Message) -> None:
+        """Takes what a camera says; any component may turn out to be one."""
+        _, component = source(message)
+        kind, now_s = message.get_type(), moment.heard_s
+        camera = self._camera(component)
+        camera.heard_s = now_s
+        shots = [shot for shot in self._first_ones() if shot.camera is camera]
+        if kind == CAPTURE_STATUS:
+            camera.take_status(now_s, message)
+        elif kind == IMAGE:
+            for shot in shots:
+                shot.take_image(now_s, message)
+            if message.capture_result == 1:
+                camera.indices.append(message.image_index)
+        elif kind == STORAGE:
+            for shot in shots:
+                shot.take_storage(message)
+        elif kind == "COMMAND_ACK" and message.command == SHOOT:
+            if message.target_component in (0, COMPONENT):
+                for shot in shots:
+                    shot.take_answer(now_s, message)
+
+    def due(self, moment: Moment) -> list[Message]:
+        """What cameras are to be asked now."""
+        if moment.is_quiet:
+            return []
+        now_s, system = moment.heard_s, self._wire.system
+        return [message for shot in self._first_ones() for message in shot.due(now_s, system)]
+
+    def release(self) -> None:
+        """Asks for nothing any longer; what cameras have said stays known."""
+        self._shots.clear()
+
+    def _camera(self, component: int) -> KnownCamera:
+        return self._cameras.setdefault(component, KnownCamera(component))
+
+    def _first_ones(self) -> list[PhotoShot]:
+        """The oldest photo of each camera."""
+        return list(
+            {shot.camera.component: shot for shot in reversed(self._shots.values())}.values()
+        )

@@ -1,0 +1,314 @@
+"""One photo by the camera protocol, version 2: asked for once, and done when it is there. No I/O.
+
+Rules:
+1. A camera that was not heard for ONLINE_S is not there, which is said at once.
+2. How many photos it has made is asked before the first one is asked for, and a busy camera waited
+   for. Who had asked for the same photo before, and does not know what has become of it, learns it
+   from that count: more photos, and it was made; as many, and it is asked for; fewer, and nobody
+   knows.
+3. Done is CAMERA_IMAGE_CAPTURED with capture_result 1 and an image_index that was not heard before,
+   or, as that message may be lost, a greater count.
+4. After any answer the photo is not asked for again, but after TEMPORARILY_REJECTED, with a pause
+   that grows. Without an answer it is asked for again, with the same number, once the camera has
+   said RESEND_S later that it is idle and has counted no more: a camera may take a second photo for
+   an equal number.
+5. A photo that is refused or has failed is not made. Why is asked of the camera's storage.
+
+    state      leads to
+    COUNTING   READY by rule 2; MADE; FAILED
+    READY      ASKED, by the caller
+    ASKED      ANSWERED; MADE; FAILING by a refusal; FAILED
+    ANSWERED   MADE; FAILING by a refusal or a failed capture; FAILED
+    FAILING    FAILED, with what the storage has to do with it
+
+Times are those in which the autopilot is heard (`heard_time.py`).
+Source: https://mavlink.io/en/services/camera.html; the camera server of MAVSDK 4.1.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass, field
+from enum import Enum, auto
+
+from companion.mavlink.commands import result_name
+from companion.mavlink.framing import Message, dialect
+from companion.vehicle.camera_port import (
+    NoPhoto,
+    PhotoMade,
+    ShotOutcome,
+    ShotOwner,
+    ShotReady,
+)
+
+ONLINE_S = 3.0
+"""Age of the newest heartbeat up to which a camera is there; one comes each second."""
+GRACE_S = 1.0
+"""What a camera that was not heard has to answer in, to be there after all."""
+PHOTO_S = 15.0
+"""Time of a photo, where the skill does not say."""
+RESEND_S = 2.0
+ASK_S, SELDOM_S = 0.5, 2.0
+REJECTED_S, MOST_REJECTED_S = 1.0, 8.0
+STORAGE_S = 1.5
+KEPT_INDICES, KEPT_MARKS = 1000, 100
+SHOOT, STATUS, STORAGE = (
+    dialect.MAV_CMD_IMAGE_START_CAPTURE,
+    dialect.MAVLINK_MSG_ID_CAMERA_CAPTURE_STATUS,
+    dialect.MAVLINK_MSG_ID_STORAGE_INFORMATION,
+)
+REQUEST, OLD_REQUEST = (
+    dialect.MAV_CMD_REQUEST_MESSAGE,
+    dialect.MAV_CMD_REQUEST_CAMERA_CAPTURE_STATUS,
+)
+
+
+@dataclass
+class Mark:
+    """A photo that was, or may have been, asked for.
+
+    Attributes:
+        image_count: what the camera had counted before.
+        sent_s: when that was, at the latest.
+    """
+
+    image_count: int
+    sent_s: float
+
+
+@dataclass
+class KnownCamera:
+    """What is known of one camera.
+
+    Attributes:
+        heard_s: when anything was heard of it.
+        image_count: of its newest status, None before the first one.
+        is_idle: by that status.
+        status_s: when it was heard.
+        sequence: the greatest number that a photo was asked for with.
+        marks: photos by what they are for.
+        indices: of its newest images.
+    """
+
+    component: int
+    heard_s: float = -math.inf
+    image_count: int | None = None
+    is_idle: bool = True
+    status_s: float = -math.inf
+    sequence: int = 0
+    marks: dict[ShotOwner, Mark] = field(default_factory=dict)
+    indices: deque[int] = field(default_factory=lambda: deque(maxlen=KEPT_INDICES))
+
+    def absence(self, now_s: float) -> str | None:
+        """That it is not there, in words; None if it is."""
+        if now_s - self.heard_s <= ONLINE_S:
+            return None
+        silent = f"for {now_s - self.heard_s:.0f} s" if self.heard_s > -math.inf else "yet"
+        return f"the camera (component {self.component}) is offline: no heartbeat {silent}"
+
+    def mark(self, owner: ShotOwner, image_count: int, now_s: float) -> None:
+        """A photo is, or may have been, asked for."""
+        self.marks[owner] = Mark(image_count, now_s)
+        if len(self.marks) > KEPT_MARKS:
+            del self.marks[next(iter(self.marks))]
+
+    def take_status(self, now_s: float, message: Message) -> None:
+        """Takes a CAMERA_CAPTURE_STATUS."""
+        self.image_count, self.status_s = message.image_count, now_s
+        self.is_idle = message.image_status in (0, 2)  # idle, or between two of a series
+
+
+class ShotState(Enum):
+    """How far a photo has come."""
+
+    COUNTING = auto()
+    READY = auto()
+    ASKED = auto()
+    ANSWERED = auto()
+    FAILING = auto()
+    ENDED = auto()
+
+
+class PhotoShot:
+    """One photo.
+
+    Args:
+        camera: that makes it.
+        owner: what it is for.
+        timeout_s: time for all of it, from its first step on.
+    """
+
+    def __init__(self, camera: KnownCamera, owner: ShotOwner, timeout_s: float | None) -> None:
+        self.camera = camera
+        self._owner = owner
+        self._limit_s = PHOTO_S if timeout_s is None else timeout_s
+        self._begun_s: float | None = None
+        self._state = ShotState.COUNTING
+        self._outcome: ShotOutcome = None
+        self._sequence = self._count = self._sent = self._rejected = self._asked = 0
+        self._next_send_s = self._next_ask_s = -math.inf
+        self._sent_s = self._failing_s = math.inf
+        self._failure = ""
+
+    @property
+    def outcome(self) -> ShotOutcome:
+        """What has become of it."""
+        return self._outcome
+
+    def shoot(self, now_s: float) -> None:
+        """It is asked for from now on."""
+        if self._state is not ShotState.READY:
+            return
+        self._state, self._outcome = ShotState.ASKED, None
+        self.camera.sequence = self._sequence
+        self.camera.mark(self._owner, self._count, now_s)
+        self._next_send_s, self._next_ask_s = now_s, now_s + ASK_S
+
+    # -- in ------------------------------------------------------------------------------------
+
+    def step(self, now_s: float) -> None:
+        """Time has passed, and what has come since is known of the camera."""
+        if self._begun_s is None:
+            self._begun_s = now_s
+        if self._state is ShotState.COUNTING:
+            self._count_photos(now_s)
+        elif self._state in (ShotState.ASKED, ShotState.ANSWERED):
+            self._look_for_photo()
+        elif self._state is ShotState.FAILING and now_s - self._failing_s >= STORAGE_S:
+            self._end(NoPhoto(self._failure))
+        if self._is_under_way and now_s - self._begun_s >= self._limit_s:
+            self._end(NoPhoto(self._overdue(now_s)))
+
+    def take_answer(self, now_s: float, ack: Message) -> None:
+        """Takes the answer to our asking for a photo."""
+        if self._state not in (ShotState.ASKED, ShotState.ANSWERED):
+            return
+        result = result_name(ack.result)
+        if result in ("IN_PROGRESS", "ACCEPTED"):
+            self._state = ShotState.ANSWERED
+            self._next_ask_s = now_s + SELDOM_S
+        elif result == "TEMPORARILY_REJECTED":
+            if self._state is ShotState.ASKED:  # else it answers a repetition
+                pause_s = min(REJECTED_S * 2**self._rejected, MOST_REJECTED_S)
+                self._rejected += 1
+                self._sent_s, self._next_send_s = math.inf, now_s + pause_s
+        else:
+            self._fail(now_s, f"the camera has answered: {result.replace('_', ' ').lower()}")
+
+    def take_image(self, now_s: float, message: Message) -> None:
+        """Takes a CAMERA_IMAGE_CAPTURED."""
+        index = message.image_index
+        is_asked = self._state in (ShotState.ASKED, ShotState.ANSWERED) and self._sent > 0
+        if not is_asked or index in self.camera.indices:
+            return
+        if message.capture_result != 1:
+            self._fail(now_s, "the camera says that the photo has failed")
+        elif index >= self._count or index == self._sequence:
+            self._end(PhotoMade(self._count + 1, index))
+
+    def take_storage(self, message: Message) -> None:
+        """Takes a STORAGE_INFORMATION."""
+        if self._state is not ShotState.FAILING:
+            return
+        if message.status == dialect.STORAGE_STATUS_EMPTY:
+            self._failure += "; it has no storage"
+        elif message.status == dialect.STORAGE_STATUS_UNFORMATTED:
+            self._failure += "; its storage is not formatted"
+        elif message.status == dialect.STORAGE_STATUS_READY and message.available_capacity <= 0:
+            self._failure += "; its storage is full"
+        self._end(NoPhoto(self._failure))
+
+    # -- out -----------------------------------------------------------------------------------
+
+    def due(self, now_s: float, system: int) -> list[Message]:
+        """What has to be sent now."""
+        is_asking = self._is_under_way or self._state is ShotState.FAILING
+        if self._state is ShotState.ASKED and now_s >= self._next_send_s:
+            self._next_send_s, self._sent_s, self._next_ask_s = math.inf, now_s, now_s + ASK_S
+            parameters = (0.0, 0.0, 1.0, float(self._sequence), 0.0, 0.0, 0.0)
+            self.camera.mark(self._owner, self._count, now_s)
+            confirmation = min(self._sent, 255)
+            self._sent += 1
+            return [_command(system, self.camera.component, SHOOT, confirmation, parameters)]
+        if not is_asking or self._state is ShotState.READY or now_s < self._next_ask_s:
+            return []
+        self._asked += 1
+        is_often = self._state in (ShotState.ASKED, ShotState.FAILING) or self._asked <= 4
+        self._next_ask_s = now_s + (ASK_S if is_often else 2 * ASK_S)
+        wanted = STORAGE if self._state is ShotState.FAILING else STATUS
+        is_old = wanted == STATUS and self._asked % 4 == 0
+        command, first = (OLD_REQUEST, 1.0) if is_old else (REQUEST, float(wanted))
+        return [_command(system, self.camera.component, command, 0, (first, *(0.0,) * 6))]
+
+    # -- states --------------------------------------------------------------------------------
+
+    @property
+    def _is_under_way(self) -> bool:
+        return self._state in (ShotState.COUNTING, ShotState.ASKED, ShotState.ANSWERED)
+
+    def _count_photos(self, now_s: float) -> None:
+        """Rules 1 and 2."""
+        camera, mark = self.camera, self.camera.marks.get(self._owner)
+        begun_s = now_s if self._begun_s is None else self._begun_s
+        if now_s - begun_s >= GRACE_S and (absence := camera.absence(now_s)):
+            self._end(NoPhoto(absence))
+            return
+        count = camera.image_count
+        if count is None or camera.status_s < begun_s:
+            return
+        if mark is not None and count > mark.image_count:
+            self._end(PhotoMade(mark.image_count + 1, None))
+        elif mark is not None and count < mark.image_count:
+            counted = f"it has counted {count} photos, and {mark.image_count} before"
+            self._end(NoPhoto(f"whether the photo was made is not known: {counted}"))
+        elif camera.is_idle and (mark is None or camera.status_s >= mark.sent_s + RESEND_S):
+            self._count, self._sequence = count, max(camera.sequence, count) + 1
+            self._state, self._outcome = ShotState.READY, ShotReady(self._sequence, count)
+
+    def _look_for_photo(self) -> None:
+        """What the camera's count says of a photo of which no message tells: rules 3 and 4."""
+        camera, count = self.camera, self.camera.image_count
+        if not self._sent or count is None:
+            return
+        if count > self._count and camera.status_s > camera.marks[self._owner].sent_s:
+            self._end(PhotoMade(self._count + 1, None))
+            return
+        is_idle = camera.is_idle and count == self._count
+        is_unheard = self._state is ShotState.ASKED
+        if is_unheard and is_idle and camera.status_s >= self._sent_s + RESEND_S:
+            self._sent_s, self._next_send_s = math.inf, camera.status_s
+
+    def _fail(self, now_s: float, why: str) -> None:
+        self._state, self._failure, self._failing_s = ShotState.FAILING, why, now_s
+        self._next_ask_s = now_s
+
+    def _end(self, outcome: ShotOutcome) -> None:
+        self._state, self._outcome = ShotState.ENDED, outcome
+
+    def _overdue(self, now_s: float) -> str:
+        """Why there is no photo after all of its time."""
+        camera, after = self.camera, f"in {self._limit_s:g} s"
+        who = f"the camera (component {camera.component})"
+        if absence := camera.absence(now_s):
+            return absence if self._state is ShotState.COUNTING else f"{absence}; {UNKNOWN}"
+        if self._state is ShotState.COUNTING:
+            if self._begun_s is None or camera.status_s < self._begun_s:
+                return f"{who} does not say {after} how many photos it has made"
+            return f"{who} is busy"
+        if self._state is ShotState.ANSWERED:
+            return f"no photo {after}, though {who} has answered; {UNKNOWN}"
+        if self._rejected:
+            return f"temporarily rejected {after} by {who}"
+        return f"no answer of {who} {after}; {UNKNOWN}"
+
+
+UNKNOWN = "whether it was made is not known"
+
+
+def _command(
+    system: int, component: int, command: int, confirmation: int, parameters: tuple[float, ...]
+) -> Message:
+    return dialect.MAVLink_command_long_message(
+        system, component, command, confirmation, *parameters
+    )
