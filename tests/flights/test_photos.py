@@ -40,7 +40,7 @@ def test_each_photo_is_made_once_and_told() -> None:
 @pytest.mark.parametrize(
     ("share", "seed"),
     [
-        *((share, seed) for share in (0.1, 0.3) for seed in range(2)),
+        *((0.1, 0), (0.3, 1)),
         *(pytest.param(0.3, seed, marks=pytest.mark.long) for seed in range(2, 40)),
     ],
 )
