@@ -18,6 +18,7 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
+from random import Random
 
 import pytest
 from ports import free_instance, own_ports
@@ -262,6 +263,32 @@ def test_a_flight_that_was_killed_is_gone_on_with(run: Run, instance: int, tmp_p
     assert resumed.exit_code() == 0, resumed.printed
     assert "the companion was away" in resumed.printed
     record = read_events(run_folder(tmp_path))
+    assert record.ending is not None and record.ending.exit_code == 0
+    assert not audit(record).is_failure
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seed", range(10))
+def test_killed_at_any_time_of_the_task_a_flight_is_gone_on_with(
+    seed: int, run: Run, instance: int, tmp_path: Path
+) -> None:
+    """Within four seconds after a place that is drawn; in lockstep 50 times in all phases."""
+    chance = Random(seed)
+    connect = f"udpin://127.0.0.1:{COMPANION + instance}"
+    asked = "companion", "run", SURVEILLANCE, "--connect", connect, "--log-dir", tmp_path
+    run("sitl", *own_ports(instance), "--scenario", SURVEILLANCE.with_suffix(".sim.yaml"))
+    killed = run(*asked, "--resume")
+    killed.until_printed(
+        chance.choice(["flying the task", "at A", "at B", "target found", "at r2"])
+    )
+    time.sleep(chance.uniform(0.0, 4.0))
+    os.kill(killed.pid, signal.SIGKILL)
+    assert killed.exit_code() == -signal.SIGKILL
+    resumed = run(*asked, "--resume")
+    assert resumed.exit_code() == 0, resumed.printed
+    record = read_events(run_folder(tmp_path))
+    done = [event for event in recorded(tmp_path) if isinstance(event, SkillCompleted)]
+    assert len(done) <= 1 and resumed.printed.count("arming\n") == 0
     assert record.ending is not None and record.ending.exit_code == 0
     assert not audit(record).is_failure
 
