@@ -13,6 +13,7 @@ from pathlib import Path
 from companion.acting.arming_terms import USUAL_TERMS, ArmingTerms
 from companion.acting.authority import why_left_alone
 from companion.acting.flight_limit import NO_LIMIT, FlightLimit
+from companion.acting.function_port import FunctionPort
 from companion.acting.journal import JournalledFlight
 from companion.acting.phases import ON_THE_GROUND
 from companion.acting.preparation import Preparation, PreparedMission
@@ -62,6 +63,7 @@ class Companion:
         resumes: where the autopilot holds because it no longer heard us, without an operator.
         journalled: a run that was cut off, to go on with; the mission is its own.
         own_fences: those that were written to autopilots before.
+        functions: calls functions of packages in the only run; a host knows its own.
 
     Attributes:
         failure: why the last run did not end well.
@@ -80,13 +82,12 @@ class Companion:
         resumes: bool = False,
         journalled: JournalledFlight | None = None,
         own_fences: OwnFences | None = None,
+        functions: FunctionPort | None = None,
     ) -> None:
         self.failure: CompanionError | None = None
-        self.wire = Wire()
-        self._telemetry = Telemetry()
+        self.wire, self._telemetry = Wire(), Telemetry()
         self._component = Component(self, host.uploads if host else None, page)
-        self._host = host
-        self._mission = mission
+        self._host, self._mission = host, mission
         self._run_of = partial(
             Run,
             terms=terms,
@@ -99,7 +100,7 @@ class Companion:
         self._preparation: Preparation | None = None
         self._is_prepared = self._is_stopping = self._has_hung_up = False
         self._adjusted, self._now_s = -1, 0.0
-        self._only = OnlyRun.of(mission, recorder, engine, journalled)
+        self._only = OnlyRun.of(mission, recorder, engine, journalled, functions)
         self._listen()
         self._begin_only()
 

@@ -15,6 +15,7 @@ from companion.acting.arming_terms import USUAL_TERMS, ArmingTerms
 from companion.acting.assembly import assemble, envelope_of
 from companion.acting.event_detector import EventDetector
 from companion.acting.flight_limit import NO_LIMIT, FlightLimit
+from companion.acting.function_port import FunctionPort
 from companion.acting.journal import (
     FlightBegun,
     Journal,
@@ -37,6 +38,7 @@ from companion.geometry import Ned
 from companion.mavlink.framing import Message
 from companion.mission.digest import digest
 from companion.mission.facts import Fact
+from companion.mission.installed_calls import functions_of
 from companion.mission.model import Mission
 from companion.mission.refinement import confirming
 from companion.motion.position_error import AddedClearance
@@ -85,6 +87,7 @@ class OnlyRun:
     Attributes:
         recorder: of it.
         engine: who plans it; None for the built-in search.
+        functions: calls functions of installed packages; None where nothing does.
         journalled: a run that was cut off, to go on with.
     """
 
@@ -92,6 +95,7 @@ class OnlyRun:
     recorder: Recorder
     engine: Engine | None
     journalled: JournalledFlight | None
+    functions: FunctionPort | None = None
 
     @classmethod
     def of(
@@ -100,11 +104,12 @@ class OnlyRun:
         recorder: Recorder | None,
         engine: Engine | None,
         journalled: JournalledFlight | None,
+        functions: FunctionPort | None,
     ) -> OnlyRun | None:
         """The only run of a mission with a recorder; None for a companion that hosts."""
         if mission is None or recorder is None:
             return None
-        return cls(mission, recorder, engine, journalled)
+        return cls(mission, recorder, engine, journalled, functions)
 
     def prepare(self, telemetry: Telemetry) -> PreparedMission | Aborted | None:
         """Its preparation, or why it cannot begin; None until all that it needs was heard.
@@ -117,7 +122,8 @@ class OnlyRun:
         if self.mission.is_above_sea and ground_amsl_m is None and not telemetry.is_flown:
             return None
         try:
-            return prepare(self.mission, engine=self.engine, ground_amsl_m=ground_amsl_m)
+            about = self.mission, math.inf, None, self.engine, ground_amsl_m
+            return prepare(*about, self.functions)
         except MissionError as error:
             failure = Aborted(str(error))
             self.recorder.report(Stamped(0.0, RunFailed(str(failure), failure.exit_code)))
@@ -185,6 +191,7 @@ class Run:
         acting = assemble(prepared, self.vehicle, detector)
         self.flight = acting.flight
         self.executive = acting.executive
+        self.flight.functions.prepare(functions_of(mission))
         self._seen_s = -math.inf
         self._clocks = RunClocks(wire, telemetry)
         self._keep(prepared, journalled)
@@ -266,7 +273,9 @@ class Run:
         self.sortie.step(now_s, readings)
         if not is_tick and self.executive.lasso is not plan:
             self.sortie.step(now_s, [])
-        if not self.sortie.has_ended:
+        if self.sortie.has_ended:
+            self.flight.functions.end_calls()
+        else:
             self._tell_of_silence(now_s)
         self._learn()
         self._note_vehicle(now_s)

@@ -76,6 +76,9 @@ class FakePayloads:
         self._now_s = 0.0
         self._due: dict[int, tuple[float, Outcome]] = {}
 
+    def number(self, command: str) -> int | None:
+        return {"MAV_CMD_DO_GRIPPER": 211}.get(command)
+
     def step(self, now_s: float) -> None:
         """Time passes."""
         self._now_s = now_s

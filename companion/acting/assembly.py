@@ -50,6 +50,7 @@ def assemble(prepared: PreparedMission, vehicle: Vehicle, detector: EventDetecto
         profile=mission.vehicle,
         limits=mission.limits,
         symbols=Symbols(mission.places, routes),
+        functions=prepared.functions,
     )
     return ActingParts(flight, Executive(prepared, flight, detector))
 

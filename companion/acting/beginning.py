@@ -1,7 +1,8 @@
 """From a vehicle on the ground to one that may be armed: it stands at home, and there is a plan.
 
 The plan was made before the run, as a rule. Where an event has come since, another one is searched,
-in slices: heartbeats and answers go on, and nothing is timed meanwhile.
+in slices: heartbeats and answers go on, and nothing is timed meanwhile. Functions that the mission
+calls are loaded before: their packages may take seconds.
 """
 
 from __future__ import annotations
@@ -10,10 +11,12 @@ from companion.acting.authority import not_at_home
 from companion.acting.executive import Executive
 from companion.acting.flight import Flight
 from companion.acting.replanning.replanner import PlanFailure
-from companion.errors import CompanionError
+from companion.errors import Aborted, CompanionError
+from companion.flight_events.skills import FunctionsAwaited
 from companion.flight_events.sortie import FrameLocated
 from companion.geometry import horizontal_distance
 from companion.mission.model import Place
+from companion.skills.calls import NotDone
 from companion.slices import InSlices
 from companion.vehicle.port import Progress, VehicleState
 
@@ -35,6 +38,7 @@ class Beginning:
         self._home = home
         self._executive = executive
         self._planning: InSlices[PlanFailure | None] | None = None
+        self._is_loading = False
 
     @property
     def is_planning(self) -> bool:
@@ -50,12 +54,28 @@ class Beginning:
                 return Progress.RUNNING
             if elsewhere := not_at_home(gap_m, state, home):
                 return elsewhere
+            if (loaded := self._load()) is not Progress.DONE:
+                return loaded
             vehicle.stand_at(home.position)
             self._tell_location()
             self._planning = InSlices(self._executive.plan, GROUND_SLICE_US)
         if not self._planning.step():
             return Progress.RUNNING
         return self._planning.result or Progress.DONE
+
+    def _load(self) -> Progress | CompanionError:
+        """DONE when all functions are loaded; or why one cannot be."""
+        match self._flight.functions.awaited():
+            case NotDone(reason):
+                hint = "companion check says whether it can be called, and with what"
+                return Aborted(f"a function of the mission cannot be called: {reason}\n    {hint}")
+            case ():
+                return Progress.DONE
+            case names:
+                if not self._is_loading:
+                    self._is_loading = True
+                    self._flight.report(FunctionsAwaited(", ".join(names)))
+                return Progress.RUNNING
 
     def _tell_location(self) -> None:
         """Where on the earth a mission begins that says so."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
+from companion.acting.function_port import FunctionPort, NoFunctions
 from companion.acting.journal import CommandIntended, CommandSettled, Journal, NoJournal
 from companion.acting.symbols import Symbols
 from companion.flight_events.event import FlightEvent, Stamped
@@ -63,6 +64,7 @@ class Flight:
             mission does not say; None is never. The run writes it, as the operator sets it.
         reports: what happened and has not been collected yet; the flight's own methods write it.
         journal: keeps what another process needs to go on with the flight; the run gives it.
+        functions: calls functions of installed packages.
         is_task_flown: what is flown is the plan of the task; `FlownTask` writes it.
         heard: when each signal was heard last, and its value.
     """
@@ -80,6 +82,7 @@ class Flight:
     belief_retry_s: float | None = None
     reports: list[Stamped] = field(default_factory=list)
     journal: Journal = field(default_factory=NoJournal)
+    functions: FunctionPort = field(default_factory=NoFunctions)
     is_task_flown: bool = False
     heard: dict[Signal, tuple[float, float]] = field(default_factory=dict)
     _intentions: int = field(default=0, init=False)

@@ -10,9 +10,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
+from companion.acting.function_port import FunctionPort, NoFunctions
 from companion.acting.replanning.replanner import PlanFailure
 from companion.errors import NoPlanError, SearchLimit
 from companion.mission.altitudes import above_ground
@@ -47,6 +48,7 @@ class PreparedMission:
         first_plan: None for a behaviour tree that was written by hand.
         engine: who plans in flight; None for the built-in search.
         engine_failure: why the engine has not made the first plan, in words.
+        functions: calls functions of installed packages.
     """
 
     mission: Mission
@@ -56,6 +58,7 @@ class PreparedMission:
     first_plan: FirstPlan | None
     engine: Engine | None = None
     engine_failure: str | None = None
+    functions: FunctionPort = field(default_factory=NoFunctions)
 
     def plan(
         self, problem: Problem, histories: Sequence[Sequence[Letter]]
@@ -90,6 +93,7 @@ def prepare(
     routes: LayeredRoutes | None = None,
     engine: Engine | None = None,
     ground_amsl_m: float | None = None,
+    functions: FunctionPort | None = None,
 ) -> PreparedMission:
     """A mission with everything that takes long.
 
@@ -106,10 +110,12 @@ def prepare(
         routes: of the mission; made if absent.
         engine: who plans; None for the built-in search, which also plans where an engine fails.
         ground_amsl_m: how high the vehicle stands above the sea; None while that is not known.
+        functions: calls functions of installed packages; None where nothing does.
 
     Raises:
         CompanionError: the mission cannot be flown whatever happens.
     """
+    calls = functions or NoFunctions()
     mission = above_ground(mission, ground_amsl_m)
     routes = routes or route_map(mission)
     speed_limit = LiveSpeedLimit(mission.speed_limits)
@@ -118,12 +124,13 @@ def prepare(
     planner = Planner(mission, times)
     if mission.tree is not None:
         planner.actions_of(mission.tree)  # or says which one does not exist
-        return PreparedMission(mission, routes, speed_limit, planner, first_plan=None)
+        return PreparedMission(mission, routes, speed_limit, planner, None, functions=calls)
     problem, histories = TaskState(planner).problem()
     found, failure = _planned(planner, problem, histories, engine)
     first_plan = FirstPlan(problem, found)
     anticipate_events(planner)
-    return PreparedMission(mission, routes, speed_limit, planner, first_plan, engine, failure)
+    about = mission, routes, speed_limit, planner
+    return PreparedMission(*about, first_plan, engine, failure, calls)
 
 
 def anticipate_events(planner: Planner) -> None:

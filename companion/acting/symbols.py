@@ -3,6 +3,9 @@
 A place of the mission is a region; the waypoint in it that stands for the symbol is chosen late.
 People have written the first one, the mission's; algorithms write others when it cannot be flown
 to: `SUGGESTERS` propose waypoints of the region, and the first that passes all `TESTS` is taken.
+The user extends both tables: a place's own suggesters are asked before samples are taken, and its
+own tests after ours (`place_functions.py`). They take time, so they are asked where a flight to the
+place is about to begin, and not where the map has changed.
 Each value has its source and its time. A waypoint to which a flight has failed is not proposed
 again for a while.
 """
@@ -10,8 +13,10 @@ again for a while.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import islice
+from typing import Protocol
 
 from companion.geometry import Ned, distance
 from companion.mission.model import Place
@@ -26,6 +31,8 @@ INSIDE_M = 0.3
 REFUSED_S = 60.0
 SAME_M = 0.2
 """Waypoints nearer to each other are the same."""
+ASKED_AT_ONCE = 8
+"""So many waypoints are asked about in one call of a user's test, after the first one."""
 _CANDIDATE_US = 60
 
 
@@ -53,12 +60,11 @@ def around(place: Place, value: Value) -> Iterator[Ned]:
     return place.region.waypoints(place.position, SAMPLES, INSIDE_M)
 
 
-SUGGESTERS: Mapping[str, Callable[[Place, Value], Iterator[Ned]]] = {
-    "as it is": as_it_is,
-    "the mission": as_told,
-    "samples of the region": around,
-}
-"""Source -> what it proposes, in the order in which they are asked."""
+Suggester = Callable[[Place, Value], Iterator[Ned]]
+SUGGESTERS: Mapping[str, Suggester] = {"as it is": as_it_is, "the mission": as_told}
+"""Source -> what it proposes, in the order in which they are asked; then come the place's own."""
+AT_LAST: Mapping[str, Suggester] = {"samples of the region": around}
+"""Those that are asked when all others have proposed nothing that will do."""
 
 
 def is_free(routes: LayeredRoutes, name: str, waypoint: Ned, start: Ned) -> bool:
@@ -77,6 +83,16 @@ def is_reachable(routes: LayeredRoutes, name: str, waypoint: Ned, start: Ned) ->
 
 TESTS: tuple[Callable[[LayeredRoutes, str, Ned, Ned], bool], ...] = (is_free, is_reachable)
 """What a waypoint has to pass: routes, symbol, waypoint, where the vehicle is."""
+
+
+class PlaceAdvice(Protocol):
+    """The suggesters and tests that a place has of its own."""
+
+    def suggested(self, place: Place) -> Iterator[tuple[Ned, str]]:
+        """Waypoints of its region, and who proposes them."""
+
+    def passing(self, place: Place, waypoints: Sequence[Ned]) -> list[bool]:
+        """Whether each waypoint passes all tests."""
 
 
 class Symbols:
@@ -101,6 +117,10 @@ class Symbols:
         """A place as the mission has it."""
         return self._places[name]
 
+    def find(self, name: str) -> Place | None:
+        """The place of a name; None of what is no place."""
+        return self._places.get(name)
+
     def up_m(self, name: str | None) -> float | None:
         """Altitude of a place above home; None of what is no place."""
         place = self._places.get(name or "")
@@ -119,7 +139,9 @@ class Symbols:
         value = self._values[name]
         self._refused[name].append(Value(value.position, value.source, now_s))
 
-    def ground(self, name: str, start: Ned, now_s: float) -> bool:
+    def ground(
+        self, name: str, start: Ned, now_s: float, advice: PlaceAdvice | None = None
+    ) -> bool:
         """Choose the waypoint of a symbol; False if none can be flown to, and it stays.
 
         It takes long on a large map. Until the choice is made routes to the place may lead to a
@@ -129,26 +151,42 @@ class Symbols:
             name: of the place.
             start: where the vehicle is.
             now_s: time of the choice.
+            advice: the place's own; None to go without, where nothing can wait for it.
         """
-        before = self._values[name]
+        place, before = self._places[name], self._values[name]
         refused = [v.position for v in self._refused[name] if now_s - v.stamp_s < REFUSED_S]
+        candidates = self._candidates(name, start, refused, advice)
         try:
-            for waypoint, source in self._suggested(name):
-                if any(distance(waypoint, other) < SAME_M for other in refused):
-                    continue
-                spent(_CANDIDATE_US)
-                if all(passes(self._routes, name, waypoint, start) for passes in TESTS):
-                    if waypoint != before.position:
-                        self._values[name] = Value(waypoint, source, now_s)
-                    return True
-            return False
+            if advice is None or not place.tests:
+                chosen = next(candidates, None)
+            else:
+                chosen = _passing(place, candidates, advice)
+            if chosen is not None and chosen[0] != before.position:
+                self._values[name] = Value(*chosen, now_s)
+            return chosen is not None
         finally:  # whether it is made or given up
             self._routes.aim(name, self._values[name].position)
 
-    def _suggested(self, name: str) -> Iterator[tuple[Ned, str]]:
+    def _candidates(
+        self, name: str, start: Ned, refused: Sequence[Ned], advice: PlaceAdvice | None
+    ) -> Iterator[tuple[Ned, str]]:
+        """Waypoints that pass our tests, and who proposes them."""
+        for waypoint, source in self._suggested(name, advice):
+            if any(distance(waypoint, other) < SAME_M for other in refused):
+                continue
+            spent(_CANDIDATE_US)
+            if all(passes(self._routes, name, waypoint, start) for passes in TESTS):
+                yield waypoint, source
+
+    def _suggested(self, name: str, advice: PlaceAdvice | None) -> Iterator[tuple[Ned, str]]:
         """Waypoints of a symbol, and who proposes them."""
         place, value = self._places[name], self._values[name]
         for source, suggest in SUGGESTERS.items():
+            for waypoint in suggest(place, value):
+                yield waypoint, source
+        if advice is not None:
+            yield from advice.suggested(place)
+        for source, suggest in AT_LAST.items():
             for waypoint in suggest(place, value):
                 yield waypoint, source
 
@@ -161,3 +199,20 @@ class Symbols:
                 if self._values[name] is not value:
                     moved.append(name)
         return moved
+
+
+def _passing(
+    place: Place, candidates: Iterator[tuple[Ned, str]], advice: PlaceAdvice
+) -> tuple[Ned, str] | None:
+    """The first candidate that passes the place's own tests; None if none does."""
+    asked: set[Ned] = set()
+    fresh = (each for each in candidates if each[0] not in asked)
+    count = 1
+    while batch := list(islice(fresh, count)):
+        verdicts = advice.passing(place, [waypoint for waypoint, _ in batch])
+        for candidate, passes in zip(batch, verdicts, strict=True):
+            if passes:
+                return candidate
+        asked |= {waypoint for waypoint, _ in batch}
+        count = ASKED_AT_ONCE
+    return None

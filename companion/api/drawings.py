@@ -113,7 +113,7 @@ def _of_scene(scene: Scene, zero: GlobalOrigin) -> Drawing:
 def _mission(folder: Path) -> Mission | None:
     """The mission that was flown, if its own file is enough to read it."""
     try:
-        return load_mission(folder / "mission.yaml")
+        return load_mission(folder / "mission.yaml", installed=None)
     except MissionError:
         return None
 

@@ -17,6 +17,7 @@ from companion.driving import fly
 from companion.errors import CompanionError
 from companion.mission.model import Mission
 from companion.record.own_fence_file import own_fences_in
+from companion.skills.runner import FunctionRunner
 from companion.vehicle.endpoints import parse_url
 from companion.vehicle.link import Link
 from companion.vehicle.report_port import reports_at
@@ -75,11 +76,12 @@ def run(
         closing(Link(parse_url(connect))) as link,
         reports_at(events) as reports,
         recording(mission, folder, on_event) as recorder,
+        closing(FunctionRunner(Path(folder) if folder is not None else None)) as functions,
     ):
         limit = FlightLimit(laps, limit_s)
-        terms = ArmingTerms(accepts_weak_failsafes, FencePolicy(autopilot_fence))
+        about = mission, recorder, ArmingTerms(accepts_weak_failsafes, FencePolicy(autopilot_fence))
         own = own_fences_in(Path(folder).parent) if folder is not None else None
-        companion = Companion(mission, recorder, terms, limit=limit, own_fences=own)
+        companion = Companion(*about, limit=limit, own_fences=own, functions=functions)
         with _stopped_by_interrupt(companion):
             fly(companion, link, ScaledClock(1.0), timeout_s, reports=reports)
     return _result(mission, recorder, companion.failure, folder)

@@ -5,12 +5,14 @@ The one module beside the command line that knows the simulator.
 
 from __future__ import annotations
 
+from contextlib import closing
 from dataclasses import asdict, dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
 from companion.acting.flight_limit import NO_LIMIT, FlightLimit
+from companion.acting.function_port import FunctionPort
 from companion.api.results import FlightResult, FlownTrajectory, OnEvent, recording
 from companion.app import Companion
 from companion.documents import Given, read_source
@@ -18,6 +20,7 @@ from companion.errors import Aborted, Collided, CompanionError
 from companion.ground.operations import MonitorPage
 from companion.mission.model import Mission
 from companion.mission_run import Recorder
+from companion.skills.runner import FunctionRunner
 
 if TYPE_CHECKING:
     from companion.motion.grid import OccupancyGrid
@@ -83,9 +86,13 @@ def simulate(
         CompanionError: jsbsim is not installed.
     """
     world = world_of(mission, scenario)
-    with recording(mission, folder, on_event) as recorder:
+    with (
+        recording(mission, folder, on_event) as recorder,
+        closing(FunctionRunner(Path(folder) if folder else None, is_lockstep=True)) as functions,
+    ):
         limit = FlightLimit(laps, limit_s)
-        flight = lockstep(mission, world, recorder, seed=seed, limit=limit)
+        about = mission, world, recorder
+        flight = lockstep(*about, seed=seed, limit=limit, functions=functions)
         flight.fly(timeout_s)
     return SimulationResult(
         mission=mission,
@@ -108,6 +115,7 @@ def lockstep(
     page: MonitorPage | None = None,
     limit: FlightLimit = NO_LIMIT,
     engine: Engine | None = None,
+    functions: FunctionPort | None = None,
 ) -> LockstepFlight:
     """A flight of `simulate` that is still to be flown, and may be flown tick by tick.
 
@@ -120,13 +128,16 @@ def lockstep(
         page: the monitor page, if there is one.
         limit: after what the vehicle is called home.
         engine: who plans; None for the built-in search.
+        functions: calls functions of installed packages; its owner closes it.
     """
     from sitl.harness import LockstepFlight
     from sitl.link.routing import LinkName
     from sitl.simulation import Simulation
 
     scenario, grid = world
-    companion = Companion(mission, recorder, page=page, limit=limit, engine=engine)
+    companion = Companion(
+        mission, recorder, page=page, limit=limit, engine=engine, functions=functions
+    )
     links = frozenset({LinkName.OFFBOARD})
     simulation = Simulation(scenario, grid, seed=seed, instance=instance, links=links)
     return LockstepFlight(companion, simulation)

@@ -47,6 +47,7 @@ LEAVES = {
     LeafType.PHOTO: ("Action", "TakePhoto"),
     LeafType.GIMBAL: ("Action", "PointGimbal"),
     LeafType.CONFIRM: ("Action", "Confirm"),
+    LeafType.PYTHON: ("Action", "CallFunction"),
     LeafType.WAIT: ("Action", "Wait"),
     LeafType.LAND: ("Action", "Land"),
     LeafType.LAND_ON: ("Action", "LandOnMarker"),

@@ -25,6 +25,7 @@ from companion.cli.monitoring import monitor, replay
 from companion.cli.operating import upload, watch
 from companion.cli.plan_files import export, import_
 from companion.cli.planning import check, plan
+from companion.cli.skills import skills
 from companion.cli.terminal import give_up
 from companion.cli.trees import tree
 from companion.errors import CompanionError
@@ -40,7 +41,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (check, plan, tree, ltl, run, sim, audit, replay, upload, watch, export):
+for command in (check, plan, tree, ltl, run, sim, audit, replay, upload, watch, export, skills):
     app.command()(command)
 app.command("import")(import_)
 app.add_typer(key, name="key")

@@ -3,9 +3,9 @@
     python -P -m companion.cli.check_child
 
 It confines itself, and waits with everything loaded for a line of JSON on its standard input: a
-folder, and a mission in it. It writes lines of JSON: `doing` says what is begun, and the last line
-is the answer, as `companion check --json` prints it. Without an order it ends when nobody can give
-one any more. `companion/ground/checking.py` is the other side.
+folder, a mission in it, and the functions that are installed. It writes lines of JSON: `doing` says
+what is begun, and the last line is the answer, as `companion check --json` prints it. Without an
+order it ends when nobody can give one any more. `companion/ground/checking.py` is the other side.
 
 What a check may take is counted and not measured, so that the answer is the same on every machine:
 `WORK_S` of work, as rated (`slices.py`). Beyond that are the limits of the system, on memory,
@@ -21,7 +21,7 @@ import signal
 import sys
 from functools import partial
 from pathlib import Path
-from types import FrameType
+from types import FrameType, MappingProxyType
 from typing import Any
 
 from companion.cli.checked_mission import CheckedMission, check_mission
@@ -30,6 +30,7 @@ from companion.errors import CompanionError
 from companion.ground.checking import MAX_OUTPUT_BYTES
 from companion.mission.kept_domain import read_and_keep
 from companion.python_child import MIB, confine_memory, confine_time
+from companion.skills.catalogue import Catalogue, from_json
 from companion.slices import InSlices
 
 MEMORY_BYTES = 448 * MIB
@@ -49,10 +50,16 @@ class BoundedCheck:
 
     Args:
         work_s: of work, as rated.
+        installed: the functions that the mission may call; none is loaded here.
     """
 
-    def __init__(self, mission: Path, work_s: float = WORK_S) -> None:
-        self._mission, self._work_s = mission, work_s
+    def __init__(
+        self,
+        mission: Path,
+        work_s: float = WORK_S,
+        installed: Catalogue = MappingProxyType({}),
+    ) -> None:
+        self._mission, self._work_s, self._installed = mission, work_s, installed
         self._doing = ""
 
     def answer(self) -> dict[str, Any]:
@@ -69,7 +76,8 @@ class BoundedCheck:
             return self._given_up(f"{sys.getrecursionlimit()} calls in one another")
 
     def _checked(self) -> CheckedMission:
-        check = partial(check_mission, self._mission, Path(), self._tell, read_and_keep)
+        about = self._mission, Path(), self._tell, read_and_keep
+        check = partial(check_mission, *about, installed=lambda _: self._installed)
         checking = InSlices(check, self._work_s * 1e6)
         if not checking.step():
             checking.abandon()
@@ -105,11 +113,11 @@ def main() -> None:
     os.nice(NICENESS)
     order = sys.stdin.buffer.readline()
     if order:
-        folder, mission = json.loads(order)
+        folder, mission, installed = json.loads(order)
         signal.signal(signal.SIGXCPU, _stop)
         confine_time(CPU_S)
         os.chdir(folder)  # the module search path stays as it was: nothing is imported from there
-        _write(BoundedCheck(Path(mission)).answer())
+        _write(BoundedCheck(Path(mission), installed=from_json(installed)).answer())
 
 
 if __name__ == "__main__":

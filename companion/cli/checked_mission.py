@@ -16,6 +16,7 @@ from companion.mission.model import Mission
 from companion.mission.pddl_domain import DomainReader, with_domain
 from companion.planning.notices import notices
 from companion.planning.planner import Planner
+from companion.skills.installed import InstalledReader, read_installed
 
 
 @dataclass(frozen=True)
@@ -61,6 +62,7 @@ def check_mission(
     within: Path | None,
     tell: Callable[[str], None] = lambda doing: None,
     domain_of: DomainReader = with_domain,
+    installed: InstalledReader = read_installed,
 ) -> CheckedMission:
     """Reads and plans a mission, and does all else that is done before it flies.
 
@@ -69,6 +71,7 @@ def check_mission(
         within: a folder that all its files have to be in.
         tell: told what is begun, in words.
         domain_of: reads its PDDL files.
+        installed: says which functions are installed.
 
     Raises:
         CompanionError: it cannot be flown, and why.
@@ -76,7 +79,7 @@ def check_mission(
     tell("reading it")
     if within is not None:
         files_of(path, within)
-    mission = load_mission(path, domain_of=domain_of)
+    mission = load_mission(path, None, domain_of, installed)
     tell("its routes, actions and automata")
     planner = Planner(mission, clock=time.perf_counter)
     found = None

@@ -158,6 +158,7 @@ def sim(
     from companion.api import simulating
     from companion.app import Companion
     from companion.simulator import simulator
+    from companion.skills.runner import FunctionRunner
     from companion.vehicle.endpoints import UdpPort
     from companion.vehicle.link import Link
 
@@ -169,16 +170,19 @@ def sim(
         closing(terminal),
         recorded(loaded, log_dir, terminal) as folder,
         monitored(monitor or ("off" if factor is None else DEFAULT_ADDRESS), terminal.say) as page,
+        closing(FunctionRunner(folder.folder, is_lockstep=factor is None)) as functions,
     ):
         page.show(folder.folder)
         if factor is None:
             made = partial(simulating.lockstep, seed=seed, instance=instance, limit=limit)
-            flight = made(loaded, world, folder, page=page, engine=planner)
+            flight = made(loaded, world, folder, page=page, engine=planner, functions=functions)
             with _stoppable(flight.companion, terminal), undisturbed(flight.companion.hang_up):
                 flight.fly(timeout)
             _raise(simulating.verdict(flight.companion.failure, flight.simulation.is_damaged))
             return
-        companion = Companion(loaded, folder, page=page, limit=limit, engine=planner)
+        companion = Companion(
+            loaded, folder, page=page, limit=limit, engine=planner, functions=functions
+        )
         path = path or _written(simulating.world_alone(loaded), folder.folder / "world.sim.yaml")
         told = f"simulated, {factor:g} x real time; ground station on UDP port {ground_port}"
         terminal.say(f"vehicle    {told}")
@@ -220,14 +224,17 @@ def _fly_once(
     timeout_s: float,
 ) -> None:
     """Flies one mission, or goes on with one; raises what it has failed of."""
+    from companion.skills.runner import FunctionRunner
+
     terminal = Terminal()
     with (
         closing(terminal),
         recorded(mission, log_dir, terminal, True, cut_off) as folder,
         monitored(address, terminal.say) as page,
+        closing(FunctionRunner(folder.folder)) as functions,
     ):
         page.show(folder.folder)
-        companion = companion_of(mission, folder, page=page, engine=engine)
+        companion = companion_of(mission, folder, page=page, engine=engine, functions=functions)
         fly(companion, terminal, 1.0, timeout_s, flown_s(cut_off))
         _raise(companion.failure)
 
@@ -245,6 +252,9 @@ def _host(
     from companion.cli.hosting import SortieHost
     from companion.ground.checking import CheckChildren
     from companion.ground.uploads import Uploads
+    from companion.mission.installed_calls import functions_of
+    from companion.skills.installed import read_all
+    from companion.skills.runner import FunctionRunner
 
     terminal = Terminal()
 
@@ -254,18 +264,24 @@ def _host(
     def close_folder(folder: RunFolder) -> None:
         close_run(folder, terminal)
 
-    with closing(terminal), monitored(address, terminal.say) as page:
+    with (
+        closing(terminal),
+        closing(FunctionRunner()) as functions,
+        monitored(address, terminal.say) as page,
+    ):
 
         def open_folder(mission: Mission, cut_off: CutOffRun | None = None) -> RunFolder:
             folder = open_run(mission, log_dir, tell, terminal, True, cut_off)
             page.show(folder.folder)
             return folder
 
-        children = CheckChildren()
+        installed = read_all()
+        children = CheckChildren(installed)
         uploads = Uploads(log_dir.expanduser() / UPLOADS, children.begin)
-        host = SortieHost(open_folder, close_folder, tell, uploads, engine)
+        host = SortieHost(open_folder, close_folder, tell, uploads, engine, functions, installed)
         recorder = host.resume_run(open_folder(cut_off.mission, cut_off)) if cut_off else None
         mission = cut_off.mission if cut_off else mission
+        functions.prepare(functions_of(mission) if mission else ())
         companion = companion_of(mission, recorder, host=host, page=page, engine=engine)
         try:
             what = f"to fly {mission.name}" if mission else "and a mission"

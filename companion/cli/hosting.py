@@ -6,11 +6,15 @@ import threading
 from collections.abc import Callable
 from concurrent.futures import Future
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from companion.acting.preparation import PreparedMission, prepare
+from companion.mission.installed_calls import functions_of
 from companion.mission.kept_domain import kept_domain
 from companion.mission.loader import load_mission
+from companion.skills.catalogue import Catalogue
+from companion.skills.runner import FunctionRunner
 
 if TYPE_CHECKING:
     from companion.flight_events.event import Stamped
@@ -30,6 +34,8 @@ class SortieHost:
         tell: prints news between two runs.
         uploads: missions from outside, if any are taken.
         engine: who plans; None for the built-in search.
+        functions: calls functions of installed packages; its owner closes it.
+        installed: those that were installed when the program began; a mission may call no others.
     """
 
     def __init__(
@@ -39,8 +45,11 @@ class SortieHost:
         tell: Callable[[Stamped], None],
         uploads: UploadService | None,
         engine: Engine | None = None,
+        functions: FunctionRunner | None = None,
+        installed: Catalogue = MappingProxyType({}),
     ) -> None:
         self._engine = engine
+        self._functions, self._installed = functions or FunctionRunner(), installed
         self.uploads = uploads
         self._open_folder = open_folder
         self._close_folder = close_folder
@@ -49,8 +58,13 @@ class SortieHost:
         self._closing: list[threading.Thread] = []
 
     def load(self, path: Path) -> Mission:
-        """Reads a mission that was accepted; its PDDL files were read when it was checked."""
-        return load_mission(path, domain_of=kept_domain)
+        """Reads a mission that was accepted; its PDDL files were read when it was checked.
+
+        The functions that it calls begin to be loaded.
+        """
+        mission = load_mission(path, None, kept_domain, lambda _: self._installed)
+        self._functions.prepare(functions_of(mission))
+        return mission
 
     def prepare(
         self, mission: Mission, speed_max_mps: float, ground_amsl_m: float | None
@@ -64,7 +78,11 @@ class SortieHost:
         def work() -> None:
             try:
                 made = prepare(
-                    mission, speed_max_mps, engine=self._engine, ground_amsl_m=ground_amsl_m
+                    mission,
+                    speed_max_mps,
+                    engine=self._engine,
+                    ground_amsl_m=ground_amsl_m,
+                    functions=self._functions,
                 )
                 prepared.set_result(made)
             except BaseException as error:  # raised again in the loop, by whoever asks for it
@@ -75,12 +93,13 @@ class SortieHost:
 
     def resume_run(self, folder: RunFolder) -> Recorder:
         """A run that was cut off is the first one; it has a folder already."""
-        self._open = folder
+        self._open, self._functions.folder = folder, folder.folder
         return folder
 
     def begin_run(self, mission: Mission) -> Recorder:
         """Opens a run folder; the active upload is started."""
         self._open = self._open_folder(mission)
+        self._functions.folder = self._open.folder
         if self.uploads is not None:
             self.uploads.started()
         return self._open

@@ -55,12 +55,15 @@ from companion.flight_events.reports import (
 )
 from companion.flight_events.skills import (
     ClearanceChanged,
+    FunctionsAwaited,
     OutcomeUnknown,
     PhotoTaken,
+    PlaceFunctionFailed,
     PlaceReached,
     RouteBlocked,
     SkillCompleted,
     SkillFailed,
+    SkillProgressed,
     SymbolMoved,
     WrittenTreeFailed,
 )
@@ -111,8 +114,11 @@ EVENTS: tuple[type[FlightEvent], ...] = (
     SkillCompleted,
     SkillFailed,
     PhotoTaken,
+    SkillProgressed,
     OutcomeUnknown,
     WrittenTreeFailed,
+    FunctionsAwaited,
+    PlaceFunctionFailed,
     RouteBlocked,
     ClearanceChanged,
     SymbolMoved,

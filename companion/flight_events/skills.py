@@ -62,8 +62,48 @@ class PhotoTaken(FlightEvent):
 
 
 @dataclass(frozen=True, slots=True)
+class SkillProgressed(FlightEvent):
+    """A function of an installed package says how far it has come; every 5 s at most."""
+
+    kind = "progress"
+    template = "{action}: {far}"
+
+    action: ActionName
+    percent: Annotated[int | None, Doc("of its way, or null if it does not say")]
+    words: Annotated[str, Doc("what it says, or empty")]
+
+    @property
+    def far(self) -> str:
+        """How far it has come, in words."""
+        share = "" if self.percent is None else f"{self.percent} %"
+        return ", ".join(filter(None, (share, self.words))) or "goes on"
+
+
+@dataclass(frozen=True, slots=True)
+class FunctionsAwaited(FlightEvent):
+    """The flight begins when the functions that its mission calls are loaded."""
+
+    kind = "loading"
+    template = "waits until these functions are loaded: {names}"
+
+    names: InText[str]
+
+
+@dataclass(frozen=True, slots=True)
+class PlaceFunctionFailed(FlightEvent):
+    """A suggester or a test of a place has failed: it proposes nothing, or passes nothing."""
+
+    kind = "function"
+    template = "{function}, asked about {place}: {reason}"
+
+    place: Annotated[str, Doc("that it was asked about")]
+    function: Annotated[str, Doc("the name of the suggester or test")]
+    reason: InText[str]
+
+
+@dataclass(frozen=True, slots=True)
 class OutcomeUnknown(FlightEvent):
-    """The companion was cut off while a skill commanded a payload."""
+    """The companion was cut off while a skill commanded a payload, or called a function."""
 
     kind = "unknown"
     template = "{action}: whether it was done is not known; {consequence}"

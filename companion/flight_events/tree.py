@@ -40,6 +40,7 @@ class LeafType(Enum):
     PHOTO = "photo"
     GIMBAL = "gimbal"
     CONFIRM = "confirm"
+    PYTHON = "python"
     WAIT = "wait"
     LAND = "land"
     LAND_ON = "land_on"

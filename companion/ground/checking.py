@@ -10,12 +10,15 @@ from __future__ import annotations
 import json
 import os
 import subprocess
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Protocol
 
 from companion.python_child import python_module
+from companion.skills.catalogue import Catalogue, as_json
 
 MAX_OUTPUT_BYTES = 1 << 20  # of a child
 MAX_TEXT = 2000  # characters of a result that are handed on
@@ -51,10 +54,14 @@ class CheckChildren:
     """Child processes that check a mission each; one of them is ready before it is needed.
 
     A child that has died meanwhile is replaced.
+
+    Args:
+        installed: the functions of packages that a mission may call. A check loads none.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, installed: Catalogue = MappingProxyType({})) -> None:
         self._spare = CheckChild()
+        self._installed = as_json(installed)
 
     def begin(self, folder: Path, mission: str) -> MissionCheck:
         """Has a mission checked; `Uploads` calls it.
@@ -64,7 +71,7 @@ class CheckChildren:
             mission: path in the folder.
         """
         child = self._spare if self._spare.is_running else CheckChild()
-        child.order(folder, mission)
+        child.order(folder, mission, self._installed)
         self._spare = CheckChild()
         return child
 
@@ -103,10 +110,11 @@ class CheckChild:
         """Whether it has not ended."""
         return self._child.poll() is None
 
-    def order(self, folder: Path, mission: str) -> None:
+    def order(self, folder: Path, mission: str, installed: Sequence[dict[str, Any]] = ()) -> None:
         """Says what is to be checked, once. One that has just died says so by its result."""
         with suppress(BrokenPipeError):
-            self._orders.write(json.dumps([str(folder), mission]).encode() + b"\n")
+            order = json.dumps([str(folder), mission, [*installed]])
+            self._orders.write(order.encode() + b"\n")
         self._orders.close()
 
     def poll(self) -> CheckResult | None:

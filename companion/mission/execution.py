@@ -3,7 +3,7 @@
 fly(parameter)    wait(seconds)    land()    land_on(parameter)    charge(percent)    take_off()
 command(component, MAV_CMD_NAME[, param1, ... param7])    photo(camera)
 gimbal(component, pitch_deg, yaw_deg)    grip(component)    release(component)
-another skill with its arguments
+python(name, arguments), a function of an installed package    another skill with its arguments
 """
 
 from __future__ import annotations
@@ -23,10 +23,14 @@ from companion.mavlink.payload_commands import AUTOPILOT, commands_for, why_not_
 from companion.mission.conditions import command_number
 from companion.mission.model import Charge, Command, Do, Execution, Fly, Land, LandOn, TakeOff, Wait
 from companion.mission.payload_steps import Photo, PointGimbal
+from companion.mission.python_call import FORM as PYTHON
+from companion.mission.python_call import MAX_ARGUMENTS, PythonCall, parse_python
 
 FLOAT32_MAX = 3.4028234e38  # MAVLink carries command parameters as IEEE 754 single precision
 
-_CALL = re.compile(r"\s*(?P<verb>\w+)\s*\((?P<arguments>[^()]*)\)\s*", re.ASCII)
+_CALL = re.compile(
+    r"""\s*(?P<verb>\w+)\s*\((?P<arguments>(?:[^()"']|"[^"]*"|'[^']*')*)\)\s*""", re.ASCII
+)
 
 
 class _Known(NamedTuple):
@@ -156,6 +160,11 @@ def _gripper(action: int, arguments: list[_Argument], known: _Known) -> Command:
     return Command(_addressee(arguments[0], known), number, name, (1.0, float(action)))
 
 
+def _python(arguments: list[_Argument], known: _Known) -> PythonCall:
+    """Reads the whole step anew: there may be commas in its texts."""
+    return parse_python(arguments[0].text, known.components)
+
+
 def _addressee(component: _Argument, known: _Known) -> int:
     """The id of a component that is named."""
     components = known.components
@@ -221,5 +230,6 @@ KINDS = {
     ),
     "charge": StepKind("charge(percent)", 1, 1, lambda given, _: Charge(_percent(given[0]))),
     "take_off": StepKind("take_off()", 0, 0, lambda *_: TakeOff()),
+    "python": StepKind(PYTHON, 1, MAX_ARGUMENTS, _python),
 }
 """What `execute` may be."""

@@ -22,6 +22,7 @@ from companion.ltl.parser import parse
 from companion.mission.coordinates import coordinates_of
 from companion.mission.event_entries import check_restored, read_events
 from companion.mission.facts import AT, HERE, Fact
+from companion.mission.installed_calls import check_installed
 from companion.mission.landing_sites import check_landings, with_markers
 from companion.mission.literals import parse_fact
 from companion.mission.looking import check_looking
@@ -37,6 +38,7 @@ from companion.mission.tree import read_tree
 from companion.mission.tree_nodes import Tree
 from companion.mission.vocabulary import Vocabulary
 from companion.motion.grid import OccupancyGrid
+from companion.skills.installed import InstalledReader, read_installed
 from companion.vehicle_files import read_vehicle
 from companion.vehicle_profile import VehicleProfile
 
@@ -44,7 +46,10 @@ _SHOWN = 20  # names listed in a message
 
 
 def load_mission(
-    source: Given, folder: Path | None = None, domain_of: DomainReader = with_domain
+    source: Given,
+    folder: Path | None = None,
+    domain_of: DomainReader = with_domain,
+    installed: InstalledReader | None = read_installed,
 ) -> Mission:
     """Reads a mission and its map.
 
@@ -58,11 +63,22 @@ def load_mission(
         folder: what the names of map and PDDL files are relative to; by default the folder of
             the mission's own file, or the current one.
         domain_of: reads the PDDL files.
+        installed: says which functions are installed, if the mission calls any; None to read a
+            mission that is not to be flown here.
 
     Raises:
         MissionError: a file is missing, or something in it cannot be used: where, as file, line and
             column (`<mission>` for the file of a text), or as keys of data, e.g. `task.search`.
     """
+    mission, document = _read_mission(source, folder, domain_of)
+    if installed is not None:
+        check_installed(mission.skills, mission.places, document, installed)
+    return mission
+
+
+def _read_mission(
+    source: Given, folder: Path | None, domain_of: DomainReader
+) -> tuple[Mission, Document]:
     read = read_source(source, "mission", folder)
     file, document = validate(read.content, read.name, MissionFile)
     file, declared = domain_of(file, document, read.folder)
@@ -81,7 +97,7 @@ def load_mission(
     sets = {name: tuple(members) for name, members in file.sets.items()}
     _check_skills(skills, places, sets, (space.grid, vehicle), document)
     task, priorities = read_task(file, document, vocabulary)
-    return Mission(
+    mission = Mission(
         name=file.name,
         path=str(read.path or ""),
         text=_text(read, document),
@@ -102,6 +118,7 @@ def load_mission(
         priorities=priorities,
         anchor=coordinates.anchor,
     )
+    return mission, document
 
 
 def _check_skills(

@@ -15,8 +15,18 @@ from companion.geometry import GlobalOrigin, Ned, NorthEast
 from companion.ltl.formula import Formula, atoms
 from companion.mission.facts import AT, Atom, Fact, at
 from companion.mission.markers import LandingMarker
-from companion.mission.payload_steps import Photo, PointGimbal
+from companion.mission.python_call import PythonCall
 from companion.mission.signals import AnyCondition, Condition
+from companion.mission.steps import Charge as Charge
+from companion.mission.steps import Command as Command
+from companion.mission.steps import Do as Do
+from companion.mission.steps import Execution as Execution
+from companion.mission.steps import Fly as Fly
+from companion.mission.steps import Land as Land
+from companion.mission.steps import LandOn as LandOn
+from companion.mission.steps import Primitive as Primitive
+from companion.mission.steps import TakeOff as TakeOff
+from companion.mission.steps import Wait as Wait
 from companion.mission.tree_nodes import Tree
 from companion.motion.grid import OccupancyGrid
 from companion.motion.profile import SpeedLimits
@@ -47,6 +57,7 @@ class Place:
         heading_rad: with which the vehicle arrives, clockwise from north; None for any.
         amsl_m: its altitude above mean sea level, if it was given so.
         marker: below it; None if there is none.
+        suggesters, tests: installed functions that propose waypoints of it, and judge them.
     """
 
     name: str
@@ -55,6 +66,8 @@ class Place:
     heading_rad: float | None = None
     amsl_m: float | None = None
     marker: LandingMarker | None = None
+    suggesters: tuple[PythonCall, ...] = ()
+    tests: tuple[PythonCall, ...] = ()
 
     @property
     def inner_m(self) -> float:
@@ -144,73 +157,6 @@ class ConditionalEffectTemplate:
 
     condition: tuple[Literal, ...]
     effect: tuple[Literal, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Fly:
-    """Primitive: fly to the place bound to the parameter `place`."""
-
-    place: str
-
-
-@dataclass(frozen=True, slots=True)
-class Command:
-    """Primitive: send a MAVLink command to a component and wait for its final answer.
-
-    Attributes:
-        component: MAVLink component id.
-        command: MAV_CMD number.
-        name: how the mission file wrote the command, e.g. MAV_CMD_USER_1.
-        parameters: param1..param7.
-    """
-
-    component: int
-    command: int
-    name: str
-    parameters: tuple[float, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Wait:
-    """Primitive: hold position for a time."""
-
-    duration_s: float
-
-
-@dataclass(frozen=True, slots=True)
-class Land:
-    """Primitive: land where the vehicle is, and disarm."""
-
-
-@dataclass(frozen=True, slots=True)
-class LandOn:
-    """Primitive: land on the marker of the place bound to the parameter `place`, and disarm."""
-
-    place: str
-
-
-@dataclass(frozen=True, slots=True)
-class TakeOff:
-    """Primitive: arm, climb to the altitude of the place, go on in OFFBOARD."""
-
-
-@dataclass(frozen=True, slots=True)
-class Charge:
-    """Primitive: wait on the ground until the battery has so much, percent."""
-
-    percent: float
-
-
-@dataclass(frozen=True, slots=True)
-class Do:
-    """Another skill, which refines this one; arguments are parameters or constants."""
-
-    skill: str
-    arguments: tuple[str, ...]
-
-
-Primitive = Fly | Command | Photo | PointGimbal | Wait | Land | LandOn | TakeOff | Charge
-Execution = Primitive | Do
 
 
 @dataclass(frozen=True, slots=True)

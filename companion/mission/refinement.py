@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from companion.mission.model import Command, Do, Fly, Skill, Wait
 from companion.mission.payload_steps import Photo, PointGimbal
+from companion.mission.python_call import PythonCall
 from companion.mission.signals import Signal
 
 
@@ -16,12 +17,12 @@ def flies(skill: Skill, skills: Mapping[str, Skill]) -> bool:
 
 def turns(skill: Skill, skills: Mapping[str, Skill]) -> bool:
     """Whether the companion has the vehicle in its hands in one of its steps."""
-    return _does(skill, skills, (Fly, Command, Photo, PointGimbal, Wait))
+    return _does(skill, skills, (Fly, Command, Photo, PointGimbal, PythonCall, Wait))
 
 
 def looks_while_holding(skill: Skill, skills: Mapping[str, Skill]) -> bool:
     """Whether it holds the vehicle for something else than to point a gimbal."""
-    return _does(skill, skills, (Command, Photo, Wait))
+    return _does(skill, skills, (Command, Photo, PythonCall, Wait))
 
 
 def confirming(skills: Mapping[str, Skill]) -> frozenset[Signal]:

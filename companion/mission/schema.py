@@ -135,9 +135,9 @@ class SkillEntry(DrawnModel):
             description="What the vehicle does, one thing or a list, one after the other: "
             "fly(parameter), command(component, MAV_CMD_NAME[, param1, ...]), photo(camera), "
             "gimbal(component, pitch_deg, yaw_deg), grip(component), release(component), "
-            "wait(seconds), land(), land_on(parameter), charge(percent), take_off(), or another "
-            "skill with its "
-            "arguments.",
+            "wait(seconds), land(), land_on(parameter), charge(percent), take_off(), "
+            "python(name, arguments) for a function of an installed package, or another skill "
+            "with its arguments.",
         ),
     ]
     planned: Annotated[
@@ -157,7 +157,8 @@ class SkillEntry(DrawnModel):
     repeatable: Annotated[
         bool,
         Field(
-            description="true: its commands may be sent again after the companion was cut off "
+            description="true: its commands may be sent, and its functions called, again after "
+            "the companion was cut off "
             "while it was done, and nobody knows whether they took effect. Without it, the skill "
             "counts as failed then, and is not done again in this flight."
         ),

@@ -21,6 +21,7 @@ from companion.mission.facts import Atom, spelled
 from companion.mission.literals import parse_effect, parse_fact, parse_literals
 from companion.mission.looking import gimbal_of, look_at
 from companion.mission.model import Do, Execution, Fly, LandOn, PointOfInterest, Skill
+from companion.mission.python_call import PythonCall, check_names
 from companion.mission.schema import MissionFile, SkillEntry
 from companion.mission.signals import Condition, Silence
 from companion.mission.vocabulary import Domain, Vocabulary
@@ -91,9 +92,12 @@ def _check_calls(
     """Refuses calls with a wrong number of arguments, and calls that lead back to the skill."""
     constants = {*file.places, *file.objects}
     for index, step in enumerate(skills[name].execute):
+        where = document.where("skills", name, "execute", index)
+        known = {parameter for parameter, _ in skills[name].parameters} | constants
+        if isinstance(step, PythonCall):
+            check_names(step, name, known, where)
         if not isinstance(step, Do):
             continue
-        where = document.where("skills", name, "execute", index)
         wanted = [parameter for parameter, _ in skills[step.skill].parameters]
         if len(wanted) != len(step.arguments):
             raise MissionError(
@@ -101,7 +105,6 @@ def _check_calls(
                 where,
                 f"write {spelled(step.skill, tuple(wanted))}",
             )
-        known = {parameter for parameter, _ in skills[name].parameters} | constants
         for argument in step.arguments:
             if argument not in known:
                 raise MissionError(
@@ -289,6 +292,7 @@ class _SkillBuilder:
         used |= {argument for atom in atoms for argument in atom.arguments}
         used |= {step.place for step in execute if isinstance(step, Fly | LandOn)}
         used |= {word for step in execute if isinstance(step, Do) for word in step.arguments}
+        used |= {word for step in execute if isinstance(step, PythonCall) for word in step.names}
         for parameter in self.entry.parameters:
             if parameter not in used:
                 raise MissionError(

@@ -19,12 +19,14 @@ from companion.geometry import Ned, NorthEast, is_in_polygon, wrap_angle
 from companion.maps import read_map
 from companion.mission.coordinates import Coordinates
 from companion.mission.model import Limits, Place
+from companion.mission.python_call import PythonCall, check_names, parse_python
 from companion.mission.schema import MissionFile
 from companion.mission.sites import check_limits
 from companion.mission.world_schema import PlaceEntry
 from companion.motion.grid import OccupancyGrid
 from companion.motion.polygons import MAX_CORNERS, do_overlap
 from companion.motion.region import Area, Disc, Region
+from companion.skills.authoring import FunctionKind
 
 RADIUS_M = 0.6
 """Of the region of a place that says nothing of it."""
@@ -65,7 +67,8 @@ def read_space(
     limits = Limits(file.limits.speed_mps, file.limits.up_m, edge, keep_out, fence is not None)
     check_limits(limits, file.limits.unusual, document)
     places = {
-        name: _place(name, entry, coordinates, document) for name, entry in file.places.items()
+        name: _place(name, entry, file, coordinates, document)
+        for name, entry in file.places.items()
     }
     regions = (place.region.outline() or () for place in places.values())
     walled = (wall.corners for wall in walls)
@@ -77,12 +80,35 @@ def _map_corner(coordinates: Coordinates, corner: Corner, *keys: str | int) -> N
     return coordinates.corner(corner, "map", *keys)
 
 
-def _place(name: str, entry: PlaceEntry, coordinates: Coordinates, document: Document) -> Place:
+def _place(
+    name: str, entry: PlaceEntry, file: MissionFile, coordinates: Coordinates, document: Document
+) -> Place:
     position = coordinates.place(entry, "places", name)
     heading_deg = entry.heading_deg
     heading_rad = None if heading_deg is None else wrap_angle(math.radians(heading_deg))
     region = _region(name, entry, position, coordinates, document)
-    return Place(name, position, region, heading_rad, entry.amsl_m)
+    suggesters, tests = (
+        tuple(
+            _asked((name, key, index), text, kind, file, document)
+            for index, text in enumerate(texts)
+        )
+        for key, texts, kind in (
+            ("suggesters", entry.suggesters, FunctionKind.SUGGESTER),
+            ("tests", entry.tests, FunctionKind.PLACE_TEST),
+        )
+    )
+    about = name, position, region, heading_rad, entry.amsl_m
+    return Place(*about, suggesters=suggesters, tests=tests)
+
+
+def _asked(
+    keys: tuple[str, str, int], text: str, kind: FunctionKind, file: MissionFile, document: Document
+) -> PythonCall:
+    """A function that is asked about a place."""
+    with document.locating("places", *keys):
+        call = parse_python(text, kind=kind)
+    check_names(call, keys[0], [*file.places, *file.objects], document.where("places", *keys))
+    return call
 
 
 def _region(

@@ -7,7 +7,7 @@ from typing import Annotated
 from pydantic import BeforeValidator, ConfigDict, Field, JsonValue
 
 from companion.drawn_maps import Corner, DrawnModel, Metres
-from companion.mission.keys import Name, given
+from companion.mission.keys import Name, Text, given
 
 
 class LimitsEntry(DrawnModel):
@@ -159,3 +159,19 @@ class PlaceEntry(PointEntry):
             "up_m, for land_on: {component: NAME, number: 3}."
         ),
     ] = None
+    suggesters: Annotated[
+        list[Text],
+        Field(
+            max_length=8,
+            description="Installed functions that propose where in the region the vehicle may "
+            "fly to, where it cannot fly to the point itself: [python(NAME)], with arguments.",
+        ),
+    ] = []
+    tests: Annotated[
+        list[Text],
+        Field(
+            max_length=8,
+            description="Installed functions that say of a point of the region whether the "
+            "vehicle may fly to it: [python(NAME)], with arguments.",
+        ),
+    ] = []

@@ -24,6 +24,7 @@ from functools import cached_property
 
 from companion.mission.facts import HERE, Fact, spelled
 from companion.mission.model import Do, Fly, LandOn, Literal, Mission, PointOfInterest, Skill
+from companion.mission.python_call import PythonCall
 from companion.mission.refinement import flies
 from companion.planning.domain import (
     UNIT_MS,
@@ -172,6 +173,8 @@ def _refined(mission: Mission, skill: Skill, binding: dict[str, str]) -> tuple[S
     for step in skill.execute:
         if isinstance(step, Fly | LandOn):
             steps.append(type(step)(binding.get(step.place, step.place)))
+        elif isinstance(step, PythonCall):
+            steps.append(step.bound(binding))
         elif isinstance(step, Do):
             inner = mission.skills[step.skill]
             own = _own(inner, step, binding)

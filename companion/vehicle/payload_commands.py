@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 
 from companion.mavlink.commands import CommandSender, Exchange
-from companion.mavlink.framing import Message, source
+from companion.mavlink.framing import Message, dialect, source
 from companion.mavlink.payload_commands import why_not_sent
 from companion.outcomes import Refusal
 from companion.vehicle.port import Failed, Outcome, Progress
@@ -21,6 +21,7 @@ from companion.vehicle.wire import COMPONENT, Wire
 
 ONLINE_S = 3.0
 """Age of the newest heartbeat up to which a component is there; one comes each second."""
+NUMBERS: dict[str, int] = {entry.name: n for n, entry in dialect.enums["MAV_CMD"].items()}
 
 
 class PayloadCommands:
@@ -41,6 +42,10 @@ class PayloadCommands:
         self._heartbeats_s: dict[int, float] = {}
 
     # -- port.Payloads -------------------------------------------------------------------------
+
+    def number(self, command: str) -> int | None:
+        """The number of a MAV_CMD; None if there is no command of that name."""
+        return NUMBERS.get(command)
 
     def send(
         self, component: int, command: int, parameters: tuple[float, ...], timeout_s: float | None

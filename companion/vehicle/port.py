@@ -178,6 +178,9 @@ class Takeover:
 class Payloads(Protocol):
     """The payloads of a vehicle: what skills command."""
 
+    def number(self, command: str) -> int | None:
+        """The number of a MAV_CMD; None if there is no command of that name."""
+
     def send(
         self, component: int, command: int, parameters: tuple[float, ...], timeout_s: float | None
     ) -> int:

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 from happened import Happened
 
 from companion.acting.flight import TICK_S
+from companion.acting.function_port import FunctionPort
 from companion.acting.journal import JournalEntry, put_together
 from companion.app import Companion
 from companion.flight_events.event import FlightEvent, Stamped
@@ -158,6 +159,7 @@ class Lockstep(Happened):
         has_station: whether a ground station is there, with its heartbeat.
         resumes: as with `run --resume`.
         vehicle: signs and verifies what the simulator sends and hears.
+        functions: what the mission's Python skills do.
 
     Attributes:
         companion: under test.
@@ -181,16 +183,17 @@ class Lockstep(Happened):
         has_station: bool = False,
         resumes: bool = False,
         vehicle: Signing | None = None,
+        functions: FunctionPort | None = None,
     ) -> None:
         self.journal = KeptJournal()
         self.name = "the-run"
-        self._mission, self._resumes = mission, resumes
+        self._mission, self._resumes, self._functions = mission, resumes, functions
         scenario, grid = world
         links = {LinkName.OFFBOARD} | ({LinkName.GCS} if has_station else set())
         self.simulation = Simulation(
             scenario, grid, seed=seed, links=frozenset(links), signing=vehicle
         )
-        self.companion = Companion(mission, self, resumes=resumes)
+        self.companion = Companion(mission, self, resumes=resumes, functions=functions)
         self.is_companion_alive = True
         self.reports: list[Stamped] = []
         self.said: list[Said] = []
@@ -218,7 +221,13 @@ class Lockstep(Happened):
         assert journalled is not None
         journalled = replace(journalled, away_s=self.now_s - journalled.time_s)
         again = None if journalled.is_over else journalled
-        self.companion = Companion(self._mission, self, resumes=self._resumes, journalled=again)
+        self.companion = Companion(
+            self._mission,
+            self,
+            resumes=self._resumes,
+            journalled=again,
+            functions=self._functions,
+        )
         self.is_companion_alive = True
 
     # -- companion.app.Recorder ----------------------------------------------------------------

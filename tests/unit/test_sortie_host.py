@@ -6,6 +6,7 @@ import threading
 from typing import Any
 
 import pytest
+from scripted_functions import ScriptedFunctions
 from synthetic import mission
 
 from companion.cli.hosting import SortieHost
@@ -13,6 +14,7 @@ from companion.errors import CompanionError
 
 PREPARE = "companion.cli.hosting.prepare"
 ENGINE: Any = object()
+FUNCTIONS: Any = ScriptedFunctions()
 
 
 def no_folder(_: Any) -> Any:
@@ -21,7 +23,7 @@ def no_folder(_: Any) -> Any:
 
 @pytest.fixture
 def host() -> SortieHost:
-    return SortieHost(no_folder, no_folder, no_folder, None, ENGINE)
+    return SortieHost(no_folder, no_folder, no_folder, None, ENGINE, FUNCTIONS)
 
 
 def test_a_mission_is_prepared_in_another_thread(
@@ -30,7 +32,8 @@ def test_a_mission_is_prepared_in_another_thread(
     monkeypatch.setattr(PREPARE, lambda *asked, **how: (asked, how, threading.get_ident()))
     flown = mission("F at(A)")
     asked, how, thread = host.prepare(flown, 2.0, 488.0).result()
-    assert asked == (flown, 2.0) and how == {"engine": ENGINE, "ground_amsl_m": 488.0}
+    told = {"engine": ENGINE, "ground_amsl_m": 488.0, "functions": FUNCTIONS}
+    assert asked == (flown, 2.0) and how == told
     assert thread != threading.get_ident()
 
 

@@ -32,6 +32,7 @@ from py_trees.composites import Selector, Sequence
 from py_trees.decorators import Inverter, Repeat, Retry
 
 from companion.acting.behaviour_tree import landing
+from companion.acting.behaviour_tree.call_function import CallFunction
 from companion.acting.behaviour_tree.confirmation import Confirm
 from companion.acting.behaviour_tree.deadline import Deadline
 from companion.acting.behaviour_tree.gimbal import AimGimbal, LookThroughGimbal
@@ -64,6 +65,7 @@ from companion.mission.model import (
     Wait,
 )
 from companion.mission.payload_steps import Photo, PointGimbal
+from companion.mission.python_call import PythonCall
 from companion.planning.domain import Refinement, Step
 from companion.planning.lasso import Lasso
 
@@ -176,7 +178,7 @@ def _one_try(
 ) -> Behaviour:
     """One try: a single step is itself, several are a sequence, in time together.
 
-    A command among them may take all of that time.
+    A command among them may take all of that time, and so may a function.
     """
     match skill.steps if skill.confirmed_by is None else ():
         case (Fly(place),):
@@ -187,6 +189,8 @@ def _one_try(
             return AimGimbal(flight, gimbal, limit_s)
         case (Photo() as photo,):
             return _looking(flight, TakePhoto(flight, photo, limit_s), look_at)
+        case (PythonCall() as call,):
+            return _looking(flight, CallFunction(flight, call, limit_s), look_at)
     steps = [_step(flight, step, limit_s, look_at) for step in skill.steps]
     if skill.confirmed_by is not None:
         steps.append(Confirm(flight, skill.confirmed_by, limit_s))
@@ -233,6 +237,8 @@ def _step(
             return AimGimbal(flight, step, limit_s)
         case Photo():
             return _looking(flight, TakePhoto(flight, step, limit_s), look_at)
+        case PythonCall():
+            return _looking(flight, CallFunction(flight, step, limit_s), look_at)
         case Wait(duration_s):
             return _looking(flight, Rest(flight, duration_s), look_at)
         case Land():

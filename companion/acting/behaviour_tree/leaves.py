@@ -14,6 +14,7 @@ from companion.acting.behaviour_tree.intention import Intention
 from companion.acting.behaviour_tree.leaf import Leaf, failure_of
 from companion.acting.behaviour_tree.move import MoveCommand
 from companion.acting.flight import Flight
+from companion.acting.place_functions import PlaceFunctions
 from companion.acting.replanning.assumptions import Assumptions
 from companion.flight_events.facts import BeliefWithdrawn
 from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFailed
@@ -197,8 +198,8 @@ class UpdateParam(Leaf):
         if self._has_failed:
             flight.symbols.refuse(place, flight.now_s)
         if state is not None:
-            ground, here = flight.symbols.ground, state.position
-            self._grounding = InSlices(lambda: ground(place, here, flight.now_s))
+            ground, here, advice = flight.symbols.ground, state.position, PlaceFunctions(flight)
+            self._grounding = InSlices(lambda: ground(place, here, flight.now_s, advice))
 
     def update(self) -> Status:
         """FAILURE if no waypoint of the place can be flown to on the map as it is known now.

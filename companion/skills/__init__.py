@@ -1,0 +1,23 @@
+"""Skills, suggesters and tests of places as functions of installed packages (docs/skills.md).
+
+This is what their authors import. It takes no time and knows nothing of the rest of the companion.
+"""
+
+from companion.skills.authoring import Cancelled, place_test, skill, suggester
+from companion.skills.authoring import FunctionRun as Run
+from companion.skills.authoring import KnownPlace as Place
+from companion.skills.authoring import KnownVehicle as Vehicle
+from companion.skills.authoring import SkillFailure as Failed
+from companion.skills.authoring import WaypointEnu as Waypoint
+
+__all__ = [
+    "Cancelled",
+    "Failed",
+    "Place",
+    "Run",
+    "Vehicle",
+    "Waypoint",
+    "place_test",
+    "skill",
+    "suggester",
+]

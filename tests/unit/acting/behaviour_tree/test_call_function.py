@@ -1,0 +1,173 @@
+"""The leaf that calls a function: what it writes down first, what it waits for, how it is left."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from leaves import a_rig, later, run, tick
+from py_trees.common import Status
+from rig import Rig
+from scripted_functions import ScriptedFunctions
+
+from companion.acting.behaviour_tree.call_function import CALL_S, DISK_S, CallFunction
+from companion.acting.journal import CommandIntended, CommandSettled, JournalEntry
+from companion.flight_events.skills import SkillProgressed
+from companion.mission.python_call import Named, PythonCall
+from companion.skills.authoring import FunctionKind
+from companion.skills.calls import (
+    Answer,
+    CommandAsked,
+    Function,
+    NotDone,
+    Progressed,
+    Returned,
+)
+from companion.vehicle.port import Failed, Progress
+
+STEP = PythonCall(
+    Function(FunctionKind.SKILL, "weigh"), (Named("A"), 2.5), components=(("gripper", 25),)
+)
+GRIP = CommandAsked("gripper", "MAV_CMD_DO_GRIPPER", (1.0, 0.0))
+
+
+class SlowJournal:
+    """Keeps entries; the test says when they are on the disk."""
+
+    def __init__(self) -> None:
+        self.entries: list[JournalEntry] = []
+        self.is_kept = True
+
+    def note(self, now_s: float, entry: JournalEntry) -> None:
+        self.entries.append(entry)
+
+
+def leaf_of(
+    *script: list[tuple[float, Answer]], timeout_s: float | None = None
+) -> tuple[Rig, ScriptedFunctions, CallFunction]:
+    rig, functions = a_rig(), ScriptedFunctions(*script)
+    later(rig)
+    rig.flight.functions = functions
+    return rig, functions, CallFunction(rig.flight, STEP, timeout_s)
+
+
+def test_it_succeeds_when_the_function_returns_and_the_vehicle_holds_meanwhile() -> None:
+    rig, functions, leaf = leaf_of([(2.0, Returned())])
+    begun_s = rig.flight.now_s
+    assert run(rig, leaf) is Status.SUCCESS
+    assert rig.flight.now_s - begun_s == pytest.approx(2.05, abs=0.06)
+    assert rig.vehicle.setpoint is not None and rig.vehicle.setpoint.velocity == (0.0, 0.0, 0.0)
+    (request,) = functions.requests
+    assert request.call.text == "python(weigh, A, 2.5)"
+    assert [place.name for place in request.places] == ["A"]
+    assert (request.places[0].north_m, request.places[0].lat_deg) == (6.0, None)
+    assert request.vehicle is not None and not request.vehicle.is_landed
+    assert functions.cancelled == []
+
+
+def test_it_fails_with_the_words_of_the_function() -> None:
+    rig, _, leaf = leaf_of([(0.0, NotDone("2.6 kg\x1b[2J"))])
+    assert run(rig, leaf) is Status.FAILURE
+    assert leaf.feedback_message == r"2.6 kg\x1b[2J"
+
+
+@pytest.mark.parametrize(("timeout_s", "limit_s"), [(3.0, 3.0), (None, CALL_S)])
+def test_a_function_that_does_not_end_is_left(timeout_s: float | None, limit_s: float) -> None:
+    rig, functions, leaf = leaf_of([], timeout_s=timeout_s)
+    begun_s = rig.flight.now_s
+    assert run(rig, leaf, 100.0) is Status.FAILURE
+    assert rig.flight.now_s - begun_s == pytest.approx(limit_s, abs=0.15)
+    assert leaf.feedback_message == f"not done after {limit_s:g} s"
+    assert functions.cancelled == [1]
+
+
+def test_nothing_is_called_before_the_journal_has_it() -> None:
+    rig, functions, leaf = leaf_of([(0.0, Returned())])
+    journal = SlowJournal()
+    rig.flight.journal, journal.is_kept = journal, False
+    for _ in range(20):
+        assert tick(rig, leaf) is Status.RUNNING
+    assert functions.requests == []
+    assert journal.entries == [CommandIntended(1, "", "python(weigh, A, 2.5)")]
+    journal.is_kept = True
+    assert run(rig, leaf) is Status.SUCCESS
+    assert len(journal.entries) == 1  # the end of the skill settles it
+
+
+def test_a_disk_that_takes_nothing_fails_the_skill() -> None:
+    rig, functions, leaf = leaf_of([(0.0, Returned())])
+    rig.flight.journal = journal = SlowJournal()
+    journal.is_kept = False
+    assert run(rig, leaf, 2 * DISK_S) is Status.FAILURE
+    assert functions.requests == []
+    assert journal.entries[-1] == CommandSettled(1)
+
+
+def test_what_interrupts_it_cancels_the_call_and_it_begins_anew() -> None:
+    rig, functions, leaf = leaf_of([], [(0.0, Returned())])
+    rig.flight.journal = journal = SlowJournal()
+    assert tick(rig, leaf) is Status.RUNNING
+    leaf.stop(Status.INVALID)
+    assert functions.cancelled == [1]
+    assert journal.entries[-1] == CommandSettled(1)
+    assert run(rig, leaf) is Status.SUCCESS
+    assert len(functions.requests) == 2
+
+
+def test_progress_is_told_now_and_then_the_newest() -> None:
+    said = [(0.1 * n, Progressed(n / 100, f"{n}")) for n in range(101)]
+    rig, _, leaf = leaf_of([*said, (10.0, Returned())])
+    run(rig, leaf)
+    told = [s.event for s in rig.flight.collect_reports()]
+    assert told == [
+        SkillProgressed("python(weigh, A, 2.5)", percent, str(percent)) for percent in (0, 50, 100)
+    ]
+    assert told[1].text == "python(weigh, A, 2.5): 50 %, 50"
+    assert SkillProgressed("weigh(A)", None, "").text == "weigh(A): goes on"
+
+
+def test_a_command_that_it_asks_for_is_sent_once_when_the_journal_has_it() -> None:
+    rig, functions, leaf = leaf_of([(0.5, GRIP), (0.5, Returned())])
+    rig.flight.journal = journal = SlowJournal()
+    rig.vehicle.payloads.answers = [(1.0, Progress.DONE)]
+    assert run(rig, leaf) is Status.SUCCESS
+    assert rig.vehicle.payloads.sent == [(25, 211, (1.0, 0.0))]
+    assert functions.replies == [None]
+    assert [each.command for each in journal.entries if isinstance(each, CommandIntended)] == [
+        "python(weigh, A, 2.5)",
+        "MAV_CMD_DO_GRIPPER",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("asked", "says"),
+    [
+        (replace(GRIP, component="gripr"), "the mission has no component gripr"),
+        (replace(GRIP, component=300), "the mission has no component 300"),
+        (replace(GRIP, command="MAV_CMD_NONE"), "there is no command MAV_CMD_NONE"),
+    ],
+)
+def test_a_command_that_is_none_is_refused_by_its_reply(asked: CommandAsked, says: str) -> None:
+    rig, functions, leaf = leaf_of([(0.0, asked), (0.0, NotDone("as told"))])
+    assert run(rig, leaf) is Status.FAILURE
+    assert functions.replies == [says]
+    assert rig.vehicle.payloads.sent == []
+
+
+def test_a_command_that_fails_is_replied_and_settled() -> None:
+    rig, functions, leaf = leaf_of([(0.0, GRIP), (0.0, Returned())])
+    rig.flight.journal = journal = SlowJournal()
+    rig.vehicle.payloads.answers = [(0.5, Failed("denied"))]
+    assert run(rig, leaf) is Status.SUCCESS
+    assert functions.replies == ["denied"]
+    assert CommandSettled(2) in journal.entries
+
+
+def test_a_call_that_is_left_asks_for_its_command_no_longer() -> None:
+    rig, functions, leaf = leaf_of([(0.0, GRIP)])
+    rig.vehicle.payloads.answers = [(60.0, Progress.DONE)]
+    for _ in range(5):
+        tick(rig, leaf)
+    leaf.stop(Status.INVALID)
+    assert rig.vehicle.payloads.forgotten == [1]
+    assert functions.cancelled == [1]
