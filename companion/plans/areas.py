@@ -57,21 +57,35 @@ def common(areas: Sequence[PlanArea]) -> PlanArea:
     """What is inside all of some areas.
 
     Raises:
-        ItemRefused: nothing is, or that may have several parts.
+        ItemRefused: nothing is, or that may have several parts, or it has no area.
     """
     about = GlobalOrigin(*areas[0].corners[0], 0.0)
     first, *others = areas
     shared = _counterclockwise([_local(about, corner) for corner in first.corners])
     for area in others:
         shared = _both(shared, [_local(about, corner) for corner in area.corners], area.item)
-    bends = [
-        corner
-        for before, corner, after in zip(
-            [shared[-1], *shared], shared, [*shared[1:], shared[0]], strict=False
-        )
-        if abs(_side(before, after, corner)) > STRAIGHT_M * math.dist(before, after)
-    ]
+    bends = _bends(shared)
+    if len(bends) < 3:
+        raise ItemRefused(first.item, "has no area: its corners lie on one line", "draw it anew")
     return replace(first, corners=tuple(_degrees(about, corner) for corner in bends))
+
+
+def _bends(corners: Sequence[NorthEast]) -> list[NorthEast]:
+    """The corners at which a polygon turns, one of those that nearly coincide.
+
+    Each is compared with the neighbours that are left, so that of two in one place one stays.
+    """
+    kept, index, passed = list(corners), 0, 0
+    while len(kept) > 2 and passed < len(kept):
+        before, corner, after = kept[index - 1], kept[index], kept[(index + 1) % len(kept)]
+        width_m = math.dist(before, after)
+        is_there = math.dist(before, corner) < STRAIGHT_M
+        if is_there or abs(_side(before, after, corner)) <= STRAIGHT_M * width_m:
+            del kept[index]
+            index, passed = max(0, index - 1) % len(kept), 0
+        else:
+            index, passed = (index + 1) % len(kept), passed + 1
+    return kept
 
 
 def _both(one: list[NorthEast], other: list[NorthEast], item: str) -> list[NorthEast]:

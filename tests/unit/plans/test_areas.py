@@ -13,7 +13,7 @@ from plan_files import HOME, TAKE_OFF, at, circle, imported, plan, polygon, squa
 
 from companion import load_mission
 from companion.errors import MissionError
-from companion.geometry import NorthEast, is_in_polygon
+from companion.geometry import GlobalOrigin, NorthEast, is_in_polygon
 from companion.mission.model import Limits
 from companion.plans.areas import circle as polygon_of
 from companion.plans.areas import common
@@ -176,3 +176,20 @@ def _gap_m(point: NorthEast, a: Any, b: Any) -> float:
         ((r[1] - q[1]) * scale * 111_195, (r[0] - q[0]) * 111_195),
     )
     return (dx * y - dy * x) / max(1e-9, math.hypot(dx, dy))
+
+
+@pytest.mark.parametrize("apart_m", [0.0, 1e-9, 0.001])
+def test_of_corners_in_one_place_one_stays(apart_m: float) -> None:
+    """Where the corners of two areas coincide, what they share has both."""
+    near = (40 + apart_m, apart_m)
+    corners = tuple(at(*corner) for corner in ((40, 0), near, (-20, 35), (-20, 0), (-20, -35)))
+    shared = common([PlanArea("area", "area", corners, True)]).corners
+    local = [GlobalOrigin(*HOME, 0.0).to_local(*corner, 0.0)[:2] for corner in shared]
+    assert are_near(tuple(local), [(40, 0), (-20, 35), (-20, -35)])
+
+
+def test_a_small_circle_keeps_its_shape() -> None:
+    corners = polygon_of("circle", HOME, 0.4, True)
+    shared = common([PlanArea("area", "area", corners, True)]).corners
+    assert all(metres_between(HOME, corner) == pytest.approx(0.4, abs=0.01) for corner in shared)
+    assert 5 < len(shared) < len(corners) and is_in_polygon(HOME, shared)
