@@ -60,7 +60,8 @@ def import_(
     from companion.plans.files import import_plan
 
     given = _given(home, up_m, payload)
-    text, draft = import_plan(file, given, frozenset(leave_out.replace(" ", "").split(",")), name)
+    numbers = frozenset(filter(None, leave_out.replace(" ", "").split(",")))
+    text, draft = import_plan(file, given, numbers, name)
     _write(output, text)
     _tell(draft)
     typer.echo(f"written    {output}")

@@ -11,7 +11,6 @@ from dataclasses import dataclass, field, replace
 from companion.mavlink.framing import dialect
 from companion.mavlink.payload_commands import PAYLOAD_COMMANDS
 from companion.plans.route_plan import (
-    SAME_M,
     Act,
     Height,
     ItemRefused,
@@ -19,8 +18,8 @@ from companion.plans.route_plan import (
     PlanArea,
     RoutePlan,
     Waypoint,
+    are_same,
     check_degrees,
-    metres_between,
 )
 
 AMSL_FRAMES = frozenset({dialect.MAV_FRAME_GLOBAL, dialect.MAV_FRAME_GLOBAL_INT})
@@ -33,6 +32,13 @@ TERRAIN_FRAMES = frozenset(
 LEAVE_OUT = "correct the plan, or leave items out by their numbers: --leave-out 3,7"
 PAYLOADS = "payloads"
 """Stands for the numbers of all commands for payloads where items are left out."""
+
+
+def not_an_item(number: str) -> ItemRefused:
+    """That what shall be left out is not there."""
+    what = f"has no item {number[:20]!r} that could be left out"
+    advice = "items have the numbers that messages give them, as in --leave-out 3,3.2"
+    return ItemRefused("", what, advice)
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,6 +114,7 @@ class PlannedRoute:
     """What the items up to now have asked for; as in `RoutePlan`."""
 
     takeoff: Height | None = None
+    takeoff_item: str = ""
     takeoff_at: LatLon | None = None
     waypoints: list[Waypoint] = field(default_factory=list)
     acts: dict[int, list[Act]] = field(default_factory=dict)
@@ -140,7 +147,11 @@ class PlannedRoute:
         areas: tuple[PlanArea, ...] = (),
         rally: tuple[Waypoint, ...] = (),
     ) -> RoutePlan:
-        """The plan, with what else its file says."""
+        """The plan, with what else its file says.
+
+        Args:
+            home_amsl_m: 0 is what ground stations write where they do not know it.
+        """
         if home is None and self.takeoff_at is not None:
             home = self.takeoff_at
             told = (*told, "home is where the plan takes off: it says nothing else of home")
@@ -150,7 +161,7 @@ class PlannedRoute:
             for index, waypoint in enumerate(self.waypoints)
         )
         start, repeats_from = acts.get(-1, ()), self.repeats_from
-        if self.takeoff_at and home and metres_between(self.takeoff_at, home) < SAME_M:
+        if self.takeoff_at and home and are_same(self.takeoff_at, home):
             start, waypoints = start + waypoints[0].acts, waypoints[1:]
             repeats_from = repeats_from and repeats_from - 1
         if not self.ends and self.waypoints:
@@ -158,8 +169,9 @@ class PlannedRoute:
         return RoutePlan(
             kind=kind,
             home=home,
-            home_amsl_m=home_amsl_m,
+            home_amsl_m=home_amsl_m or None,
             takeoff=self.takeoff,
+            takeoff_item=self.takeoff_item,
             start_acts=start,
             waypoints=waypoints,
             repeats_from=repeats_from,

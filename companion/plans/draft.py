@@ -12,7 +12,7 @@ given, and so has home.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
@@ -20,7 +20,7 @@ from typing import Any
 from companion.geometry import is_in_polygon
 from companion.motion.polygons import do_overlap
 from companion.plans.areas import box, common
-from companion.plans.draft_places import Given, Places
+from companion.plans.draft_places import OTHER_HOME, Given, Places
 from companion.plans.draft_task import HOME, skills_of, task_of
 from companion.plans.route_plan import (
     ItemRefused,
@@ -28,11 +28,13 @@ from companion.plans.route_plan import (
     LatLon,
     RoutePlan,
     Waypoint,
+    check_points,
     metres_between,
 )
 
 MAX_PLACES, MAX_STOPS = 60, 200
 """Of a route: the plan for either takes 10 s, and grows with the square."""
+MAX_AREAS = 100
 FENCE_MARGIN_M = 20.0
 BAND_M, AMSL_BAND_M = 3.0, 15.0
 SPEED_MPS, MAX_SPEED_MPS = 5.0, 12.0
@@ -45,12 +47,12 @@ class Draft:
 
     Attributes:
         data: the mission.
-        items: the name in its file of each place.
+        items: by the keys of a place, of the fence or of a keep-out zone, its name in the file.
         told: what its reader has to know.
     """
 
     data: dict[str, Any]
-    items: dict[str, str]
+    items: dict[tuple[str, ...], str]
     told: list[str]
 
 
@@ -75,6 +77,7 @@ class _Drafting:
     plan: RoutePlan
     given: Given
     told: list[str] = field(default_factory=list)
+    items: dict[tuple[str, ...], str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self._placed = Places(self.plan, self.given, self.told)
@@ -86,8 +89,9 @@ class _Drafting:
             raise ItemsRefused(plan.unaddressed)
         self.told += plan.told
         placed = self._placed
+        check_points(len(plan.waypoints) + len(plan.rally))
         placed.begin()
-        _all(partial(placed.stop, waypoint) for waypoint in plan.waypoints)
+        _all(self._stops())
         end = placed.end
         placed.drop_repeats()
         if not placed.stops:
@@ -108,11 +112,21 @@ class _Drafting:
         data["initially"] = [f"at({HOME})"]
         data["task"] = task_of(plan, placed.stops, end)
         data["otherwise"] = "return_home"
-        items = {name: place.item for name, place in self.places.items()}
-        return Draft(data, items, self.told)
+        places = {("places", name): place.item for name, place in self.places.items()}
+        return Draft(data, self.items | places, self.told)
+
+    def _stops(self) -> Iterator[Callable[[], None]]:
+        """Steps that add the waypoints, up to one place too many."""
+        for waypoint in self.plan.waypoints:
+            yield partial(self._placed.stop, waypoint)
+            if len(self.places) - 1 > MAX_PLACES:
+                return
 
     def _areas(self) -> tuple[tuple[LatLon, ...], dict[str, tuple[LatLon, ...]]]:
         """The fence, and the keep-out zones."""
+        if len(self.plan.areas) > MAX_AREAS:
+            what = f"has {len(self.plan.areas)} areas, more than {MAX_AREAS}"
+            raise ItemRefused("", what, "leave out those that are far away")
         inclusions = [area for area in self.plan.areas if area.is_inclusion]
         if not inclusions:
             points = [place.position for place in self.places.values()]
@@ -123,6 +137,7 @@ class _Drafting:
             fence = box(points, FENCE_MARGIN_M)
         else:
             fence = common(inclusions).corners
+            self.items["limits", "fence"] = inclusions[0].item
             if len(inclusions) > 1:
                 self.told.append(f"{len(inclusions)} inclusion areas: the fence is what all share")
         zones: dict[str, tuple[LatLon, ...]] = {}
@@ -134,6 +149,7 @@ class _Drafting:
                 while name in zones:
                     name += "_"
                 zones[name] = area.corners
+                self.items["limits", "keep_out", name] = area.item
         _all(partial(self._check_inside, place, fence, zones) for place in self.places.values())
         return fence, zones
 
@@ -144,15 +160,19 @@ class _Drafting:
         zones: dict[str, tuple[LatLon, ...]],
     ) -> None:
         if not is_in_polygon(place.position, fence):
-            raise ItemRefused(place.item, "is outside the fence of the plan", "correct one of them")
+            raise ItemRefused(place.item, "is outside the fence of the plan", _to_move(place))
         for zone, corners in zones.items():
             if is_in_polygon(place.position, corners):
-                what = f"is inside the exclusion area {zone}"
-                raise ItemRefused(place.item, what, "correct one of the two")
+                raise ItemRefused(
+                    place.item, f"is inside the exclusion area {zone}", _to_move(place)
+                )
 
     def _rally(self, fence: tuple[LatLon, ...], zones: dict[str, tuple[LatLon, ...]]) -> None:
         """Places that the task does not mention."""
-        for point in self.plan.rally:
+        spare = len(self.plan.rally)
+        if spare > MAX_PLACES:
+            self.told.append(f"nothing flies to {spare} points; the first {MAX_PLACES} are places")
+        for point in self.plan.rally[:MAX_PLACES]:
             placed = replace(point, height=point.height or self.places[HOME].height)
             try:
                 self._check_inside(placed, fence, zones)
@@ -199,6 +219,12 @@ class _Drafting:
         return min(*asked, MAX_SPEED_MPS)
 
 
+def _to_move(place: Waypoint) -> str:
+    """What to do where a place and an area do not agree."""
+    advice = "correct one of the two"
+    return f"{advice}, or {OTHER_HOME}" if place.name == HOME else advice
+
+
 def _all(steps: Iterable[Callable[[], None]]) -> None:
     """Takes some steps, and tells of all that are refused."""
     refused = []
@@ -213,5 +239,5 @@ def _all(steps: Iterable[Callable[[], None]]) -> None:
 
 def _check_count(count: int, what: str, most: int) -> None:
     if count > most:
-        said = f"leads to {count} {what}, and a task is planned for {most}"
+        said = f"leads to more than {most} {what}, the most that a task is planned for"
         raise ItemRefused("", said, "split it, or draw fewer points (of a survey, its strips)")

@@ -9,14 +9,19 @@ from companion.geometry import FAR_M
 from companion.plans.draft_task import HOME, RouteStop
 from companion.plans.route_plan import (
     SAME_M,
+    Act,
     Height,
     ItemRefused,
     LatLon,
     RoutePlan,
+    Send,
     Waypoint,
+    are_same,
     metres_between,
 )
 
+SAY_AMSL = "say it: --home LAT,LON,AMSL"
+OTHER_HOME = "say where the mission begins: --home LAT,LON"
 RADIUS_M = 2.0
 SHOWN = 8
 """Points that are listed in one line."""
@@ -69,14 +74,16 @@ class Places:
             self.told.append(f"{plan.kind} says nothing of home; it is put at {first.item}")
         if home is None:
             what = "says neither where the mission begins nor where it leads"
-            raise ItemRefused("", what, "say where it begins: --home LAT,LON")
+            raise ItemRefused("", what, OTHER_HOME)
         height = plan.takeoff or (first.height if first else None)
         if height is None and not plan.waypoints and self.given.up_m is None:
             what = "says nothing of how high to fly"
             raise ItemRefused("", what, "say how high above home: --up-m 20")
-        self.places[HOME] = self._with_height(Waypoint("home", HOME, home, height))
+        says_height = plan.takeoff_item if plan.takeoff else first.item if first else "home"
+        placed = self._with_height(Waypoint(says_height, HOME, home, height))
+        self.places[HOME] = replace(placed, item="home")
         if plan.start_acts:
-            self.stops.append(RouteStop(HOME, plan.start_acts, "start"))
+            self.stops.append(RouteStop(HOME, self._sent(plan.start_acts), "start"))
 
     def stop(self, waypoint: Waypoint) -> None:
         """Adds a waypoint of the route: a place, or the place that it is within a metre of.
@@ -97,7 +104,32 @@ class Places:
             self._raise(name, waypoint)
         elif name != HOME:
             self._again.append(f"{waypoint.item} at {name}")
-        self.stops.append(RouteStop(name, waypoint.acts, waypoint.name))
+        self.stops.append(RouteStop(name, self._sent(waypoint.acts), waypoint.name))
+
+    def _sent(self, acts: tuple[Act, ...]) -> tuple[Act, ...]:
+        """The same acts, with positions as a command to a payload has them.
+
+        It has no frame, so that its altitude is above the sea (COMMAND_LONG).
+        """
+        return tuple(
+            replace(act, params=(*act.params[:6], self._amsl_m(act.height, act)))
+            if isinstance(act, Send) and act.height is not None
+            else act
+            for act in acts
+        )
+
+    def _amsl_m(self, height: Height, act: Send) -> float:
+        if height.is_amsl:
+            return height.metres
+        if self._home_amsl_m is None:
+            what = f"{act.command} goes to a payload with an altitude above the sea, and the one of"
+            what += " the plan is above home; nothing says how high home lies"
+            raise ItemRefused(act.item, what, SAY_AMSL)
+        amsl_m = height.metres + self._home_amsl_m
+        self.told.append(
+            f"{act.item}: {height.metres:g} m above home is sent as {amsl_m:g} m above the sea"
+        )
+        return amsl_m
 
     def add(self, waypoint: Waypoint) -> str:
         """Adds a place, and returns its name."""
@@ -110,7 +142,7 @@ class Places:
     def near(self, waypoint: Waypoint) -> str | None:
         """The place that a point is within a metre of, on the ground."""
         for name, place in self.places.items():
-            if metres_between(place.position, waypoint.position) < SAME_M:
+            if are_same(place.position, waypoint.position):
                 return name
         return None
 
@@ -166,7 +198,7 @@ class Places:
             home_amsl_m = self._home_amsl_m
             if home_amsl_m is None:
                 what = "its altitude is above the sea, and nothing says how high home lies"
-                raise ItemRefused(waypoint.item, what, "say it: --home LAT,LON,AMSL")
+                raise ItemRefused(waypoint.item, what, SAY_AMSL)
             if height.metres - home_amsl_m < 1.0:
                 what = f"is at {height.metres:g} m above the sea, and home at {home_amsl_m:g} m"
                 raise ItemRefused(waypoint.item, what, "correct one of the two")

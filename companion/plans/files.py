@@ -12,8 +12,9 @@ from pathlib import Path
 
 from companion.errors import KeyPath, MissionError
 from companion.mission.loader import load_mission
+from companion.plans.commands import PAYLOADS
 from companion.plans.draft import Draft, draft
-from companion.plans.draft_places import Given
+from companion.plans.draft_places import OTHER_HOME, Given
 from companion.plans.geojson import read_geojson
 from companion.plans.kml import read_kml, read_kmz
 from companion.plans.mission_text import mission_text
@@ -72,9 +73,11 @@ def _check(drafted: Draft, path: Path) -> None:
         load_mission(drafted.data)
     except MissionError as error:
         keys = error.where.keys if isinstance(error.where, KeyPath) else ()
-        item = drafted.items.get(str(keys[1]), "") if keys[:1] == ("places",) and keys[1:] else ""
+        starts = (tuple(map(str, keys[:length])) for length in (2, 3))
+        item = next((drafted.items[start] for start in starts if start in drafted.items), "")
         where = item or (str(error.where) if error.where else "")
-        raise refusal_of(str(path), [ItemRefused(where, error.what, error.hint)]) from None
+        hint = f"{error.hint},\nor {OTHER_HOME}" if item == "home" else error.hint
+        raise refusal_of(str(path), [ItemRefused(where, error.what, hint)]) from None
 
 
 def _bytes(path: Path) -> bytes:
@@ -119,8 +122,20 @@ def _lines(data: bytes, leave_out: frozenset[str]) -> RoutePlan:
     """A file of lines."""
     text = _text(data)
     if is_fence(text):
-        return read_fence(text)
+        return _drawn(lambda _: read_fence(text))(data, leave_out)
     return read_wpl(text, leave_out)
+
+
+def _drawn(read: Callable[[bytes], RoutePlan]) -> Reader:
+    """The reader of a file without items."""
+
+    def reader(data: bytes, leave_out: frozenset[str]) -> RoutePlan:
+        if leave_out - {PAYLOADS}:
+            what = f"has no items with numbers, so that {min(leave_out)[:20]!r} cannot be left out"
+            raise ItemRefused("", what, "remove the shape in the program that has drawn it")
+        return read(data)
+
+    return reader
 
 
 READERS: dict[str, Reader] = {
@@ -128,8 +143,8 @@ READERS: dict[str, Reader] = {
     ".mission": _plan,
     ".waypoints": _lines,
     ".txt": _lines,
-    ".geojson": lambda data, leave_out: read_geojson(_text(data)),
-    ".json": lambda data, leave_out: read_geojson(_text(data)),
-    ".kml": lambda data, leave_out: read_kml(data),
-    ".kmz": lambda data, leave_out: read_kmz(data),
+    ".geojson": _drawn(lambda data: read_geojson(_text(data))),
+    ".json": _drawn(lambda data: read_geojson(_text(data))),
+    ".kml": _drawn(read_kml),
+    ".kmz": _drawn(read_kmz),
 }

@@ -16,6 +16,7 @@ from companion.plans.route_plan import (
     LatLon,
     RoutePlan,
     check_degrees,
+    check_points,
 )
 from companion.plans.shapes import Line, Point, Polygon, Shape, plan_of, word
 
@@ -69,9 +70,11 @@ def _shape(entry: Any, index: int, told: list[str]) -> Shape:
         name = name or f"P{index}"
         return Point(item, name, kind, _position(coordinates, item), height, radius_m)
     if what == "LineString":
+        check_points(len(coordinates))
         corners = tuple((_position(each, item), height) for each in coordinates)
         return Line(item, name, kind, corners)
-    rings = [tuple(_position(each, item) for each in _list(one, item)) for one in coordinates]
+    check_points(sum(len(_list(one, item)) for one in coordinates))
+    rings = [tuple(_position(each, item) for each in one) for one in coordinates]
     if not rings:
         raise ItemRefused(item, "is a polygon without corners", "draw it anew")
     return Polygon(item, name, kind, rings[0], tuple(rings[1:]))

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import io
 import zipfile
+import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from xml.parsers import expat
@@ -24,12 +25,24 @@ from companion.plans.route_plan import (
     LatLon,
     RoutePlan,
     check_degrees,
+    check_points,
 )
 from companion.plans.shapes import Line, Point, Polygon, Shape, plan_of, word
 
 MAX_DEPTH = 60
 MAX_ELEMENTS = 100_000
 MAX_BYTES = 4_000_000
+PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+UNREADABLE = (
+    zipfile.BadZipFile,
+    zlib.error,
+    NotImplementedError,
+    RuntimeError,
+    OSError,
+    EOFError,
+    ValueError,
+)
+"""What reading an archive may raise."""
 
 
 @dataclass
@@ -91,10 +104,12 @@ def read_kmz(data: bytes) -> RoutePlan:
             name = next((n for n in archive.namelist() if n.lower().endswith(".kml")), None)
             if name is None:
                 raise ItemRefused("", "is an archive without a .kml file")
+            if archive.getinfo(name).compress_type not in PACKED:
+                raise ItemRefused("", "is packed in a way that KMZ does not know", "zip it anew")
             with archive.open(name) as stream:
                 text = stream.read(MAX_BYTES + 1)  # the size that the archive states may be false
-    except (zipfile.BadZipFile, NotImplementedError, RuntimeError, OSError, EOFError) as error:
-        raise ItemRefused("", f"is no archive that can be read: {error}") from None
+    except UNREADABLE as error:
+        raise ItemRefused("", f"is no archive that can be read: {error}", "zip it anew") from None
     if len(text) > MAX_BYTES:
         raise ItemRefused("", f"has a KML file of more than {MAX_BYTES} bytes")
     return read_kml(text)
@@ -185,7 +200,9 @@ class _Corners:
         coordinates = element.child("coordinates")
         if coordinates is None or not coordinates.text:
             raise ItemRefused(self._item, f"its {element.tag} has no coordinates", "draw it anew")
-        return [self._corner(text) for text in coordinates.text.split()]
+        corners = coordinates.text.split()
+        check_points(len(corners))
+        return [self._corner(text) for text in corners]
 
     def _corner(self, text: str) -> tuple[LatLon, Height | None]:
         try:

@@ -13,8 +13,26 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from companion.mavlink.framing import dialect
-from companion.plans.commands import LEAVE_OUT, PAYLOADS, CommandItem, PlannedRoute
-from companion.plans.route_plan import Hold, ItemRefused, ItemsRefused, LatLon, Send, Waypoint
+from companion.plans.commands import (
+    LEAVE_OUT,
+    PAYLOADS,
+    CommandItem,
+    PlannedRoute,
+    not_an_item,
+)
+from companion.plans.route_plan import (
+    Height,
+    Hold,
+    ItemRefused,
+    ItemsRefused,
+    LatLon,
+    Send,
+    Waypoint,
+)
+
+CLIMB, DESCENT = dialect.SPEED_TYPE_CLIMB_SPEED, dialect.SPEED_TYPE_DESCENT_SPEED
+LAST_TO_FLY = dialect.MAV_CMD_NAV_LAST
+"""Commands up to this number lead the vehicle; the others are done on the way."""
 
 
 class Meaning(Protocol):
@@ -70,6 +88,7 @@ class TakeOffItem:
         if route.takeoff is not None or route.waypoints:
             raise item.refused("in the middle of a plan means nothing to a mission")
         route.takeoff, route.takeoff_at = item.height, item.position
+        route.takeoff_item = item.item
         if item.position is not None:
             route.visit(item, item.position)
 
@@ -102,8 +121,10 @@ class SpeedItem:
     """The speed; -1 keeps the one before."""
 
     def add(self, item: CommandItem, route: PlannedRoute) -> None:
-        """The least of all speeds is the mission's."""
-        if item.param(2) > 0:
+        """The least of all speeds is the mission's; those of climbs and descents are left out."""
+        if item.param(1) in (CLIMB, DESCENT):
+            route.told.append(f"{item.item}: a speed of climbs or descents; left out")
+        elif item.param(2) > 0:
             route.speeds_mps.append(item.param(2))
 
 
@@ -137,9 +158,10 @@ class PayloadItem:
         """Noted; who gets it is not in the plan."""
         entry = dialect.enums["MAV_CMD"][item.command]
         params = [item.param(number) for number in range(1, 8)]
-        while params and params[-1] == 0:
+        height = item.height if entry.has_location and item.position is not None else None
+        while params and params[-1] == 0 and height is None:
             params.pop()
-        route.do(Send(entry.name, tuple(params)))
+        route.do(Send(entry.name, tuple(params), item.item, height))
         what = f"{item.name} is for a payload, and a plan does not say for which"
         advice = "name its component, e.g. --payload 100 (a camera) or --payload 154 (a gimbal), or"
         advice += f"\nleave all of them out: --leave-out {PAYLOADS}"
@@ -186,18 +208,24 @@ def meaning_of(item: CommandItem) -> Meaning:
     return MEANINGS.get(item.command, RefusedItem("has no meaning in a mission"))
 
 
-def route_of(items: Iterable[CommandItem], leave_out: frozenset[str]) -> PlannedRoute:
+def route_of(
+    items: Iterable[CommandItem], leave_out: frozenset[str], groups: Iterable[str] = ()
+) -> PlannedRoute:
     """What the items of a plan ask for, one after the other.
 
     Args:
         items: of the plan.
         leave_out: their numbers, or `PAYLOADS`.
+        groups: numbers of more than an item, left out by the reader.
 
     Raises:
+        ItemRefused: a number to leave out is none of an item.
         ItemsRefused: some cannot be meant.
     """
     route, refused = PlannedRoute(), list[ItemRefused]()
+    numbers = {PAYLOADS, *groups}
     for item in items:
+        numbers.add(item.number)
         route.first_waypoint[item.jump_id] = len(route.waypoints)
         if item.number in leave_out or (PAYLOADS in leave_out and item.is_payload):
             route.told.append(f"{item.item}: {item.name} left out, as asked")
@@ -208,6 +236,10 @@ def route_of(items: Iterable[CommandItem], leave_out: frozenset[str]) -> Planned
             meaning_of(item).add(item, route)
         except ItemRefused as error:
             refused.append(error)
+            if item.command <= LAST_TO_FLY:  # so that what follows is not refused for it as well
+                route.waypoints.append(Waypoint(item.item, "refused", (0.0, 0.0), Height(0.0)))
+    if unknown := sorted(leave_out - numbers):
+        raise not_an_item(unknown[0])
     if refused:
         raise ItemsRefused(refused)
     return route

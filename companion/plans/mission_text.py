@@ -44,7 +44,7 @@ def mission_text(draft: Draft, source: str) -> str:
             root.yaml_set_comment_before_after_key(key, before="\n" + COMMENTS[key])
     places = root["places"]
     for name in places:
-        places.yaml_add_eol_comment(printable(draft.items[name]), name)
+        places.yaml_add_eol_comment(printable(draft.items["places", name]), name)
     writer = YAML()
     writer.width = 4096  # flow sequences of corners stay on their line
     text = io.StringIO()

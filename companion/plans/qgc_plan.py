@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from companion.plans.areas import circle
-from companion.plans.commands import AMSL_FRAMES, CommandItem
+from companion.plans.commands import AMSL_FRAMES, CommandItem, PlannedRoute
 from companion.plans.json_text import JsonObject, number, numbers, read_json
 from companion.plans.meanings import route_of
 from companion.plans.route_plan import (
@@ -28,7 +28,7 @@ from companion.plans.route_plan import (
 
 COPTERS = frozenset({0, 2, 3, 4, 13, 14, 15, 29, 35})
 """MAV_TYPE of what hovers; 0 is generic."""
-ABOVE_SEA_MODE = 2
+RELATIVE_MODE, ABOVE_SEA_MODE = 1, 2
 SURVEYS = {"survey": 5, "CorridorScan": 2}
 """Complex items that are flown point by point, and the newest version of each that is known."""
 
@@ -55,7 +55,7 @@ def read_plan(text: str, leave_out: frozenset[str]) -> RoutePlan:
     _check_vehicle(mission)
     home, home_amsl_m = _home(mission.list("plannedHomePosition"))
     told: list[str] = []
-    route = route_of(_items(mission.list("items"), leave_out, told), leave_out)
+    route = _route(mission.list("items"), leave_out, told)
     if not route.speeds_mps and "hoverSpeed" in mission:
         route.speeds_mps.append(mission.number("hoverSpeed"))
     areas, rally = _areas(file, told), _rally(file, told)
@@ -68,7 +68,7 @@ def _old_mission(file: JsonObject, leave_out: frozenset[str]) -> RoutePlan:
     if "complexItems" in file and file.list("complexItems"):
         raise ItemRefused("", "has complex items of an old version", "open and save it in QGC")
     told: list[str] = []
-    route = route_of(_items(file.list("items"), leave_out, told), leave_out)
+    route = _route(file.list("items"), leave_out, told)
     if isinstance(file.data.get("plannedHomePosition"), dict):  # the first version
         file = JsonObject(
             {"plannedHomePosition": file.object("plannedHomePosition").list("coordinate")}, ""
@@ -103,6 +103,12 @@ def _home(listed: list[Any]) -> tuple[LatLon | None, float | None]:
 # -- items -----------------------------------------------------------------------------------------
 
 
+def _route(entries: list[Any], leave_out: frozenset[str], told: list[str]) -> PlannedRoute:
+    """The route of the items, which are numbered from 1."""
+    numbers = map(str, range(1, len(entries) + 1))
+    return route_of(_items(entries, leave_out, told), leave_out, numbers)
+
+
 def _items(entries: list[Any], leave_out: frozenset[str], told: list[str]) -> Iterator[CommandItem]:
     for index, entry in enumerate(entries, 1):
         fields = JsonObject(entry, f"item {index}")
@@ -128,8 +134,9 @@ def _simple(fields: JsonObject, name: str, told: list[str]) -> CommandItem:
     item = CommandItem(name, fields.integer("command"), fields.integer("frame"), params, jump_id)
     if "AltitudeMode" in fields and item.position is not None:
         mode = fields.integer("AltitudeMode")
-        if mode in (1, ABOVE_SEA_MODE) and (mode == ABOVE_SEA_MODE) != (item.frame in AMSL_FRAMES):
-            words = ["above home", "above the sea"][item.frame in AMSL_FRAMES]
+        is_amsl = item.frame in AMSL_FRAMES
+        if mode in (RELATIVE_MODE, ABOVE_SEA_MODE) and (mode == ABOVE_SEA_MODE) != is_amsl:
+            words = ["above home", "above the sea"][is_amsl]
             told.append(
                 f"{item.item}: AltitudeMode {mode} and frame {item.frame} disagree; "
                 f"the frame counts, so the altitude is {words}"
@@ -173,14 +180,24 @@ def _survey(fields: JsonObject, index: int, told: list[str]) -> Iterator[Command
         what = f"{kind} has no points: QGroundControl has not worked it out"
         raise ItemRefused(fields.item, what, "open and save it in QGroundControl")
     camera = style.object("CameraCalc")
-    if not camera.flag("DistanceToSurfaceRelative"):
-        raise ItemRefused(fields.item, f"{kind} follows the terrain", "fly it above home")
+    if not _is_above_home(style, camera):
+        what = f"{kind} has no altitude above home: it is above the sea, or follows the terrain"
+        raise ItemRefused(fields.item, what, "open and save it in QGroundControl")
     up_m = camera.number("DistanceToSurface")
     told.append(f"{fields.item}: its points alone; when to take a picture is not in the file")
     for number_, point in enumerate(points, 1):
         latitude, longitude = numbers(point, fields.item, "a point", 2)[:2]
         params = (0.0, 0.0, 0.0, None, latitude, longitude, up_m)
         yield CommandItem(f"{index}.{number_}", 16, 3, params, index)
+
+
+def _is_above_home(style: JsonObject, camera: JsonObject) -> bool:
+    """Whether the distance to the surface is an altitude above home; by the older or newer keys."""
+    if "FollowTerrain" in style and style.flag("FollowTerrain"):
+        return False
+    if "DistanceMode" in camera:
+        return camera.integer("DistanceMode") == RELATIVE_MODE
+    return camera.flag("DistanceToSurfaceRelative")
 
 
 # -- fence and rally points ------------------------------------------------------------------------

@@ -10,15 +10,20 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import islice
 
 from companion.errors import MissionError
 from companion.geometry import GlobalOrigin
+from companion.motion.polygons import MAX_CORNERS
 
 SHOWN = 20
 """Refusals that are listed in one message."""
 
 SAME_M = 1.0
 """Points that are nearer to each other are one place."""
+
+MAX_POINTS = 2000
+"""Of a file; each is compared with every place. Plans of 800 waypoints exist."""
 
 LatLon = tuple[float, float]
 """Degrees north, degrees east."""
@@ -51,10 +56,17 @@ class Hold:
 
 @dataclass(frozen=True, slots=True)
 class Send:
-    """Send a command to the payload."""
+    """Send a command to the payload.
+
+    Attributes:
+        item: its name in messages.
+        height: of the position that the command has; None if it has none.
+    """
 
     command: str
     params: tuple[float, ...]
+    item: str = ""
+    height: Height | None = None
 
     @property
     def step(self) -> str:
@@ -104,6 +116,7 @@ class RoutePlan:
         home: where the flight begins; None if the file does not say it.
         home_amsl_m: how high that lies above the sea.
         takeoff: the height of the first hover.
+        takeoff_item: that says it.
         start_acts: what is done before the first waypoint.
         waypoints: in the order of the flight.
         is_ordered: whether this order is meant.
@@ -120,6 +133,7 @@ class RoutePlan:
     home: LatLon | None = None
     home_amsl_m: float | None = None
     takeoff: Height | None = None
+    takeoff_item: str = ""
     start_acts: tuple[Act, ...] = ()
     waypoints: tuple[Waypoint, ...] = ()
     is_ordered: bool = True
@@ -187,14 +201,32 @@ def ring(item: str, corners: Iterable[LatLon]) -> tuple[LatLon, ...]:
     """The corners of a polygon, without the last one if that is the first one again.
 
     Raises:
-        ItemRefused: fewer than three are left.
+        ItemRefused: fewer than three are left, or there are too many.
     """
-    listed = tuple(corners)
+    listed = tuple(islice(corners, MAX_CORNERS + 2))
     if len(listed) > 1 and listed[0] == listed[-1]:
         listed = listed[:-1]
     if len(listed) < 3:
         raise ItemRefused(item, f"a polygon of {len(listed)} corners has no area", "draw it anew")
+    if len(listed) > MAX_CORNERS:
+        what = f"is a polygon of more than {MAX_CORNERS} corners"
+        raise ItemRefused(item, what, "draw it with fewer: each setpoint is held against them")
     return listed
+
+
+def check_points(count: int) -> None:
+    """Whether a file has no more points than are looked at.
+
+    Raises:
+        ItemRefused: it has.
+    """
+    if count > MAX_POINTS:
+        raise ItemRefused("", f"has {count} points, more than {MAX_POINTS}", "split it")
+
+
+def are_same(a: LatLon, b: LatLon) -> bool:
+    """Whether two points are one place; a thousandth of a degree is 111 m from south to north."""
+    return abs(a[0] - b[0]) < 0.001 and metres_between(a, b) < SAME_M
 
 
 def metres_between(a: LatLon, b: LatLon) -> float:

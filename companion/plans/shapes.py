@@ -15,14 +15,14 @@ from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 from companion.plans.route_plan import (
-    SAME_M,
     Height,
     ItemRefused,
     LatLon,
     PlanArea,
     RoutePlan,
     Waypoint,
-    metres_between,
+    are_same,
+    check_points,
     ring,
 )
 
@@ -164,10 +164,12 @@ def plan_of(kind: str, shapes: Sequence[Shape], told: Sequence[str] = ()) -> Rou
     if drawn.unnamed and sum(area.is_inclusion for area in drawn.areas) > 1:
         what = "is one of several polygons, and does not say what it is"
         raise ItemRefused(drawn.unnamed[-1], what, f"give it the kind {FENCE} or {KEEP_OUT}")
+    check_points(len(drawn.route) + len(drawn.points) + len(drawn.rally))
     is_ordered = bool(drawn.route)
     points = [*drawn.points, drawn.home] if drawn.home else drawn.points
     waypoints = [_as_point(each, points) for each in drawn.route]
-    waypoints += [p for p in drawn.points if all(p.item != w.item for w in waypoints)]
+    on_the_line = {waypoint.item for waypoint in waypoints}
+    waypoints += [point for point in drawn.points if point.item not in on_the_line]
     if is_ordered and len(waypoints) > len(drawn.route):
         extra = ", ".join(point.item for point in waypoints[len(drawn.route) :][:10])
         drawn.told.append(f"not on the line, and so never flown to: {extra}")
@@ -176,6 +178,7 @@ def plan_of(kind: str, shapes: Sequence[Shape], told: Sequence[str] = ()) -> Rou
         kind=kind,
         home=drawn.home.position if drawn.home else None,
         takeoff=drawn.home.height if drawn.home else None,
+        takeoff_item=drawn.home.item if drawn.home else "",
         waypoints=tuple(route),
         is_ordered=is_ordered,
         repeats_from=drawn.repeats_from,
@@ -188,6 +191,6 @@ def plan_of(kind: str, shapes: Sequence[Shape], told: Sequence[str] = ()) -> Rou
 def _as_point(corner: Waypoint, points: Sequence[Waypoint]) -> Waypoint:
     """The point that a corner of the line stands for, if there is one."""
     for point in points:
-        if metres_between(point.position, corner.position) < SAME_M:
+        if are_same(point.position, corner.position):
             return replace(point, height=point.height or corner.height)
     return corner

@@ -11,8 +11,10 @@ from hypothesis import strategies as st
 from plan_files import TAKE_OFF, circle, imported, item, plan, polygon, square, waypoint
 
 from companion.errors import MissionError
+from companion.plans.draft import MAX_AREAS, MAX_PLACES
 from companion.plans.draft_places import Given
 from companion.plans.files import MAX_BYTES, READERS
+from companion.plans.route_plan import MAX_POINTS
 
 UP = Given(up_m=20.0, payload=100)
 WHOLE = plan(
@@ -80,3 +82,43 @@ def test_bytes_are_read_or_refused(ending: str, data: bytes, tmp_path: Path) -> 
 def test_a_file_that_is_too_large_is_not_read(ending: str, tmp_path: Path) -> None:
     with pytest.raises(MissionError, match=f"larger than {MAX_BYTES} bytes"):
         imported(tmp_path, b" " * (MAX_BYTES + 1), f"field{ending}")
+
+
+def test_many_items_are_refused_before_each_is_compared_with_each(tmp_path: Path) -> None:
+    way = [item(16, 0, 0, 0, 0, 47.4, 8.5 + 1e-4 * index, 20) for index in range(MAX_POINTS + 1)]
+    with pytest.raises(MissionError, match=f"more than {MAX_POINTS}"):
+        imported(tmp_path, plan(*way))
+    with pytest.raises(MissionError, match="leads to more than 60 places"):
+        imported(tmp_path, plan(*way[:400]))
+
+
+def test_many_points_and_corners_of_a_map_are_refused(tmp_path: Path) -> None:
+    line = [[8.5 + 1e-5 * index, 47.4] for index in range(MAX_POINTS + 1)]
+    for kind, drawn in (("LineString", line), ("Polygon", [line])):
+        with pytest.raises(MissionError, match=f"more than {MAX_POINTS}"):
+            imported(tmp_path, {"type": kind, "coordinates": drawn}, "map.geojson", UP)
+    corners = " ".join(f"{east},{north}" for east, north in line)
+    path = f"<LineString><coordinates>{corners}</coordinates></LineString>"
+    with pytest.raises(MissionError, match=f"more than {MAX_POINTS}"):
+        imported(tmp_path, f"<kml><Placemark>{path}</Placemark></kml>", "map.kml", UP)
+
+
+def test_many_corners_and_areas_of_a_fence_are_refused(tmp_path: Path) -> None:
+    drawn = plan(TAKE_OFF, polygons=[polygon([*square(90)] * 100)])
+    with pytest.raises(MissionError, match="polygon 1: is a polygon of more than 250 corners"):
+        imported(tmp_path, drawn)
+    areas = [polygon(square(90), inclusion=False)] * (MAX_AREAS + 1)
+    with pytest.raises(MissionError, match=f"more than {MAX_AREAS}"):
+        imported(tmp_path, plan(TAKE_OFF, polygons=areas))
+
+
+def test_of_many_points_that_nothing_flies_to_some_are_places(tmp_path: Path) -> None:
+    rally = [[*square(90)[0][:1], 8.5446 + 1e-5 * index * 3, 9] for index in range(MAX_PLACES + 9)]
+    _, draft = imported(tmp_path, plan(TAKE_OFF, waypoint(-90, 90), rally=rally))
+    assert f"nothing flies to {len(rally)} points; the first {MAX_PLACES} are places" in draft.told
+
+
+def test_a_key_that_is_twice_among_many_is_found_at_once(tmp_path: Path) -> None:
+    keys = ",".join(f'"k{index}":1' for index in range(100_000))
+    with pytest.raises(MissionError, match="has the key 'k99999' twice"):
+        imported(tmp_path, f'{{{keys},"k99999":1}}')

@@ -150,3 +150,23 @@ def test_depth_elements_and_the_size_of_archives_are_limited(tmp_path: Path) -> 
     assert refusal(tmp_path, data, "map.kmz").startswith("has a KML file of more than")
     assert refusal(tmp_path, data[:-30], "map.kmz").startswith("is no archive")
     assert refusal(tmp_path, b"PK", "map.kmz").startswith("is no archive")
+
+
+@pytest.mark.parametrize("method", [zipfile.ZIP_LZMA, zipfile.ZIP_BZIP2])
+def test_an_archive_is_packed_as_kmz_is(method: int, tmp_path: Path) -> None:
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", method) as archive:
+        archive.writestr("doc.kml", kml(PATH))
+    assert "is packed in a way that KMZ does not know" in refusal(
+        tmp_path, packed.getvalue(), "map.kmz"
+    )
+
+
+def test_a_broken_archive_is_refused(tmp_path: Path) -> None:
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("doc.kml", kml(PATH))
+    whole = packed.getvalue()
+    for place in range(40, whole.index(b"PK\x01\x02") - 2, 7):  # in what is packed
+        broken = whole[:place] + b"\xff\xff" + whole[place + 2 :]
+        assert refusal(tmp_path, broken, "map.kmz")
