@@ -33,7 +33,12 @@ from companion.flight_events.reports import (
     SignalOfAnother,
     SignalSilent,
 )
-from companion.flight_events.skills import OutcomeUnknown, SkillFailed, WrittenTreeFailed
+from companion.flight_events.skills import (
+    OutcomeUnknown,
+    PlaceFunctionFailed,
+    SkillFailed,
+    WrittenTreeFailed,
+)
 from companion.flight_events.sortie import (
     AutopilotSaid,
     ControlTakenBack,
@@ -74,7 +79,7 @@ def severity(event: FlightEvent) -> int:
             return ERROR
         case SkillFailed() | WrittenTreeFailed() | BeliefWithdrawn() | SetpointRefused():
             return WARNING
-        case GoalFailed() | OutcomeUnknown() | LinkSilent():
+        case GoalFailed() | OutcomeUnknown() | LinkSilent() | PlaceFunctionFailed():
             return WARNING
         case FlightFoundAgain() | ControlTakenBack() | FrameDoubted() | OriginMoved():
             return WARNING

@@ -121,8 +121,9 @@ class FunctionRunner:
             return self._tickets
         self._prepare(function)
         folder = self._folder_of(function)
-        process.print_to(folder)
-        process.say({"is": "call", "folder": str(folder), **request.as_json()})
+        if folder is not None:
+            process.print_to(folder)
+        process.say({"is": "call", "folder": str(folder or "/"), **request.as_json()})
         now_s = time.monotonic()
         is_ready = process in self._ready
         self._ready.discard(process)
@@ -208,11 +209,14 @@ class FunctionRunner:
         self._ready.discard(process)
         process.kill()
 
-    def _folder_of(self, function: Function) -> Path:
+    def _folder_of(self, function: Function) -> Path | None:
+        """A folder for a call; None where there can be none: a full disk ends no flight."""
         if self.folder is None and self._temporary is None:
-            self._temporary = Path(tempfile.mkdtemp(prefix="companion-"))
+            with suppress(OSError):
+                self._temporary = Path(tempfile.mkdtemp(prefix="companion-"))
         root = self.folder / FOLDER if self.folder is not None else self._temporary
-        assert root is not None
+        if root is None:
+            return None
         number = self._tickets
         while True:
             folder = root / f"{number}-{function.name}"
@@ -221,8 +225,8 @@ class FunctionRunner:
                 return folder.resolve()
             except FileExistsError:  # of a run that was cut off
                 number += 1
-            except OSError:  # a full disk ends no flight
-                return Path("/")
+            except OSError:
+                return None
 
     def _failure_to_load(self, process: FunctionProcess) -> str | None:
         """Why a function is not ready, and will not be; in lockstep, waits until it is known."""

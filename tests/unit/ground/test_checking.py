@@ -17,10 +17,36 @@ import pytest
 from companion.cli.check_child import CPU_S, MEMORY_BYTES, BoundedCheck
 from companion.ground import checking
 from companion.ground.checking import MAX_OUTPUT_BYTES, CheckChild, CheckChildren, CheckResult
+from companion.skills.authoring import FunctionKind
+from companion.skills.calls import Function
+from companion.skills.catalogue import Installed, Parameter
 
 pytestmark = pytest.mark.slow
 
 MISSIONS = Path(__file__).parents[3] / "missions"
+WEIGHING = MISSIONS.parent / "docs" / "examples" / "scale_skill" / "weighing.yaml"
+RUN, PLACE, WAYPOINT, LIMIT, AWAY = (
+    Parameter(name, "POSITIONAL_OR_KEYWORD", default, "")
+    for name, default in (
+        ("run", None),
+        ("place", None),
+        ("waypoint", None),
+        ("limit_kg", "2.0"),
+        ("away_m", "1.0"),
+    )
+)
+INSTALLED = {
+    each.function: [each]
+    for each in (
+        Installed(Function(FunctionKind.SKILL, "weigh"), "a 1", (RUN, PLACE, LIMIT)),
+        Installed(Function(FunctionKind.SUGGESTER, "beside"), "a 1", (RUN, PLACE, AWAY)),
+        Installed(
+            Function(FunctionKind.PLACE_TEST, "out_of_downwash"),
+            "a 1",
+            (RUN, PLACE, WAYPOINT, AWAY),
+        ),
+    )
+}
 LIMIT_S = 300.0  # wall time that no check needs
 
 
@@ -28,6 +54,17 @@ LIMIT_S = 300.0  # wall time that no check needs
 def children() -> Iterator[CheckChildren]:
     with closing(CheckChildren()) as children:
         yield children
+
+
+@pytest.mark.parametrize("is_installed", [True, False])
+def test_an_uploaded_mission_may_call_what_was_installed_and_nothing_else(
+    is_installed: bool,
+) -> None:
+    """A check loads no package: it is told what is installed."""
+    with closing(CheckChildren(INSTALLED if is_installed else {})) as children:
+        answer = answer_of(children.begin(WEIGHING.parent, WEIGHING.name))
+    assert answer.is_good is is_installed
+    assert "weigh(Rack)" in answer.text if is_installed else "is not installed" in answer.text
 
 
 def answer_of(check: checking.MissionCheck) -> CheckResult:

@@ -274,6 +274,14 @@ def test_what_is_printed_and_written_stays_in_the_folder_of_the_call(
     assert not (tmp_path / "skills/5-act").exists()
 
 
+def test_a_disk_that_takes_no_folder_ends_no_call(
+    functions: FunctionRunner, tmp_path: Path
+) -> None:
+    (tmp_path / "full").touch()
+    functions.folder = tmp_path / "full"
+    assert said(functions, "nothing") == [Returned()]
+
+
 def test_a_process_has_nothing_of_the_companion(functions: FunctionRunner, tmp_path: Path) -> None:
     with open(os.devnull) as unrelated:
         os.set_inheritable(unrelated.fileno(), True)
