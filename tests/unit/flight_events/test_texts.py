@@ -60,13 +60,16 @@ from companion.flight_events.reports import (
 )
 from companion.flight_events.skills import (
     ClearanceChanged,
+    FunctionsAwaited,
     OutcomeUnknown,
     PhotoTaken,
+    PlaceFunctionFailed,
     PlaceReached,
     RouteBlocked,
     RouteResponse,
     SkillCompleted,
     SkillFailed,
+    SkillProgressed,
     SymbolMoved,
     WrittenTreeFailed,
 )
@@ -140,6 +143,8 @@ TEXTS: list[tuple[FlightEvent, str]] = [
     (SkillCompleted("upload(r1)"), "upload(r1) done"),
     (SkillFailed("upload(r1)", "denied"), "upload(r1) failed: denied"),
     (PhotoTaken(13, "camera", "A", 12, (1.0, 2.0, -3.0)), "photo 13 of camera at A"),
+    (SkillProgressed("weigh(A)", 40, "settling"), "weigh(A): 40 %, settling"),
+    (SkillProgressed("weigh(A)", None, ""), "weigh(A): goes on"),
     (
         OutcomeUnknown("upload(r1)", "it is taken for failed"),
         "upload(r1): whether it was done is not known; it is taken for failed",
@@ -148,6 +153,8 @@ TEXTS: list[tuple[FlightEvent, str]] = [
         WrittenTreeFailed("upload(r1) failed: denied"),
         "the tree has failed: upload(r1) failed: denied",
     ),
+    (FunctionsAwaited("weigh"), "waits until these functions are loaded: weigh"),
+    (PlaceFunctionFailed("A", "near", "no answer"), "near, asked about A: no answer"),
     (RouteBlocked("A", RouteResponse.ANOTHER_ROUTE), "the way to A is not clear: another route"),
     (RouteBlocked("A", RouteResponse.STOPPING), "the way to A is not clear: stopping"),
     (RouteBlocked("A", RouteResponse.NO_ROUTE), "the way to A is not clear: no route"),
