@@ -75,6 +75,7 @@ OPTIONS = {
             "--connect",
             *SIGNING,
             "--accept-weak-failsafes",
+            "--autopilot-fence",
             "--wait",
             "--resume",
             "--events",

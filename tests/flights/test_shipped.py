@@ -193,11 +193,11 @@ def flies_as_told(shipped: Shipped, seed: int) -> None:
 
 @pytest.mark.parametrize("shipped", SHIPPED, ids=lambda shipped: shipped.scenario)
 def test_a_mission_flies_as_told(shipped: Shipped) -> None:
-    flies_as_told(shipped, seed=1)
+    flies_as_told(shipped, seed=2)
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("seed", range(2, 11))
+@pytest.mark.parametrize("seed", range(3, 12))
 @pytest.mark.parametrize("shipped", SHIPPED, ids=lambda shipped: shipped.scenario)
 def test_other_gusts_change_nothing_but_times(shipped: Shipped, seed: int) -> None:
     flies_as_told(shipped, seed)
