@@ -94,7 +94,7 @@ OPTIONS = {
     "audit": ["--json"],
     "export": ["--output", "--home"],
     "import": ["--output", "--home", "--up-m", "--payload", "--leave-out", "--name"],
-    "replay": ["--port", "--open"],
+    "replay": ["--port", "--open", "--mcap"],
     "upload": ["--connect", "--system", *SIGNING, "--start", "--timeout", "--verbose"],
     "key": [],
     "watch": ["--connect", "--system", *SIGNING, "--timeout", "--verbose"],
