@@ -15,6 +15,7 @@ from companion.acting.arming_terms import USUAL_TERMS, ArmingTerms
 from companion.acting.assembly import assemble, envelope_of
 from companion.acting.event_detector import EventDetector
 from companion.acting.flight_limit import NO_LIMIT, FlightLimit
+from companion.acting.found_places import FoundPlaces
 from companion.acting.function_port import FunctionPort
 from companion.acting.journal import (
     FlightBegun,
@@ -166,9 +167,7 @@ class Run:
     ) -> None:
         mission = prepared.mission
         self._detector = detector = EventDetector(mission.events)
-        self.mission = mission
-        self.recorder = recorder
-        self.start_s = start_s
+        self.mission, self.recorder, self.start_s = mission, recorder, start_s
         self._wire, self._telemetry = wire, telemetry
         telemetry.anchor_at(mission.anchor)
         telemetry.words.take_news()  # of another flight
@@ -186,10 +185,11 @@ class Run:
             own_fences=own_fences,
         )
         self._other_systems = OtherSystems(SignalReader(said))
-        self._detections = Detections(signals)
         self.awaited = frozenset(s.field for s in signals if s.is_pulse)
         acting = assemble(prepared, self.vehicle, detector)
         self.flight = acting.flight
+        self._found = FoundPlaces(mission, acting.flight)
+        self._detections = Detections(signals, self._found.reports)
         self.executive = acting.executive
         self.flight.functions.prepare(functions_of(mission))
         self._seen_s = -math.inf
@@ -221,6 +221,7 @@ class Run:
             return
         self.start_s = journalled.begun.start_s
         self.executive.replans = journalled.replans
+        self._found.restore(journalled.found, prepared.planner)
         restore(journalled, flight, prepared.planner, self._detector)
         if (seen := journalled.seen) is not None:
             self._telemetry.frame.keep(seen.origin, seen.altitude_m)
@@ -264,6 +265,8 @@ class Run:
         self.vehicle.set_speed_limit(self.flight.speed_limit.now_mps)
         self.vehicle.set_violated(bool(self.flight.task.violated))
         readings = asked + self.vehicle.receive(now_s, messages) + self._detections.read(reports)
+        zeros = self._wire.time.zero_s, self._telemetry.frame.zero
+        readings += self._found.look(now_s, self._detections, *zeros)
         if not self.sortie.has_ended:  # the end is the last of its record
             self._tell_of_others(messages)
         if self._surroundings.take(self.vehicle.scans):

@@ -45,7 +45,8 @@ class LockstepFlight:
             at_once = [(LinkName.OFFBOARD, answer) for answer in answers]
             from_vehicle = self.simulation.step(self.now_s, at_once)
             heard += [datagram for link, datagram in from_vehicle if link is LinkName.OFFBOARD]
-        sent = self.companion.step(self.now_s, heard)
+        reports = self.simulation.take_reports()
+        sent = self.companion.step(self.now_s, heard, reports=reports)
         self._to_vehicle = [(LinkName.OFFBOARD, datagram) for datagram in sent]
         self._ticks += 1
 

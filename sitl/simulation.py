@@ -136,6 +136,10 @@ class Simulation:
         """The flight mode flown now, by PX4's name."""
         return self._autopilot.mode
 
+    def take_reports(self) -> list[bytes]:
+        """What programs on board have reported since the last call, for the companion's port."""
+        return self._world.reporter.take()
+
     def time_offset(self, link: LinkName) -> TimeOffset:
         """What the autopilot reckons of the clock at the other end of a link."""
         return self._autopilot_component.time_offset(link)

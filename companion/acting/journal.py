@@ -101,6 +101,14 @@ class PlanNumbered:
 
 
 @dataclass(frozen=True, slots=True)
+class PlaceFound:
+    """Where a place is that was found in flight, in the mission's frame."""
+
+    place: str
+    position: Ned
+
+
+@dataclass(frozen=True, slots=True)
 class OperatorSettings:
     """What an operator has set of the companion's parameters."""
 
@@ -117,6 +125,7 @@ JournalEntry = (
     | CommandSettled
     | IntendedShot
     | OperatorSettings
+    | PlaceFound
     | PlanNumbered
     | TaskChange
 )
@@ -158,6 +167,7 @@ class JournalledFlight:
         shots: photos that were about to be asked for, the newest ones.
         settings: of the operator; None for the first ones.
         replans: how often it has planned again.
+        found: places that were found in flight, the newest position of each last.
         time_s: of the last entry.
         away_s: since then, by the wall clock.
     """
@@ -173,6 +183,7 @@ class JournalledFlight:
     shots: tuple[IntendedShot, ...] = ()
     settings: OperatorSettings | None = None
     replans: int = 0
+    found: tuple[PlaceFound, ...] = ()
     time_s: float = 0.0
     away_s: float = 0.0
 
@@ -242,4 +253,7 @@ def _after(flight: JournalledFlight, time_s: float, entry: JournalEntry) -> Jour
             return replace(flight, replans=number)
         case OperatorSettings():
             return replace(flight, settings=entry)
+        case PlaceFound(place):
+            before = tuple(each for each in flight.found if each.place != place)
+            return replace(flight, found=(*before, entry))
     return flight

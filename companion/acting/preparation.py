@@ -118,6 +118,8 @@ def prepare(
     calls = functions or NoFunctions()
     mission = above_ground(mission, ground_amsl_m)
     routes = routes or route_map(mission)
+    for name in (name for name, place in mission.places.items() if place.found_by):
+        routes.hide(name)
     speed_limit = LiveSpeedLimit(mission.speed_limits)
     speed_limit.set_operator_limit(speed_max_mps)
     times = flight_times(mission, routes, limits=lambda: speed_limit.target)

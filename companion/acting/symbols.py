@@ -134,6 +134,10 @@ class Symbols:
         """Radius of the disc about a place that its region holds."""
         return self._places[name].inner_m
 
+    def suggest(self, name: str, position: Ned, source: str, now_s: float) -> None:
+        """Another program says where in its region the place is."""
+        self._values[name] = Value(position, source, now_s)
+
     def refuse(self, name: str, now_s: float) -> None:
         """A flight to the present waypoint has failed."""
         value = self._values[name]
@@ -181,6 +185,9 @@ class Symbols:
     def _suggested(self, name: str, advice: PlaceAdvice | None) -> Iterator[tuple[Ned, str]]:
         """Waypoints of a symbol, and who proposes them."""
         place, value = self._places[name], self._values[name]
+        if place.found_by:  # it is where it was found, and nowhere else
+            yield value.position, value.source
+            return
         for source, suggest in SUGGESTERS.items():
             for waypoint in suggest(place, value):
                 yield waypoint, source
@@ -194,7 +201,7 @@ class Symbols:
         """Choose anew where the map has taken a waypoint away, or the way to it; what moved."""
         moved = []
         for name, value in list(self._values.items()):
-            if not self._routes.is_connected(start, name):
+            if self._routes.knows(name) and not self._routes.is_connected(start, name):
                 self.ground(name, start, now_s)
                 if self._values[name] is not value:
                     moved.append(name)

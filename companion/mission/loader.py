@@ -22,6 +22,7 @@ from companion.ltl.parser import parse
 from companion.mission.coordinates import coordinates_of
 from companion.mission.event_entries import check_restored, read_events
 from companion.mission.facts import AT, HERE, Fact
+from companion.mission.found_places import check_found
 from companion.mission.installed_calls import check_installed
 from companion.mission.landing_sites import check_landings, with_markers
 from companion.mission.literals import parse_fact
@@ -91,11 +92,11 @@ def _read_mission(
     events = read_events(file, document)
     vocabulary = Vocabulary(places, events, file.objects, declared)
     skills = build_skills(file, document, vocabulary, coordinates)
-    check_restored(file, skills, document)
     initially = _initially(file, document, vocabulary)
     _check_reachable_names(skills, {*declared, *(f.predicate for f in initially)}, events, document)
     sets = {name: tuple(members) for name, members in file.sets.items()}
-    _check_skills(skills, places, sets, (space.grid, vehicle), document)
+    _check_skills(skills, places, sets, (space.grid, vehicle), document, file)
+    check_found(places, events, skills, sets, initially, document)
     task, priorities = read_task(file, document, vocabulary)
     mission = Mission(
         name=file.name,
@@ -127,8 +128,13 @@ def _check_skills(
     sets: Mapping[str, tuple[str, ...]],
     room: tuple[OccupancyGrid, VehicleProfile],
     document: Document,
+    file: MissionFile,
 ) -> None:
-    """Refuses skills after which the vehicle is nowhere, and looks and landings that cannot be."""
+    """Refuses skills after which the vehicle is nowhere, looks and landings that cannot be.
+
+    And events that restore what no skill assumes.
+    """
+    check_restored(file, skills, document)
     check_one_place(skills, places, document)
     check_looking(skills, places, sets, document)
     check_landings(skills, places, sets, *room, document)

@@ -58,6 +58,8 @@ class Place:
         amsl_m: its altitude above mean sea level, if it was given so.
         marker: below it; None if there is none.
         suggesters, tests: installed functions that propose waypoints of it, and judge them.
+        found_by: the event that comes when it is found in flight, somewhere in its region; "" for a
+            place that is known from the beginning.
     """
 
     name: str
@@ -68,6 +70,7 @@ class Place:
     marker: LandingMarker | None = None
     suggesters: tuple[PythonCall, ...] = ()
     tests: tuple[PythonCall, ...] = ()
+    found_by: str = ""
 
     @property
     def inner_m(self) -> float:

@@ -98,7 +98,8 @@ def _place(
         )
     )
     about = name, position, region, heading_rad, entry.amsl_m
-    return Place(*about, suggesters=suggesters, tests=tests)
+    found_by = entry.found_by or ""
+    return Place(*about, suggesters=suggesters, tests=tests, found_by=found_by)
 
 
 def _asked(

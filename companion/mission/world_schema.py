@@ -175,3 +175,11 @@ class PlaceEntry(PointEntry):
             "vehicle may fly to it: [python(NAME)], with arguments.",
         ),
     ] = []
+    found_by: Annotated[
+        Name | None,
+        BeforeValidator(given, json_schema_input_type=Name),
+        Field(
+            description="The event that comes when another program has reported where in this "
+            "region the place is; until then nothing flies there."
+        ),
+    ] = None

@@ -121,6 +121,22 @@ class LayeredRoutes:
         self._added_m = 0.0
         self._planes: dict[int, RouteMap] = {}
         self._tops = _tops(grid, clearance_m, up_m[1])
+        self._unknown: set[str] = set()
+
+    def hide(self, place: str) -> None:
+        """No way leads to a place until it is found: where it is, is not known yet."""
+        self._unknown.add(place)
+        self.version += 1
+
+    def find_place(self, place: str, goal: Ned) -> None:
+        """A place was found, or it has moved: ways lead there from now on."""
+        self._unknown.discard(place)
+        self.aim(place, goal)
+        self.version += 1
+
+    def knows(self, place: str) -> bool:
+        """Whether it is known where a place is."""
+        return place not in self._unknown
 
     def _layer(self, up_m: float) -> int:
         """Which walls are in the way at an altitude."""
@@ -218,6 +234,7 @@ class LayeredRoutes:
             over_ground_m = self._plane(layer).distance_m(start[:2], place)
             climb_m = None if level_up_m is None else level_up_m + start[2]
             found.append((layer, Passage(over_ground_m, down_m, climb_m)))
+        found = found or [(0, Passage(math.inf, down_m))]  # nobody knows where the place is
         return min(found, key=lambda each: each[1].duration_s(self._limits))
 
     def distance_m(self, start: Ned, place: str) -> float:
@@ -226,6 +243,8 @@ class LayeredRoutes:
 
     def route(self, start: Ned, place: str) -> Route | None:
         """The quickest route to a place; None if there is none. See `RouteMap.route`."""
+        if not self.knows(place):
+            return None
         layer, passage = self._quickest(start, place)
         if passage.climb_m is None:
             return self._plane(layer).route(start, place)
@@ -241,6 +260,8 @@ class LayeredRoutes:
             stop: where it can come to rest.
             place: where to fly.
         """
+        if not self.knows(place):
+            return None
         layer, passage = self._quickest(stop, place)
         if passage.climb_m is None:
             return self._plane(layer).route_from_motion(start, stop, place)
@@ -254,6 +275,8 @@ class LayeredRoutes:
 
     def _ways(self, start: Ned, place: str) -> Iterator[tuple[int, float | None]]:
         """The ways to a place: in which layer, and how high the level part is; None is sloped."""
+        if not self.knows(place):
+            return
         ups_m = (-start[2], -self._goals[place][2])
         low, high = self._layer(min(ups_m)), self._layer(max(ups_m))
         if not self._must_climb(start):

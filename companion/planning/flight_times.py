@@ -23,7 +23,11 @@ def route_map(mission: Mission) -> LayeredRoutes:
     """The routes of a mission: the places that its task mentions are not crossed by chance."""
     mentioned = mission.task_facts
     sites = {
-        name: PlaceRegion(place.position, place.region, is_exclusive=at(name) in mentioned)
+        name: PlaceRegion(
+            place.position,
+            place.region,
+            is_exclusive=at(name) in mentioned and not place.found_by,
+        )
         for name, place in mission.places.items()
     }
     vehicle, limits = mission.vehicle, mission.limits

@@ -54,7 +54,7 @@ def scene(mission: Mission, start_unix_s: float) -> dict[str, object]:
                 "name": place.name,
                 "enu": enu_from_ned(place.position),
                 **_outline(place.region),
-                "in_task": at(place.name) in mentioned,
+                "in_task": at(place.name) in mentioned and not place.found_by,
             }
             for place in mission.places.values()
         ],

@@ -3,7 +3,11 @@
     {"persons": 2, "door_open": true}
 
 Each key is the name of a signal that the mission's events mention, `EVENT[persons]`, each value a
-number or a truth. What is not so is dropped, counted and told; nothing in a datagram can raise.
+number or a truth; or a position, where a place is found by it:
+
+    {"person": {"forward_m": 4.5, "right_m": -1.2, "monotonic_ns": 81234567890123}}
+
+What is not so is dropped, counted and told; nothing in a datagram can raise.
 
 Rules:
 1. A datagram has at most LONGEST bytes, and in a tick MOST are read; more wait for the next.
@@ -16,13 +20,15 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 
 from companion.errors import printable
 from companion.flight_events.event import FlightEvent
 from companion.flight_events.reports import ReportRefused, ReportUnknown
 from companion.mavlink.intake import is_news
 from companion.mission.signals import Signal
+from companion.outcomes import Refusal
+from companion.vehicle.sightings import Sighting, sighting_of
 from companion.vehicle.signals import Reading
 
 LONGEST = 1024
@@ -36,9 +42,12 @@ class Detections:
 
     Args:
         signals: what the mission's events mention.
+        placed: the names of those that find places.
     """
 
-    def __init__(self, signals: Iterable[Signal]) -> None:
+    def __init__(self, signals: Iterable[Signal], placed: Collection[str] = ()) -> None:
+        self._sightings: dict[str, Sighting] = {}
+        self._placed = placed
         self._signals = {signal.instance: signal for signal in signals if signal.is_report}
         self._told: set[str] = set()
         self._refused = self._refused_told = 0
@@ -52,8 +61,10 @@ class Detections:
                 signal, number = self._signals.get(name), _number(value)
                 if signal is None:
                     self._pass_over(name)
+                elif name in self._placed:
+                    self._see(name, value)
                 elif number is None:
-                    self._refuse(f"{name} is no number and no truth: {_short(value)}")
+                    self.refuse(f"{name} is no number and no truth: {_short(value)}")
                 else:
                     values[signal] = number
         return list(values.items())
@@ -65,19 +76,36 @@ class Detections:
 
     def _object(self, datagram: bytes) -> dict[str, object]:
         if len(datagram) > LONGEST:
-            self._refuse(f"longer than {LONGEST} bytes")
+            self.refuse(f"longer than {LONGEST} bytes")
             return {}
         try:
             report = json.loads(datagram)
         except (ValueError, RecursionError):
-            self._refuse(f"no JSON: {_short(datagram)}")
+            self.refuse(f"no JSON: {_short(datagram)}")
             return {}
         if not isinstance(report, dict):
-            self._refuse(f"no JSON object: {_short(report)}")
+            self.refuse(f"no JSON object: {_short(report)}")
             return {}
         return report
 
-    def _refuse(self, why: str) -> None:
+    def _see(self, name: str, value: object) -> None:
+        """What finds a place; numbers that say that nothing is there are passed over."""
+        if _number(value) == 0.0:
+            return
+        seen = sighting_of(value) if isinstance(value, dict) else None
+        if seen is None or isinstance(seen, Refusal):
+            why = seen.reason if seen is not None else "it finds a place, and needs a position"
+            self.refuse(f"{name}: {why}")
+        else:
+            self._sightings[name] = seen
+
+    def take_sightings(self) -> dict[str, Sighting]:
+        """The positions that were reported since this was asked, the last one of each name."""
+        sightings, self._sightings = self._sightings, {}
+        return sightings
+
+    def refuse(self, why: str) -> None:
+        """A report cannot be used; told when that is news."""
         self._refused += 1
         if is_news(self._refused, self._refused_told):
             self._refused_told = self._refused

@@ -6,6 +6,8 @@ place in the file.
 
 from __future__ import annotations
 
+import json
+
 from companion.documents import Document, did_you_mean
 from companion.errors import MissionError
 from companion.mavlink.framing import dialect
@@ -166,5 +168,7 @@ def _words(value: object) -> str:
     """A value as the file has it."""
     if isinstance(value, str):
         return value
+    if isinstance(value, dict):
+        return json.dumps(value)
     given = value.model_dump(exclude_unset=True)  # type: ignore[attr-defined]
     return ", ".join(f"{key} {word}" for key, word in given.items()) or "default"

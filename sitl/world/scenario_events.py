@@ -85,6 +85,9 @@ class EffectReceiver(Protocol):
     def change_gripper(self, change: GripperChange) -> None:
         """Something becomes of the gripper."""
 
+    def report(self, values: Mapping[str, object]) -> None:
+        """A program on board reports something to the companion."""
+
 
 EFFECTS: Mapping[str, Callable[[EffectReceiver, Any], None]] = {
     "target": lambda world, value: world.show_target(value == "seen"),
@@ -114,6 +117,7 @@ EFFECTS: Mapping[str, Callable[[EffectReceiver, Any], None]] = {
     "camera": lambda world, value: world.change_camera(camera_change(value)),
     "gimbal": lambda world, value: world.change_gimbal(gimbal_change(value)),
     "gripper": lambda world, value: world.change_gripper(gripper_change(value)),
+    "report": lambda world, value: world.report(value),
 }
 """Key in the scenario -> what it does with the key's value."""
 

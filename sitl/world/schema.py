@@ -269,6 +269,10 @@ class ScenarioEventModel(Strict):
     camera: Annotated[CameraEventModel | None, described("what becomes of a camera")] = None
     gimbal: Annotated[GimbalEventModel | None, described("what becomes of the gimbal")] = None
     gripper: Annotated[GripperEventModel | None, described("what becomes of the gripper")] = None
+    report: Annotated[
+        dict[str, float | dict[str, float]] | None,
+        described("a program on board reports this to the companion's --events port, once"),
+    ] = None
 
 
 class ScenarioModel(Strict):

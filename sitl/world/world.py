@@ -8,6 +8,7 @@ to links and commands is only kept here, for those who carry and answer them.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from random import Random
 
@@ -26,6 +27,7 @@ from sitl.world.lidar import Lidar
 from sitl.world.markers import MarkerCamera, MarkerChange
 from sitl.world.obstacles import TrueMap
 from sitl.world.payload import Payload, PayloadAnswer
+from sitl.world.reporter import Reporter
 from sitl.world.scenario import Scenario
 from sitl.world.scenario_events import EFFECTS, EventSchedule
 
@@ -52,6 +54,7 @@ class World:
         origins: of the local frame, likewise.
         link_qualities: of the links that are disturbed.
         answers: how the autopilot takes a MAV_CMD, where it is not as it should be.
+        reporter: a program on board.
     """
 
     def __init__(
@@ -84,6 +87,7 @@ class World:
         self.origins: list[GlobalOrigin] = []
         self.link_qualities: dict[tuple[Port, Direction], LinkQuality] = {}
         self.answers: dict[int, Answer] = {}
+        self.reporter = Reporter()
         self._schedule = EventSchedule(scenario.events, physics.state.position)
         self._pads = scenario.pads
         self._drains_always = scenario.drains_always
@@ -178,6 +182,10 @@ class World:
     def refuse_arming(self, reason: str | None) -> None:
         """Arming is refused for this reason; None allows it."""
         self.autopilot.refuse_arming(reason)
+
+    def report(self, values: Mapping[str, object]) -> None:
+        """A program on board reports something to the companion."""
+        self.reporter.report(values)
 
     def send_operator_command(self, command: str) -> None:
         """The operator sends the companion a MAV_CMD."""

@@ -264,8 +264,13 @@ class Lockstep(Happened):
         heard = self._watch(now_s, self.simulation.step(now_s, arriving))
         arrived = self._up(now_s, heard)
         if self.is_companion_alive:
-            self.transmit(now_s, self.companion.step(now_s, arrived))
+            reports = self.reported(now_s)
+            self.transmit(now_s, self.companion.step(now_s, arrived, reports=reports))
         self._ticks += 1
+
+    def reported(self, now_s: float) -> list[bytes]:
+        """What other programs on board report in a tick."""
+        return self.simulation.take_reports()
 
     def transmit(self, now_s: float, sent: list[bytes]) -> None:
         """What the companion sends now; it arrives in the next tick."""

@@ -1,0 +1,153 @@
+"""Where something is that another program has seen, from where the vehicle was then.
+
+A detector sees in a picture, and says so later. It reports what it saw ahead and to the right of
+the vehicle, with the time of the picture by the machine's monotonic clock (`time.monotonic_ns()` in
+Python); without a time it was seen now. So the vehicle's poses of the last HISTORY_S are kept. A
+detector that knows where on the earth something is says that instead.
+
+Directions are those of a level vehicle. How high something lies is not asked: at what height a
+place is flown to is the mission's.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from companion.geometry import GlobalOrigin, NorthEast
+from companion.outcomes import Refusal
+from companion.vehicle.port import VehicleState
+
+HISTORY_S = 10.0
+AHEAD_S = 0.1
+"""By which a picture may be newer than the newest pose."""
+FAR_M = 200.0
+"""What is seen further away is no longer where it seems to be: a degree is 3.5 m there."""
+
+
+@dataclass(frozen=True, slots=True)
+class SeenFromVehicle:
+    """Something ahead and to the right of the vehicle.
+
+    Attributes:
+        monotonic_ns: when, by the machine's clock; None for now.
+    """
+
+    forward_m: float
+    right_m: float
+    monotonic_ns: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class SeenOnEarth:
+    """Something at a latitude and a longitude."""
+
+    lat_deg: float
+    lon_deg: float
+
+
+Sighting = SeenFromVehicle | SeenOnEarth
+
+
+class _Pose(NamedTuple):
+    time_s: float
+    at: NorthEast
+    yaw_rad: float
+
+
+def sighting_of(report: dict[str, object]) -> Sighting | Refusal:
+    """What a report says of a position, or why it says none.
+
+    >>> sighting_of({"forward_m": 4, "right_m": -1.5})
+    SeenFromVehicle(forward_m=4.0, right_m=-1.5, monotonic_ns=None)
+    """
+    numbers: dict[str, float] = {}
+    for key, value in report.items():
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            return Refusal(f"{key[:20]} is no number")
+        try:
+            numbers[key] = float(value)
+        except OverflowError:
+            return Refusal(f"{key[:20]} is no number")
+        if not math.isfinite(numbers[key]):
+            return Refusal(f"{key[:20]} is no number")
+    keys = set(numbers)
+    if keys == {"lat_deg", "lon_deg"}:
+        return SeenOnEarth(numbers["lat_deg"], numbers["lon_deg"])
+    if {"forward_m", "right_m"} <= keys <= {"forward_m", "right_m", "monotonic_ns"}:
+        about = numbers["forward_m"], numbers["right_m"], numbers.get("monotonic_ns")
+        return SeenFromVehicle(*about)
+    return Refusal(
+        "a position is forward_m and right_m, perhaps with monotonic_ns; or lat_deg, lon_deg"
+    )
+
+
+class Sightings:
+    """The poses of one flight, and what was seen from them."""
+
+    def __init__(self) -> None:
+        self._poses: deque[_Pose] = deque()
+
+    def follow(self, now_s: float, state: VehicleState | None) -> None:
+        """Keeps the present pose; once a tick."""
+        while self._poses and now_s - self._poses[0].time_s > HISTORY_S:
+            self._poses.popleft()
+        if state is None or (self._poses and state.position_s <= self._poses[-1].time_s):
+            return
+        self._poses.append(_Pose(state.position_s, state.position[:2], state.yaw_rad))
+
+    def locate(
+        self, sighting: Sighting, now_s: float, zero_s: float | None, zero: GlobalOrigin | None
+    ) -> NorthEast | Refusal:
+        """Where it is in the mission's frame, or why that is not known.
+
+        Args:
+            sighting: what was seen.
+            now_s: the flight's time.
+            zero_s: what the machine's clock showed when the flight's showed 0; None in lockstep.
+            zero: where the mission's frame lies on the earth, if that is known.
+        """
+        match sighting:
+            case SeenOnEarth(lat_deg=latitude, lon_deg=longitude):
+                if zero is None:
+                    return Refusal("the autopilot has not said where on the earth it is")
+                if not (abs(latitude) <= 90 and abs(longitude) <= 180):
+                    return Refusal(f"{latitude:g}, {longitude:g} is no latitude and longitude")
+                return zero.to_local(latitude, longitude, zero.altitude_m)[:2]
+            case SeenFromVehicle(forward_m=forward_m, right_m=right_m, monotonic_ns=stamp_ns):
+                if math.hypot(forward_m, right_m) > FAR_M:
+                    return Refusal(f"it is more than {FAR_M:g} m from the vehicle")
+                seen_s = now_s if stamp_ns is None else stamp_ns / 1e9 - (zero_s or 0.0)
+                pose = self._pose(seen_s, now_s)
+                if isinstance(pose, Refusal):
+                    return pose
+                cos, sin = math.cos(pose.yaw_rad), math.sin(pose.yaw_rad)
+                north, east = pose.at
+                north += forward_m * cos - right_m * sin
+                return (north, east + forward_m * sin + right_m * cos)
+
+    def _pose(self, seen_s: float, now_s: float) -> _Pose | Refusal:
+        """Where the vehicle was at a time, between two poses."""
+        if not self._poses or now_s - self._poses[-1].time_s > 1.0:
+            return Refusal("where the vehicle is, is not known")
+        if seen_s > now_s + AHEAD_S:
+            return Refusal(
+                f"its time is {seen_s - now_s:.1f} s ahead: monotonic_ns is CLOCK_MONOTONIC"
+            )
+        if seen_s < self._poses[0].time_s - AHEAD_S:
+            return Refusal(
+                f"it is {now_s - seen_s:.1f} s old, and poses are kept for {HISTORY_S:g} s"
+            )
+        before = after = self._poses[0]
+        for pose in self._poses:
+            before, after = after, pose
+            if pose.time_s >= seen_s:
+                break
+        span_s = after.time_s - before.time_s
+        share = min(1.0, max(0.0, (seen_s - before.time_s) / span_s)) if span_s > 0 else 1.0
+        turn = math.remainder(after.yaw_rad - before.yaw_rad, 2 * math.pi)
+        north = before.at[0] + share * (after.at[0] - before.at[0])
+        east = before.at[1] + share * (after.at[1] - before.at[1])
+        return _Pose(seen_s, (north, east), before.yaw_rad + share * turn)
