@@ -31,7 +31,9 @@ from sitl.world.scenario import read_scenario
 pytestmark = pytest.mark.faults
 
 STATED_WITHIN_S = 15.0
-STOPPED_S = 7.0
+OFFBOARD_S = 9.0
+"""When the flight is in OFFBOARD: the fence has been written, and it has climbed."""
+STOPPED_S = 10.0
 """When the operator stops the flight to hold and to land: the task is flown then."""
 SHORT = mission("F (at(A) & F at(H))")
 
@@ -54,7 +56,7 @@ COMMANDS = {
     "arm": Asked(Phase.ARMING, "MAV_CMD_COMPONENT_ARM_DISARM"),
     "take-off": Asked(Phase.TAKE_OFF, "MAV_CMD_NAV_TAKEOFF"),
     "offboard": Asked(Phase.OFFBOARD, "MAV_CMD_DO_SET_MODE"),
-    "hold": Asked(Phase.HOLDING, "MAV_CMD_DO_SET_MODE", 6.0),
+    "hold": Asked(Phase.HOLDING, "MAV_CMD_DO_SET_MODE", OFFBOARD_S),
     "land": Asked(Phase.LANDING, "MAV_CMD_NAV_LAND"),
 }
 IN_WORDS = {
@@ -158,7 +160,7 @@ FAILING = [answer for answer in Answer if not ANSWERS[answer].has_effect]
 @pytest.mark.parametrize("answer", FAILING)
 def test_without_hold_and_without_landing_the_failsafe_is_the_last_resort(answer: Answer) -> None:
     """The stream ends at once, and PX4's offboard-loss failsafe holds."""
-    flight = fly(("MAV_CMD_DO_SET_MODE", answer, 6.0), ("MAV_CMD_NAV_LAND", answer, 0.0))
+    flight = fly(("MAV_CMD_DO_SET_MODE", answer, OFFBOARD_S), ("MAV_CMD_NAV_LAND", answer, 0.0))
     fly_to_the_end(flight, is_stopped=True)
     holding, landing = flight.of(GoalFailed)
     assert holding.reason.startswith("not holding")
@@ -174,7 +176,7 @@ def test_without_hold_and_without_landing_the_failsafe_is_the_last_resort(answer
 def test_a_vehicle_that_is_left_on_hold_but_does_not_hold_is_held_until_the_last_resort() -> None:
     """Without a payload there is no plan, and the mission holds; no setpoint is out of date."""
     left = mission("F done", skills=[command("do", "at(A)", "done")], otherwise=Otherwise.HOLD)
-    flight = fly(("MAV_CMD_DO_SET_MODE", Answer.ACCEPTED_WITHOUT_EFFECT, 6.0), flown=left)
+    flight = fly(("MAV_CMD_DO_SET_MODE", Answer.ACCEPTED_WITHOUT_EFFECT, OFFBOARD_S), flown=left)
     flight.until_the_end()
     assert flight.one(GoalFailed).reason == (
         "not holding after 12 s; setpoints end, so that the autopilot's offboard-loss failsafe "
@@ -190,7 +192,7 @@ def test_a_rejection_for_a_time_only_delays(asked_for: str) -> None:
     asked = COMMANDS[asked_for]
     rejected = (asked.name, Answer.TEMPORARILY_REJECTED, asked.from_s)
     is_stopped = asked_for in ("hold", "land")
-    flight = fly(rejected, (asked.name, None, STOPPED_S + 7.0 if is_stopped else 8.0))
+    flight = fly(rejected, (asked.name, None, STOPPED_S + 7.0 if is_stopped else 11.0))
     fly_to_the_end(flight, is_stopped)
     assert flight.exit_code == 0
     assert flight.of(GoalFailed) == []
