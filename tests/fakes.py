@@ -248,6 +248,7 @@ class FakeVehicle:
         is_turning: its heading is that of its setpoint.
         payloads: its payloads.
         markers: what it sees of landing markers; nothing at first.
+        takeoff_up_m: to where it takes off, unless it is told another altitude.
         fence: of its autopilot.
         cameras: its cameras.
         gimbals: its gimbals.
@@ -268,6 +269,7 @@ class FakeVehicle:
         self.frame_doubt: Refusal | None = None
         self.location: FrameLocation | None = None
         self.refusal: Refusal | None = None
+        self.takeoff_up_m = 2.0
         self.script: dict[Goal, tuple[float, Outcome]] = {}
         self.drift: Ned = (0.0, 0.0, 0.0)
         self.is_stuck = False
@@ -342,6 +344,9 @@ class FakeVehicle:
             return Progress.RUNNING
         if outcome is Progress.DONE:
             self.change(**AFTER[goal])
+            if goal is Goal.AIRBORNE and self.state is not None:
+                north, east, _ = self.state.position
+                self.change(position=(north, east, -(takeoff_up_m or self.takeoff_up_m)))
         return outcome
 
     def fly(self, setpoint: Setpoint, is_for_task: bool = False, is_landing: bool = False) -> None:

@@ -23,8 +23,8 @@ ROUND = "G F at(A) & G F at(B)"
 
 
 def begun(prepared: PreparedMission) -> ActingParts:
-    """The parts of a run, on the ground at home."""
-    return assemble(prepared, FakeVehicle(), EventDetector(prepared.mission.events))
+    """The parts of a run whose task begins, above home."""
+    return assemble(prepared, FakeVehicle().take_off(2.0), EventDetector(prepared.mission.events))
 
 
 def first_lasso(prepared: PreparedMission) -> Lasso:
