@@ -211,6 +211,23 @@ def test_what_the_tests_are_asked_for(clone: Path, arguments: list[str], ran: li
     assert installations(clone) == [f"{clone}[{SHOWN},test]"]
 
 
+def test_what_fails_beside_others_is_run_again_alone(clone: Path) -> None:
+    told = 'echo "${@:2}"\n        ;;\nesac'
+    assert told in PYTHON
+    provide(clone, PYTHON.replace(told, 'echo "${@:2}"; [[ "$*" != *numprocesses* ]];;\nesac'))
+    (clone / "tests").mkdir()
+    (clone / "tests" / "test_a.py").write_text("@pytest.mark.sockets\n", "utf-8")
+    process = start(clone, "--sockets", script="test")
+    out, err = process.communicate(timeout=60)
+    assert process.returncode == 0, err
+    assert out.splitlines() == [
+        f"pytest --quiet {AT_ONCE} -m sockets and not {ALONE} tests/test_a.py",
+        "again, one at a time:",
+        f"pytest --quiet --last-failed -m sockets and not {ALONE} tests/test_a.py",
+        f"pytest --quiet -m sockets and {ALONE} tests/test_a.py",
+    ]
+
+
 @pytest.mark.slow
 def test_what_flies_and_what_is_slow_is_not_fast() -> None:
     """By folder, by hand, by a fixture, by an import."""
