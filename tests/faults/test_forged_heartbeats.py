@@ -75,7 +75,7 @@ def test_one_forged_heartbeat_after_another_changes_no_action() -> None:
 @pytest.mark.parametrize("phase", FLOWN_PHASES)
 def test_nothing_leaves_from_the_first_on(phase: Phase) -> None:
     begin_s = undisturbed(SURVEILLANCE).time_of(PhaseEntered, phase=phase)
-    forger = Forger([begin_s + 0.5, begin_s + 0.5 + TICK_S])
+    forger = Forger([begin_s + 0.3, begin_s + 0.3 + TICK_S])
     flight = Lockstep(shipped(SURVEILLANCE), world(SURVEILLANCE), up=forger).run_for(begin_s + 5.0)
     sent = [s for s in (*flight.setpoints, *flight.commands) if s.time_s >= forger.sent_s[0]]
     assert sent == []
