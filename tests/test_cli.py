@@ -69,6 +69,7 @@ OPTIONS = {
         *("--engine", "--encoding", "--timeout", "--pddl", "--json", "--verbose"),
     ],
     "tree": ["--format", "--verbose"],
+    "skills": ["--json"],
     "ltl": ["--format", "--state-based", "--monolithic", "--batch", "--exclusive"],
     "run": [
         *(

@@ -38,7 +38,7 @@ class SkillFailure(Exception):
 
 
 class Cancelled(BaseException):
-    """The mission has left the skill: clean up, and let it pass `except Exception`, as it does."""
+    """The mission has left the skill. No `except Exception` catches it: clean up in `finally`."""
 
 
 def skill(function: F) -> F:
