@@ -53,7 +53,9 @@ def upload(wire: Wire, items: Sequence[Any], kind: int = 0) -> int:
     items = numbered(items)
     heard = len(wire.heard)
     wire.send(dialect.MAVLink_mission_count_message(1, 1, len(items), kind))
-    while not any(h.name == "MISSION_ACK" for h in wire.heard[heard:]):
+    for _ in range(4 * len(items) + 8):
+        if any(h.name == "MISSION_ACK" for h in wire.heard[heard:]):
+            break
         wire.send(items[wire.last("MISSION_REQUEST_INT").seq])
     return int(wire.last("MISSION_ACK").type)
 

@@ -98,6 +98,7 @@ OPTIONS = {
     "replay": ["--port", "--open", "--mcap"],
     "upload": ["--connect", "--system", *SIGNING, "--start", "--timeout", "--verbose"],
     "key": [],
+    "skills": [],
     "watch": ["--connect", "--system", *SIGNING, "--timeout", "--verbose"],
 }
 

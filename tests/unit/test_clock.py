@@ -64,6 +64,7 @@ STAMPS = {
     "companion/cli/recording.py": "the name of a run folder, and the time of its record",
     "companion/cli/resuming.py": "how long a companion was away",
     "companion/mavlink/key_file.py": "what signatures begin with",
+    "companion/record/clocks.py": "how other logs are laid beside a run",
     "companion/record/journal_file.py": "the same, written down",
 }
 """Who reads the wall clock, which may be set at any time, and for what."""

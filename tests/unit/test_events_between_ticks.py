@@ -190,7 +190,7 @@ def test_without_a_step_more_it_is_flown_from_the_tick_after_that_in_which_it_is
     assert (replanned_s(line), flown_s(line)) == ([7.05], 7.1)
 
 
-between_ticks = st.floats(6.0, 11.0).filter(lambda at_s: not is_on_grid(at_s))
+between_ticks = st.floats(9.0, 12.0).filter(lambda at_s: not is_on_grid(at_s))
 
 
 @pytest.fixture(scope="module")
@@ -201,7 +201,7 @@ def quiet() -> Line:
 @settings(max_examples=5, deadline=None)
 @given(
     st.lists(
-        st.floats(6.0, 11.0).filter(lambda at_s: not is_on_grid(at_s)), min_size=1, max_size=20
+        st.floats(9.0, 12.0).filter(lambda at_s: not is_on_grid(at_s)), min_size=1, max_size=20
     )
 )
 def test_a_step_more_moves_no_setpoint_of_a_tick(quiet: Line, times_s: list[float]) -> None:
@@ -212,7 +212,7 @@ def test_a_step_more_moves_no_setpoint_of_a_tick(quiet: Line, times_s: list[floa
     line.fly()
     assert_ticks_stay(line)
     assert line.of(PlanReplaced) == []
-    for number in range(round(11.0 / TICK_S)):
+    for number in range(round(12.0 / TICK_S)):
         place, expected = (each.setpoint_at(number * TICK_S) for each in (line, quiet))
         assert (place is None) is (expected is None)
         if place is not None and expected is not None:
@@ -220,8 +220,8 @@ def test_a_step_more_moves_no_setpoint_of_a_tick(quiet: Line, times_s: list[floa
 
 
 def test_the_setpoint_of_a_step_more_is_that_of_its_time() -> None:
-    line = Line(patrol(green=GREEN)).say(7.02, "green", 1).fly()
-    before, then, after = (line.setpoint_at(at_s) for at_s in (7.0, 7.02, 7.05))
+    line = Line(patrol(green=GREEN)).say(10.02, "green", 1).fly()
+    before, then, after = (line.setpoint_at(at_s) for at_s in (10.0, 10.02, 10.05))
     assert before is not None and then is not None and after is not None
     assert distance(before, after) > 0.05
     assert distance(before, then) == pytest.approx(0.4 * distance(before, after), rel=0.05)

@@ -280,7 +280,7 @@ def test_a_vehicle_that_is_in_a_zone_leaves_it_by_the_shortest_way(jump_m: float
     """Its position jumps into the pond, as far as anybody knows, while it flies past."""
     mission = field(**kept_out(pond=POND), task={"see": "F at(A) & F G at(Home)"})
     run = simulate(
-        mission, {"version": 1, "happens": [{"at_s": 8.5, "estimate": {"north_m": jump_m}}]}
+        mission, {"version": 1, "happens": [{"at_s": 11.5, "estimate": {"north_m": jump_m}}]}
     )
     assert run.exit_code == 0
     refusals = [e.event.reason for e in run.events if isinstance(e.event, SetpointRefused)]
@@ -291,7 +291,7 @@ def test_a_vehicle_that_is_in_a_zone_leaves_it_by_the_shortest_way(jump_m: float
         for time_s, (north, east, _) in zip(
             run.trajectory.times_s, run.trajectory.positions.tolist(), strict=True
         )
-        if time_s > 9.0
+        if time_s > 12.0
     ]
     inside = [is_in_polygon(at, zone) for at in believed]
     left = inside.index(False)
@@ -312,10 +312,10 @@ def over_hedge(up_m: float, hedge: dict[str, Any] = HEDGE, **changes: Any) -> Mi
     return field(map={"walls": [hedge]}, places=places, **changes)
 
 
-def test_a_place_that_is_high_enough_lies_behind_a_hedge() -> None:
+def test_a_hedge_is_flown_over_where_the_band_has_room_above_it() -> None:
+    """From places that are high enough, and by a climb on the spot from lower ones."""
     assert Planner(over_hedge(2.1)).plan()
-    with pytest.raises(NoPlanError):
-        Planner(over_hedge(2.05)).plan()
+    assert Planner(over_hedge(2.05)).plan()
     with pytest.raises(NoPlanError):
         Planner(over_hedge(4.0, {**HEDGE, "up_m": 3.5})).plan()
 

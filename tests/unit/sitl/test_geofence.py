@@ -126,7 +126,8 @@ def test_behind_a_circle_each_corner_begins_a_polygon() -> None:
     wire = Wire()
     island = place(5004, (500.0, 0.0, 0.0), 3.0, kind=1)
     corners = [place(5001, point, 4.0, kind=1) for point in SQUARE]
-    assert upload(wire, [island, *corners, *corners], kind=1) == ACCEPTED
+    others = [place(5001, point, 4.0, kind=1) for point in SQUARE]
+    assert upload(wire, [island, *corners, *others], kind=1) == ACCEPTED
     wire.run(0.1)
     areas = wire.simulation._autopilot.fence.areas
     polygons = [area.shape for area in areas if isinstance(area.shape, FencePolygon)]
