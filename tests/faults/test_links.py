@@ -10,6 +10,7 @@ from companion.errors import Aborted
 from companion.flight_events.skills import PlaceReached, SkillCompleted
 from companion.flight_events.sortie import RunFailed, SetpointRefused
 from sitl.results import MavResult
+from sitl.world.payload import REPEATED_WITHIN_S
 
 pytestmark = pytest.mark.faults
 
@@ -29,12 +30,20 @@ def assert_flown_as_without(flight: Lockstep, mission: str) -> None:
 
 
 def final_answers(flight: Lockstep) -> list[int]:
-    """Of the payload: one for each time that it did something."""
-    return [
-        said.message.result
+    """Of the payload: one for each time that it did something.
+
+    The same soon after is the same answer again, to a command that came again.
+    """
+    final = [
+        said
         for said in flight.acknowledged
         if said.message.get_srcComponent() == PAYLOAD
         and said.message.result != MavResult.IN_PROGRESS
+    ]
+    return [
+        said.message.result
+        for before, said in zip([None, *final], final, strict=False)
+        if before is None or said.time_s - before.time_s > REPEATED_WITHIN_S
     ]
 
 
