@@ -98,7 +98,6 @@ OPTIONS = {
     "replay": ["--port", "--open", "--mcap"],
     "upload": ["--connect", "--system", *SIGNING, "--start", "--timeout", "--verbose"],
     "key": [],
-    "skills": [],
     "watch": ["--connect", "--system", *SIGNING, "--timeout", "--verbose"],
 }
 
