@@ -51,8 +51,10 @@ def restarted(flight: Lockstep, away_s: float) -> float:
 
 
 def pilot_hands_over(flight: Lockstep, air: Cut, chance: Random) -> float:
-    flight.station_chooses(chance.choice(["AUTO.RTL", "AUTO.LOITER", "POSCTL"]))
-    flight.run(chance.uniform(0.5, 4.0))
+    """A return climbs, and where the mission does not fly control is not taken back."""
+    chosen = chance.choice(["AUTO.RTL", "AUTO.LOITER", "POSCTL"])
+    flight.station_chooses(chosen)
+    flight.run(chance.uniform(0.5, 0.7 if chosen == "AUTO.RTL" else 4.0))
     flight.station_chooses(HOLD)
     flight.run(chance.uniform(0.0, 2.0))
     return operator_says_continue(flight)
