@@ -11,6 +11,7 @@ import os
 import select
 import signal
 import sys
+from contextlib import AbstractContextManager, closing, nullcontext
 from dataclasses import replace
 from pathlib import Path
 from types import FrameType
@@ -23,11 +24,20 @@ from companion.errors import Collided, CompanionError, printable
 from companion.geometry import GlobalOrigin
 from companion.mavlink.key_file import signing_by
 from companion.mavlink.signing import Signing, harmless
+from sitl.link.report_sender import ReportSender
 from sitl.link.routing import LinkName
 from sitl.link.server import GROUND_PORT, LOCAL_PORTS, Server
 from sitl.simulation import Simulation
 from sitl.world.scenario import PX4_HOME, Scenario, read_scenario
 
+Reports = Annotated[
+    str | None,
+    typer.Option(
+        metavar="ADDRESS",
+        help="Where the scenario's programs on board report to: the companion's --events, "
+        "unix:PATH or udpin:HOST:PORT. [default: nowhere]",
+    ),
+]
 PERIOD_S = 0.004  # the loop looks at the clock this often, and at once when a datagram arrives
 MAX_JUMP_S = 0.1  # wall time; more than this behind, simulated time slows down
 
@@ -107,6 +117,7 @@ def simulate(
         Path | None,
         typer.Option(metavar="FILE", help="Sign, and want signatures; `companion key` makes one."),
     ] = None,
+    reports: Reports = None,
     quiet: Annotated[bool, typer.Option(help="Do not tell what happens in the world.")] = False,
     attended: Annotated[
         bool, typer.Option("--attended", help="End when standard input does.", hidden=True)
@@ -130,9 +141,10 @@ def simulate(
         with (
             signing_by(signing_key, f"sitl-{instance}", harmless) as signing,
             Server(instance, ground_port) as server,
+            _report_sender(reports) as sender,
         ):
             stop = _Stop(attended)
-            if _simulate(scenario, speed, server, home, seed, quiet, stop, signing):
+            if _simulate(scenario, speed, server, sender, home, seed, quiet, stop, signing):
                 raise typer.Exit(Collided.exit_code)
     except CompanionError as error:
         typer.echo(str(error), err=True)
@@ -143,6 +155,7 @@ def _simulate(
     path: Path | None,
     speed: float,
     server: Server,
+    sender: ReportSender | None,
     home: GlobalOrigin | None,
     seed: int,
     is_quiet: bool,
@@ -168,12 +181,19 @@ def _simulate(
     while not stop.is_set:
         datagrams = server.receive(PERIOD_S)
         server.send(simulation.step(clock.now_s(), datagrams))
+        if sender is not None:
+            sender.send(simulation.take_reports())
         told = _tell(simulation, told, is_quiet)
         if signing is not None and (refused := signing.news()):
             typer.echo(f"sitl: frames refused: {refused}")
     simulation.settle()
     _tell(simulation, told, is_quiet)
     return simulation.is_damaged
+
+
+def _report_sender(address: str | None) -> AbstractContextManager[ReportSender | None]:
+    """What sends reports while the context lasts; nothing without an address."""
+    return nullcontext() if address is None else closing(ReportSender(address))
 
 
 def _tell(simulation: Simulation, told: int, is_quiet: bool) -> int:

@@ -25,7 +25,7 @@ from companion.skills.runner import FunctionRunner
 if TYPE_CHECKING:
     from companion.motion.grid import OccupancyGrid
     from companion.planning.engine_port import Engine
-    from sitl.harness import LockstepFlight
+    from sitl.harness import LockstepFlight as LockstepFlight
     from sitl.world.scenario import Scenario
 
 World: TypeAlias = "tuple[Scenario, OccupancyGrid | None]"

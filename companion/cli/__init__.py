@@ -18,13 +18,14 @@ from typing import Annotated
 import typer
 
 from companion.cli.auditing import audit
-from companion.cli.flying import run, sim
+from companion.cli.flying import run
 from companion.cli.formulas import ltl
 from companion.cli.keys import key
 from companion.cli.monitoring import monitor, replay
 from companion.cli.operating import upload, watch
 from companion.cli.plan_files import export, import_
 from companion.cli.planning import check, plan
+from companion.cli.simulated_flight import sim
 from companion.cli.skills import skills
 from companion.cli.terminal import give_up
 from companion.cli.trees import tree

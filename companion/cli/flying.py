@@ -1,16 +1,11 @@
-"""The commands that fly: run and sim."""
+"""The command that flies a vehicle: run."""
 
 from __future__ import annotations
 
-import json
-import os
-import signal
-import time
-from collections.abc import Callable, Iterator
-from contextlib import closing, contextmanager
+from collections.abc import Callable
+from contextlib import closing
 from functools import partial
 from pathlib import Path
-from types import FrameType
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -20,13 +15,10 @@ from companion.cli.arguments import (
     DEFAULT_LOG_DIR,
     AutopilotFence,
     Events,
-    GroundPort,
-    Instance,
     Laps,
     LimitS,
     LinkUrl,
     LogDir,
-    MissionFile,
     Resume,
     SigningKeyFile,
     Timeout,
@@ -39,17 +31,16 @@ from companion.cli.engine_options import (
     BUILT_IN,
     ENGINE_TIMEOUT_S,
     EncodingOption,
-    EngineDuration,
     EngineOption,
     EngineTimeout,
     engine_of,
 )
 from companion.cli.log_lines import Verbose
 from companion.cli.monitoring import DEFAULT_ADDRESS, Monitor, monitored
+from companion.cli.real_time import OFFBOARD_PORT, fly_over, raise_failure
 from companion.cli.recording import close_run, flown_s, line, open_run, recorded
 from companion.cli.resuming import CutOffRun, cut_off_run
-from companion.cli.terminal import Terminal, undisturbed
-from companion.errors import CompanionError
+from companion.cli.terminal import Terminal
 from companion.planning.objective import Encoding
 
 if TYPE_CHECKING:
@@ -58,17 +49,7 @@ if TYPE_CHECKING:
     from companion.mission.model import Mission
     from companion.planning.engine_port import Engine
     from companion.record.run_folder import RunFolder
-    from companion.vehicle.link import Link
 
-ScenarioFile = Annotated[
-    Path | None,
-    typer.Option(
-        help="What happens in the world. [default: MISSION's name with .sim.yaml, or nothing]"
-    ),
-]
-Speed = Annotated[str, typer.Option(help="Times real time, or max: lockstep in one process.")]
-OFFBOARD_PORT = 14540
-GROUND_STATION_PORT = 14550
 UPLOADS = "uploads"
 """Among the run folders: what ground stations have sent."""
 
@@ -127,90 +108,11 @@ def run(
         journalled=cut_off.journalled if cut_off else None,
     )
     with signing_of(signing_key, f"run-{endpoint.name}", unsigned_vehicle) as signing:
-        fly = partial(_fly, link_of=partial(Link, endpoint, signing), events=events)
+        fly = partial(fly_over, link_of=partial(Link, endpoint, signing), events=events)
         if loaded is None or wait:
             _host(companion_of, loaded, fly, log_dir, address, planner, cut_off)
         else:
             _fly_once(companion_of, loaded, fly, log_dir, address, planner, cut_off, timeout)
-
-
-def sim(
-    mission: MissionFile,
-    scenario: ScenarioFile = None,
-    speed: Speed = "1",
-    seed: Annotated[int, typer.Option(help="Seed of wind and sensors.", min=0)] = 0,
-    instance: Instance = 0,
-    ground_port: GroundPort = GROUND_STATION_PORT,
-    events: Events = None,
-    laps: Laps = None,
-    limit_s: LimitS = None,
-    engine: EngineOption = BUILT_IN,
-    encoding: EncodingOption = Encoding.V4,
-    engine_timeout: EngineTimeout = ENGINE_TIMEOUT_S,
-    engine_duration: EngineDuration = 1.0,
-    timeout: Timeout = 30.0,
-    log_dir: LogDir = DEFAULT_LOG_DIR,
-    monitor: Monitor = None,
-    verbose: Verbose = False,
-) -> None:
-    """Flies a mission in the bundled simulator. QGroundControl connects to it by itself."""
-    from companion.acting.flight_limit import FlightLimit
-    from companion.api import simulating
-    from companion.app import Companion
-    from companion.simulator import simulator
-    from companion.skills.runner import FunctionRunner
-    from companion.vehicle.endpoints import UdpPort
-    from companion.vehicle.link import Link
-
-    factor, limit = _speed(speed), FlightLimit(laps, limit_s)
-    planner = engine_of(engine, encoding, engine_timeout, None if factor else engine_duration)
-    loaded, terminal = load(mission), Terminal()
-    world = simulating.world_of(loaded, path := scenario or simulating.scenario_beside(loaded))
-    with (
-        closing(terminal),
-        recorded(loaded, log_dir, terminal) as folder,
-        monitored(monitor or ("off" if factor is None else DEFAULT_ADDRESS), terminal.say) as page,
-        closing(FunctionRunner(folder.folder, is_lockstep=factor is None)) as functions,
-    ):
-        page.show(folder.folder)
-        if factor is None:
-            made = partial(simulating.lockstep, seed=seed, instance=instance, limit=limit)
-            flight = made(loaded, world, folder, page=page, engine=planner, functions=functions)
-            with _stoppable(flight.companion, terminal), undisturbed(flight.companion.hang_up):
-                flight.fly(timeout)
-            _raise(simulating.verdict(flight.companion.failure, flight.simulation.is_damaged))
-            return
-        companion = Companion(
-            loaded, folder, page=page, limit=limit, engine=planner, functions=functions
-        )
-        path = path or _written(simulating.world_alone(loaded), folder.folder / "world.sim.yaml")
-        told = f"simulated, {factor:g} x real time; ground station on UDP port {ground_port}"
-        terminal.say(f"vehicle    {told}")
-        options = ["--scenario", path, "--seed", seed, "--ground-port", ground_port]
-        options += ["--speed", factor, "--instance", instance, "--home", world[0].home]
-        link_of = partial(Link, UdpPort("127.0.0.1", OFFBOARD_PORT + instance))
-        with simulator(options, folder.folder / "sitl.log") as child:
-            _fly(companion, terminal, factor, timeout * factor, link_of=link_of, events=events)
-        _raise(simulating.verdict(companion.failure, child.is_damaged))
-
-
-def _written(scenario: dict[str, object], path: Path) -> Path:
-    """The file of a scenario that is given as data; JSON is YAML, too."""
-    path.write_text(json.dumps(scenario), encoding="utf-8")
-    return path
-
-
-def _speed(text: str) -> float | None:
-    """The real-time factor; None for `max`."""
-    if text == "max":
-        return None
-    try:
-        factor = float(text)
-    except ValueError:
-        factor = 0.0
-    if not 0.0 < factor < 1000.0:
-        raise typer.BadParameter(f"{text} is not a positive number or max", param_hint="--speed")
-    return factor
 
 
 def _fly_once(
@@ -236,7 +138,7 @@ def _fly_once(
         page.show(folder.folder)
         companion = companion_of(mission, folder, page=page, engine=engine, functions=functions)
         fly(companion, terminal, 1.0, timeout_s, flown_s(cut_off))
-        _raise(companion.failure)
+        raise_failure(companion.failure)
 
 
 def _host(
@@ -291,51 +193,3 @@ def _host(
             host.close()
             uploads.close()
             children.close()
-
-
-def _fly(
-    companion: Companion,
-    terminal: Terminal,
-    speed: float,
-    timeout_s: float,
-    begin_s: float = 0.0,
-    *,
-    link_of: Callable[[], Link],
-    events: str | None,
-) -> None:
-    from companion.clock import ScaledClock
-    from companion.driving import fly
-    from companion.vehicle.report_port import reports_at
-    from companion.watchdog import Watchdog
-
-    with (
-        reports_at(events) as reports,
-        closing(link_of()) as link,
-        closing(Watchdog(os.environ)) as watchdog,
-    ):
-        terminal.say(f"waiting    for a vehicle on {link.endpoint}")
-        clock = ScaledClock(speed, begin_s=begin_s)
-        with _stoppable(companion, terminal), undisturbed(companion.hang_up):
-            fly(companion, link, clock, timeout_s, lambda: watchdog.beat(time.monotonic()), reports)
-
-
-def _raise(failure: CompanionError | None) -> None:
-    if failure is not None:
-        raise failure
-
-
-@contextmanager
-def _stoppable(companion: Companion, terminal: Terminal) -> Iterator[None]:
-    """The first Ctrl-C (or SIGTERM) holds, lands and exits; the second exits at once."""
-
-    def stop(number: int, _: FrameType | None) -> None:
-        signal.signal(number, signal.default_int_handler)  # before the promise below is read
-        companion.stop()
-        terminal.say("stopping: hold, land, exit; once more to exit at once", is_error=True)
-
-    before = {n: signal.signal(n, stop) for n in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

@@ -11,8 +11,8 @@ PX4 does so (ROMFS/px4fmu_common/init.d-posix/px4-rc.mavlink), but sends from in
 
 Whoever sends to the local port becomes the peer, so that a client on another port is answered
 where it is. Only this machine is listened to. What is received at once is bounded, on each link for
-itself (`companion/mavlink/intake.py`). Nobody listening is no error. This is the only file with
-sockets.
+itself (`companion/mavlink/intake.py`). Nobody listening is no error. The other file
+with a socket is `report_sender.py`.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 What it reports, and when, are the scenario's events: each `report` is one datagram, a JSON object.
 It goes beside MAVLink, on the machine on which the companion runs: in lockstep the harness hands it
-on; in real time nobody does, and a program of one's own reports.
+on, in real time `sitl/link/report_sender.py` does.
 """
 
 from __future__ import annotations

@@ -22,6 +22,9 @@ pytestmark = pytest.mark.sockets
 
 MAVPROXY = Path(sysconfig.get_path("scripts")) / "mavproxy.py"
 ANSWER_S = 120.0  # wall time that no answer needs
+NOT_ACKNOWLEDGED_S = 6.0
+"""MAVProxy does not acknowledge a list that it has read. A PX4 waits for that for 5 s, and takes no
+plan from it meanwhile; so does the simulator."""
 
 PLAN = """QGC WPL 110
 0\t1\t3\t16\t0\t0\t0\t0\t47.397742\t8.545594\t0\t1
@@ -69,10 +72,10 @@ class MAVProxy:
         self._process.stdin.flush()
         self.expect(*expected, start=start)
 
-    def repeat(self, command: str, expected: str) -> None:
-        """Type a command once a second until a pattern has been printed after the first time."""
+    def repeat(self, command: str, expected: str, pause_s: float = 1.0) -> None:
+        """Type a command again and again until a pattern was printed after the first time."""
         start, end_s = len(self.printed), time.monotonic() + ANSWER_S
-        while not self._is_printed(expected, start, 1.0):
+        while not self._is_printed(expected, start, pause_s):
             assert time.monotonic() < end_s, f"{expected} not in:\n{self.printed[start:]}"
             self.type(command)
 
@@ -139,8 +142,8 @@ def test_it_loads_and_lists_plans(mavproxy: MAVProxy, tmp_path: Path) -> None:
             for i, (n, e) in enumerate([(-1, -1), (-1, 1), (1, 1), (1, -1)])
         )
     )
-    mavproxy.type(f"fence load {fence}", "Sent all 4 fence items")
+    mavproxy.repeat(f"fence load {fence}", "Sent all 4 fence items", NOT_ACKNOWLEDGED_S)
     mavproxy.type("fence list", "Requesting 4 fence items")
     rally.write_text("QGC WPL 110\n0\t0\t3\t5100\t0\t0\t0\t0\t47.3977\t8.5455\t20\t1\n")
-    mavproxy.type(f"rally load {rally}", "Sent all 1 rally items")
+    mavproxy.repeat(f"rally load {rally}", "Sent all 1 rally items", NOT_ACKNOWLEDGED_S)
     mavproxy.type("rally list", "Requesting 1 rally items")

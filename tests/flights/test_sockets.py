@@ -315,6 +315,7 @@ def achieved_in(events: Iterable[object]) -> list[str]:
 ACHIEVED = {
     **{s.mission: achieved_in(s.story) for s in SHIPPED if not isinstance(s.story[-1], RunFailed)},
     "by_hand": ["A", "B", "C", "A", "r1", "r2", "upload(r2)", "Home"],
+    "lost_person": ["West", "Person", SkillCompleted("drop").action, "Home"],
     "inspection": ["inspect(Home, A)", "inspect(here, C)", "Home"],
 }
 """What each mission achieves until it is satisfied; one that is not is stopped in its test."""

@@ -9,7 +9,9 @@ import typer
 
 from companion.errors import LinkError
 from companion.mavlink.intake import LONGEST, SENDER_FRAMES, STRANGERS_FRAMES
+from companion.vehicle.report_port import ReportPort
 from sitl.cli import default_home, main, parse_home
+from sitl.link.report_sender import ReportSender
 from sitl.link.routing import LinkName
 from sitl.link.server import LOCAL_PORTS, Server
 from sitl.world.scenario import PX4_HOME
@@ -78,3 +80,30 @@ def test_the_server_takes_in_so_much_at_once_and_nothing_that_is_too_long(instan
 def test_a_taken_port_is_told(instance: int) -> None:
     with Server(instance), pytest.raises(LinkError, match="choose another instance"):
         Server(instance)
+
+
+@pytest.mark.parametrize("kind", ["unix", "udpin"])
+def test_reports_arrive_where_the_companion_listens_and_else_are_lost(
+    kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    address = "unix:events" if kind == "unix" else f"udpin:127.0.0.1:{port}"
+    with closing(ReportSender(address)) as sender:
+        sender.send([b"nobody hears it"] * 2)
+        with closing(ReportPort(address)) as heard:
+            sender.send([b"first", b"second"])
+            assert heard.receive() == [b"first", b"second"]
+        sender.send([b"nobody hears it any more"] * 2)
+
+
+@pytest.mark.parametrize("address", ["udpout:127.0.0.1:9", "unix:", "udpin:here", "udpin::70000"])
+def test_a_wrong_address_of_reports_ends_with_an_advice(
+    address: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as end:
+        main(["--reports", address, "-i", "199"])
+    assert end.value.code == LinkError("").exit_code
+    assert "write unix:PATH or udpin:HOST:PORT" in capsys.readouterr().err

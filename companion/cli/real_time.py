@@ -1,0 +1,80 @@
+"""A flight in real time: its link, its clock, its watchdog, and the signals that end it."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager
+from types import FrameType
+from typing import TYPE_CHECKING
+
+from companion.cli.terminal import Terminal, undisturbed
+from companion.errors import CompanionError
+
+if TYPE_CHECKING:
+    from companion.app import Companion
+    from companion.vehicle.link import Link
+
+OFFBOARD_PORT = 14540
+
+
+def fly_over(
+    companion: Companion,
+    terminal: Terminal,
+    speed: float,
+    timeout_s: float,
+    begin_s: float = 0.0,
+    *,
+    link_of: Callable[[], Link],
+    events: str | None,
+) -> None:
+    """Flies over a link in real time until the companion has ended, or is stopped.
+
+    Args:
+        companion: what flies.
+        terminal: where it tells what it does.
+        speed: times real time.
+        timeout_s: to wait for a vehicle.
+        begin_s: time that the flight has taken already.
+        link_of: opens the link.
+        events: where reports are heard.
+    """
+    from companion.clock import ScaledClock
+    from companion.driving import fly
+    from companion.vehicle.report_port import reports_at
+    from companion.watchdog import Watchdog
+
+    with (
+        reports_at(events) as reports,
+        closing(link_of()) as link,
+        closing(Watchdog(os.environ)) as watchdog,
+    ):
+        terminal.say(f"waiting    for a vehicle on {link.endpoint}")
+        clock = ScaledClock(speed, begin_s=begin_s)
+        with stoppable(companion, terminal), undisturbed(companion.hang_up):
+            fly(companion, link, clock, timeout_s, lambda: watchdog.beat(time.monotonic()), reports)
+
+
+def raise_failure(failure: CompanionError | None) -> None:
+    """Ends a command with what a flight has failed of, if anything."""
+    if failure is not None:
+        raise failure
+
+
+@contextmanager
+def stoppable(companion: Companion, terminal: Terminal) -> Iterator[None]:
+    """The first Ctrl-C (or SIGTERM) holds, lands and exits; the second exits at once."""
+
+    def stop(number: int, _: FrameType | None) -> None:
+        signal.signal(number, signal.default_int_handler)  # before the promise below is read
+        companion.stop()
+        terminal.say("stopping: hold, land, exit; once more to exit at once", is_error=True)
+
+    before = {n: signal.signal(n, stop) for n in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -1,0 +1,152 @@
+"""The command that flies in the bundled simulator: sim."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from functools import partial
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from companion.cli.arguments import (
+    DEFAULT_LOG_DIR,
+    Events,
+    GroundPort,
+    Instance,
+    Laps,
+    LimitS,
+    LogDir,
+    MissionFile,
+    Timeout,
+    load,
+)
+from companion.cli.engine_options import (
+    BUILT_IN,
+    ENGINE_TIMEOUT_S,
+    EncodingOption,
+    EngineDuration,
+    EngineOption,
+    EngineTimeout,
+    engine_of,
+)
+from companion.cli.log_lines import Verbose
+from companion.cli.monitoring import DEFAULT_ADDRESS, Monitor, monitored
+from companion.cli.real_time import OFFBOARD_PORT, fly_over, raise_failure, stoppable
+from companion.cli.recording import recorded
+from companion.cli.terminal import Terminal, undisturbed
+from companion.planning.objective import Encoding
+
+if TYPE_CHECKING:
+    from companion.api.simulating import LockstepFlight
+
+ScenarioFile = Annotated[
+    Path | None,
+    typer.Option(
+        help="What happens in the world. [default: MISSION's name with .sim.yaml, or nothing]"
+    ),
+]
+Speed = Annotated[str, typer.Option(help="Times real time, or max: lockstep in one process.")]
+Seed = Annotated[int, typer.Option(help="Seed of wind and sensors.", min=0)]
+GROUND_STATION_PORT = 14550
+
+
+def sim(
+    mission: MissionFile,
+    scenario: ScenarioFile = None,
+    speed: Speed = "1",
+    seed: Seed = 0,
+    instance: Instance = 0,
+    ground_port: GroundPort = GROUND_STATION_PORT,
+    events: Events = None,
+    laps: Laps = None,
+    limit_s: LimitS = None,
+    engine: EngineOption = BUILT_IN,
+    encoding: EncodingOption = Encoding.V4,
+    engine_timeout: EngineTimeout = ENGINE_TIMEOUT_S,
+    engine_duration: EngineDuration = 1.0,
+    timeout: Timeout = 30.0,
+    log_dir: LogDir = DEFAULT_LOG_DIR,
+    monitor: Monitor = None,
+    verbose: Verbose = False,
+) -> None:
+    """Flies a mission in the bundled simulator. QGroundControl connects to it by itself."""
+    from companion.acting.flight_limit import FlightLimit
+    from companion.api import simulating
+    from companion.app import Companion
+    from companion.simulator import simulator
+    from companion.skills.runner import FunctionRunner
+    from companion.vehicle.endpoints import UdpPort
+    from companion.vehicle.link import Link
+
+    factor, limit = _speed(speed), FlightLimit(laps, limit_s)
+    planner = engine_of(engine, encoding, engine_timeout, None if factor else engine_duration)
+    loaded, terminal = load(mission), Terminal()
+    world = simulating.world_of(loaded, path := scenario or simulating.scenario_beside(loaded))
+    with (
+        closing(terminal),
+        recorded(loaded, log_dir, terminal) as folder,
+        monitored(monitor or ("off" if factor is None else DEFAULT_ADDRESS), terminal.say) as page,
+        closing(FunctionRunner(folder.folder, is_lockstep=factor is None)) as functions,
+        _report_address(events) as reports,
+    ):
+        page.show(folder.folder)
+        if factor is None:
+            made = partial(simulating.lockstep, seed=seed, instance=instance, limit=limit)
+            flight = made(loaded, world, folder, page=page, engine=planner, functions=functions)
+            _fly_in_lockstep(flight, terminal, timeout)
+            return
+        companion = Companion(
+            loaded, folder, page=page, limit=limit, engine=planner, functions=functions
+        )
+        path = path or _written(simulating.world_alone(loaded), folder.folder / "world.sim.yaml")
+        told = f"simulated, {factor:g} x real time; ground station on UDP port {ground_port}"
+        terminal.say(f"vehicle    {told}")
+        options = ["--scenario", path, "--seed", seed, "--ground-port", ground_port]
+        options += ["--speed", factor, "--instance", instance]
+        options += ["--home", world[0].home, "--reports", reports]
+        link_of = partial(Link, UdpPort("127.0.0.1", OFFBOARD_PORT + instance))
+        with simulator(options, folder.folder / "sitl.log") as child:
+            fly_over(companion, terminal, factor, timeout * factor, link_of=link_of, events=reports)
+        raise_failure(simulating.verdict(companion.failure, child.is_damaged))
+
+
+def _fly_in_lockstep(flight: LockstepFlight, terminal: Terminal, timeout_s: float) -> None:
+    """Flies to the end, or until it is stopped; raises what it has failed of."""
+    from companion.api.simulating import verdict
+
+    with stoppable(flight.companion, terminal), undisturbed(flight.companion.hang_up):
+        flight.fly(timeout_s)
+    raise_failure(verdict(flight.companion.failure, flight.simulation.is_damaged))
+
+
+@contextmanager
+def _report_address(given: str | None) -> Iterator[str]:
+    """Where a simulated vehicle's programs report to: where the user says, or a socket of its own.
+
+    It has a folder of its own, as the path of a socket must be short.
+    """
+    with TemporaryDirectory(prefix="companion-") as own:
+        yield given or f"unix:{own}/events"
+
+
+def _written(scenario: dict[str, object], path: Path) -> Path:
+    """The file of a scenario that is given as data; JSON is YAML, too."""
+    path.write_text(json.dumps(scenario), encoding="utf-8")
+    return path
+
+
+def _speed(text: str) -> float | None:
+    """The real-time factor; None for `max`."""
+    if text == "max":
+        return None
+    try:
+        factor = float(text)
+    except ValueError:
+        factor = 0.0
+    if not 0.0 < factor < 1000.0:
+        raise typer.BadParameter(f"{text} is not a positive number or max", param_hint="--speed")
+    return factor
