@@ -96,10 +96,10 @@ class CommandItem:
         """
         if self.frame in TERRAIN_FRAMES:
             what = f"its altitude is above the terrain (frame {self.frame}), which no mission knows"
-            raise ItemRefused(self.item, what, "change it to an altitude above home")
+            raise ItemRefused(self.item, what, f"its altitude has to be above home: {LEAVE_OUT}")
         if self.frame not in AMSL_FRAMES | RELATIVE_FRAMES:
             what = f"frame {self.frame} says no altitude"
-            raise ItemRefused(self.item, what, "change it to an altitude above home")
+            raise ItemRefused(self.item, what, f"its altitude has to be above home: {LEAVE_OUT}")
         if self.params[6] is None:
             raise ItemRefused(self.item, "has no altitude", "write one")
         return Height(self.params[6], self.frame in AMSL_FRAMES)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from companion.geometry import FAR_M
+from companion.plans.commands import LEAVE_OUT
 from companion.plans.draft_task import HOME, RouteStop
 from companion.plans.route_plan import (
     SAME_M,
@@ -201,10 +202,10 @@ class Places:
                 raise ItemRefused(waypoint.item, what, SAY_AMSL)
             if height.metres - home_amsl_m < 1.0:
                 what = f"is at {height.metres:g} m above the sea, and home at {home_amsl_m:g} m"
-                raise ItemRefused(waypoint.item, what, "correct one of the two")
+                raise ItemRefused(waypoint.item, what, LEAVE_OUT)
         elif height.metres < 1.0:
             what = f"is at {height.metres:g} m above home"
-            raise ItemRefused(waypoint.item, what, "a vehicle flies at 1 m or higher")
+            raise ItemRefused(waypoint.item, what, f"a vehicle flies at 1 m or higher: {LEAVE_OUT}")
         return waypoint
 
     def _heights_differ(self, place: Waypoint, other: Waypoint) -> bool:
