@@ -97,6 +97,14 @@ class MaskedAutomaton:
                 found[after] = found.get(after, 0) | marks
         return list(found.items())
 
+    def awaited(self, state: int) -> int:
+        """The one fact (a bit) that leads from a state to another one; 0 if it is not one fact."""
+        leaving = [(p, n) for p, n, after, _ in self._outgoing[state] if after != state]
+        if len(leaving) != 1:
+            return 0
+        ((positive, negative),) = leaving
+        return positive if positive.bit_count() == 1 and not negative else 0
+
     def leaves(self, state: int, facts: int) -> bool:
         """Whether reading some facts leads from a state to another one."""
         return any(after != state for after, _ in self.successors(state, facts))

@@ -11,13 +11,15 @@ that a loop meets a mark exactly if it passes a node that has it.
 
 Constants (`transition_system.py`) are taken out of facts and automata first
 (`ltl/restriction.py`); what is left of a patrol are the places alone. So are conjuncts that the
-others imply (`implied.py`).
+others imply (`implied.py`). Facts that are made for a one-shot goal alone are forgotten
+(`forgotten_facts.py`).
 """
 
 from __future__ import annotations
 
 import itertools
 import math
+from collections import Counter
 from collections.abc import Callable, Iterator
 from functools import cached_property, partial, reduce
 from operator import or_
@@ -27,6 +29,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from companion.errors import SearchLimit
+from companion.planning.builtin.forgotten_facts import forgotten_facts
 from companion.planning.builtin.masked_actions import KnownActions
 from companion.planning.builtin.masked_automaton import MaskedAutomaton, RestrictedConjunct
 from companion.planning.builtin.restrictions import Restrictions
@@ -62,8 +65,8 @@ class Product:
         initial: nodes at which a plan may begin.
         marks: for each node the marks (bits) met on the way into it.
         state_of: for each node its product state, as the number of the first node with the same
-            one. All that can be done after one of these nodes can be done after the others, so a
-            plan may enter a loop at any of them.
+            one, but for facts that are forgotten. All that can be done after one of these nodes can
+            be done after the others, so a plan may enter a loop at any of them.
         facts_of: for each node its facts, as the number of the first node with the same ones.
         all_marks: the marks (bits) that a loop has to meet.
         waiting_since_ms: for each of them, since when its conjunct waits; empty if nothing does.
@@ -111,6 +114,7 @@ class Product:
             )
         ]
         parts = [part for part in parts if not part.accepts_all]
+        readers = Counter(p for part in parts for p in part.automaton.propositions)
         if not with_implied:
             letters = partial(self.system.reachable, MAX_LETTERS)
             parts = restrictions.implications.without_implied(parts, letters, self._bits)
@@ -129,6 +133,8 @@ class Product:
                     self.waiting_since_ms += [part.waiting_since_ms] * part.automaton.marks
         if math.prod(map(len, choices)) > max_edges:
             raise SearchLimit(f"{max_edges:,} initial states of the product")
+        self._forgotten = forgotten_facts(self.system, goals, readers, self._bits)
+        self.system.forget(self._forgotten)
         self.all_marks = (1 << marks) - 1
         initial = [(self.system.start, states, 0) for states in itertools.product(*choices)]
         self._nodes = self._explore(initial)
@@ -255,8 +261,9 @@ class Product:
         self.state_of, self.facts_of = [], []
         spent(_NODE_US * len(nodes))
         for number, (held, own, _) in enumerate(nodes):
-            self.state_of.append(states_of.setdefault((held, own), number))
-            self.facts_of.append(facts_of.setdefault(held, number))
+            kept = held & ~self._forgotten
+            self.state_of.append(states_of.setdefault((kept, own), number))
+            self.facts_of.append(facts_of.setdefault(kept, number))
         self.first = np.array(first, np.int32)
         self.ends = np.array(ends, np.int32)
         self.costs = np.array(costs, np.int64)

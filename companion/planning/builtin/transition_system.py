@@ -60,8 +60,24 @@ class TransitionSystem:
         self.changing = (reached & ~held) | (held & deleted)
         self.start = held
         self._actions, self._facts, self._bits = actions, facts, known.bits
+        self._forgotten = 0
         self._successors: dict[int, Successors] = {}
         self._always, self._by_fact = _indexed(self._possible)
+
+    def only_made(self, facts: int) -> int:
+        """Those of some facts that do not hold at the start, that no action reads or deletes."""
+        facts &= ~self.start & ~_deleted(self._possible)
+        for group in self._possible:
+            facts &= ~(group.requires | group.forbids)
+            for effect in group.conditional:
+                facts &= ~(effect.condition.requires | effect.condition.forbids)
+        return facts
+
+    def forget(self, facts: int) -> None:
+        """From now on some facts, which no action reads, hold only right after they are made."""
+        if facts != self._forgotten:
+            self._forgotten = facts
+            self._successors.clear()
 
     @cached_property
     def possible(self) -> list[int]:
@@ -156,6 +172,8 @@ class TransitionSystem:
             states += group.ends(state)
             actions += group.numbers
             costs += group.costs
+        if past := state & self._forgotten:
+            states = [end & ~past for end in states]
         if is_sorted:
             return Successors(states, actions, costs)
         order = sorted(range(len(actions)), key=actions.__getitem__)

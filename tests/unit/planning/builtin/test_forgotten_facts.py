@@ -1,0 +1,101 @@
+"""Facts that stay once made: goals for them are planned as many as there are, and at their best."""
+
+from __future__ import annotations
+
+import itertools
+import random
+from collections.abc import Sequence
+
+import pytest
+from problems import action, asking, histories, problem, random_legs
+from reference_search import best_lap_and_prefix
+
+from companion.planning.builtin import search
+from companion.planning.builtin.search import Search
+from companion.planning.check import fault
+from companion.planning.domain import WAIT, Action
+from companion.planning.effort import IN_FLIGHT, Effort
+from companion.planning.lasso import Problem, Solution
+
+
+def shots(places: Sequence[str]) -> list[Action]:
+    """A photo of each place, from there."""
+    return [action(f"shoot({p})", f"at({p})", f"shot({p})") for p in places]
+
+
+def seen(places: Sequence[str], more: str = "") -> str:
+    return " & ".join(f"F shot({p})" for p in places) + more
+
+
+def best(asked: Problem, effort: Effort = IN_FLIGHT) -> Solution:
+    *_, solution = Search(asked.actions).solutions(asked, effort=effort)
+    assert fault(asked, solution.lasso, histories(asked)) is None
+    return solution
+
+
+@pytest.mark.parametrize("more", ["", " & F G at(H)", " & G F at(A) & G F at(B)"])
+@pytest.mark.parametrize("seed", range(4))
+def test_the_plan_is_as_good_as_in_a_world_that_remembers(
+    seed: int, more: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(search, "MAX_EDGES_WITH_GOALS", 0)  # the product that forgets, alone
+    legs = random_legs(random.Random(seed), "HABCD", is_symmetric=False)
+    asked = problem("HABCD", legs, seen("ABCD", more), shots("ABCD"))
+    found = best(asked)
+    reference = best_lap_and_prefix(asked)
+    assert reference is not None
+    assert found.lasso.lap_cost_ms == reference[0]
+    if found.has_best_prefix:
+        assert found.lasso.prefix_cost_ms == reference[1]
+    assert found.has_best_prefix == found.lasso.ends_at_rest
+
+
+@pytest.mark.parametrize("photos", [12, 40])
+def test_a_photo_of_each_of_many_trees_is_planned_with_the_effort_of_a_flight(photos: int) -> None:
+    trees = [f"t{i}" for i in range(photos)]
+    legs = random_legs(random.Random(photos), ["H", *trees])
+    asked = problem(["H", *trees], legs, seen(trees, " & F G at(H)"), shots(trees))
+    lasso = best(asked).lasso
+    assert sum(a.skill == "shoot" for a in lasso.prefix) == photos
+    product = Search(asked.actions).product(asked, IN_FLIGHT)
+    assert product.nodes < 5 * photos  # not twice as many with each photo
+
+
+def test_what_was_shot_before_is_not_shot_again() -> None:
+    trees = "ABCDEF"
+    legs = random_legs(random.Random(1), "H" + trees)
+    moves = problem("H" + trees, legs, "F at(A)").actions
+    history = [["at(A)"], ["at(A)", "shot(A)"]]
+    lasso = best(asking(seen(trees), [*moves, *shots(trees)], history)).lasso
+    assert sorted(a.name for a in lasso.prefix if a.skill == "shoot") == [
+        f"shoot({p})" for p in trees[1:]
+    ]
+
+
+@pytest.mark.parametrize(
+    ("task", "extra"),
+    [
+        (seen("ABCD", " & G (shot(A) -> X at(B))"), []),
+        (seen("ABCD", " & F (shot(A) & at(C))"), []),
+        (seen("ABCD", " & F sent"), [action("send", "shot(A) & shot(B)", "sent")]),
+        (seen("ABCD", " & F sent"), [action("send", "at(A) & !shot(B)", "sent")]),
+        (seen("ABCD"), [action("erase", "at(B)", "!shot(A)", 0.1)]),
+        (seen("ABCD", " & F s"), [action("send", "at(D)", "", conditional=[("shot(B)", "s")])]),
+    ],
+)
+def test_what_something_else_reads_is_remembered(task: str, extra: list[Action]) -> None:
+    legs = random_legs(random.Random(3), "HABCD")
+    asked = problem("HABCD", legs, task, [*shots("ABCD"), *extra])
+    found = best(asked).lasso
+    assert (found.lap_cost_ms, found.prefix_cost_ms) == best_lap_and_prefix(asked)
+
+
+def test_one_photo_may_show_several_trees_and_a_tree_may_be_passed_twice() -> None:
+    """A pair that is seen from between is seen at once; the way back leads over what was seen."""
+    line = dict.fromkeys(itertools.pairwise("HABCD"), 1.0)
+    line |= {(b, a): 1.0 for a, b in line}
+    extra = [*shots("ABCD"), action("pair(C)", "at(C)", "shot(C) & shot(D)")]
+    asked = problem("HABCD", line, seen("ABCD", " & F G at(H)"), extra)
+    found = best(asked).lasso
+    assert found.prefix_cost_ms == 9000
+    assert WAIT in found.loop
