@@ -65,7 +65,7 @@ class GoalPursuit:
             allowed = approach.passes | {state.mode}
             self._first_mode = self._first_mode or state.mode
             up_m = self._takeoff_up(state, takeoff_up_m)
-            pursuit = Pursuit(goal, allowed, state.mode, moment.heard_s, takeoff_up_m=up_m)
+            pursuit = Pursuit(goal, allowed, state.mode, moment.heard_s, up_m)
             self._pursuit = pursuit
         if state.is_mode_known(moment.now_s) and approach.is_reached(state):
             self._end_command()

@@ -67,10 +67,10 @@ class Pursuit:
 
     Attributes:
         allowed: modes that do not mean that somebody else took over.
+        takeoff_up_m: altitude above home that a take-off leads to.
         ticket: the command under way.
         asked: the approach to which that command belongs.
         has_failed: it was given up; the goal may be pursued anew.
-        takeoff_up_m: altitude above home that a take-off leads to.
         underway_s: when the vehicle was last on its way; the start before that.
     """
 
@@ -78,10 +78,10 @@ class Pursuit:
     allowed: frozenset[Mode]
     start_mode: Mode
     start_s: float
+    takeoff_up_m: float
     ticket: int | None = None
     asked: Approach | None = None
     has_failed: bool = False
-    takeoff_up_m: float = 0.0
     underway_s: float = field(init=False)
 
     def __post_init__(self) -> None:

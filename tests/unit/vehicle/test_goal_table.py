@@ -58,6 +58,13 @@ def test_landed_is_on_the_ground_and_disarmed(is_landed: bool, is_armed: bool) -
     assert APPROACHES[Goal.ARMED].is_reached(state) is is_armed
 
 
+@pytest.mark.parametrize("goal", [Goal.OFFBOARD, Goal.HOLDING])
+@pytest.mark.parametrize("mode", list(Mode))
+def test_a_goal_that_is_a_mode_is_reached_in_that_alone(goal: Goal, mode: Mode) -> None:
+    wanted = Mode.OFFBOARD if goal is Goal.OFFBOARD else Mode.LOITER
+    assert APPROACHES[goal].is_reached(replace(FLYING, mode=mode)) is (mode is wanted)
+
+
 @pytest.mark.parametrize(
     ("changed", "is_reached"),
     [
@@ -78,7 +85,7 @@ def test_airborne_is_a_hold_heard_after_the_ground_was_left(
 
 
 def pursuit(goal: Goal, start_mode: Mode) -> Pursuit:
-    return Pursuit(goal, APPROACHES[goal].passes | {start_mode}, start_mode, 100.0)
+    return Pursuit(goal, APPROACHES[goal].passes | {start_mode}, start_mode, 100.0, 2.0)
 
 
 def test_a_new_one_has_not_failed() -> None:
