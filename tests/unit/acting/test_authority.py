@@ -109,6 +109,16 @@ def test_home_is_as_wide_as_its_radius_and_what_the_position_may_be_off_by(
     )
 
 
+@pytest.mark.parametrize("gap_m", [10_000.0, 10_001.0, 123_400.0])
+def test_a_home_that_is_further_than_ten_kilometres_is_a_slip(gap_m: float) -> None:
+    told = reason(not_at_home(gap_m, STANDING, HOME))
+    if gap_m == 10_000.0:
+        assert told.startswith("the vehicle stands 10000.0 m from Home")
+    else:
+        far = f"the vehicle is {gap_m / 1000:.0f} km from Home, where the mission begins"
+        assert told == f"{far}; are lat and lon exchanged?"
+
+
 # -- control ---------------------------------------------------------------------------------------
 
 

@@ -73,6 +73,12 @@ def test_what_is_no_landing_stays_in_the_band() -> None:
     assert refusal(GROUND, 0.25, is_landing=False) == OUT_OF_BAND
 
 
+def test_nothing_is_a_landing_unless_that_is_said() -> None:
+    low = Setpoint((5.0, 15.0, -0.25), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.5)
+    envelope = replace(ENVELOPE, sites=(GROUND,))
+    assert admit(Request(low, NOW_S), STATE, NOW_S, envelope).refusal == OUT_OF_BAND
+
+
 @pytest.mark.parametrize(("east_m", "is_open"), [(17.0, True), (17.01, False), (12.99, False)])
 def test_beside_a_site_the_band_ends_where_it_did(east_m: float, is_open: bool) -> None:
     assert refusal(GROUND, 0.25, east_m=east_m) == (None if is_open else OUT_OF_BAND)
