@@ -7,11 +7,17 @@ from statistics import median
 from typing import Any
 
 import pytest
-from lockstep import Lockstep
+from lockstep import COMPANION, Lockstep
 
 from companion.flight_events.landing import LandedOnMarker, MarkerLost, SightingsRefused
 from companion.flight_events.skills import SkillCompleted, SkillFailed
-from companion.flight_events.sortie import SetpointRefused, TaskSatisfied, VehicleAirborne
+from companion.flight_events.sortie import (
+    ControlTakenBack,
+    RunFailed,
+    SetpointRefused,
+    TaskSatisfied,
+    VehicleAirborne,
+)
 from companion.geometry import horizontal_distance
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mission.loader import load_mission
@@ -77,7 +83,8 @@ class Landing(Lockstep):
         walls = {"map": {"cell_m": 0.2, "walls": [ROOF]}} if is_roof else {}
         scenario, grid = read_scenario({"version": 1, **walls, **about.pop("keys", {})})
         self.scenario: Scenario = replace(scenario, marker_camera=camera, lidar=None, **about)
-        super().__init__(mission(is_roof), (self.scenario, grid), seed=seed)
+        world = (self.scenario, grid)
+        super().__init__(mission(is_roof), world, seed=seed, has_station=True, resumes=True)
 
     def changes(self, **change: Any) -> None:
         camera = self.simulation._world.marker_camera
@@ -214,3 +221,79 @@ def test_with_gusts_and_a_noisy_gps_twenty_landings_end_near_the_middle() -> Non
         assert not flight.simulation.is_damaged
     print(sorted(round(each, 3) for each in off_m))
     assert median(off_m) < 0.15 and max(off_m) < 0.35
+
+
+# -- something interrupts the descent --------------------------------------------------------------
+
+CONTINUE = dialect.MAV_CMD_DO_PAUSE_CONTINUE
+HIGH_M, LOW_M = ROOF_M + 1.6, ROOF_M + 0.3
+"""Still flown by setpoints, and near the end; below, the autopilot's own landing has begun."""
+
+
+def descending(up_m: float) -> Landing:
+    flight = Landing()
+    over_p = lambda: horizontal_distance(flight.simulation.flight.position, AWAY) < 1.5  # noqa: E731
+    flight.until(lambda: over_p() and flight.up_m < up_m, 60.0)
+    return flight
+
+
+def lands_on_the_marker_once(flight: Landing) -> None:
+    """And the task goes on to its end."""
+    assert flight.until_landed() < 0.15
+    flight.until_the_end()
+    assert flight.ending == TaskSatisfied() and not flight.simulation.is_damaged
+    assert len(flight.of(LandedOnMarker)) == len(flight.of(SkillCompleted)) == 1
+    assert flight.armings == 2
+
+
+def test_killed_in_the_descent_it_goes_on_with_it() -> None:
+    flight = descending(HIGH_M)
+    flight.kill()
+    flight.run(3.0)
+    assert flight.simulation.mode == "AUTO.LOITER"
+    flight.restart()
+    lands_on_the_marker_once(flight)
+    assert len(flight.of(ControlTakenBack)) == 1
+
+
+def test_killed_at_the_end_of_the_descent_it_stands_and_is_not_armed_again() -> None:
+    flight = descending(LOW_M)
+    flight.kill()
+    flight.run(5.0)
+    flight.restart()
+    flight.until_the_end()
+    away = "the companion was away, and the vehicle has landed; it is not armed again"
+    assert flight.ending == RunFailed(away, 5) and flight.armings == 1
+    assert horizontal_distance(flight.simulation.flight.position, PAD) < 0.15
+
+
+def test_paused_in_the_descent_it_holds_and_goes_on() -> None:
+    flight = descending(HIGH_M)
+    flight.station_commands(CONTINUE, 0.0, component=COMPANION)
+    flight.run(8.0)
+    assert flight.events[-1].text == "paused" and flight.up_m == pytest.approx(HIGH_M, abs=0.4)
+    flight.station_commands(CONTINUE, 1.0, component=COMPANION)
+    lands_on_the_marker_once(flight)
+
+
+@pytest.mark.parametrize("up_m", [HIGH_M, LOW_M])
+def test_a_pilot_who_holds_in_the_descent_is_left_alone_until_he_gives_it_back(up_m: float) -> None:
+    flight = descending(up_m)
+    flight.station_chooses("AUTO.LOITER")
+    flight.run(0.5)
+    before = len(flight.setpoints), len(flight.commands)
+    flight.run(6.0)
+    assert (len(flight.setpoints), len(flight.commands)) == before
+    assert flight.up_m == pytest.approx(up_m, abs=0.4)
+    flight.station_commands(CONTINUE, 1.0, component=COMPANION)
+    lands_on_the_marker_once(flight)
+
+
+@pytest.mark.parametrize("up_m", [HIGH_M, LOW_M])
+def test_stopped_in_the_descent_it_lands_where_it_is(up_m: float) -> None:
+    flight = descending(up_m)
+    flight.companion.stop()
+    flight.until_the_end()
+    assert flight.exit_code == 0 and not flight.simulation.is_damaged
+    assert max(-flight.simulation.flight.position[2], 0.0) == pytest.approx(ROOF_M, abs=0.05)
+    assert horizontal_distance(flight.simulation.flight.position, PAD) < 0.7
