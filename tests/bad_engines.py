@@ -1,4 +1,4 @@
-"""Engines that do what they should not, in the child process of `companion.planning.engines`."""
+"""Engines that do what they should not, in the process of `companion.planning.engine_process`."""
 
 from __future__ import annotations
 
@@ -7,9 +7,17 @@ import signal
 from functools import partial
 from typing import Any, NoReturn
 
-from companion.planning import engines
+from companion.planning import engine_process
+from companion.planning.compilation.classical import ClassicalProblem
 
-_child = engines._child
+_run = engine_process.run
+
+
+class TooLarge(engine_process.Question):
+    """A task that no memory can hold when it is compiled."""
+
+    def compiled(self) -> ClassicalProblem:
+        _Eating().solve(self)
 
 
 class _Bad:
@@ -51,8 +59,8 @@ class _Deaf(_Bad):
 
 
 def _with(engine: type[_Bad], *arguments: Any) -> None:
-    engines._planner = lambda name, setup: engine()
-    _child(*arguments)
+    engine_process._planner = lambda name, classical: engine()
+    _run(*arguments)
 
 
 killed, eating, spinning, deaf = (partial(_with, e) for e in (_Killed, _Eating, _Spinning, _Deaf))

@@ -1,9 +1,9 @@
 """Engines of unified-planning in flight: each problem is compiled and solved beside the loop.
 
-A thread compiles the problem and waits for the engine's process (`engines.py`); the flight loop
-asks in each tick whether there is an answer. In lockstep simulated time waits instead: an answer
-comes after a simulated duration that is configured, so that equal flights have equal events however
-fast the machine is. Threads and processes: this module is a door.
+A thread waits for the engine's process (`engines.py`) and checks its plan; the flight loop asks in
+each tick whether there is an answer. In lockstep simulated time waits instead: an answer comes
+after a simulated duration that is configured, so that equal flights have equal events however fast
+the machine is. Threads and processes: this module is a door.
 """
 
 from __future__ import annotations

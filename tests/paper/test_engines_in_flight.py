@@ -17,7 +17,7 @@ from companion.flight_events.plans import EngineFailed, PlanReplaced
 from companion.flight_events.sortie import TaskSatisfied
 from companion.geometry import Ned
 from companion.mission.loader import load_mission
-from companion.planning import engines
+from companion.planning import engine_process
 from companion.planning.engine_jobs import EngineJobs
 from companion.planning.engine_port import Engine, EngineFailure, EngineJob
 from companion.planning.engines import EngineTimeout
@@ -110,7 +110,7 @@ class _DyingOnce:
     ) -> EngineJob:
         self._patched.undo()
         if not self._is_dead:
-            self._patched.setattr(engines, "_child", bad_engines.killed)
+            self._patched.setattr(engine_process, "run", bad_engines.killed)
             self._is_dead = True
         return self._jobs.begin(problem, histories, now_s)
 

@@ -25,13 +25,13 @@ from companion.flight_events.skills import PlaceReached
 from companion.mission.model import Mission
 from companion.mission.signals import Signal
 from companion.motion.layered_routes import LayeredRoutes
-from companion.planning import engines
+from companion.planning import engine_process, engines
 from companion.planning.builtin.search import Search
 from companion.planning.check import fault
-from companion.planning.compilation.encode import encode
 from companion.planning.domain import ConditionalEffect
-from companion.planning.engines import EngineError, solve, solve_with
-from companion.planning.lasso import Lasso, Letter, Problem
+from companion.planning.engine_process import Answer
+from companion.planning.engines import EngineError, solve_with
+from companion.planning.lasso import Lasso, Letter, Problem, Solution
 from companion.planning.objective import Encoding, Objective
 from companion.vehicle.port import Failed, Progress
 
@@ -86,6 +86,13 @@ def phases(surveillance: Mission, surveillance_routes: LayeredRoutes) -> list[As
     is_it_still_best, *after = asked
     assert "targetFound" in is_it_still_best.problem.facts and len(after) == 2
     return [start, *after]
+
+
+def asked_of(
+    engine: str, asked: Problem, encoding: Encoding = V4, timeout_s: float = LIMIT_S
+) -> Solution | None:
+    """What an engine answers at the first position."""
+    return solve_with(asked, history(asked), engine, encoding, Objective.SUM, timeout_s)
 
 
 def best_ms(asked: Problem, objective: Objective) -> int:
@@ -155,28 +162,19 @@ def test_that_there_is_no_plan_is_proved(task: str, encoding: Encoding) -> None:
     assert found is None
 
 
-@pytest.mark.slow
-def test_any_plan_is_enough_where_time_is_short() -> None:
-    asked = problem("HAB", unit_costs("HAB"), "G F at(A) & G F at(B)")
-    classical = encode(asked, V4)
-    assert solve(classical, "fast-downward", LIMIT_S, optimal=False)
-    impossible = encode(problem("HA", unit_costs("HA"), "G at(H) & F at(A)"), V4)
-    assert solve(impossible, "fast-downward", LIMIT_S, optimal=False) is None
-
-
 def test_a_missing_engine_is_named_with_what_brings_it() -> None:
-    classical = encode(problem("HA", unit_costs("HA"), "G F at(A)"), V4)
+    asked = problem("HA", unit_costs("HA"), "G F at(A)")
     with pytest.raises(EngineError, match="lpg is not installed; pip install up-lpg"):
-        solve(classical, "lpg", LIMIT_S, optimal=True)
+        asked_of("lpg", asked)
     with pytest.raises(EngineError, match=r"no engine downwards; installed are: .*fast-downward"):
-        solve(classical, "downwards", LIMIT_S, optimal=True)
+        asked_of("downwards", asked)
     assert EngineError.exit_code == 1 and issubclass(EngineError, CompanionError)
 
 
 def test_an_engine_that_cannot_take_the_encoding_is_told_which_it_can() -> None:
-    classical = encode(problem("HA", unit_costs("HA"), "G F at(A) & G !at(B)"), V4)
+    asked = problem("HA", unit_costs("HA"), "G F at(A) & G !at(B)")
     with pytest.raises(EngineError, match=r"pyperplan cannot take encoding v4.*use encoding v5"):
-        solve(classical, "pyperplan", LIMIT_S, optimal=True)
+        asked_of("pyperplan", asked)
 
 
 @pytest.mark.slow
@@ -186,7 +184,7 @@ def test_an_engine_that_takes_too_long_is_ended(engine: str) -> None:
     costs = {pair: 2.0 + i % 17 for i, pair in enumerate(itertools.permutations(places, 2))}
     task = " & ".join(f"G F at({place})" for place in places)
     with pytest.raises(EngineError, match=f"{engine} did not answer in 2 s"):
-        solve(encode(problem(places, costs, task), V5), engine, 2.0, optimal=True)
+        asked_of(engine, problem(places, costs, task), V5, 2.0)
     assert not multiprocessing.active_children()
 
 
@@ -209,12 +207,16 @@ def test_calls_at_the_same_time_do_not_disturb_each_other(
     assert not list(tmp_path.iterdir())
 
 
-def test_a_wrong_plan_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    ("loop", "told"),
+    [("wait", "the plan's word does not"), ("dance", "an action that the task has not")],
+)
+def test_a_wrong_plan_is_reported(monkeypatch: pytest.MonkeyPatch, loop: str, told: str) -> None:
     asked = problem("HA", unit_costs("HA"), "G F at(A)")
-    plan = ["actLoop", "loop wait", "mvBA", "actEnd"]
-    monkeypatch.setattr("companion.planning.engines.solve", lambda *_, **__: plan)
-    with pytest.raises(CompanionError, match="fast-downward made a wrong plan"):
-        solve_with(asked, history(asked), "fast-downward", V4, Objective.SUM, LIMIT_S)
+    answer = Answer("SOLVED_OPTIMALLY", (), (loop,))
+    monkeypatch.setattr("companion.planning.engines._asked", lambda *_: answer)
+    with pytest.raises(CompanionError, match=f"fast-downward made a wrong plan, .*: {told}"):
+        asked_of("fast-downward", asked)
 
 
 def test_nothing_is_printed(capfd: pytest.CaptureFixture[str]) -> None:
@@ -256,22 +258,39 @@ def test_a_bad_engine_is_told_and_the_next_call_has_a_new_child(
     asked = problem("HA", unit_costs("HA"), "G F at(A)")
     limit_s = 3.0 if "3 s" in told else LIMIT_S
     with monkeypatch.context() as patched:
-        patched.setattr(engines, "_child", child)
+        patched.setattr(engine_process, "run", child)
         with pytest.raises(EngineError, match=told):
-            solve(encode(asked, V4), "fast-downward", limit_s, optimal=True)
+            asked_of("fast-downward", asked, timeout_s=limit_s)
     assert not multiprocessing.active_children()
     assert solve_with(asked, [history(asked)], "fast-downward", V4, Objective.LAP, LIMIT_S)
+
+
+@pytest.mark.slow
+def test_a_task_that_is_too_large_to_be_compiled_fills_the_engine_s_process_alone(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(engines, "Question", bad_engines.TooLarge)
+    with pytest.raises(EngineError, match="fast-downward ran out of memory; use another encoding"):
+        asked_of("fast-downward", problem("HA", unit_costs("HA"), "G F at(A)"))
+    assert not multiprocessing.active_children()
+
+
+def test_what_an_encoding_cannot_express_is_told_by_the_engine_s_process() -> None:
+    places = "HABCDEFGIJKLMNOPQRST"
+    asked = problem(places, unit_costs(places), " & ".join(f"G F at({p})" for p in places))
+    with pytest.raises(EngineError, match="the automaton would take more than"):
+        asked_of("fast-downward", asked, V1)
 
 
 @pytest.mark.slow
 def test_the_server_of_the_children_is_started_again_when_it_has_died() -> None:
     asked = problem("HA", unit_costs("HA"), "G F at(A)")
     for _ in range(2):
-        assert solve(encode(asked, V4), "fast-downward", LIMIT_S, optimal=True)
+        assert asked_of("fast-downward", asked)
         server = forkserver._forkserver._forkserver_pid  # type: ignore[attr-defined]
         os.kill(server, signal.SIGKILL)
         os.waitid(os.P_PID, server, os.WEXITED | os.WNOWAIT)
-    assert solve(encode(asked, V4), "fast-downward", LIMIT_S, optimal=True)
+    assert asked_of("fast-downward", asked)
 
 
 @pytest.mark.parametrize("error", [EOFError, BrokenPipeError, ConnectionRefusedError])
@@ -282,6 +301,6 @@ def test_a_server_that_dies_as_it_is_asked_is_an_engine_that_has_failed(
         raise error
 
     monkeypatch.setattr("multiprocessing.context.ForkServerProcess.start", start)
-    classical = encode(problem("HA", unit_costs("HA"), "G F at(A)"), V4)
+    asked = problem("HA", unit_costs("HA"), "G F at(A)")
     with pytest.raises(EngineError, match=r"fast-downward failed \(INTERNAL_ERROR\)"):
-        solve(classical, "fast-downward", LIMIT_S, optimal=True)
+        asked_of("fast-downward", asked)

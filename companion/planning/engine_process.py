@@ -1,0 +1,243 @@
+"""What runs in an engine's process: the problem is compiled, and the planner asked.
+
+A planner may hang, crash, fill the memory, print, leave files (Fast Downward its output.sas, where
+it is called) and start processes; and a task may be too large to be compiled. So each question has
+a confined process of its own in a folder of its own. At the time limit, and when the caller is
+interrupted, the process ends what the planner has started. This module is a door.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from types import FrameType
+from typing import Any
+
+from companion.errors import CompanionError
+from companion.planning.compilation.classical import ClassicalProblem
+from companion.planning.compilation.decode import decode
+from companion.planning.compilation.encode import encode
+from companion.planning.compilation.monolithic import monolithic
+from companion.planning.compilation.pddl import naming
+from companion.planning.lasso import Letter, Problem
+from companion.planning.objective import Encoding, Objective
+from companion.python_child import MIB, confine_memory, confine_time
+
+FAST_DOWNWARD = "fast-downward"
+INSTALL = {
+    "fast-downward": "pip install 'mav-companion[planners]'",
+    "pyperplan": "pip install 'mav-companion[planners]'",
+    "symk": "pip install up-symk",
+    "enhsp": "pip install up-enhsp   (needs Java 17)",
+    "lpg": "pip install up-lpg",
+    "tamer": "pip install up-tamer",
+}
+"""The command that installs an engine, by the beginning of its name."""
+NO_COSTS = ("pyperplan",)
+"""Engines that take no costs of actions and look for a plan of few actions."""
+NO_COSTS = ("pyperplan",)
+"""Engines that take no costs of actions and look for a plan of few actions."""
+GRACE_S = 2.0
+"""Time beyond its limit after which a process is killed from outside."""
+MEMORY_BYTES = 1024 * MIB
+"""Of the process, and of each that a planner starts; no more processor time than its limit."""
+
+
+class EngineError(CompanionError):
+    """A planner is missing, or gave no answer."""
+
+
+class _TimeIsOver(Exception):
+    """Raised by the alarm."""
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """What a planner is asked.
+
+    Attributes:
+        problem: from where to plan.
+        histories: per conjunct, the letters that it has read, the present position's included.
+        encoding: how the task is compiled.
+        objective: `LAP` or `SUM`.
+    """
+
+    problem: Problem
+    histories: Sequence[Sequence[Letter]]
+    encoding: Encoding
+    objective: Objective
+
+    def compiled(self) -> ClassicalProblem:
+        """The classical problem.
+
+        Raises:
+            CompanionError: the encoding cannot express the task, or it would be too large.
+        """
+        is_paper_s = self.encoding is Encoding.V1
+        asked = monolithic(self.problem, self.histories) if is_paper_s else self.problem
+        return encode(asked, self.encoding, self.objective)
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What has become of a question.
+
+    Attributes:
+        status: in the words of unified-planning.
+        prefix, loop: names of actions of the problem; no loop, no plan.
+    """
+
+    status: str
+    prefix: tuple[str, ...] = ()
+    loop: tuple[str, ...] = ()
+
+
+def run(pipe: Connection, folder: str, question: Question, engine: str, timeout_s: float) -> None:
+    """All that the process does: sends an `Answer`, or an `EngineError`.
+
+    Args:
+        pipe: to whoever asks.
+        folder: where the planner may write.
+        question: what is asked.
+        engine: the planner's name in unified-planning.
+        timeout_s: after this many seconds it ends itself.
+    """
+    os.setsid()  # Ctrl-C in the terminal is the parent's business
+    confine_memory(MEMORY_BYTES)
+    confine_time(timeout_s + GRACE_S)
+    os.chdir(folder)
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 1)
+    os.dup2(nowhere, 2)
+    planners: list[Any] = []
+
+    def stop(number: int, frame: FrameType | None) -> None:
+        for planner in planners:
+            started = getattr(planner, "_process", None)  # in a session of its own
+            if started is not None:
+                with contextlib.suppress(ProcessLookupError):
+                    os.killpg(started.pid, signal.SIGKILL)
+        if number == signal.SIGTERM:
+            os._exit(1)
+        raise _TimeIsOver
+
+    signal.signal(signal.SIGTERM, stop)
+    signal.signal(signal.SIGALRM, stop)
+    signal.setitimer(signal.ITIMER_REAL, timeout_s)
+    answer: EngineError | Answer
+    try:
+        classical = question.compiled()
+        planners.append(_planner(engine, classical))
+        answer = _answer(planners[0], classical, engine)
+    except CompanionError as error:
+        answer = EngineError(str(error))
+    except _TimeIsOver:
+        answer = Answer("TIMEOUT")
+    except MemoryError:
+        answer = Answer("MEMOUT")
+    except Exception as error:  # an engine may raise anything
+        answer = EngineError(f"the engine {engine} failed: {type(error).__name__}: {error}")
+    signal.setitimer(signal.ITIMER_REAL, 0)
+    pipe.send(answer)
+
+
+def _planner(engine: str, classical: ClassicalProblem) -> Any:
+    from unified_planning.exceptions import UPException
+    from unified_planning.shortcuts import OneshotPlanner, get_environment
+
+    get_environment().credits_stream = None
+    factory = get_environment().factory
+    known = [e for e in factory.engines if "[" not in e and factory.engine(e).is_oneshot_planner()]
+    try:
+        return OneshotPlanner(name=engine, params=_parameters(engine, classical))
+    except (UPException, ImportError, AssertionError) as error:
+        line = next((text for name, text in INSTALL.items() if engine.startswith(name)), None)
+        raise EngineError(
+            f"the engine {engine} is not installed; {line}"
+            if line
+            else f"there is no engine {engine}; installed are: {', '.join(sorted(known))}"
+        ) from error
+
+
+def _parameters(engine: str, classical: ClassicalProblem) -> dict[str, Any]:
+    """What makes Fast Downward find a plan of least cost, and prove that there is none."""
+    if engine != FAST_DOWNWARD:
+        return {}
+    heuristic = "hmax" if classical.has_conditional_effects else "lmcut"
+    return {
+        # Finding invariants of a large automaton takes longer than the search that they help.
+        "fast_downward_translate_options": ["--invariant-generation-max-time", "0"],
+        "fast_downward_search_config": f"astar({heuristic}())",
+    }
+
+
+def _unsupported(classical: ClassicalProblem, engine: str, features: list[str]) -> EngineError:
+    if classical.encoding is not Encoding.V5:
+        return EngineError(
+            f"the engine {engine} cannot take encoding {classical.encoding}, which has conditional "
+            "effects; use encoding v5"
+        )
+    return EngineError(
+        f"the engine {engine} cannot take plain problems with costs ({', '.join(features)}); "
+        f"use {FAST_DOWNWARD}"
+    )
+
+
+def _answer(planner: Any, classical: ClassicalProblem, engine: str) -> Answer:
+    task = _task(classical, has_costs=not engine.startswith(NO_COSTS))
+    if not planner.supports(task.kind):
+        raise _unsupported(classical, engine, sorted(task.kind.features))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of features that an engine has not, and we do not ask
+        result = planner.solve(task)
+    if result.plan is None:
+        return Answer(result.status.name)
+    name_of = {word: name for name, word in naming(classical).actions.items()}
+    lasso = decode(classical, [name_of[step.action.name] for step in result.plan.actions])
+    prefix, loop = (tuple(a.name for a in part) for part in (lasso.prefix, lasso.loop))
+    return Answer(result.status.name, prefix, loop)
+
+
+def _task(classical: ClassicalProblem, has_costs: bool) -> Any:
+    """The problem in unified-planning's terms; its reader of PDDL would take longer."""
+    from unified_planning.model import Fluent, InstantaneousAction, Problem
+    from unified_planning.model.metrics import MinimizeActionCosts
+    from unified_planning.shortcuts import And, BoolType, Int, Not
+
+    names = naming(classical)
+    task = Problem("task")
+    fluent_of = {}
+    for name, word in names.fluents.items():
+        fluent_of[name] = Fluent(word, BoolType())
+        task.add_fluent(fluent_of[name], default_initial_value=name in classical.init)
+    costs = {}
+    for action in classical.actions:
+        made = InstantaneousAction(names.actions[action.name])
+        for fluent in sorted(action.requires):
+            made.add_precondition(fluent_of[fluent])
+        for fluent in sorted(action.forbids):
+            made.add_precondition(Not(fluent_of[fluent]))
+        for fluent in sorted(action.deletes - action.adds):
+            made.add_effect(fluent_of[fluent], False)
+        for fluent in sorted(action.adds):
+            made.add_effect(fluent_of[fluent], True)
+        for effect in action.conditional:
+            positive = [fluent_of[fluent] for fluent in sorted(effect.requires)]
+            negative = [Not(fluent_of[fluent]) for fluent in sorted(effect.forbids)]
+            condition = And(*positive, *negative)
+            for fluent in sorted(effect.deletes - effect.adds):
+                made.add_effect(fluent_of[fluent], False, condition)
+            for fluent in sorted(effect.adds):
+                made.add_effect(fluent_of[fluent], True, condition)
+        task.add_action(made)
+        costs[made] = Int(action.cost)
+    for fluent in sorted(classical.goal):
+        task.add_goal(fluent_of[fluent])
+    if has_costs:
+        task.add_quality_metric(MinimizeActionCosts(costs))
+    return task
