@@ -13,7 +13,7 @@ from companion.planning.compilation.classical import ClassicalProblem
 _run = engine_process.run
 
 
-class TooLarge(engine_process.Question):
+class TooLarge(engine_process.EngineQuestion):
     """A task that no memory can hold when it is compiled."""
 
     def compiled(self) -> ClassicalProblem:

@@ -57,7 +57,7 @@ class _TimeIsOver(Exception):
 
 
 @dataclass(frozen=True, slots=True)
-class Question:
+class EngineQuestion:
     """What a planner is asked.
 
     Attributes:
@@ -84,7 +84,7 @@ class Question:
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class EngineAnswer:
     """What has become of a question.
 
     Attributes:
@@ -97,8 +97,10 @@ class Answer:
     loop: tuple[str, ...] = ()
 
 
-def run(pipe: Connection, folder: str, question: Question, engine: str, timeout_s: float) -> None:
-    """All that the process does: sends an `Answer`, or an `EngineError`.
+def run(
+    pipe: Connection, folder: str, question: EngineQuestion, engine: str, timeout_s: float
+) -> None:
+    """All that the process does: sends an `EngineAnswer`, or an `EngineError`.
 
     Args:
         pipe: to whoever asks.
@@ -129,7 +131,7 @@ def run(pipe: Connection, folder: str, question: Question, engine: str, timeout_
     signal.signal(signal.SIGTERM, stop)
     signal.signal(signal.SIGALRM, stop)
     signal.setitimer(signal.ITIMER_REAL, timeout_s)
-    answer: EngineError | Answer
+    answer: EngineError | EngineAnswer
     try:
         classical = question.compiled()
         planners.append(_planner(engine, classical))
@@ -137,9 +139,9 @@ def run(pipe: Connection, folder: str, question: Question, engine: str, timeout_
     except CompanionError as error:
         answer = EngineError(str(error))
     except _TimeIsOver:
-        answer = Answer("TIMEOUT")
+        answer = EngineAnswer("TIMEOUT")
     except MemoryError:
-        answer = Answer("MEMOUT")
+        answer = EngineAnswer("MEMOUT")
     except Exception as error:  # an engine may raise anything
         answer = EngineError(f"the engine {engine} failed: {type(error).__name__}: {error}")
     signal.setitimer(signal.ITIMER_REAL, 0)
@@ -188,7 +190,7 @@ def _unsupported(classical: ClassicalProblem, engine: str, features: list[str]) 
     )
 
 
-def _answer(planner: Any, classical: ClassicalProblem, engine: str) -> Answer:
+def _answer(planner: Any, classical: ClassicalProblem, engine: str) -> EngineAnswer:
     task = _task(classical, has_costs=not engine.startswith(NO_COSTS))
     if not planner.supports(task.kind):
         raise _unsupported(classical, engine, sorted(task.kind.features))
@@ -196,11 +198,11 @@ def _answer(planner: Any, classical: ClassicalProblem, engine: str) -> Answer:
         warnings.simplefilter("ignore")  # of features that an engine has not, and we do not ask
         result = planner.solve(task)
     if result.plan is None:
-        return Answer(result.status.name)
+        return EngineAnswer(result.status.name)
     name_of = {word: name for name, word in naming(classical).actions.items()}
     lasso = decode(classical, [name_of[step.action.name] for step in result.plan.actions])
     prefix, loop = (tuple(a.name for a in part) for part in (lasso.prefix, lasso.loop))
-    return Answer(result.status.name, prefix, loop)
+    return EngineAnswer(result.status.name, prefix, loop)
 
 
 def _task(classical: ClassicalProblem, has_costs: bool) -> Any:

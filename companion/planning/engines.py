@@ -21,9 +21,9 @@ from companion.planning.check import fault
 from companion.planning.engine_process import (
     FAST_DOWNWARD,
     GRACE_S,
-    Answer,
+    EngineAnswer,
     EngineError,
-    Question,
+    EngineQuestion,
 )
 from companion.planning.lasso import Lasso, Letter, Problem, Solution
 from companion.planning.objective import Encoding, Objective
@@ -77,7 +77,7 @@ def solve_with(
             the encoding cannot express the task.
         CompanionError: the engine made a wrong plan.
     """
-    question = Question(problem, histories, encoding, objective)
+    question = EngineQuestion(problem, histories, encoding, objective)
     answer = _asked(question, engine, timeout_s, stop)
     if not answer.loop:
         _no_plan(answer.status, engine, timeout_s)
@@ -111,7 +111,7 @@ def _no_plan(status: str, engine: str, timeout_s: float) -> None:
     raise EngineError(f"the engine {engine} {what}")
 
 
-def _lasso(answer: Answer, problem: Problem) -> Lasso | None:
+def _lasso(answer: EngineAnswer, problem: Problem) -> Lasso | None:
     """The plan in the problem's own actions; None if it has others."""
     known = {action.name: action for action in problem.actions}
     if not known.keys() >= {*answer.prefix, *answer.loop}:
@@ -120,7 +120,9 @@ def _lasso(answer: Answer, problem: Problem) -> Lasso | None:
     return Lasso(prefix, loop)
 
 
-def _asked(question: Question, engine: str, timeout_s: float, stop: Connection | None) -> Answer:
+def _asked(
+    question: EngineQuestion, engine: str, timeout_s: float, stop: Connection | None
+) -> EngineAnswer:
     """What a process of its own answers.
 
     Raises:
@@ -137,16 +139,16 @@ def _asked(question: Question, engine: str, timeout_s: float, stop: Connection |
             process.start()
         except (EOFError, OSError):  # the server has died just now; the next call starts it again
             here.close()
-            return Answer("INTERNAL_ERROR")
+            return EngineAnswer("INTERNAL_ERROR")
         finally:
             there.close()
         try:
             heard = wait([here, stop] if stop else [here], timeout_s + GRACE_S)
             if here not in heard:
-                return Answer("TIMEOUT")
-            answer: EngineError | Answer = here.recv()
+                return EngineAnswer("TIMEOUT")
+            answer: EngineError | EngineAnswer = here.recv()
         except EOFError:
-            return Answer("INTERNAL_ERROR")
+            return EngineAnswer("INTERNAL_ERROR")
         finally:
             here.close()
             process.terminate()  # it ends what the planner has started

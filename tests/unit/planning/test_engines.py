@@ -29,7 +29,7 @@ from companion.planning import engine_process, engines
 from companion.planning.builtin.search import Search
 from companion.planning.check import fault
 from companion.planning.domain import ConditionalEffect
-from companion.planning.engine_process import Answer
+from companion.planning.engine_process import EngineAnswer
 from companion.planning.engines import EngineError, solve_with
 from companion.planning.lasso import Lasso, Letter, Problem, Solution
 from companion.planning.objective import Encoding, Objective
@@ -213,7 +213,7 @@ def test_calls_at_the_same_time_do_not_disturb_each_other(
 )
 def test_a_wrong_plan_is_reported(monkeypatch: pytest.MonkeyPatch, loop: str, told: str) -> None:
     asked = problem("HA", unit_costs("HA"), "G F at(A)")
-    answer = Answer("SOLVED_OPTIMALLY", (), (loop,))
+    answer = EngineAnswer("SOLVED_OPTIMALLY", (), (loop,))
     monkeypatch.setattr("companion.planning.engines._asked", lambda *_: answer)
     with pytest.raises(CompanionError, match=f"fast-downward made a wrong plan, .*: {told}"):
         asked_of("fast-downward", asked)
@@ -269,7 +269,7 @@ def test_a_bad_engine_is_told_and_the_next_call_has_a_new_child(
 def test_a_task_that_is_too_large_to_be_compiled_fills_the_engine_s_process_alone(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(engines, "Question", bad_engines.TooLarge)
+    monkeypatch.setattr(engines, "EngineQuestion", bad_engines.TooLarge)
     with pytest.raises(EngineError, match="fast-downward ran out of memory; use another encoding"):
         asked_of("fast-downward", problem("HA", unit_costs("HA"), "G F at(A)"))
     assert not multiprocessing.active_children()
