@@ -294,7 +294,7 @@ def _physics(scenario: Scenario, airframe: Airframe, seed: int) -> Physics:
         origin=scenario.home,
         start=scenario.start,
         yaw_rad=scenario.yaw_rad,
-        charge=scenario.charge,
+        battery=scenario.battery,
         wind=scenario.wind,
         linear_drag_n_per_mps=airframe.linear_drag_n_per_mps,
         turbulence_mps=scenario.turbulence_mps,

@@ -21,7 +21,6 @@ Source: JSBSim reference manual; order of models in FGFDMExec.cpp.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from importlib import resources
 from random import Random
 from typing import NamedTuple
@@ -30,10 +29,10 @@ import jsbsim
 
 from companion.geometry import GlobalOrigin, Ned, Quaternion, wrap_angle
 from sitl.flight.attitude import quaternion_from_euler
+from sitl.flight.battery import NEW, Battery, BatterySpec
 from sitl.flight.mixer import MASS_KG, Motors
 
 M_PER_FT = 0.3048
-CAPACITY_AH = 5.0
 LEG_M = 0.12
 LEG_SPRING_N_PER_M = 4 * 1500.0
 STANDING_M = LEG_M - MASS_KG * 9.81 / LEG_SPRING_N_PER_M
@@ -94,25 +93,6 @@ class FlightState(NamedTuple):
     is_on_ground: bool
 
 
-@dataclass(frozen=True, slots=True)
-class BatteryStatus:
-    """The battery as its gauge reports it.
-
-    Attributes:
-        consumed_mah: drawn since the start, less what was charged.
-        consumed_j: its energy at the terminals.
-        mean_current_a: of the last 20 s, which the battery's RC pair knows.
-        remaining_s: until empty at the mean current, None while nothing drains.
-        is_charging: the current flows into the battery.
-    """
-
-    consumed_mah: float
-    consumed_j: float
-    mean_current_a: float
-    remaining_s: float | None
-    is_charging: bool
-
-
 class Physics:
     """One vehicle in the air above level ground.
 
@@ -121,7 +101,7 @@ class Physics:
         origin: where local NED (0, 0, 0) lies; its altitude is the ground's.
         start: local NED; (n, e, 0) stands on the ground.
         yaw_rad: heading at the start.
-        charge: state of charge at the start, 0 to 1.
+        battery: the pack at the start.
         wind: the air's velocity over the ground, NED, m/s.
         linear_drag_n_per_mps: drag of the body in proportion to its speed through the air, beside
             that of the rotors and the square of the speed.
@@ -132,10 +112,7 @@ class Physics:
 
     Attributes:
         state: after the last step.
-        is_draining: whether the vehicle's own current takes charge away (in PX4's simulator only
-            while it is armed); a charger's current always gives some.
-        charging_a: current of a charger on the ground. It is constant until the terminals reach
-            16.8 V, then falls while the voltage is constant, until the battery is full.
+        battery: what drives it.
     """
 
     def __init__(
@@ -145,7 +122,7 @@ class Physics:
         origin: GlobalOrigin,
         start: Ned = (0.0, 0.0, 0.0),
         yaw_rad: float = 0.0,
-        charge: float = 1.0,
+        battery: BatterySpec = NEW,
         wind: Ned = (0.0, 0.0, 0.0),
         linear_drag_n_per_mps: float = 0.0,
         turbulence_mps: float = 0.0,
@@ -157,14 +134,14 @@ class Physics:
         self._dt_s = dt_s
         self._steps = 0
         self._set_initial_conditions(origin, start, yaw_rad)
-        self._fdm["battery/charge"] = self._full_charge = charge
+        self.battery = Battery(self._fdm, battery)
         self._fdm["body/linear-drag-n_mps"] = linear_drag_n_per_mps
         if not self._fdm.run_ic():
             raise RuntimeError("JSBSim refuses the initial conditions")
         self._set_turbulence(turbulence_mps, seed)
         self.set_wind(wind)  # after run_ic, which replaces the wind by its own
         self._bind()
-        self.is_draining = False
+        self.battery.is_draining = False
         self.state = self._read()
         self._choose_rate_integrators()
 
@@ -184,11 +161,6 @@ class Physics:
         for axis, speed in zip(("north", "east", "down"), wind, strict=True):
             self._fdm[f"atmosphere/wind-{axis}-fps"] = speed / M_PER_FT
 
-    def set_charge(self, charge: float) -> None:
-        """The battery's state of charge jumps, 0 to 1; nothing counts as consumed by it."""
-        self._full_charge += charge - self._charge()
-        self._fdm["battery/charge"] = charge
-
     @property
     def ground_up_m(self) -> float:
         """How high the ground below the vehicle lies above that at home."""
@@ -198,36 +170,6 @@ class Physics:
     def ground_up_m(self, up_m: float) -> None:
         self._ground_up_m = up_m
         self._set_ground((self._ground_m + up_m) / M_PER_FT)
-
-    def battery(self) -> BatteryStatus:
-        """The battery as its gauge reports it now."""
-        charge, mean_current_a = self._charge(), self._mean_current()
-        drains = self.is_draining and self._current() > 0 and mean_current_a > 0
-        return BatteryStatus(
-            (self._full_charge - charge) * CAPACITY_AH * 1e3,
-            self._energy(),
-            mean_current_a,
-            charge * CAPACITY_AH * 3600 / mean_current_a if drains else None,
-            self._current() < 0,
-        )
-
-    @property
-    def charging_a(self) -> float:
-        """The current that a charger gives the vehicle, 0 without one."""
-        return self._fdm["battery/charging-a"]
-
-    @charging_a.setter
-    def charging_a(self, value: float) -> None:
-        self._fdm["battery/charging-a"] = value
-
-    @property
-    def is_draining(self) -> bool:
-        """True if the charge goes down."""
-        return bool(self._fdm["battery/is-draining"])
-
-    @is_draining.setter
-    def is_draining(self, value: bool) -> None:
-        self._fdm["battery/is-draining"] = float(value)
 
     def _set_initial_conditions(self, origin: GlobalOrigin, start: Ned, yaw_rad: float) -> None:
         latitude_deg, longitude_deg, _ = origin.to_global(start)
@@ -263,7 +205,6 @@ class Physics:
         self._charge, self._voltage, self._current, self._wow = readers(
             "battery/charge", "battery/voltage-v", "battery/current-a", "gear/wow"
         )
-        self._energy, self._mean_current = readers("battery/energy-j", "battery/rc-current-a")
         self._north, self._east, self._height = readers(
             "position/from-start-neu-n-ft", "position/from-start-neu-e-ft", "position/h-agl-ft"
         )

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 from companion.geometry import GlobalOrigin
 from sitl.autopilot.autopilot import Autopilot
+from sitl.flight.battery import Battery
 from sitl.flight.estimate import Estimator
-from sitl.flight.physics import BatteryStatus, FlightState
+from sitl.flight.physics import FlightState
 from sitl.flight.sensors import Sensors
 
 
@@ -19,7 +19,7 @@ class SimulatedVehicle:
     Attributes:
         state: estimated; replaced every step.
         origin: of the local frame.
-        battery: reads the gauge.
+        battery: its gauge is read.
         estimator: makes the state, and tells how good it is.
         booted_s: when the autopilot was started last.
     """
@@ -28,7 +28,7 @@ class SimulatedVehicle:
     state: FlightState
     origin: GlobalOrigin
     sensors: Sensors
-    battery: Callable[[], BatteryStatus]
+    battery: Battery
     estimator: Estimator
     booted_s: float = 0.0
 

@@ -11,6 +11,7 @@ import json
 from companion.documents import Document, did_you_mean
 from companion.errors import MissionError
 from companion.mavlink.framing import dialect
+from sitl.world.battery_schema import check_battery_event, check_pad_event
 from sitl.world.device_schema import check_camera_event, check_device_event
 from sitl.world.marker_schema import check_marker_event
 from sitl.world.obstacles import Obstacle
@@ -158,8 +159,10 @@ def _check_effects(
         check_device_event("gimbal", entry.gimbal, model.gimbal, document, i)
     if entry.gripper is not None:
         check_device_event("gripper", entry.gripper, model.gripper, document, i)
-    if entry.battery and entry.battery.charge is None and entry.battery.known is None:
-        raise MissionError("battery needs charge or known", document.where("happens", i, "battery"))
+    if entry.battery is not None:
+        check_battery_event(entry.battery, document, i)
+    if entry.pad is not None:
+        check_pad_event(entry.pad, model.pads, document, i)
     if entry.gps and entry.gps.lost is None and entry.gps.noise_m is None:
         raise MissionError("gps needs lost or noise_m", document.where("happens", i, "gps"))
 

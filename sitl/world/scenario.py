@@ -41,8 +41,10 @@ from companion.motion.grid import OccupancyGrid
 from companion.vehicle_files import read_vehicle
 from companion.vehicle_profile import VehicleProfile
 from sitl.autopilot.parameters import PARAMETERS
+from sitl.flight.battery import NEW, BatterySpec
 from sitl.flight.estimate import Wander
 from sitl.results import MavResult
+from sitl.world.battery_schema import battery, pads
 from sitl.world.camera import CameraSpec
 from sitl.world.device_schema import camera, gimbal, gripper
 from sitl.world.gimbal import GimbalSpec
@@ -51,6 +53,7 @@ from sitl.world.lidar import LidarSpec
 from sitl.world.marker_schema import marker_camera
 from sitl.world.markers import MarkerCameraSpec
 from sitl.world.obstacles import Obstacle, TrueMap
+from sitl.world.pads import PadSpec
 from sitl.world.payload import PayloadAnswer, PayloadScript, PayloadSite
 from sitl.world.reading import command_number, read_events, read_obstacles
 from sitl.world.scenario_events import ScenarioEvent, VisitTrigger
@@ -74,7 +77,7 @@ class Scenario:
         airframe: a key of `AIRFRAMES`.
         wander: of the estimate; None is none.
         wind: the air's velocity, NED.
-        charge: of the battery at the start, 0 to 1.
+        battery: the pack at the start.
         drains_always: the battery drains while disarmed too.
         parameters: values that differ from the airframe's.
         detector: component id of the target detector; None is no detector.
@@ -82,7 +85,7 @@ class Scenario:
         marker_camera: None is no camera for landing markers, and none of these.
         cameras: those that make photos.
         gimbal, gripper: None is none.
-        pads: charging pads, each with its current in amperes.
+        pads: on which the battery is charged or changed.
         events: in the order of the file.
         map: its file, or itself; None is a world without walls, but for a map that was given
             otherwise.
@@ -96,14 +99,14 @@ class Scenario:
     wander: Wander | None = None
     wind: Ned = (0.0, 0.0, 0.0)
     turbulence_mps: float = 0.0
-    charge: float = 1.0
+    battery: BatterySpec = NEW
     drains_always: bool = False
     parameters: Mapping[str, float] = field(default_factory=dict)
     detector: int | None = None
     payload: PayloadScript | None = None
     lidar: LidarSpec | None = None
     obstacles: tuple[Obstacle, ...] = ()
-    pads: tuple[tuple[Circle, float], ...] = ()
+    pads: tuple[PadSpec, ...] = ()
     events: tuple[ScenarioEvent, ...] = ()
     origin: GlobalOrigin | None = None
     map: Path | MapEntry | None = None
@@ -178,16 +181,14 @@ def _parse(
         wander=Wander(model.wander.position_m, model.wander.velocity_mps) if model.wander else None,
         wind=ned_from_enu(wind.east_mps, wind.north_mps, 0.0),
         turbulence_mps=wind.turbulence_mps,
-        charge=model.battery.charge,
+        battery=battery(model.battery),
         drains_always=model.battery.drains == "always",
         parameters=dict(model.parameters),
         detector=model.target.component if model.target else None,
         payload=_payload(model.payload, document) if model.payload else None,
         lidar=LidarSpec(lidar.component, lidar.range_m, lidar.noise_m) if lidar else None,
         obstacles=read_obstacles(model, document),
-        pads=tuple(
-            (Circle((pad.north_m, pad.east_m), pad.radius_m), pad.current_a) for pad in model.pads
-        ),
+        pads=pads(model.pads, document),
         events=_first_sighting(model) + read_events(model, document),
         origin=_on_earth(model.origin) if model.origin else None,
         map=map_,

@@ -15,7 +15,9 @@ from typing import Any, Protocol
 
 from companion.geometry import GlobalOrigin, Ned, ned_from_enu
 from companion.mavlink.framing import dialect
+from sitl.flight.battery import BatteryChange
 from sitl.results import MavResult
+from sitl.world.battery_schema import battery_change, pad_change
 from sitl.world.camera import CameraChange
 from sitl.world.device_schema import camera_change, gimbal_change, gripper_change
 from sitl.world.faults import Answer, Direction, LinkQuality, Port, Reboot
@@ -23,6 +25,7 @@ from sitl.world.gimbal import GimbalChange
 from sitl.world.gripper import GripperChange
 from sitl.world.marker_schema import marker_change
 from sitl.world.markers import MarkerChange
+from sitl.world.pads import PadChange
 from sitl.world.payload import PayloadAnswer
 from sitl.world.visits import Circle, VisitCounter
 
@@ -44,8 +47,11 @@ class EffectReceiver(Protocol):
     def place_obstacle(self, name: str, is_present: bool) -> None:
         """Puts an obstacle there or takes it away."""
 
-    def set_battery(self, charge: float | None, is_known: bool | None) -> None:
-        """The battery's state of charge, 0 to 1, and whether it is known; None leaves it."""
+    def change_battery(self, change: BatteryChange) -> None:
+        """Something becomes of the battery."""
+
+    def change_pad(self, change: PadChange) -> None:
+        """Something becomes of a pad."""
 
     def set_gps(self, is_lost: bool | None, noise_m: float | None) -> None:
         """The quality of GPS; None leaves it as it is."""
@@ -96,7 +102,8 @@ EFFECTS: Mapping[str, Callable[[EffectReceiver, Any], None]] = {
     ),
     "wind": lambda world, value: world.set_wind(ned_from_enu(value.east_mps, value.north_mps, 0.0)),
     "obstacle": lambda world, value: world.place_obstacle(value.name, value.present),
-    "battery": lambda world, value: world.set_battery(value.charge, value.known),
+    "battery": lambda world, value: world.change_battery(battery_change(value)),
+    "pad": lambda world, value: world.change_pad(pad_change(value)),
     "gps": lambda world, value: world.set_gps(value.lost, value.noise_m),
     "arming": lambda world, value: world.refuse_arming(value.refused),
     "operator": lambda world, value: world.send_operator_command(value),

@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal
 from companion.drawn_maps import MapEntry
 from companion.geometry import FAR_M
 from companion.vehicle_files import VehicleEntry, VehicleKey
+from sitl.world.battery_schema import BatteryEventModel, BatteryModel, PadEventModel, PadModel
 from sitl.world.device_schema import (
     CameraEventModel,
     CameraModel,
@@ -34,7 +35,6 @@ from sitl.world.schema_fields import (
 ResultName = Literal["ACCEPTED", "TEMPORARILY_REJECTED", "DENIED", "FAILED"]
 
 
-Charge = Annotated[float, described("state of charge, 0 to 1", ge=0, le=1)]
 Result = Annotated[ResultName, described("the MAV_RESULT of the final answer")]
 After = Annotated[float, described("seconds until the final answer", ge=0)]
 
@@ -64,15 +64,6 @@ class WindModel(Strict):
         float,
         described("deviation of vertical gusts; horizontal ones are twice as strong", ge=0, le=10),
     ] = 0.0
-
-
-class BatteryModel(Strict):
-    """The battery at the start."""
-
-    charge: Charge = 1.0
-    drains: Annotated[
-        Literal["armed", "always"], described("when; in PX4's simulator while armed")
-    ] = "armed"
 
 
 class WanderModel(Strict):
@@ -145,12 +136,6 @@ class ObstacleModel(Strict):
     present: Annotated[bool, described("whether it is there at the start")] = True
 
 
-class PadModel(CircleModel):
-    """A charging pad: on it, landed and disarmed, the battery charges."""
-
-    current_a: Annotated[float, described("amperes that the charger gives", gt=0, le=100)] = 5.0
-
-
 class PayloadEventModel(Strict):
     """The answer of the payload from now on, everywhere."""
 
@@ -172,13 +157,6 @@ class ObstacleEventModel(Strict):
 
     name: Annotated[str, described("of one of the obstacles")]
     present: Annotated[bool, described("true: it appears; false: it disappears")]
-
-
-class BatteryEventModel(Strict):
-    """The battery's charge jumps, or is not known; what is left out stays."""
-
-    charge: Annotated[float | None, described("state of charge, 0 to 1", ge=0, le=1)] = None
-    known: Annotated[bool | None, described("the gauge is read; false: -1 is told")] = None
 
 
 class GpsEventModel(Strict):
@@ -248,9 +226,8 @@ class ScenarioEventModel(Strict):
     payload: Annotated[PayloadEventModel | None, described("what it answers from now on")] = None
     wind: Annotated[WindEventModel | None, described("where the air moves to from now on")] = None
     obstacle: Annotated[ObstacleEventModel | None, described("one appears or disappears")] = None
-    battery: Annotated[BatteryEventModel | None, described("its charge jumps, or is not known")] = (
-        None
-    )
+    battery: Annotated[BatteryEventModel | None, described("what becomes of the battery")] = None
+    pad: Annotated[PadEventModel | None, described("what becomes of a pad")] = None
     gps: Annotated[GpsEventModel | None, described("it is lost, found or noisy")] = None
     arming: Annotated[ArmingEventModel | None, described("it is refused, or allowed again")] = None
     operator: Annotated[
@@ -297,7 +274,7 @@ class ScenarioModel(Strict):
     wander: Annotated[
         WanderModel | None, described("the estimate wanders about the true position")
     ] = None
-    battery: Annotated[BatteryModel, described("how full it is at the start")] = BatteryModel()
+    battery: Annotated[BatteryModel, described("as it is at the start")] = BatteryModel()
     parameters: Annotated[
         dict[str, float], described("of the autopilot, by PX4's names, where they differ")
     ] = {}
@@ -313,7 +290,9 @@ class ScenarioModel(Strict):
     obstacles: Annotated[
         tuple[ObstacleModel, ...], described("what the mission's map does not show")
     ] = ()
-    pads: Annotated[tuple[PadModel, ...], described("charging pads")] = ()
+    pads: Annotated[
+        tuple[PadModel, ...], described("on which the battery is charged or changed")
+    ] = ()
     happens: Annotated[
         tuple[ScenarioEventModel, ...], described("what happens when, each once")
     ] = ()

@@ -1,6 +1,6 @@
 """The world around the vehicle, and its effects on the vehicle.
 
-The true map with its obstacles, the target detector, the payload, the lidar and charging pads; the
+The true map with its obstacles, the target detector, the payload, the lidar and the pads; the
 schedule of the scenario's events; collisions. All of it knows the truth. An event acts on the
 vehicle by its physics (wind, charge), its estimate (GPS) and its autopilot (arming). What it does
 to links and commands is only kept here, for those who carry and answer them.
@@ -15,6 +15,7 @@ from random import Random
 from companion.geometry import GlobalOrigin, Ned
 from companion.motion.grid import OccupancyGrid
 from sitl.autopilot.autopilot import Autopilot
+from sitl.flight.battery import BatteryChange
 from sitl.flight.estimate import Estimator
 from sitl.flight.physics import FlightState, Physics
 from sitl.world.camera import Camera, CameraChange
@@ -26,6 +27,7 @@ from sitl.world.gripper import Gripper, GripperChange
 from sitl.world.lidar import Lidar
 from sitl.world.markers import MarkerCamera, MarkerChange
 from sitl.world.obstacles import TrueMap
+from sitl.world.pads import PadChange, Pads
 from sitl.world.payload import Payload, PayloadAnswer
 from sitl.world.reporter import Reporter
 from sitl.world.scenario import Scenario
@@ -89,7 +91,7 @@ class World:
         self.answers: dict[int, Answer] = {}
         self.reporter = Reporter()
         self._schedule = EventSchedule(scenario.events, physics.state.position)
-        self._pads = scenario.pads
+        self._pads = Pads(scenario.pads) if scenario.pads else None
         self._drains_always = scenario.drains_always
 
     def note_command(self, command: int, component: int, now_s: float) -> None:
@@ -109,16 +111,20 @@ class World:
 
     def _update_battery(self, state: FlightState) -> None:
         """Charging and draining of the battery; in PX4's simulator it drains while armed."""
-        physics, is_armed = self._physics, self.autopilot.is_armed
+        battery, is_armed = self._physics.battery, self.autopilot.is_armed
         is_draining = is_armed or self._drains_always
-        if physics.is_draining != is_draining:
-            physics.is_draining = is_draining
-        if self._pads:
-            charging_a = 0.0
-            if not is_armed and state.is_on_ground:
-                charging_a = next((a for c, a in self._pads if c.contains(state.position)), 0.0)
-            if physics.charging_a != charging_a:
-                physics.charging_a = charging_a
+        if battery.is_draining != is_draining:
+            battery.is_draining = is_draining
+        if self._pads is not None:
+            stands = not is_armed and state.is_on_ground
+            charging_a, is_changed = self._pads.step(
+                state.time_s, state.position if stands else None
+            )
+            if battery.charging_a != charging_a:
+                battery.charging_a = charging_a
+            if is_changed:
+                battery.set_charge(1.0)
+                self.event_log.append((state.time_s, "battery: changed"))
 
     def _detect_damage(self, state: FlightState) -> None:
         ground_m = self._physics.ground_up_m
@@ -163,12 +169,18 @@ class World:
             if self.lidar:
                 self.lidar.set_map(self._map.grid)
 
-    def set_battery(self, charge: float | None, is_known: bool | None) -> None:
-        """The battery's state of charge, 0 to 1, and whether it is known; None leaves it."""
-        if charge is not None:
-            self._physics.set_charge(charge)
-        if is_known is not None:
-            self.autopilot.health.knows_battery = is_known
+    def change_battery(self, change: BatteryChange) -> None:
+        """Something becomes of the battery."""
+        self._physics.battery.age(change.capacity, change.resistance)
+        if change.charge is not None:
+            self._physics.battery.set_charge(change.charge)
+        if change.is_known is not None:
+            self.autopilot.health.knows_battery = change.is_known
+
+    def change_pad(self, change: PadChange) -> None:
+        """Something becomes of a pad."""
+        if self._pads is not None:
+            self._pads.change(change)
 
     def set_gps(self, is_lost: bool | None, noise_m: float | None) -> None:
         """The quality of GPS; None leaves it as it is."""

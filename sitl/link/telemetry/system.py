@@ -74,7 +74,7 @@ def battery_status(v: SimulatedVehicle) -> Fields:
     """BATTERY_STATUS of the one lithium polymer pack; of a gauge that is not read, nothing."""
     if not v.autopilot.health.knows_battery:
         return (0, 1, 1, 32767, [UNKNOWN_16] * FULL_VOLTAGES, -1, -1, -1, -1, 0, 0)
-    gauge = v.battery()
+    gauge = v.battery.gauge()
     cell_mv = round(v.state.voltage_v / CELLS * 1e3)
     return (
         0,
@@ -84,9 +84,9 @@ def battery_status(v: SimulatedVehicle) -> Fields:
         [cell_mv] * CELLS + [UNKNOWN_16] * (FULL_VOLTAGES - CELLS),
         _centiamperes(v.state.current_a),
         round(gauge.consumed_mah),
-        round(gauge.consumed_j / 100),
-        _percent(v.state.charge),
-        round(gauge.remaining_s or 0),
+        -1,  # PX4 tells no energy
+        math.floor(v.state.charge * 100 + 0.5),
+        0 if gauge.remaining_s is None else max(1, int(gauge.remaining_s)),
         CHARGING if gauge.is_charging else int(v.autopilot.health.battery),
     )
 

@@ -5,6 +5,7 @@ from wire import NAN, Wire, gcs_heartbeat
 
 from companion.geometry import horizontal_distance
 from companion.mavlink.framing import dialect
+from sitl.flight.battery import BatterySpec
 from sitl.world.scenario import PX4_HOME, Scenario
 
 ACCEPTED, TEMPORARILY_REJECTED, DENIED, UNSUPPORTED, FAILED = range(5)
@@ -141,7 +142,7 @@ def test_heartbeat_follows_arming_at_once() -> None:
     ],
 )
 def test_battery_holds_five_seconds_before_it_acts(threshold: str, action: int, mode: str) -> None:
-    wire = Wire(Scenario(charge=0.6, parameters={"COM_LOW_BAT_ACT": action}))
+    wire = Wire(Scenario(battery=BatterySpec(0.6), parameters={"COM_LOW_BAT_ACT": action}))
     wire.fly_offboard(6.0, 0.0, -3.0)
     wire.simulation._autopilot.parameters.set(threshold, 0.9)
     wire.run(7.0, send=lambda: wire.setpoint(6, 0, -3))
@@ -170,7 +171,7 @@ def test_the_pilot_takes_over_from_a_battery_failsafe() -> None:
 
 
 def test_arming_with_an_almost_empty_battery_is_refused() -> None:
-    wire = Wire(Scenario(charge=0.06))
+    wire = Wire(Scenario(battery=BatterySpec(0.06)))
     assert wire.arm() == [TEMPORARILY_REJECTED]
 
 

@@ -25,6 +25,7 @@ from companion.geometry import horizontal_distance
 from companion.mavlink.framing import dialect
 from sitl.autopilot.mission_items import MissionCommand, MissionItem, speed_before
 from sitl.autopilot.mission_plan import MissionPlan, PlanState
+from sitl.flight.battery import BatterySpec
 from sitl.world.scenario import Scenario
 
 ACCEPTED, TEMPORARILY_REJECTED, DENIED = 0, 1, 2
@@ -103,7 +104,7 @@ def test_a_mission_is_denied_right_after_its_upload_and_later_arms_by_itself() -
 
 
 def test_a_mission_that_may_not_arm_is_rejected() -> None:
-    wire = Wire(Scenario(charge=0.06))
+    wire = Wire(Scenario(battery=BatterySpec(0.06)))
     upload(wire, [place(TAKEOFF, (0, 0, 5))])
     wire.run(0.2)
     assert wire.command(START, 0, 0) == [TEMPORARILY_REJECTED]

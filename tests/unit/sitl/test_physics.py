@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from companion.geometry import GlobalOrigin, euler_from_quaternion
+from sitl.flight.battery import BatterySpec
 from sitl.flight.controllers import Cascade, TrajectorySetpoint
 from sitl.flight.physics import STANDING_M, FlightState, Physics
 
@@ -201,7 +202,7 @@ def test_free_spin_follows_eulers_equations() -> None:
 @pytest.mark.parametrize("charge", [0.9, 0.5, 0.2])
 def test_sag_in_hover(charge: float) -> None:
     # Three time constants of the RC pair leave 5 % of its 0.12 V.
-    state = hover(Physics(origin=SEA, start=(0.0, 0.0, -10.0), charge=charge), 60.0)
+    state = hover(Physics(origin=SEA, start=(0.0, 0.0, -10.0), battery=BatterySpec(charge)), 60.0)
     voltage, current = battery_under(HOVER_SHAFT_W / EFFICIENCY, charge)
     assert state.voltage_v == pytest.approx(voltage, abs=0.01)
     assert state.current_a == pytest.approx(current, rel=2e-3)
@@ -211,7 +212,7 @@ def test_sag_in_hover(charge: float) -> None:
 def test_hover_endurance_is_the_integral() -> None:
     """From full to 20 %; 1178 s for these coefficients."""
     physics, cascade = Physics(origin=SEA, start=(0.0, 0.0, -10.0)), Cascade()
-    physics.is_draining = True
+    physics.battery.is_draining = True
     setpoint = TrajectorySetpoint(physics.state.position, (0.0, 0.0, 0.0))
     while physics.state.charge > 0.2:
         physics.step(cascade.step(physics.state, setpoint, 0.004))
@@ -225,17 +226,17 @@ def test_hover_endurance_is_the_integral() -> None:
 @pytest.mark.parametrize("dt_s", [0.002, 0.004, 0.01])
 def test_the_charge_counts_the_current_whatever_the_step(dt_s: float) -> None:
     physics = Physics(origin=SEA, dt_s=dt_s)
-    physics.is_draining = True
+    physics.battery.is_draining = True
     state = coast(physics, 20.0, dt_s)
     assert state.time_s == pytest.approx(20.0)
     assert 1 - state.charge == pytest.approx(AVIONICS_A * 20 / (3600 * CAPACITY_AH), rel=1e-3)
-    physics.is_draining = False
+    physics.battery.is_draining = False
     assert coast(physics, 1.0, dt_s).charge == state.charge
 
 
 def test_an_empty_battery_stays_empty() -> None:
-    physics = Physics(origin=SEA, charge=1e-5)
-    physics.is_draining = True
+    physics = Physics(origin=SEA, battery=BatterySpec(1e-5))
+    physics.battery.is_draining = True
     assert coast(physics, 2.0).charge == 0.0
 
 

@@ -11,6 +11,7 @@ from companion.errors import MissionError
 from companion.geometry import GlobalOrigin
 from companion.mavlink.framing import dialect
 from companion.vehicle_profile import VehicleProfile
+from sitl.flight.battery import BatterySpec
 from sitl.flight.estimate import Wander
 from sitl.results import MavResult
 from sitl.world.lidar import LidarSpec
@@ -54,7 +55,7 @@ def test_every_key_is_read_into_local_ned() -> None:
         wander=Wander(0.4, 0.3),
         wind=(-2.0, 1.0, -0.0),
         turbulence_mps=0.5,
-        charge=0.8,
+        battery=BatterySpec(0.8),
         parameters={"COM_OBL_RC_ACT": 4, "MIS_TAKEOFF_ALT": 3.5},
         detector=30,
         lidar=LidarSpec(),

@@ -25,6 +25,9 @@ payload: {command: MAV_CMD_USER_1, otherwise: ACCEPTED}
 obstacles:
   - {name: crate, circle: {east_m: 0, north_m: 3, radius_m: 0.5}, present: false}
   - {name: shelf, box: {east_m: [4, 6], north_m: [-1, 1]}}
+pads:
+  - {name: Dock, east_m: 0, north_m: 0, radius_m: 1}
+  - {name: Locker, east_m: 0, north_m: 9, radius_m: 1, swap_s: 5}
 happens:
 """
 
@@ -135,7 +138,11 @@ def test_what_a_component_does_not_know_is_unsupported(component: int) -> None:
         ("{at_s: 1, gps: {}}", "lost or noise_m"),
         ("{at_s: 1, winds: {east_mps: 1}}", "wind"),
         ("{at_s: 1, operator: MAV_CMD_USR_1}", "MAV_CMD_USER_1"),
-        ("{at_s: 1, battery: {}}", "charge or known"),
+        ("{at_s: 1, battery: {}}", "say charge, known, capacity, resistance"),
+        ("{at_s: 1, battery: {capacity: 0}}", "capacity"),
+        ("{at_s: 1, pad: {name: Dok, works: false}}", "Did you mean Dock?"),
+        ("{at_s: 1, pad: {name: Dock}}", "say works or current_a"),
+        ("{at_s: 1, pad: {name: Locker, current_a: 2}}", "Locker has no charger"),
         ("{at_s: 1, link: {loss: 2}}", "loss"),
         ("{at_s: 1, answer: {command: MAV_CMD_USR_1, answer: DENIED}}", "MAV_CMD_USER_1"),
         ("{at_s: 1, answer: {command: MAV_CMD_USER_1, answer: NO}}", "NO_ANSWER"),
@@ -144,7 +151,7 @@ def test_what_a_component_does_not_know_is_unsupported(component: int) -> None:
 def test_mistakes_are_placed_and_explained(event: str, part: str) -> None:
     with pytest.raises(MissionError) as caught:
         parse(f"  - {event}\n")
-    assert str(caught.value).startswith("missions/a.sim.yaml:9:")
+    assert str(caught.value).startswith("missions/a.sim.yaml:12:")
     assert part in str(caught.value)
 
 

@@ -67,12 +67,12 @@ class Recording:
 @pytest.fixture(scope="module")
 def mission() -> Recording:
     physics = Physics(origin=GlobalOrigin(LATITUDE_DEG, 8.5, 0.0), start=LEGS[0][0], wind=WIND)
-    physics.is_draining = True
+    physics.battery.is_draining = True
     cascade = Cascade()
     recording = Recording()
     for i in range(STEPS):
         recording.states.append(physics.state)
-        recording.rc_currents_a.append(physics.battery().mean_current_a)
+        recording.rc_currents_a.append(physics.battery.gauge().mean_current_a)
         recording.motors.append(cascade.step(physics.state, setpoint(i), DT))
         physics.step(recording.motors[-1])
     return recording

@@ -104,6 +104,70 @@ def test_beside_the_pad_it_does_not_charge() -> None:
     assert wire.simulation.flight.charge == 0.5
 
 
+def test_a_pad_that_fails_gives_nothing_until_it_works_again() -> None:
+    pad = PAD.replace("current_a", "name: Dock, current_a")
+    events = "  - {at_s: 3, pad: {name: Dock, works: false}}\n"
+    events += "  - {at_s: 6, pad: {name: Dock, works: true, current_a: 2}}\n"
+    wire = fly(f"{pad}battery: {{charge: 0.5}}\nhappens:\n{events}")
+    currents = []
+    for _ in range(3):
+        wire.run(2.9)
+        currents.append(wire.simulation.flight.current_a)
+        wire.run(0.1)
+    assert currents == pytest.approx([0.6 - 10.0, 0.6, 0.6 - 2.0])
+
+
+def test_a_pad_that_changes_batteries_gives_a_full_one_each_time_the_vehicle_has_come() -> None:
+    pad = "pads: [{east_m: 0, north_m: 0, radius_m: 1, swap_s: 8}]\n"
+    wire = fly(pad + "battery: {charge: 0.3}\n")
+    wire.run(7.9)
+    assert wire.simulation.flight.charge == 0.3
+    wire.run(0.2)
+    assert wire.simulation.flight.charge == 1.0
+    assert wire.simulation.event_log[-1][1] == "battery: changed"
+    take_off(wire, 2.0)
+    wire.run(5.0)
+    wire.command(dialect.MAV_CMD_NAV_LAND, 0, 0, 0, NAN, NAN, NAN, 0)
+    wire.run_until(lambda: not wire.simulation.is_armed, 30.0)
+    assert wire.simulation.flight.charge < 1.0
+    wire.run(8.2)
+    assert wire.simulation.flight.charge == 1.0
+
+
+def test_an_old_battery_is_empty_sooner_and_sags_more() -> None:
+    """Of the same charge: half the capacity takes twice the share, the sag is that of the cells."""
+
+    def after_a_hover(battery: str) -> tuple[float, float]:
+        wire = fly(f"battery: {battery}\n")
+        take_off(wire, 3.0)
+        begun = wire.simulation.flight.charge
+        wire.run(20.0)
+        state = wire.simulation.flight
+        return begun - state.charge, state.voltage_v
+
+    new, old = after_a_hover("{charge: 0.8}"), after_a_hover("{charge: 0.8, capacity: 0.5}")
+    assert old[0] == pytest.approx(2 * new[0], rel=0.02)
+    worn = after_a_hover("{charge: 0.8, resistance: 2}")
+    ampere = 3600 * 5 * new[0] / 20.0
+    assert new[1] - worn[1] == pytest.approx((0.016 + 0.010) * ampere, rel=0.15)
+
+
+def test_a_battery_that_ages_in_flight_keeps_its_share_and_its_count() -> None:
+    wire = fly("battery: {charge: 0.8}\nhappens:\n  - {at_s: 5, battery: {capacity: 0.7}}\n")
+    wire.run(6.0)
+    assert wire.simulation.flight.charge == pytest.approx(0.8)
+    assert wire.last("BATTERY_STATUS").current_consumed == 0
+    take_off(wire, 2.0)
+    begun = wire.simulation.flight.charge
+    counted = wire.last("BATTERY_STATUS").current_consumed
+    wire.run(10.0)
+    drained_mah = (begun - wire.simulation.flight.charge) * 0.7 * 5000
+    assert wire.last("BATTERY_STATUS").current_consumed - counted == pytest.approx(
+        drained_mah, abs=8
+    )
+    assert wire.last("BATTERY_STATUS").energy_consumed == -1
+
+
 @pytest.mark.parametrize(("drains", "is_less"), [("armed", False), ("always", True)])
 def test_a_disarmed_vehicle_drains_only_if_the_scenario_says_so(drains: str, is_less: bool) -> None:
     wire = fly(f"battery: {{charge: 0.5, drains: {drains}}}\n")

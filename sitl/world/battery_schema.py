@@ -1,0 +1,134 @@
+"""The models of a scenario file for the battery and the pads, and what becomes of them."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from companion.documents import Document, did_you_mean
+from companion.errors import MissionError
+from sitl.flight.battery import BatteryChange, BatterySpec
+from sitl.world.device_schema import DiscModel
+from sitl.world.pads import PadChange, PadSpec
+from sitl.world.schema_fields import Strict, described
+from sitl.world.visits import Circle
+
+_CAPACITY = "what it can hold, as a share of a new one"
+_RESISTANCE = "of its cells, times that of a new one"
+
+
+class BatteryModel(Strict):
+    """The battery at the start."""
+
+    charge: Annotated[float, described("state of charge, 0 to 1", ge=0, le=1)] = 1.0
+    drains: Annotated[
+        Literal["armed", "always"], described("when; in PX4's simulator while armed")
+    ] = "armed"
+    capacity: Annotated[float, described(_CAPACITY, ge=0.1, le=2)] = 1.0
+    resistance: Annotated[float, described(_RESISTANCE, ge=0.1, le=4)] = 1.0
+
+
+class BatteryEventModel(Strict):
+    """What becomes of the battery; what is left out stays."""
+
+    charge: Annotated[float | None, described("it jumps to this charge, 0 to 1", ge=0, le=1)] = None
+    known: Annotated[bool | None, described("the gauge is read; false: -1 is told")] = None
+    capacity: Annotated[float | None, described(_CAPACITY, ge=0.1, le=2)] = None
+    resistance: Annotated[float | None, described(_RESISTANCE, ge=0.1, le=4)] = None
+
+
+class PadModel(DiscModel):
+    """A pad: on it, landed and disarmed, the battery is charged or changed."""
+
+    name: Annotated[str, described("for events")] = ""
+    current_a: Annotated[
+        float | None, described("amperes that its charger gives; 5 without it", gt=0, le=100)
+    ] = None
+    swap_s: Annotated[
+        float | None,
+        described("instead of charging, a full battery after so many seconds", ge=0, le=3600),
+    ] = None
+    works: Annotated[bool, described("whether it does at the start")] = True
+
+
+class PadEventModel(Strict):
+    """What becomes of a pad; what is left out stays."""
+
+    name: Annotated[str, described("of one of the pads", min_length=1)]
+    works: Annotated[bool | None, described("it charges, or changes batteries")] = None
+    current_a: Annotated[
+        float | None, described("amperes that its charger gives", gt=0, le=100)
+    ] = None
+
+
+def battery(model: BatteryModel) -> BatterySpec:
+    """The battery that a file describes."""
+    return BatterySpec(model.charge, model.capacity, model.resistance)
+
+
+def battery_change(event: BatteryEventModel) -> BatteryChange:
+    """What becomes of the battery."""
+    return BatteryChange(event.charge, event.known, event.capacity, event.resistance)
+
+
+def pads(models: tuple[PadModel, ...], document: Document) -> tuple[PadSpec, ...]:
+    """The pads that a file describes.
+
+    Raises:
+        MissionError: one charges and changes.
+    """
+    for i, each in enumerate(models):
+        if each.swap_s is not None and each.current_a is not None:
+            raise MissionError(
+                "a pad either charges or changes the battery",
+                document.where("pads", i, "swap_s"),
+                "leave out current_a or swap_s",
+            )
+    return tuple(
+        PadSpec(
+            Circle((each.north_m, each.east_m), each.radius_m),
+            5.0 if each.current_a is None else each.current_a,
+            each.swap_s,
+            each.name,
+            each.works,
+        )
+        for each in models
+    )
+
+
+def pad_change(event: PadEventModel) -> PadChange:
+    """What becomes of a pad."""
+    return PadChange(event.name, event.works, event.current_a)
+
+
+def check_battery_event(event: BatteryEventModel, document: Document, i: int) -> None:
+    """Refuses an event in which nothing happens.
+
+    Raises:
+        MissionError: at its place in the file.
+    """
+    if not event.model_fields_set:
+        where = document.where("happens", i, "battery")
+        hint = f"say {', '.join(BatteryEventModel.model_fields)}"
+        raise MissionError("nothing becomes of the battery", where, hint)
+
+
+def check_pad_event(
+    event: PadEventModel, models: tuple[PadModel, ...], document: Document, i: int
+) -> None:
+    """Refuses an event about a pad that there is not, or one in which nothing happens.
+
+    Raises:
+        MissionError: at its place in the file.
+    """
+    names = [each.name for each in models if each.name]
+    if event.name not in names:
+        where = document.where("happens", i, "pad", "name")
+        hint = did_you_mean(event.name, names) if names else "give one a name under pads"
+        raise MissionError(f"there is no pad {event.name}", where, hint)
+    if event.model_fields_set <= {"name"}:
+        where = document.where("happens", i, "pad")
+        raise MissionError("nothing becomes of the pad", where, "say works or current_a")
+    is_charger = all(each.swap_s is None for each in models if each.name == event.name)
+    if event.current_a is not None and not is_charger:
+        where = document.where("happens", i, "pad", "current_a")
+        raise MissionError(f"the pad {event.name} has no charger", where, "say works: false")
