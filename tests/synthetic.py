@@ -21,6 +21,7 @@ from companion.mission.model import (
     Event,
     Execution,
     Fly,
+    LandAtSafePlace,
     Limits,
     Mission,
     Otherwise,
@@ -112,7 +113,7 @@ def mission(
     skills: Iterable[Skill] = (),
     events: Iterable[Event] = (),
     initially: Iterable[str] = ("at(H)",),
-    otherwise: Otherwise = Otherwise.LAND,
+    otherwise: Otherwise | LandAtSafePlace = Otherwise.LAND,
     priorities: Mapping[str, int] | None = None,
 ) -> Mission:
     """A mission that starts at H and can move; a task that is one text is called "task"."""

@@ -38,7 +38,7 @@ from companion.acting.replanning.assumptions import Assumptions
 from companion.acting.replanning.optional_lines import drop
 from companion.acting.replanning.patience import Patience
 from companion.acting.replanning.replanner import DueReplan, PlanFailure, Replanner
-from companion.acting.return_home import flight_to
+from companion.acting.safe_places import flight_to
 from companion.acting.whereabouts import Whereabouts
 from companion.errors import NoPlanError
 from companion.flight_events.facts import BeliefRestored, MissionEventChanged
@@ -63,6 +63,8 @@ class Executive:
     Attributes:
         state: what it is doing.
         replans: how often it has planned again.
+        planner: of the mission.
+        due: the plan that is due, or was last; None before the first.
         lasso: the present plan; None before the first, and with a tree written by hand.
         failure: why the task has no plan, or none was found; None while it has one.
 
@@ -77,9 +79,9 @@ class Executive:
         self.replans = 0
         self.lasso: Lasso | None = None
         self.failure: PlanFailure | None = None
-        self._due: DueReplan | None = None
+        self.due: DueReplan | None = None
         self._prepared = prepared
-        self._planner = planner = prepared.planner
+        self.planner = planner = prepared.planner
         self._flight = flight
         self._detector = detector
         self._root: Behaviour | None = None
@@ -101,7 +103,7 @@ class Executive:
 
     def sense(self, readings: Sequence[tuple[Signal, float]]) -> None:
         """Takes readings off the wire and turns them into facts."""
-        flight, events = self._flight, self._planner.mission.events
+        flight, events = self._flight, self.planner.mission.events
         restores: frozenset[str] = frozenset()
         for name, holds in self._detector.update(flight.now_s, flight.hear(readings)):
             flight.task.take(events[name], holds)
@@ -113,11 +115,11 @@ class Executive:
 
     def plan(self) -> PlanFailure | None:
         """Takes over the first plan, or searches one; why there is none, None if there is one."""
-        flight, mission = self._flight, self._planner.mission
+        flight, mission = self._flight, self.planner.mission
         task = {name: str(formula) for name, formula in mission.task.items()}
         priorities = mission.priorities
         if mission.tree is not None:
-            root = build_by_hand(flight, mission.tree, self._planner.actions_of(mission.tree))
+            root = build_by_hand(flight, mission.tree, self.planner.actions_of(mission.tree))
             flight.report(WrittenTreeAdopted(task, priorities))
             self._plan_state = ExecutiveState.BY_HAND
             self._take_tree(root, ExecutiveState.BY_HAND)
@@ -151,13 +153,13 @@ class Executive:
                 assert self._root is not None
                 self._tick_by_hand(self._root)
             case ExecutiveState.REPLANNING | ExecutiveState.EXPLAINING:
-                assert self._due is not None
+                assert self.due is not None
                 self._flight.hold()
-                self._plan_again(self._due)
+                self._plan_again(self.due)
             case ExecutiveState.AWAITING_PLAN:
-                assert self._due is not None and self.failure is not None
+                assert self.due is not None and self.failure is not None
                 self._flight.hold()
-                self._wait(self.failure, self._due)
+                self._wait(self.failure, self.due)
         return self.status
 
     @property
@@ -168,13 +170,9 @@ class Executive:
         return self._assumptions.watched if is_watching else frozenset()
 
     def go_to(self, place: str) -> bool:
-        """Replaces the plan by a flight to a place and rest; False if no route leads there.
-
-        This is what is left to do when the task has no plan, whatever the skill that flies there
-        would ask for otherwise.
-        """
+        """Replaces the plan, in want of one, by a flight to a place; False without a route."""
         self._flight.task.interrupt()
-        lasso = flight_to(self._planner, place)
+        lasso = flight_to(self.planner, place)
         if lasso is None:
             return False
         self._flight.task.depart()
@@ -213,7 +211,7 @@ class Executive:
         self._whereabouts.look_after_absence()
         if self.state is ExecutiveState.BY_HAND and self._root is not None:
             pausing.resume(self._root, self._flight.now_s - self._paused_s)
-        elif self._planner.mission.tree is None:
+        elif self.planner.mission.tree is None:
             self._plan_state = ExecutiveState.EXECUTING
             self._replanner.forgive()
             self._replan("going on")
@@ -263,11 +261,11 @@ class Executive:
     def _replan(self, reason: str) -> None:
         self.stop()
         self._flight.task.interrupt()
-        self._due = self._replanner.begin(reason)
+        self.due = self._replanner.begin(reason)
         if self._triggers.has_used_slice:
             self.state = ExecutiveState.REPLANNING
         else:
-            self._plan_again(self._due)
+            self._plan_again(self.due)
 
     def _plan_again(self, due: DueReplan) -> None:
         """A part of making the plan that is due."""
@@ -312,8 +310,8 @@ class Executive:
             self._give_up(failure, due.reason)
         elif self._replanner.looks_again():
             self._replanner.forgive()
-            self._due = self._replanner.begin(due.reason)
-            self._plan_again(self._due)
+            self.due = self._replanner.begin(due.reason)
+            self._plan_again(self.due)
 
     def _give_up(self, failure: PlanFailure, reason: str) -> None:
         self.replans += 1

@@ -1,21 +1,23 @@
 """What is flown in OFFBOARD: the task, or the flight home; interrupted, and gone on with later.
 
-The task is flown by the executive. The operator, or a limit of the flight, calls the vehicle home
-for good: from then on the flight home is what is flown.
+The task is flown by the executive; so is the flight to a safe place, when the task has no plan. The
+operator, or a limit of the flight, calls the vehicle home for good: from then on the flight home is
+what is flown, whatever safe places there are.
 """
 
 from __future__ import annotations
 
 from companion.acting.executive import Executive
-from companion.acting.executive_states import TaskStatus
+from companion.acting.executive_states import ExecutiveState, TaskStatus
 from companion.acting.flight import Flight
 from companion.acting.flight_limit import LimitWatch
 from companion.acting.journal import EndingBegun
 from companion.acting.phases import SortieEvent
 from companion.acting.return_home import ReturnHome
+from companion.acting.safe_places import NOWHERE, SafePlaces
 from companion.errors import Aborted, CompanionError
 from companion.flight_events.sortie import FlightLimitReached, ReturnBegun, ReturnFailed
-from companion.mission.model import Otherwise
+from companion.mission.model import Mission, Otherwise
 from companion.vehicle.port import Failed, Progress
 
 
@@ -25,8 +27,7 @@ class FlownTask:
     Args:
         flight: the flight.
         executive: acts out the task.
-        home: the place to fly home to.
-        otherwise: what to do when no plan exists.
+        mission: where it begins, and what to do when no plan exists.
         limit: of the flight.
 
     Attributes:
@@ -38,14 +39,14 @@ class FlownTask:
         self,
         flight: Flight,
         executive: Executive,
-        home: str,
-        otherwise: Otherwise,
+        mission: Mission,
         limit: LimitWatch,
     ) -> None:
         self.failure: CompanionError | None = None
         self.is_interrupted = False
         self._flight, self._executive = flight, executive
-        self._home, self._otherwise = home, otherwise
+        self._home, self._otherwise = mission.home.name, mission.otherwise
+        self._safe = SafePlaces(flight, executive.planner, mission.safe_places)
         self._limit = limit
         self._return_home: ReturnHome | None = None
         self._was_satisfied = False
@@ -79,7 +80,8 @@ class FlownTask:
             self.call_home()
 
     def interrupt(self) -> None:
-        """The vehicle holds, to go on later."""
+        """The vehicle holds, to go on later; then from where it is, by what is possible there."""
+        self._safe.forget()
         if self._return_home is None:
             self._executive.pause()
         else:
@@ -103,16 +105,37 @@ class FlownTask:
         if status is TaskStatus.SATISFIED:
             self.failure = executive.failure  # set if this was only the way home
             return SortieEvent.SATISFIED
-        event = self._without_plan() if status is TaskStatus.NO_PLAN else None
+        is_waiting = executive.is_leaving and executive.state is ExecutiveState.AWAITING_PLAN
+        is_lost = status is TaskStatus.NO_PLAN or is_waiting
+        if not is_lost and not executive.is_leaving:
+            self._safe.forget()
+        event = self._without_plan(is_waiting) if is_lost else None
         needs_take_off = executive.status is TaskStatus.NEEDS_TAKE_OFF
         return SortieEvent.NEEDS_TAKE_OFF if needs_take_off else event
 
-    def _without_plan(self) -> SortieEvent | None:
-        """Does what the mission says for the case that no plan exists."""
-        executive = self._executive
-        may_return = self._otherwise is Otherwise.RETURN_HOME and not executive.is_leaving
-        if may_return and executive.go_to(self._home):
-            self._flight.report(ReturnBegun(self._home))
+    def _without_plan(self, is_waiting: bool) -> SortieEvent | None:
+        """Does what the mission says for the case that no plan exists.
+
+        Args:
+            is_waiting: the way to a safe place is lost, and a plan is waited for: another safe
+                place comes before that.
+        """
+        executive, safe, flight = self._executive, self._safe, self._flight
+        if safe.landed_at is not None:
+            self.failure = executive.failure
+            return SortieEvent.SATISFIED
+        if executive.is_leaving and safe.place is not None:
+            assert executive.due is not None
+            flight.report(ReturnFailed(safe.place, executive.due.reason))
+            safe.place = None
+        place = safe.choose()
+        if place is None:
+            flight.hold()
+            return None
+        if place != NOWHERE and executive.go_to(place):
+            flight.report(ReturnBegun(place))
+            return None
+        if place != NOWHERE or is_waiting:
             return None
         self.failure = executive.failure
         is_hold = self._otherwise is Otherwise.HOLD

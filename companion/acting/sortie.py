@@ -92,8 +92,7 @@ class Sortie:
         self._gate_watch, self._frame_watch = GateWatch(flight), FrameWatch(flight)
         self._control = Control(flight, may_yield, resumes, resumption)
         self._limit = LimitWatch(limit, executive, flight)
-        home, otherwise = mission.home.name, mission.otherwise
-        self._flown = FlownTask(flight, executive, home, otherwise, self._limit)
+        self._flown = FlownTask(flight, executive, mission, self._limit)
         self._resumption = resumption
         self._after_offboard = SortieEvent.TASK_GOES_ON
         self._is_stopping = self._was_stopped = False

@@ -12,7 +12,7 @@ from companion.acting.preparation import anticipate_events
 from companion.geometry import horizontal_distance
 from companion.mission.files import files_of
 from companion.mission.loader import load_mission
-from companion.mission.model import Mission
+from companion.mission.model import LandAtSafePlace, Mission
 from companion.mission.pddl_domain import DomainReader, with_domain
 from companion.planning.notices import notices
 from companion.planning.planner import Planner
@@ -29,6 +29,7 @@ class CheckedMission:
         events: when each of them holds, in words.
         states: of each conjunct's automaton.
         priorities: of the lines of the task that may be dropped.
+        land_at: where the vehicle lands without a plan, if the mission names places.
         dropped: lines of the task that the plan does not keep, and why.
         notices: what is allowed, and hardly meant.
     """
@@ -41,6 +42,7 @@ class CheckedMission:
     states: dict[str, int]
     priorities: Mapping[str, int]
     plan: str
+    land_at: LandAtSafePlace | None
     dropped: tuple[str, ...]
     notices: tuple[str, ...]
 
@@ -52,6 +54,7 @@ class CheckedMission:
             "map": self.map,
             "automata": self.states,
             "plan": self.plan,
+            "land_at": list(self.land_at.places) if self.land_at else [],
             "dropped": list(self.dropped),
             "notices": list(self.notices),
         }
@@ -99,6 +102,7 @@ def check_mission(
         {c.name: c.automaton.states for c in planner.conjuncts},
         mission.priorities,
         str(found or "a tree of its own"),
+        mission.otherwise if isinstance(mission.otherwise, LandAtSafePlace) else None,
         tuple(map(str, found.dropped)) if found else (),
         tuple(map(str, notices(planner, found))),
     )

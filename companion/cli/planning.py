@@ -63,6 +63,8 @@ def check(
         rank = f", priority {checked.priorities[name]}" if name in checked.priorities else ""
         typer.echo(f"task       {name}: {states} states{rank}")
     typer.echo(f"plan       {checked.plan}")
+    if checked.land_at is not None:
+        typer.echo(f"otherwise  lands at {checked.land_at}: where it is soonest")
     for line in checked.dropped:
         typer.echo(f"dropped    {line}")
     for notice in checked.notices:

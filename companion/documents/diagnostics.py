@@ -71,10 +71,23 @@ def first_diagnostic(
         (_existing_keys(detail["loc"], data), dict(detail))
         for detail in error.errors(include_url=False)
     ]
+    details = [each for each in details if not _is_other_kind(*each, details, data)]
     details.sort(key=lambda item: (item[1]["type"] != "extra_forbidden", position(*item[0])))
     keys = details[0][0]
     alike = [detail for where, detail in details if where == keys]  # the branches of a union
     return _diagnostic(alike, keys, model.model_json_schema(), data)
+
+
+def _is_other_kind(
+    keys: Keys, detail: Detail, details: Sequence[tuple[Keys, Detail]], data: object
+) -> bool:
+    """Whether a mapping is told to be no text, where another alternative says what it lacks."""
+    if not isinstance(_at(data, keys), dict) or detail["type"] in ("missing", "extra_forbidden"):
+        return False
+    return any(
+        where[: len(keys)] == keys and (len(where) > len(keys) or other["type"] == "missing")
+        for where, other in details
+    )
 
 
 def _existing_keys(loc: Sequence[str | int], data: object) -> Keys:

@@ -180,7 +180,7 @@ class StopRequested(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class ReturnBegun(FlightEvent):
-    """The task has no plan, and the vehicle flies home."""
+    """The task has no plan, and the vehicle flies home, or to another safe place."""
 
     kind = "phase"
     template = "returning to {place}"
@@ -190,7 +190,7 @@ class ReturnBegun(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class ReturnFailed(FlightEvent):
-    """A flight home that the operator has asked for has failed."""
+    """A flight home, or to another safe place, has failed."""
 
     kind = "phase"
     template = "cannot return to {place}: {reason}"

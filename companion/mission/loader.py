@@ -27,9 +27,10 @@ from companion.mission.installed_calls import check_installed
 from companion.mission.landing_sites import check_landings, with_markers
 from companion.mission.literals import parse_fact
 from companion.mission.looking import check_looking
-from companion.mission.model import Event, Mission, Otherwise, Place, Skill
+from companion.mission.model import Event, Mission, Place, Skill
 from companion.mission.one_place import check_one_place
 from companion.mission.pddl_domain import DomainReader, with_domain
+from companion.mission.safe_places import read_otherwise
 from companion.mission.schema import MissionFile
 from companion.mission.sites import check_places
 from companion.mission.skills import build_skills
@@ -113,7 +114,7 @@ def _read_mission(
         skills=skills,
         initially=initially,
         task=task,
-        otherwise=Otherwise(file.otherwise),
+        otherwise=read_otherwise(file, places, space.grid, vehicle, document),
         patience_s=file.patience_s,
         tree=_tree(file, document, skills, sets, vocabulary),
         priorities=priorities,

@@ -227,6 +227,21 @@ class Otherwise(Enum):
 
 
 @dataclass(frozen=True, slots=True)
+class LandAtSafePlace:
+    """The same: to land at one of some places, at the one that is reached soonest.
+
+    >>> print(LandAtSafePlace(("Home", "North", "South")))
+    Home, North or South
+    """
+
+    places: tuple[str, ...]
+
+    def __str__(self) -> str:
+        *others, last = self.places
+        return f"{', '.join(others)} or {last}" if others else last
+
+
+@dataclass(frozen=True, slots=True)
 class Mission:
     """Everything the mission file says.
 
@@ -256,7 +271,7 @@ class Mission:
     skills: Mapping[str, Skill]
     initially: frozenset[Fact]
     task: Mapping[str, Formula]
-    otherwise: Otherwise
+    otherwise: Otherwise | LandAtSafePlace
     tree: Tree | None = None
     vehicle: VehicleProfile = field(default_factory=VehicleProfile)
     patience_s: float = PATIENCE_S
@@ -291,6 +306,16 @@ class Mission:
     def home(self) -> Place:
         """The place where the mission begins."""
         return next(p for name, p in self.places.items() if at(name) in self.initially)
+
+    @property
+    def safe_places(self) -> tuple[str, ...]:
+        """Where the vehicle is to land when no plan exists, at any of them; () for nowhere."""
+        match self.otherwise:
+            case LandAtSafePlace(places):
+                return places
+            case Otherwise.RETURN_HOME:
+                return (self.home.name,)
+        return ()
 
     @property
     def task_facts(self) -> frozenset[Fact]:

@@ -20,7 +20,7 @@ from companion.drawn_maps import DrawnModel, MapEntry
 from companion.mission.keys import Name, Text, given
 from companion.mission.line_entry import TaskKey
 from companion.mission.model import PATIENCE_S
-from companion.mission.world_schema import LimitsEntry, LookAtEntry, PlaceEntry
+from companion.mission.world_schema import LandAtEntry, LimitsEntry, LookAtEntry, PlaceEntry
 from companion.vehicle_files import VehicleEntry, VehicleKey
 
 DAY_S = 86_400
@@ -322,8 +322,11 @@ class MissionFile(DrawnModel):
         Field(description="Name: a list of nodes, which the tree uses as {subtree: NAME}."),
     ] = {}
     otherwise: Annotated[
-        Literal["return_home", "land", "hold"],
-        Field(description="What to do when no plan exists: return_home, land or hold."),
+        Literal["return_home", "land", "hold"] | LandAtEntry,
+        Field(
+            description="What to do when no plan exists: return_home, land, hold, or "
+            "{land_at: [places]}."
+        ),
     ] = "return_home"
     patience_s: Annotated[float, Field(ge=0, le=3600, description=PATIENCE)] = PATIENCE_S
 

@@ -1,4 +1,4 @@
-"""The model of what a mission file says of the world: limits and places."""
+"""The model of what a mission file says of the world: limits, places, and where to land."""
 
 from __future__ import annotations
 
@@ -183,3 +183,17 @@ class PlaceEntry(PointEntry):
             "region the place is; until then nothing flies there."
         ),
     ] = None
+
+
+class LandAtEntry(DrawnModel):
+    """Places to land at when no plan exists."""
+
+    land_at: Annotated[
+        list[Name],
+        Field(
+            min_length=1,
+            max_length=32,
+            description="Places: the vehicle lands at the one that it reaches soonest, e.g. "
+            "[Home, North, South].",
+        ),
+    ]

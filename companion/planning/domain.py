@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
-from companion.mission.facts import ANYWHERE, Atom, Fact, spelled
+from companion.mission.facts import ANYWHERE, HERE, Atom, Fact, at, spelled
 from companion.mission.model import Fly, PointOfInterest, Primitive, Wait
 from companion.mission.signals import Condition
 
@@ -127,6 +127,31 @@ WAIT = Action(
     tries=1,
     timeout_s=None,
 )
+
+
+TRIES = 3
+"""Waypoints of a place that are tried (MAX_TRY, Fig. 6)."""
+
+
+def reach(place: str) -> Action:
+    """The flight from `here` to a place to which no skill of the mission flies.
+
+    >>> reach("North").name
+    'reach(here, North)'
+    """
+    return Action(
+        skill="reach",
+        arguments=(HERE, place),
+        requires=frozenset(),
+        forbids=frozenset(),
+        assumes=frozenset(),
+        adds=frozenset({at(place)}),
+        deletes=frozenset({at(HERE)}),
+        cost_ms=2 * UNIT_MS,
+        execute=(Fly(place),),
+        tries=TRIES,
+        timeout_s=None,
+    )
 
 
 def is_named(action: Action, name: str) -> bool:

@@ -5,13 +5,14 @@ None of these is an error: an event may be there for people to see, a line may b
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from companion.ltl.formula import Operator
 from companion.ltl.restriction import restricted
 from companion.mission.facts import Fact
-from companion.mission.model import Mission
+from companion.mission.model import LandAtSafePlace, Mission
 from companion.planning.builtin.masked_actions import KnownActions
 from companion.planning.builtin.transition_system import TransitionSystem
 from companion.planning.domain import Action, ConditionalEffect
@@ -24,7 +25,7 @@ class Notice:
     """Something to look at.
 
     Attributes:
-        subject: the event, or the line of the task.
+        subject: the event, the line of the task, or the place.
         text: what is odd about it, in words.
     """
 
@@ -53,7 +54,16 @@ def notices(planner: Planner, plan: Solution | None) -> tuple[Notice, ...]:
         dropped = {each.line for each in plan.dropped}
         kept = [conjunct for conjunct in planner.conjuncts if conjunct.name not in dropped]
         found += [*_vacuous_lines(planner), *_met_by_rest(kept, plan.lasso)]
-    return tuple(found)
+    return (*found, *_cut_off_places(planner))
+
+
+def _cut_off_places(planner: Planner) -> Iterator[Notice]:
+    """Safe places to which no clear route leads from where the mission begins."""
+    mission, home = planner.mission, planner.mission.home.name
+    if isinstance(mission.otherwise, LandAtSafePlace):
+        for place in mission.otherwise.places:
+            if place != home and math.isinf(planner.flight_time(home, place)):
+                yield Notice(place, f"in land_at, and no clear route leads there from {home}")
 
 
 def _unused_events(mission: Mission) -> Iterator[Notice]:

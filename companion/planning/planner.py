@@ -22,12 +22,12 @@ from companion.ltl.formula import conjuncts
 from companion.ltl.monitor import Runs
 from companion.ltl.translate import translate
 from companion.mission.facts import HERE, Fact
-from companion.mission.model import Mission
+from companion.mission.model import Fly, Mission
 from companion.mission.tree_nodes import Tree, actions
 from companion.planning.builtin.masked_actions import KnownActions
 from companion.planning.builtin.product import Product
 from companion.planning.builtin.transition_system import TransitionSystem
-from companion.planning.domain import Action, is_named
+from companion.planning.domain import Action, is_named, reach
 from companion.planning.explain import Explanation, NoPlan
 from companion.planning.flight_times import flight_times, from_table, route_map
 from companion.planning.instances import FlightTime, Instances, task_model
@@ -138,6 +138,17 @@ class Planner(Solver):
             return self.flight_time(origin, place) if goal in (None, place) else math.inf
 
         return self._departures.actions(flight_time)
+
+    def way_to(self, place: str) -> Action | None:
+        """A flight to a place from `here`, whatever skills ask for; None without a route.
+
+        It is the move of the mission that flies there, or else one of its own.
+        """
+        moves = (action for action in self.departures(place) if action.execute == (Fly(place),))
+        move = next(moves, None)
+        if move is not None:
+            return replace(move, requires=frozenset(), forbids=frozenset(), assumes=frozenset())
+        return reach(place) if math.isfinite(self.flight_time(HERE, place)) else None
 
     def all_actions(self) -> tuple[Action, ...]:
         """Those that exist now, and those from `here` as if it were anywhere."""

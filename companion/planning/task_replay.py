@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from companion.mission.facts import Fact
-from companion.planning.domain import Action
+from companion.planning.domain import Action, reach
 from companion.planning.planner import Planner
 from companion.planning.task_changes import TaskChange
 from companion.planning.task_state import TaskState
@@ -26,7 +26,8 @@ class TaskReplay:
     def __init__(self, state: TaskState, planner: Planner) -> None:
         self._state = state
         self._events = planner.mission.events
-        self._actions = {action.name: action for action in planner.all_actions()}
+        safe = map(reach, planner.mission.safe_places)
+        self._actions = {action.name: action for action in (*safe, *planner.all_actions())}
 
     def action(self, name: str) -> Action:
         """The action of a name."""

@@ -290,9 +290,12 @@ def test_a_last_resort_does_not_ask_for_beliefs() -> None:
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
 
 
-def test_a_last_resort_needs_a_skill_that_flies_there() -> None:
+def test_a_last_resort_needs_no_skill_that_flies_there() -> None:
     rig = Rig(mission("F at(A)", skills=[move(precondition="!at(nowhere)")])).begin()
-    assert not rig.executive.go_to("B")
+    assert rig.executive.go_to("B")
+    assert str(rig.executive.lasso) == "reach(here, B), (wait)^w"
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED
+    assert rig.task.facts == {"at(B)"}
 
 
 def test_stop_interrupts_the_skill_under_way() -> None:

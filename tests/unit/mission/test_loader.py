@@ -24,6 +24,7 @@ from companion.mission.model import (
     Do,
     Fly,
     Land,
+    LandAtSafePlace,
     Literal,
     Mission,
     Otherwise,
@@ -93,6 +94,15 @@ SPOILT: list[tuple[str, str, str, str]] = [
     ("payload: 25", "payload: §256", "payload is 256, expected at most 255", ""),
     ("effect: reported", "effect: §[a]", "effect is a list, expected a text", "Facts"),
     ("otherwise: land", "otherwise: §lande", "expected return_home, land or hold", "mean land?"),
+    ("otherwise: land", "otherwise: {§land_on: [A]}", "unknown key 'land_on'", "mean land_at?"),
+    ("otherwise: land", "otherwise: {land_at: §A}", "land_at is 'A', expected a list", "Places"),
+    ("otherwise: land", "otherwise: {land_at: §[]}", "expected at least 1 entries", "Places"),
+    ("otherwise: land", "§otherwise: {}", "the key land_at is missing in otherwise", "Places"),
+    ("otherwise: land", "otherwise: §[A, no]", "expected return_home, land or hold", "land_at"),
+    ("otherwise: land", "otherwise: {land_at: [A, §B]}", "unknown place B in land_at", "Home, A"),
+    ("otherwise: land", "otherwise: {land_at: [A, §hom]}", "place hom in land_at", "mean Home?"),
+    ("otherwise: land", "otherwise: {land_at: [A, §A]}", "A is twice in land_at", "remove"),
+    ("otherwise: land", "otherwise: {land_at: [§3]}", "is 3, expected a text", ""),
     ("Site: [A, no]", "Site: §[]", "Site is a list, expected at least 1 entries", ""),
     ("initially: [at(Home)]", "initially: §at(Home)", "expected a list", "Facts"),
     # names
@@ -210,6 +220,28 @@ def test_error_says_what_where_and_what_to_do(
     assert re.match(rf".*/mission\.yaml:{place}: ", head), message
     assert what in head
     assert hint in "\n".join(rest)
+
+
+def test_safe_places_are_at_most_as_many_as_a_px4_has_rally_points(load: Load, good: str) -> None:
+    names = ", ".join(["Home"] * 33)
+    with pytest.raises(MissionError, match="land_at is a list, expected at most 32 entries"):
+        load(good.replace("otherwise: land", f"otherwise: {{land_at: [{names}]}}"))
+
+
+@pytest.mark.parametrize(
+    ("written", "meant", "places"),
+    [
+        ("land", Otherwise.LAND, ()),
+        ("hold", Otherwise.HOLD, ()),
+        ("return_home", Otherwise.RETURN_HOME, ("Home",)),
+        ("{land_at: [A, Home]}", LandAtSafePlace(("A", "Home")), ("A", "Home")),
+    ],
+)
+def test_what_is_done_without_a_plan(
+    load: Load, good: str, written: str, meant: Otherwise | LandAtSafePlace, places: tuple[str, ...]
+) -> None:
+    mission = load(good.replace("otherwise: land", f"otherwise: {written}"))
+    assert (mission.otherwise, mission.safe_places) == (meant, places)
 
 
 def test_good_mission_means_what_it_says(load: Load, good: str, room: Path) -> None:

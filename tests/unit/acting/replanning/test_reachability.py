@@ -13,7 +13,7 @@ from companion import slices
 from companion.acting.executive_states import TaskStatus
 from companion.acting.flight import TICK_S
 from companion.acting.replanning.reachability import BeliefChange
-from companion.acting.return_home import flight_to
+from companion.acting.safe_places import flight_to
 from companion.flight_events.facts import BeliefWithdrawn, PlacesConnected, PlacesCutOff
 from companion.flight_events.plans import PlanReplaced
 from companion.flight_events.skills import SkillFailed, SymbolMoved

@@ -1,0 +1,92 @@
+"""Where a vehicle lands whose task has no plan: at the safe place that it reaches soonest.
+
+Home is the only one for `return_home`, and there are none for `land` and `hold`. The times are the
+planner's, over clear routes of the map as it is known now; the vehicle holds until they are known.
+A place whose way turns out to be blocked is not flown to again, as long as the task has no plan.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Sequence
+
+from companion.acting.flight import Flight
+from companion.mission.facts import HERE, at
+from companion.motion.distance_maps import CELL_US
+from companion.motion.routes import CELLS_PER_TICK
+from companion.planning.domain import WAIT
+from companion.planning.lasso import Lasso
+from companion.planning.planner import Planner
+from companion.slices import Question, spent
+
+MAX_PARTS = 200
+"""Of the search for the ways to one place, on a map that goes on changing."""
+NOWHERE = ""
+
+
+class SafePlaces:
+    """The safe places of a mission, and which of them were tried.
+
+    Attributes:
+        place: that is flown to; None before one is.
+
+    Args:
+        flight: of the vehicle.
+        planner: knows how long flights take.
+        places: by name.
+    """
+
+    def __init__(self, flight: Flight, planner: Planner, places: Sequence[str]) -> None:
+        self.place: str | None = None
+        self._flight, self._planner, self._places = flight, planner, places
+        self._tried: set[str] = set()
+        self._choosing = Question[str]()
+
+    def forget(self) -> None:
+        """The task had a plan since: all may be tried again."""
+        self._tried.clear()
+        self.place = None
+        self._choosing.abandon()
+
+    @property
+    def landed_at(self) -> str | None:
+        """The safe place on which the plan has landed the vehicle; None if it has not."""
+        flight = self._flight
+        if not flight.progress.is_landed_by_plan:
+            return None
+        return next((place for place in self._places if at(place) in flight.task.facts), None)
+
+    def choose(self) -> str | None:
+        """The next place to fly to, NOWHERE if none can be reached; None while that is not known.
+
+        It is the present place from then on, and is not chosen again.
+        """
+        left = [place for place in self._places if place not in self._tried]
+        place = self._choosing.ask(tuple(left), lambda: self._soonest(left)) if left else NOWHERE
+        if place:
+            self._tried.add(place)
+            self.place = place
+        return place
+
+    def _soonest(self, places: Collection[str]) -> str:
+        state, routes = self._flight.vehicle.state, self._flight.routes
+        if state is None:
+            return NOWHERE
+        times_s: dict[str, float] = {}
+        for place in places:
+            for _ in range(MAX_PARTS):
+                if routes.search(state.position, place, CELLS_PER_TICK):
+                    break
+                spent(CELL_US * CELLS_PER_TICK)
+            times_s[place] = self._planner.flight_time(HERE, place)
+        soonest = min(times_s, key=times_s.__getitem__, default=NOWHERE)  # the first of equals
+        return soonest if math.isfinite(times_s.get(soonest, math.inf)) else NOWHERE
+
+
+def flight_to(planner: Planner, place: str) -> Lasso | None:
+    """A plan that flies to a place from where the vehicle is, and rests; None without a route.
+
+    It asks for nothing that the skill that flies there would ask for otherwise.
+    """
+    move = planner.way_to(place)
+    return None if move is None else Lasso((move,), (WAIT,))
