@@ -60,6 +60,14 @@ def test_frames_are_mavlink_2_and_say_who_sent_them() -> None:
     assert (message.name, message.value) == ("target", 5)
 
 
+def test_messages_that_pymavlink_lacks_are_packed_and_parsed_as_all_others() -> None:
+    """REQUEST_EVENT (412), of the events service."""
+    request = dialect.MAVLink_request_event_message(1, 1, 7, 9)
+    (message,) = MavlinkCodec(0, 0).parse(MavlinkCodec(1, 191).pack(request))
+    assert message.get_type() == "REQUEST_EVENT"
+    assert (message.first_sequence, message.last_sequence) == (7, 9)
+
+
 def test_the_sequence_number_counts_and_wraps() -> None:
     speaker, ear = MavlinkCodec(1, 1), MavlinkCodec(0, 0)
     numbers = [ear.parse(speaker.pack(value(0)))[0].get_seq() for _ in range(300)]
