@@ -8,10 +8,17 @@ Source: PX4 1.16, src/modules/navigator/geofence.cpp. Areas have no altitudes; P
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from companion.geometry import NorthEast, horizontal_distance, is_in_polygon
+
+SAGITTA_M = 0.1
+"""By so much, at most, the polygon that stands for a circle is on the safe side of it,"""
+LEAST_CORNERS, MOST_CORNERS = 12, 64
+"""as far as so many corners go, and those of all circles together."""
+ALL_CORNERS = 512
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +69,23 @@ class FenceCircle:
             and abs(self.radius_m - other.radius_m) <= within_m
         )
 
+    def outline(self, is_inclusion: bool, most: int = MOST_CORNERS) -> tuple[NorthEast, ...]:
+        """A polygon for the circle: inside it to stay in, around it to stay out of.
+
+        >>> circle = FenceCircle((0.0, 0.0), 5.0)
+        >>> [len(circle.outline(True)), len(circle.outline(True, most=12))]
+        [16, 12]
+        >>> around = circle.outline(False)
+        >>> min(circle.contains(corner) for corner in around), max(n for n, _ in around) < 5.1
+        (False, True)
+        """
+        half = math.acos(1 - min(SAGITTA_M / max(self.radius_m, SAGITTA_M), 1.0))
+        count = max(LEAST_CORNERS, min(most, math.ceil(math.pi / half)))
+        away_m = self.radius_m / (1.0 if is_inclusion else math.cos(math.pi / count))
+        angles = (math.tau * i / count for i in range(count))
+        (north, east) = self.centre
+        return tuple((north + away_m * math.cos(a), east + away_m * math.sin(a)) for a in angles)
+
 
 @dataclass(frozen=True, slots=True)
 class FenceArea:
@@ -95,6 +119,33 @@ class StoredFence:
 
     def __str__(self) -> str:
         return f"{_counted(self.points, 'point')}, {_counted(len(self.areas), 'area')}"
+
+
+@dataclass(frozen=True, slots=True)
+class KeptFence:
+    """A fence of somebody else that a flight keeps to, as polygons.
+
+    Attributes:
+        within: to stay in each of them.
+        keep_out: to stay out of each of them.
+    """
+
+    within: tuple[tuple[NorthEast, ...], ...]
+    keep_out: tuple[tuple[NorthEast, ...], ...]
+
+    @classmethod
+    def of(cls, areas: Sequence[FenceArea]) -> KeptFence:
+        """The fence that some areas make; circles become polygons on their safe side."""
+        circles = sum(isinstance(area.shape, FenceCircle) for area in areas)
+        most = min(MOST_CORNERS, ALL_CORNERS // max(circles, 1))
+        outlines: dict[bool, list[tuple[NorthEast, ...]]] = {True: [], False: []}
+        for area in areas:
+            shape, is_inclusion = area.shape, area.is_inclusion
+            if isinstance(shape, FenceCircle):
+                outlines[is_inclusion].append(shape.outline(is_inclusion, most))
+            else:
+                outlines[is_inclusion].append(shape.corners)
+        return cls(tuple(outlines[True]), tuple(outlines[False]))
 
 
 def are_alike(these: Sequence[FenceArea], those: Sequence[FenceArea], within_m: float) -> bool:

@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from companion.geofence import FenceArea, StoredFence
+from companion.geofence import FenceArea, KeptFence, StoredFence
 from companion.geometry import Ned, NorthEast
 from companion.motion.range_scan import RangeScan
 from companion.outcomes import Refusal
@@ -275,6 +275,7 @@ class FakeVehicle:
         self.is_stuck = False
         self.is_turning = True
         self.flown: list[Setpoint | None] = []
+        self.kept_fence: KeptFence | None = None
         self.payloads = FakePayloads()
         self.markers = FakeMarkers()
         self.fence = FakeFence()
@@ -351,6 +352,9 @@ class FakeVehicle:
 
     def fly(self, setpoint: Setpoint, is_for_task: bool = False, is_landing: bool = False) -> None:
         self.flown.append(setpoint)
+
+    def keep_within(self, fence: KeptFence) -> None:
+        self.kept_fence = fence
 
     def release(self) -> None:
         self.flown.append(None)

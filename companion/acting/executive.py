@@ -25,12 +25,12 @@ from py_trees.common import Status
 
 from companion.acting.behaviour_tree import pausing
 from companion.acting.behaviour_tree.builder import build
-from companion.acting.behaviour_tree.hand_built import build_by_hand
 from companion.acting.behaviour_tree.leaf import failure_of
 from companion.acting.behaviour_tree.tree_report import TreeReport
 from companion.acting.event_detector import EventDetector
 from companion.acting.executive_states import STATUS, ExecutiveState, TaskStatus
 from companion.acting.flight import Flight, PlanProgress
+from companion.acting.ground_plans import GroundPlans
 from companion.acting.positions import tell_positions
 from companion.acting.preparation import PreparedMission
 from companion.acting.replan_triggers import PlanUnderWay, ReplanTriggers
@@ -43,13 +43,11 @@ from companion.acting.whereabouts import Whereabouts
 from companion.errors import NoPlanError
 from companion.flight_events.facts import BeliefRestored, MissionEventChanged
 from companion.flight_events.plans import (
-    EngineFailed,
     LapCompleted,
     NoPlanFound,
     PlanAwaited,
     PlanMade,
     PlanReplaced,
-    WrittenTreeAdopted,
 )
 from companion.flight_events.skills import WrittenTreeFailed
 from companion.mission.facts import Fact
@@ -80,7 +78,6 @@ class Executive:
         self.lasso: Lasso | None = None
         self.failure: PlanFailure | None = None
         self.due: DueReplan | None = None
-        self._prepared = prepared
         self.planner = planner = prepared.planner
         self._flight = flight
         self._detector = detector
@@ -91,6 +88,7 @@ class Executive:
         self._replanner = Replanner(
             planner, flight, self._assumptions, self._patience, prepared.engine
         )
+        self._ground_plans = GroundPlans(prepared, flight, self._assumptions, self._replanner)
         self._triggers = ReplanTriggers(flight, self._assumptions, self._replanner)
         self._whereabouts = Whereabouts(flight, planner.mission.places)
         self._plan_state = ExecutiveState.EXECUTING
@@ -116,26 +114,27 @@ class Executive:
     def plan(self) -> PlanFailure | None:
         """Takes over the first plan, or searches one; why there is none, None if there is one."""
         flight, mission = self._flight, self.planner.mission
-        task = {name: str(formula) for name, formula in mission.task.items()}
-        priorities = mission.priorities
         if mission.tree is not None:
-            root = build_by_hand(flight, mission.tree, self.planner.actions_of(mission.tree))
-            flight.report(WrittenTreeAdopted(task, priorities))
             self._plan_state = ExecutiveState.BY_HAND
-            self._take_tree(root, ExecutiveState.BY_HAND)
+            self._take_tree(self._ground_plans.written(mission.tree), ExecutiveState.BY_HAND)
         else:
-            self._replanner.follow_map()
-            if self._prepared.engine_failure is not None:
-                flight.report(EngineFailed(self._prepared.engine_failure))
-            self._assumptions.renew()
-            found = self._prepared.plan(*flight.task.problem())
+            found = self._ground_plans.first()
             if not isinstance(found, ChosenPlan):
                 return found
             drop(flight, found.dropped)
             self._adopt(found.lasso, ExecutiveState.EXECUTING)
-            flight.report(PlanMade(task, found.lasso.planned, priorities, found.lines_dropped))
+            about = mission.written_task, found.lasso.planned, mission.priorities
+            flight.report(PlanMade(*about, found.lines_dropped))
         self._tell_tree()
         return None
+
+    def plan_again(self, reason: str) -> PlanFailure | None:
+        """Before take-off, on a map that has changed since; why there is no plan any more."""
+        found = self._ground_plans.again()
+        if isinstance(found, ChosenPlan):
+            self._fly_on(found, reason)
+            return None
+        return found
 
     def tick(self) -> TaskStatus:
         """One tick of what it is doing; returns how the task stands then."""

@@ -13,7 +13,8 @@ autopilot's fence, along the same edges, is the net behind it: it holds the vehi
 4. One that is there already is written again, once in each program: PX4 does not say whether a
    fence that it has is in force.
 5. Whatever fence it is: the autopilot's home, the vehicle and each place of the mission lie in
-   every area of it, or the mission is refused.
+   every area of it, or the mission is refused. What follows from one that is kept is for
+   kept_fence.py.
 6. An autopilot that does not know where on the earth it is has no fence. That is told, and the
    mission begins: the gate is there.
 """
@@ -81,6 +82,9 @@ class FenceCheck:
         flight: whose autopilot is asked.
         policy: what the operator has said.
         places: of the mission.
+
+    Attributes:
+        kept: the fence of somebody else that stays; None without one.
     """
 
     def __init__(self, flight: Flight, policy: FencePolicy, places: Sequence[Place]) -> None:
@@ -90,6 +94,7 @@ class FenceCheck:
         self._wanted = areas_of(flight.limits)
         is_left_alone = policy is FencePolicy.NONE
         self._stage = FenceStage.DONE if is_left_alone else FenceStage.LOCATING
+        self.kept: StoredFence | None = None
         self._replaced: StoredFence | None = None
         self._silent_from_s = 0.0
 
@@ -189,6 +194,8 @@ class FenceCheck:
         if why_not := self._outside(stored.areas, "the vehicle's own fence"):
             return why_not
         if stored.points:
+            is_ours = are_alike(stored.areas, self._wanted, ALIKE_M)
+            self.kept = None if is_ours else stored
             self._flight.report(FenceKept(str(stored)))
         else:
             self._flight.report(FenceMissing("it has none, and none is asked for"))

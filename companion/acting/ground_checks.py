@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from companion.acting.arming_terms import ArmingTerms
+from companion.acting.executive import Executive
 from companion.acting.failsafe_check import FailsafeCheck
 from companion.acting.fence_check import FenceCheck
 from companion.acting.flight import Flight
-from companion.mission.model import Place
+from companion.acting.kept_fence import KeptFenceCheck
+from companion.mission.model import Mission
 from companion.vehicle.port import Outcome, Progress
 
 
@@ -18,12 +18,17 @@ class GroundChecks:
     Args:
         flight: whose autopilot is asked.
         terms: what the operator has said.
-        places: of the mission.
+        mission: that is to be flown.
+        executive: has its plan.
     """
 
-    def __init__(self, flight: Flight, terms: ArmingTerms, places: Sequence[Place]) -> None:
+    def __init__(
+        self, flight: Flight, terms: ArmingTerms, mission: Mission, executive: Executive
+    ) -> None:
         failsafes = FailsafeCheck(flight, terms.accepts_weak_failsafes)
-        self._checks = [failsafes.tick, FenceCheck(flight, terms.fence, places).tick]
+        fence = FenceCheck(flight, terms.fence, tuple(mission.places.values()))
+        kept = KeptFenceCheck(flight, executive, fence, mission.home.name)
+        self._checks = [failsafes.tick, fence.tick, kept.tick]
 
     def tick(self) -> Outcome:
         """DONE when the vehicle may be armed; or why it may not."""

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 from companion.flight_events.sortie import Phase
+from companion.geofence import KeptFence
 from companion.geometry import Ned
 from companion.planning.task_changes import TaskChange
 from companion.vehicle.camera_port import IntendedShot
@@ -124,6 +125,7 @@ JournalEntry = (
     | CommandIntended
     | CommandSettled
     | IntendedShot
+    | KeptFence
     | OperatorSettings
     | PlaceFound
     | PlanNumbered
@@ -168,6 +170,7 @@ class JournalledFlight:
         settings: of the operator; None for the first ones.
         replans: how often it has planned again.
         found: places that were found in flight, the newest position of each last.
+        fence: of somebody else, in the autopilot, that it keeps to; None without one.
         time_s: of the last entry.
         away_s: since then, by the wall clock.
     """
@@ -184,6 +187,7 @@ class JournalledFlight:
     settings: OperatorSettings | None = None
     replans: int = 0
     found: tuple[PlaceFound, ...] = ()
+    fence: KeptFence | None = None
     time_s: float = 0.0
     away_s: float = 0.0
 
@@ -249,6 +253,8 @@ def _after(flight: JournalledFlight, time_s: float, entry: JournalEntry) -> Jour
             return replace(flight, unsettled=left)
         case IntendedShot():
             return replace(flight, shots=(*flight.shots, entry)[-KEPT_SHOTS:])
+        case KeptFence():
+            return replace(flight, fence=entry)
         case PlanNumbered(number):
             return replace(flight, replans=number)
         case OperatorSettings():

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from companion.acting.event_detector import EventDetector
 from companion.acting.flight import Flight
 from companion.acting.journal import CommandSettled, JournalledFlight
+from companion.acting.kept_fence import keep_to
 from companion.acting.phases import SortieEvent
 from companion.acting.positions import tell_positions
 from companion.errors import Aborted, CompanionError
@@ -130,6 +131,8 @@ def restore(
     replay = TaskReplay(task, planner)
     for change in journalled.changes:
         replay.make(change)
+    if journalled.fence is not None:
+        keep_to(flight, journalled.fence)
     tell_positions(flight)  # some may be wanting in the record, which leaves out what it has
     events = planner.mission.events
     detector.resume(name for name, event in events.items() if event.fact in task.facts)

@@ -86,7 +86,7 @@ class Sortie:
         self._flight = flight
         self._executive = executive
         self.beginning = Beginning(flight, executive, mission.home)
-        self._ground_checks = GroundChecks(flight, terms, tuple(mission.places.values()))
+        self._ground_checks = GroundChecks(flight, terms, mission, executive)
         self._crash_watch = CrashWatch(flight.profile)
         self._crash: Crash | None = None
         self._gate_watch, self._frame_watch = GateWatch(flight), FrameWatch(flight)

@@ -34,7 +34,7 @@ class FenceReplaced(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class FenceKept(FlightEvent):
-    """The fence that the autopilot has stays, and all places lie in it."""
+    """The fence that the autopilot has stays, and all places lie in it; what is flown will, too."""
 
     kind = "fence"
     template = "the autopilot keeps its fence ({fence})"

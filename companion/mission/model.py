@@ -291,6 +291,11 @@ class Mission:
         return tuple(sorted(self.priorities, key=lambda line: -self.priorities[line]))
 
     @property
+    def written_task(self) -> dict[str, str]:
+        """The lines of the task as texts."""
+        return {name: str(formula) for name, formula in self.task.items()}
+
+    @property
     def speed_limits(self) -> SpeedLimits:
         """The limits of its flights: the vehicle's, and no faster than the mission allows."""
         vehicle = self.vehicle

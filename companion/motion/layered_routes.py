@@ -117,6 +117,7 @@ class LayeredRoutes:
         self._grid, self._clearance_m, self._limits = grid, clearance_m, limits
         self._places = dict(places)
         self._fence, self._margin_m, self._keep_out = fence, fence_margin_m, tuple(keep_out)
+        self._within: tuple[Sequence[NorthEast], ...] = ()
         self._goals = {name: place.position for name, place in places.items()}
         self._added_m = 0.0
         self._planes: dict[int, RouteMap] = {}
@@ -151,6 +152,7 @@ class LayeredRoutes:
                 self._clearance_m,
                 self._margin_m,
                 self._keep_out,
+                self._within,
             )
             if self._added_m > 0:
                 plane.add_clearance(self._added_m)
@@ -173,6 +175,24 @@ class LayeredRoutes:
         for plane in self._planes.values():
             plane.add_clearance(added_m)
         self.version += 1
+
+    def keep_within(
+        self, fences: Iterable[Sequence[NorthEast]], keep_out: Iterable[Sequence[NorthEast]]
+    ) -> bool:
+        """Routes stay in more fences, and out of more areas; whether that leaves them less room.
+
+        Args:
+            fences: polygons of which no route leaves any.
+            keep_out: as before.
+        """
+        self._within = (*self._within, *fences)
+        self._keep_out = (*self._keep_out, *keep_out)
+        before, self._planes = self._planes, {}
+        if before and all(self._plane(n).is_as_wide_as(plane) for n, plane in before.items()):
+            self._planes = before
+            return False
+        self.version += 1
+        return True
 
     def find(self, max_cells: int) -> bool:
         """Searches about `max_cells` cells of outdated distance maps; True once all are current."""

@@ -85,6 +85,7 @@ class RouteMap:
         clearance_m: the least distance of a route to an obstacle.
         fence_margin_m: the same to the fence.
         keep_out: the corners of areas that routes keep away from as from obstacles.
+        within: more polygons that no route leaves.
     """
 
     def __init__(
@@ -95,6 +96,7 @@ class RouteMap:
         clearance_m: float,
         fence_margin_m: float = 0.0,
         keep_out: Iterable[Sequence[NorthEast]] = (),
+        within: Iterable[Sequence[NorthEast]] = (),
     ) -> None:
         self.version = 0
         self._grid = grid
@@ -104,8 +106,10 @@ class RouteMap:
         exclusive = {name: place for name, place in places.items() if place.is_exclusive}
         regions = _regions(grid, exclusive)
         self._others = {name: regions.without(name) for name in places}
-        shape, corners = grid.occupied.shape, points_of(grid, fence)
-        inside = cells_inside(grid, fence, fence_margin_m) & ~cells_beside(shape, corners, 0)
+        inside = np.ones_like(grid.occupied)
+        for polygon in (fence, *within):
+            beside = cells_beside(grid.occupied.shape, points_of(grid, polygon), 0)
+            inside &= cells_inside(grid, polygon, fence_margin_m) & ~beside
         self._room = Room(clearance_m, inside, regions, self._goals)
         self._least = ClearanceLevel(self._room, self._obstacles(grid), clearance_m)
         self._levels = [self._least]
@@ -118,6 +122,16 @@ class RouteMap:
     def _obstacles(self, grid: OccupancyGrid) -> Obstacles:
         walls, zones = grid.occupied, self._zones
         return Obstacles(grid if zones is None else grid.with_occupied(walls | zones), walls)
+
+    @property
+    def _usable(self) -> npt.NDArray[np.bool_]:
+        """(rows, cols) the cells that fences and zones leave."""
+        inside = self._room.is_inside
+        return inside if self._zones is None else inside & ~self._zones
+
+    def is_as_wide_as(self, other: RouteMap) -> bool:
+        """Whether fences and zones leave the same cells as on another one, of the same map."""
+        return np.array_equal(self._usable, other._usable)
 
     def add_clearance(self, added_m: float) -> None:
         """Routes keep so much more from obstacles, where the map has the room."""

@@ -11,7 +11,8 @@ Rules, in this order; the first that applies decides:
 4. Asked for longer ago than `lease_s`: hold. Who flies renews the setpoint in every tick.
 5. Of the task's plan, when the task is violated: hold. A return or a landing goes on.
 6. A number that is not finite: hold.
-7. Outside the fence or the altitude band, or nearer than the margin to the fence: hold. The same in
+7. Outside the fence or the altitude band, or nearer than the margin to the fence: hold; of the
+   autopilot's own fence, where it is kept beside the mission's, the same. The same in
    a keep-out zone, or behind one; but a vehicle that is in one, or below the band, may be sent to
    where it is less so. A landing on a marker may lead below the band over a site of the mission, or
    not as far down as the band would let it: as low as the site is, no lower.
@@ -63,6 +64,7 @@ class Envelope:
         fence: polygon of north-east corners.
         fence_margin_m: least distance from its edges, and from those of the zones.
         keep_out: polygons that are not entered.
+        within: polygons of the autopilot's own fence, in each of which it stays as in the fence.
         up_m: lowest and highest altitude above home.
         speed_mps: greatest speed.
         climb_mps: greatest vertical speed upwards.
@@ -89,6 +91,7 @@ class Envelope:
     lost_s: float = 3.0
     mode_lost_s: float = 10.0
     sites: tuple[LandingSite, ...] = ()
+    within: tuple[tuple[Corner, ...], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -222,9 +225,11 @@ def _not_finite(judged: _Judged) -> Refusal | None:
 
 
 def _outside_fence(judged: _Judged) -> Refusal | None:
-    north, east, _ = judged.request.setpoint.position
-    is_inside = _is_inside((north, east), judged.envelope.fence, judged.envelope.fence_margin_m)
-    return None if is_inside else Refusal("outside the fence")
+    envelope, there = judged.envelope, judged.request.setpoint.position[:2]
+    if not _is_inside(there, envelope.fence, envelope.fence_margin_m):
+        return Refusal("outside the fence")
+    is_inside = all(_is_inside(there, area, envelope.fence_margin_m) for area in envelope.within)
+    return None if is_inside else Refusal("outside the autopilot's own fence")
 
 
 def _in_zone(judged: _Judged) -> Refusal | None:

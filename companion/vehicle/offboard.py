@@ -23,6 +23,7 @@ Source: https://mavlink.io/en/services/command.html, PX4's offboard mode.
 
 from __future__ import annotations
 
+from companion.geofence import KeptFence
 from companion.geometry import Ned
 from companion.mavlink.framing import Message, dialect, source
 from companion.mission.signals import Signal
@@ -210,6 +211,10 @@ class MavlinkVehicle:
     def set_speed_limit(self, speed_mps: float) -> None:
         """The gate admits no faster setpoint from now on."""
         self._stream.set_speed_limit(speed_mps)
+
+    def keep_within(self, fence: KeptFence) -> None:
+        """The gate admits no setpoint outside a fence of the autopilot's from now on."""
+        self._stream.keep_within(fence)
 
     def set_violated(self, is_violated: bool) -> None:
         """The gate admits no setpoint of the task's plan while the task is violated."""

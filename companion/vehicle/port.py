@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from enum import Enum, StrEnum
 from typing import Protocol
 
-from companion.geofence import FenceArea, StoredFence
+from companion.geofence import FenceArea, KeptFence, StoredFence
 from companion.geometry import GlobalOrigin, Ned, NorthEast
 from companion.motion.range_scan import RangeScan
 from companion.outcomes import Refusal
@@ -335,6 +335,9 @@ class Vehicle(Protocol):
 
         It may be of the task's plan; and of the way down to a marker, or up from there.
         """
+
+    def keep_within(self, fence: KeptFence) -> None:
+        """Fly nowhere outside a fence from now on, whatever is asked for."""
 
     def release(self) -> None:
         """Stream nothing and ask for nothing any longer."""

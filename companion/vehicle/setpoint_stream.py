@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from companion.geofence import KeptFence
 from companion.mavlink.framing import Message, dialect
 from companion.outcomes import Refusal
 from companion.vehicle.gate import Envelope, Request, admit
@@ -50,6 +51,12 @@ class SetpointStream:
         """The gate admits no faster setpoint from now on."""
         if speed_mps != self._envelope.speed_mps:
             self._envelope = replace(self._envelope, speed_mps=speed_mps)
+
+    def keep_within(self, fence: KeptFence) -> None:
+        """The gate admits no setpoint outside a fence from now on."""
+        envelope = self._envelope
+        keep_out = (*envelope.keep_out, *fence.keep_out)
+        self._envelope = replace(envelope, within=fence.within, keep_out=keep_out)
 
     def set_violated(self, is_violated: bool) -> None:
         """Whether the gate admits no setpoint of the task's plan from now on."""

@@ -14,9 +14,10 @@ from typing import Any, NamedTuple
 
 from happened import Happened
 
+from companion.acting.arming_terms import USUAL_TERMS, ArmingTerms
 from companion.acting.flight import TICK_S
 from companion.acting.function_port import FunctionPort
-from companion.acting.journal import JournalEntry, put_together
+from companion.acting.journal import JournalEntry, JournalledFlight, put_together
 from companion.app import Companion
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.sortie import RunEnded, SetpointRefused
@@ -26,6 +27,7 @@ from companion.mavlink.px4_modes import MODES
 from companion.mavlink.signing import Signing
 from companion.mission.model import Mission
 from companion.motion.grid import OccupancyGrid
+from companion.vehicle.own_fences import OwnFences
 from companion.vehicle.run_clocks import ClockReading
 from sitl.link.routing import LinkName
 from sitl.results import MavResult
@@ -160,6 +162,8 @@ class Lockstep(Happened):
         resumes: as with `run --resume`.
         vehicle: signs and verifies what the simulator sends and hears.
         functions: what the mission's Python skills do.
+        terms: on which the vehicle is armed.
+        own_fences: those that were written to its autopilot before.
 
     Attributes:
         companion: under test.
@@ -184,16 +188,19 @@ class Lockstep(Happened):
         resumes: bool = False,
         vehicle: Signing | None = None,
         functions: FunctionPort | None = None,
+        terms: ArmingTerms = USUAL_TERMS,
+        own_fences: OwnFences | None = None,
     ) -> None:
         self.journal = KeptJournal()
         self.name = "the-run"
-        self._mission, self._resumes, self._functions = mission, resumes, functions
+        self._mission, self._terms, self._own_fences = mission, terms, own_fences or OwnFences()
+        self._resumes, self._functions = resumes, functions
         scenario, grid = world
         links = {LinkName.OFFBOARD} | ({LinkName.GCS} if has_station else set())
         self.simulation = Simulation(
             scenario, grid, seed=seed, links=frozenset(links), signing=vehicle
         )
-        self.companion = Companion(mission, self, resumes=resumes, functions=functions)
+        self.companion = self._companion(None)
         self.is_companion_alive = True
         self.reports: list[Stamped] = []
         self.said: list[Said] = []
@@ -221,14 +228,19 @@ class Lockstep(Happened):
         assert journalled is not None
         journalled = replace(journalled, away_s=self.now_s - journalled.time_s)
         again = None if journalled.is_over else journalled
-        self.companion = Companion(
+        self.companion = self._companion(again)
+        self.is_companion_alive = True
+
+    def _companion(self, journalled: JournalledFlight | None) -> Companion:
+        return Companion(
             self._mission,
             self,
+            self._terms,
+            own_fences=self._own_fences,
             resumes=self._resumes,
-            journalled=again,
+            journalled=journalled,
             functions=self._functions,
         )
-        self.is_companion_alive = True
 
     # -- companion.app.Recorder ----------------------------------------------------------------
 

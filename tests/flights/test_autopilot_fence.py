@@ -8,57 +8,35 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import pytest
 from lockstep import VEHICLE, Deaf, Lockstep, Lossy
+from meadow import (
+    CIRCLE,
+    DATA,
+    POLYGON,
+    POND,
+    SQUARE,
+    areas,
+    armed,
+    mission,
+    refused,
+    start,
+    station_uploads,
+)
 
-from companion.acting.arming_terms import ArmingTerms, FencePolicy
+from companion.acting.arming_terms import FencePolicy
 from companion.api.simulating import world_of
-from companion.app import Companion
 from companion.flight_events.fence import FenceKept, FenceReplaced, FenceWritten
 from companion.flight_events.sortie import AutopilotSaid, Phase, PhaseEntered, SetpointRefused
 from companion.geofence import FencePolygon
-from companion.geometry import GlobalOrigin, Ned, is_in_polygon
+from companion.geometry import GlobalOrigin, is_in_polygon
 from companion.mavlink.framing import dialect
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
 from companion.vehicle.offboard import MavlinkVehicle
 from companion.vehicle.own_fences import OwnFences
 from companion.vehicle.port import Setpoint
-from sitl.world.scenario import PX4_HOME
-
-SQUARE = ((-15.0, -15.0), (-15.0, 35.0), (15.0, 35.0), (15.0, -15.0))
-"""North and east."""
-POND = ((5.0, 5.0), (5.0, 10.0), (10.0, 10.0), (10.0, 5.0))
-POLYGON, CIRCLE = dialect.MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION, 5003
-
-
-DATA: dict[str, Any] = {
-    "version": 1,
-    "name": "meadow",
-    "places": {
-        "Home": {"east_m": 0, "north_m": 0, "up_m": 3, "radius_m": 2},
-        "A": {"east_m": 20, "north_m": 0, "up_m": 3},
-    },
-    "sets": {"Place": ["Home", "A"]},
-    "skills": {
-        "move": {
-            "parameters": {"from": "Place", "to": "Place"},
-            "precondition": "at(from)",
-            "effect": "at(to) & !at(from)",
-            "execute": "fly(to)",
-        }
-    },
-    "initially": ["at(Home)"],
-    "task": {"visit": "F at(A) & F G at(Home)"},
-}
-
-
-def mission(fence: tuple[tuple[float, float], ...] = SQUARE, **limits: Any) -> Mission:
-    """Home, and A 20 m east of it."""
-    bounds = {"speed_mps": 4, "up_m": [1, 10], "fence": [[e, n] for n, e in fence]} | limits
-    return load_mission(DATA | {"limits": bounds})
 
 
 def at(origin: GlobalOrigin) -> dict[str, float]:
@@ -75,52 +53,6 @@ def mission_on_earth(home: GlobalOrigin, fence: Sequence[Sequence[float]]) -> Mi
     }
     limits = {"speed_mps": 4, "up_m": [1, 10], "fence": [list(corner) for corner in fence]}
     return load_mission(DATA | {"frame": "wgs84", "places": places, "limits": limits})
-
-
-MEADOW = mission(keep_out={"Pond": [[e, n] for n, e in POND]})
-
-
-def start(
-    asked: Mission = MEADOW,
-    policy: FencePolicy = FencePolicy.UPLOAD,
-    own: OwnFences | None = None,
-    **options: Any,
-) -> Lockstep:
-    flight = Lockstep(asked, world_of(asked, None), **({"has_station": True} | options))
-    terms = ArmingTerms(fence=policy)
-    flight.companion = Companion(asked, flight, terms, own_fences=own)
-    return flight
-
-
-def station_uploads(flight: Lockstep, *items: tuple[int, float, Ned]) -> None:
-    """A ground station writes a fence of (command, param1, point)."""
-    kind = dialect.MAV_MISSION_TYPE_FENCE
-    flight.is_companion_alive = False
-    flight.run(0.2)
-    flight.station_says(dialect.MAVLink_mission_count_message(VEHICLE, 1, len(items), kind))
-    for seq, (command, first, point) in enumerate(items):
-        flight.run(0.05)
-        lat_deg, lon_deg, _ = PX4_HOME.to_global(point)
-        x, y = round(lat_deg * 1e7), round(lon_deg * 1e7)
-        head = (VEHICLE, 1, seq, dialect.MAV_FRAME_GLOBAL, command, 0, 1, first, 0.0, 0.0, 0.0)
-        flight.station_says(dialect.MAVLink_mission_item_int_message(*head, x, y, 0.0, kind))
-    flight.run(0.2)
-    flight.is_companion_alive = True
-
-
-def areas(flight: Lockstep) -> tuple[Any, ...]:
-    """Those that the autopilot has in force."""
-    return flight.simulation._autopilot.fence.areas
-
-
-def armed(flight: Lockstep) -> Lockstep:
-    return flight.until_reported(PhaseEntered, 60.0, phase=Phase.ARMING)
-
-
-def refused(flight: Lockstep) -> str:
-    flight.until_the_end()
-    assert flight.armings == 0 and flight.exit_code == 5
-    return flight.ending.text
 
 
 def test_it_is_in_force_before_arming_and_costs_three_seconds() -> None:

@@ -55,7 +55,7 @@ class Reachability:
         self._flight = flight
         self._instantiated_on = self._looked_at = flight.routes.version
         self._costed_at = flight.speed_limit.version
-        self._cut_off = self._unreachable()
+        self._cut_off = self.unreachable
         self._searched_on = self._instantiated_on
         self._searching = Question[bool]()
         self.has_changed = False
@@ -65,7 +65,7 @@ class Reachability:
         version = self._flight.routes.version
         if version != self._looked_at:
             self._looked_at = version
-            cut_off, running = self._unreachable(), self._flight.task.running
+            cut_off, running = self.unreachable, self._flight.task.running
             is_flown_to = running is not None and running.destination in cut_off
             self.has_changed = cut_off != self._cut_off and not is_flown_to
 
@@ -105,7 +105,7 @@ class Reachability:
                 self._find(MAX_PARTS)
             self._planner.reinstantiate()
             self._instantiated_on, self._costed_at = followed
-            self._cut_off = self._unreachable()
+            self._cut_off = self.unreachable
             self.has_changed = False
         lost, held = flight.task.cut_off(self._planner.without_a_move)
         connected = PlacesConnected(self._named(held), restored=tuple(held)) if held else None
@@ -119,7 +119,8 @@ class Reachability:
         alike = beliefs if gone.isdisjoint(beliefs) else gone
         return in_words(beliefs, alike, known)
 
-    def _unreachable(self) -> frozenset[str]:
+    @property
+    def unreachable(self) -> frozenset[str]:
         """The places from which walls divide the vehicle."""
         state = self._flight.vehicle.state
         if state is None:

@@ -144,3 +144,43 @@ def test_behind_a_zone_is_what_is_out_of_sight(here: Corner, there: Corner) -> N
 def test_without_zones_there_is_nothing_to_keep_out_of(there: Corner) -> None:
     assert ENVELOPE.keep_out == ()
     assert refusal((5.0, 15.0), there) is None
+
+
+OWN = "outside the autopilot's own fence"
+AREAS = (
+    ((4.0, 13.0), (4.0, 16.0), (6.0, 16.0), (6.0, 13.0)),
+    ((3.0, 14.0), (3.0, 19.0), (5.5, 19.0), (5.5, 14.0)),
+)
+"""Of the autopilot's own fence: it stays in both."""
+
+
+@pytest.mark.parametrize("areas", [AREAS, AREAS[::-1]])
+@pytest.mark.parametrize(
+    ("edge", "outwards"),
+    [
+        ((4.25, 15.0), (-1, 0)),
+        ((5.25, 15.0), (1, 0)),
+        ((5.0, 14.25), (0, -1)),
+        ((5.0, 15.75), (0, 1)),
+    ],
+)
+def test_each_area_of_the_autopilots_own_fence_holds(
+    areas: tuple[tuple[Corner, ...], ...], edge: Corner, outwards: Corner
+) -> None:
+    """With the margin of the mission's own."""
+    envelope = replace(ENVELOPE, within=areas)
+    state = heard(position=(*edge, -2.25))
+    at_the_margin = replace(GOOD, position=(*edge, -2.25))
+    assert verdict(at_the_margin, state, envelope) == Verdict(at_the_margin)
+    for beyond_m in (AFTER, 1.0):
+        there = [e + beyond_m * o for e, o in zip(edge, outwards, strict=True)]
+        found = verdict(replace(GOOD, position=(*there, -2.25)), state, envelope)
+        assert found == Verdict(hold_at(state.position, state.yaw_rad), Refusal(OWN))
+
+
+def test_the_missions_fence_holds_beside_it() -> None:
+    wide = ((-50.0, -50.0), (-50.0, 50.0), (50.0, 50.0), (50.0, -50.0))
+    state = heard(position=(9.5, 15.0, -2.25))
+    beyond = replace(GOOD, position=(9.75 + AFTER, 15.0, -2.25))
+    found = verdict(beyond, state, replace(ENVELOPE, within=(wide,)))
+    assert found.refusal == Refusal("outside the fence")

@@ -24,6 +24,7 @@ from autopilot import (
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from companion.geofence import KeptFence
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mission.signals import Signal
 from companion.outcomes import Refusal
@@ -112,6 +113,22 @@ def test_setpoints_pass_the_gate(meeting: Meeting) -> None:
     meeting.vehicle.fly(AHEAD)
     meeting.tick()
     assert meeting.vehicle.refusal is None
+
+
+def test_the_gate_keeps_to_a_fence_that_came_later(meeting: Meeting) -> None:
+    in_offboard(meeting)
+    around = ((-9.0, -9.0), (-9.0, 9.0), (0.5, 9.0), (0.5, -9.0))
+    ahead = ((-1.0, 0.2), (-1.0, 0.4), (9.0, 0.4), (9.0, 0.2))
+    outside = Refusal("outside the autopilot's own fence")
+    for fence, position, refusal in (
+        (KeptFence((), ()), (0.6, 0.0, -2.0), None),
+        (KeptFence((around,), ()), (0.6, 0.0, -2.0), outside),
+        (KeptFence((), (ahead,)), (0.0, 0.3, -2.0), Refusal("in a keep-out zone")),
+    ):
+        meeting.vehicle.keep_within(fence)
+        meeting.vehicle.fly(hold_at(position, 0.0))
+        meeting.tick()
+        assert meeting.vehicle.refusal == refusal
 
 
 def test_the_gate_follows_the_speed_limit_in_force(meeting: Meeting) -> None:

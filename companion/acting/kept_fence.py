@@ -1,0 +1,114 @@
+"""A fence of somebody else that stays in the autopilot: the flight has no more room than it leaves.
+
+1. Routes lie in it, and the gate lets no setpoint out of it, both with what they keep from the
+   mission's own fence and zones.
+2. The mission was planned before it was known. Where it leaves less room the plan is searched
+   again before arming. Without one the mission is refused, by the leg that leads out, and the area.
+3. The journal has it: whoever goes on with the flight cannot ask the autopilot in the air.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from companion.acting.beginning import GROUND_SLICE_US
+from companion.acting.executive import Executive
+from companion.acting.fence_check import FenceCheck
+from companion.acting.flight import Flight
+from companion.acting.replanning.replanner import PlanFailure
+from companion.geofence import KeptFence, StoredFence
+from companion.geometry import NorthEast
+from companion.planning.lasso import Lasso
+from companion.slices import InSlices, spent
+from companion.vehicle.port import Failed, Outcome, Progress
+
+LESS_ROOM = "the vehicle's own fence leaves less room"
+STEP_M = 0.1
+"""Legs are held against the areas at points that are so far apart."""
+_ROUTE_US = 3_000
+
+
+def keep_to(flight: Flight, fence: KeptFence) -> bool:
+    """Nothing is flown outside a fence from now on; whether that leaves less room for routes."""
+    flight.journal.note(flight.now_s, fence)
+    flight.vehicle.keep_within(fence)
+    return flight.routes.keep_within(fence.within, fence.keep_out)
+
+
+class _Leg(NamedTuple):
+    """A flight of a plan, as it would have been flown; the ways over the ground."""
+
+    origin: str
+    goal: str
+    points: tuple[NorthEast, ...]
+
+
+class KeptFenceCheck:
+    """What follows before arming from a fence that was kept.
+
+    Args:
+        flight: that is narrowed.
+        executive: has the plan.
+        check: has kept the fence.
+        home: where the plan begins.
+    """
+
+    def __init__(self, flight: Flight, executive: Executive, check: FenceCheck, home: str) -> None:
+        self._flight, self._executive = flight, executive
+        self._check, self._home = check, home
+        self._narrowing: InSlices[Failed | None] | None = None
+
+    def tick(self) -> Outcome:
+        """DONE when what is planned lies in the fence, if one was kept; or why there is no plan."""
+        stored = self._check.kept
+        if stored is None:
+            return Progress.DONE
+        if self._narrowing is None:
+            self._narrowing = InSlices(lambda: self._narrow(stored), GROUND_SLICE_US)
+        if not self._narrowing.step():
+            return Progress.RUNNING
+        return self._narrowing.result or Progress.DONE
+
+    def _narrow(self, stored: StoredFence) -> Failed | None:
+        legs = list(self._legs(self._executive.lasso))
+        if not keep_to(self._flight, KeptFence.of(stored.areas)):
+            return None
+        failure = self._executive.plan_again(LESS_ROOM)
+        return self._refused(failure, legs, stored) if failure is not None else None
+
+    def _legs(self, plan: Lasso | None) -> Iterator[_Leg]:
+        """The flights of a plan, each once; none of a tree that was written by hand."""
+        routes, told = self._flight.routes, set[tuple[str, str]]()
+        actions = (*plan.prefix, *plan.loop, *plan.loop) if plan is not None else ()
+        flown_to = (action.destination for action in actions if action.destination is not None)
+        for origin, goal in pairwise((self._home, *flown_to)):
+            if (origin, goal) in told or not (routes.knows(origin) and routes.knows(goal)):
+                continue
+            told.add((origin, goal))
+            spent(_ROUTE_US)
+            if (route := routes.route(routes.goal(origin), goal)) is not None:
+                yield _Leg(origin, goal, tuple((n, e) for n, e, _ in route.waypoints.tolist()))
+
+    def _refused(self, failure: PlanFailure, legs: list[_Leg], stored: StoredFence) -> Failed:
+        routes = self._flight.routes
+        lost = (leg for leg in legs if routes.route(routes.goal(leg.origin), leg.goal) is None)
+        leg = next(lost, None)
+        where = f": {_leaves(leg, stored)}" if leg is not None else ""
+        return Failed(f"no plan within the vehicle's own fence ({stored}){where}\n{failure}")
+
+
+def _leaves(leg: _Leg, stored: StoredFence) -> str:
+    """Which area a leg does not keep to, in words."""
+    way = f"the way from {leg.origin} to {leg.goal}"
+    for (n1, e1), (n2, e2) in pairwise(leg.points):
+        count = 2 + int(np.hypot(n2 - n1, e2 - e1) / STEP_M)
+        for point in zip(np.linspace(n1, n2, count), np.linspace(e1, e2, count), strict=True):
+            for number, area in enumerate(stored.areas, 1):
+                if not area.allows(point):
+                    does = "leaves" if area.is_inclusion else "crosses"
+                    return f"{way} {does} area {number} of {len(stored.areas)}"
+    return f"{way} comes too near to its edge"

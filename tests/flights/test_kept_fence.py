@@ -1,0 +1,120 @@
+"""Flights within a fence of somebody else that stays in the autopilot, beside the mission's own."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from lockstep import Lockstep
+from meadow import CIRCLE, MEADOW, POLYGON, armed, refused, start, station_uploads
+
+from companion.acting.arming_terms import FencePolicy
+from companion.flight_events.fence import FenceKept
+from companion.flight_events.sortie import (
+    ControlTakenBack,
+    FlightFoundAgain,
+    Phase,
+    PhaseEntered,
+    SetpointRefused,
+    TaskSatisfied,
+)
+from companion.geometry import NorthEast, is_in_polygon
+from companion.mavlink.framing import dialect
+from companion.vehicle.offboard import MavlinkVehicle
+from companion.vehicle.port import Setpoint
+
+BED = ((-9.0, 8.0), (-9.0, 12.0), (4.0, 12.0), (4.0, 8.0))
+"""Across the way from Home to A; north of it is no way between it and the pond."""
+HEDGE = ((-40.0, 9.0), (-40.0, 11.0), (40.0, 11.0), (40.0, 9.0))
+"""Across the whole of the mission's fence."""
+EXCLUSION = dialect.MAV_CMD_NAV_FENCE_POLYGON_VERTEX_EXCLUSION
+
+
+def kept(corners: tuple[NorthEast, ...], command: int = EXCLUSION, **options: bool) -> Lockstep:
+    """Beside a fence of an area and a circle of 400 m, which is to be kept."""
+    flight = start(policy=FencePolicy.KEEP, **options)
+    items = [(command, float(len(corners)), (n, e, 0.0)) for n, e in corners]
+    station_uploads(flight, *items, (CIRCLE, 400.0, (0.0, 0.0, 0.0)))
+    return flight
+
+
+def flown(flight: Lockstep, phase: Phase = Phase.ENDED) -> list[NorthEast]:
+    """Where the vehicle was until a phase, or the end."""
+    was: list[NorthEast] = []
+
+    def is_over() -> bool:
+        was.append(flight.simulation.flight.position[:2])
+        return flight.companion.has_ended or bool(flight.of(PhaseEntered, phase=phase))
+
+    flight.until(is_over)
+    return was
+
+
+def test_it_is_flown_around_what_the_mission_does_not_know_of() -> None:
+    flight = kept(BED)
+    was = flown(flight)
+    assert flight.ending == TaskSatisfied() and flight.of(SetpointRefused) == []
+    assert flight.one(FenceKept).fence == "5 points, 2 areas"
+    assert min(north for north, _ in was) < -9.0 - MEADOW.vehicle.clearance_m + 0.2
+    assert not any(is_in_polygon(point, BED) for point in was)
+    modes = [mode for _, mode in flight.modes]
+    held = modes[modes.index("OFFBOARD") :].count("AUTO.LOITER")
+    assert not held, "the autopilot has held it at its fence"
+
+
+def test_it_is_refused_by_the_leg_where_no_way_is_left() -> None:
+    flight = kept(HEDGE)
+    reason = refused(flight)
+    assert reason.startswith(
+        "no plan within the vehicle's own fence (5 points, 2 areas): "
+        "the way from Home to A crosses area 1 of 2\nno plan: "
+    )
+
+
+def test_the_gate_lets_no_setpoint_out_of_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    corners = ((-6.0, -10.0), (-6.0, 30.0), (6.0, 30.0), (6.0, -10.0))
+    flight = kept(corners, POLYGON).until_reported(PhaseEntered, phase=Phase.TASK)
+    fly = MavlinkVehicle.fly
+
+    def aside(vehicle: MavlinkVehicle, setpoint: Setpoint, *more: bool) -> None:
+        assert vehicle.state is not None
+        north, _, _ = vehicle.state.position
+        position = (north + 0.9, *setpoint.position[1:])
+        fly(vehicle, replace(setpoint, position=position), *more)
+
+    monkeypatch.setattr(MavlinkVehicle, "fly", aside)
+    flight.run(8.0)
+    reasons = {event.reason for event in flight.of(SetpointRefused)}
+    assert "outside the autopilot's own fence" in reasons
+    margin_m = MEADOW.vehicle.margin_m
+    assert max(sent.message.x for sent in flight.setpoints) <= 6.0 - margin_m + 0.05
+    assert flight.simulation.mode == "OFFBOARD"
+
+
+def test_whoever_goes_on_after_a_kill_still_keeps_to_it() -> None:
+    """In the air the autopilot is not asked: the journal has its fence."""
+    flight = kept(BED, resumes=True).until_reported(PhaseEntered, phase=Phase.TASK)
+    flight.until(lambda: flight.simulation.flight.position[1] > 3.0)
+    flight.kill()
+    flight.run(3.0)
+    flight.restart()
+    was = flown(flight)
+    assert flight.of(FlightFoundAgain) and flight.of(ControlTakenBack)
+    assert flight.ending == TaskSatisfied() and flight.armings == 1
+    assert len(flight.of(FenceKept)) == 1
+    assert not any(is_in_polygon(point, BED) for point in was)
+
+
+@pytest.mark.parametrize("policy", [FencePolicy.KEEP, FencePolicy.UPLOAD])
+def test_killed_before_arming_another_begins_anew_and_asks_again(policy: FencePolicy) -> None:
+    flight = start(policy=policy, resumes=True)
+    station_uploads(flight, (CIRCLE, 400.0, (0.0, 0.0, 0.0)))
+    flight.until_reported(PhaseEntered, phase=Phase.CHECKING).run(0.3)
+    flight.kill()
+    flight.run(3.0)
+    flight.restart()
+    if policy is FencePolicy.UPLOAD:
+        assert refused(flight).startswith("the vehicle has another fence (1 point, 1 area)\n")
+    else:
+        armed(flight)
+        assert len(flight.of(FenceKept)) >= 1
