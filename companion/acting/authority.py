@@ -12,7 +12,7 @@ from companion.acting.flight import Flight
 from companion.acting.phases import ON_THE_GROUND, UNDER_TASK
 from companion.errors import Aborted, CompanionError, LinkError
 from companion.flight_events.sortie import Phase
-from companion.geometry import FAR_M
+from companion.geometry import FAR_M, is_in_polygon
 from companion.mission.model import Limits, Place
 from companion.motion.position_error import greatest_error_m
 from companion.outcomes import Refusal
@@ -97,7 +97,7 @@ def not_handed_over(
         state: of the vehicle.
         now_s: the time.
         is_hold_by_stream_loss: the autopilot's failsafe is only that it no longer heard us.
-        limits: of the mission; far above them no setpoint would pass the gate.
+        limits: of the mission; far above or outside of them no setpoint would pass the gate.
     """
     if state is None or now_s - state.position_s > FRESH_S:
         return Refusal("no fresh position")
@@ -113,4 +113,6 @@ def not_handed_over(
     if up_m > ceiling_m + ASTRAY_M:
         above = f"the vehicle is {up_m:.1f} m up, and the mission stays below {ceiling_m:g} m"
         return Refusal(f"{above}; bring it down first")
+    if not is_in_polygon(state.position, limits.fence):
+        return Refusal("the vehicle is outside the mission's fence; bring it back first")
     return None

@@ -68,6 +68,7 @@ class Control:
         has_both_keys = self._resumes and self._stream_loss.is_hold
         may_fly_on = not state.is_battery_critical and self._is_expected(state)
         if has_both_keys and may_fly_on and self.not_handed_over() is None:
+            self._stream_loss.note_control_back()
             return ControlTakenBack()
         return None
 

@@ -8,7 +8,8 @@ Such a hold is a key by which control may come back: it is no decision of a pilo
 3. Since then nothing else was heard but hold with a failsafe, and OFFBOARD.
 
 Anything else (a pilot's mode, a return, a landing, hold without a failsafe) ends it for good, until
-the next interruption. Source: PX4 v1.16 as observed (COM_OF_LOSS_T 1 s, COM_OBL_RC_ACT 5).
+the next interruption. Once control was taken back, a failsafe that follows is another one: a fence
+that was left. Source: PX4 v1.16 as observed (COM_OF_LOSS_T 1 s, COM_OBL_RC_ACT 5).
 """
 
 from __future__ import annotations
@@ -32,6 +33,10 @@ class StreamLossWatch:
     def __init__(self) -> None:
         self.is_hold = False
         self._stepped_s = self._interrupted_s = -math.inf
+
+    def note_control_back(self) -> None:
+        """We have control: what holds the vehicle from now on does not follow from before."""
+        self._interrupted_s = -math.inf
 
     def step(self, now_s: float, state: VehicleState) -> None:
         """Takes the state of a tick."""

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import pytest
-from lockstep import VEHICLE, Deaf, Lockstep, Lossy
+from lockstep import COMPANION, VEHICLE, Cut, Deaf, Lockstep, Lossy
 from meadow import (
     CIRCLE,
     DATA,
@@ -28,7 +28,14 @@ from meadow import (
 from companion.acting.arming_terms import FencePolicy
 from companion.api.simulating import world_of
 from companion.flight_events.fence import FenceKept, FenceReplaced, FenceWritten
-from companion.flight_events.sortie import AutopilotSaid, Phase, PhaseEntered, SetpointRefused
+from companion.flight_events.sortie import (
+    AutopilotSaid,
+    ControlTakenBack,
+    ControlYielded,
+    Phase,
+    PhaseEntered,
+    SetpointRefused,
+)
 from companion.geofence import FencePolygon
 from companion.geometry import GlobalOrigin, is_in_polygon
 from companion.mavlink.framing import dialect
@@ -167,16 +174,21 @@ def test_the_next_mission_of_this_companion_replaces_its_own() -> None:
     assert (told.before, told.fence) == ("8 points, 2 areas", "4 points, 1 area")
 
 
+def push_out(flight: Lockstep) -> None:
+    """Another sender tells the autopilot to fly away, in this tick."""
+    mask, frame = 0b110111111000, dialect.MAV_FRAME_LOCAL_NED
+    flight.station_says(
+        dialect.MAVLink_set_position_target_local_ned_message(
+            0, VEHICLE, 1, frame, mask, -40.0, 10.0, -3.0, 0, 0, 0, 0, 0, 0, 0, 0
+        )
+    )
+
+
 def test_another_sender_that_pushes_it_out_is_held_by_the_autopilot() -> None:
     flight = start().until_reported(PhaseEntered, phase=Phase.TASK)
-    mask, frame = 0b110111111000, dialect.MAV_FRAME_LOCAL_NED
 
     def is_pushed_out() -> bool:
-        flight.station_says(
-            dialect.MAVLink_set_position_target_local_ned_message(
-                0, VEHICLE, 1, frame, mask, -40.0, 10.0, -3.0, 0, 0, 0, 0, 0, 0, 0, 0
-            )
-        )
+        push_out(flight)
         return flight.companion.has_ended
 
     flight.until(is_pushed_out, 60.0)
@@ -188,6 +200,26 @@ def test_another_sender_that_pushes_it_out_is_held_by_the_autopilot() -> None:
     flight.run(5.0)
     assert flight.simulation.mode == "AUTO.LOITER", "it does not come back by itself"
     assert all(sent.time_s <= held_s for sent in flight.setpoints)
+
+
+def test_resume_does_not_go_on_from_a_breach_that_follows_a_short_silence() -> None:
+    """Which looks like the hold by which the autopilot answers the loss of our stream."""
+    link = Cut()
+    flight = start(resumes=True, up=link).until_reported(PhaseEntered, phase=Phase.TASK)
+
+    def is_pushed_out() -> bool:
+        push_out(flight)
+        link.is_cut = -14.5 < flight.simulation.flight.position[0] < -13.0
+        return flight.of(ControlYielded) != []
+
+    flight.until(is_pushed_out, 60.0)
+    yielded_s = flight.now_s
+    flight.run(20.0)
+    assert flight.of(ControlTakenBack) == [] and flight.simulation.mode == "AUTO.LOITER"
+    flight.station_commands(dialect.MAV_CMD_DO_PAUSE_CONTINUE, 1.0, component=COMPANION)
+    flight.run(2.0)
+    assert flight.simulation.mode == "AUTO.LOITER"
+    assert max(sent.time_s for sent in flight.setpoints) <= yielded_s
 
 
 def test_what_leaves_the_fence_is_refused_by_the_companions_own_gate(

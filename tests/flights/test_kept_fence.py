@@ -12,6 +12,7 @@ from companion.acting.arming_terms import FencePolicy
 from companion.flight_events.fence import FenceKept
 from companion.flight_events.sortie import (
     ControlTakenBack,
+    ControlYielded,
     FlightFoundAgain,
     Phase,
     PhaseEntered,
@@ -118,3 +119,22 @@ def test_killed_before_arming_another_begins_anew_and_asks_again(policy: FencePo
     else:
         armed(flight)
         assert len(flight.of(FenceKept)) >= 1
+
+
+def test_a_fence_drawn_while_the_companion_was_away_is_the_autopilots_alone() -> None:
+    """Nothing is asked in the air, so it goes on. Where it leads out the autopilot holds it."""
+    flight = start(policy=FencePolicy.UPLOAD, resumes=True)
+    flight.until_reported(PhaseEntered, phase=Phase.TASK)
+    flight.until(lambda: flight.simulation.flight.position[1] > 3.0)
+    flight.kill()
+    flight.run(3.0)
+    corners = ((-9.0, -9.0), (-9.0, 12.0), (9.0, 12.0), (9.0, -9.0))
+    station_uploads(flight, *((POLYGON, 4.0, (n, e, 0.0)) for n, e in corners))
+    flight.restart()
+    yielded = flight.until_reported(ControlYielded).one(ControlYielded)
+    assert "a failsafe of the autopilot has control, in AUTO.LOITER" in yielded.text
+    yielded_s = flight.now_s
+    flight.run(20.0)
+    assert len(flight.of(ControlTakenBack)) == 1, "it has gone on from its fence as well"
+    assert flight.simulation.mode == "AUTO.LOITER"
+    assert max(sent.time_s for sent in flight.setpoints) <= yielded_s

@@ -32,7 +32,7 @@ STANDING = replace(FLYING, is_armed=False, is_landed=True)
 ABOUT_TO_FLY = replace(FLYING, is_landed=True)
 HOME = Place("Home", (0.0, 0.0, -2.0), Disc(0.4))
 EPSILON = 1e-6
-LIMITS = Limits(2.0, (0.5, 4.0), ())
+LIMITS = Limits(2.0, (0.5, 4.0), ((-9.0, -9.0), (-9.0, 9.0), (9.0, 9.0), (9.0, -9.0)))
 
 
 def flight(takeover: Takeover | None = None, is_landed_by_plan: bool = False) -> Any:
@@ -210,3 +210,14 @@ def test_what_a_return_has_carried_far_above_the_mission_is_to_be_brought_down()
     assert why(4.0 + 1.0 + EPSILON) == (
         "the vehicle is 5.0 m up, and the mission stays below 4 m; bring it down first"
     )
+
+
+def test_what_is_outside_the_fence_is_to_be_brought_back() -> None:
+    """A breach that the autopilot holds may follow on an interruption of our stream."""
+
+    def why(north: float) -> str | None:
+        state = replace(FLYING, position=(north, 0.0, -2.0))
+        return reason(not_handed_over(state, NOW_S, True, LIMITS))
+
+    assert why(9.0 - EPSILON) is None
+    assert why(9.0 + EPSILON) == "the vehicle is outside the mission's fence; bring it back first"
