@@ -209,7 +209,7 @@ def test_resume_does_not_go_on_from_a_breach_that_follows_a_short_silence() -> N
 
     def is_pushed_out() -> bool:
         push_out(flight)
-        link.is_cut = -14.5 < flight.simulation.flight.position[0] < -13.0
+        link.is_cut = -14.7 < flight.simulation.flight.position[0] < -10.0
         return flight.of(ControlYielded) != []
 
     flight.until(is_pushed_out, 60.0)

@@ -406,7 +406,7 @@ def test_a_speed_limit_in_flight_slows_the_flight_under_way_and_nothing_is_refus
     on_the_way_to_b(flight)
     run = flight.companion._run
     assert run is not None
-    planner, vehicle = run.sortie._executive._planner, run.vehicle
+    planner, vehicle = run.sortie._executive.planner, run.vehicle
     before = {action.name: action.cost_ms for action in planner.model.actions}
     since_s = flight.now_s
     slow = dialect.MAVLink_param_set_message(VEHICLE, COMPANION, b"CMP_SPEED_MAX", 0.5, 9)

@@ -399,7 +399,8 @@ def test_a_stop_before_the_task(phase: Phase, climbs: bool, start: Start) -> Non
 def test_a_vehicle_that_may_not_arm_says_why(start: Start, hall: World) -> None:
     """The battery is empty; STATUSTEXT and the report of the arming checks say so, once."""
     scenario, grid = hall
-    flight = start((replace(scenario, charge=0.05), grid), has_station=True).until_the_end()
+    empty = replace(scenario, battery=replace(scenario.battery, charge=0.05))
+    flight = start((empty, grid), has_station=True).until_the_end()
     assert flight.ending == aborted("not armed: temporarily rejected (autopilot: low battery)")
     assert flight.setpoints == []
     assert flight.armings == 0

@@ -27,7 +27,7 @@ from companion.mission.model import Limits
 from companion.outcomes import Refusal
 from companion.vehicle.port import MODE_KNOWN_S, Goal, Mode, Takeover, VehicleState
 
-LIMITS = Limits(2.0, (0.5, 4.0), ())
+LIMITS = Limits(2.0, (0.5, 4.0), ((-9.0, -9.0), (-9.0, 9.0), (9.0, 9.0), (9.0, -9.0)))
 
 
 def patrol(may_yield: bool = True) -> SortieRig:
