@@ -6,9 +6,12 @@ from collections.abc import Callable
 
 import pytest
 from lockstep import Lockstep, Said, World
+from meadow import areas, start
 
+from companion.flight_events.fence import FenceWritten
 from companion.flight_events.skills import PlaceReached
-from companion.mavlink.framing import MavlinkCodec, dialect
+from companion.flight_events.sortie import TaskSatisfied
+from companion.mavlink.framing import MavlinkCodec, Message, dialect
 from companion.mavlink.px4_modes import MODES
 from companion.mavlink.signing import (
     MayBeUnsigned,
@@ -117,3 +120,56 @@ def test_beside_an_unsigned_autopilot_operators_sign(surveillance: Mission, hall
 
 def answers(said: list[Said]) -> list[dialect.MAVLink_command_ack_message]:
     return [s.message for s in said if s.message.get_type() == "COMMAND_ACK"]
+
+
+class FenceAttacker:
+    """Says on both ways, without the key, what would end or change a transfer of the fence."""
+
+    def __init__(self, companion: Signing) -> None:
+        self._companion = companion
+        self._autopilot, self._other = MavlinkCodec(1, 1), MavlinkCodec(1, 191)
+        self._wrong = Signing(SigningKey(bytes(32)), NOW_S + 3600.0)
+        self.sent = 0
+
+    def up(self, now_s: float, datagrams: list[bytes]) -> list[bytes]:
+        """As the autopilot: a refusal, an empty fence, a home elsewhere, an area left out."""
+        to, kind = (1, 191), dialect.MAV_MISSION_TYPE_FENCE
+        elsewhere = (480000000, 90000000, 0, 0.0, 0.0, 0.0, [1.0, 0.0, 0.0, 0.0], 0.0, 0.0, 0.0)
+        said = [
+            dialect.MAVLink_mission_ack_message(*to, dialect.MAV_MISSION_NO_SPACE, kind),
+            dialect.MAVLink_mission_count_message(*to, 0, kind),
+            dialect.MAVLink_mission_request_int_message(*to, 3, kind),
+            dialect.MAVLink_home_position_message(*elsewhere),
+            dialect.MAVLink_statustext_message(2, b"Geofence invalid, doesn't contain Home"),
+        ]
+        return self._companion.receive(now_s, self._mixed(now_s, self._autopilot, said, datagrams))
+
+    def down(self, now_s: float, datagrams: list[bytes]) -> list[bytes]:
+        """As the companion: the fence is cleared, or another one comes."""
+        kind = dialect.MAV_MISSION_TYPE_FENCE
+        said = [
+            dialect.MAVLink_mission_clear_all_message(1, 1, kind),
+            dialect.MAVLink_mission_count_message(1, 1, 0, kind),
+        ]
+        return self._mixed(now_s, self._other, said, self._companion.send(now_s, datagrams))
+
+    def _mixed(
+        self, now_s: float, codec: MavlinkCodec, said: list[Message], datagrams: list[bytes]
+    ) -> list[bytes]:
+        forged = [codec.pack(message) for message in said]
+        attacks = [*forged, *self._wrong.send(now_s, forged)]
+        self.sent += len(attacks)
+        return [*attacks, *datagrams, *attacks]
+
+
+def test_a_fence_is_uploaded_over_a_signed_link_whatever_others_answer() -> None:
+    companion, vehicle = Signing(KEY, NOW_S, of_signed_vehicle), Signing(KEY, NOW_S)
+    attacker = FenceAttacker(companion)
+    flight = start(has_station=False, up=attacker.up, down=attacker.down, vehicle=vehicle)
+    flight.until_the_end()
+    quiet = start(has_station=False).until_the_end()
+    assert flight.ending == quiet.ending == TaskSatisfied()
+    assert flight.events == quiet.events and flight.of(FenceWritten)
+    assert len(areas(flight)) == 2
+    refused = sum(companion.refused) + sum(vehicle.refused)
+    assert 0 <= 2 * attacker.sent - refused <= 8, "but for those of the last tick"
