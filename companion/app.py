@@ -36,7 +36,7 @@ from companion.mission.model import Mission
 from companion.mission_run import OnlyRun, Recorder, Run
 from companion.outcomes import Refusal
 from companion.planning.engine_port import Engine
-from companion.vehicle.own_fences import OwnFences
+from companion.vehicle.own_uploads import OwnUploads
 from companion.vehicle.telemetry import TELEMETRY, Telemetry
 from companion.vehicle.wire import AUTOPILOT, Wire
 
@@ -62,7 +62,7 @@ class Companion:
         engine: who plans the only mission; None for the built-in search. A host knows its own.
         resumes: where the autopilot holds because it no longer heard us, without an operator.
         journalled: a run that was cut off, to go on with; the mission is its own.
-        own_fences: those that were written to autopilots before.
+        own_uploads: what was written to autopilots before.
         functions: calls functions of packages in the only run; a host knows its own.
 
     Attributes:
@@ -81,7 +81,7 @@ class Companion:
         engine: Engine | None = None,
         resumes: bool = False,
         journalled: JournalledFlight | None = None,
-        own_fences: OwnFences | None = None,
+        own_uploads: OwnUploads | None = None,
         functions: FunctionPort | None = None,
     ) -> None:
         self.failure: CompanionError | None = None
@@ -91,7 +91,7 @@ class Companion:
         self._run_of = partial(
             Run,
             terms=terms,
-            own_fences=own_fences or OwnFences(),
+            own_uploads=own_uploads or OwnUploads(),
             may_yield=host is not None,
             limit=limit,
             resumes=resumes,

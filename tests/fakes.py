@@ -14,6 +14,7 @@ from companion.geofence import FenceArea, KeptFence, StoredFence
 from companion.geometry import Ned, NorthEast
 from companion.motion.range_scan import RangeScan
 from companion.outcomes import Refusal
+from companion.rally_points import RallyPoint, StoredRally
 from companion.vehicle.camera_port import (
     IntendedShot,
     NoPhoto,
@@ -165,6 +166,46 @@ class FakeFence:
         self._vouched = self.stored
 
 
+class FakeRally:
+    """The rally points of an autopilot, which knows where on the earth it is.
+
+    Attributes:
+        nowhere: why it does not; None where it does.
+        stored: those that it has.
+        taken: what becomes of those that are written.
+        written: all that were written.
+        is_mine: whether those that it has were written by this companion, in another flight.
+        has_written: whether it has ever written some.
+        reads: how often it was asked.
+    """
+
+    def __init__(self) -> None:
+        self.nowhere: str | None = None
+        self.stored: StoredRally | None = StoredRally(())
+        self.outcome: Outcome = Progress.DONE
+        self.taken: Outcome = Progress.DONE
+        self.written: list[tuple[RallyPoint, ...]] = []
+        self.is_mine = self.has_written = False
+        self.reads = 0
+
+    def locate(self) -> Outcome:
+        return Progress.DONE if self.nowhere is None else Failed(self.nowhere)
+
+    def read(self) -> None:
+        """They are told at once."""
+        self.reads += 1
+
+    def write(self, points: Sequence[RallyPoint]) -> None:
+        self.written.append(tuple(points))
+        if self.taken is Progress.DONE:
+            self.stored = StoredRally(tuple(points))
+        else:
+            self.outcome = self.taken
+
+    def is_own(self) -> bool:
+        return self.is_mine
+
+
 class FakeCameras:
     """Makes every photo at once, unless it was told otherwise.
 
@@ -249,7 +290,7 @@ class FakeVehicle:
         payloads: its payloads.
         markers: what it sees of landing markers; nothing at first.
         takeoff_up_m: to where it takes off, unless it is told another altitude.
-        fence: of its autopilot.
+        fence, rally: of its autopilot.
         cameras: its cameras.
         gimbals: its gimbals.
         flown: every setpoint that it was given; None when it was released.
@@ -279,6 +320,7 @@ class FakeVehicle:
         self.payloads = FakePayloads()
         self.markers = FakeMarkers()
         self.fence = FakeFence()
+        self.rally = FakeRally()
         self.cameras = FakeCameras()
         self.gimbals = FakeGimbals()
         self.pursued: list[Goal] = []

@@ -77,6 +77,7 @@ OPTIONS = {
             *SIGNING,
             "--accept-weak-failsafes",
             "--autopilot-fence",
+            "--rally-points",
             "--wait",
             "--resume",
             "--events",

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 
-class FencePolicy(StrEnum):
-    """What becomes of the autopilot's fence before arming (`fence_check.py`).
+class UploadPolicy(StrEnum):
+    """What becomes of the autopilot's fence, or rally points, before arming (`upload_check.py`).
 
-    UPLOAD writes the mission's where there is none, or one of this companion; KEEP flies within the
-    one that is there; REPLACE writes the mission's in its place; NONE does not ask for it.
+    UPLOAD writes the mission's where there is nothing, or what this companion wrote; KEEP flies
+    with what is there; REPLACE writes the mission's in its place; NONE does not ask for it.
     """
 
     UPLOAD = "upload"
@@ -26,10 +26,12 @@ class ArmingTerms:
     Attributes:
         accepts_weak_failsafes: although its autopilot's failsafes are weak.
         fence: what becomes of its autopilot's fence.
+        rally_points: what becomes of its autopilot's rally points.
     """
 
     accepts_weak_failsafes: bool = False
-    fence: FencePolicy = FencePolicy.UPLOAD
+    fence: UploadPolicy = UploadPolicy.UPLOAD
+    rally_points: UploadPolicy = UploadPolicy.UPLOAD
 
 
 USUAL_TERMS = ArmingTerms()

@@ -2,81 +2,41 @@
 
 The companion's gate keeps to the mission's fence and zones as long as the companion lives. The
 autopilot's fence, along the same edges, is the net behind it: it holds the vehicle whoever flies.
+How it is read and written, and whose may be overwritten, is in upload_check.py.
 
 1. What the mission writes under `limits`, a fence and zones, is put into an autopilot that has no
    fence. One that is this companion's own, of another mission, gives way to it, which is told.
-2. A fence that somebody else has put there stays. The mission is refused, unless the operator has
-   said which of the two is to be kept.
-3. One that has just been written is read back and compared. Then what the autopilot says is
-   listened to for LISTEN_S: PX4 takes a fence, reads it back whole, and leaves out an area that
-   does not hold its home.
-4. One that is there already is written again, once in each program: PX4 does not say whether a
+2. After one that has just been written was read back, what the autopilot says is listened to for
+   LISTEN_S: PX4 takes a fence, reads it back whole, and leaves out an area that does not hold its
+   home.
+3. One that is there already is written again, once in each program: PX4 does not say whether a
    fence that it has is in force.
-5. Whatever fence it is: the autopilot's home, the vehicle and each place of the mission lie in
+4. Whatever fence it is: the autopilot's home, the vehicle and each place of the mission lie in
    every area of it, or the mission is refused. What follows from one that is kept is for
    kept_fence.py.
-6. An autopilot that does not know where on the earth it is has no fence. That is told, and the
-   mission begins: the gate is there.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from enum import Enum
+from collections.abc import Sequence
 
-from companion.acting.arming_terms import FencePolicy
+from companion.acting.arming_terms import UploadPolicy
 from companion.acting.flight import Flight
+from companion.acting.upload_check import UploadStep
 from companion.flight_events.fence import FenceKept, FenceMissing, FenceReplaced, FenceWritten
 from companion.geofence import FenceArea, FencePolygon, StoredFence, are_alike
 from companion.geometry import NorthEast
 from companion.mission.model import Limits, Place
-from companion.transitions import StateTransition, TransitionTable
-from companion.vehicle.port import Failed, Outcome, Progress
+from companion.vehicle.port import Failed
+from companion.vehicle.store_port import AutopilotFence
 
 ALIKE_M = 0.2
 """Corners that are nearer to each other are the same; the protocol rounds to a centimetre."""
 LISTEN_S = 2.0
 
 
-class FenceStage(Enum):
-    """How far the check has come."""
-
-    LOCATING = "asking where the autopilot's frame lies"
-    READING = "reading the autopilot's fence"
-    WRITING = "writing the mission's"
-    READING_BACK = "reading it back"
-    LISTENING = "listening to what the autopilot says of it"
-    DONE = "done"
-
-
-class FenceStep(Enum):
-    """What happens in a check."""
-
-    LOCATED = "it is known where the frame lies"
-    NOWHERE = "the autopilot has no position on the earth"
-    KEPT = "the fence that is there may stay"
-    UNFIT = "the mission's fence has to be written"
-    WRITTEN = "the autopilot has taken it"
-    READ_BACK = "it is what was written"
-    UNOPPOSED = "nothing was said against it"
-
-
-_S, _T = FenceStage, FenceStep
-
-TRANSITIONS = TransitionTable(
-    StateTransition(_S.LOCATING, _T.LOCATED, _S.READING, "the fence is asked for"),
-    StateTransition(_S.LOCATING, _T.NOWHERE, _S.DONE, "the gate alone holds, which is told"),
-    StateTransition(_S.READING, _T.KEPT, _S.DONE, "home, vehicle and places lie inside"),
-    StateTransition(_S.READING, _T.UNFIT, _S.WRITING, "home, vehicle and places lie inside"),
-    StateTransition(_S.WRITING, _T.WRITTEN, _S.READING_BACK, "the fence is asked for"),
-    StateTransition(_S.READING_BACK, _T.READ_BACK, _S.LISTENING, "time passes"),
-    StateTransition(_S.LISTENING, _T.UNOPPOSED, _S.DONE, "it is in force, which is told"),
-)
-"""How a check goes on; it ends anywhere with why the mission is refused."""
-
-
-class FenceCheck:
-    """One check.
+class FenceJudge:
+    """Fulfils `upload_check.UploadJudge` for the fence.
 
     Args:
         flight: whose autopilot is asked.
@@ -87,82 +47,66 @@ class FenceCheck:
         kept: the fence of somebody else that stays; None without one.
     """
 
-    def __init__(self, flight: Flight, policy: FencePolicy, places: Sequence[Place]) -> None:
+    is_asked = True
+
+    def __init__(self, flight: Flight, policy: UploadPolicy, places: Sequence[Place]) -> None:
         self._flight = flight
         self._policy = policy
         self._places = places
         self._wanted = areas_of(flight.limits)
-        is_left_alone = policy is FencePolicy.NONE
-        self._stage = FenceStage.DONE if is_left_alone else FenceStage.LOCATING
         self.kept: StoredFence | None = None
         self._replaced: StoredFence | None = None
         self._silent_from_s = 0.0
 
-    def tick(self) -> Outcome:
-        """DONE when the fence is in force, or there is none to be; or why it is not."""
-        if self._stage is FenceStage.DONE:
-            return Progress.DONE
-        step = _WORK[self._stage](self)
-        if isinstance(step, Failed):
-            return step
-        if step is not None:
-            self._stage = TRANSITIONS.next(self._stage, step)
-        return Progress.DONE if self._stage is FenceStage.DONE else Progress.RUNNING
+    @property
+    def store(self) -> AutopilotFence:
+        """Where it is stored."""
+        return self._flight.vehicle.fence
 
-    def _locate(self) -> FenceStep | Failed | None:
-        fence = self._flight.vehicle.fence
-        outcome = fence.locate()
-        if isinstance(outcome, Failed):
-            self._flight.report(FenceMissing(outcome.reason))
-            return FenceStep.NOWHERE
-        if outcome is Progress.RUNNING:
-            return None
-        fence.read()
-        return FenceStep.LOCATED
+    def nowhere(self, reason: str) -> None:
+        """The gate alone holds the vehicle inside."""
+        self._flight.report(FenceMissing(reason))
 
-    def _judge(self) -> FenceStep | Failed | None:
-        """What is there is kept, or what is wanted is written; rules 1, 2 and 4."""
-        stored = self._read()
-        if not isinstance(stored, StoredFence):
-            return stored
-        fence = self._flight.vehicle.fence
-        if self._policy is FencePolicy.KEEP or not self._wanted:
+    def unanswered(self, failed: Failed) -> Failed:
+        """The mission is refused, with the way out."""
+        return Failed(f"{failed.reason}\n    --autopilot-fence none leaves it alone")
+
+    def judge(self) -> UploadStep | Failed:
+        """What is there is kept, or what is wanted is written; rules 1 and 3."""
+        stored = self.store.stored
+        if stored is None:
+            return Failed("it is not known where on the earth the autopilot's fence lies")
+        if self._policy is UploadPolicy.KEEP or not self._wanted:
             return self._keep(stored)
         is_ours = stored.flaw is None and are_alike(stored.areas, self._wanted, ALIKE_M)
-        if is_ours and fence.is_vouched_for():
+        if is_ours and self.store.is_vouched_for():
             return self._keep(stored)
         if stored.points and not is_ours:
-            if self._policy is not FencePolicy.REPLACE and not fence.is_own():
+            if self._policy is not UploadPolicy.REPLACE and not self.store.is_own():
                 return Failed(_another(stored))
             self._replaced = stored
         if why_not := self._outside(self._wanted, "the mission's fence"):
             return why_not
-        fence.write(self._wanted)
-        return FenceStep.UNFIT
+        self.store.write(self._wanted)
+        return UploadStep.UNFIT
 
-    def _write(self) -> FenceStep | Failed | None:
-        fence = self._flight.vehicle.fence
-        if isinstance(outcome := fence.outcome, Failed):
-            return _advised(outcome)
-        if outcome is Progress.RUNNING:
-            return None
-        fence.read()
-        return FenceStep.WRITTEN
-
-    def _read_back(self) -> FenceStep | Failed | None:
-        stored = self._read()
-        if not isinstance(stored, StoredFence):
-            return stored
-        if stored.flaw is not None or not are_alike(stored.areas, self._wanted, ALIKE_M):
+    def compare(self) -> Failed | None:
+        """Why what was read back is another fence."""
+        stored = self.store.stored
+        if (
+            stored is None
+            or stored.flaw is not None
+            or not are_alike(stored.areas, self._wanted, ALIKE_M)
+        ):
             return Failed(
                 f"the autopilot has taken the mission's fence, and tells another one ({stored})"
             )
         self._silent_from_s = self._flight.now_s
-        return FenceStep.READ_BACK
+        return None
 
-    def _listen(self) -> FenceStep | Failed | None:
-        """Rules 3 and 5; the autopilot's home may have come meanwhile."""
-        fence, now_s = self._flight.vehicle.fence, self._flight.now_s
+    def listen(self) -> UploadStep | Failed | None:
+        """Rules 2 and 4; the autopilot's home may have come meanwhile."""
+        fence, now_s = self.store, self._flight.now_s
         if objections := fence.objections:
             return Failed(
                 f"the autopilot has taken the mission's fence, and leaves a part of it out: "
@@ -178,16 +122,9 @@ class FenceCheck:
             self._flight.report(FenceReplaced(words, str(self._replaced)))
         else:
             self._flight.report(FenceWritten(words))
-        return FenceStep.UNOPPOSED
+        return UploadStep.UNOPPOSED
 
-    def _read(self) -> StoredFence | Failed | None:
-        """What was asked for; None until it has come."""
-        fence = self._flight.vehicle.fence
-        if isinstance(outcome := fence.outcome, Failed):
-            return _advised(outcome)
-        return fence.stored if outcome is Progress.DONE else None
-
-    def _keep(self, stored: StoredFence) -> FenceStep | Failed:
+    def _keep(self, stored: StoredFence) -> UploadStep | Failed:
         """The fence that is there stays, if the mission can be flown in it."""
         if stored.flaw is not None:
             return Failed(f"the vehicle's fence ({stored}) is not as it was meant: {stored.flaw}")
@@ -199,10 +136,10 @@ class FenceCheck:
             self._flight.report(FenceKept(str(stored)))
         else:
             self._flight.report(FenceMissing("it has none, and none is asked for"))
-        return FenceStep.KEPT
+        return UploadStep.KEPT
 
     def _outside(self, areas: Sequence[FenceArea], whose: str) -> Failed | None:
-        """Why the mission cannot be flown in a fence; rule 5."""
+        """Why the mission cannot be flown in a fence; rule 4."""
         state, home = self._flight.vehicle.state, self._flight.vehicle.fence.home
         points: list[tuple[str, NorthEast]] = []
         if home is not None:
@@ -231,17 +168,3 @@ def _another(stored: StoredFence) -> str:
         return f"the vehicle has another fence ({stored}): {stored.flaw}{replaced}"
     kept = "\n    --autopilot-fence keep flies within it, beside the mission's own"
     return f"the vehicle has another fence ({stored}){kept}{replaced}"
-
-
-def _advised(failed: Failed) -> Failed:
-    return Failed(f"{failed.reason}\n    --autopilot-fence none leaves it alone")
-
-
-_WORK: dict[FenceStage, Callable[[FenceCheck], FenceStep | Failed | None]] = {
-    FenceStage.LOCATING: FenceCheck._locate,
-    FenceStage.READING: FenceCheck._judge,
-    FenceStage.WRITING: FenceCheck._write,
-    FenceStage.READING_BACK: FenceCheck._read_back,
-    FenceStage.LISTENING: FenceCheck._listen,
-}
-"""What each stage does in a tick; DONE does nothing."""

@@ -1,13 +1,15 @@
-"""What is asked of the autopilot before it is armed: its failsafes, then its fence."""
+"""What is asked of the autopilot before it is armed: failsafes, then fence, then rally points."""
 
 from __future__ import annotations
 
 from companion.acting.arming_terms import ArmingTerms
 from companion.acting.executive import Executive
 from companion.acting.failsafe_check import FailsafeCheck
-from companion.acting.fence_check import FenceCheck
+from companion.acting.fence_check import FenceJudge
 from companion.acting.flight import Flight
 from companion.acting.kept_fence import KeptFenceCheck
+from companion.acting.rally_check import RallyJudge
+from companion.acting.upload_check import UploadCheck
 from companion.mission.model import Mission
 from companion.vehicle.port import Outcome, Progress
 
@@ -26,9 +28,11 @@ class GroundChecks:
         self, flight: Flight, terms: ArmingTerms, mission: Mission, executive: Executive
     ) -> None:
         failsafes = FailsafeCheck(flight, terms.accepts_weak_failsafes)
-        fence = FenceCheck(flight, terms.fence, tuple(mission.places.values()))
+        fence = FenceJudge(flight, terms.fence, tuple(mission.places.values()))
         kept = KeptFenceCheck(flight, executive, fence, mission.home.name)
-        self._checks = [failsafes.tick, fence.tick, kept.tick]
+        rally = RallyJudge(flight, terms.rally_points, mission)
+        uploads = UploadCheck(fence, terms.fence), UploadCheck(rally, terms.rally_points)
+        self._checks = [failsafes.tick, uploads[0].tick, kept.tick, uploads[1].tick]
 
     def tick(self) -> Outcome:
         """DONE when the vehicle may be armed; or why it may not."""

@@ -17,7 +17,7 @@ import numpy as np
 
 from companion.acting.beginning import GROUND_SLICE_US
 from companion.acting.executive import Executive
-from companion.acting.fence_check import FenceCheck
+from companion.acting.fence_check import FenceJudge
 from companion.acting.flight import Flight
 from companion.acting.replanning.replanner import PlanFailure
 from companion.geofence import KeptFence, StoredFence
@@ -57,7 +57,7 @@ class KeptFenceCheck:
         home: where the plan begins.
     """
 
-    def __init__(self, flight: Flight, executive: Executive, check: FenceCheck, home: str) -> None:
+    def __init__(self, flight: Flight, executive: Executive, check: FenceJudge, home: str) -> None:
         self._flight, self._executive = flight, executive
         self._check, self._home = check, home
         self._narrowing: InSlices[Failed | None] | None = None

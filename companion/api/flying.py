@@ -8,7 +8,7 @@ from contextlib import closing, contextmanager
 from pathlib import Path
 from types import FrameType
 
-from companion.acting.arming_terms import ArmingTerms, FencePolicy
+from companion.acting.arming_terms import ArmingTerms, UploadPolicy
 from companion.acting.flight_limit import FlightLimit
 from companion.api.results import FlightResult, FlownTrajectory, OnEvent, Recording, recording
 from companion.app import Companion
@@ -16,10 +16,11 @@ from companion.clock import ScaledClock
 from companion.driving import fly
 from companion.errors import CompanionError
 from companion.mission.model import Mission
-from companion.record.own_fence_file import own_fences_in
+from companion.record.own_upload_file import own_uploads_in
 from companion.skills.runner import FunctionRunner
 from companion.vehicle.endpoints import parse_url
 from companion.vehicle.link import Link
+from companion.vehicle.own_uploads import OwnUploads
 from companion.vehicle.report_port import reports_at
 
 OFFBOARD_URL = "udpin://0.0.0.0:14540"
@@ -34,6 +35,7 @@ def run(
     on_event: OnEvent | None = None,
     accepts_weak_failsafes: bool = False,
     autopilot_fence: str = "upload",
+    rally_points: str = "upload",
     laps: int | None = None,
     limit_s: float | None = None,
     timeout_s: float = 30.0,
@@ -58,8 +60,8 @@ def run(
         folder: where to write a run folder; none by default.
         on_event: told of each event that is news for people.
         accepts_weak_failsafes: fly although the autopilot's own failsafes are weak.
-        autopilot_fence: `upload`, `keep`, `replace` or `none`, as `companion run` has it; what was
-            uploaded is remembered beside `folder`, if there is one.
+        autopilot_fence, rally_points: `upload`, `keep`, `replace` or `none`, as `companion run` has
+            them; what was uploaded is remembered beside `folder`, if there is one.
         laps: after so many laps the vehicle is called home; None is no limit.
         limit_s: the same after so many seconds since it was to arm.
         timeout_s: seconds to wait for a vehicle.
@@ -78,13 +80,21 @@ def run(
         recording(mission, folder, on_event) as recorder,
         closing(FunctionRunner(Path(folder) if folder is not None else None)) as functions,
     ):
-        limit = FlightLimit(laps, limit_s)
-        about = mission, recorder, ArmingTerms(accepts_weak_failsafes, FencePolicy(autopilot_fence))
-        own = own_fences_in(Path(folder).parent) if folder is not None else None
-        companion = Companion(*about, limit=limit, own_fences=own, functions=functions)
+        about = mission, recorder, _terms(accepts_weak_failsafes, autopilot_fence, rally_points)
+        limit, own = FlightLimit(laps, limit_s), _remembered_beside(folder)
+        companion = Companion(*about, limit=limit, own_uploads=own, functions=functions)
         with _stopped_by_interrupt(companion):
             fly(companion, link, ScaledClock(1.0), timeout_s, reports=reports)
     return _result(mission, recorder, companion.failure, folder)
+
+
+def _remembered_beside(folder: Path | str | None) -> OwnUploads | None:
+    return own_uploads_in(Path(folder).parent) if folder is not None else None
+
+
+def _terms(accepts_weak_failsafes: bool, *policies: str) -> ArmingTerms:
+    """On which the vehicle is armed; policies in the order of its fields."""
+    return ArmingTerms(accepts_weak_failsafes, *map(UploadPolicy, policies))
 
 
 def _result(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from companion.acting.arming_terms import FencePolicy
+from companion.acting.arming_terms import UploadPolicy
 
 if TYPE_CHECKING:
     from companion.mavlink.signing import Signing
@@ -73,11 +73,19 @@ WeakFailsafes = Annotated[
     ),
 ]
 AutopilotFence = Annotated[
-    FencePolicy,
+    UploadPolicy,
     typer.Option(
         "--autopilot-fence",
         help="upload: the mission's fence, unless there is somebody else's; keep: fly within the "
         "one that is there; replace: put the mission's in its place; none: do not ask for it.",
+    ),
+]
+RallyPoints = Annotated[
+    UploadPolicy,
+    typer.Option(
+        "--rally-points",
+        help="Where the autopilot's Return lands besides home. upload: the mission's safe places, "
+        "unless there are somebody else's; keep, replace, none: as for the fence.",
     ),
 ]
 LinkUrl = Annotated[

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from companion.acting.arming_terms import ArmingTerms, FencePolicy
+from companion.acting.arming_terms import ArmingTerms, UploadPolicy
 from companion.cli.arguments import (
     DEFAULT_LOG_DIR,
     AutopilotFence,
@@ -19,6 +19,7 @@ from companion.cli.arguments import (
     LimitS,
     LinkUrl,
     LogDir,
+    RallyPoints,
     Resume,
     SigningKeyFile,
     Timeout,
@@ -61,7 +62,8 @@ def run(
     ] = None,
     connect: LinkUrl = f"udpin://0.0.0.0:{OFFBOARD_PORT}",
     accept_weak_failsafes: WeakFailsafes = False,
-    autopilot_fence: AutopilotFence = FencePolicy.UPLOAD,
+    autopilot_fence: AutopilotFence = UploadPolicy.UPLOAD,
+    rally_points: RallyPoints = UploadPolicy.UPLOAD,
     wait: Annotated[
         bool,
         typer.Option("--wait", help="Fly when a ground station says so, and again and again."),
@@ -86,24 +88,23 @@ def run(
     MAV_CMD_MISSION_START, flies, lands, and waits again, until it is stopped.
 
     With --resume it takes control back by itself where the autopilot holds because it no longer
-    heard us: after a gap in the link; and, started again with the same mission, after it was cut
-    off in flight. A vehicle that has landed meanwhile is not armed again.
+    heard us: after a gap in the link, or, started again, after it was cut off in flight. A vehicle
+    that has landed meanwhile is not armed again.
     """
     from companion.acting.flight_limit import FlightLimit
     from companion.app import Companion
-    from companion.record.own_fence_file import own_fences_in
+    from companion.record.own_upload_file import own_uploads_in
     from companion.vehicle.endpoints import parse_url
     from companion.vehicle.link import Link
 
     loaded, endpoint = load(mission) if mission else None, parse_url(connect)
-    limit, address = FlightLimit(laps, limit_s), monitor or DEFAULT_ADDRESS
-    planner = engine_of(engine, encoding, engine_timeout)
+    address, planner = monitor or DEFAULT_ADDRESS, engine_of(engine, encoding, engine_timeout)
     cut_off = cut_off_run(log_dir, loaded) if resume else None
     companion_of = partial(
         Companion,
-        terms=ArmingTerms(accept_weak_failsafes, autopilot_fence),
-        own_fences=own_fences_in(log_dir),
-        limit=limit,
+        terms=ArmingTerms(accept_weak_failsafes, autopilot_fence, rally_points),
+        own_uploads=own_uploads_in(log_dir),
+        limit=FlightLimit(laps, limit_s),
         resumes=resume,
         journalled=cut_off.journalled if cut_off else None,
     )

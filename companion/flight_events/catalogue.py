@@ -46,6 +46,14 @@ from companion.flight_events.plans import (
     PlanReplaced,
     WrittenTreeAdopted,
 )
+from companion.flight_events.rally import (
+    RallyKept,
+    RallyMissing,
+    RallyRemoved,
+    RallyReplaced,
+    RallyUnused,
+    RallyWritten,
+)
 from companion.flight_events.reports import (
     ReportRefused,
     ReportUnknown,
@@ -136,6 +144,12 @@ EVENTS: tuple[type[FlightEvent], ...] = (
     FenceReplaced,
     FenceKept,
     FenceMissing,
+    RallyWritten,
+    RallyReplaced,
+    RallyKept,
+    RallyRemoved,
+    RallyMissing,
+    RallyUnused,
     ControlYielded,
     ControlRegained,
     ControlTakenBack,

@@ -68,6 +68,7 @@ class PlanItem:
         first: param1; the other three are 0.
         x: latitude in 1e-7 degrees.
         y: longitude in 1e-7 degrees.
+        altitude_m: by the frame above home or above the sea.
     """
 
     command: int
@@ -75,6 +76,7 @@ class PlanItem:
     first: float
     x: int
     y: int
+    altitude_m: float = 0.0
 
 
 class TransferState(Enum):
@@ -179,7 +181,8 @@ class PlanTransfer:
             return []
         self._heard_s = now_s
         frame = _PLAIN_FRAMES.get(message.frame, message.frame)
-        item = PlanItem(message.command, frame, message.param1, message.x, message.y)
+        where = message.x, message.y, message.z
+        item = PlanItem(message.command, frame, message.param1, *where)
         self.items.append(item)
         return self._go_on(now_s)
 
@@ -209,7 +212,8 @@ class PlanTransfer:
     def _item(self, seq: int) -> Message:
         item = self.items[seq]
         head = (*self._target, seq, item.frame, item.command, 0, 1, item.first, 0.0, 0.0, 0.0)
-        return dialect.MAVLink_mission_item_int_message(*head, item.x, item.y, 0.0, self._kind)
+        where = item.x, item.y, item.altitude_m
+        return dialect.MAVLink_mission_item_int_message(*head, *where, self._kind)
 
     # -- both ----------------------------------------------------------------------------------
 

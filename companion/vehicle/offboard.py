@@ -9,7 +9,7 @@ Rules:
 2. Every setpoint passes the gate (`gate.py`); nothing repeats a setpoint by itself.
 3. What else is spoken is spoken by services, each in a file of its own (`services.py`): payloads'
    commands (`payload_commands.py`), our own goals' (`goal_pursuit.py`), the autopilot's fence
-   (`fence_service.py`).
+   and rally points (`fence_service.py`, `rally_service.py`).
 4. A goal is pursued until it is observed (`goals.py`). While nothing is heard of the autopilot no
    command is sent, and no goal's or command's time passes (`heard_time.py`).
 5. A mode that our goal does not pass through was chosen by somebody else, on the ground as in the
@@ -37,7 +37,7 @@ from companion.vehicle.gimbals import MavlinkGimbals
 from companion.vehicle.goal_pursuit import GoalPursuit
 from companion.vehicle.heard_time import HeardTime
 from companion.vehicle.marker_sightings import MarkerSightings
-from companion.vehicle.own_fences import OwnFences
+from companion.vehicle.own_uploads import OwnUploads
 from companion.vehicle.parameters import ParameterReader
 from companion.vehicle.payload_commands import PayloadCommands
 from companion.vehicle.port import (
@@ -50,6 +50,7 @@ from companion.vehicle.port import (
     Takeover,
     VehicleState,
 )
+from companion.vehicle.rally_service import RallyService
 from companion.vehicle.ranging import Ranging
 from companion.vehicle.services import Moment, Service
 from companion.vehicle.setpoint_stream import SetpointStream
@@ -76,13 +77,13 @@ class MavlinkVehicle:
         signals: what to hand on from the wire besides the state.
         takeoff_up_m: altitude above home to take off to.
         marker_components: who is believed to see landing markers.
-        own_fences: those that were written to its autopilot; None for none yet.
+        own_uploads: what was written to its autopilot; None for nothing yet.
 
     Attributes:
         scans: what was heard of the surroundings since the tick before, in order.
         payloads: what skills have to do with payloads.
         markers: what is seen of landing markers.
-        fence: of the autopilot.
+        fence, rally: of the autopilot.
         cameras: its cameras.
         gimbals: its gimbals.
     """
@@ -95,7 +96,7 @@ class MavlinkVehicle:
         signals: frozenset[Signal],
         takeoff_up_m: float,
         marker_components: frozenset[int] = frozenset(),
-        own_fences: OwnFences | None = None,
+        own_uploads: OwnUploads | None = None,
     ) -> None:
         self.scans: list[RangeScan] = []
         self._wire = wire
@@ -111,11 +112,13 @@ class MavlinkVehicle:
         self._goals = GoalPursuit(wire, telemetry, takeoff_up_m)
         self.payloads = PayloadCommands(wire)
         self.markers = MarkerSightings(telemetry, marker_components)
-        self.fence = FenceService(wire, telemetry, own_fences or OwnFences())
+        own = own_uploads or OwnUploads()
+        self.fence = FenceService(wire, telemetry, own.fences)
+        self.rally = RallyService(wire, telemetry, own.rally_points)
         self.cameras = MavlinkCameras(wire)
         self.gimbals = MavlinkGimbals(wire, telemetry)
         devices: list[Service] = [self.payloads, self.cameras, self.gimbals]
-        services: list[Service] = [self._goals, *devices, self.fence]
+        services: list[Service] = [self._goals, *devices, self.fence, self.rally]
         self._services = (*services, self.markers) if marker_components else tuple(services)
 
     # -- messages ------------------------------------------------------------------------------

@@ -9,15 +9,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from enum import Enum, StrEnum
+from enum import StrEnum
 from typing import Protocol
 
-from companion.geofence import FenceArea, KeptFence, StoredFence
+from companion.geofence import KeptFence
 from companion.geometry import GlobalOrigin, Ned, NorthEast
 from companion.motion.range_scan import RangeScan
 from companion.outcomes import Refusal
 from companion.vehicle.camera_port import Cameras
 from companion.vehicle.gimbal_port import Gimbals
+from companion.vehicle.outcome import Failed as Failed
+from companion.vehicle.outcome import Outcome as Outcome
+from companion.vehicle.outcome import Progress as Progress
+from companion.vehicle.store_port import AutopilotFence, AutopilotRally
 
 MODE_KNOWN_S = 1.5
 """Age of the newest heartbeat, sent once a second, up to which its mode is taken for the present
@@ -137,24 +141,6 @@ class Goal(StrEnum):
     LANDED = "landed and disarmed"
 
 
-class Progress(Enum):
-    """How far a goal or a command has come that has not failed."""
-
-    RUNNING = "running"
-    DONE = "done"
-
-
-@dataclass(frozen=True, slots=True)
-class Failed:
-    """A goal is not reached, or a command not done, for a reason in words."""
-
-    reason: str
-
-
-Outcome = Progress | Failed
-"""What has become of a goal or a command."""
-
-
 @dataclass(frozen=True, slots=True)
 class Takeover:
     """Somebody else controls the vehicle.
@@ -226,50 +212,16 @@ class Markers(Protocol):
         """Why others were not taken, in the same time."""
 
 
-class AutopilotFence(Protocol):
-    """The fence of a vehicle's autopilot; it is read and written on the ground alone, disarmed."""
-
-    @property
-    def stored(self) -> StoredFence | None:
-        """What was read last; None before, and where it is not known where it lies."""
-
-    @property
-    def outcome(self) -> Outcome:
-        """What has become of the last `read` or `write`."""
-
-    @property
-    def home(self) -> NorthEast | None:
-        """The autopilot's home in the mission's frame; None where that is not known."""
-
-    @property
-    def objections(self) -> Sequence[str]:
-        """What the autopilot has said, since the last `write`, of areas that it leaves out."""
-
-    def locate(self) -> Outcome:
-        """Ask where the autopilot's frame lies on the earth; call it every tick while RUNNING."""
-
-    def read(self) -> None:
-        """Begin to ask for the fence."""
-
-    def write(self, areas: Sequence[FenceArea]) -> None:
-        """Begin to put a fence in the place of the one that is there."""
-
-    def is_own(self) -> bool:
-        """Whether what was read last was written by this companion, now or in another flight."""
-
-    def is_vouched_for(self) -> bool:
-        """Whether what was read last is known to be in force."""
-
-    def vouch(self) -> None:
-        """What was written last was read back, and nothing was said against it."""
-
-
 class Vehicle(Protocol):
     """A vehicle that the acting side flies."""
 
     @property
     def fence(self) -> AutopilotFence:
         """The fence of its autopilot."""
+
+    @property
+    def rally(self) -> AutopilotRally:
+        """The rally points of its autopilot."""
 
     @property
     def payloads(self) -> Payloads:

@@ -26,11 +26,11 @@ from sitl.autopilot.failsafes import FailsafeInputs
 from sitl.autopilot.flight_record import FlightRecord
 from sitl.autopilot.geofence import Geofence
 from sitl.autopilot.health import Health
-from sitl.autopilot.mission_items import MissionItem
 from sitl.autopilot.mission_plan import MissionPlan
 from sitl.autopilot.modes import FLIGHT_MODES, missing_requirement
 from sitl.autopilot.motor_control import MotorControl
 from sitl.autopilot.parameters import Parameters
+from sitl.autopilot.return_destination import SafePoint
 from sitl.autopilot.situation import FlightMode, Situation
 from sitl.autopilot.status_texts import BATTERY_TEXTS, Severity, StatusText, failsafe_texts, told
 from sitl.flight.controllers import OWN_GAINS, HorizontalGains, Maybe, TrajectorySetpoint
@@ -59,6 +59,7 @@ class Autopilot:
         flights: the record of armings and take-offs.
         mission: flown by AUTO.MISSION.
         fence: the geofence.
+        safe_points: the rally points, where a return may land besides home.
         arming_refusal: why arming is refused whatever else; None for no such reason.
         status_texts: for people, oldest first; whoever sends them empties the list.
     """
@@ -81,6 +82,7 @@ class Autopilot:
         self.flights = FlightRecord()
         self.mission = MissionPlan()
         self.fence = Geofence()
+        self.safe_points: tuple[SafePoint, ...] = ()
         self._state = state
         self._failsafe = FailsafeState()
         self._setpoint: TrajectorySetpoint | None = None
@@ -192,10 +194,6 @@ class Autopilot:
     def note_ground_station(self) -> None:
         """A heartbeat of a ground station has come in."""
         self.health.note_ground_station(self._state.time_s)
-
-    def load_mission(self, items: Sequence[MissionItem], current: int | None) -> None:
-        """Replaces the mission; `current` is the item to begin with, None keeps the index."""
-        self.mission.load(items, current, self._state.time_s)
 
     def load_fence(self, areas: Sequence[FenceArea]) -> None:
         """Replaces the geofence; an area that is violated already is left out."""
@@ -343,6 +341,7 @@ class Autopilot:
             self.is_landed,
             self.mission,
             self.parameters,
+            self.safe_points,
         )
 
     def _tell(self, severity: Severity, text: str) -> None:

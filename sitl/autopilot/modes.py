@@ -7,7 +7,7 @@ how it starts. A new mode is a new line there.
     AUTO.TAKEOFF  climb over the present position, then AUTO.LOITER
     AUTO.LOITER   stop and hold
     AUTO.MISSION  fly the mission's items (mission_mode.py)
-    AUTO.RTL      climb, fly home, land there
+    AUTO.RTL      climb, fly home or to a nearer rally point, land there
     AUTO.LAND     descend over the present position
     POSCTL        without a pilot's sticks: hold horizontally, sink at 0.5 m/s (seen on PX4)
     ALTCTL        the same, but level: without a position it drifts with the wind

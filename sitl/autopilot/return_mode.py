@@ -1,6 +1,6 @@
-"""AUTO.RTL: the return to home and the landing there.
+"""AUTO.RTL: the return to home, or to a rally point, and the landing there.
 
-Source: PX4, src/modules/navigator/rtl.cpp (height of the return).
+Source: PX4, src/modules/navigator/rtl.cpp (height of the return), and return_destination.py.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from enum import Enum
 from companion.geometry import Ned, horizontal_distance
 from sitl.autopilot.basic_modes import REACHED_M, LandMode, OpenEndedMode
 from sitl.autopilot.parameters import Parameters
+from sitl.autopilot.return_destination import return_destination
 from sitl.autopilot.situation import Situation, heading, stopping_point
 from sitl.flight.controllers import TrajectorySetpoint
 
@@ -20,15 +21,19 @@ class ReturnPhase(Enum):
     """The phases of a return, in order; each may be over at once."""
 
     CLIMB = "climb"
-    HOME = "fly home"
+    CROSS = "fly to where it lands"
     WAIT = "descend to RTL_DESCEND_ALT and wait there"
     LAND = "land"
 
 
 @dataclass(slots=True)
 class ReturnMode(OpenEndedMode):
-    """Climbs, flies home, waits there for RTL_LAND_DELAY (negative: for good), lands."""
+    """Climbs, flies to its destination, waits there for RTL_LAND_DELAY (negative: for good), lands.
 
+    Where that is, is settled as it begins.
+    """
+
+    destination: Ned
     climb: Ned
     yaw_rad: float
     phase: ReturnPhase = ReturnPhase.CLIMB
@@ -37,23 +42,26 @@ class ReturnMode(OpenEndedMode):
     @classmethod
     def start(cls, now: Situation) -> ReturnMode:
         """Climbs over the point where the vehicle can stop."""
+        position, parameters = now.state.position, now.parameters
+        about = now.home, now.safe_points, parameters["RTL_TYPE"]
+        destination = return_destination(position, *about)
         north, east, _ = stopping_point(now)
-        down = now.home[2] - return_height_m(now.state.position, now.home, now.parameters)
-        return cls((north, east, down), heading(now.state))
+        down = destination[2] - return_height_m(position, destination, parameters)
+        return cls(destination, (north, east, down), heading(now.state))
 
     def setpoint(self, now: Situation) -> TrajectorySetpoint:
         """The setpoint of the present phase."""
         self._update_phase(now)
-        home = now.home
+        there = self.destination
         if self.phase is ReturnPhase.LAND:
-            return LandMode(home[0], home[1], self.yaw_rad).setpoint(now)
+            return LandMode(there[0], there[1], self.yaw_rad).setpoint(now)
         if self.phase is ReturnPhase.WAIT:
-            down = max(self.climb[2], home[2] - now.parameters["RTL_DESCEND_ALT"])
+            down = max(self.climb[2], there[2] - now.parameters["RTL_DESCEND_ALT"])
             return TrajectorySetpoint(
-                (home[0], home[1], down), (0.0, 0.0, 0.0), yaw_rad=self.yaw_rad
+                (there[0], there[1], down), (0.0, 0.0, 0.0), yaw_rad=self.yaw_rad
             )
         is_climbing = self.phase is ReturnPhase.CLIMB
-        at = self.climb if is_climbing else (home[0], home[1], self.climb[2])
+        at = self.climb if is_climbing else (there[0], there[1], self.climb[2])
         return TrajectorySetpoint(
             at, (0.0, 0.0, 0.0), yaw_rad=self.yaw_rad, speed_mps=now.cruise_mps
         )
@@ -61,16 +69,16 @@ class ReturnMode(OpenEndedMode):
     def _update_phase(self, now: Situation) -> None:
         position = now.state.position
         if self.phase is ReturnPhase.CLIMB and position[2] < self.climb[2] + REACHED_M:
-            self.phase = ReturnPhase.HOME
-        is_home = horizontal_distance(position, now.home) < now.parameters["NAV_ACC_RAD"]
-        if self.phase is ReturnPhase.HOME and is_home:
+            self.phase = ReturnPhase.CROSS
+        is_there = horizontal_distance(position, self.destination) < now.parameters["NAV_ACC_RAD"]
+        if self.phase is ReturnPhase.CROSS and is_there:
             self.phase = ReturnPhase.WAIT
         if self.phase is ReturnPhase.WAIT and self._has_waited(now):
             self.phase = ReturnPhase.LAND
 
     def _has_waited(self, now: Situation) -> bool:
         delay_s = now.parameters["RTL_LAND_DELAY"]
-        down = now.home[2] - now.parameters["RTL_DESCEND_ALT"]
+        down = self.destination[2] - now.parameters["RTL_DESCEND_ALT"]
         if self.waiting_since_s is None and now.state.position[2] > down - REACHED_M:
             self.waiting_since_s = now.state.time_s
         if delay_s <= 0:

@@ -12,6 +12,7 @@ from typing import NamedTuple, Protocol
 
 from companion.geometry import Ned
 from sitl.autopilot.parameters import Parameters
+from sitl.autopilot.return_destination import SafePoint
 from sitl.flight.controllers import TrajectorySetpoint
 from sitl.flight.physics import FlightState
 
@@ -26,6 +27,7 @@ class Situation(NamedTuple):
         cruise_mps: horizontal speed between places.
         is_landed: the vehicle rests on the ground.
         mission: flown by AUTO.MISSION.
+        safe_points: rally points.
     """
 
     state: FlightState
@@ -36,6 +38,7 @@ class Situation(NamedTuple):
     is_landed: bool
     mission: ModeFactory
     parameters: Parameters
+    safe_points: tuple[SafePoint, ...] = ()
 
 
 class ModeFactory(Protocol):

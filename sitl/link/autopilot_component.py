@@ -23,7 +23,7 @@ from sitl.link.commands import ACCEPTED_FIRST, execute, request_from
 from sitl.link.events import EventService
 from sitl.link.files import FileServer
 from sitl.link.messages import MESSAGE_CLASSES, MESSAGES, compose, message_name
-from sitl.link.mission_items import MissionType, WireItem, areas_from, item_from
+from sitl.link.mission_items import MissionType, WireItem, areas_from, item_from, safe_points_from
 from sitl.link.mission_progress import MissionProgressReporter
 from sitl.link.mission_service import MissionService
 from sitl.link.routing import MAV_TYPE_GCS, LinkName, Router, is_for
@@ -310,9 +310,12 @@ class AutopilotComponent:
     ) -> None:
         autopilot, origin = self._vehicle.autopilot, self._vehicle.origin
         if kind is MissionType.MISSION:
-            autopilot.load_mission([item_from(item, origin) for item in items], current)
+            flown = [item_from(item, origin) for item in items]
+            autopilot.mission.load(flown, current, self._vehicle.state.time_s)
         elif kind is MissionType.FENCE:
             autopilot.load_fence(areas_from(items, origin))
+        else:
+            autopilot.safe_points = safe_points_from(items, origin)
 
     SERVICES: ClassVar[dict[str, Callable[[AutopilotComponent, AutopilotLink, Message], None]]] = {
         "HEARTBEAT": _heartbeat,

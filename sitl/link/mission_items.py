@@ -2,8 +2,8 @@
 
 A `WireItem` is an item as it was sent, free of the two forms it may come in: places in degrees,
 frames without `_INT`, None for NaN (or INT32_MAX: "not given"). It is what a download returns.
-`check_item` gives PX4's answer to it; `item_from` and `areas_from` turn it into what the autopilot
-flies and keeps to.
+`check_item` gives PX4's answer to it; `item_from`, `areas_from` and `safe_points_from` turn it into
+what the autopilot flies, keeps to and returns to.
 
 Source: https://mavlink.io/en/services/mission.html; PX4 1.16, src/modules/mavlink/
 mavlink_mission.cpp: which command is taken in which frame. Left out: commands of VTOLs.
@@ -20,6 +20,7 @@ from companion.geofence import FenceArea, FenceCircle, FencePolygon
 from companion.geometry import GlobalOrigin, NorthEast
 from companion.mavlink.framing import Message, dialect
 from sitl.autopilot.mission_items import MissionItem
+from sitl.autopilot.return_destination import SafePoint
 
 GLOBAL, MISSION, RELATIVE = 0, 2, 3  # MAV_FRAME
 WITHOUT_INT = {5: GLOBAL, 6: RELATIVE}
@@ -150,6 +151,16 @@ def item_from(item: WireItem, origin: GlobalOrigin) -> MissionItem:
     up_m = item.z if is_above_home or item.z is None else item.z - origin.altitude_m
     place = _place(item, origin) if item.is_global else None
     return MissionItem(item.command, item.parameters, place, up_m, is_above_home, item.autocontinue)
+
+
+def safe_points_from(items: Sequence[WireItem], origin: GlobalOrigin) -> tuple[SafePoint, ...]:
+    """The rally points of accepted items."""
+    points = []
+    for item in items:
+        is_above_home, z = item.frame == RELATIVE, item.z or 0.0
+        up_m = z if is_above_home else z - origin.altitude_m
+        points.append(SafePoint(_place(item, origin) or (0.0, 0.0), up_m, is_above_home))
+    return tuple(points)
 
 
 def areas_from(items: Sequence[WireItem], origin: GlobalOrigin) -> list[FenceArea]:

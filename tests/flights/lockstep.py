@@ -27,7 +27,7 @@ from companion.mavlink.px4_modes import MODES
 from companion.mavlink.signing import Signing
 from companion.mission.model import Mission
 from companion.motion.grid import OccupancyGrid
-from companion.vehicle.own_fences import OwnFences
+from companion.vehicle.own_uploads import OwnUploads
 from companion.vehicle.run_clocks import ClockReading
 from sitl.link.routing import LinkName
 from sitl.results import MavResult
@@ -163,7 +163,7 @@ class Lockstep(Happened):
         vehicle: signs and verifies what the simulator sends and hears.
         functions: what the mission's Python skills do.
         terms: on which the vehicle is armed.
-        own_fences: those that were written to its autopilot before.
+        own_uploads: what was written to its autopilot before.
 
     Attributes:
         companion: under test.
@@ -189,11 +189,11 @@ class Lockstep(Happened):
         vehicle: Signing | None = None,
         functions: FunctionPort | None = None,
         terms: ArmingTerms = USUAL_TERMS,
-        own_fences: OwnFences | None = None,
+        own_uploads: OwnUploads | None = None,
     ) -> None:
         self.journal = KeptJournal()
         self.name = "the-run"
-        self._mission, self._terms, self._own_fences = mission, terms, own_fences or OwnFences()
+        self._mission, self._terms, self._own = mission, terms, own_uploads or OwnUploads()
         self._resumes, self._functions = resumes, functions
         scenario, grid = world
         links = {LinkName.OFFBOARD} | ({LinkName.GCS} if has_station else set())
@@ -236,7 +236,7 @@ class Lockstep(Happened):
             self._mission,
             self,
             self._terms,
-            own_fences=self._own_fences,
+            own_uploads=self._own,
             resumes=self._resumes,
             journalled=journalled,
             functions=self._functions,

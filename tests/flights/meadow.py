@@ -6,14 +6,14 @@ from typing import Any
 
 from lockstep import VEHICLE, Lockstep
 
-from companion.acting.arming_terms import ArmingTerms, FencePolicy
+from companion.acting.arming_terms import ArmingTerms, UploadPolicy
 from companion.api.simulating import world_of
 from companion.flight_events.sortie import Phase, PhaseEntered
 from companion.geometry import Ned
 from companion.mavlink.framing import dialect
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
-from companion.vehicle.own_fences import OwnFences
+from companion.vehicle.own_uploads import OwnUploads
 from sitl.world.scenario import PX4_HOME
 
 SQUARE = ((-15.0, -15.0), (-15.0, 35.0), (15.0, 35.0), (15.0, -15.0))
@@ -54,13 +54,13 @@ MEADOW = mission(keep_out={"Pond": [[e, n] for n, e in POND]})
 
 def start(
     asked: Mission = MEADOW,
-    policy: FencePolicy = FencePolicy.UPLOAD,
-    own: OwnFences | None = None,
+    policy: UploadPolicy = UploadPolicy.UPLOAD,
+    own: OwnUploads | None = None,
     **options: Any,
 ) -> Lockstep:
     """On its way, beside a ground station."""
     terms = ArmingTerms(fence=policy)
-    options = {"has_station": True, "terms": terms, "own_fences": own} | options
+    options = {"has_station": True, "terms": terms, "own_uploads": own} | options
     return Lockstep(asked, world_of(asked, None), **options)
 
 

@@ -25,7 +25,7 @@ from meadow import (
     station_uploads,
 )
 
-from companion.acting.arming_terms import FencePolicy
+from companion.acting.arming_terms import UploadPolicy
 from companion.api.simulating import world_of
 from companion.flight_events.fence import FenceKept, FenceReplaced, FenceWritten
 from companion.flight_events.sortie import (
@@ -42,7 +42,7 @@ from companion.mavlink.framing import dialect
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
 from companion.vehicle.offboard import MavlinkVehicle
-from companion.vehicle.own_fences import OwnFences
+from companion.vehicle.own_uploads import OwnUploads
 from companion.vehicle.port import Setpoint
 
 
@@ -109,24 +109,24 @@ def test_somebody_elses_fence_is_refused_with_both_ways_out() -> None:
     assert area.shape.radius_m == 400.0
 
 
-@pytest.mark.parametrize("policy", [FencePolicy.KEEP, FencePolicy.REPLACE])
-def test_it_is_kept_or_replaced_as_the_operator_says(policy: FencePolicy) -> None:
+@pytest.mark.parametrize("policy", [UploadPolicy.KEEP, UploadPolicy.REPLACE])
+def test_it_is_kept_or_replaced_as_the_operator_says(policy: UploadPolicy) -> None:
     flight = start(policy=policy)
     station_uploads(flight, (CIRCLE, 400.0, (0.0, 0.0, 0.0)))
     armed(flight)
-    told = FenceKept if policy is FencePolicy.KEEP else FenceReplaced
+    told = FenceKept if policy is UploadPolicy.KEEP else FenceReplaced
     assert len(flight.of(told)) == 1
-    assert len(areas(flight)) == (1 if policy is FencePolicy.KEEP else 2)
+    assert len(areas(flight)) == (1 if policy is UploadPolicy.KEEP else 2)
 
 
 def test_a_kept_fence_without_a_place_is_refused_by_its_name() -> None:
-    flight = start(policy=FencePolicy.KEEP)
+    flight = start(policy=UploadPolicy.KEEP)
     station_uploads(flight, (CIRCLE, 10.0, (0.0, 0.0, 0.0)))
     assert refused(flight) == "A lies outside the vehicle's own fence (area 1 of 1)"
 
 
 def test_a_circle_before_a_polygon_is_seen() -> None:
-    flight = start(policy=FencePolicy.KEEP)
+    flight = start(policy=UploadPolicy.KEEP)
     corners = [(POLYGON, 4.0, (n, e, 0.0)) for n, e in SQUARE]
     station_uploads(flight, (CIRCLE, 400.0, (0.0, 0.0, 0.0)), *corners)
     assert "a circle stands before a polygon" in refused(flight)
@@ -158,9 +158,9 @@ def test_an_area_that_is_left_out_is_heard_of(has_station: bool) -> None:
 
 
 def test_the_next_mission_of_this_companion_replaces_its_own() -> None:
-    own = OwnFences()
+    own = OwnUploads()
     first = armed(start(own=own))
-    assert len(own.written) == 1
+    assert len(own.fences.written) == 1
     bigger = mission(tuple((n * 1.5, e * 1.5) for n, e in SQUARE))
     second = start(bigger, own=own)
     second.simulation = first.simulation

@@ -8,7 +8,7 @@ import pytest
 from lockstep import Lockstep
 from meadow import CIRCLE, MEADOW, POLYGON, armed, refused, start, station_uploads
 
-from companion.acting.arming_terms import FencePolicy
+from companion.acting.arming_terms import UploadPolicy
 from companion.flight_events.fence import FenceKept
 from companion.flight_events.sortie import (
     ControlTakenBack,
@@ -33,7 +33,7 @@ EXCLUSION = dialect.MAV_CMD_NAV_FENCE_POLYGON_VERTEX_EXCLUSION
 
 def kept(corners: tuple[NorthEast, ...], command: int = EXCLUSION, **options: bool) -> Lockstep:
     """Beside a fence of an area and a circle of 400 m, which is to be kept."""
-    flight = start(policy=FencePolicy.KEEP, **options)
+    flight = start(policy=UploadPolicy.KEEP, **options)
     items = [(command, float(len(corners)), (n, e, 0.0)) for n, e in corners]
     station_uploads(flight, *items, (CIRCLE, 400.0, (0.0, 0.0, 0.0)))
     return flight
@@ -106,15 +106,15 @@ def test_whoever_goes_on_after_a_kill_still_keeps_to_it() -> None:
     assert not any(is_in_polygon(point, BED) for point in was)
 
 
-@pytest.mark.parametrize("policy", [FencePolicy.KEEP, FencePolicy.UPLOAD])
-def test_killed_before_arming_another_begins_anew_and_asks_again(policy: FencePolicy) -> None:
+@pytest.mark.parametrize("policy", [UploadPolicy.KEEP, UploadPolicy.UPLOAD])
+def test_killed_before_arming_another_begins_anew_and_asks_again(policy: UploadPolicy) -> None:
     flight = start(policy=policy, resumes=True)
     station_uploads(flight, (CIRCLE, 400.0, (0.0, 0.0, 0.0)))
     flight.until_reported(PhaseEntered, phase=Phase.CHECKING).run(0.3)
     flight.kill()
     flight.run(3.0)
     flight.restart()
-    if policy is FencePolicy.UPLOAD:
+    if policy is UploadPolicy.UPLOAD:
         assert refused(flight).startswith("the vehicle has another fence (1 point, 1 area)\n")
     else:
         armed(flight)
@@ -123,7 +123,7 @@ def test_killed_before_arming_another_begins_anew_and_asks_again(policy: FencePo
 
 def test_a_fence_drawn_while_the_companion_was_away_is_the_autopilots_alone() -> None:
     """Nothing is asked in the air, so it goes on. Where it leads out the autopilot holds it."""
-    flight = start(policy=FencePolicy.UPLOAD, resumes=True)
+    flight = start(policy=UploadPolicy.UPLOAD, resumes=True)
     flight.until_reported(PhaseEntered, phase=Phase.TASK)
     flight.until(lambda: flight.simulation.flight.position[1] > 3.0)
     flight.kill()

@@ -9,8 +9,9 @@ from fakes import FakeFence
 from sortie_rig import SortieRig
 from synthetic import mission
 
-from companion.acting.arming_terms import ArmingTerms, FencePolicy
-from companion.acting.fence_check import LISTEN_S, TRANSITIONS, FenceStage, areas_of
+from companion.acting.arming_terms import ArmingTerms, UploadPolicy
+from companion.acting.fence_check import LISTEN_S, areas_of
+from companion.acting.upload_check import TRANSITIONS, UploadStage
 from companion.flight_events.fence import FenceKept, FenceMissing, FenceReplaced, FenceWritten
 from companion.flight_events.sortie import Phase
 from companion.geofence import FenceArea, FenceCircle, FencePolygon, StoredFence
@@ -26,7 +27,7 @@ THEIRS = (
 OTHER = StoredFence(THEIRS, 12)
 
 
-def rig(policy: FencePolicy = FencePolicy.UPLOAD, stored: StoredFence | None = None) -> SortieRig:
+def rig(policy: UploadPolicy = UploadPolicy.UPLOAD, stored: StoredFence | None = None) -> SortieRig:
     run = SortieRig(ASKED, terms=ArmingTerms(fence=policy))
     run.vehicle.fence.nowhere = None
     run.vehicle.fence.stored = stored or StoredFence((), 0)
@@ -87,7 +88,7 @@ def test_the_same_fence_is_the_same_within_twenty_centimetres(moved_m: float) ->
 
 @pytest.mark.parametrize("how", ["replace", "own"])
 def test_another_fence_gives_way_where_that_was_said_or_it_is_ours(how: str) -> None:
-    run = rig(FencePolicy.REPLACE if how == "replace" else FencePolicy.UPLOAD, OTHER)
+    run = rig(UploadPolicy.REPLACE if how == "replace" else UploadPolicy.UPLOAD, OTHER)
     run.vehicle.fence.is_mine = how == "own"
     assert armed(run).written == [OURS]
     told = run.one(FenceReplaced)
@@ -95,13 +96,13 @@ def test_another_fence_gives_way_where_that_was_said_or_it_is_ours(how: str) -> 
 
 
 def test_another_fence_is_kept_where_all_places_lie_in_it() -> None:
-    run = rig(FencePolicy.KEEP, OTHER)
+    run = rig(UploadPolicy.KEEP, OTHER)
     assert armed(run).written == []
     assert run.one(FenceKept).fence == "12 points, 2 areas"
 
 
 def test_where_it_is_to_be_kept_none_is_written() -> None:
-    run = rig(FencePolicy.KEEP)
+    run = rig(UploadPolicy.KEEP)
     assert armed(run).written == []
     assert run.one(FenceMissing).reason == "it has none, and none is asked for"
 
@@ -109,7 +110,7 @@ def test_where_it_is_to_be_kept_none_is_written() -> None:
 def test_a_place_outside_is_named() -> None:
     north, east, _ = ASKED.places["A"].position
     island = FenceArea(FenceCircle((north, east), 0.5), False)
-    run = rig(FencePolicy.KEEP, StoredFence((THEIRS[0], island), 2))
+    run = rig(UploadPolicy.KEEP, StoredFence((THEIRS[0], island), 2))
     assert refused(run) == "A lies inside a zone of the vehicle's own fence (area 2 of 2)"
 
 
@@ -128,8 +129,8 @@ def test_the_autopilots_home_lies_in_it_or_nothing_is_written() -> None:
     assert run.vehicle.fence.written == []
 
 
-@pytest.mark.parametrize("policy", [FencePolicy.KEEP, FencePolicy.UPLOAD])
-def test_a_fence_that_px4_misreads_is_refused(policy: FencePolicy) -> None:
+@pytest.mark.parametrize("policy", [UploadPolicy.KEEP, UploadPolicy.UPLOAD])
+def test_a_fence_that_px4_misreads_is_refused(policy: UploadPolicy) -> None:
     run = rig(policy, replace(OTHER, flaw="a circle stands before a polygon"))
     assert "a circle stands before a polygon" in refused(run)
 
@@ -163,7 +164,7 @@ def test_an_autopilot_that_is_nowhere_is_told_and_flown() -> None:
 
 
 def test_one_that_is_left_alone_is_not_even_asked() -> None:
-    run = rig(FencePolicy.NONE, OTHER)
+    run = rig(UploadPolicy.NONE, OTHER)
     run.vehicle.fence.outcome = Progress.RUNNING
     assert armed(run).written == []
 
@@ -177,4 +178,4 @@ def test_nothing_is_asked_when_somebody_arms_it_meanwhile() -> None:
 
 
 def test_every_stage_is_reached() -> None:
-    assert {row.then for row in TRANSITIONS} | {FenceStage.LOCATING} == set(FenceStage)
+    assert {row.then for row in TRANSITIONS} | {UploadStage.LOCATING} == set(UploadStage)

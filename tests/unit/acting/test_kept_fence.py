@@ -8,7 +8,7 @@ import pytest
 from sortie_rig import SortieRig
 from synthetic import mission
 
-from companion.acting.arming_terms import ArmingTerms, FencePolicy
+from companion.acting.arming_terms import ArmingTerms, UploadPolicy
 from companion.acting.journal import FlightBegun, JournalEntry, put_together
 from companion.acting.kept_fence import keep_to
 from companion.flight_events.fence import FenceKept
@@ -32,7 +32,7 @@ def zone(south: float, west: float, north: float, east: float, inside: bool = Fa
 
 
 def rig(*areas: FenceArea, asked: Mission = ASKED) -> SortieRig:
-    run = SortieRig(asked, terms=ArmingTerms(fence=FencePolicy.KEEP))
+    run = SortieRig(asked, terms=ArmingTerms(fence=UploadPolicy.KEEP))
     run.vehicle.fence.nowhere = None
     run.vehicle.fence.stored = StoredFence(areas, 4 * len(areas))
     run.rig.flight.journal = run.journal = Kept()  # type: ignore[attr-defined]

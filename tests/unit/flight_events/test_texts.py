@@ -58,6 +58,14 @@ from companion.flight_events.reports import (
     SignalOfAnother,
     SignalSilent,
 )
+from companion.flight_events.rally import (
+    RallyKept,
+    RallyMissing,
+    RallyRemoved,
+    RallyReplaced,
+    RallyUnused,
+    RallyWritten,
+)
 from companion.flight_events.skills import (
     ClearanceChanged,
     FunctionsAwaited,
@@ -201,6 +209,27 @@ TEXTS: list[tuple[FlightEvent, str]] = [
     ),
     (FenceKept("12 points, 2 areas"), "the autopilot keeps its fence (12 points, 2 areas)"),
     (FenceMissing("it tells no position"), "no fence in the autopilot: it tells no position"),
+    (
+        RallyWritten("East, North"),
+        "the autopilot's Return may land at East, North from now on, also after the flight",
+    ),
+    (
+        RallyReplaced("East", "2 rally points"),
+        "the autopilot's Return may land at East from now on, no longer at 2 rally points",
+    ),
+    (RallyKept("2 rally points"), "the autopilot keeps 2 rally points"),
+    (
+        RallyRemoved("1 rally point"),
+        "1 rally point taken away: the autopilot's Return goes home",
+    ),
+    (
+        RallyMissing("it tells no position"),
+        "no rally points for the autopilot: it tells no position",
+    ),
+    (
+        RallyUnused("East", "RTL_TYPE is 2"),
+        "the autopilot's Return does not land at East: RTL_TYPE is 2",
+    ),
     (ControlYielded(LOST), f"{LOST}; hold, then continue, gives it back"),
     (ControlRegained(), "control given back by the operator"),
     (

@@ -1,0 +1,168 @@
+"""What the autopilot stores for a mission, before arming: read, written where it may be, read back.
+
+The autopilot's fence and its rally points take the same way; they differ in what is wanted, and in
+how what is there is judged (`UploadJudge`).
+
+1. What somebody else has put there stays, and the mission is refused, unless the operator has said
+   which of the two is to be kept.
+2. What has been written is read back and compared.
+3. An autopilot that does not know where on the earth it is stores nothing. That is told, and the
+   mission begins.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from enum import Enum
+from typing import Protocol
+
+from companion.acting.arming_terms import UploadPolicy
+from companion.transitions import StateTransition, TransitionTable
+from companion.vehicle.port import Failed, Outcome, Progress
+from companion.vehicle.store_port import AutopilotStore
+
+
+class UploadStage(Enum):
+    """How far the check has come."""
+
+    LOCATING = "asking where the autopilot's frame lies"
+    READING = "reading what it has"
+    WRITING = "writing the mission's"
+    READING_BACK = "reading it back"
+    LISTENING = "listening to what the autopilot says of it"
+    DONE = "done"
+
+
+class UploadStep(Enum):
+    """What happens in a check."""
+
+    NOT_ASKED = "nothing is wanted of it"
+    LOCATED = "it is known where the frame lies"
+    GONE_WITHOUT = "the autopilot has no position on the earth, or does not answer"
+    KEPT = "what is there may stay"
+    UNFIT = "the mission's has to be written"
+    WRITTEN = "the autopilot has taken it"
+    READ_BACK = "it is what was written"
+    UNOPPOSED = "nothing was said against it"
+
+
+_S, _T = UploadStage, UploadStep
+
+TRANSITIONS = TransitionTable(
+    StateTransition(_S.LOCATING, _T.NOT_ASKED, _S.DONE, "it is left alone"),
+    StateTransition(_S.LOCATING, _T.LOCATED, _S.READING, "it is asked for what it has"),
+    StateTransition(_S.READING, _T.KEPT, _S.DONE, "it fits the mission"),
+    StateTransition(_S.READING, _T.UNFIT, _S.WRITING, "the mission's fits"),
+    StateTransition(_S.WRITING, _T.WRITTEN, _S.READING_BACK, "it is asked for what it has"),
+    StateTransition(_S.READING_BACK, _T.READ_BACK, _S.LISTENING, "time passes"),
+    StateTransition(_S.LISTENING, _T.UNOPPOSED, _S.DONE, "it is in force, which is told"),
+    *(
+        StateTransition(stage, _T.GONE_WITHOUT, _S.DONE, "that is told")
+        for stage in (_S.LOCATING, _S.READING, _S.WRITING, _S.READING_BACK)
+    ),
+)
+"""How a check goes on; it ends anywhere with why the mission is refused."""
+
+
+class UploadJudge(Protocol):
+    """What is wanted of one kind, and what of what the autopilot has."""
+
+    @property
+    def store(self) -> AutopilotStore:
+        """Where it is stored."""
+
+    @property
+    def is_asked(self) -> bool:
+        """Whether the autopilot has to be asked at all."""
+
+    def nowhere(self, reason: str) -> None:
+        """Tells that the autopilot does not know where on the earth it is, and why."""
+
+    def unanswered(self, failed: Failed) -> Failed | None:
+        """A transfer has failed: why the mission is refused; None if that is only told."""
+
+    def judge(self) -> UploadStep | Failed | None:
+        """KEPT or, having begun to write, UNFIT; or why the mission is refused; None to wait."""
+
+    def compare(self) -> Failed | None:
+        """Why what was read back is not what was written; None if it is."""
+
+    def listen(self) -> UploadStep | Failed | None:
+        """UNOPPOSED when it is in force; None while that is not known."""
+
+
+class UploadCheck:
+    """One check.
+
+    Args:
+        judge: of one kind.
+        policy: what the operator has said of it.
+    """
+
+    def __init__(self, judge: UploadJudge, policy: UploadPolicy) -> None:
+        self._judge = judge
+        is_left_alone = policy is UploadPolicy.NONE
+        self._stage = UploadStage.DONE if is_left_alone else UploadStage.LOCATING
+
+    def tick(self) -> Outcome:
+        """DONE when it is as it should be, or there is none to be; or why it is not."""
+        if self._stage is UploadStage.DONE:
+            return Progress.DONE
+        step = _WORK[self._stage](self)
+        if isinstance(step, Failed):
+            return step
+        if step is not None:
+            self._stage = TRANSITIONS.next(self._stage, step)
+        return Progress.DONE if self._stage is UploadStage.DONE else Progress.RUNNING
+
+    def _locate(self) -> UploadStep | Failed | None:
+        store = self._judge.store
+        if not self._judge.is_asked:
+            return UploadStep.NOT_ASKED
+        outcome = store.locate()
+        if isinstance(outcome, Failed):
+            self._judge.nowhere(outcome.reason)
+            return UploadStep.GONE_WITHOUT
+        if outcome is Progress.RUNNING:
+            return None
+        store.read()
+        return UploadStep.LOCATED
+
+    def _read(self) -> UploadStep | Failed | None:
+        return self._failure() or (self._judge.judge() if self._is_done else None)
+
+    def _write(self) -> UploadStep | Failed | None:
+        if (failure := self._failure()) is not None or not self._is_done:
+            return failure
+        self._judge.store.read()
+        return UploadStep.WRITTEN
+
+    def _read_back(self) -> UploadStep | Failed | None:
+        if (failure := self._failure()) is not None or not self._is_done:
+            return failure
+        return self._judge.compare() or UploadStep.READ_BACK
+
+    def _listen(self) -> UploadStep | Failed | None:
+        return self._judge.listen()
+
+    @property
+    def _is_done(self) -> bool:
+        """Whether the transfer under way has ended well."""
+        return self._judge.store.outcome is Progress.DONE
+
+    def _failure(self) -> UploadStep | Failed | None:
+        """What the failure of the transfer under way leads to; None if it has not failed."""
+        outcome = self._judge.store.outcome
+        if not isinstance(outcome, Failed):
+            return None
+        return self._judge.unanswered(outcome) or UploadStep.GONE_WITHOUT
+
+
+_WORK: dict[UploadStage, Callable[[UploadCheck], UploadStep | Failed | None]] = {
+    UploadStage.LOCATING: UploadCheck._locate,
+    UploadStage.READING: UploadCheck._read,
+    UploadStage.WRITING: UploadCheck._write,
+    UploadStage.READING_BACK: UploadCheck._read_back,
+    UploadStage.LISTENING: UploadCheck._listen,
+}
+"""What each stage does in a tick; DONE does nothing."""

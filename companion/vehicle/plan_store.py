@@ -1,0 +1,133 @@
+"""What an autopilot stores of one kind by the mission protocol: read, and written. No I/O.
+
+1. It is read and written while the vehicle stands disarmed, by what was heard last. Once it is
+   armed or in the air nothing is said, and a transfer has failed.
+2. What is stored lies on the earth: without GLOBAL_POSITION_INT and GPS_GLOBAL_ORIGIN it is not
+   known where, and nothing is read or written.
+"""
+
+from __future__ import annotations
+
+from companion.mavlink.framing import Message
+from companion.mavlink.plan_transfer import PlanTransfer, TransferState
+from companion.vehicle.outcome import Failed, Outcome, Progress
+from companion.vehicle.own_uploads import OwnItems, UploadedItems
+from companion.vehicle.services import Moment
+from companion.vehicle.telemetry import Telemetry
+from companion.vehicle.wire import AUTOPILOT, COMPONENT, Wire
+
+GLOBAL_POSITION_S = 1.0
+"""A vehicle that has told none for so long has none."""
+LOCATE_S = 10.0
+
+
+class PlanStore:
+    """The items of one kind.
+
+    Args:
+        wire: whose system the autopilot belongs to.
+        telemetry: what it says.
+        kind: MAV_MISSION_TYPE.
+        own: what this companion has written of that kind.
+
+    Attributes:
+        items: that were read last; None before.
+        written: that were written last in this flight; None before.
+    """
+
+    def __init__(self, wire: Wire, telemetry: Telemetry, kind: int, own: OwnItems) -> None:
+        self._wire, self._telemetry = wire, telemetry
+        self._kind, self._own = kind, own
+        self.forget()
+
+    def forget(self) -> None:
+        """Nothing was read or asked."""
+        self.items: UploadedItems | None = None
+        self.written: UploadedItems | None = None
+        self._transfer: PlanTransfer | None = None
+        self._purpose, self._is_reading = "", False
+        self._refusal: Failed | None = None
+        self._leaving: list[Message] = []
+        self._located_from_s: float | None = None
+        self._heard_s = 0.0
+
+    @property
+    def outcome(self) -> Outcome:
+        """What has become of the last `read` or `write`."""
+        transfer = self._transfer
+        if self._refusal is not None:
+            return self._refusal
+        if transfer is None or transfer.is_under_way:
+            return Progress.RUNNING
+        if transfer.failure is not None:
+            return Failed(f"{self._purpose}: {transfer.failure.reason}")
+        return Progress.DONE
+
+    def locate(self) -> Outcome:
+        """Asks where the autopilot's frame lies on the earth."""
+        if self._telemetry.location is not None:
+            return Progress.DONE
+        if self._located_from_s is None:
+            self._located_from_s = self._heard_s
+        waited_s = self._heard_s - self._located_from_s
+        if self._telemetry.origins.altitude_m is None and waited_s > GLOBAL_POSITION_S:
+            return Failed("the autopilot tells no position on the earth")
+        if waited_s > LOCATE_S:
+            return Failed("the autopilot does not say where its local frame lies on the earth")
+        return Progress.RUNNING
+
+    def read(self, purpose: str) -> None:
+        """Begins to ask for the items.
+
+        Args:
+            purpose: what is not done if that fails, in words.
+        """
+        self.items = None
+        self._begin(purpose, None)
+
+    def write(self, items: UploadedItems | None, purpose: str) -> None:
+        """Begins to put items in the place of those that are there.
+
+        Args:
+            items: None where it is not known where on the earth they lie.
+            purpose: as above.
+        """
+        if items is None:
+            self._refusal = Failed(f"{purpose}: it is not known where on the earth that lies")
+            return
+        self._own.note(items)
+        self.written = items
+        self._begin(purpose, items)
+
+    def _begin(self, purpose: str, items: UploadedItems | None) -> None:
+        target, own = (self._wire.system, AUTOPILOT), (self._wire.system, COMPONENT)
+        self._purpose, self._is_reading = purpose, items is None
+        self._refusal = None
+        self._transfer = PlanTransfer(self._heard_s, target, own, self._kind, items)
+
+    def step(self, moment: Moment) -> None:
+        """Time has passed; rule 1."""
+        self._heard_s = moment.heard_s
+        if self._telemetry.is_flown and self._transfer is not None:
+            self._transfer = None
+            self._refusal = Failed(f"{self._purpose}: the vehicle is armed or in the air")
+
+    def take(self, moment: Moment, message: Message) -> None:
+        """Takes one of TRANSFER_MESSAGES of the autopilot."""
+        if self._transfer is not None:
+            self._leaving += self._transfer.take(moment.heard_s, message)
+            if self._is_reading and self._transfer.state is TransferState.DONE:
+                self.items = tuple(self._transfer.items)
+
+    def due(self, moment: Moment) -> list[Message]:
+        """What the transfer has to say now, and the question where the frame lies."""
+        leaving, self._leaving = self._leaving, []
+        if moment.is_quiet or self._telemetry.is_flown:
+            return []
+        if self._transfer is not None:
+            leaving += self._transfer.due(moment.heard_s)
+        origins = self._telemetry.origins
+        is_asked = self._located_from_s is not None and self._telemetry.location is None
+        if is_asked and origins.altitude_m is not None:
+            leaving += origins.due(moment.now_s, (self._wire.system, AUTOPILOT), is_needed=True)
+        return leaving
