@@ -51,13 +51,6 @@ from companion.flight_events.plans import (
     PlanReplaced,
     WrittenTreeAdopted,
 )
-from companion.flight_events.reports import (
-    ReportRefused,
-    ReportUnknown,
-    SignalHeard,
-    SignalOfAnother,
-    SignalSilent,
-)
 from companion.flight_events.rally import (
     RallyKept,
     RallyMissing,
@@ -65,6 +58,13 @@ from companion.flight_events.rally import (
     RallyReplaced,
     RallyUnused,
     RallyWritten,
+)
+from companion.flight_events.reports import (
+    ReportRefused,
+    ReportUnknown,
+    SignalHeard,
+    SignalOfAnother,
+    SignalSilent,
 )
 from companion.flight_events.skills import (
     ClearanceChanged,
