@@ -17,7 +17,15 @@ from companion.mission.model import Mission
 from companion.monitor.scene import Scene, read_scene
 from companion.monitor.tailing import EventLines, TlogFrames
 from companion.planning.planner import Planner
-from companion.plans.drawing import Drawing, DrawnPlace, drawing_of, on_earth, route, start_of
+from companion.plans.drawing import (
+    Drawing,
+    DrawnPlace,
+    drawing_of,
+    on_earth,
+    route,
+    safe_places_of,
+    start_of,
+)
 from companion.plans.route_plan import Height, LatLon, metres_between
 
 STEP_M = 0.5
@@ -83,6 +91,7 @@ def run_drawing(folder: Path) -> Drawing:
             start=start,
             prefix=tuple(route(mission, prefix)),
             loop=tuple(route(mission, loop)),
+            safe=safe_places_of(mission),
             speed_mps=mission.limits.speed_mps,
             keep_out={n: on_earth(z, zero) for n, z in mission.limits.keep_out.items()},
         )

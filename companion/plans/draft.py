@@ -4,7 +4,8 @@
     waits, commands    a skill at the place, and a fact that the task asks for on the way
     fence        what all inclusion areas share; without one, a box around all places
     exclusions   keep-out zones
-    rally points places that the task does not mention
+    rally points places that the task does not mention, to land at where there is no plan
+    other points places that the task does not mention
 
 Nothing is guessed that a vehicle would be flown by: a height that the file does not say has to be
 given, and so has home.
@@ -34,6 +35,8 @@ from companion.plans.route_plan import (
 
 MAX_PLACES, MAX_STOPS = 60, 200
 """Of a route: the plan for either takes 10 s, and grows with the square."""
+MAX_RALLY = 31
+"""With home as many as a mission's safe places may be, and a PX4 has room for."""
 MAX_AREAS = 100
 FENCE_MARGIN_M = 20.0
 BAND_M, AMSL_BAND_M = 3.0, 15.0
@@ -89,7 +92,7 @@ class _Drafting:
             raise ItemsRefused(plan.unaddressed)
         self.told += plan.told
         placed = self._placed
-        check_points(len(plan.waypoints) + len(plan.rally))
+        check_points(len(plan.waypoints) + len(plan.rally) + len(plan.spare))
         placed.begin()
         _all(self._stops())
         end = placed.end
@@ -101,7 +104,8 @@ class _Drafting:
         _check_count(len(self.places) - 1, "places", MAX_PLACES)
         _check_count(len(placed.stops), "stops", MAX_STOPS)
         fence, zones = self._areas()
-        self._rally(fence, zones)
+        safe = self._rally(fence, zones)
+        self._spare(fence, zones)
         limits = self._limits(fence, zones)
         data: dict[str, Any] = {"version": 1, "name": name, "frame": "wgs84", "limits": limits}
         data["places"] = {name: placed.entry(place) for name, place in self.places.items()}
@@ -111,7 +115,7 @@ class _Drafting:
         data["skills"] = skills_of(placed.stops)
         data["initially"] = [f"at({HOME})"]
         data["task"] = task_of(plan, placed.stops, end)
-        data["otherwise"] = "return_home"
+        data["otherwise"] = {"land_at": [HOME, *safe]} if safe else "return_home"
         places = {("places", name): place.item for name, place in self.places.items()}
         return Draft(data, self.items | places, self.told)
 
@@ -130,6 +134,8 @@ class _Drafting:
         inclusions = [area for area in self.plan.areas if area.is_inclusion]
         if not inclusions:
             points = [place.position for place in self.places.values()]
+            rally = (point.position for point in self.plan.rally[:MAX_RALLY])
+            points += [p for p in rally if metres_between(points[0], p) < USUAL_REACH_M]
             self.told.append(
                 f"{self.plan.kind} has no fence; the box {FENCE_MARGIN_M:g} m around all places "
                 "is one: make it as large as the vehicle may fly"
@@ -167,21 +173,47 @@ class _Drafting:
                     place.item, f"is inside the exclusion area {zone}", _to_move(place)
                 )
 
-    def _rally(self, fence: tuple[LatLon, ...], zones: dict[str, tuple[LatLon, ...]]) -> None:
+    def _rally(self, fence: tuple[LatLon, ...], zones: dict[str, tuple[LatLon, ...]]) -> list[str]:
+        """Places that the task does not mention, to land at where there is no plan."""
+        rally = len(self.plan.rally)
+        if rally > MAX_RALLY:
+            self.told.append(f"{rally} rally points: the first {MAX_RALLY} are safe places")
+        safe: list[str] = []
+        for point in self.plan.rally[:MAX_RALLY]:
+            name = self._place(point, fence, zones)
+            if name in (None, HOME) or name in safe:
+                continue
+            assert name is not None
+            safe.append(name)
+            self.told.append(f"{point.item}: the safe place {name}, to land at without a plan")
+        return safe
+
+    def _spare(self, fence: tuple[LatLon, ...], zones: dict[str, tuple[LatLon, ...]]) -> None:
         """Places that the task does not mention."""
-        spare = len(self.plan.rally)
+        spare = len(self.plan.spare)
         if spare > MAX_PLACES:
             self.told.append(f"nothing flies to {spare} points; the first {MAX_PLACES} are places")
-        for point in self.plan.rally[:MAX_PLACES]:
-            placed = replace(point, height=point.height or self.places[HOME].height)
-            try:
-                self._check_inside(placed, fence, zones)
-            except ItemRefused as error:
-                self.told.append(f"{point.item}: {error.what}; left out")
-                continue
-            if self._placed.near(placed) is None:
-                name = self._placed.add(placed)
+        for point in self.plan.spare[:MAX_PLACES]:
+            known = len(self.places)
+            name = self._place(point, fence, zones)
+            if len(self.places) > known:
                 self.told.append(f"{point.item}: the place {name}, to which nothing flies yet")
+
+    def _place(
+        self,
+        point: Waypoint,
+        fence: tuple[LatLon, ...],
+        zones: dict[str, tuple[LatLon, ...]],
+    ) -> str | None:
+        """The place at a point, which may be new; None where the vehicle may not be."""
+        placed = replace(point, height=point.height or self.places[HOME].height)
+        try:
+            self._check_inside(placed, fence, zones)
+        except ItemRefused as error:
+            self.told.append(f"{point.item}: {error.what}; left out")
+            return None
+        near = self._placed.near(placed)
+        return self._placed.add(placed) if near is None else near
 
     def _limits(
         self, fence: tuple[LatLon, ...], zones: dict[str, tuple[LatLon, ...]]

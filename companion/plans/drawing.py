@@ -47,6 +47,7 @@ class Drawing:
         home_amsl_m: how high home lies above the sea, if that is known.
         prefix: where the plan leads once.
         loop: where it then leads again and again.
+        safe: places to land at where there is no plan, other than the start.
         flown: where the vehicle was.
     """
 
@@ -59,6 +60,7 @@ class Drawing:
     home_amsl_m: float | None = None
     prefix: tuple[DrawnVisit, ...] = ()
     loop: tuple[DrawnVisit, ...] = ()
+    safe: tuple[str, ...] = ()
     flown: tuple[LatLon, ...] = ()
     told: list[str] = field(default_factory=list)
 
@@ -82,12 +84,18 @@ def drawing_of(mission: Mission, plan: PlannedLasso | None, zero: GlobalOrigin) 
         speed_mps=mission.limits.speed_mps,
         prefix=tuple(prefix),
         loop=tuple(route(mission, plan.loop if plan else ())),
+        safe=safe_places_of(mission),
     )
 
 
 def start_of(mission: Mission) -> str:
     """The place where a mission begins."""
     return next(fact.arguments[0] for fact in mission.initially if fact.predicate == AT)
+
+
+def safe_places_of(mission: Mission) -> tuple[str, ...]:
+    """The places that a mission names to land at, but for where it begins."""
+    return tuple(name for name in mission.safe_places if name != start_of(mission))
 
 
 def on_earth(corners: Sequence[NorthEast], zero: GlobalOrigin) -> tuple[LatLon, ...]:

@@ -24,7 +24,10 @@ DIGITS = 9
 
 def geojson_text(drawing: Drawing) -> str:
     """The text of a GeoJSON file."""
-    features = [_point(place, drawing.start) for place in drawing.places.values()]
+    visited = {visit.place for visit in (*drawing.prefix, *drawing.loop)}
+    kinds = dict.fromkeys((name for name in drawing.safe if name not in visited), "rally")
+    kinds[drawing.start] = "home"
+    features = [_point(place, kinds.get(place.name, "place")) for place in drawing.places.values()]
     features.append(_polygon(drawing.fence, {"name": "fence", "kind": "fence"}))
     for name, zone in drawing.keep_out.items():
         features.append(_polygon(zone, {"name": name, "kind": "keep_out"}))
@@ -41,11 +44,11 @@ def _way(drawing: Drawing, visits: Iterable[DrawnVisit]) -> list[LatLon]:
     return [drawing.places[visit.place].position for visit in visits]
 
 
-def _point(place: DrawnPlace, start: str) -> dict[str, Any]:
+def _point(place: DrawnPlace, kind: str) -> dict[str, Any]:
     key = "amsl_m" if place.height.is_amsl else "up_m"
     about = {
         "name": place.name,
-        "kind": "home" if place.name == start else "place",
+        "kind": kind,
         key: round(place.height.metres, 3),
         "radius_m": round(place.radius_m, 3),
     }

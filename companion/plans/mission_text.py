@@ -21,7 +21,7 @@ COMMENTS = {
     "skills": "What the vehicle can do.",
     "initially": "Facts that hold at the start.",
     "task": "What must hold: G always, F eventually. All lines hold together.",
-    "otherwise": "When the world leaves no plan: return_home, land or hold.",
+    "otherwise": "When the world leaves no plan: return_home, land, hold, or {land_at: [places]}.",
 }
 FLAT = ("places", "fence", "corners", "keep_out")
 
@@ -56,7 +56,7 @@ def _node(value: Any, depth: int, key: str) -> Any:
     """A value with its style: points and corners on one line each."""
     if isinstance(value, Mapping):
         made = CommentedMap((k, _node(v, depth + 1, str(k))) for k, v in value.items())
-        if key == "parameters" or "lat_deg" in value:
+        if key == "parameters" or "lat_deg" in value or "land_at" in value:
             made.fa.set_flow_style()
         return made
     if isinstance(value, list):

@@ -1,8 +1,8 @@
 """A drawing as a .plan of QGroundControl, to look at.
 
 The prefix becomes a takeoff and waypoints; a loop begins anew by a jump without an end; a plan that
-ends at rest returns, or lands where it is. No rally points are written: uploaded, they would change
-where the autopilot returns to.
+ends at rest returns, or lands where it is. Safe places are rally points, on the ground: uploaded,
+they change where the autopilot returns to, as the mission's own are once it was flown.
 
 Source: as qgc_plan.py; MAVSDK's importer asks for `type`, `frame` and seven params.
 """
@@ -41,9 +41,14 @@ def plan_text(drawing: Drawing) -> str:
             "items": _items(drawing),
         },
         "geoFence": {"version": 2, "polygons": inclusion + exclusions, "circles": []},
-        "rallyPoints": {"version": 2, "points": []},
+        "rallyPoints": {"version": 2, "points": [_rally(drawing, name) for name in drawing.safe]},
     }
     return json.dumps(plan, indent=4, allow_nan=False) + "\n"
+
+
+def _rally(drawing: Drawing, name: str) -> list[float]:
+    """A rally point, whose altitude is that of the ground, above home."""
+    return [*drawing.places[name].position, 0.0]
 
 
 def _polygon(corners: tuple[LatLon, ...], is_inclusion: bool) -> dict[str, Any]:

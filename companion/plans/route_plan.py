@@ -125,6 +125,7 @@ class RoutePlan:
         speeds_mps: that the file asks for.
         areas: inclusions and exclusions.
         rally: rally points; they have no acts.
+        spare: other points that nothing flies to; so have they.
         told: what a reader of the mission has to know, a line each.
         unaddressed: the commands for payloads, as they are refused where nobody says who gets them.
     """
@@ -142,6 +143,7 @@ class RoutePlan:
     speeds_mps: tuple[float, ...] = ()
     areas: tuple[PlanArea, ...] = ()
     rally: tuple[Waypoint, ...] = ()
+    spare: tuple[Waypoint, ...] = ()
     told: tuple[str, ...] = ()
     unaddressed: tuple[ItemRefused, ...] = ()
 

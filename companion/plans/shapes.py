@@ -183,7 +183,8 @@ def plan_of(kind: str, shapes: Sequence[Shape], told: Sequence[str] = ()) -> Rou
         is_ordered=is_ordered,
         repeats_from=drawn.repeats_from,
         areas=tuple(drawn.areas),
-        rally=tuple(drawn.rally) + tuple(waypoints[len(route) :]),
+        rally=tuple(drawn.rally),
+        spare=tuple(waypoints[len(route) :]),
         told=tuple(drawn.told),
     )
 

@@ -14,7 +14,7 @@ from plan_files import HOME, TAKE_OFF, at, circle, imported, plan, polygon, squa
 from companion import load_mission
 from companion.errors import MissionError
 from companion.geometry import GlobalOrigin, NorthEast, is_in_polygon
-from companion.mission.model import Limits
+from companion.mission.model import Limits, Otherwise
 from companion.plans.areas import circle as polygon_of
 from companion.plans.areas import common
 from companion.plans.draft import FENCE_MARGIN_M
@@ -107,14 +107,34 @@ def test_an_exclusion_beyond_the_fence_is_told(tmp_path: Path) -> None:
     assert "fence polygon 2: lies outside the fence; left out" in draft.told
 
 
-def test_rally_points_are_places_that_nothing_flies_to(tmp_path: Path) -> None:
+def test_rally_points_are_safe_places(tmp_path: Path) -> None:
     rally = [[*at(-10, 0), 15], [*at(-10, 20), 0], [*at(300, 0), 15]]
     text, draft = imported(tmp_path, plan(*WAY, polygons=[polygon(square(80))], rally=rally))
     mission = load_mission(text)
     assert mission.places["R1"].position == pytest.approx((-10, 0, -15), abs=0.001)
     assert mission.places["R2"].position == pytest.approx((-10, 20, -20), abs=0.001)
     assert "R1" not in mission.sets["Place"]
+    assert mission.safe_places == ("Home", "R1", "R2")
+    assert "otherwise: {land_at: [Home, R1, R2]}" in text
+    assert "rally point 1: the safe place R1, to land at without a plan" in draft.told
     assert "rally point 3: is outside the fence of the plan; left out" in draft.told
+
+
+def test_a_rally_point_at_a_place_is_that_place_and_one_at_home_is_none(tmp_path: Path) -> None:
+    rally = [[*at(0.3, 0), 15], [*at(-20, 0.3), 15], [*at(-20, 0), 0]]
+    content = plan(TAKE_OFF, waypoint(-20, 0), polygons=[polygon(square(80))], rally=rally)
+    mission = load_mission(imported(tmp_path, content)[0])
+    assert mission.safe_places == ("Home", "W2")
+    assert list(mission.places) == ["Home", "W2"]
+    alone = plan(TAKE_OFF, waypoint(-20, 0), polygons=[polygon(square(80))], rally=rally[:1])
+    assert load_mission(imported(tmp_path, alone)[0]).otherwise is Otherwise.RETURN_HOME
+
+
+def test_without_a_fence_the_box_holds_rally_points_but_for_those_far_away(tmp_path: Path) -> None:
+    rally = [[*at(0, 300), 15], [*at(0, 6000), 15]]
+    _, draft = imported(tmp_path, plan(TAKE_OFF, waypoint(-20, 0), rally=rally))
+    assert draft.data["otherwise"] == {"land_at": ["Home", "R1"]}
+    assert "rally point 2: is outside the fence of the plan; left out" in draft.told
 
 
 def test_fences_and_rally_points_of_version_1_are_ignored_with_a_word(tmp_path: Path) -> None:

@@ -61,7 +61,8 @@ def test_positions_survive_the_way_to_a_mission_and_back_to_a_centimetre(
     way = [item(16, 0, 0, 0, None, *point) for point in points]
     fence = [about.to_global((n, e, 0.0))[:2] for n, e in AREA]
     begins = {"plannedHomePosition": [*home, 10]}
-    content = plan(TAKE_OFF, *way, RETURN, polygons=[polygon(fence)], **begins)
+    rally = [[*about.to_global((50.0 + 10 * at, -10.0, 0.0))[:2], 0] for at in range(2)]
+    content = plan(TAKE_OFF, *way, RETURN, polygons=[polygon(fence)], rally=rally, **begins)
     mission = load_mission(imported(tmp_path, content)[0])
     back = json.loads(plan_text(mission_drawing(mission, None)))
     kept = [entry["params"][4:] for entry in back["mission"]["items"] if entry["command"] == 16]
@@ -72,6 +73,9 @@ def test_positions_survive_the_way_to_a_mission_and_back_to_a_centimetre(
     corners = back["geoFence"]["polygons"][0]["polygon"]
     assert all(metres_between(a, b) < 0.01 for a, b in zip(fence, corners, strict=True))
     assert metres_between(home, back["mission"]["plannedHomePosition"][:2]) < 0.01
+    assert mission.safe_places == ("Home", "R1", "R2")
+    for before, point in zip(rally, back["rallyPoints"]["points"], strict=True):
+        assert metres_between((before[0], before[1]), point[:2]) < 0.01 and point[2] == 0.0
 
 
 def test_a_plan_has_takeoff_waypoints_holds_and_return(tmp_path: Path) -> None:
@@ -174,3 +178,18 @@ def test_what_is_exported_is_imported_again(last: dict[str, Any], tmp_path: Path
     zones = zip(mission.limits.keep_out.values(), again.limits.keep_out.values(), strict=True)
     for one, other in ((mission.limits.fence, again.limits.fence), *zones):
         assert all(min(horizontal_distance(c, d) for d in other) < 0.01 for c in one)
+
+
+def test_safe_places_are_rally_points_in_a_drawing(tmp_path: Path) -> None:
+    """One that the plan visits stays a place; as a point of the route it has its height."""
+    rally = [[*square(40)[2], 0], [*square(30)[0], 12]]
+    shown = drawing(tmp_path, TAKE_OFF, waypoint(40, 40), RETURN, rally=rally)
+    assert shown.safe == ("W2", "R2")
+    points = json.loads(plan_text(shown))["rallyPoints"]["points"]
+    assert [point[2] for point in points] == [0.0, 0.0]
+    features = json.loads(geojson_text(shown))["features"]
+    kinds = {f["properties"].get("name"): f["properties"]["kind"] for f in features}
+    assert (kinds["Home"], kinds["W2"], kinds["R2"]) == ("home", "place", "rally")
+    again = load_mission(imported(tmp_path, geojson_text(shown), "again.geojson")[0])
+    assert again.safe_places == ("Home", "R2")
+    assert again.places["R2"].position[2] == pytest.approx(-12)

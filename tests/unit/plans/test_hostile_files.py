@@ -10,8 +10,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from plan_files import TAKE_OFF, circle, imported, item, plan, polygon, square, waypoint
 
+from companion import load_mission
 from companion.errors import MissionError
-from companion.plans.draft import MAX_AREAS, MAX_PLACES
+from companion.plans.draft import MAX_AREAS, MAX_RALLY
 from companion.plans.draft_places import Given
 from companion.plans.files import MAX_BYTES, READERS
 from companion.plans.route_plan import MAX_POINTS
@@ -112,10 +113,11 @@ def test_many_corners_and_areas_of_a_fence_are_refused(tmp_path: Path) -> None:
         imported(tmp_path, plan(TAKE_OFF, polygons=areas))
 
 
-def test_of_many_points_that_nothing_flies_to_some_are_places(tmp_path: Path) -> None:
-    rally = [[*square(90)[0][:1], 8.5446 + 1e-5 * index * 3, 9] for index in range(MAX_PLACES + 9)]
-    _, draft = imported(tmp_path, plan(TAKE_OFF, waypoint(-90, 90), rally=rally))
-    assert f"nothing flies to {len(rally)} points; the first {MAX_PLACES} are places" in draft.told
+def test_of_many_rally_points_some_are_safe_places(tmp_path: Path) -> None:
+    rally = [[*square(90)[0][:1], 8.5446 + 1e-5 * index * 3, 9] for index in range(MAX_RALLY + 9)]
+    text, draft = imported(tmp_path, plan(TAKE_OFF, waypoint(-90, 90), rally=rally))
+    assert f"{len(rally)} rally points: the first {MAX_RALLY} are safe places" in draft.told
+    assert len(load_mission(text).safe_places) == 1 + MAX_RALLY
 
 
 def test_a_key_that_is_twice_among_many_is_found_at_once(tmp_path: Path) -> None:
