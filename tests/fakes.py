@@ -228,7 +228,9 @@ class FakeCameras:
         """Time passes."""
         self._now_s = now_s
 
-    def prepare(self, component: int, owner: ShotOwner, timeout_s: float | None) -> int:
+    def prepare(
+        self, component: int, owner: ShotOwner, timeout_s: float | None, may_repeat: bool = False
+    ) -> int:
         self.prepared.append((component, owner))
         return len(self.prepared)
 

@@ -80,13 +80,20 @@ class IntendedShot:
 class Cameras(Protocol):
     """The cameras of a vehicle."""
 
-    def prepare(self, component: int, owner: ShotOwner, timeout_s: float | None) -> int:
+    def prepare(
+        self,
+        component: int,
+        owner: ShotOwner,
+        timeout_s: float | None,
+        may_repeat: bool = False,
+    ) -> int:
         """Begin with a photo; returns a ticket for the other methods.
 
         Args:
             component: the camera.
             owner: what the photo is for; it is made once for each owner.
             timeout_s: time for all of it; None for the usual one.
+            may_repeat: a second photo does no harm, where the answer to the first may be lost.
         """
 
     def shoot(self, ticket: int) -> None:

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from companion.mavlink.framing import Message, source
 from companion.vehicle.camera_port import IntendedShot, ShotOutcome, ShotOwner
-from companion.vehicle.photo_shot import SHOOT, KnownCamera, PhotoShot
+from companion.vehicle.known_camera import KnownCamera
+from companion.vehicle.photo_shot import PHOTO_S, SHOOT, PhotoShot
 from companion.vehicle.services import Moment
 from companion.vehicle.wire import COMPONENT, Wire
 
@@ -38,11 +39,17 @@ class MavlinkCameras:
 
     # -- camera_port.Cameras -------------------------------------------------------------------
 
-    def prepare(self, component: int, owner: ShotOwner, timeout_s: float | None) -> int:
+    def prepare(
+        self,
+        component: int,
+        owner: ShotOwner,
+        timeout_s: float | None,
+        may_repeat: bool = False,
+    ) -> int:
         """Begins with a photo; returns its ticket."""
         self._tickets += 1
         camera = self._camera(component)
-        self._shots[self._tickets] = PhotoShot(camera, owner, timeout_s)
+        self._shots[self._tickets] = PhotoShot(camera, owner, timeout_s, may_repeat)
         return self._tickets
 
     def shoot(self, ticket: int) -> None:
@@ -61,7 +68,7 @@ class MavlinkCameras:
         """Another process was about to ask for this photo."""
         camera = self._camera(shot.component)
         camera.sequence = max(camera.sequence, shot.sequence)
-        camera.mark(shot.owner, shot.image_count, self._heard_s)
+        camera.mark(shot.owner, shot.image_count, self._heard_s, PHOTO_S)
 
     # -- services.Service ----------------------------------------------------------------------
 
@@ -83,8 +90,7 @@ class MavlinkCameras:
         elif kind == IMAGE:
             for shot in shots:
                 shot.take_image(now_s, message)
-            if message.capture_result == 1:
-                camera.indices.append(message.image_index)
+            camera.take_image(message.image_index, message.capture_result == 1)
         elif kind == STORAGE:
             for shot in shots:
                 shot.take_storage(message)

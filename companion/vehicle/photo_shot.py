@@ -8,11 +8,15 @@ Rules:
    knows.
 3. Done is CAMERA_IMAGE_CAPTURED with capture_result 1 and an image_index that was not heard before,
    or, as that message may be lost, a greater count.
-4. After any answer the photo is not asked for again, but after TEMPORARILY_REJECTED, with a pause
-   that grows. Without an answer it is asked for again, with the same number, once the camera has
-   said RESEND_S later that it is idle and has counted no more: a camera may take a second photo for
-   an equal number.
-5. A photo that is refused or has failed is not made. Why is asked of the camera's storage.
+4. It is asked for once: a camera may take a second photo for an equal number, and the answer to the
+   first may be lost while it is at work. Again it is asked for once the camera has said that it is
+   idle and has counted no more, after
+   - TEMPORARILY_REJECTED, with a pause that grows: it has not taken it;
+   - RESEND_S without an answer, if it was heard before to say when it is at work, or if the skill
+     may be repeated.
+5. What was asked for, and of which nothing is known, may still be made for PHOTO_S, or the time of
+   its skill if that is more. As long no other photo is asked for, but by the exceptions of rule 4.
+6. A photo that is refused or has failed is not made. Why is asked of the camera's storage.
 
     state      leads to
     COUNTING   READY by rule 2; MADE; FAILED
@@ -28,8 +32,6 @@ Source: https://mavlink.io/en/services/camera.html; the camera server of MAVSDK 
 from __future__ import annotations
 
 import math
-from collections import deque
-from dataclasses import dataclass, field
 from enum import Enum, auto
 
 from companion.mavlink.commands import result_name
@@ -41,18 +43,16 @@ from companion.vehicle.camera_port import (
     ShotOwner,
     ShotReady,
 )
+from companion.vehicle.known_camera import RESEND_S, KnownCamera
 
-ONLINE_S = 3.0
-"""Age of the newest heartbeat up to which a camera is there; one comes each second."""
 GRACE_S = 1.0
 """What a camera that was not heard has to answer in, to be there after all."""
 PHOTO_S = 15.0
-"""Time of a photo, where the skill does not say."""
-RESEND_S = 2.0
-ASK_S, SELDOM_S = 0.5, 2.0
+"""Time of a photo, where the skill does not say; and the longest that a camera needs for one, where
+the skill does not give it more."""
+FIRST_ASK_S, ASK_S, SELDOM_S = 0.15, 0.5, 2.0
 REJECTED_S, MOST_REJECTED_S = 1.0, 8.0
 STORAGE_S = 1.5
-KEPT_INDICES, KEPT_MARKS = 1000, 100
 SHOOT, STATUS, STORAGE = (
     dialect.MAV_CMD_IMAGE_START_CAPTURE,
     dialect.MAVLINK_MSG_ID_CAMERA_CAPTURE_STATUS,
@@ -62,61 +62,6 @@ REQUEST, OLD_REQUEST = (
     dialect.MAV_CMD_REQUEST_MESSAGE,
     dialect.MAV_CMD_REQUEST_CAMERA_CAPTURE_STATUS,
 )
-
-
-@dataclass
-class Mark:
-    """A photo that was, or may have been, asked for.
-
-    Attributes:
-        image_count: what the camera had counted before.
-        sent_s: when that was, at the latest.
-    """
-
-    image_count: int
-    sent_s: float
-
-
-@dataclass
-class KnownCamera:
-    """What is known of one camera.
-
-    Attributes:
-        heard_s: when anything was heard of it.
-        image_count: of its newest status, None before the first one.
-        is_idle: by that status.
-        status_s: when it was heard.
-        sequence: the greatest number that a photo was asked for with.
-        marks: photos by what they are for.
-        indices: of its newest images.
-    """
-
-    component: int
-    heard_s: float = -math.inf
-    image_count: int | None = None
-    is_idle: bool = True
-    status_s: float = -math.inf
-    sequence: int = 0
-    marks: dict[ShotOwner, Mark] = field(default_factory=dict)
-    indices: deque[int] = field(default_factory=lambda: deque(maxlen=KEPT_INDICES))
-
-    def absence(self, now_s: float) -> str | None:
-        """That it is not there, in words; None if it is."""
-        if now_s - self.heard_s <= ONLINE_S:
-            return None
-        silent = f"for {now_s - self.heard_s:.0f} s" if self.heard_s > -math.inf else "yet"
-        return f"the camera (component {self.component}) is offline: no heartbeat {silent}"
-
-    def mark(self, owner: ShotOwner, image_count: int, now_s: float) -> None:
-        """A photo is, or may have been, asked for."""
-        self.marks[owner] = Mark(image_count, now_s)
-        if len(self.marks) > KEPT_MARKS:
-            del self.marks[next(iter(self.marks))]
-
-    def take_status(self, now_s: float, message: Message) -> None:
-        """Takes a CAMERA_CAPTURE_STATUS."""
-        self.image_count, self.status_s = message.image_count, now_s
-        self.is_idle = message.image_status in (0, 2)  # idle, or between two of a series
 
 
 class ShotState(Enum):
@@ -137,18 +82,26 @@ class PhotoShot:
         camera: that makes it.
         owner: what it is for.
         timeout_s: time for all of it, from its first step on.
+        may_repeat: a second photo does no harm.
     """
 
-    def __init__(self, camera: KnownCamera, owner: ShotOwner, timeout_s: float | None) -> None:
+    def __init__(
+        self,
+        camera: KnownCamera,
+        owner: ShotOwner,
+        timeout_s: float | None,
+        may_repeat: bool = False,
+    ) -> None:
         self.camera = camera
         self._owner = owner
+        self._may_repeat = may_repeat
         self._limit_s = PHOTO_S if timeout_s is None else timeout_s
         self._begun_s: float | None = None
         self._state = ShotState.COUNTING
         self._outcome: ShotOutcome = None
         self._sequence = self._count = self._sent = self._rejected = self._asked = 0
         self._next_send_s = self._next_ask_s = -math.inf
-        self._sent_s = self._failing_s = math.inf
+        self._again_s = self._failing_s = math.inf
         self._failure = ""
 
     @property
@@ -162,8 +115,11 @@ class PhotoShot:
             return
         self._state, self._outcome = ShotState.ASKED, None
         self.camera.sequence = self._sequence
-        self.camera.mark(self._owner, self._count, now_s)
+        self._mark(now_s)
         self._next_send_s, self._next_ask_s = now_s, now_s + ASK_S
+
+    def _mark(self, now_s: float) -> None:
+        self.camera.mark(self._owner, self._count, now_s, max(PHOTO_S, self._limit_s))
 
     # -- in ------------------------------------------------------------------------------------
 
@@ -175,9 +131,11 @@ class PhotoShot:
             self._count_photos(now_s)
         elif self._state in (ShotState.ASKED, ShotState.ANSWERED):
             self._look_for_photo()
-        elif self._state is ShotState.FAILING and now_s - self._failing_s >= STORAGE_S:
-            self._end(NoPhoto(self._failure))
-        if self._is_under_way and now_s - self._begun_s >= self._limit_s:
+        is_over = now_s - self._begun_s >= self._limit_s
+        if self._state is ShotState.FAILING:
+            if is_over or now_s - self._failing_s >= STORAGE_S:
+                self._end(NoPhoto(self._failure))
+        elif is_over and self._is_under_way:
             self._end(NoPhoto(self._overdue(now_s)))
 
     def take_answer(self, now_s: float, ack: Message) -> None:
@@ -192,8 +150,12 @@ class PhotoShot:
             if self._state is ShotState.ASKED:  # else it answers a repetition
                 pause_s = min(REJECTED_S * 2**self._rejected, MOST_REJECTED_S)
                 self._rejected += 1
-                self._sent_s, self._next_send_s = math.inf, now_s + pause_s
+                self._again_s = self._next_ask_s = now_s + pause_s
+                if self._rejected >= self._sent:
+                    self.camera.settle()
         else:
+            if self._sent == 1:
+                self.camera.settle()
             self._fail(now_s, f"the camera has answered: {result.replace('_', ' ').lower()}")
 
     def take_image(self, now_s: float, message: Message) -> None:
@@ -225,9 +187,10 @@ class PhotoShot:
         """What has to be sent now."""
         is_asking = self._is_under_way or self._state is ShotState.FAILING
         if self._state is ShotState.ASKED and now_s >= self._next_send_s:
-            self._next_send_s, self._sent_s, self._next_ask_s = math.inf, now_s, now_s + ASK_S
+            self._next_send_s, self._next_ask_s = math.inf, now_s + FIRST_ASK_S
+            self._again_s = now_s + RESEND_S
             parameters = (0.0, 0.0, 1.0, float(self._sequence), 0.0, 0.0, 0.0)
-            self.camera.mark(self._owner, self._count, now_s)
+            self._mark(now_s)
             confirmation = min(self._sent, 255)
             self._sent += 1
             return [_command(system, self.camera.component, SHOOT, confirmation, parameters)]
@@ -262,7 +225,7 @@ class PhotoShot:
         elif mark is not None and count < mark.image_count:
             counted = f"it has counted {count} photos, and {mark.image_count} before"
             self._end(NoPhoto(f"whether the photo was made is not known: {counted}"))
-        elif camera.is_idle and (mark is None or camera.status_s >= mark.sent_s + RESEND_S):
+        elif camera.may_be_asked(self._may_repeat):
             self._count, self._sequence = count, max(camera.sequence, count) + 1
             self._state, self._outcome = ShotState.READY, ShotReady(self._sequence, count)
 
@@ -274,10 +237,10 @@ class PhotoShot:
         if count > self._count and camera.status_s > camera.marks[self._owner].sent_s:
             self._end(PhotoMade(self._count + 1, None))
             return
-        is_idle = camera.is_idle and count == self._count
-        is_unheard = self._state is ShotState.ASKED
-        if is_unheard and is_idle and camera.status_s >= self._sent_s + RESEND_S:
-            self._sent_s, self._next_send_s = math.inf, camera.status_s
+        is_unheard = self._state is ShotState.ASKED and count == self._count
+        is_due = camera.status_s >= self._again_s and camera.may_be_asked(self._may_repeat)
+        if is_unheard and is_due:
+            self._again_s, self._next_send_s = math.inf, camera.status_s
 
     def _fail(self, now_s: float, why: str) -> None:
         self._state, self._failure, self._failing_s = ShotState.FAILING, why, now_s
@@ -295,6 +258,9 @@ class PhotoShot:
         if self._state is ShotState.COUNTING:
             if self._begun_s is None or camera.status_s < self._begun_s:
                 return f"{who} does not say {after} how many photos it has made"
+            if camera.open is not None and camera.is_idle:
+                asked_s = now_s - camera.open.sent_s
+                return f"{who} may still make a photo that it was asked for {asked_s:.0f} s before"
             return f"{who} is busy"
         if self._state is ShotState.ANSWERED:
             return f"no photo {after}, though {who} has answered; {UNKNOWN}"

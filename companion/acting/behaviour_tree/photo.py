@@ -46,8 +46,10 @@ class TakePhoto(Leaf):
 
     def initialise(self) -> None:
         """Asks the camera how many photos it has made."""
-        cameras = self._flight.vehicle.cameras
-        self._ticket = cameras.prepare(self._photo.component, self._owner, self._timeout_s)
+        cameras, running = self._flight.vehicle.cameras, self._flight.task.running
+        may_repeat = running is not None and running.is_repeatable
+        about = self._photo.component, self._owner, self._timeout_s
+        self._ticket = cameras.prepare(*about, may_repeat)
         self._intended_s = None
 
     def update(self) -> Status:

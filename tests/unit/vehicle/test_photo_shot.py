@@ -12,7 +12,8 @@ from companion.mavlink.commands import result_name
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.vehicle.camera_port import IntendedShot, NoPhoto, PhotoMade, ShotOutcome, ShotReady
 from companion.vehicle.cameras import MavlinkCameras
-from companion.vehicle.photo_shot import PHOTO_S, RESEND_S, SHOOT
+from companion.vehicle.known_camera import RESEND_S
+from companion.vehicle.photo_shot import PHOTO_S, SHOOT
 from companion.vehicle.services import Moment
 from companion.vehicle.wire import Wire
 
@@ -42,8 +43,13 @@ class Talk:
         self.run(1.0)
         self.ticket = self.prepare()
 
-    def prepare(self, owner: tuple[str, int, int] = OWNER, timeout_s: float | None = None) -> int:
-        self.ticket = self.cameras.prepare(CAMERA, owner, timeout_s)
+    def prepare(
+        self,
+        owner: tuple[str, int, int] = OWNER,
+        timeout_s: float | None = None,
+        may_repeat: bool = False,
+    ) -> int:
+        self.ticket = self.cameras.prepare(CAMERA, owner, timeout_s, may_repeat)
         return self.ticket
 
     @property
@@ -138,7 +144,25 @@ def test_a_lost_message_is_made_up_for_by_the_count(talk: Talk) -> None:
     assert len(talk.asked) == 1
 
 
-def test_without_an_answer_the_count_says_whether_to_ask_again(talk: Talk) -> None:
+def test_without_an_answer_it_is_not_asked_for_again(talk: Talk) -> None:
+    """The answer may be lost, and the camera at work for seconds, without a word of that."""
+    talk.asks()
+    talk.run(PHOTO_S - 1.0)
+    assert len(talk.asked) == 1
+    talk.count = 1
+    talk.run(0.9)
+    assert talk.outcome == PhotoMade(1, None)
+
+
+@pytest.mark.parametrize("tells_work", [True, False])
+def test_but_of_a_camera_that_says_when_it_is_at_work_or_where_that_does_no_harm(
+    talk: Talk, tells_work: bool
+) -> None:
+    if tells_work:
+        says_that_it_is_at_work(talk)
+    else:
+        talk.cameras.forget(talk.ticket)
+        talk.prepare(may_repeat=True)
     talk.asks()
     talk.run(RESEND_S - 0.2)
     assert len(talk.asked) == 1
@@ -147,9 +171,23 @@ def test_without_an_answer_the_count_says_whether_to_ask_again(talk: Talk) -> No
     assert again_s - first_s >= RESEND_S
     assert (first.confirmation, again.confirmation) == (0, 1)
     assert first.param4 == again.param4
-    talk.count = 1
+    talk.count = talk.count + 1 if talk.count is not None else 0
     talk.run(2.0)
-    assert talk.outcome == PhotoMade(1, None)
+    assert isinstance(talk.outcome, PhotoMade)
+
+
+def says_that_it_is_at_work(talk: Talk) -> None:
+    """While it makes another photo."""
+    talk.asks()
+    talk.is_idle = False
+    talk.run(1.0)
+    talk.is_idle = True
+    talk.image(0)
+    talk.tick()
+    talk.count = 1
+    talk.cameras.forget(talk.ticket)
+    talk.asked.clear()
+    talk.prepare(("photo(B)", 4, 0))
 
 
 def test_a_camera_that_says_nothing_is_not_asked_again(talk: Talk) -> None:
@@ -247,8 +285,8 @@ def test_numbers_rise_whatever_the_camera_counts(talk: Talk) -> None:
     talk.count = 7
     talk.asks()
     talk.cameras.forget(talk.ticket)
-    talk.prepare(("photo(B)", 4, 0))
-    talk.run(0.3)
+    talk.prepare(("photo(B)", 4, 0), timeout_s=20.0)
+    talk.run(PHOTO_S + 1.0)
     assert talk.outcome == ShotReady(sequence=9, image_count=7)
 
 
@@ -277,8 +315,10 @@ def again(talk: Talk, count: int) -> Talk:
     talk.asks()
     talk.cameras.forget(talk.ticket)
     talk.count = count
-    talk.prepare()
-    talk.run(RESEND_S + 1.0)
+    talk.prepare(timeout_s=20.0)
+    talk.run(PHOTO_S - 1.0)
+    assert not isinstance(talk.outcome, ShotReady), "it may still be made"
+    talk.run(2.0)
     return talk
 
 
@@ -304,8 +344,8 @@ def test_a_photo_of_another_process_is_asked_about(talk: Talk, count: int) -> No
     talk.cameras.forget(talk.ticket)
     talk.cameras.recall(IntendedShot(CAMERA, *OWNER, sequence=8, image_count=3))
     talk.count = count
-    talk.prepare()
-    talk.run(RESEND_S + 1.0)
+    talk.prepare(timeout_s=20.0)
+    talk.run(PHOTO_S + 1.0)
     assert talk.outcome == (ShotReady(9, 3) if count == 3 else PhotoMade(4, None))
 
 
@@ -316,6 +356,50 @@ def test_another_photo_does_not_take_it_for_its_own(talk: Talk) -> None:
     talk.prepare(("photo(B)", 4, 0))
     talk.run(0.5)
     assert talk.outcome == ShotReady(sequence=2, image_count=1)
+
+
+def test_another_photo_waits_until_it_cannot_be_made_any_more(talk: Talk) -> None:
+    """Else it would be taken for the other one."""
+    talk.asks()
+    talk.cameras.forget(talk.ticket)
+    talk.prepare(("photo(B)", 4, 0))
+    talk.run(3.0)
+    assert talk.outcome is None
+    talk.count = None
+    talk.image(0)
+    talk.run(1.0)
+    assert talk.outcome is None, "the count is older than the image"
+    talk.count = 1
+    talk.run(1.0)
+    assert talk.outcome == ShotReady(sequence=2, image_count=1)
+
+
+def test_that_it_may_still_be_made_is_told(talk: Talk) -> None:
+    talk.asks()
+    talk.cameras.forget(talk.ticket)
+    talk.prepare(("photo(B)", 4, 0), timeout_s=4.0)
+    talk.run(4.2)
+    assert talk.outcome == NoPhoto(
+        "the camera (component 100) may still make a photo that it was asked for 4 s before"
+    )
+
+
+def test_one_that_was_not_made_is_not_taken_for_made_by_anothers(talk: Talk) -> None:
+    """Asked for in vain; then another action makes one, and the first one is due again."""
+    talk.asks()
+    talk.cameras.forget(talk.ticket)
+    talk.prepare(("photo(B)", 3, 0), timeout_s=20.0)
+    talk.run(PHOTO_S + 1.0)
+    talk.cameras.shoot(talk.ticket)
+    talk.tick()
+    talk.image(0)
+    talk.run(0.1)
+    assert talk.outcome == PhotoMade(1, 0)
+    talk.count = 1
+    talk.cameras.forget(talk.ticket)
+    talk.prepare()
+    talk.run(1.0)
+    assert talk.outcome == ShotReady(sequence=3, image_count=1)
 
 
 def test_two_photos_of_one_camera_come_one_after_the_other(talk: Talk) -> None:
