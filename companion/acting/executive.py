@@ -244,6 +244,8 @@ class Executive:
         tell_positions(self._flight)
         if root.status is Status.SUCCESS:
             self._rest()
+            if lines := ", ".join(self._flight.task.violated):
+                self.failure = NoPlanError(f"the tree is done, and has violated {lines}")
         elif root.status is Status.FAILURE:
             self._flight.task.interrupt()
             self.state = ExecutiveState.WITHOUT_PLAN

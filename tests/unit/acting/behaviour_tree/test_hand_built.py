@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 from rig import Rig
+from sortie_rig import SortieRig
 from synthetic import POSITIONS, command, event, facts_of, mission, reading, skill
 
 from companion.acting.executive_states import TaskStatus
@@ -18,6 +19,7 @@ from companion.flight_events.skills import (
     SkillFailed,
     WrittenTreeFailed,
 )
+from companion.flight_events.sortie import Phase, TaskSatisfied
 from companion.flight_events.word import ConjunctViolated, PositionLeft
 from companion.geometry import distance
 from companion.mission.model import Fly
@@ -73,6 +75,20 @@ def test_a_tree_may_break_the_task_and_that_is_told() -> None:
         PositionLeft(1, ("at(A)",), (), 0.0, (), (), for_ever=False),
         PositionLeft(2, ("at(B)",), (), 0.0, (), (), for_ever=True),
     ]
+
+
+@pytest.mark.parametrize(("never", "exit_code"), [("G !at(B)", 3), ("G !at(C)", 0)])
+def test_a_tree_that_has_violated_the_task_does_not_end_well(never: str, exit_code: int) -> None:
+    """It is flown to its end, which is no end of the task."""
+    steps = Steps((Act("move(H, A)"), Act("move(A, B)")))
+    asked = replace(mission({"visit": "F at(A)", "never": never}, places="HABC"), tree=steps)
+    run = SortieRig(asked).until(Phase.ENDED)
+    assert run.end.exit_code == exit_code
+    assert run.position[:2] == (6.0, 6.0)
+    if exit_code:
+        assert run.failure.reason == "the tree is done, and has violated never"
+    else:
+        assert run.end == TaskSatisfied()
 
 
 def test_a_belief_that_comes_back_does_not_stop_the_tree() -> None:
