@@ -130,17 +130,38 @@ def test_a_link_that_loses_a_third_delays_it_alone(seed: int) -> None:
     lie_at(armed(start(up=Lossy(0.3, seed), down=Lossy(0.3, 100 + seed))), EAST, NORTH)
 
 
-def test_they_lie_where_they_were_drawn_wherever_the_origin_is() -> None:
-    home = {"latitude_deg": 47.397742, "longitude_deg": 8.545594, "altitude_m": 488}
-    origin = GlobalOrigin(47.4112, 8.5283, 455.0)
-    there = {
-        "latitude_deg": origin.latitude_deg,
-        "longitude_deg": origin.longitude_deg,
-        "altitude_m": origin.altitude_m,
+def on_earth(home: GlobalOrigin) -> Mission:
+    """The same mission in latitude and longitude."""
+    places = {
+        name: {
+            "lat_deg": home.to_global((place["north_m"], place["east_m"], 0.0))[0],
+            "lon_deg": home.to_global((place["north_m"], place["east_m"], 0.0))[1],
+            "up_m": place["up_m"],
+        }
+        for name, place in DATA["places"].items()
     }
-    flight = armed(start(world={"home": home, "origin": there}))
-    north, east, _ = origin.to_local(home["latitude_deg"], home["longitude_deg"], 0.0)
-    lie_at(flight, *((n + north, e + east) for n, e in (EAST, NORTH)))
+    fence = [home.to_global((n, e, 0.0))[:2] for e, n in DATA["limits"]["fence"]]
+    limits = DATA["limits"] | {"fence": [list(corner) for corner in fence]}
+    return load_mission(DATA | {"frame": "wgs84", "places": places, "limits": limits})
+
+
+@pytest.mark.parametrize("frame", ["enu", "wgs84"])
+def test_they_lie_where_they_were_drawn_wherever_the_origin_is(frame: str) -> None:
+    home, origin = GlobalOrigin(47.397742, 8.545594, 488.0), GlobalOrigin(47.4112, 8.5283, 455.0)
+    world = {"home": degrees(home), "origin": degrees(origin)}
+    asked = MEADOW if frame == "enu" else on_earth(home)
+    flight = armed(start(asked, world=world))
+    if frame == "enu":
+        north, east, _ = origin.to_local(home.latitude_deg, home.longitude_deg, 0.0)
+        lie_at(flight, *((n + north, e + east) for n, e in (EAST, NORTH)))
+    else:
+        drawn = (home.to_global((*point, 0.0)) for point in (EAST, NORTH))
+        lie_at(flight, *(origin.to_local(*there)[:2] for there in drawn))
+
+
+def degrees(origin: GlobalOrigin) -> dict[str, float]:
+    at = {"latitude_deg": origin.latitude_deg, "longitude_deg": origin.longitude_deg}
+    return at | {"altitude_m": origin.altitude_m}
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,6 +22,7 @@ from companion.flight_events.sortie import (
     TaskSatisfied,
 )
 from companion.geometry import Ned
+from companion.mission.loader import load_mission
 from companion.mission.model import Execution, Land, LandAtSafePlace, Mission, Skill, TakeOff, Wait
 from companion.mission.tree_nodes import Act, Steps
 from companion.motion.grid import OccupancyGrid
@@ -30,6 +32,7 @@ from companion.planning.task_replay import TaskReplay
 from companion.planning.task_state import TaskState
 from companion.vehicle.port import Failed, Goal, Mode, Takeover
 
+MISSIONS = Path(__file__).parents[3] / "missions"
 NO_WAY_OUT = command("do", "at(A)", "done")
 """When it is refused at A, "F done" has no plan any longer."""
 NEAR_B, NEAR_C, NEAR_H = ((10, 20), (10, 20)), ((0, 9), (10, 20)), ((0, 9), (0, 9))
@@ -216,6 +219,31 @@ def test_a_tree_that_fails_leads_there() -> None:
     leaving(run, "B")
     block(run, NEAR_B)
     landed(run, "C")
+
+
+@pytest.mark.parametrize("is_blocked", [False, True])
+def test_a_tree_that_failed_goes_on_there_after_a_pause(is_blocked: bool) -> None:
+    asked = stranded("B", "C")
+    run = refused(replace(asked, task={}, tree=Steps((Act("move(H, A)"), Act("do")))))
+    leaving(run, "B")
+    assert run.sortie.pause() is None
+    run.run(3.0)
+    if is_blocked:
+        block(run, ((10, 20), (13, 20)))
+    assert run.sortie.resume() is None
+    landed(run, "C" if is_blocked else "B")
+
+
+def test_skills_of_a_pddl_domain_lead_there_as_well() -> None:
+    """No skill of it flies to the platform without its own conditions."""
+    delivery = load_mission(MISSIONS / "delivery.yaml")
+    places = tuple(name for name in delivery.places if name != delivery.home.name)
+    run = SortieRig(replace(delivery, otherwise=LandAtSafePlace(places)))
+    run.vehicle.payloads.answers = [(0.0, Failed("denied"))] * 99
+    run.until(Phase.ENDED)
+    assert run.end.exit_code == NoPlanError.exit_code
+    (place,) = begun(run)
+    assert away_m(run.position, delivery.places[place].position) < 0.3
 
 
 LOW = event("low")
