@@ -7,6 +7,8 @@ upload_check.py.
 1. The places under `otherwise: {land_at: ...}`, other than where the mission begins, are written
    with the altitude of the ground: there an autopilot lands. Those of another mission of this
    companion give way, which is told.
+   Others' at the same points are written anew: in which frame they were sent, which PX4's Return
+   may not know, is not read back.
 2. A mission without such places writes none, and takes those away that this companion wrote for
    another one. What somebody else has put there is not looked at; nor is an autopilot asked to
    which this companion cannot have written any.
@@ -96,13 +98,14 @@ class RallyJudge:
         if not self._knows_return_type:
             return None
         is_there = stored.flaw is None and are_same(stored.points, self._wanted, ALIKE_M)
-        if is_there:
+        is_keeping = self._policy is UploadPolicy.KEEP
+        if is_there and (is_keeping or self.store.is_own()):
             self._flight.report(RallyKept(f"its rally points at {self._names}"))
             self._tell_unused()
             return UploadStep.KEPT
-        if self._policy is UploadPolicy.KEEP:
+        if is_keeping:
             return self._keep(stored)
-        if stored.points:
+        if stored.points and not is_there:
             if self._policy is not UploadPolicy.REPLACE and not self.store.is_own():
                 return Failed(_others(stored))
             self._replaced = stored

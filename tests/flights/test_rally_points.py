@@ -218,10 +218,17 @@ def test_they_are_kept_or_replaced_as_the_operator_says(policy: UploadPolicy) ->
         lie_at(flight, EAST, NORTH)
 
 
-def test_the_same_drawn_by_somebody_else_are_the_same() -> None:
-    flight = start()
+@pytest.mark.parametrize("policy", [UploadPolicy.KEEP, UploadPolicy.UPLOAD])
+def test_the_same_drawn_by_somebody_else_refuse_nothing(policy: UploadPolicy) -> None:
+    flight = start(policy=policy)
     station_uploads(flight, (*NORTH, 0.0), (*EAST, 0.0))
-    assert armed(flight).one(RallyKept).points == "its rally points at East, North"
+    armed(flight)
+    if policy is UploadPolicy.KEEP:
+        assert flight.one(RallyKept).points == "its rally points at East, North"
+        lie_at(flight, NORTH, EAST)
+    else:
+        assert flight.one(RallyWritten).points == "East, North"
+        lie_at(flight, EAST, NORTH)
 
 
 def test_the_next_mission_replaces_its_own_or_takes_them_away() -> None:

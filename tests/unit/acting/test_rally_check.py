@@ -68,11 +68,19 @@ def test_they_are_written_where_there_are_none_on_the_ground_there() -> None:
 
 
 @pytest.mark.parametrize("order", [(B, C), (C, B)])
-def test_those_that_are_there_already_are_not_written_again(order: tuple[RallyPoint, ...]) -> None:
+@pytest.mark.parametrize("is_mine", [False, True])
+def test_those_that_are_there_already_are_not_written_again_if_they_are_ours(
+    order: tuple[RallyPoint, ...], is_mine: bool
+) -> None:
+    """Of others' it is not known in which frame they were sent."""
     moved = tuple(replace(p, position=(p.position[0] + 0.1, p.position[1])) for p in order)
     run = rig(stored=StoredRally(moved))
-    assert armed(run).written == []
-    assert run.one(RallyKept).points == "its rally points at B, C"
+    run.vehicle.rally.is_mine = is_mine
+    assert armed(run).written == ([] if is_mine else [(B, C)])
+    if is_mine:
+        assert run.one(RallyKept).points == "its rally points at B, C"
+    else:
+        assert run.one(RallyWritten).points == "B, C"
 
 
 @pytest.mark.parametrize("up_m", [0.3, None])
