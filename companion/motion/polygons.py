@@ -23,6 +23,7 @@ a mission with a comb of so many takes two seconds."""
 
 _BATCH = 200_000  # legs times edges that are looked at together
 _TOUCH = 1e-9  # cells; a part of a cell that is thinner is none
+_HAIR = 1e-4  # cells
 
 
 def cells_touched(shape: tuple[int, ...], corners: Points) -> npt.NDArray[np.bool_]:
@@ -171,7 +172,13 @@ def are_inside(points: Points, corners: Points) -> npt.NDArray[np.bool_]:
 def enters_polygon(a: Points, b: Points, corners: Points) -> npt.NDArray[np.bool_]:
     """(...) whether the legs from a to b (..., 2) come into a polygon from outside.
 
-    A leg that touches it from outside counts, too; leaving it is allowed.
+    A leg that touches it from outside counts, too; leaving it is allowed, but not to come back into
+    another arm of it.
+
+    >>> arms = np.array([[0.0, 0.0], [0.0, 5.0], [3.0, 5.0], [3.0, 4.0], [1.0, 4.0], [1.0, 0.0]])
+    >>> a, b = np.array([0.5, 0.5]), np.array([2.5, 4.5])
+    >>> bool(enters_polygon(a, np.array([2.0, 0.5]), arms)), bool(enters_polygon(a, b, arms))
+    (False, True)
     """
     a, b = np.broadcast_arrays(a, b)
     low, high = corners.min(axis=0), corners.max(axis=0)
@@ -181,19 +188,35 @@ def enters_polygon(a: Points, b: Points, corners: Points) -> npt.NDArray[np.bool
     found = np.zeros(len(a), dtype=np.bool_)
     ends = np.roll(corners, -1, axis=0)
     for some in np.array_split(np.arange(len(a)), max(1, len(a) * len(corners) // _BATCH)):
-        crossed = segments_meet(a[some, None], b[some, None], corners, ends).any(axis=-1)
-        crossed |= are_inside(b[some], corners)
-        found[some] = crossed & ~are_inside(a[some], corners)
+        first, last = a[some, None], b[some, None]
+        met = segments_meet(first, last, corners, ends).any(axis=-1) | are_inside(b[some], corners)
+        has_left = np.count_nonzero(_are_crossed(first, last, corners, ends), axis=-1) > 1
+        found[some] = np.where(are_inside(a[some], corners), has_left, met)
     entered[is_near] = found
     return entered
 
 
 def cells_beside(shape: tuple[int, ...], corners: Points, reach: int) -> npt.NDArray[np.bool_]:
-    """(rows, cols) the cells that an edge crosses, and those so many rows or columns away."""
+    """(rows, cols) the cells that an edge crosses, and those so many rows or columns away.
+
+    An edge on the line between two rows, or columns, crosses no cell: it counts as if it lay a hair
+    beyond, where there is a reach.
+
+    >>> square = np.array([[1.0, 1.0], [1.0, 2.0], [2.0, 2.0], [2.0, 1.0]])
+    >>> cells_beside((3, 3), square, 0).any(), cells_beside((3, 3), square, 1).all()
+    (np.False_, np.True_)
+    """
+    crossed = _passed_by(shape, corners)
+    if reach:
+        crossed |= _passed_by(shape, corners + _HAIR)
+    return np.asarray(ndimage.maximum_filter(crossed, size=2 * reach + 1, mode="constant"))
+
+
+def _passed_by(shape: tuple[int, ...], corners: Points) -> npt.NDArray[np.bool_]:
+    """(rows, cols) the cells that an edge crosses."""
     a, b = corners, np.roll(corners, -1, axis=0)
     is_northwards = (a[:, 0] <= b[:, 0])[:, None]
-    crossed = _crossed(shape, np.where(is_northwards, a, b), np.where(is_northwards, b, a))
-    return np.asarray(ndimage.maximum_filter(crossed, size=2 * reach + 1, mode="constant"))
+    return _crossed(shape, np.where(is_northwards, a, b), np.where(is_northwards, b, a))
 
 
 def segments_meet(a: Points, b: Points, c: Points, d: Points) -> npt.NDArray[np.bool_]:
@@ -209,6 +232,13 @@ def segments_meet(a: Points, b: Points, c: Points, d: Points) -> npt.NDArray[np.
         (np.minimum(a, b) <= np.maximum(c, d)) & (np.minimum(c, d) <= np.maximum(a, b)), axis=-1
     )
     return np.asarray(do_cross & do_overlap)
+
+
+def _are_crossed(a: Points, b: Points, c: Points, d: Points) -> npt.NDArray[np.bool_]:
+    """(...) whether segments from a to b cross those from c to d; at a corner one of two does."""
+    is_c_left, is_d_left = _side(a, b, c) > 0, _side(a, b, d) > 0
+    is_a_left, is_b_left = _side(c, d, a) > 0, _side(c, d, b) > 0
+    return np.asarray((is_c_left != is_d_left) & (is_a_left != is_b_left))
 
 
 def _side(a: Points, b: Points, point: Points) -> npt.NDArray[np.float64]:

@@ -58,19 +58,52 @@ def test_a_leg_enters_where_its_points_do(corners: list[Point], seed: int) -> No
         points = np.linspace(begin, end, 60)
         inside = [is_in_polygon(tuple(point), corners) for point in points.tolist()]
         assert are_inside(points, np.array(corners)).tolist() == inside
-        if inside[0]:
-            assert not is_entered
-        elif any(inside):
+        outside = inside.index(False) if not all(inside) else len(inside)
+        if any(inside[outside:]):  # it may leave, and come back into another arm
             assert is_entered
         elif is_entered:  # by a corner that no point has met
             gaps = [Area(tuple(corners)).away_m((0, 0, 0), (*point, 0.0)) for point in points]
-            assert min(gaps) < np.linalg.norm(end - begin) / 59
+            assert min(map(abs, gaps)) < np.linalg.norm(end - begin) / 59
+
+
+@pytest.mark.parametrize("beside_m", [0.0, 0.01, -0.01])
+def test_no_route_enters_an_area_whose_edges_lie_between_cells(beside_m: float) -> None:
+    square = ((5.0, 7.0), (5.0, 9.0), (8.0, 9.0), (8.0, 7.0))
+    corners = tuple((north + beside_m, east + beside_m) for north, east in square)
+    grid = OccupancyGrid(np.zeros((48, 64), dtype=np.bool_), 0.25, (0.0, 0.0), is_open=True)
+    places = {
+        "X": PlaceRegion((6.5, 7.5, -2.0), Area(corners), True),
+        "B": PlaceRegion((11.0, 8.1, -2.0), Disc(0.1), True),
+    }
+    route = RouteMap(grid, places, FENCE, 0.6, 0.1).route((2.5, 8.1, -2.0), "B")
+    assert route is not None
+    path = Path(route)
+    points = (path.at(float(m)).position for m in np.linspace(0.0, path.length_m, 200))
+    assert not any(is_in_polygon(tuple(point), corners) for point in points)
+
+
+def test_no_leg_comes_back_into_another_arm_of_the_area_that_it_leaves() -> None:
+    corners = ((5.0, 7.0), (5.0, 9.0), (6.0, 9.0), (6.0, 8.0), (7.0, 8.0), (7.0, 9.0), (8.0, 9.0))
+    area = Area((*corners, (8.0, 7.0)))
+    grid = OccupancyGrid(np.zeros((48, 64), dtype=np.bool_), 0.25, (0.0, 0.0), is_open=True)
+    places = {
+        "X": PlaceRegion((6.5, 7.5, -2.0), area, True),
+        "B": PlaceRegion((11.0, 8.6, -2.0), Disc(0.1), True),
+    }
+    route = RouteMap(grid, places, FENCE, 0.6, 0.1).route((5.5, 8.6, -2.0), "B")
+    assert route is not None
+    path = Path(route)
+    points = (path.at(float(m)).position for m in np.linspace(0.0, path.length_m, 200))
+    inside = [is_in_polygon(tuple(point), area.corners) for point in points]
+    assert inside[0] and not any(inside[inside.index(False) :])
 
 
 @settings(max_examples=30, deadline=None)
-@given(stars((6.2, 7.1), 0.6, 6.0))
-def test_edges_into_an_area_are_those_that_enter_it(corners: list[Point]) -> None:
-    """Of all edges of the map, not only of those near its border."""
+@given(stars((6.2, 7.1), 0.6, 6.0), st.booleans())
+def test_edges_into_an_area_are_those_that_enter_it(corners: list[Point], is_round: bool) -> None:
+    """Of all edges of the map, not only of those near its border, also where that is on lines."""
+    if is_round:
+        corners = [(round(row), round(col)) for row, col in corners]
     shape, polygon = (13, 15), np.array(corners)
     regions = Regions(("X",), np.array([[6.2, 7.1]]), np.array([6.0]), {"X": polygon})
     cells = np.argwhere(np.ones(shape))
