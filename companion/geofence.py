@@ -133,6 +133,17 @@ class KeptFence:
     within: tuple[tuple[NorthEast, ...], ...]
     keep_out: tuple[tuple[NorthEast, ...], ...]
 
+    def allows(self, point: Sequence[float]) -> bool:
+        """True if a point keeps to all of it.
+
+        >>> square, bed = ((0, 0), (0, 9), (9, 9), (9, 0)), ((2, 2), (2, 4), (4, 4), (4, 2))
+        >>> fence = KeptFence((square,), (bed,))
+        >>> fence.allows((1, 1)), fence.allows((3, 3)), fence.allows((-1, 1))
+        (True, False, False)
+        """
+        is_within = all(is_in_polygon(point, area) for area in self.within)
+        return is_within and not any(is_in_polygon(point, zone) for zone in self.keep_out)
+
     @classmethod
     def of(cls, areas: Sequence[FenceArea]) -> KeptFence:
         """The fence that some areas make; circles become polygons on their safe side."""

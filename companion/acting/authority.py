@@ -12,6 +12,7 @@ from companion.acting.flight import Flight
 from companion.acting.phases import ON_THE_GROUND, UNDER_TASK
 from companion.errors import Aborted, CompanionError, LinkError
 from companion.flight_events.sortie import Phase
+from companion.geofence import KeptFence
 from companion.geometry import FAR_M, is_in_polygon
 from companion.mission.model import Limits, Place
 from companion.motion.position_error import greatest_error_m
@@ -89,7 +90,11 @@ def is_silent(state: VehicleState, now_s: float) -> bool:
 
 
 def not_handed_over(
-    state: VehicleState | None, now_s: float, is_hold_by_stream_loss: bool, limits: Limits
+    state: VehicleState | None,
+    now_s: float,
+    is_hold_by_stream_loss: bool,
+    limits: Limits,
+    kept: KeptFence | None = None,
 ) -> Refusal | None:
     """Returns why control may not be taken back now; None if it may.
 
@@ -98,6 +103,7 @@ def not_handed_over(
         now_s: the time.
         is_hold_by_stream_loss: the autopilot's failsafe is only that it no longer heard us.
         limits: of the mission; far above or outside of them no setpoint would pass the gate.
+        kept: the autopilot's own fence, where the flight keeps to it as well.
     """
     if state is None or now_s - state.position_s > FRESH_S:
         return Refusal("no fresh position")
@@ -115,4 +121,6 @@ def not_handed_over(
         return Refusal(f"{above}; bring it down first")
     if not is_in_polygon(state.position, limits.fence):
         return Refusal("the vehicle is outside the mission's fence; bring it back first")
+    if kept is not None and not kept.allows(state.position):
+        return Refusal("the vehicle is outside the autopilot's own fence; bring it back first")
     return None

@@ -47,8 +47,9 @@ class Control:
 
     def not_handed_over(self) -> Refusal | None:
         """Why an operator may not take control back now; None if that may be."""
-        state, now_s = self._flight.vehicle.state, self._flight.now_s
-        return not_handed_over(state, now_s, self._stream_loss.is_hold, self._flight.limits)
+        flight = self._flight
+        about = flight.vehicle.state, flight.now_s, self._stream_loss.is_hold
+        return not_handed_over(*about, flight.limits, flight.kept_fence)
 
     def wait(self, state: VehicleState) -> CompanionError | FlightEvent | None:
         """Why it will not come back; or the news by which it has; None while it is waited for."""

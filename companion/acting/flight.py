@@ -10,6 +10,7 @@ from companion.acting.journal import CommandIntended, CommandSettled, Journal, N
 from companion.acting.symbols import Symbols
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.skills import SymbolMoved
+from companion.geofence import KeptFence
 from companion.geometry import Ned
 from companion.mission.model import Limits
 from companion.mission.signals import Signal
@@ -67,6 +68,7 @@ class Flight:
         functions: calls functions of installed packages.
         is_task_flown: what is flown is the plan of the task; `FlownTask` writes it.
         heard: when each signal was heard last, and its value.
+        kept_fence: of somebody else, to which it keeps; `kept_fence.py` writes it.
     """
 
     vehicle: Vehicle
@@ -85,6 +87,7 @@ class Flight:
     functions: FunctionPort = field(default_factory=NoFunctions)
     is_task_flown: bool = False
     heard: dict[Signal, tuple[float, float]] = field(default_factory=dict)
+    kept_fence: KeptFence | None = None
     _intentions: int = field(default=0, init=False)
     _setpoint: Setpoint | None = field(default=None, init=False)
     _is_landing: bool = field(default=False, init=False)

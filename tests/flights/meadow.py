@@ -93,3 +93,13 @@ def refused(flight: Lockstep) -> str:
     flight.until_the_end()
     assert flight.armings == 0 and flight.exit_code == 5
     return flight.ending.text
+
+
+def push_out(flight: Lockstep) -> None:
+    """Another sender tells the autopilot to fly away, in this tick."""
+    mask, frame = 0b110111111000, dialect.MAV_FRAME_LOCAL_NED
+    flight.station_says(
+        dialect.MAVLink_set_position_target_local_ned_message(
+            0, VEHICLE, 1, frame, mask, -40.0, 10.0, -3.0, 0, 0, 0, 0, 0, 0, 0, 0
+        )
+    )

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import pytest
-from lockstep import COMPANION, VEHICLE, Cut, Deaf, Lockstep, Lossy
+from lockstep import COMPANION, Cut, Deaf, Lockstep, Lossy
 from meadow import (
     CIRCLE,
     DATA,
@@ -20,6 +20,7 @@ from meadow import (
     areas,
     armed,
     mission,
+    push_out,
     refused,
     start,
     station_uploads,
@@ -172,16 +173,6 @@ def test_the_next_mission_of_this_companion_replaces_its_own() -> None:
     armed(second)
     told = second.one(FenceReplaced)
     assert (told.before, told.fence) == ("8 points, 2 areas", "4 points, 1 area")
-
-
-def push_out(flight: Lockstep) -> None:
-    """Another sender tells the autopilot to fly away, in this tick."""
-    mask, frame = 0b110111111000, dialect.MAV_FRAME_LOCAL_NED
-    flight.station_says(
-        dialect.MAVLink_set_position_target_local_ned_message(
-            0, VEHICLE, 1, frame, mask, -40.0, 10.0, -3.0, 0, 0, 0, 0, 0, 0, 0, 0
-        )
-    )
 
 
 def test_another_sender_that_pushes_it_out_is_held_by_the_autopilot() -> None:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import pytest
-from lockstep import Lockstep
-from meadow import CIRCLE, MEADOW, POLYGON, armed, refused, start, station_uploads
+from lockstep import Cut, Lockstep
+from meadow import CIRCLE, MEADOW, POLYGON, armed, push_out, refused, start, station_uploads
 
 from companion.acting.arming_terms import UploadPolicy
 from companion.flight_events.fence import FenceKept
@@ -31,7 +32,7 @@ HEDGE = ((-40.0, 9.0), (-40.0, 11.0), (40.0, 11.0), (40.0, 9.0))
 EXCLUSION = dialect.MAV_CMD_NAV_FENCE_POLYGON_VERTEX_EXCLUSION
 
 
-def kept(corners: tuple[NorthEast, ...], command: int = EXCLUSION, **options: bool) -> Lockstep:
+def kept(corners: tuple[NorthEast, ...], command: int = EXCLUSION, **options: Any) -> Lockstep:
     """Beside a fence of an area and a circle of 400 m, which is to be kept."""
     flight = start(policy=UploadPolicy.KEEP, **options)
     items = [(command, float(len(corners)), (n, e, 0.0)) for n, e in corners]
@@ -104,6 +105,22 @@ def test_whoever_goes_on_after_a_kill_still_keeps_to_it() -> None:
     assert flight.ending == TaskSatisfied() and flight.armings == 1
     assert len(flight.of(FenceKept)) == 1
     assert not any(is_in_polygon(point, BED) for point in was)
+
+
+def test_resume_does_not_go_on_from_its_breach_that_follows_a_short_silence() -> None:
+    link = Cut()
+    corners = ((-6.0, -10.0), (-6.0, 30.0), (6.0, 30.0), (6.0, -10.0))
+    flight = kept(corners, POLYGON, resumes=True, up=link)
+    flight.until_reported(PhaseEntered, phase=Phase.TASK)
+
+    def is_pushed_out() -> bool:
+        push_out(flight)
+        link.is_cut = -5.7 < flight.simulation.flight.position[0] < -2.0
+        return flight.of(ControlYielded) != []
+
+    flight.until(is_pushed_out, 60.0)
+    flight.run(20.0)
+    assert flight.of(ControlTakenBack) == [] and flight.simulation.mode == "AUTO.LOITER"
 
 
 @pytest.mark.parametrize("policy", [UploadPolicy.KEEP, UploadPolicy.UPLOAD])

@@ -20,6 +20,7 @@ from companion.acting.authority import (
 )
 from companion.errors import CompanionError, LinkError
 from companion.flight_events.sortie import Phase
+from companion.geofence import KeptFence
 from companion.mission.model import Limits, Place
 from companion.motion.position_error import greatest_error_m
 from companion.motion.region import Disc
@@ -221,3 +222,15 @@ def test_what_is_outside_the_fence_is_to_be_brought_back() -> None:
 
     assert why(9.0 - EPSILON) is None
     assert why(9.0 + EPSILON) == "the vehicle is outside the mission's fence; bring it back first"
+
+
+def test_nor_is_it_taken_back_outside_a_fence_that_the_autopilot_keeps() -> None:
+    kept = KeptFence((((-5.0, -5.0), (-5.0, 5.0), (5.0, 5.0), (5.0, -5.0)),), ())
+
+    def why(north: float) -> str | None:
+        state = replace(FLYING, position=(north, 0.0, -2.0))
+        return reason(not_handed_over(state, NOW_S, True, LIMITS, kept))
+
+    assert why(5.0 - EPSILON) is None
+    outside = "the vehicle is outside the autopilot's own fence; bring it back first"
+    assert why(5.0 + EPSILON) == outside
