@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from companion.acting.energy_watch import Gauge
 from companion.acting.event_detector import EventDetector
 from companion.acting.executive import Executive
 from companion.acting.flight import Flight
@@ -42,6 +43,8 @@ def assemble(prepared: PreparedMission, vehicle: Vehicle, detector: EventDetecto
         return vehicle.state.position if vehicle.state else None
 
     prepared.planner.flight_time = flight_times(mission, routes, here, lambda: speed_limit.target)
+    if (energy := prepared.planner.energy) is not None:
+        energy.here, energy.level = here, Gauge(vehicle, energy.model).level
     flight = Flight(
         vehicle=vehicle,
         task=TaskState(prepared.planner),

@@ -89,7 +89,8 @@ class Executive:
             planner, flight, self._assumptions, self._patience, prepared.engine
         )
         self._ground_plans = GroundPlans(prepared, flight, self._assumptions, self._replanner)
-        self._triggers = ReplanTriggers(flight, self._assumptions, self._replanner)
+        about = flight, self._assumptions, self._replanner
+        self._triggers = ReplanTriggers(*about, planner.energy)
         self._whereabouts = Whereabouts(flight, planner.mission.places)
         self._plan_state = ExecutiveState.EXECUTING
         self._paused_s = 0.0
@@ -326,7 +327,7 @@ class Executive:
         is_landed = flight.progress.is_landed_by_plan
         flight.progress = PlanProgress()
         self.lasso = lasso
-        self._assumptions.narrow(lasso)
+        self._triggers.adopt(lasso)
         self._plan_state = state
         root = build(flight, lasso, self._assumptions)
         self._take_tree(root, ExecutiveState.GROUNDED if is_landed else state)

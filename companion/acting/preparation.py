@@ -20,6 +20,7 @@ from companion.mission.altitudes import above_ground
 from companion.mission.model import Mission
 from companion.motion.layered_routes import LayeredRoutes
 from companion.motion.live_speed_limit import LiveSpeedLimit
+from companion.planning.energy.drains import MissionEnergy
 from companion.planning.engine_port import Engine
 from companion.planning.flight_times import flight_times, route_map
 from companion.planning.lasso import ChosenPlan, Lasso, Letter, Problem
@@ -123,7 +124,10 @@ def prepare(
     speed_limit = LiveSpeedLimit(mission.speed_limits)
     speed_limit.set_operator_limit(speed_max_mps)
     times = flight_times(mission, routes, limits=lambda: speed_limit.target)
-    planner = Planner(mission, times)
+    energy = None
+    if mission.battery is not None:
+        energy = MissionEnergy(mission, routes, lambda: speed_limit.target)
+    planner = Planner(mission, times, energy=energy)
     if mission.tree is not None:
         planner.actions_of(mission.tree)  # or says which one does not exist
         return PreparedMission(mission, routes, speed_limit, planner, None, functions=calls)

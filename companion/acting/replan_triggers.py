@@ -13,9 +13,11 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from companion.acting.behaviour_tree.leaf import failure_of
+from companion.acting.energy_watch import EnergyWatch
 from companion.acting.flight import Flight
 from companion.acting.replanning.assumptions import Assumptions
 from companion.acting.replanning.replanner import Replanner
+from companion.planning.energy.drains import MissionEnergy
 from companion.planning.lasso import Lasso
 from companion.slices import Question, ask_once
 
@@ -64,9 +66,17 @@ class ReplanTriggers:
         flight: knows what holds now, and how far the plan has come.
         assumptions: of the plan.
         replanner: knows the map, and what plan would be made now.
+        energy: of the mission; None where plans know of none.
     """
 
-    def __init__(self, flight: Flight, assumptions: Assumptions, replanner: Replanner) -> None:
+    def __init__(
+        self,
+        flight: Flight,
+        assumptions: Assumptions,
+        replanner: Replanner,
+        energy: MissionEnergy | None = None,
+    ) -> None:
+        self._energy = None if energy is None else EnergyWatch(flight, energy)
         self._flight = flight
         self._assumptions = assumptions
         self._replanner = replanner
@@ -74,6 +84,12 @@ class ReplanTriggers:
         self._cut_off, self._line = Question[str](), Question[str]()
         self._possible = Question[bool]()
         self.has_used_slice = False
+
+    def adopt(self, lasso: Lasso) -> None:
+        """A plan is flown from now on."""
+        self._assumptions.narrow(lasso)
+        if self._energy is not None:
+            self._energy.adopt(lasso)
 
     def abandon(self) -> None:
         """The plan is not flown any more: what is thought over about it is not asked again."""
@@ -140,6 +156,17 @@ class ReplanTriggers:
             return cut_off.text
 
         return self._cut_off.ask("the map", news) or None
+
+    # -- the charge does not last ------------------------------------------------------------
+
+    def _looks_at_charge(self, plan: PlanUnderWay) -> bool:
+        energy, progress = self._energy, self._flight.progress
+        may_look = energy is not None and energy.is_due
+        return may_look and not plan.is_leaving and not progress.is_landed_by_plan
+
+    def _charge_is_short(self, plan: PlanUnderWay) -> str | None:
+        assert self._energy is not None
+        return self._energy.shortage()
 
     # -- the task has a plan again -------------------------------------------------------------
 
@@ -208,6 +235,7 @@ class ReplanTriggers:
 _T = ReplanTriggers
 BEFORE_THE_TREE = (
     ReplanTrigger("the map cuts off a belief of the plan", _T._map_differs, _T._cut_off_by_map),
+    ReplanTrigger("the charge does not last", _T._looks_at_charge, _T._charge_is_short),
     ReplanTrigger("the task has a plan again", _T._may_be_possible, _T._possible_again),
     ReplanTrigger("a line that was dropped can be kept", _T._may_take_up, _T._taken_up),
 )

@@ -3,6 +3,9 @@
 Home is the only one for `return_home`, and there are none for `land` and `hold`. The times are the
 planner's, over clear routes of the map as it is known now; the vehicle holds until they are known.
 A place whose way turns out to be blocked is not flown to again, as long as the task has no plan.
+
+Where plans know of energy, a place that the charge does not last for is not chosen as long as there
+is another one, a dock among them; and if there is none, the one for which the least is missing.
 """
 
 from __future__ import annotations
@@ -15,6 +18,7 @@ from companion.mission.facts import HERE, at
 from companion.motion.distance_maps import CELL_US
 from companion.motion.routes import CELLS_PER_TICK
 from companion.planning.domain import WAIT
+from companion.planning.energy.drains import MissionEnergy
 from companion.planning.lasso import Lasso
 from companion.planning.planner import Planner
 from companion.slices import Question, spent
@@ -69,18 +73,37 @@ class SafePlaces:
         return place
 
     def _soonest(self, places: Collection[str]) -> str:
+        times_s = self._times_s(places)
+        energy = self._planner.energy
+        if energy is None or not places:
+            return min(times_s, key=times_s.__getitem__, default=NOWHERE)  # the first of equals
+        if lasting := [place for place in times_s if self._missing(energy, place) <= 0]:
+            return min(lasting, key=times_s.__getitem__)
+        docks = [dock for dock in energy.safe if dock not in self._tried]
+        times_s |= self._times_s(docks)
+        if lasting := [place for place in times_s if self._missing(energy, place) <= 0]:
+            return min(lasting, key=times_s.__getitem__)
+        return min(times_s, key=lambda place: self._missing(energy, place), default=NOWHERE)
+
+    def _times_s(self, places: Collection[str]) -> dict[str, float]:
+        """How long it takes to each of some places that can be reached."""
         state, routes = self._flight.vehicle.state, self._flight.routes
         if state is None:
-            return NOWHERE
-        times_s: dict[str, float] = {}
+            return {}
+        found: dict[str, float] = {}
         for place in places:
             for _ in range(MAX_PARTS):
                 if routes.search(state.position, place, CELLS_PER_TICK):
                     break
                 spent(CELL_US * CELLS_PER_TICK)
-            times_s[place] = self._planner.flight_time(HERE, place)
-        soonest = min(times_s, key=times_s.__getitem__, default=NOWHERE)  # the first of equals
-        return soonest if math.isfinite(times_s.get(soonest, math.inf)) else NOWHERE
+            found[place] = self._planner.flight_time(HERE, place)
+        return {place: time_s for place, time_s in found.items() if math.isfinite(time_s)}
+
+    def _missing(self, energy: MissionEnergy, place: str) -> int:
+        """What is missing to land at a place, the reserve left; 0 or less if it is there."""
+        needed = energy.to_land_at(place)
+        reserve = energy.model.reserve
+        return (needed or 0) + reserve - energy.level()
 
 
 def flight_to(planner: Planner, place: str) -> Lasso | None:

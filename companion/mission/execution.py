@@ -1,6 +1,7 @@
 """The steps of a skill's `execute`: what it does to the vehicle and its payloads.
 
-fly(parameter)    wait(seconds)    land()    land_on(parameter)    charge(percent)    take_off()
+fly(parameter)    wait(seconds)    land()    land_on(parameter)    take_off()
+charge(percent or auto)
 command(component, MAV_CMD_NAME[, param1, ... param7])    photo(camera)
 gimbal(component, pitch_deg, yaw_deg)    grip(component)    release(component)
 python(name, arguments), a function of an installed package    another skill with its arguments
@@ -182,6 +183,10 @@ def _duration_s(argument: _Argument) -> float:
     return seconds
 
 
+def _charge(argument: _Argument) -> Charge:
+    return Charge(None if argument.word == AUTO else _percent(argument))
+
+
 def _percent(argument: _Argument) -> float:
     percent = _number(argument)
     if not 0 < percent <= 100:
@@ -197,6 +202,10 @@ def _number(argument: _Argument) -> float:
     if not abs(number) <= FLOAT32_MAX:  # not a number compares as false
         raise argument.error(f"{argument.word or 'nothing'} is not a number", "write e.g. 1.5")
     return number
+
+
+AUTO = "auto"
+"""As far as the plan says."""
 
 
 class StepKind(NamedTuple):
@@ -228,7 +237,7 @@ KINDS = {
     "land_on": StepKind(
         "land_on(parameter)", 1, 1, lambda given, known: LandOn(_parameter(given[0], known))
     ),
-    "charge": StepKind("charge(percent)", 1, 1, lambda given, _: Charge(_percent(given[0]))),
+    "charge": StepKind("charge(percent or auto)", 1, 1, lambda given, _: _charge(given[0])),
     "take_off": StepKind("take_off()", 0, 0, lambda *_: TakeOff()),
     "python": StepKind(PYTHON, 1, MAX_ARGUMENTS, _python),
 }

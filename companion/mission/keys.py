@@ -12,6 +12,10 @@ Name = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$", max_length=40)]
 
 Text = Annotated[str, Field(min_length=1)]
 
+DAY_S = 86_400
+"""No time of a mission is longer: what is is written in another unit."""
+Duration = Annotated[float, Field(gt=0, le=DAY_S)]
+
 
 def given(value: Any) -> Any:
     """Refuses an optional key without a value: that is a line somebody forgot."""

@@ -19,6 +19,7 @@ from companion.documents import Document, Given, Source, did_you_mean, read_sour
 from companion.errors import FormulaError, MissionError
 from companion.ltl.formula import Operator
 from companion.ltl.parser import parse
+from companion.mission.battery import read_battery
 from companion.mission.coordinates import coordinates_of
 from companion.mission.event_entries import check_restored, read_events
 from companion.mission.facts import AT, HERE, Fact
@@ -119,6 +120,7 @@ def _read_mission(
         tree=_tree(file, document, skills, sets, vocabulary),
         priorities=priorities,
         anchor=coordinates.anchor,
+        battery=read_battery(file.battery, vehicle, document),
     )
     return mission, document
 

@@ -12,7 +12,8 @@ from companion.mission.coordinates import Coordinates
 from companion.mission.facts import AT
 from companion.mission.model import Place, PointOfInterest, Skill
 from companion.mission.refinement import flies, looks_while_holding, turns
-from companion.mission.schema import MissionFile, SkillEntry
+from companion.mission.schema import MissionFile
+from companion.mission.skill_schema import SkillEntry
 from companion.mission.world_schema import LookAtEntry
 from companion.motion.heading import FACING_M
 

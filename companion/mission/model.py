@@ -10,9 +10,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 
+from companion.battery_profile import Points
 from companion.drawn_maps import Wall
 from companion.geometry import GlobalOrigin, Ned, NorthEast
 from companion.ltl.formula import Formula, atoms
+from companion.mission.battery import Battery
 from companion.mission.facts import AT, Atom, Fact, at
 from companion.mission.markers import LandingMarker
 from companion.mission.python_call import PythonCall
@@ -183,6 +185,8 @@ class Skill:
         is_repeatable: its commands may be sent again where it is not known whether they were done.
         confirmed_by: what has to be heard after its last step; None for nothing.
         gimbal: component that looks at it, too; None for the vehicle alone.
+        energy_wh: what it takes beside flying or hovering.
+        charge_rate: pairs of the charge, 0 to 1, and of its rise a second; falling.
     """
 
     name: str
@@ -202,6 +206,8 @@ class Skill:
     is_repeatable: bool = False
     confirmed_by: Condition | None = None
     gimbal: int | None = None
+    energy_wh: float = 0.0
+    charge_rate: Points | None = None
 
     @property
     def origin(self) -> str | None:
@@ -253,6 +259,7 @@ class Mission:
         grid: what the vehicle is told of the map beforehand.
         map_file: that it is read from; empty if the mission draws it itself.
         walls: that it draws.
+        battery: what plans reckon with; None for plans that know of no energy.
         tree: the plan, if it was written by hand; the task is then not planned for.
         vehicle: what it is written for.
         patience_s: how long a vehicle without a plan holds, where one may become possible again.
@@ -279,6 +286,7 @@ class Mission:
     anchor: GlobalOrigin | None = None
     map_file: str = ""
     walls: tuple[Wall, ...] = ()
+    battery: Battery | None = None
 
     @property
     def is_above_sea(self) -> bool:

@@ -25,7 +25,8 @@ from companion.documents import Document, did_you_mean
 from companion.errors import FormulaError, MissionError
 from companion.mission.literals import parse_fact
 from companion.mission.pddl_files import parsed
-from companion.mission.schema import MissionFile, SkillEntry
+from companion.mission.schema import MissionFile
+from companion.mission.skill_schema import SkillEntry
 
 if TYPE_CHECKING:
     from unified_planning.model import Action, Effect, FNode, Problem, Type, Variable

@@ -14,6 +14,7 @@ from typing import TypeVar
 
 from companion.documents import Document, did_you_mean
 from companion.errors import MissionError
+from companion.mission.charging import charge_rate_of
 from companion.mission.conditions import parse_condition
 from companion.mission.coordinates import Coordinates
 from companion.mission.execution import KINDS, parse_execution
@@ -22,8 +23,9 @@ from companion.mission.literals import parse_effect, parse_fact, parse_literals
 from companion.mission.looking import gimbal_of, look_at
 from companion.mission.model import Do, Execution, Fly, LandOn, PointOfInterest, Skill
 from companion.mission.python_call import PythonCall, check_names
-from companion.mission.schema import MissionFile, SkillEntry
+from companion.mission.schema import MissionFile
 from companion.mission.signals import Condition, Silence
+from companion.mission.skill_schema import SkillEntry
 from companion.mission.vocabulary import Domain, Vocabulary
 
 MAX_INSTANCES = 50_000  # actions of all skills; 220 places give `move` about that many
@@ -190,6 +192,8 @@ class _SkillBuilder:
             is_repeatable=entry.repeatable,
             confirmed_by=self._confirmed_by(),
             gimbal=gimbal_of(self.name, entry, self.file, self.document),
+            energy_wh=entry.energy_wh,
+            charge_rate=charge_rate_of(self.name, entry, execute, self.file, self.document),
         )
 
     def _confirmed_by(self) -> Condition | None:

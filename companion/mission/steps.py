@@ -61,9 +61,13 @@ class TakeOff:
 
 @dataclass(frozen=True, slots=True)
 class Charge:
-    """Primitive: wait on the ground until the battery has so much, percent."""
+    """Primitive: wait on the ground until the battery has so much.
 
-    percent: float
+    Attributes:
+        percent: None for as much as the plan says.
+    """
+
+    percent: float | None
 
 
 @dataclass(frozen=True, slots=True)

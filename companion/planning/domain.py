@@ -8,6 +8,7 @@ from typing import Generic, TypeVar
 from companion.mission.facts import ANYWHERE, HERE, Atom, Fact, at, spelled
 from companion.mission.model import Fly, PointOfInterest, Primitive, Wait
 from companion.mission.signals import Condition
+from companion.planning.charger import Charger
 
 REST_S = 1.0
 """Length of one step of rest."""
@@ -41,6 +42,7 @@ class Refinement:
     Attributes:
         look_at: what the vehicle looks at meanwhile; None for what the skill that it refines says.
         confirmed_by: what has to be heard after the last step.
+        enough_percent: it is left out in the air where the battery has so much; None for never.
     """
 
     name: str
@@ -49,6 +51,7 @@ class Refinement:
     timeout_s: float | None
     look_at: PointOfInterest | None = None
     confirmed_by: Condition | None = None
+    enough_percent: int | None = None
 
 
 Step = Primitive | Refinement
@@ -72,6 +75,10 @@ class Action:
         look_at: what the vehicle looks at meanwhile; None for nothing of its own.
         is_repeatable: its commands may be sent again where it is not known whether they were done.
         confirmed_by: what has to be heard after the last step; None for nothing.
+        drain: what it takes, in units of energy; 0 where nobody reckons.
+        charger: where it charges as far as its plan says; its cost is then that of landing and
+            taking off, and `drain` is of no account.
+        charge_to: the level after it, in units; None where it does not charge, or it is not known.
     """
 
     skill: str
@@ -90,6 +97,9 @@ class Action:
     look_at: PointOfInterest | None = None
     is_repeatable: bool = False
     confirmed_by: Condition | None = None
+    drain: int = 0
+    charger: Charger | None = None
+    charge_to: int | None = None
     name: str = field(init=False, compare=False)
 
     def __post_init__(self) -> None:

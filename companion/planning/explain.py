@@ -98,6 +98,7 @@ class Explanation:
         events: the values that events have now, and keep in every plan, if these may be the reason.
         withdrawn: the beliefs that were withdrawn.
         restoring: those of them that would each make a plan possible again.
+        shortages: why the battery does not last, in words.
     """
 
     conflict: tuple[Conjunct, ...]
@@ -106,6 +107,7 @@ class Explanation:
     events: Mapping[Fact, bool]
     withdrawn: tuple[Fact, ...]
     restoring: tuple[Fact, ...]
+    shortages: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         names = list(dict.fromkeys(conjunct.name for conjunct in self.conflict))
@@ -114,6 +116,7 @@ class Explanation:
         lines += [f"  {conjunct.name}: {conjunct.formula}" for conjunct in self.conflict]
         lines += [f"  {unreachable}" for unreachable in self.unreachable]
         lines += [f"  no route leads to {place} on the map" for place in self.no_route]
+        lines += [f"  {shortage}" for shortage in self.shortages]
         if self.events:
             values = ", ".join(f"{e} is {str(holds).lower()}" for e, holds in self.events.items())
             lines.append(f"  a plan takes events as they are now: {values}")
@@ -135,6 +138,7 @@ class Explanation:
             "events": dict(self.events),
             "withdrawn": list(self.withdrawn),
             "restoring": list(self.restoring),
+            "shortages": list(self.shortages),
         }
 
 
@@ -147,9 +151,19 @@ class NoPlan(NoPlanError):
 
 
 def why_no_plan(
-    problem: Problem, is_solvable: IsSolvable, world: WorldModel = NOTHING_MORE
+    problem: Problem,
+    is_solvable: IsSolvable,
+    world: WorldModel = NOTHING_MORE,
+    shortages: Callable[[Problem], tuple[str, ...]] = lambda problem: (),
 ) -> Explanation:
-    """The reason why a problem has no plan."""
+    """The reason why a problem has no plan.
+
+    Args:
+        problem: the problem.
+        is_solvable: the search.
+        world: what the problem does not say.
+        shortages: says why the battery does not last for a problem without a plan.
+    """
     core = list(range(len(problem.conjuncts)))  # indices of a conflicting set
     for i in tuple(core):
         rest = [j for j in core if j != i]
@@ -167,7 +181,8 @@ def why_no_plan(
     no_route = _without_route(problem, mentioned | needed, reached, world)
     concerned = needed if unreachable or no_route else mentioned | _in_the_way(problem)
     events = {event: event in problem.facts for event in sorted(concerned & world.events)}
-    return Explanation(conflict, unreachable, no_route, events, withdrawn, tuple(restoring))
+    short = shortages(problem.only(core)) if problem.energy is not None else ()
+    return Explanation(conflict, unreachable, no_route, events, withdrawn, tuple(restoring), short)
 
 
 def _with(problem: Problem, belief: Fact) -> Problem:

@@ -21,6 +21,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Protocol
 
 from companion.mission.facts import HERE, Fact, spelled
 from companion.mission.model import Do, Fly, LandOn, Literal, Mission, PointOfInterest, Skill
@@ -39,6 +40,23 @@ from companion.slices import spent
 
 FlightTime = Callable[[str, str], float]
 """Seconds of flight from one place to another; inf where no route exists."""
+
+
+class Drains(Protocol):
+    """What actions take of the battery."""
+
+    def of(
+        self, skill: Skill, action: Action, flight: tuple[str, str] | None, place: str | None
+    ) -> Action:
+        """An action with what it takes.
+
+        Args:
+            skill: whose instance it is.
+            action: with its cost.
+            flight: that it costs.
+            place: where it is done.
+        """
+
 
 _BINDING_US = 30
 _COSTING_US = 2
@@ -60,10 +78,17 @@ class TaskModel:
 
 @dataclass(slots=True)
 class _Instance:
-    """An action, and the flight that it costs; None for an action that costs no flight."""
+    """An action of a skill, and the flight that it costs.
 
+    Attributes:
+        flight: None for an action that costs no flight.
+        place: where it is done; None for anywhere.
+    """
+
+    skill: Skill
     action: Action
     flight: tuple[str, str] | None
+    place: str | None
 
 
 class Instances:
@@ -75,10 +100,14 @@ class Instances:
         mission: whose skills they are.
         origin: `here` for the moves from there alone, one per flying skill and place; None for all
             instances of all skills.
+        drains: what they take; None where plans know of no energy.
     """
 
-    def __init__(self, mission: Mission, origin: str | None = None) -> None:
+    def __init__(
+        self, mission: Mission, origin: str | None = None, drains: Drains | None = None
+    ) -> None:
         self._instances = list(_instances(mission, origin))
+        self._drains = drains
 
     def actions(self, flight_time: FlightTime) -> tuple[Action, ...]:
         """The actions, in the order of the mission file; one whose cost has not changed stays."""
@@ -91,7 +120,10 @@ class Instances:
                     continue
                 if (cost_ms := _cost_ms(cost_s)) != instance.action.cost_ms:
                     instance.action = replace(instance.action, cost_ms=cost_ms)
-            found.append(instance.action)
+            action = instance.action
+            if self._drains is not None:
+                action = self._drains.of(instance.skill, action, instance.flight, instance.place)
+            found.append(action)
         return tuple(found)
 
     @cached_property
@@ -100,9 +132,11 @@ class Instances:
         return frozenset[Fact]().union(*(each.action.assumes for each in self._instances))
 
 
-def instantiate(mission: Mission, flight_time: FlightTime) -> TaskModel:
+def instantiate(
+    mission: Mission, flight_time: FlightTime, drains: Drains | None = None
+) -> TaskModel:
     """The task model of a mission. A move whose flight time is infinite does not exist."""
-    return task_model(Instances(mission), flight_time)
+    return task_model(Instances(mission, drains=drains), flight_time)
 
 
 def task_model(instances: Instances, flight_time: FlightTime) -> TaskModel:
@@ -229,7 +263,8 @@ def _instance(mission: Mission, skill: Skill, binding: dict[str, str]) -> _Insta
         is_repeatable=skill.is_repeatable,
         confirmed_by=skill.confirmed_by,
     )
-    return _Instance(action, flight)
+    place = goal or (binding[origin] if origin is not None else None)
+    return _Instance(skill, action, flight, place)
 
 
 def _cost_ms(cost_s: float) -> int:

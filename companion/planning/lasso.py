@@ -12,7 +12,7 @@ A, and then away, before it may rest.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -43,6 +43,25 @@ class Conjunct:
 
 
 @dataclass(frozen=True)
+class Energy:
+    """The energy of a problem, in whole units.
+
+    Attributes:
+        level: what is there now.
+        floors: by place, `here` among them: the reserve, and what it takes to land at a safe one.
+        rests: by place, what has to be there where a plan comes to rest, which is to land.
+        rest: what a step of rest takes in the air.
+        percent: by level, the charge of the battery.
+    """
+
+    level: int
+    floors: Mapping[str, int]
+    rests: Mapping[str, int]
+    rest: int
+    percents: Sequence[float]
+
+
+@dataclass(frozen=True)
 class Problem:
     """A planning problem; between replans the first two fields stay as they are.
 
@@ -59,6 +78,7 @@ class Problem:
         waiting_since_ms: per conjunct, when the acceptance mark was met that has waited longest
             since; in flight time, of which only differences matter. Empty while nothing has been
             waited for: before the first skill of a flight is completed.
+        energy: None where plans know of none.
     """
 
     actions: tuple[Action, ...]
@@ -68,6 +88,7 @@ class Problem:
     withdrawn: frozenset[Fact] = frozenset()
     unread: frozenset[Fact] = frozenset()
     waiting_since_ms: tuple[int, ...] = ()
+    energy: Energy | None = None
 
     def only(self, indices: Sequence[int]) -> Problem:
         """The same with some of the conjuncts alone."""

@@ -28,6 +28,7 @@ from companion.planning.builtin.masked_actions import KnownActions
 from companion.planning.builtin.product import Product
 from companion.planning.builtin.transition_system import TransitionSystem
 from companion.planning.domain import Action, is_named, reach
+from companion.planning.energy.drains import MissionEnergy
 from companion.planning.explain import Explanation, NoPlan
 from companion.planning.flight_times import flight_times, from_table, route_map
 from companion.planning.instances import FlightTime, Instances, task_model
@@ -75,6 +76,7 @@ class Planner(Solver):
             route: a function, or a table of pairs of places in which a pair without a route is
             left out. Without it, the times of flight on the mission's map.
         clock: seconds; measures `translating_s` and `instantiating_s`.
+        energy: of a mission with a battery; made if absent.
 
     Attributes:
         flight_time: as given; a flight sets one that knows where its vehicle is.
@@ -86,13 +88,19 @@ class Planner(Solver):
         mission: Mission,
         flight_time: FlightTime | Mapping[tuple[str, str], float] | None = None,
         clock: Callable[[], float] = lambda: 0.0,
+        energy: MissionEnergy | None = None,
     ) -> None:
         if flight_time is None:
-            flight_time = flight_times(mission, route_map(mission))
+            routes = route_map(mission)
+            flight_time = flight_times(mission, routes)
+            if mission.battery is not None:
+                energy = energy or MissionEnergy(mission, routes)
         elif isinstance(flight_time, Mapping):
             flight_time = from_table(mission, flight_time)
         start_s = clock()
-        self._instances, self._departures = Instances(mission), Instances(mission, HERE)
+        self.energy = energy
+        self._instances = Instances(mission, drains=energy)
+        self._departures = Instances(mission, HERE, energy)
         self.model = task_model(self._instances, flight_time)
         self.instantiating_s = clock() - start_s
         self.conjuncts = tuple(_translated(mission))
@@ -192,6 +200,8 @@ class Planner(Solver):
             beliefs = beliefs.union(*(a.assumes for a in extra))
         held = facts | (beliefs - withdrawn)
         problem = Problem(actions, self.conjuncts, held, automaton_states, beliefs & withdrawn)
+        if self.energy is not None:
+            problem = replace(problem, energy=self.energy.now(is_en_route))
         return self._unread_rises.with_unread(problem, unread) if unread else problem
 
     def plan(

@@ -15,6 +15,9 @@ from companion.planning.builtin.search import Search
 from companion.planning.check import fault
 from companion.planning.domain import Action
 from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT, Effort
+from companion.planning.energy import search
+from companion.planning.energy.shortage import shortages
+from companion.planning.energy_check import energy_fault
 from companion.planning.explain import Explanation, NoPlan, why_no_plan, world_of
 from companion.planning.lasso import DroppedLine, Lasso, Letter, Problem, Solution
 from companion.planning.objective import Objective
@@ -54,7 +57,7 @@ class Solver:
             yield solution
         if not found:
             world = world_of(self.mission, problem)
-            raise NoPlan(why_no_plan(problem, self._search.is_solvable, world))
+            raise NoPlan(why_no_plan(problem, self.is_solvable, world, self._shortages))
 
     def solve(
         self,
@@ -88,12 +91,19 @@ class Solver:
         objective: Objective,
         effort: Effort,
     ) -> Iterator[Solution]:
-        for solution in self._search.solutions(problem, objective, effort):
+        for solution in self._found(problem, objective, effort):
             wrong = fault(problem, solution.lasso, histories)
+            if wrong is None and problem.energy is not None:
+                wrong = energy_fault(problem, solution.lasso)
             if wrong is not None:
                 text = f"the planner made a wrong plan, {solution.lasso}: {wrong}"
                 raise CompanionError(text)
             yield solution
+
+    def _found(self, problem: Problem, objective: Objective, effort: Effort) -> Iterator[Solution]:
+        if problem.energy is None:
+            return self._search.solutions(problem, objective, effort)
+        return search.energy_solutions(self._search, problem, effort)
 
     def kept(
         self, problem: Problem, histories: optional_lines.Histories
@@ -107,7 +117,7 @@ class Solver:
         Returns:
             The problem, the histories of its conjuncts, and the lines that are dropped.
         """
-        dropped = optional_lines.select(problem, self.mission.optional, self._search.is_solvable)
+        dropped = optional_lines.select(problem, self.mission.optional, self.is_solvable)
         names = [each.line for each in dropped]
         return *optional_lines.without_lines(names, problem, histories), dropped
 
@@ -123,7 +133,7 @@ class Solver:
         """
         left_out = [each.line for each in dropped if each.line != line]
         asked, _ = optional_lines.without_lines(left_out, problem)
-        return why_no_plan(asked, self._search.is_solvable, world_of(self.mission, asked))
+        return why_no_plan(asked, self.is_solvable, world_of(self.mission, asked))
 
     def lines_to_drop(self, problem: Problem) -> tuple[DroppedLine, ...]:
         """The lines to drop in flight."""
@@ -134,5 +144,14 @@ class Solver:
         optional = self.mission.optional
         return optional_lines.line_to_take_up(problem, optional, dropped, self._is_solvable_soon)
 
+    def is_solvable(self, problem: Problem, effort: Effort = BEFORE_FLIGHT) -> bool | None:
+        """Whether there is a plan; None if the search for one reaches its limit."""
+        if problem.energy is None:
+            return self._search.is_solvable(problem, effort)
+        return search.is_solvable(self._search, problem, effort)
+
     def _is_solvable_soon(self, problem: Problem) -> bool | None:
-        return self._search.is_solvable(problem, IN_FLIGHT)
+        return self.is_solvable(problem, IN_FLIGHT)
+
+    def _shortages(self, problem: Problem) -> tuple[str, ...]:
+        return shortages(self._search, problem, BEFORE_FLIGHT)

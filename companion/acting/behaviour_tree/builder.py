@@ -195,6 +195,10 @@ def _one_try(
     if skill.confirmed_by is not None:
         steps.append(Confirm(flight, skill.confirmed_by, limit_s))
     once = steps[0] if len(steps) == 1 else _sequence(skill.name, steps)
+    if skill.enough_percent is not None:
+        charge = Selector(skill.name, memory=True)
+        charge.add_children([landing.EnoughCharge(flight, skill.enough_percent), once])
+        once = charge
     return Deadline(flight, once, skill.timeout_s) if skill.timeout_s is not None else once
 
 
@@ -248,7 +252,7 @@ def _step(
         case TakeOff():
             return landing.TakeOffVehicle(flight, "take off")
         case Charge(percent):
-            return landing.ChargeBattery(flight, percent)
+            return landing.ChargeBattery(flight, 100.0 if percent is None else percent)
         case Refinement():
             return _refinement(flight, step, limit_s, look_at)
 

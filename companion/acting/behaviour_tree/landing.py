@@ -153,3 +153,22 @@ class ChargeBattery(Leaf):
             known = "unknown" if percent is None else f"{percent} %"
             return self.fail(f"the battery does not charge, it is at {known}")
         return Status.RUNNING
+
+
+class EnoughCharge(Leaf):
+    """Whether the battery has so much that the vehicle need not land."""
+
+    does = LeafType.CHARGE
+
+    def __init__(self, flight: Flight, percent: int) -> None:
+        super().__init__(flight, f"{percent} % already?")
+        self._percent = percent
+
+    def update(self) -> Status:
+        """SUCCESS in the air with so much."""
+        flight, state = self._flight, self._flight.vehicle.state
+        percent = state.battery_percent if state else None
+        if flight.progress.is_landed_by_plan or percent is None or percent < self._percent:
+            return self.fail("the battery has less")
+        flight.report(BatteryCharged(percent))
+        return Status.SUCCESS

@@ -19,6 +19,8 @@ from companion.errors import NoPlanError, SearchLimit
 from companion.planning.optional_lines import without_lines
 from companion.planning.planner import Planner
 
+MARGIN_S = 5.0
+"""A wait ends so long before the charge is needed for the way to a safe place."""
 BATTERY = frozenset({"BATTERY_STATUS", "SYS_STATUS"})
 """Messages whose events mean that the flight has to end."""
 
@@ -58,7 +60,8 @@ class Patience:
     def lasts(self) -> bool:
         """Whether the vehicle holds."""
         is_landed = self._flight.progress.is_landed_by_plan
-        return self.left_s > 0 and bool(self.hopes) and not is_landed and not self._is_battery_low
+        may_wait = self.left_s > 0 and bool(self.hopes) and not is_landed
+        return may_wait and not self._is_battery_low and not self._is_charge_needed
 
     def _find_hopes(self) -> list[str]:
         """What may change, if there is a plan with all of it, as far as a search can tell."""
@@ -90,6 +93,16 @@ class Patience:
         return state is not None and not any(
             routes.is_connected(state.position, place) for place in self._planner.mission.places
         )
+
+    @property
+    def _is_charge_needed(self) -> bool:
+        """Whether all charge but the reserve is needed to land at a safe place."""
+        energy = self._planner.energy
+        if energy is None:
+            return False
+        needed = [drain for s in energy.safe if (drain := energy.to_land_at(s)) is not None]
+        margin = energy.model.reserve + energy.model.hovering(MARGIN_S)
+        return bool(needed) and energy.level() < min(needed) + margin
 
     @property
     def _is_battery_low(self) -> bool:

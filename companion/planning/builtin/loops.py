@@ -72,14 +72,14 @@ def loops_of(
     product: Product, nodes: NDArray[np.intp], paths: ShortestPaths, effort: Effort
 ) -> Loops:
     """The loops of a component."""
-    targets_of = _essential(product, nodes)
+    targets_of = essential_targets(product, nodes)
     max_targets = min(_MAX_TARGETS, max(1, effort.dijkstra_steps // product.dijkstra_steps))
     if not targets_of:
         return ShortestCycles(product, nodes, paths, max_targets)
     return TargetTours(nodes, targets_of, paths, max_targets, effort.held_karp_additions)
 
 
-def _essential(product: Product, nodes: NDArray[np.intp]) -> list[frozenset[int]]:
+def essential_targets(product: Product, nodes: NDArray[np.intp]) -> list[frozenset[int]]:
     """The targets of each mark that is not met with another one anyway."""
     targets_of: dict[frozenset[int], None] = {}
     for mark in range(product.all_marks.bit_length()):

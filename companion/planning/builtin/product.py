@@ -20,7 +20,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import cached_property, partial, reduce
 from operator import or_
 from typing import TYPE_CHECKING
@@ -29,11 +29,12 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from companion.errors import SearchLimit
+from companion.planning.builtin.entered_nodes import EnteredNodes, Node
 from companion.planning.builtin.forgotten_facts import forgotten_facts
 from companion.planning.builtin.masked_actions import KnownActions
 from companion.planning.builtin.masked_automaton import MaskedAutomaton, RestrictedConjunct
 from companion.planning.builtin.restrictions import Restrictions
-from companion.planning.builtin.transition_system import Successors, TransitionSystem
+from companion.planning.builtin.transition_system import TransitionSystem
 from companion.planning.effort import BEFORE_FLIGHT, PRODUCT_EDGE_US
 from companion.planning.lasso import Problem
 from companion.slices import spent
@@ -51,9 +52,6 @@ _PART_US = 20
 _NODE_US = 5
 _JOINT_MOVE_US = 4
 _STEPS_OF_NODE = 30
-
-Node = tuple[int, tuple[int, ...], int]
-"""Facts, states of the automata, marks met on the way in."""
 
 
 class Product:
@@ -73,7 +71,8 @@ class Product:
         automata: those that are read, one for each place of a node's automaton states.
         one_shot_goals: for each goal that is kept out of the product the nodes that meet it.
         ends, costs, actions: of the edges; those of node n are first[n] to first[n + 1].
-            Between two nodes only the cheapest edge is kept, in the order of the actions.
+            Between two nodes only the cheapest edge is kept, in the order of the actions, and all
+            those that charge.
 
     Args:
         problem: what to plan.
@@ -99,6 +98,9 @@ class Product:
         self._problem, self._bits, self._max_edges = problem, known.bits, max_edges
         self.system = TransitionSystem(problem.actions, problem.facts, known)
         self._restrictions = restrictions
+        self._charging = frozenset(
+            number for number, action in enumerate(problem.actions) if action.charger is not None
+        )
         self._parts: list[RestrictedConjunct] = []  # whose automata are read
         self.automata: list[MaskedAutomaton] = []
         self.waiting_since_ms: list[int] = []
@@ -152,6 +154,10 @@ class Product:
     def nodes(self) -> int:
         """The number of nodes."""
         return len(self.marks)
+
+    def bit(self, proposition: str) -> int:
+        """The bit of a fact."""
+        return self._bits.bit(proposition)
 
     def facts(self, node: int) -> int:
         """The facts (bits) of a node."""
@@ -240,13 +246,13 @@ class Product:
         self.initial = list(range(len(initial)))
         nodes = list(initial)
         number_of = {node: number for number, node in enumerate(initial)}
-        entered: dict[tuple[int, ...], _Entered] = {}
+        entered: dict[tuple[int, ...], EnteredNodes] = {}
         first, ends, costs, actions = [0], [], [], []
         for facts, states, _ in nodes:  # grows while it is read
             into = entered.get(states)
             if into is None:
                 moves = partial(self._joint_moves, states=states)
-                into = entered[states] = _Entered(moves, nodes, number_of)
+                into = entered[states] = EnteredNodes(moves, nodes, number_of, self._charging)
             leaving = into.edges(self.system.successors(facts))
             ends += leaving.states
             costs += leaving.costs
@@ -291,56 +297,3 @@ def dijkstra_steps(nodes: int, edges: int) -> int:
     A node is taken off a heap, which costs as much as thirty edges.
     """
     return edges + _STEPS_OF_NODE * nodes
-
-
-class _Entered(dict[int, list[int]]):
-    """By the facts that are reached, the nodes that are entered from some automaton states.
-
-    Nodes are numbered as they are met.
-    """
-
-    def __init__(
-        self,
-        moves: Callable[[int], list[tuple[tuple[int, ...], int]]],
-        nodes: list[Node],
-        number_of: dict[Node, int],
-    ) -> None:
-        super().__init__()
-        self._moves, self._nodes, self._number_of = moves, nodes, number_of
-        self._is_function = True  # so far each set of facts leads to one node
-
-    def __missing__(self, facts: int) -> list[int]:
-        numbers = []
-        for following, marks in self._moves(facts):
-            node = (facts, following, marks)
-            number = self._number_of.setdefault(node, len(self._nodes))
-            if number == len(self._nodes):
-                self._nodes.append(node)
-            numbers.append(number)
-        self[facts] = numbers
-        self._is_function &= len(numbers) == 1
-        return numbers
-
-    def edges(self, successors: Successors) -> Successors:
-        """The nodes after a node, the cheapest edge to each."""
-        entered = list(map(self.__getitem__, successors.states))
-        ends = list(itertools.chain.from_iterable(entered))
-        if self._is_function and len(set(ends)) == len(ends):
-            return Successors(ends, successors.actions, successors.costs)
-        cheapest: dict[int, tuple[int, int]] = {}
-        each = zip(entered, successors.actions, successors.costs, strict=True)
-        for numbers, action, cost_ms in each:
-            for number in numbers:
-                known = cheapest.get(number)
-                if known is None or cost_ms < known[0]:
-                    cheapest[number] = (cost_ms, action)
-        kept = sorted(cheapest.items(), key=_by_action)
-        return Successors(
-            [number for number, _ in kept],
-            [action for _, (_, action) in kept],
-            [cost_ms for _, (cost_ms, _) in kept],
-        )
-
-
-def _by_action(edge: tuple[int, tuple[int, int]]) -> int:
-    return edge[1][1]

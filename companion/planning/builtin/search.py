@@ -75,7 +75,7 @@ class Search:
         try:
             product = self.product(problem, effort)
             if not product.one_shot_goals:  # then any loop will do
-                return bool(_accepting_components(product))
+                return bool(accepting_components(product))
             return next(_plans(product, Objective.LAP, effort), None) is not None
         except SearchLimit:
             return None
@@ -107,13 +107,23 @@ class Search:
                 if plan.cost_ms <= last.cost_ms:
                     yield _solution(problem, objective, plan)
 
-    def product(self, problem: Problem, effort: Effort = BEFORE_FLIGHT) -> Product:
+    def product(
+        self,
+        problem: Problem,
+        effort: Effort = BEFORE_FLIGHT,
+        min_goals: int = MIN_ONE_SHOT_GOALS,
+    ) -> Product:
         """The product that is searched for a problem's lassos.
+
+        Args:
+            problem: what to plan.
+            effort: limits of the search.
+            min_goals: one-shot goals are kept out if there are so many.
 
         Raises:
             SearchLimit: it has too many states.
         """
-        return self._product(problem, effort)
+        return self._product(problem, effort, min_goals)
 
     def _product(
         self,
@@ -138,7 +148,7 @@ def _solution(problem: Problem, objective: Objective, plan: ProductPlan) -> Solu
     return Solution(lasso, objective, plan.cost_ms, plan.bound_ms, ENGINE, plan.has_best_prefix)
 
 
-def _accepting_components(product: Product) -> list[NDArray[np.intp]]:
+def accepting_components(product: Product) -> list[NDArray[np.intp]]:
     """The nodes of each strong component with a loop that meets every mark."""
     count, component = connected_components(product.cost_matrix(), connection="strong")
     sources = np.repeat(np.arange(product.nodes), np.diff(product.first))
@@ -158,7 +168,7 @@ def _accepting_components(product: Product) -> list[NDArray[np.intp]]:
 
 def _plans(product: Product, objective: Objective, effort: Effort) -> Iterator[ProductPlan]:
     """Lassos in the product, each better than the one before; none if there is none."""
-    components = _accepting_components(product)
+    components = accepting_components(product)
     if not components or not all(product.one_shot_goals):
         return
     paths = ShortestPaths(product)

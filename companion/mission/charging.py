@@ -1,0 +1,55 @@
+"""Skills that charge as far as a plan says."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+from companion.battery_profile import Points
+from companion.documents import Document
+from companion.errors import MissionError
+from companion.mission.schema import MissionFile
+from companion.mission.skill_schema import SkillEntry
+from companion.mission.steps import Charge, Execution
+
+
+def charge_rate_of(
+    name: str,
+    entry: SkillEntry,
+    execute: Sequence[Execution],
+    file: MissionFile,
+    document: Document,
+) -> Points | None:
+    """How fast a skill charges; None for one that does not charge as a plan says.
+
+    Raises:
+        MissionError: the figures cannot be, or one of charge(auto), charge_rate and battery is
+            missing.
+    """
+    places = [i for i, step in enumerate(execute) if step == Charge(None)]
+    rate = entry.charge_rate
+    if not places:
+        if rate is not None:
+            where = document.key_at("skills", name, "charge_rate")
+            raise MissionError(
+                f"{name} has a charge_rate and no charge(auto)",
+                where,
+                "add charge(auto) to execute",
+            )
+        return None
+    where = document.where("skills", name, "execute", places[0])
+    if file.battery is None:
+        hint = "add battery: {reserve: 20}, or write a percentage, e.g. charge(90)"
+        raise MissionError("plans know of no energy, so they say no charge", where, hint)
+    if rate is None:
+        hint = "add charge_rate: [[0, 2.0], [80, 2.0], [100, 0.1]], percent and percent a second"
+        raise MissionError(f"it is not known how fast {name} charges", where, hint)
+    is_whole = rate[0][0] == 0 and rate[-1][0] == 100 and all(0 <= c <= 100 for c, _ in rate)
+    is_falling = all(a < b and v >= w for (a, v), (b, w) in pairwise(rate))
+    if not is_whole or not is_falling or rate[0][1] <= 0 or rate[-1][1] < 0:
+        raise MissionError(
+            "the rate does not fall from [0, RATE] to [100, RATE]",
+            document.where("skills", name, "charge_rate"),
+            "write pairs of charge and percent a second; a battery charges the slower the fuller",
+        )
+    return tuple((charge / 100, rise / 100) for charge, rise in rate)

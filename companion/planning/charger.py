@@ -1,0 +1,48 @@
+"""What charging takes at a dock, in whole units of usable energy.
+
+A dock is landed on, the battery is charged to a level, and the vehicle takes off again. Charging is
+the slower the fuller the battery is: the time to a level is convex.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, eq=False)
+class Charger:
+    """A dock that charges.
+
+    Attributes:
+        floor: least level on arrival above it: the reserve and the landing.
+        landing: what landing takes.
+        take_off: what taking off takes.
+        overhead_ms: of landing and taking off.
+        times_ms: (full + 1,) time from empty to each level; convex.
+    """
+
+    floor: int
+    landing: int
+    take_off: int
+    overhead_ms: int
+    times_ms: NDArray[np.int64]
+
+    @property
+    def highest(self) -> int:
+        """The highest level after taking off."""
+        return len(self.times_ms) - 1 - self.take_off
+
+    def service_ms(self, arrival: int, departure: int) -> int:
+        """Landing, charging and taking off.
+
+        Args:
+            arrival: level above the dock, on arrival.
+            departure: the same after taking off, at most the highest; where it is less than there
+                is anyway, nothing is charged.
+        """
+        begin = arrival - self.landing
+        end = max(begin, departure + self.take_off)
+        return self.overhead_ms + int(self.times_ms[end] - self.times_ms[begin])

@@ -1,0 +1,246 @@
+"""The quickest way to a loop on the charge that there is, which charges where it needs more.
+
+How far a battery is charged is decided late: a label remembers the dock, what has been used since,
+and the least level after the dock that every floor since then asks for. What has to be left at the
+end fixes the level. At the next dock that is its floor: to arrive with more is never quicker, as
+charging is the slower the fuller the battery is.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from companion.planning.builtin.costs import UNREACHABLE_MS
+from companion.planning.charger import Charger
+
+
+@dataclass(frozen=True, slots=True)
+class Leg:
+    """An edge of a graph that is not a charge."""
+
+    end: int
+    time_ms: int
+    drain: int
+
+
+@dataclass(frozen=True, slots=True)
+class ChargeLeg:
+    """An edge along which the vehicle lands, charges, and takes off."""
+
+    end: int
+    charger: Charger
+
+
+@dataclass(frozen=True, slots=True)
+class EnergyGraph:
+    """States of a vehicle, what leads from one to another, and what must be left at each.
+
+    Attributes:
+        legs: by node, in the order in which ties are broken.
+        charges: likewise.
+        floors: by node, the least level there.
+    """
+
+    legs: Sequence[Sequence[Leg]]
+    charges: Sequence[Sequence[ChargeLeg]]
+    floors: Sequence[int]
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """A leg that is taken.
+
+    Attributes:
+        number: among the legs of its node, or among its charges.
+        departure: the level after taking off; None for a leg that is no charge.
+    """
+
+    node: int
+    number: int
+    departure: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Approach:
+    """A way.
+
+    Attributes:
+        end: the node to which it leads.
+        level: there.
+    """
+
+    steps: tuple[Step, ...]
+    time_ms: int
+    end: int
+    level: int
+
+
+@dataclass(slots=True, eq=False)
+class _Label:
+    """A way to a node, up to the level after its last charge.
+
+    Attributes:
+        fixed_ms: its time, but for that charge.
+        used: since the last charge.
+        least: the level after the last charge that the floors since then ask for.
+        level: after it, where that is not free: at the beginning.
+        charger, arrival: of it.
+    """
+
+    node: int
+    fixed_ms: int
+    used: int
+    least: int
+    before: _Label | None
+    number: int
+    level: int | None = None
+    charger: Charger | None = None
+    arrival: int = 0
+    is_charge: bool = False
+    closed: bool = field(default=False)
+
+    def departure(self, needed: int) -> int | None:
+        """The level after the last charge with which so much is left now; None if it cannot be."""
+        wanted = max(self.least, needed + self.used)
+        if self.charger is None:
+            assert self.level is not None
+            return self.level if wanted <= self.level else None
+        wanted = max(wanted, self.arrival - self.charger.landing - self.charger.take_off)
+        return wanted if wanted <= self.charger.highest else None
+
+    def time_ms(self, needed: int) -> int:
+        """Its time if so much is to be left now."""
+        departure = self.departure(needed)
+        if departure is None:
+            return UNREACHABLE_MS
+        if self.charger is None:
+            return self.fixed_ms
+        times_ms = self.charger.times_ms
+        begin = self.arrival - self.charger.landing
+        return self.fixed_ms + int(times_ms[departure + self.charger.take_off] - times_ms[begin])
+
+    def dominates(self, other: _Label) -> bool:
+        """Whether whatever the other one can do, this one can in no more time."""
+        if self.charger is None or other.charger is None:
+            is_no_later = self.time_ms(0) <= other.time_ms(0)
+            if self.charger is None:  # as much left at the latest as the other can have
+                most = self.level - self.used if self.level is not None else 0
+                return is_no_later and most >= other.most_left
+            return False
+        offsets = (
+            each.fixed_ms - int(each.charger.times_ms[each.arrival - each.charger.landing])
+            for each in (self, other)
+            if each.charger is not None
+        )
+        mine, theirs = offsets
+        alike = self.charger.times_ms is other.charger.times_ms
+        no_worse = self.charger.take_off <= other.charger.take_off
+        return (
+            alike
+            and no_worse
+            and mine <= theirs
+            and self.used <= other.used
+            and self.least <= other.least
+        )
+
+    @property
+    def most_left(self) -> int:
+        """The most that can be left now."""
+        highest = self.charger.highest if self.charger is not None else (self.level or 0)
+        return highest - self.used
+
+
+def approach(
+    graph: EnergyGraph, starts: Sequence[int], level: int, required: Mapping[int, int]
+) -> Approach | None:
+    """The quickest way from some nodes to one of others; None if there is none.
+
+    Args:
+        graph: its chargers all charge alike.
+        starts: where it may begin.
+        level: at the beginning.
+        required: by node, what has to be left where it ends there.
+    """
+    pending: list[tuple[int, int, bool, _Label]] = []
+    count = 0
+
+    def push(label: _Label) -> None:
+        nonlocal count
+        floor = graph.floors[label.node]
+        label.least = max(label.least, floor + label.used)
+        time_ms = label.time_ms(floor)
+        if time_ms < UNREACHABLE_MS:
+            heapq.heappush(pending, (time_ms, count, False, label))
+            count += 1
+        if label.node in required:
+            ended_ms = label.time_ms(required[label.node])
+            if ended_ms < UNREACHABLE_MS:
+                heapq.heappush(pending, (ended_ms, count, True, label))
+                count += 1
+
+    for start in starts:
+        push(_Label(start, 0, 0, 0, None, -1, level=level))
+    known: dict[int, list[_Label]] = {}
+    while pending:
+        _, _, is_end, label = heapq.heappop(pending)
+        if is_end:
+            return _read(label, required[label.node])
+        alike = known.setdefault(label.node, [])
+        if any(each.dominates(label) for each in alike):
+            continue
+        alike.append(label)
+        for number, leg in enumerate(graph.legs[label.node]):
+            push(
+                _Label(
+                    leg.end,
+                    label.fixed_ms + leg.time_ms,
+                    label.used + leg.drain,
+                    label.least,
+                    label,
+                    number,
+                    label.level,
+                    label.charger,
+                    label.arrival,
+                )
+            )
+        for number, charge in enumerate(graph.charges[label.node]):
+            charger = charge.charger
+            departure = label.departure(charger.floor)
+            if departure is None:
+                continue
+            arrived_ms = label.time_ms(charger.floor)
+            push(
+                _Label(
+                    charge.end,
+                    arrived_ms + charger.overhead_ms,
+                    0,
+                    0,
+                    label,
+                    number,
+                    None,
+                    charger,
+                    departure - label.used,
+                    is_charge=True,
+                )
+            )
+    return None
+
+
+def _read(label: _Label, needed: int) -> Approach:
+    """The way of a label, with the levels that it takes."""
+    end, time_ms = label.node, label.time_ms(needed)
+    departure = label.departure(needed)
+    assert departure is not None
+    level = departure - label.used
+    steps: list[Step] = []
+    here: _Label | None = label
+    while here is not None and here.before is not None:
+        if here.is_charge:
+            steps.append(Step(here.before.node, here.number, departure))
+            departure = here.before.departure(here.charger.floor if here.charger else 0)
+        else:
+            steps.append(Step(here.before.node, here.number))
+        here = here.before
+    return Approach(tuple(steps[::-1]), time_ms, end, level)

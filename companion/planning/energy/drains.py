@@ -1,0 +1,121 @@
+"""What the actions of a mission take of its battery, and what must be left at its places."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from companion.geometry import Ned
+from companion.mission.facts import HERE
+from companion.mission.model import LandAtSafePlace, Mission, Skill
+from companion.motion.layered_routes import LayeredRoutes
+from companion.motion.profile import SpeedLimits
+from companion.planning.charger import Charger
+from companion.planning.domain import REST_S, Action
+from companion.planning.energy.model import UNITS_PER_WH, EnergyModel
+from companion.planning.lasso import Energy
+
+
+class MissionEnergy:
+    """The energy of a mission; fulfils `Drains`.
+
+    Args:
+        mission: with a battery.
+        routes: its routes.
+        limits: says how fast it may fly now.
+
+    Attributes:
+        model: in what is reckoned.
+        here: says where the vehicle is, between places; a flight sets one.
+        level: says what there is; a full battery until a flight says otherwise.
+        percents: by level, the charge of the battery.
+    """
+
+    def __init__(
+        self,
+        mission: Mission,
+        routes: LayeredRoutes,
+        limits: Callable[[], SpeedLimits] | None = None,
+    ) -> None:
+        battery = mission.battery
+        assert battery is not None
+        self._mission, self._routes = mission, routes
+        self._limits = limits or (lambda: mission.speed_limits)
+        self.model = model = EnergyModel(battery)
+        self.here: Callable[[], Ned | None] = lambda: None
+        self.level: Callable[[], int] = lambda: model.full
+        self._charging: dict[str, NDArray[np.int64]] = {}
+        self._docks: dict[str, None] = {}
+        self.percents = [100 * self.model.charge(level) for level in range(self.model.full + 1)]
+
+    def of(
+        self, skill: Skill, action: Action, flight: tuple[str, str] | None, place: str | None
+    ) -> Action:
+        """An action with what it takes; see `Drains`."""
+        drain = math.ceil(skill.energy_wh * UNITS_PER_WH)
+        if flight is not None:
+            drain += self.flight(*flight) or 0
+        else:
+            drain += self.model.hovering(action.cost_ms / 1000)
+        if skill.charge_rate is None or place is None:
+            return action if action.drain == drain else replace(action, drain=drain)
+        self._docks[place] = None
+        charger = self._charger(skill, place, action.cost_ms if flight else 0, drain)
+        return replace(action, cost_ms=charger.overhead_ms, charger=charger)
+
+    def flight(self, origin: str, goal: str) -> int | None:
+        """What a flight takes; None without a way."""
+        start = self.here() if origin == HERE else self._routes.goal(origin)
+        if start is None:
+            return None
+        passage = self._routes.passage(start, goal)
+        if math.isinf(passage.over_ground_m):
+            return None
+        return self.model.flight(passage, start, self._routes.goal(goal), self._limits())
+
+    def now(self, is_en_route: bool) -> Energy:
+        """The energy of a problem.
+
+        Args:
+            is_en_route: the vehicle is between places.
+        """
+        names = [*self._mission.places, *([HERE] if is_en_route else [])]
+        landings = {name: self._landing(name) for name in self._mission.places}
+        floors = {}
+        for name in names:
+            ways = [(0 if name == s else self.flight(name, s), landings[s]) for s in self.safe]
+            least = [way + landing for way, landing in ways if way is not None]
+            if least:
+                floors[name] = self.model.reserve + min(least)
+        rests = {name: self.model.reserve + landing for name, landing in landings.items()}
+        rest = self.model.hovering(REST_S)
+        return Energy(self.level(), floors, rests, rest, self.percents)
+
+    @property
+    def safe(self) -> tuple[str, ...]:
+        """Where the vehicle may land: the mission's safe places, or home, and its docks."""
+        otherwise = self._mission.otherwise
+        is_said = isinstance(otherwise, LandAtSafePlace)
+        named = otherwise.places if is_said else (self._mission.home.name,)  # type: ignore[union-attr]
+        return tuple(dict.fromkeys([*named, *self._docks]))
+
+    def to_land_at(self, place: str) -> int | None:
+        """What it takes to fly to a place from here, and to land there; None without a way."""
+        flight = self.flight(HERE, place)
+        return None if flight is None else flight + self._landing(place)
+
+    def _landing(self, place: str) -> int:
+        return self.model.landing(-self._routes.goal(place)[2])
+
+    def _charger(self, skill: Skill, place: str, before_ms: int, before: int) -> Charger:
+        rate = skill.charge_rate
+        assert rate is not None
+        times_ms = self._charging.get(skill.name)
+        if times_ms is None:
+            times_ms = self._charging[skill.name] = self.model.charging_ms(rate)
+        up_m = -self._routes.goal(place)[2]
+        return self.model.charger(up_m, self._limits(), times_ms, before_ms, before)

@@ -1,0 +1,37 @@
+"""Actions that charge, as far as a plan says."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+from companion.mission.steps import Charge
+from companion.planning.domain import Action, Refinement, Step
+
+
+def charged(action: Action, level: int, arrival: int | None, percents: Sequence[float]) -> Action:
+    """An action that charges, to so much that a level is left after taking off.
+
+    Args:
+        action: with a charger.
+        level: in units.
+        arrival: the level before it; None for the least that there may be.
+        percents: by level, the charge of the battery.
+    """
+    assert action.charger is not None
+    charger = action.charger
+    percent = math.ceil(percents[min(level + charger.take_off, len(percents) - 1)])
+    cost_ms = charger.service_ms(charger.floor if arrival is None else arrival, level)
+    steps = tuple(_charging(step, percent) for step in action.execute)
+    enough = math.ceil(percents[min(level, len(percents) - 1)]) + 1  # a gauge rounds
+    stop = Refinement(f"charge to {percent} %", steps, 1, None, enough_percent=enough)
+    return replace(action, execute=(stop,), cost_ms=cost_ms, charge_to=level)
+
+
+def _charging(step: Step, percent: int) -> Step:
+    if isinstance(step, Charge) and step.percent is None:
+        return Charge(percent)
+    if isinstance(step, Refinement):
+        return replace(step, steps=tuple(_charging(each, percent) for each in step.steps))
+    return step

@@ -1,0 +1,90 @@
+"""Paths of least time, or of least drain, along some edges of a graph.
+
+Of equal ones the path of least drain, or of least time, is taken: both are one number, of which the
+one that is minimised is the upper part.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import dijkstra
+
+from companion.planning.builtin.costs import UNREACHABLE_MS, Costs
+from companion.planning.effort import DIJKSTRA_STEP_US
+from companion.planning.energy.sorties import Units, WayTable
+from companion.slices import spent
+
+_TIME_BITS, _DRAIN_BITS = 30, 22
+"""A path takes less than 2^30 ms and 2^22 units: together they are exact as a float."""
+_STEPS_OF_NODE = 30
+
+
+class Paths:
+    """The paths from some nodes.
+
+    Args:
+        nodes: how many there are.
+        edges: start, end and number of each edge.
+        costs: time and drain of each.
+        starts: where paths begin.
+        is_thrifty: the drain is minimised, not the time.
+    """
+
+    def __init__(
+        self,
+        nodes: int,
+        edges: tuple[NDArray[np.intp], NDArray[np.int32], NDArray[np.intp]],
+        costs: tuple[Costs, Units],
+        starts: list[int],
+        is_thrifty: bool,
+    ) -> None:
+        begins, ends, numbers = edges
+        times, drains = costs
+        self._starts, self._is_thrifty = starts, is_thrifty
+        self._bits = _TIME_BITS if is_thrifty else _DRAIN_BITS
+        weights = (drains << _TIME_BITS) + times if is_thrifty else (times << _DRAIN_BITS) + drains
+        self._matrix = csr_array((weights.astype(float), (begins, ends)), shape=(nodes, nodes))
+        spent(DIJKSTRA_STEP_US * (len(numbers) + _STEPS_OF_NODE * nodes) * len(starts))
+        self._costs, self._before = dijkstra(self._matrix, indices=starts, return_predecessors=True)
+        self._number_of = {
+            (int(a), int(b)): int(n) for a, b, n in zip(begins, ends, numbers, strict=True)
+        }
+        self._last_of_cycle: dict[tuple[int, int], int] = {}
+
+    def table(self, ends: list[int]) -> WayTable:
+        """The ways from each start to some nodes; from a node to itself around a cycle."""
+        costs = self._costs[:, ends].copy()
+        for i, start in enumerate(self._starts):
+            for j, end in enumerate(ends):
+                if start == end:
+                    costs[i, j] = self._close(i, start)
+        is_open = np.isfinite(costs)
+        whole = np.where(is_open, costs, 0).astype(np.int64)
+        upper, lower = whole >> self._bits, whole & (1 << self._bits) - 1
+        times, drains = (lower, upper) if self._is_thrifty else (upper, lower)
+        return WayTable(np.where(is_open, times, UNREACHABLE_MS), drains)
+
+    def path(self, start: int, end: int) -> list[int]:
+        """The edges to a node, from a start by its place; around a cycle to the start itself."""
+        begin = self._starts[start]
+        nodes = [end]
+        if end == begin:
+            nodes.append(self._last_of_cycle[start, end])
+        while nodes[-1] != begin:
+            nodes.append(int(self._before[start, nodes[-1]]))
+        return [self._number_of[pair] for pair in pairwise(nodes[::-1])]
+
+    def _close(self, start: int, node: int) -> float:
+        """The least cycle through a start; its last node but one is noted."""
+        column = self._matrix[:, [node]].tocoo()
+        before = column.coords[0]
+        costs = self._costs[start, before] + column.data
+        if not len(costs):
+            return np.inf
+        best = int(costs.argmin())
+        self._last_of_cycle[start, node] = int(before[best])
+        return float(costs[best])

@@ -1,0 +1,82 @@
+"""Why the battery does not last for a task that there would be a plan for without it, in words."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from companion.planning.builtin.costs import UNREACHABLE_MS
+from companion.planning.builtin.loops import essential_targets
+from companion.planning.builtin.search import Search, accepting_components
+from companion.planning.effort import Effort
+from companion.planning.energy.energy_product import EnergyProduct
+from companion.planning.energy.model import UNITS_PER_WH
+from companion.planning.energy.search import is_solvable
+from companion.planning.lasso import Problem
+
+
+def shortages(search: Search, problem: Problem, effort: Effort) -> tuple[str, ...]:
+    """A line for each reason; none where the battery is not the reason.
+
+    Args:
+        search: knows the mission's actions and automata.
+        problem: with energy, without a plan.
+        effort: limits of each search.
+    """
+    energy = problem.energy
+    if energy is None or not search.is_solvable(replace(problem, energy=None), effort):
+        return ()
+    full = replace(problem, energy=replace(energy, level=len(energy.percents) - 1))
+    if is_solvable(search, full, effort):
+        percent = math.ceil(energy.percents[_least(search, full, energy.level, effort)])
+        now = math.floor(energy.percents[max(0, energy.level)])
+        return (f"the charge, {now} %, is too little: from {percent} % on there is a plan",)
+    graph = EnergyProduct(problem, search.product(problem, effort, min_goals=sys.maxsize))
+    components = accepting_components(graph.product)
+    found = [line for nodes in components for line in _unserved(graph, nodes)]
+    return tuple(dict.fromkeys(found)) or ("no charge lasts for the way there",)
+
+
+def _least(search: Search, full: Problem, level: int, effort: Effort) -> int:
+    """The least level with which there is a plan, between one without and a full battery."""
+    assert full.energy is not None
+    low, high = max(0, level), full.energy.level
+    while high - low > 1:
+        middle = (low + high) // 2
+        asked = replace(full, energy=replace(full.energy, level=middle))
+        low, high = (low, middle) if is_solvable(search, asked, effort) else (middle, high)
+    return high
+
+
+def _unserved(graph: EnergyProduct, nodes: NDArray[np.intp]) -> Iterator[str]:
+    """What a loop in some nodes has to meet and no battery lasts for."""
+    inside = graph.inside(nodes)
+    docks = np.flatnonzero(inside & graph.is_charge).tolist()
+    if not docks:
+        yield "the task goes on for ever, and nothing on its way charges"
+        return
+    outs, ins = [*map(graph.end, docks)], [*map(graph.start, docks)]
+    for group in essential_targets(graph.product, nodes):
+        targets = sorted(group)
+        paths = graph.paths(inside, [*outs, *targets], is_thrifty=True)
+        there, back = paths.table(targets), paths.table(ins)
+        flights: list[tuple[int, int, tuple[int, int, int]]] = []
+        for i, k, j in np.ndindex(len(docks), len(targets), len(docks)):
+            away = len(docks) + k
+            if max(there.times_ms[i, k], back.times_ms[away, j]) < UNREACHABLE_MS:
+                drain = int(there.drains[i, k] + back.drains[away, j])
+                highest, floor = graph.charger(docks[i]).highest, graph.charger(docks[j]).floor
+                flights.append((floor + drain - highest, drain, (outs[i], targets[k], ins[j])))
+        missing, drain, stops = min(flights, default=(0, 0, (0, 0, 0)))
+        if missing > 0:
+            names = [graph.places[stop] for stop in stops]
+            yield (
+                f"{names[1]} cannot be served: {', '.join(names)} takes "
+                f"{drain / UNITS_PER_WH:.1f} Wh, {missing / UNITS_PER_WH:.1f} Wh more than a full "
+                "battery has above the reserve"
+            )

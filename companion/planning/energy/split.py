@@ -1,0 +1,193 @@
+"""Good laps over many stops: one order of them all, cut into sorties at best.
+
+The order is improved by local search (a part reversed, a short part moved, another beginning), and
+each order is cut by dynamic programming over its places and the docks, many orders at once.
+
+Source: Prins, A simple and effective evolutionary algorithm for the vehicle routing problem, 2004.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from companion.planning.builtin.costs import UNREACHABLE_MS, Costs
+from companion.planning.charger import Charger
+from companion.planning.energy.rounds import Sortie
+from companion.planning.energy.services import service_costs
+from companion.planning.energy.sorties import WayTable
+
+Orders = NDArray[np.int64]
+"""(orders, places): stops, each in every row once."""
+_MAX_SHIFTED = 3
+_MOST_ENTRIES = 4_000_000
+"""Sorties that are priced at once, which bounds memory."""
+
+
+class Splits:
+    """The best cuts of orders.
+
+    Args:
+        ways: between all stops.
+        chargers: by stop, what charging takes there.
+    """
+
+    def __init__(self, ways: WayTable, chargers: dict[int, Charger]) -> None:
+        self._ways, self._docks = ways, list(chargers)
+        self._chargers = list(chargers.values())
+        size = len(self._docks)
+        transfers = np.full((size, size), UNREACHABLE_MS)
+        for i, j in np.ndindex(size, size):
+            if i != j:
+                time_ms, drain = self._way(self._docks[i], self._docks[j])
+                transfers[i, j] = self._priced(i, j, np.array(time_ms), np.array(drain))
+        self._transfers = transfers
+
+    def costs(self, orders: Orders) -> Costs:
+        """(orders,) the cost of the best lap along each order, which begins with a charge."""
+        places = orders.shape[1]
+        batch = max(1, _MOST_ENTRIES // (len(self._docks) ** 2 * places**2))
+        parts = [self._reached(orders[i : i + batch]) for i in range(0, len(orders), batch)]
+        return np.concatenate([_closed(part) for part in parts])
+
+    def sorties(self, order: Sequence[int]) -> list[Sortie]:
+        """The best cut of one order."""
+        reached = self._reached(np.array([order]))[:, 0]  # (start, place, dock)
+        prices = self._prices(np.array([order]))[:, :, 0]  # (from, to, first, last)
+        start = int(np.array([reached[a, -1, a] for a in range(len(reached))]).argmin())
+        here, place, found = start, len(order), []
+        while place:
+            costs = reached[start, :place] + self._onward(prices, place, here)  # (first, from)
+            first, via = np.unravel_index(int(costs.argmin()), costs.shape)
+            if (there := self._transferred(reached[start], place, here, costs.min())) is not None:
+                found.append(self._sortie(there, here, ()))
+                here = there
+                continue
+            here_before, begin = int(via), int(first)
+            found.append(self._sortie(here_before, here, tuple(order[begin:place])))
+            here, place = here_before, begin
+        while here != start:
+            there = int((reached[start, 0] + self._transfers[:, here]).argmin())
+            found.append(self._sortie(there, here, ()))
+            here = there
+        return found[::-1]
+
+    def _onward(self, prices: Costs, place: int, end: int) -> Costs:
+        """(first, from) sorties over the places from some first one up to one."""
+        costs: Costs = prices[:, end, :place, place - 1].T
+        return costs
+
+    def _transferred(self, reached: Costs, place: int, here: int, least: np.int64) -> int | None:
+        """The dock from which a flight without stops leads here, if that is the last step."""
+        if reached[place, here] >= least:
+            return None
+        return int((reached[place] + self._transfers[:, here]).argmin())
+
+    def _sortie(self, i: int, j: int, targets: tuple[int, ...]) -> Sortie:
+        stops = [self._docks[i], *targets, self._docks[j]]
+        legs = [self._way(a, b) for a, b in pairwise(stops)]
+        time_ms, drain = (sum(parts) for parts in zip(*legs, strict=True))
+        cost_ms = int(self._priced(i, j, np.array(time_ms), np.array(drain)))
+        return Sortie(self._docks[i], self._chargers[j].floor + drain, targets, cost_ms)
+
+    def _way(self, start: int, end: int) -> tuple[int, int]:
+        return int(self._ways.times_ms[start, end]), int(self._ways.drains[start, end])
+
+    def _priced(self, i: int, j: int, times_ms: Costs, drains: NDArray[np.int64]) -> Costs:
+        charger = self._chargers[i]
+        service_ms = service_costs(charger, self._chargers[j].floor + drains)
+        costs: Costs = np.minimum(times_ms + service_ms, UNREACHABLE_MS)
+        return costs
+
+    def _prices(self, orders: Orders) -> Costs:
+        """(from, to, orders, first, last) what each part of each order costs between docks."""
+        sums = [
+            _along(table, orders) for table in (self._ways.times_ms, self._ways.drains)
+        ]  # (orders, first, last)
+        size, places = len(self._docks), orders.shape[1]
+        found = np.full((size, size, len(orders), places, places), UNREACHABLE_MS)
+        forward = np.triu(np.ones((places, places), np.bool_))
+        for i, j in np.ndindex(size, size):
+            into = [t[self._docks[i], orders] for t in (self._ways.times_ms, self._ways.drains)]
+            out = [t[orders, self._docks[j]] for t in (self._ways.times_ms, self._ways.drains)]
+            times_ms, drains = (
+                a[:, :, None] + s + b[:, None, :] for a, s, b in zip(into, sums, out, strict=True)
+            )
+            is_open = forward & (times_ms < UNREACHABLE_MS)
+            costs = self._priced(i, j, times_ms, np.where(is_open, drains, 0))
+            found[i, j] = np.where(is_open, costs, UNREACHABLE_MS)
+        return found
+
+    def _reached(self, orders: Orders) -> Costs:
+        """(start, orders, place, dock): the least cost up to each place, at each dock."""
+        prices = self._prices(orders)
+        size, places = len(self._docks), orders.shape[1]
+        between = self._transfers.copy()
+        np.fill_diagonal(between, 0)
+        for via in range(size):
+            between = np.minimum(between, between[:, via, None] + between[via])
+        reached = np.full((size, len(orders), places + 1, size), UNREACHABLE_MS)
+        reached[:, :, 0] = between[:, None]
+        for place in range(1, places + 1):
+            for j in range(size):
+                onward = prices[:, j, :, :place, place - 1]  # (from, orders, first)
+                before = reached[:, :, :place]  # (start, orders, first, from)
+                costs = before + onward.transpose(1, 2, 0)
+                reached[:, :, place, j] = costs.reshape(size, len(orders), -1).min(axis=2)
+            via = (reached[:, :, place, :, None] + between).min(axis=2)
+            reached[:, :, place] = np.minimum(via, UNREACHABLE_MS)
+        return reached
+
+
+def _along(table: NDArray[np.int64], orders: Orders) -> NDArray[np.int64]:
+    """(orders, first, last) the sum of the legs from a place of an order to a later one."""
+    legs = table[orders[:, :-1], orders[:, 1:]]
+    passed = np.concatenate((np.zeros((len(orders), 1), np.int64), legs.cumsum(axis=1)), axis=1)
+    sums: NDArray[np.int64] = passed[:, None, :] - passed[:, :, None]
+    return sums
+
+
+def _closed(reached: Costs) -> Costs:
+    """(orders,) the best of the starts to which a lap leads back."""
+    ends = np.array([reached[start, :, -1, start] for start in range(len(reached))])
+    least: Costs = ends.min(axis=0)
+    return least
+
+
+def improved(splits: Splits, order: Sequence[int]) -> tuple[list[int], int]:
+    """An order that no single change makes better, from one to begin with, and its cost."""
+    best = np.array(order)
+    begin = np.array(
+        [np.roll(each, turn) for each in (best, best[::-1]) for turn in range(len(best))]
+    )
+    costs = splits.costs(begin)
+    best, best_ms = begin[costs.argmin()], int(costs.min())
+    while len(best) > 1:
+        tried = np.array(list(_changed(best)))
+        costs = splits.costs(tried)
+        if costs.min() >= best_ms:
+            break
+        best, best_ms = tried[costs.argmin()], int(costs.min())
+    return best.tolist(), best_ms
+
+
+def _changed(order: NDArray[np.int64]) -> Iterator[NDArray[np.int64]]:
+    """All orders that a single change makes."""
+    size = len(order)
+    for turn in range(1, size):
+        yield np.roll(order, turn)
+    for first in range(size - 1):
+        for last in range(first + 2, size + 1):
+            yield np.concatenate((order[:first], order[first:last][::-1], order[last:]))
+    for length in range(1, min(_MAX_SHIFTED, size - 1) + 1):
+        for first in range(size - length + 1):
+            part = order[first : first + length]
+            rest = np.concatenate((order[:first], order[first + length :]))
+            for place in range(len(rest) + 1):
+                if place != first:
+                    yield np.concatenate((rest[:place], part, rest[place:]))
+                    if length > 1:
+                        yield np.concatenate((rest[:place], part[::-1], rest[place:]))

@@ -1,0 +1,106 @@
+"""The independent check of a plan's energy: it is flown on paper, with no search taking part."""
+
+from __future__ import annotations
+
+from companion.mission.facts import AT, Fact
+from companion.planning.domain import WAIT, Action
+from companion.planning.lasso import Energy, Lasso, Problem
+
+_PER_WH = 100
+
+
+def energy_fault(problem: Problem, lasso: Lasso) -> str | None:
+    """What is wrong with the energy of a plan, in words; None if it lasts for ever.
+
+    Before each action there is what it takes to land at a safe place, above the reserve; some lap
+    ends with no less than it began with; and where the plan rests, the vehicle lands.
+
+    Args:
+        problem: that the plan solves, with energy.
+        lasso: the plan.
+    """
+    energy = problem.energy
+    assert energy is not None
+    level, facts = energy.level, problem.facts
+    for action in lasso.prefix:
+        if wrong := _missing(energy, level, facts, action):
+            return wrong
+        level, facts = _left(energy, level, action), action.apply(facts)
+    if lasso.ends_at_rest:
+        needed = energy.rests.get(_place(facts))
+        is_enough = needed is not None and level >= needed
+        return None if is_enough else f"landing at {_place(facts)} would take the reserve"
+    begun = level + 1
+    while level < begun:  # what there was at first is used up, until each lap is like the last
+        begun = level
+        for action in lasso.loop:
+            if wrong := _missing(energy, level, facts, action):
+                return wrong
+            level, facts = _left(energy, level, action), action.apply(facts)
+    return None
+
+
+def required_levels(energy: Energy, facts: frozenset[Fact], lasso: Lasso) -> tuple[int, ...]:
+    """What has to be there before each action of a plan, prefix and loop, so that it can go on.
+
+    Args:
+        energy: of the problem that it solves.
+        facts: at its beginning.
+        lasso: the plan.
+    """
+    actions = (*lasso.prefix, *lasso.loop)
+    places = []
+    for action in actions:
+        places.append(_place(facts))
+        facts = action.apply(facts)
+    if lasso.ends_at_rest:
+        after = energy.rests.get(_place(facts), 0)
+        kept = len(lasso.prefix)
+        levels = [after] * len(lasso.loop)
+    else:
+        kept, after, levels = len(actions), 0, []
+        for action in lasso.loop[::-1]:  # what the next lap asks for at its beginning
+            after = _before(energy, action, after, 0)
+    for action, place in zip(actions[:kept][::-1], places[:kept][::-1], strict=True):
+        after = _before(energy, action, after, energy.floors.get(place, 0))
+        levels.append(after)
+    rest = len(lasso.loop) if lasso.ends_at_rest else 0
+    return (*levels[rest:][::-1], *levels[:rest])
+
+
+def _before(energy: Energy, action: Action, after: int, floor: int) -> int:
+    if action.charger is not None:
+        return max(floor, action.charger.floor)
+    return max(floor, after + (energy.rest if action is WAIT else action.drain))
+
+
+def _missing(energy: Energy, level: int, facts: frozenset[Fact], action: Action) -> str | None:
+    """What is missing before an action; None if nothing is."""
+    place = _place(facts)
+    floor = energy.floors.get(place)
+    if floor is None:
+        return f"from {place or 'nowhere'} no safe place can be reached"
+    if level < floor:
+        return f"at {place} {_wh(floor - level)} are missing to land at a safe place"
+    if action.charger is None:
+        return None
+    if action.charge_to is None or action.charge_to > action.charger.highest:
+        return f"{action.name} does not say how far it charges, or too far"
+    if level < action.charger.floor:
+        return f"{_wh(action.charger.floor - level)} are missing to land for {action.name}"
+    return None
+
+
+def _left(energy: Energy, level: int, action: Action) -> int:
+    if action.charge_to is not None and action.charger is not None:
+        least = level - action.charger.landing - action.charger.take_off
+        return max(action.charge_to, least)
+    return level - (energy.rest if action is WAIT else action.drain)
+
+
+def _place(facts: frozenset[Fact]) -> str:
+    return next((fact.arguments[0] for fact in facts if fact.predicate == AT), "")
+
+
+def _wh(units: int) -> str:
+    return f"{units / _PER_WH:.2f} Wh"
