@@ -8,7 +8,7 @@ from __future__ import annotations
 from companion.acting.authority import FRESH_S
 from companion.acting.flight import Flight
 from companion.flight_events.sortie import WeakFailsafeAccepted
-from companion.vehicle.failsafes import PARAMETERS, weaknesses
+from companion.vehicle.failsafes import parameters_of, weaknesses
 from companion.vehicle.port import Failed, Outcome, Progress
 
 ANSWER_TIMEOUT_S = 10.0
@@ -21,9 +21,11 @@ class FailsafeCheck:
     Args:
         flight: whose autopilot is asked.
         accepts_weak: weak failsafes are reported, and no failure.
+        reserve: the charge, 0 to 1, that plans leave; None where they know of none.
     """
 
-    def __init__(self, flight: Flight, accepts_weak: bool) -> None:
+    def __init__(self, flight: Flight, accepts_weak: bool, reserve: float | None = None) -> None:
+        self._reserve = reserve
         self._flight = flight
         self._accepts_weak = accepts_weak
         self._asked_s: float | None = None
@@ -39,11 +41,11 @@ class FailsafeCheck:
         is_heard = state is not None and now_s - state.stamp_s <= FRESH_S
         if self._asked_s is None or not is_heard:
             self._asked_s = now_s
-        values = {name: vehicle.parameter(name) for name in PARAMETERS}
+        values = {name: vehicle.parameter(name) for name in parameters_of(self._reserve)}
         is_late = now_s - self._asked_s > ANSWER_TIMEOUT_S
         if None in values.values() and not is_late:
             return Progress.RUNNING
-        weak = weaknesses(values, self._flight.limits.up_m[1])
+        weak = weaknesses(values, self._flight.limits.up_m[1], self._reserve)
         if weak and not self._accepts_weak:
             lines = "\n    ".join(weak)
             return Failed(f"the autopilot's failsafes are weak, so it is not armed\n    {lines}")

@@ -27,7 +27,9 @@ class GroundChecks:
     def __init__(
         self, flight: Flight, terms: ArmingTerms, mission: Mission, executive: Executive
     ) -> None:
-        failsafes = FailsafeCheck(flight, terms.accepts_weak_failsafes)
+        energy = executive.planner.energy
+        reserve = None if energy is None else energy.model.charge(energy.model.reserve)
+        failsafes = FailsafeCheck(flight, terms.accepts_weak_failsafes, reserve)
         fence = FenceJudge(flight, terms.fence, tuple(mission.places.values()))
         kept = KeptFenceCheck(flight, executive, fence, mission.home.name)
         rally = RallyJudge(flight, terms.rally_points, mission)

@@ -8,11 +8,14 @@ sets well by default, where they were changed: its fence, and the loss of the pi
 A return climbs first, to RTL_RETURN_ALT above home: 30 m by default, whatever is above the vehicle.
 Where the offboard loss or the fence makes it return, that must not be above the mission's ceiling.
 
+Where plans know of energy, what they leave lies above the charge at which the autopilot acts.
+
 Source: PX4 v1.16, parameter reference (COM_*, GF_*, RTL_*).
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
@@ -67,15 +70,33 @@ RETURNING = ("COM_OBL_RC_ACT", "GF_ACTION")
 PARAMETERS = (*(requirement.parameter for requirement in REQUIREMENTS), RETURN_ALTITUDE)
 """What has to be asked for."""
 
+CRITICAL_CHARGE = "BAT_CRIT_THR"
+CHARGE_MARGIN = 0.02
+"""So much more than what the autopilot acts at a reserve has to be: a gauge has whole percents."""
 
-def weaknesses(values: Mapping[str, float | None], ceiling_m: float) -> list[str]:
+
+def parameters_of(reserve: float | None) -> tuple[str, ...]:
+    """What has to be asked for.
+
+    Args:
+        reserve: the charge, 0 to 1, that plans leave; None where they know of none.
+    """
+    return PARAMETERS if reserve is None else (*PARAMETERS, CRITICAL_CHARGE)
+
+
+def weaknesses(
+    values: Mapping[str, float | None], ceiling_m: float, reserve: float | None = None
+) -> list[str]:
     """What is too weak, a line each with what to do.
 
     Args:
-        values: of PARAMETERS; None is one that was not answered.
+        values: of `parameters_of`; None is one that was not answered.
         ceiling_m: above home; the mission stays below.
+        reserve: the charge, 0 to 1, that plans leave; None where they know of none.
     """
     lines = _return_above(values, ceiling_m)
+    if reserve is not None:
+        lines += _acts_before(values[CRITICAL_CHARGE], reserve)
     for requirement in REQUIREMENTS:
         value = values[requirement.parameter]
         if value is None:
@@ -94,4 +115,17 @@ def _return_above(values: Mapping[str, float | None], ceiling_m: float) -> list[
     return [
         f"{RETURN_ALTITUDE} {is_now}; set {ceiling_m:g} or less: {' and '.join(why)} 3 returns, "
         f"and climbs so high first, where the mission stays below {ceiling_m:g} m"
+    ]
+
+
+def _acts_before(critical: float | None, reserve: float) -> list[str]:
+    """That the autopilot would end a flight that plans still go on with, if it would."""
+    if critical is not None and reserve >= critical + CHARGE_MARGIN:
+        return []
+    is_now = "was not answered" if critical is None else f"is {critical:g}"
+    least = math.ceil(100 * ((critical or 0.0) + CHARGE_MARGIN))
+    return [
+        f"{CRITICAL_CHARGE} {is_now}: the autopilot ends the flight at this charge, and the "
+        f"mission's reserve is {100 * reserve:.0f} % of it; set battery: reserve so that it is "
+        f"{least} % or more, or the parameter lower"
     ]

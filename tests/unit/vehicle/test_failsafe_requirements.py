@@ -75,3 +75,17 @@ def test_a_return_stays_below_the_missions_ceiling(parameter: str) -> None:
 def test_without_a_return_its_height_is_of_no_account() -> None:
     assert weaknesses({**STRONG, "RTL_RETURN_ALT": 30.0}, CEILING_M) == []
     assert weaknesses({**STRONG, "RTL_RETURN_ALT": None}, CEILING_M) == []
+
+
+@pytest.mark.parametrize(
+    ("critical", "is_refused"),
+    [(0.07, False), (0.17, False), (0.18, False), (0.19, True), (None, True)],
+)
+def test_the_reserve_of_plans_lies_above_the_charge_at_which_the_autopilot_acts(
+    critical: float | None, is_refused: bool
+) -> None:
+    values = {**STRONG, "BAT_CRIT_THR": critical}
+    found = weaknesses(values, CEILING_M, reserve=0.2)
+    assert bool(found) is is_refused
+    assert all("BAT_CRIT_THR" in line and "reserve is 20 %" in line for line in found)
+    assert weaknesses(values, CEILING_M) == []
