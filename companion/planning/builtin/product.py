@@ -98,9 +98,10 @@ class Product:
         self._problem, self._bits, self._max_edges = problem, known.bits, max_edges
         self.system = TransitionSystem(problem.actions, problem.facts, known)
         self._restrictions = restrictions
-        self._charging = frozenset(
-            number for number, action in enumerate(problem.actions) if action.charger is not None
-        )
+        self._charging = frozenset[int]()
+        if problem.energy is not None:
+            chargers = (action.charger for action in problem.actions)
+            self._charging = frozenset(n for n, each in enumerate(chargers) if each is not None)
         self._parts: list[RestrictedConjunct] = []  # whose automata are read
         self.automata: list[MaskedAutomaton] = []
         self.waiting_since_ms: list[int] = []
@@ -194,7 +195,14 @@ class Product:
     @cached_property
     def _cost_matrix(self) -> csr_array:
         shape = (self.nodes, self.nodes)
-        return csr_array((self.costs.astype(float), self.ends, self.first), shape=shape)
+        if not self._charging:
+            return csr_array((self.costs.astype(float), self.ends, self.first), shape=shape)
+        sources = np.repeat(np.arange(self.nodes), np.diff(self.first))
+        order = np.lexsort((self.costs, self.ends, sources))
+        pairs = np.stack((sources, self.ends))[:, order]  # scipy's searches hang on a pair twice
+        is_new = np.append(True, (np.diff(pairs) != 0).any(axis=0))[: len(order)]
+        costs = self.costs[order].astype(float)
+        return csr_array((costs[is_new], tuple(pairs[:, is_new])), shape=shape)
 
     def edges(self, node: int) -> Iterator[tuple[int, int, int]]:
         """Action, cost and end of each edge that leaves a node."""

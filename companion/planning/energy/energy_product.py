@@ -24,6 +24,7 @@ class EnergyProduct:
         product: with all one-shot goals in it.
         energy: of the problem.
         sources: (edges,) the node from which each edge leads.
+        actions: (edges,) the action of each.
         drains: (edges,) what each takes; of no account where it charges.
         chargers: by edge; None where it does not charge.
         is_charge: (edges,) whether it does.
@@ -40,13 +41,14 @@ class EnergyProduct:
         assert problem.energy is not None
         self.product = product
         self.energy: Energy = problem.energy
-        self._problem = problem
         self.sources = np.repeat(np.arange(product.nodes), np.diff(product.first))
-        of_edge = [problem.actions[number] for number in product.actions.tolist()]
-        self.chargers: list[Charger | None] = [action.charger for action in of_edge]
+        self.actions: list[Action] = [
+            problem.actions[number] for number in product.actions.tolist()
+        ]
+        self.chargers: list[Charger | None] = [action.charger for action in self.actions]
         self.is_charge = np.array([charger is not None for charger in self.chargers], np.bool_)
         rest = problem.energy.rest
-        drains = [rest if action is WAIT else action.drain for action in of_edge]
+        drains = [rest if action is WAIT else action.drain for action in self.actions]
         self.drains = np.array(drains, np.int64)
         self.places = self._place_of_each()
         self.floors = [problem.energy.floors.get(place, _NEVER) for place in self.places]
@@ -56,7 +58,7 @@ class EnergyProduct:
 
     def action(self, edge: int) -> Action:
         """The action of an edge."""
-        return self._problem.actions[int(self.product.actions[edge])]
+        return self.actions[edge]
 
     def end(self, edge: int) -> int:
         """The node to which an edge leads."""

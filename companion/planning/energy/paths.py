@@ -47,21 +47,16 @@ class Paths:
         self._starts, self._is_thrifty = starts, is_thrifty
         self._bits = _TIME_BITS if is_thrifty else _DRAIN_BITS
         weights = (drains << _TIME_BITS) + times if is_thrifty else (times << _DRAIN_BITS) + drains
-        self._matrix = csr_array((weights.astype(float), (begins, ends)), shape=(nodes, nodes))
+        matrix = csr_array((weights.astype(float), (begins, ends)), shape=(nodes, nodes))
         spent(DIJKSTRA_STEP_US * (len(numbers) + _STEPS_OF_NODE * nodes) * len(starts))
-        self._costs, self._before = dijkstra(self._matrix, indices=starts, return_predecessors=True)
+        self._costs, self._before = dijkstra(matrix, indices=starts, return_predecessors=True)
         self._number_of = {
             (int(a), int(b)): int(n) for a, b, n in zip(begins, ends, numbers, strict=True)
         }
-        self._last_of_cycle: dict[tuple[int, int], int] = {}
 
     def table(self, ends: list[int]) -> WayTable:
-        """The ways from each start to some nodes; from a node to itself around a cycle."""
-        costs = self._costs[:, ends].copy()
-        for i, start in enumerate(self._starts):
-            for j, end in enumerate(ends):
-                if start == end:
-                    costs[i, j] = self._close(i, start)
+        """The ways from each start to some nodes; a node is there without a step."""
+        costs = self._costs[:, ends]
         is_open = np.isfinite(costs)
         whole = np.where(is_open, costs, 0).astype(np.int64)
         upper, lower = whole >> self._bits, whole & (1 << self._bits) - 1
@@ -69,22 +64,9 @@ class Paths:
         return WayTable(np.where(is_open, times, UNREACHABLE_MS), drains)
 
     def path(self, start: int, end: int) -> list[int]:
-        """The edges to a node, from a start by its place; around a cycle to the start itself."""
+        """The edges to a node, from a start by its place."""
         begin = self._starts[start]
         nodes = [end]
-        if end == begin:
-            nodes.append(self._last_of_cycle[start, end])
         while nodes[-1] != begin:
             nodes.append(int(self._before[start, nodes[-1]]))
         return [self._number_of[pair] for pair in pairwise(nodes[::-1])]
-
-    def _close(self, start: int, node: int) -> float:
-        """The least cycle through a start; its last node but one is noted."""
-        column = self._matrix[:, [node]].tocoo()
-        before = column.coords[0]
-        costs = self._costs[start, before] + column.data
-        if not len(costs):
-            return np.inf
-        best = int(costs.argmin())
-        self._last_of_cycle[start, node] = int(before[best])
-        return float(costs[best])

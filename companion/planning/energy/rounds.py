@@ -4,7 +4,8 @@ Each stretch between two charges is a sortie (`sorties.py`), and begins with as 
 vehicle to the next dock at that one's floor. More is never worth it where all docks charge alike:
 charging is the slower the fuller the battery, so what would be carried on is charged more quickly
 at the next dock. Then every lap begins and ends at the floor of its dock, and can be flown for
-ever; and the shortest chain is the shortest lap of all.
+ever; and the shortest chain is the shortest lap of all. Where they do not charge alike it is a good
+one, and the bound counts all charge as quickly as it comes anywhere.
 
 Source: Held and Karp 1962, for the sorties; a min-plus product over sets of marks for the chains.
 """
@@ -18,7 +19,7 @@ import numpy as np
 
 from companion.planning.builtin.costs import UNREACHABLE_MS, Costs
 from companion.planning.charger import Charger
-from companion.planning.energy.services import service_costs
+from companion.planning.energy.services import costs_at_least, service_costs
 from companion.planning.energy.sorties import Sorties, Ways
 
 
@@ -72,6 +73,8 @@ class Rounds:
         self._bounds = np.full(shape, UNREACHABLE_MS)
         self._departures = np.zeros(shape, np.int64)
         self._is_thrifty = np.zeros(shape, np.bool_)
+        first = self._chargers[0].times_ms
+        self._is_alike = all(np.array_equal(each.times_ms, first) for each in self._chargers)
         for i, charger in enumerate(self._chargers):
             for j in range(size):
                 self._price(i, j, charger)
@@ -86,7 +89,9 @@ class Rounds:
         ):
             service_ms = service_costs(charger, floor + drains)
             costs.append(np.minimum(times_ms + service_ms, UNREACHABLE_MS))
-        least = service_costs(charger, floor + found.thriftiest_drain)
+        least = costs_at_least(self._chargers, i, j, found.thriftiest_drain)
+        if self._is_alike:
+            least = service_costs(charger, floor + found.thriftiest_drain)
         self._is_thrifty[i, j] = is_thrifty = costs[1] < costs[0]
         self._costs[i, j] = np.where(is_thrifty, costs[1], costs[0])
         self._bounds[i, j] = np.minimum(found.quickest_ms + least, UNREACHABLE_MS)
@@ -143,10 +148,13 @@ class _Chains:
             reached[:, :, met] = _product(np.minimum(least, UNREACHABLE_MS), self._between)
         self._reached, self._subsets = reached, subsets
         self.laps_ms = np.array([reached[i, i] for i in range(size)])
-        self.laps_ms[:, 0] = UNREACHABLE_MS
+        self.laps_ms[:, 0] = (costs[:, :, 0] + self._between.T).min(axis=1)
 
     def steps(self, start: int, met: int) -> list[tuple[int, int, int]]:
         """The sorties of a closed chain: from, to, and the marks that each has to meet."""
+        if not met:
+            there = int((self._costs[start, :, 0] + self._between[:, start]).argmin())
+            return [(start, there, 0), *self._transfer(there, start)]
         steps: list[tuple[int, int, int]] = []
         here = start
         while met:

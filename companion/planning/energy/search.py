@@ -1,20 +1,22 @@
 """The best lasso that the battery lasts for: shortest lap, then shortest prefix.
 
-A loop either rests, which is to land, or charges: a closed chain of sorties between docks
-(`rounds.py`; beyond a few marks and docks `split.py`). The way into it takes the charge that there
-is, and charges where it needs more (`approach.py`). Each position keeps its floor: the reserve, and
-what it takes to land at a safe place.
+A loop either rests, which is to land, or charges: a closed chain of sorties between docks that
+reach each other on full charges (`rounds.py`; beyond a few marks and docks `split.py`). The way
+into it takes the charge that there is, and charges where it needs more (`approach.py`). Each
+position keeps its floor: the reserve, and what it takes to land at a safe place.
 """
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
 
 from companion.errors import SearchLimit
 from companion.planning.builtin.costs import UNREACHABLE_MS
@@ -29,12 +31,14 @@ from companion.planning.energy.energy_product import EnergyProduct
 from companion.planning.energy.levels import charged
 from companion.planning.energy.paths import Paths
 from companion.planning.energy.rounds import Round, Rounds
-from companion.planning.energy.sorties import Ways
+from companion.planning.energy.sorties import Ways, joined
 from companion.planning.energy.split import Splits, improved
 from companion.planning.lasso import Lasso, Problem, Solution
 from companion.planning.objective import Objective
 
 ENGINE = "built-in, energy"
+MOST_MARKS = 62
+"""They are bits of a number."""
 MOST_SETS, MOST_DOCKS = 1 << 11, 4
 """Sets of marks and docks up to which laps are proved to be the shortest."""
 
@@ -93,7 +97,10 @@ class EnergySearch:
         Args:
             components: the nodes of each strong component with a loop that meets every mark.
         """
-        loops = [loop for nodes in components for loop in self._loops(nodes)]
+        if (rest := self._resting()) is not None:
+            yield rest  # nothing is shorter
+            return
+        loops = [loop for nodes in components for loop in self._rounds(nodes)]
         loops.sort(key=lambda loop: loop.cost_ms)
         best: tuple[Approach, _Loop] | None = None
         for loop in loops:
@@ -103,40 +110,57 @@ class EnergySearch:
             if way is not None and (best is None or way.time_ms < best[0].time_ms):
                 best = way, loop
         if best is not None:
-            yield self._solution(*best, min(loop.bound_ms for loop in loops))
+            bound_ms = min(loop.bound_ms for loop in loops)
+            yield self._solution(*best, bound_ms // self._graph.product.max_laps)
+
+    # -- rest --------------------------------------------------------------------------------------
+
+    def _resting(self) -> Solution | None:
+        """The quickest way to where the vehicle may rest for ever."""
+        way = self._approach(self._rests())
+        if way is None:
+            return None
+        lasso = Lasso(tuple(self._prefix(way)), (WAIT,))
+        return Solution(lasso, Objective.LAP, WAIT.cost_ms, WAIT.cost_ms, ENGINE)
+
+    def _rests(self) -> dict[int, int]:
+        """By node from which rest for ever is accepted: what has to be there to land."""
+        graph, product = self._graph, self._graph.product
+        waits = np.flatnonzero([action is WAIT for action in graph.actions])
+        before, after = graph.sources[waits], product.ends[waits]
+        shape = product.nodes, product.nodes
+        resting = csr_array((np.ones(len(waits)), (before, after)), shape=shape)
+        count, component = connected_components(resting, connection="strong")
+        marks, is_cycle = [0] * count, np.zeros(count, np.bool_)
+        is_cycle[component[before[component[before] == component[after]]]] = True
+        for node, own in enumerate(component.tolist()):
+            marks[own] |= product.marks[node]
+        accepted = np.array([met == product.all_marks for met in marks], np.bool_) & is_cycle
+        pending = np.flatnonzero(accepted[component]).tolist()
+        into: dict[int, list[int]] = {}
+        for a, b in zip(before.tolist(), after.tolist(), strict=True):
+            into.setdefault(b, []).append(a)
+        found: dict[int, int] = {}
+        while pending:
+            node = pending.pop()
+            required = graph.energy.rests.get(graph.places[node])
+            if node not in found and required is not None:
+                found[node] = required
+                pending += into.get(node, [])  # a step of rest more is the same word
+        return found
 
     # -- loops -------------------------------------------------------------------------------------
 
-    def _loops(self, nodes: NDArray[np.intp]) -> Iterator[_Loop]:
-        """The best loops of a component."""
-        rests = [rest for node in nodes.tolist() if (rest := self._rest(node)) is not None]
-        if rests:  # nothing is shorter
-            yield from rests
-            return
-        inside = self._graph.inside(nodes)
-        docks = np.flatnonzero(inside & self._graph.is_charge)
-        if len(docks):
-            targets_of = essential_targets(self._graph.product, nodes)
-            if (loop := self._round(inside, docks.tolist(), targets_of)) is not None:
-                yield loop
-
-    def _rest(self, node: int) -> _Loop | None:
-        """Rest at a node, if that is a loop that meets all marks."""
-        product = self._graph.product
-        required = self._graph.energy.rests.get(self._graph.places[node])
-        if product.marks[node] != product.all_marks or required is None:
-            return None
-        for edge in range(product.first[node], product.first[node + 1]):
-            if self._graph.action(edge) is WAIT and product.ends[edge] == node:
-                cost_ms = int(product.costs[edge])
-                return _Loop((edge,), (None,), (required,), cost_ms, cost_ms)
-        return None
-
-    def _round(
-        self, inside: NDArray[np.bool_], docks: list[int], targets_of: list[frozenset[int]]
-    ) -> _Loop | None:
-        """The best chain of sorties that meets the marks of some targets."""
+    def _rounds(self, nodes: NDArray[np.intp]) -> Iterator[_Loop]:
+        """The best loops of a component: for docks that reach each other, the best one."""
         graph = self._graph
+        inside = graph.inside(nodes)
+        docks = np.flatnonzero(inside & graph.is_charge).tolist()
+        if not docks:
+            return
+        targets_of = essential_targets(graph.product, nodes)
+        if len(targets_of) > MOST_MARKS:
+            raise SearchLimit(f"{MOST_MARKS} marks of a loop on a battery")
         targets = sorted(frozenset[int]().union(*targets_of))
         outs = [*targets, *map(graph.end, docks)]
         ins = [*targets, *map(graph.start, docks)]
@@ -145,22 +169,24 @@ class EnergySearch:
             return sum(1 << mark for mark, group in enumerate(targets_of) if node in group)
 
         marks = np.array([met(a) | met(b) for a, b in zip(outs, ins, strict=True)], np.int64)
-        chargers = {i: graph.charger(dock) for i, dock in enumerate(docks, len(targets))}
         quickest, thriftiest = (graph.paths(inside, outs, thrifty) for thrifty in (False, True))
-        ways = Ways(quickest.table(ins), thriftiest.table(ins), marks)
-        found = _best_round(ways, chargers, len(targets_of), len(targets))
-        if found is None:
-            return None
-        edges: list[int] = []
-        levels: list[int | None] = []
-        for sortie, following in pairwise([*found.sorties, found.sorties[0]]):
-            paths: Paths = thriftiest if sortie.is_thrifty else quickest
-            stops = [sortie.dock, *sortie.targets, following.dock]
-            flown = [edge for a, b in pairwise(stops) for edge in paths.path(a, ins[b])]
-            edges += [docks[sortie.dock - len(targets)], *flown]
-            levels += [sortie.departure, *(None for _ in flown)]
-        required = self._required(edges, levels)
-        return _Loop(tuple(edges), tuple(levels), required, found.cost_ms, found.bound_ms)
+        stops = frozenset(range(len(targets), len(outs)))
+        ways = Ways(quickest.table(ins), thriftiest.table(ins), marks, stops)
+        chargers = {i: graph.charger(dock) for i, dock in enumerate(docks, len(targets))}
+        for group in joined(ways.thriftiest, chargers):
+            found = _best_round(ways, group, len(targets_of))
+            if found is None:
+                continue
+            edges: list[int] = []
+            levels: list[int | None] = []
+            for sortie, following in pairwise([*found.sorties, found.sorties[0]]):
+                paths: Paths = thriftiest if sortie.is_thrifty else quickest
+                passed = [sortie.dock, *sortie.targets, following.dock]
+                flown = [edge for a, b in pairwise(passed) for edge in paths.path(a, ins[b])]
+                edges += [docks[sortie.dock - len(targets)], *flown]
+                levels += [sortie.departure, *(None for _ in flown)]
+            required = self._required(edges, levels)
+            yield _Loop(tuple(edges), tuple(levels), required, found.cost_ms, found.bound_ms)
 
     def _required(self, edges: list[int], levels: list[int | None]) -> tuple[int, ...]:
         """What has to be there before each edge of a loop, whose first one charges."""
@@ -181,8 +207,11 @@ class EnergySearch:
         for edge, needed in zip(loop.edges, loop.required, strict=True):
             node = self._graph.start(edge)
             required[node] = min(needed, required.get(node, needed))
+        return self._approach(required)
+
+    def _approach(self, required: dict[int, int]) -> Approach | None:
         level, starts = self._graph.energy.level, self._graph.product.initial
-        return approach(self._graph.graph, starts, level, required)
+        return approach(self._graph.graph, starts, level, required) if required else None
 
     def _solution(self, way: Approach, loop: _Loop, bound_ms: int) -> Solution:
         begin = next(
@@ -212,23 +241,28 @@ class EnergySearch:
         return charged(action, departure, arrival, self._graph.energy.percents)
 
 
-def _best_round(ways: Ways, chargers: dict[int, Charger], marks: int, targets: int) -> Round | None:
+def _best_round(ways: Ways, chargers: dict[int, Charger], marks: int) -> Round | None:
     """The shortest lap, or a good one where there are many marks or docks.
 
     Args:
-        ways: between all stops, targets first.
-        chargers: by stop.
+        ways: between all stops.
+        chargers: by stop, of docks that reach each other.
         marks: how many there are.
-        targets: how many stops are targets.
     """
+    served = ways.served(chargers)
+    own = ways.marks[served]
+    if np.bitwise_or.reduce(own, initial=0) != (1 << marks) - 1:
+        return None
     if ways.sets <= MOST_SETS and len(chargers) <= MOST_DOCKS:
         return Rounds(ways, chargers).best()
-    own = ways.marks[:targets].tolist()
-    met = np.array([[bool(bits >> mark & 1) for mark in range(marks)] for bits in own])
-    tours = LocalSearch(ways.quickest.times_ms[:targets, :targets].copy(), met)
-    tours.improve()
-    splits = Splits(ways.quickest, chargers)
-    order, cost_ms = improved(splits, tours.cycle())
-    if cost_ms >= UNREACHABLE_MS:
-        return None
-    return Round(tuple(splits.sorties(order)), cost_ms, 0)
+    targets = [stop for stop in served if stop not in ways.docks]
+    met = np.array([[bool(ways.marks[t] >> mark & 1) for mark in range(marks)] for t in targets])
+    for table, is_thrifty in (ways.quickest, False), (ways.thriftiest, True):
+        tours = LocalSearch(table.times_ms[np.ix_(targets, targets)], met)
+        tours.improve()
+        splits = Splits(table, chargers)
+        order, cost_ms = improved(splits, [targets[place] for place in tours.cycle()])
+        if cost_ms < UNREACHABLE_MS:
+            sorties = [replace(each, is_thrifty=is_thrifty) for each in splits.sorties(order)]
+            return Round(tuple(sorties), cost_ms, 0)
+    return None

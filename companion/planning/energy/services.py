@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,4 +23,25 @@ def service_costs(charger: Charger, departure: NDArray[np.int64]) -> Costs:
     end = np.clip(departure + charger.take_off, begin, len(charger.times_ms) - 1)
     times_ms = charger.overhead_ms + charger.times_ms[end] - charger.times_ms[begin]
     costs: Costs = np.where(departure > charger.highest, UNREACHABLE_MS, times_ms)
+    return costs
+
+
+def costs_at_least(
+    chargers: Sequence[Charger], origin: int, goal: int, drains: NDArray[np.int64]
+) -> Costs:
+    """What a charge cannot take less than, in a lap over docks that do not charge alike.
+
+    Args:
+        chargers: all that there are.
+        origin: the one at which it charges.
+        goal: the next one.
+        drains: of flights between them.
+    """
+    steps = (
+        c.times_ms[c.floor - c.landing + 1] - c.times_ms[c.floor - c.landing] for c in chargers
+    )
+    gained = chargers[origin].take_off + drains + chargers[goal].landing
+    is_open = chargers[goal].floor + drains <= chargers[origin].highest
+    least = chargers[origin].overhead_ms + min(steps) * gained
+    costs: Costs = np.where(is_open, least, UNREACHABLE_MS)
     return costs

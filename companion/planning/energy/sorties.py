@@ -8,13 +8,15 @@ bound for whatever lies between them.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse.csgraph import connected_components
 
 from companion.planning.builtin.costs import UNREACHABLE_MS, Costs
+from companion.planning.charger import Charger
 
 Units = NDArray[np.int64]
 """Whole units of usable energy."""
@@ -49,16 +51,47 @@ class Ways:
         quickest: no way takes less time.
         thriftiest: no way takes less energy; mostly they are the same.
         marks: (N,) bits that each stop meets; 0 for a dock that meets none.
+        docks: stops that are not passed without a charge.
     """
 
     quickest: WayTable
     thriftiest: WayTable
     marks: NDArray[np.int64]
+    docks: frozenset[int] = frozenset()
 
     @property
     def sets(self) -> int:
         """The number of sets of marks."""
         return 1 << int(np.bitwise_or.reduce(self.marks, initial=0)).bit_length()
+
+    def served(self, chargers: Mapping[int, Charger]) -> list[int]:
+        """The docks, and the stops for which a battery lasts, from one of them to another one."""
+        there = np.full(len(self.marks), -_UNREACHABLE)  # the most that may be left at each stop
+        back = np.full(len(self.marks), _UNREACHABLE)  # the least with which a dock is reached
+        for stop, charger in chargers.items():
+            drains = np.where(self.thriftiest.times_ms < UNREACHABLE_MS, self.thriftiest.drains, 0)
+            is_open = self.thriftiest.times_ms < UNREACHABLE_MS
+            left = np.where(is_open[stop], charger.highest - drains[stop], -_UNREACHABLE)
+            needed = np.where(is_open[:, stop], charger.floor + drains[:, stop], _UNREACHABLE)
+            there, back = np.maximum(there, left), np.minimum(back, needed)
+        is_served = there >= back
+        is_served[list(self.docks)] = False
+        is_served[list(chargers)] = True
+        return [int(stop) for stop in np.flatnonzero(is_served)]
+
+
+def joined(ways: WayTable, chargers: Mapping[int, Charger]) -> list[dict[int, Charger]]:
+    """The docks that reach each other, on full charges at some more of them."""
+    stops, all_ = list(chargers), list(chargers.values())
+    floors = np.array([charger.floor for charger in all_])
+    highest = np.array([charger.highest for charger in all_])
+    drains, times_ms = (table[np.ix_(stops, stops)] for table in (ways.drains, ways.times_ms))
+    is_near = (times_ms < UNREACHABLE_MS) & (floors + drains <= highest[:, None])
+    count, group = connected_components(is_near, connection="strong")
+    return [
+        {stop: chargers[stop] for stop, own in zip(stops, group, strict=True) if own == number}
+        for number in range(count)
+    ]
 
 
 class _Table:
@@ -69,7 +102,8 @@ class _Table:
 
     def __init__(self, keys: NDArray[np.int64], ways: Ways, start: int) -> None:
         self._keys, self._start, self._marks = keys, start, ways.marks
-        self._targets = np.flatnonzero(ways.marks)
+        passed = [stop for stop in np.flatnonzero(ways.marks) if stop not in ways.docks]
+        self._targets = np.array(passed, np.intp)
         self._bits = ways.marks[self._targets]
         self._between = keys[np.ix_(self._targets, self._targets)]
         self._best = np.full((ways.sets, len(self._targets)), _UNREACHABLE)
