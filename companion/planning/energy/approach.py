@@ -10,10 +10,13 @@ from __future__ import annotations
 
 import heapq
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from companion.planning.builtin.costs import UNREACHABLE_MS
 from companion.planning.charger import Charger
+from companion.slices import spent
+
+_LABEL_US, _COMPARISON_US, _LEG_US = 2.0, 0.7, 3.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +102,6 @@ class _Label:
     charger: Charger | None = None
     arrival: int = 0
     is_charge: bool = False
-    closed: bool = field(default=False)
 
     def departure(self, needed: int) -> int | None:
         """The level after the last charge with which so much is left now; None if it cannot be."""
@@ -145,11 +147,64 @@ class _Label:
             and self.least <= other.least
         )
 
+    def after(self, leg: Leg, number: int) -> _Label:
+        """The way with a leg more, by its number."""
+        return _Label(
+            leg.end,
+            self.fixed_ms + leg.time_ms,
+            self.used + leg.drain,
+            self.least,
+            self,
+            number,
+            self.level,
+            self.charger,
+            self.arrival,
+        )
+
+    def charged(self, charge: ChargeLeg, number: int) -> _Label | None:
+        """The way with a charge more; None if the dock cannot be landed on."""
+        charger = charge.charger
+        departure = self.departure(charger.floor)
+        if departure is None:
+            return None
+        fixed_ms = self.time_ms(charger.floor) + charger.overhead_ms
+        left = departure - self.used
+        return _Label(charge.end, fixed_ms, 0, 0, self, number, None, charger, left, is_charge=True)
+
     @property
     def most_left(self) -> int:
         """The most that can be left now."""
         highest = self.charger.highest if self.charger is not None else (self.level or 0)
         return highest - self.used
+
+
+class _OpenList:
+    """Labels that wait, by their time; each is one on its way, and maybe one that ends there."""
+
+    def __init__(self, graph: EnergyGraph, required: Mapping[int, int]) -> None:
+        self._graph, self._required = graph, required
+        self._pending: list[tuple[int, int, bool, _Label]] = []
+        self._count = 0
+
+    def push(self, label: _Label) -> None:
+        """A label with which the floor of its node can be kept."""
+        floor = self._graph.floors[label.node]
+        label.least = max(label.least, floor + label.used)
+        self._add(label.time_ms(floor), False, label)
+        if label.node in self._required:
+            self._add(label.time_ms(self._required[label.node]), True, label)
+
+    def pop(self) -> tuple[_Label, bool] | None:
+        """The earliest one, and whether it ends there; None if there are none."""
+        if not self._pending:
+            return None
+        _, _, is_end, label = heapq.heappop(self._pending)
+        return label, is_end
+
+    def _add(self, time_ms: int, is_end: bool, label: _Label) -> None:
+        if time_ms < UNREACHABLE_MS:
+            heapq.heappush(self._pending, (time_ms, self._count, is_end, label))
+            self._count += 1
 
 
 def approach(
@@ -158,73 +213,31 @@ def approach(
     """The quickest way from some nodes to one of others; None if there is none.
 
     Args:
-        graph: its chargers all charge alike.
+        graph: its chargers all charge alike, or it may be not the quickest one.
         starts: where it may begin.
         level: at the beginning.
         required: by node, what has to be left where it ends there.
     """
-    pending: list[tuple[int, int, bool, _Label]] = []
-    count = 0
-
-    def push(label: _Label) -> None:
-        nonlocal count
-        floor = graph.floors[label.node]
-        label.least = max(label.least, floor + label.used)
-        time_ms = label.time_ms(floor)
-        if time_ms < UNREACHABLE_MS:
-            heapq.heappush(pending, (time_ms, count, False, label))
-            count += 1
-        if label.node in required:
-            ended_ms = label.time_ms(required[label.node])
-            if ended_ms < UNREACHABLE_MS:
-                heapq.heappush(pending, (ended_ms, count, True, label))
-                count += 1
-
+    pending = _OpenList(graph, required)
     for start in starts:
-        push(_Label(start, 0, 0, 0, None, -1, level=level))
+        pending.push(_Label(start, 0, 0, 0, None, -1, level=level))
     known: dict[int, list[_Label]] = {}
-    while pending:
-        _, _, is_end, label = heapq.heappop(pending)
+    while (popped := pending.pop()) is not None:
+        label, is_end = popped
         if is_end:
             return _read(label, required[label.node])
         alike = known.setdefault(label.node, [])
+        spent(_LABEL_US + _COMPARISON_US * len(alike))
         if any(each.dominates(label) for each in alike):
             continue
         alike.append(label)
-        for number, leg in enumerate(graph.legs[label.node]):
-            push(
-                _Label(
-                    leg.end,
-                    label.fixed_ms + leg.time_ms,
-                    label.used + leg.drain,
-                    label.least,
-                    label,
-                    number,
-                    label.level,
-                    label.charger,
-                    label.arrival,
-                )
-            )
-        for number, charge in enumerate(graph.charges[label.node]):
-            charger = charge.charger
-            departure = label.departure(charger.floor)
-            if departure is None:
-                continue
-            arrived_ms = label.time_ms(charger.floor)
-            push(
-                _Label(
-                    charge.end,
-                    arrived_ms + charger.overhead_ms,
-                    0,
-                    0,
-                    label,
-                    number,
-                    None,
-                    charger,
-                    departure - label.used,
-                    is_charge=True,
-                )
-            )
+        legs, charges = graph.legs[label.node], graph.charges[label.node]
+        spent(_LEG_US * (len(legs) + len(charges)))
+        for number, leg in enumerate(legs):
+            pending.push(label.after(leg, number))
+        for number, charge in enumerate(charges):
+            if (charged := label.charged(charge, number)) is not None:
+                pending.push(charged)
     return None
 
 
