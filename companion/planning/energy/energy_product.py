@@ -12,7 +12,9 @@ from companion.planning.domain import WAIT, Action
 from companion.planning.energy.approach import ChargeLeg, EnergyGraph, Leg
 from companion.planning.energy.paths import Paths
 from companion.planning.lasso import Energy, Problem
+from companion.slices import spent
 
+_EDGE_US, _NODE_US = 2.0, 2.0
 _NEVER = 1 << 60
 """The floor where no safe place can be reached."""
 
@@ -39,6 +41,7 @@ class EnergyProduct:
 
     def __init__(self, problem: Problem, product: Product) -> None:
         assert problem.energy is not None
+        spent(_EDGE_US * len(product.ends) + _NODE_US * product.nodes)
         self.product = product
         self.energy: Energy = problem.energy
         self.sources = np.repeat(np.arange(product.nodes), np.diff(product.first))

@@ -17,6 +17,8 @@ from scipy.sparse.csgraph import connected_components
 
 from companion.planning.builtin.costs import UNREACHABLE_MS, Costs
 from companion.planning.charger import Charger
+from companion.planning.effort import ADDITION_US
+from companion.slices import spent
 
 Units = NDArray[np.int64]
 """Whole units of usable energy."""
@@ -24,6 +26,7 @@ _UNREACHABLE = 1 << 60
 _MINOR = 24
 """Bits below a key's major part, for drains; times are below 2^38 ms."""
 _MAJOR_DRAIN = 38
+_SET_US = 8.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,6 +117,7 @@ class _Table:
         columns = np.arange(len(bits))
         np.minimum.at(best, (bits, columns), self._keys[self._start, self._targets])
         for met in range(1, len(best)):
+            spent(_SET_US + ADDITION_US * len(bits) ** 2)
             here = best[met]
             if here.min(initial=_UNREACHABLE) >= _UNREACHABLE:
                 continue

@@ -16,15 +16,18 @@ from numpy.typing import NDArray
 
 from companion.planning.builtin.costs import UNREACHABLE_MS, Costs
 from companion.planning.charger import Charger
+from companion.planning.effort import ADDITION_US
 from companion.planning.energy.rounds import Sortie
 from companion.planning.energy.services import service_costs
 from companion.planning.energy.sorties import WayTable
+from companion.slices import spent
 
 Orders = NDArray[np.int64]
 """(orders, places): stops, each in every row once."""
 _MAX_SHIFTED = 3
-_MOST_ENTRIES = 4_000_000
-"""Sorties that are priced at once, which bounds memory."""
+_MOST_ENTRIES = 400_000
+"""Sorties that are priced at once, which bounds memory, and fits into a slice."""
+_PRICES_ADDITIONS, _CUT_US, _CHANGE_US = 5, 20.0, 2.0
 
 
 class Splits:
@@ -123,8 +126,9 @@ class Splits:
 
     def _reached(self, orders: Orders) -> Costs:
         """(start, orders, place, dock): the least cost up to each place, at each dock."""
-        prices = self._prices(orders)
         size, places = len(self._docks), orders.shape[1]
+        spent(_PRICES_ADDITIONS * ADDITION_US * size**2 * orders.size * places)
+        prices = self._prices(orders)
         between = self._transfers.copy()
         np.fill_diagonal(between, 0)
         for via in range(size):
@@ -133,6 +137,7 @@ class Splits:
         reached[:, :, 0] = between[:, None]
         for place in range(1, places + 1):
             for j in range(size):
+                spent(_CUT_US + ADDITION_US * size**2 * len(orders) * place)
                 onward = prices[:, j, :, :place, place - 1]  # (from, orders, first)
                 before = reached[:, :, :place]  # (start, orders, first, from)
                 costs = before + onward.transpose(1, 2, 0)
@@ -167,6 +172,7 @@ def improved(splits: Splits, order: Sequence[int]) -> tuple[list[int], int]:
     best, best_ms = begin[costs.argmin()], int(costs.min())
     while len(best) > 1:
         tried = np.array(list(_changed(best)))
+        spent(_CHANGE_US * len(tried))
         costs = splits.costs(tried)
         if costs.min() >= best_ms:
             break
