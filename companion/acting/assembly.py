@@ -44,7 +44,8 @@ def assemble(prepared: PreparedMission, vehicle: Vehicle, detector: EventDetecto
 
     prepared.planner.flight_time = flight_times(mission, routes, here, lambda: speed_limit.target)
     if (energy := prepared.planner.energy) is not None:
-        energy.here, energy.level = here, Gauge(vehicle, energy.model).level
+        gauge = Gauge(vehicle, energy.model)
+        energy.here, energy.level, energy.most = here, gauge.level, gauge.most
     flight = Flight(
         vehicle=vehicle,
         task=TaskState(prepared.planner),

@@ -2,10 +2,12 @@
 
 A gauge tells whole percents. A plan is made with the least that there may be, and is given up when
 not even the most that there may be is enough, so that the gauge's steps make no plan anew. What is
-not known is full, as long as it was never known; else it stays what it was last.
+not known is full, as long as it was never known; else a hover is taken from what it was last.
 """
 
 from __future__ import annotations
+
+import math
 
 from companion.acting.flight import Flight
 from companion.planning.domain import Action
@@ -30,21 +32,24 @@ class Gauge:
 
     def __init__(self, vehicle: Vehicle, model: EnergyModel) -> None:
         self._vehicle, self._model = vehicle, model
-        self._known = 1.0
+        self._known, self._known_s = 1.0, math.inf
 
     def level(self) -> int:
         """The least that there may be, in units."""
-        return self._model.level(max(0.0, self._charge() - HALF_STEP))
+        return self._level(-HALF_STEP)
 
     def most(self) -> int:
         """The most that there may be."""
-        return self._model.level(min(1.0, self._charge() + HALF_STEP))
+        return self._level(HALF_STEP)
 
-    def _charge(self) -> float:
+    def _level(self, step: float) -> int:
         state = self._vehicle.state
-        if state is not None and state.battery_percent is not None:
-            self._known = state.battery_percent / 100
-        return self._known
+        if state is None:
+            return self._model.level(self._known)
+        if state.battery_percent is not None:
+            self._known, self._known_s = state.battery_percent / 100, state.stamp_s
+        taken = self._model.hovering(max(0.0, state.stamp_s - self._known_s))
+        return max(0, self._model.level(min(1.0, max(0.0, self._known + step))) - taken)
 
 
 class EnergyWatch:
@@ -57,7 +62,6 @@ class EnergyWatch:
 
     def __init__(self, flight: Flight, energy: MissionEnergy) -> None:
         self._flight, self._energy = flight, energy
-        self._gauge = Gauge(flight.vehicle, energy.model)
         self._lasso: Lasso | None = None
         self._required: tuple[int, ...] = ()
         self._looked_s = -LOOKS_S
@@ -89,7 +93,7 @@ class EnergyWatch:
                 needed = 0  # it is on its way down
             elif (goal := running.destination) is not None:
                 needed += self._energy.flight("here", goal) or 0
-        missing = needed - self._gauge.most()
+        missing = needed - self._energy.most()
         if missing <= 0:
             return None
         return f"{missing / UNITS_PER_WH:.1f} Wh are missing for {_name(lasso, ahead)}"

@@ -113,6 +113,8 @@ class Explanation:
         names = list(dict.fromkeys(conjunct.name for conjunct in self.conflict))
         together = " together" if len(self.conflict) > 1 else ""
         lines = [f"no plan: {', '.join(names)} cannot hold{together} from here."]
+        if not names:  # there is always rest, but for the energy that it takes
+            lines = ["no plan: the charge lasts for nothing from here, the reserve left."]
         lines += [f"  {conjunct.name}: {conjunct.formula}" for conjunct in self.conflict]
         lines += [f"  {unreachable}" for unreachable in self.unreachable]
         lines += [f"  no route leads to {place} on the map" for place in self.no_route]

@@ -24,6 +24,8 @@ from companion.vehicle.port import FrameLocation, Mode, VehicleState
 from companion.vehicle.position_watch import PositionWatch
 
 KNOWN_MODES = {mode.value: mode for mode in Mode}
+BATTERY_KNOWN_S = 5.0
+"""How long a charge stays known while an autopilot says that it does not know it."""
 MOST_TILT_RAD = math.radians(60.0)  # beyond, no weight is carried
 GRAVITY_MPS2 = 9.81
 CRITICAL_CHARGE = (
@@ -60,6 +62,7 @@ class Telemetry:
         self._yaw_rad: float | None = None
         self._position_s = self._yaw_s = -math.inf
         self._battery_percent: int | None = None
+        self._battery_s = 0.0
         self._is_battery_critical = False
         self._measured_s = self._tilt_rad = self.accuracy_m = 0.0
         self._position_watch = PositionWatch()
@@ -240,9 +243,11 @@ class Telemetry:
         if is_landed is not self._is_landed:
             self._is_landed, self._landed_since_s = is_landed, now_s
 
-    def _on_battery(self, _: float, message: Message) -> None:
+    def _on_battery(self, now_s: float, message: Message) -> None:
         if message.battery_remaining >= 0:
-            self._battery_percent = message.battery_remaining
+            self._battery_percent, self._battery_s = message.battery_remaining, now_s
+        elif now_s - self._battery_s > BATTERY_KNOWN_S:
+            self._battery_percent = None
         self._is_battery_critical = message.charge_state in CRITICAL_CHARGE
 
     def _on_estimator(self, now_s: float, message: Message) -> None:

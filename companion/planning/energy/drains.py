@@ -31,7 +31,8 @@ class MissionEnergy:
     Attributes:
         model: in what is reckoned.
         here: says where the vehicle is, between places; a flight sets one.
-        level: says what there is; a full battery until a flight says otherwise.
+        level: says what there is at least; a full battery until a flight says otherwise.
+        most: says what there is at most.
         percents: by level, the charge of the battery.
     """
 
@@ -48,6 +49,7 @@ class MissionEnergy:
         self.model = model = EnergyModel(battery)
         self.here: Callable[[], Ned | None] = lambda: None
         self.level: Callable[[], int] = lambda: model.full
+        self.most: Callable[[], int] = lambda: model.full
         self._charging: dict[str, NDArray[np.int64]] = {}
         self._docks: dict[str, None] = {}
         self.percents = [100 * self.model.charge(level) for level in range(self.model.full + 1)]

@@ -9,6 +9,9 @@ from dataclasses import replace
 from companion.mission.steps import Charge
 from companion.planning.domain import Action, Refinement, Step
 
+GAUGE_PERCENT = 1
+"""A gauge of whole percents may tell so much more than there is."""
+
 
 def charged(action: Action, level: int, arrival: int | None, percents: Sequence[float]) -> Action:
     """An action that charges, to so much that a level is left after taking off.
@@ -21,10 +24,11 @@ def charged(action: Action, level: int, arrival: int | None, percents: Sequence[
     """
     assert action.charger is not None
     charger = action.charger
-    percent = math.ceil(percents[min(level + charger.take_off, len(percents) - 1)])
+    full = len(percents) - 1
+    percent = min(100, math.ceil(percents[min(level + charger.take_off, full)]) + GAUGE_PERCENT)
     cost_ms = charger.service_ms(charger.floor if arrival is None else arrival, level)
     steps = tuple(_charging(step, percent) for step in action.execute)
-    enough = math.ceil(percents[min(level, len(percents) - 1)]) + 1  # a gauge rounds
+    enough = math.ceil(percents[min(level, full)]) + GAUGE_PERCENT
     stop = Refinement(f"charge to {percent} %", steps, 1, None, enough_percent=enough)
     return replace(action, execute=(stop,), cost_ms=cost_ms, charge_to=level)
 

@@ -22,6 +22,8 @@ from companion.planning.charger import Charger
 
 UNITS_PER_WH = 100
 _J_PER_UNIT = 3600 / UNITS_PER_WH
+MARGIN = 1.05
+"""Gusts, and what a profile does not know: plans reckon with so much more than it says."""
 LANDING_MPS = 0.7
 """PX4's MPC_LAND_SPEED."""
 TOUCHING_DOWN_S = 3.0
@@ -147,7 +149,7 @@ class EnergyModel:
         return Charger(self.reserve + landing, landing, take_off, overhead_ms, times_ms)
 
     def _units(self, joules: float) -> int:
-        return math.ceil(joules / _J_PER_UNIT - 1e-9)
+        return math.ceil(MARGIN * joules / _J_PER_UNIT - 1e-9)
 
 
 def needs(

@@ -136,6 +136,13 @@ def test_only_on_the_ground_is_landed(landed_state: int) -> None:
     assert telemetry.state is not None and not telemetry.state.is_landed
 
 
+def test_a_charge_that_stays_unknown_is_none_again() -> None:
+    telemetry = heard(Autopilot())
+    for now_s, percent, known in ((1.0, 60, 60), (5.9, -1, 60), (6.1, -1, None), (7.0, 50, 50)):
+        say(telemetry, battery(percent), now_s)
+        assert telemetry.state is not None and telemetry.state.battery_percent == known
+
+
 def test_an_unknown_charge_is_none_and_later_no_news() -> None:
     autopilot = Autopilot()
     autopilot.battery_percent = -1

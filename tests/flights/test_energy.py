@@ -1,0 +1,228 @@
+"""Flights on a battery that is too small for the task: docks, surprises, and ways out."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from lockstep import Lockstep
+
+from companion.api.simulating import world_of
+from companion.flight_events.facts import BeliefWithdrawn
+from companion.flight_events.plans import NoPlanFound, PlanAwaited, PlanReplaced
+from companion.flight_events.skills import PlaceReached, SkillCompleted
+from companion.flight_events.sortie import ControlRegained, ControlTakenBack, VehicleLanded
+from companion.mavlink.framing import dialect
+from companion.mission.loader import load_mission
+from companion.mission.model import Mission
+from companion.planning.builtin.search import Search
+from companion.planning.planner import Planner
+
+PAD = {"radius_m": 1.5, "current_a": 100}
+PADS = [
+    {"name": "W", "east_m": 10, "north_m": 8} | PAD,
+    {"name": "E", "east_m": 20, "north_m": 20} | PAD,
+]
+CONTINUE = dialect.MAV_CMD_DO_PAUSE_CONTINUE
+RESERVE = 20
+COMPANION = 191
+
+
+def data(**changes: Any) -> dict[str, Any]:
+    """A patrol of two sites between two docks."""
+    fence = [[-10, -10], [50, -10], [50, 40], [-10, 40]]
+    return {
+        "version": 1,
+        "name": "two_docks",
+        "limits": {"speed_mps": 5, "up_m": [1, 12], "fence": fence},
+        "battery": {"reserve": RESERVE},
+        "places": {
+            "Home": {"east_m": 0, "north_m": 0, "up_m": 3, "radius_m": 2},
+            "A": {"east_m": 30, "north_m": 0, "up_m": 3},
+            "B": {"east_m": 30, "north_m": 25, "up_m": 3},
+            "W": {"east_m": 10, "north_m": 8, "up_m": 2},
+            "E": {"east_m": 20, "north_m": 20, "up_m": 2},
+        },
+        "sets": {"Place": ["Home", "A", "B", "W", "E"], "Pad": ["W", "E"]},
+        "skills": {
+            "move": {
+                "parameters": {"from": "Place", "to": "Place"},
+                "precondition": "at(from)",
+                "assumes": "trans_ok(from, to)",
+                "effect": "at(to) & !at(from)",
+                "execute": "fly(to)",
+            },
+            "recharge": {
+                "parameters": {"pad": "Pad"},
+                "precondition": "at(pad)",
+                "assumes": "canCharge(pad)",
+                "effect": "at(pad)",
+                "charge_rate": [[0, 0.35], [80, 0.3], [100, 0.01]],
+                "execute": ["land()", "charge(auto)", "take_off()"],
+            },
+        },
+        "initially": ["at(Home)"],
+        "task": {"patrol": "patrolling(A, B)"},
+        "otherwise": {"land_at": ["Home"]},
+    } | changes
+
+
+MISSION = load_mission(data())
+
+
+def fly(
+    *happens: dict[str, Any],
+    charge: float = 0.27,
+    mission: Mission = MISSION,
+    pads: list[dict[str, Any]] = PADS,
+    **options: Any,
+) -> Lockstep:
+    scenario = {"version": 1, "battery": {"charge": charge}, "pads": pads, "happens": [*happens]}
+    return Lockstep(mission, world_of(mission, scenario), seed=1, **options)
+
+
+def charges(flight: Lockstep) -> int:
+    return sum(each.action.startswith("recharge(") for each in flight.of(SkillCompleted))
+
+
+def percent(flight: Lockstep) -> float:
+    """What truly is there."""
+    return 100 * flight.simulation.flight.charge
+
+
+def text(flight: Lockstep) -> str:
+    return "\n".join(event.text for event in flight.events)
+
+
+def lowest(flight: Lockstep, seconds: float) -> float:
+    """The least charge at which it flies, in some time."""
+    least = 100.0
+    for _ in range(round(seconds)):
+        flight.run(1.0)
+        if flight.simulation.is_armed:
+            least = min(least, percent(flight))
+        if flight.companion.has_ended:
+            break
+    return least
+
+
+def test_it_goes_on_for_ever_and_keeps_the_reserve() -> None:
+    flight = fly()
+    assert lowest(flight, 240.0) >= RESERVE
+    assert charges(flight) >= 4
+    assert not flight.of(PlanReplaced) and not flight.of(NoPlanFound), text(flight)
+    assert {*flight.places} == {"A", "B", "E"}
+
+
+def test_a_full_battery_lands_on_no_dock() -> None:
+    flight = fly(charge=0.9)
+    flight.run(90.0)
+    assert charges(flight) >= 2 and flight.armings == 1
+    assert not flight.of(VehicleLanded)
+
+
+def test_with_little_it_charges_first() -> None:
+    """What it can do is known before it takes off."""
+    flight = fly(charge=0.233)
+    assert lowest(flight, 100.0) >= RESERVE
+    assert flight.places[:1] == ["W"] and flight.of(VehicleLanded)
+    assert not flight.of(NoPlanFound), text(flight)
+
+
+@pytest.mark.parametrize("at_s", [10.0, 18.0, 26.0, 33.0])
+def test_charge_that_is_lost_in_flight_makes_it_charge_first(at_s: float) -> None:
+    flight = fly({"at_s": at_s, "battery": {"charge": 0.235}}, charge=0.5)
+    assert lowest(flight, 110.0) >= RESERVE - 0.2
+    assert not flight.of(NoPlanFound), text(flight)
+    assert flight.of(VehicleLanded) and charges(flight) >= 2
+    assert {"A", "B"} <= {*flight.places}
+
+
+@pytest.mark.parametrize("at_s", [12.0, 25.0])
+def test_with_too_little_for_any_plan_it_lands_where_it_can(at_s: float) -> None:
+    flight = fly({"at_s": at_s, "battery": {"charge": 0.205}}, charge=0.5)
+    flight.until_the_end()
+    assert flight.exit_code == 3 and flight.places[-1] in ("E", "W", "Home")
+    assert "the charge lasts for nothing from here" in text(flight)
+    assert percent(flight) > RESERVE - 3
+
+
+def test_both_docks_fail_and_it_lands_with_the_reserve() -> None:
+    flight = fly(pads=[])
+    flight.until(lambda: flight.companion.has_ended, 400.0)
+    assert [e.belief for e in flight.of(BeliefWithdrawn)] == ["canCharge(E)", "canCharge(W)"]
+    assert flight.exit_code == 3 and not flight.simulation.is_armed
+    assert percent(flight) >= RESERVE
+
+
+def test_a_gauge_that_is_not_read_any_more_ends_the_task_with_the_reserve() -> None:
+    flight = fly({"at_s": 18, "battery": {"known": False}})
+    flight.until(lambda: flight.companion.has_ended, 400.0)
+    assert flight.exit_code == 3 and not flight.simulation.is_armed
+    assert percent(flight) >= RESERVE
+    assert "the battery does not charge, it is at unknown" in text(flight)
+
+
+@pytest.mark.parametrize("away_s", [0.5, 4.0])
+def test_one_that_is_cut_off_in_a_lap_goes_on(away_s: float) -> None:
+    flight = fly(has_station=True, resumes=True)
+    flight.until_reported(PlaceReached, place="B").run(1.0)
+    flight.kill()
+    flight.run(away_s)
+    flight.restart()
+    flight.until_reported(ControlTakenBack)
+    assert lowest(flight, 90.0) >= RESERVE
+    assert charges(flight) >= 3 and not flight.of(NoPlanFound), text(flight)
+
+
+def test_after_a_pilots_flight_it_reckons_with_what_is_left() -> None:
+    flight = fly(
+        {"at_s": 40, "battery": {"charge": 0.235}}, charge=0.5, has_station=True, resumes=True
+    )
+    flight.until_reported(PlaceReached, place="B").run(1.0)
+    flight.station_chooses("AUTO.LOITER")
+    flight.until(lambda: flight.now_s > 45.0)
+    flight.station_commands(CONTINUE, 1.0, component=COMPANION)
+    flight.until_reported(ControlRegained)
+    assert lowest(flight, 60.0) >= RESERVE - 0.2
+    assert flight.of(VehicleLanded) and not flight.of(NoPlanFound), text(flight)
+
+
+def test_patience_ends_when_the_charge_is_needed() -> None:
+    """A door may open again; it waits as long as it can still land with the reserve."""
+    skills = data()["skills"]
+    skills["move"] |= {"precondition": "at(from) & !closed"}
+    events = {"closed": {"when": "EVENT[door] > 0"}}
+    mission = load_mission(data(skills=skills, events=events, patience_s=3000))
+    flight = fly({"at_s": 24, "report": {"door": 1}}, charge=0.27, mission=mission)
+    flight.until(lambda: flight.companion.has_ended, 600.0)
+    assert flight.of(PlanAwaited) and flight.exit_code == 3, text(flight)
+    assert flight.now_s > 60.0 and RESERVE - 0.2 <= percent(flight) < RESERVE + 3
+
+
+def test_equal_seeds_equal_events() -> None:
+    flights = [fly({"at_s": 18, "battery": {"charge": 0.235}}).run_for(60.0) for _ in range(2)]
+    first, second = ([(s.time_s, s.event) for s in flight.reports] for flight in flights)
+    assert first == second
+
+
+def test_without_a_battery_plans_are_as_they_were() -> None:
+    plain = data()
+    del plain["battery"]
+    plain["skills"]["recharge"] |= {"execute": ["land()", "charge(80)", "take_off()"]}
+    del plain["skills"]["recharge"]["charge_rate"]
+    planner = Planner(load_mission(plain))
+    problem, _ = planner.initial_problem()
+    assert problem.energy is None and planner.energy is None
+    assert not any(action.drain or action.charger for action in problem.actions)
+    (found,) = Search(problem.actions).solutions(problem)
+    assert planner.plan() == found
+    assert str(found) == "move(Home, A), (move(A, B), move(B, A))^w"
+
+
+def test_with_a_battery_for_everything_a_task_that_ends_has_the_same_plan() -> None:
+    ends = data(task={"visit": "F at(A) & F at(B) & F G at(Home)"})
+    plan = Planner(load_mission(ends)).plan()
+    assert str(plan) == "move(Home, A), move(A, B), move(B, Home), (wait)^w"
+    assert replace(plan, lasso=plan.lasso).cost_ms == 100
