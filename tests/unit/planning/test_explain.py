@@ -293,6 +293,7 @@ def test_as_json_has_all_of_it() -> None:
         "events": {"found": False},
         "withdrawn": ["can_upload"],
         "restoring": [],
+        "shortages": [],
     }
     assert json.loads(json.dumps(found)) == found
 
