@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 
 from companion.acting.flight import Flight
+from companion.mission.facts import HERE
 from companion.planning.domain import Action
 from companion.planning.energy.drains import MissionEnergy
 from companion.planning.energy.model import UNITS_PER_WH, EnergyModel
@@ -92,11 +93,16 @@ class EnergyWatch:
             if running.charger is not None:
                 needed = 0  # it is on its way down
             elif (goal := running.destination) is not None:
-                needed += self._energy.flight("here", goal) or 0
+                needed += max(0, (self._energy.flight(HERE, goal) or 0) - self._under_way())
         missing = needed - self._energy.most()
         if missing <= 0:
             return None
         return f"{missing / UNITS_PER_WH:.1f} Wh are missing for {_name(lasso, ahead)}"
+
+    def _under_way(self) -> int:
+        """What a flight from rest takes more than one that goes on."""
+        state = self._flight.vehicle.state
+        return self._energy.of_speeding_up(math.hypot(*state.velocity)) if state else 0
 
 
 def _place(lasso: Lasso, number: int) -> int:

@@ -14,6 +14,7 @@ from companion.mission.files import files_of
 from companion.mission.loader import load_mission
 from companion.mission.model import LandAtSafePlace, Mission
 from companion.mission.pddl_domain import DomainReader, with_domain
+from companion.planning.lasso import Solution
 from companion.planning.notices import notices
 from companion.planning.planner import Planner
 from companion.skills.installed import InstalledReader, read_installed
@@ -29,6 +30,7 @@ class CheckedMission:
         events: when each of them holds, in words.
         states: of each conjunct's automaton.
         priorities: of the lines of the task that may be dropped.
+        energy: how far the plan charges, and what it leaves; None without a battery.
         land_at: where the vehicle lands without a plan, if the mission names places.
         dropped: lines of the task that the plan does not keep, and why.
         notices: what is allowed, and hardly meant.
@@ -42,6 +44,7 @@ class CheckedMission:
     states: dict[str, int]
     priorities: Mapping[str, int]
     plan: str
+    energy: str | None
     land_at: LandAtSafePlace | None
     dropped: tuple[str, ...]
     notices: tuple[str, ...]
@@ -54,6 +57,7 @@ class CheckedMission:
             "map": self.map,
             "automata": self.states,
             "plan": self.plan,
+            "energy": self.energy,
             "land_at": list(self.land_at.places) if self.land_at else [],
             "dropped": list(self.dropped),
             "notices": list(self.notices),
@@ -102,6 +106,7 @@ def check_mission(
         {c.name: c.automaton.states for c in planner.conjuncts},
         mission.priorities,
         str(found or "a tree of its own"),
+        _energy_in_words(planner, found) if found else None,
         mission.otherwise if isinstance(mission.otherwise, LandAtSafePlace) else None,
         tuple(map(str, found.dropped)) if found else (),
         tuple(map(str, notices(planner, found))),
@@ -125,6 +130,19 @@ def _earth_in_words(mission: Mission) -> str | None:
             f"; {home.name} is taken for {anchor.altitude_m:.0f} m above the sea until it flies"
         )
     return about
+
+
+def _energy_in_words(planner: Planner, found: Solution) -> str | None:
+    """How far a plan charges, what a lap takes, and what is left at least."""
+    problem = planner.kept(*planner.initial_problem())[0]
+    taken = planner.ledger(problem, found.lasso)
+    if taken is None:
+        return None
+    steps = zip((*found.prefix, *found.loop), (*taken.prefix, *taken.loop), strict=True)
+    told = [f"{a.name} to {e.charge_to_percent} %" for a, e in steps if e.charge_to_percent]
+    if taken.lap_wh:
+        told.insert(0, f"a lap takes {taken.lap_wh:.1f} Wh")
+    return "; ".join([*told, str(taken)])
 
 
 def _map_in_words(mission: Mission) -> str:

@@ -18,7 +18,7 @@ from companion.errors import CompanionError
 from companion.planning.objective import Encoding, Objective
 
 if TYPE_CHECKING:
-    from companion.planning.lasso import Letter, Problem, Solution
+    from companion.planning.lasso import Lasso, Letter, Problem, Solution
     from companion.planning.planner import Planner
 
 FORMAT_VERSION = 1
@@ -63,6 +63,8 @@ def check(
         rank = f", priority {checked.priorities[name]}" if name in checked.priorities else ""
         typer.echo(f"task       {name}: {states} states{rank}")
     typer.echo(f"plan       {checked.plan}")
+    if checked.energy is not None:
+        typer.echo(f"energy     {checked.energy}")
     if checked.land_at is not None:
         typer.echo(f"otherwise  lands at {checked.land_at}: where it is soonest")
     for line in checked.dropped:
@@ -148,7 +150,7 @@ def plan(
         raise
     if as_json:
         asked = _as_json(planner, problem, time.perf_counter() - start_s)
-        typer.echo(json.dumps(asked | solution.as_json(), indent=2))
+        typer.echo(json.dumps(asked | _solution_as_json(planner, problem, solution), indent=2))
     else:
         _print(planner, problem, solution)
 
@@ -171,13 +173,24 @@ def _planner(path: Path) -> Planner:
     return Planner(load(path), clock=time.perf_counter)
 
 
-def _print(planner: Planner, problem: Problem, solution: Solution) -> None:
-    lasso = solution.lasso
-    for title, actions in (("prefix", lasso.prefix), ("loop", lasso.loop)):
-        typer.echo(title)
-        for action in actions:
-            typer.echo(f"  {action.name:<24} {action.cost_ms / 1000:6.1f} s")
+def _print_steps(planner: Planner, problem: Problem, lasso: Lasso) -> None:
+    """Prints prefix and loop: what each action costs, and takes of the battery."""
+    taken = planner.ledger(problem, lasso)
+    actions = (*lasso.prefix, *lasso.loop)
+    energies = ["" for _ in actions] if taken is None else map(str, (*taken.prefix, *taken.loop))
+    lines = [
+        f"  {action.name:<24} {action.cost_ms / 1000:6.1f} s   {energy}".rstrip()
+        for action, energy in zip(actions, energies, strict=True)
+    ]
+    cut = len(lasso.prefix)
+    typer.echo("\n".join(("prefix", *lines[:cut], "loop", *lines[cut:])))
     typer.echo(f"prefix {lasso.prefix_cost_ms / 1000:.1f} s, lap {lasso.lap_cost_ms / 1000:.1f} s")
+    if taken is not None:
+        typer.echo(f"energy {taken}")
+
+
+def _print(planner: Planner, problem: Problem, solution: Solution) -> None:
+    _print_steps(planner, problem, solution.lasso)
     what = f"{solution.objective} {solution.cost_ms / 1000:.1f} s"
     if solution.is_optimal:
         typer.echo(f"{what}, optimal ({solution.engine})")
@@ -191,6 +204,27 @@ def _print(planner: Planner, problem: Problem, solution: Solution) -> None:
     _print_dropped(planner, problem, solution)
 
 
+def _solution_as_json(planner: Planner, problem: Problem, solution: Solution) -> dict[str, Any]:
+    """The plan; of a mission with a battery with its energy, step by step and as a whole."""
+    from companion.flight_events.writing import json_of
+
+    taken = planner.ledger(problem, solution.lasso)
+    if taken is None:
+        return solution.as_json()
+    planned = solution.lasso.planned
+    parts = (
+        ("prefix", planned.prefix, taken.prefix),
+        ("loop", planned.loop, taken.loop),
+    )
+    told: dict[str, Any] = {
+        part: [
+            json_of(step) | energy.as_json() for step, energy in zip(steps, energies, strict=True)
+        ]
+        for part, steps, energies in parts
+    }
+    return solution.as_json() | told | {"energy": taken.as_json()}
+
+
 def _write_pddl(
     planner: Planner,
     problem: Problem,
@@ -199,11 +233,19 @@ def _write_pddl(
     encoding: Encoding,
     objective: Objective,
 ) -> None:
-    """Writes the problem as PDDL, two files: with the lines of the task that a plan keeps."""
+    """Writes the problem as PDDL, two files: with the lines of the task that a plan keeps.
+
+    Raises:
+        CompanionError: the mission has a battery, which is not told in PDDL.
+    """
     from companion.planning.compilation.encode import encode
     from companion.planning.compilation.monolithic import monolithic
     from companion.planning.compilation.pddl import to_pddl
 
+    if problem.energy is not None:
+        raise CompanionError(
+            "PDDL is written without energy; remove battery: from the mission first"
+        )
     problem, histories, _ = planner.kept(problem, histories)
     if encoding is Encoding.V1:
         problem = monolithic(problem, histories)

@@ -78,6 +78,7 @@ from companion.flight_events.skills import (
 from companion.flight_events.sortie import (
     AutopilotSaid,
     BatteryCharged,
+    ChargeSufficient,
     ControlRegained,
     ControlTakenBack,
     ControlYielded,
@@ -172,6 +173,7 @@ EVENTS: tuple[type[FlightEvent], ...] = (
     VehicleLanded,
     VehicleAirborne,
     BatteryCharged,
+    ChargeSufficient,
     AutopilotSaid,
     GoalFailed,
     SetpointRefused,

@@ -236,6 +236,17 @@ class BatteryCharged(FlightEvent):
 
 
 @dataclass(frozen=True, slots=True)
+class ChargeSufficient(FlightEvent):
+    """The battery has what its plan needs from here on, so the vehicle does not land to charge."""
+
+    kind = "phase"
+    template = "not landed to charge: the battery has {percent} %, {enough} % are enough"
+
+    percent: InText[int]
+    enough: InText[int]
+
+
+@dataclass(frozen=True, slots=True)
 class VehicleCrashed(FlightEvent):
     """A sign of a crash was seen; the run ends with exit code 5."""
 

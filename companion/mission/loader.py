@@ -158,6 +158,10 @@ def _tree(
     vocabulary: Vocabulary,
 ) -> Tree | None:
     if file.tree:
+        if file.battery is not None:
+            where = document.key_at("battery")
+            hint = "leave battery: out, or tree:, so that the task is planned for"
+            raise MissionError("a tree by hand keeps no reserve of the battery", where, hint)
         return read_tree(file.tree, file.subtrees, document, skills, sets, vocabulary)
     if file.subtrees:
         where = document.key_at("subtrees")

@@ -73,10 +73,15 @@ def solve_with(
         stop: it is ended when the other end of this pipe is closed.
 
     Raises:
-        EngineError: the engine is missing, cannot take the problem, failed, or took too long; or
-            the encoding cannot express the task.
+        EngineError: the engine is missing, cannot take the problem, failed, or took too long; the
+            encoding cannot express the task; or the problem has energy, of which no engine knows.
         CompanionError: the engine made a wrong plan.
     """
+    if problem.energy is not None:
+        raise EngineError(
+            f"the engine {engine} knows of no energy, and the mission has a battery; leave the "
+            "engine out, so that the built-in search plans, or remove battery:"
+        )
     question = EngineQuestion(problem, histories, encoding, objective)
     answer = _asked(question, engine, timeout_s, stop)
     if not answer.loop:

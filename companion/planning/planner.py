@@ -29,10 +29,11 @@ from companion.planning.builtin.product import Product
 from companion.planning.builtin.transition_system import TransitionSystem
 from companion.planning.domain import Action, is_named, reach
 from companion.planning.energy.drains import MissionEnergy
+from companion.planning.energy.ledger import Ledger, ledger
 from companion.planning.explain import Explanation, NoPlan
 from companion.planning.flight_times import flight_times, from_table, route_map
 from companion.planning.instances import FlightTime, Instances, task_model
-from companion.planning.lasso import Conjunct, Letter, Problem, Solution
+from companion.planning.lasso import Conjunct, Lasso, Letter, Problem, Solution
 from companion.planning.objective import Encoding, Objective
 from companion.planning.optional_lines import without_lines
 from companion.planning.solver import Solver
@@ -250,6 +251,11 @@ class Planner(Solver):
             best = self.solve(problem, histories, objective)  # or says why there is none
             raise CompanionError(f"{engine} says that there is no plan, but there is: {best.lasso}")
         return replace(found, dropped=dropped)
+
+    def ledger(self, problem: Problem, lasso: Lasso) -> Ledger | None:
+        """What a plan takes of the battery; None for a mission without one."""
+        energy = self.energy
+        return None if energy is None else ledger(problem, lasso, energy.model.reserve)
 
     def explain(
         self, *, at: str | None = None, facts: Iterable[str] = (), without: Iterable[str] = ()

@@ -50,6 +50,7 @@ class Solver:
         Raises:
             NoPlan: there is none; its `explanation` says why.
             SearchLimit: the search was given up.
+            CompanionError: an objective other than the lap, where plans know of energy.
         """
         found = False
         for solution in self._checked(problem, histories, objective, BEFORE_FLIGHT):
@@ -103,6 +104,11 @@ class Solver:
     def _found(self, problem: Problem, objective: Objective, effort: Effort) -> Iterator[Solution]:
         if problem.energy is None:
             return self._search.solutions(problem, objective, effort)
+        if objective is not Objective.LAP:
+            raise CompanionError(
+                f"the objective {objective.value} is not for missions with a battery: plans that "
+                "keep its reserve are those of the shortest lap; leave the objective out"
+            )
         return search.energy_solutions(self._search, problem, effort)
 
     def kept(

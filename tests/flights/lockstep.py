@@ -314,9 +314,9 @@ class Lockstep(Happened):
         """Lets time pass until an event is reported."""
         return self.until(lambda: self.of(kind, **fields) != [], limit_s)
 
-    def until_the_end(self) -> Lockstep:
+    def until_the_end(self, limit_s: float = 150.0) -> Lockstep:
         """Lets time pass until the companion has ended."""
-        return self.until(lambda: self.companion.has_ended)
+        return self.until(lambda: self.companion.has_ended, limit_s)
 
     # -- what happened -------------------------------------------------------------------------
 

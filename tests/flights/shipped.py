@@ -61,13 +61,13 @@ class ShippedFlight(Lockstep):
         velocities: how it truly moved at each tick in OFFBOARD; None at the others.
     """
 
-    def __init__(self, mission: str, scenario: str, seed: int) -> None:
+    def __init__(self, mission: str, scenario: str, seed: int, limit_s: float = 150.0) -> None:
         self.mission = load_mission(MISSIONS / f"{mission}.yaml")
         self.truth: list[Ned] = []
         self.clearance_m = math.inf
         self.velocities: list[Ned | None] = []
         super().__init__(self.mission, read_scenario(MISSIONS / f"{scenario}.sim.yaml"), seed=seed)
-        self.until_the_end()
+        self.until_the_end(limit_s)
 
     def tick(self) -> None:
         super().tick()

@@ -6,7 +6,8 @@ another and so are all times; the story is the same.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from re import sub
 
 import pytest
 from shipped import Replanned, ShippedFlight, Story, distance_from_home_m
@@ -39,12 +40,14 @@ class Shipped:
 
     Attributes:
         broken: lines of the task that cannot be kept in this world.
+        limit_s: what the flight takes at most.
     """
 
     mission: str
     scenario: str
     story: Story
     broken: tuple[str, ...] = ()
+    limit_s: float = 150.0
 
 
 def refused(site: str) -> Story:
@@ -59,6 +62,7 @@ def delivered(parcel: str, customer: str) -> Story:
     ]
 
 
+NO_CHARGE = SkillFailed("recharge(East)", "the battery does not charge, it is at N %")
 NO_PHOTO = SkillFailed("shoot(T7)", "the camera says that the photo has failed")
 
 
@@ -149,6 +153,17 @@ SHIPPED = (
         ],
     ),
     Shipped(
+        "endless_patrol",
+        "endless_patrol",
+        [
+            *("Well", "Pond", "Barn", "Mill", "Weir", "Ford", "East"),
+            *(NO_CHARGE, BeliefWithdrawn("works(East)"), Replanned(NO_CHARGE.text)),
+            *("West", SkillCompleted("recharge(West)"), "Well", "Hill", "Gate", "Oak", "Shed"),
+            *(*noticed("calledHome", "called home"), "Home", TaskSatisfied()),
+        ],
+        limit_s=800,
+    ),
+    Shipped(
         "hall_of_20",
         "hall_of_20",
         [
@@ -176,9 +191,21 @@ def ways_between_the_rooms(flight: ShippedFlight) -> list[str]:
     ]
 
 
+def without_percents(story: Story) -> Story:
+    """A story without what the gauge said, on which gusts have their part."""
+    found: Story = []
+    for event in story:
+        if isinstance(event, SkillFailed):
+            event = replace(event, reason=sub(r"\d+ %", "N %", event.reason))
+        elif isinstance(event, Replanned):
+            event = Replanned(sub(r"\d+ %", "N %", event.reason))
+        found.append(event)
+    return found
+
+
 def flies_as_told(shipped: Shipped, seed: int) -> None:
-    flight = ShippedFlight(shipped.mission, shipped.scenario, seed)
-    assert flight.story == shipped.story
+    flight = ShippedFlight(shipped.mission, shipped.scenario, seed, shipped.limit_s)
+    assert without_percents(flight.story) == shipped.story
     assert flight.simulation.collisions == 0
     assert flight.clearance_m >= QUAD.radius_m + QUAD.margin_m
     assert distance_from_home_m(flight) < 0.5

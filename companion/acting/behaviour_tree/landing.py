@@ -14,7 +14,12 @@ from py_trees.common import Status
 from companion.acting.behaviour_tree.leaf import Leaf
 from companion.acting.flight import Flight
 from companion.flight_events.event import FlightEvent
-from companion.flight_events.sortie import BatteryCharged, VehicleAirborne, VehicleLanded
+from companion.flight_events.sortie import (
+    BatteryCharged,
+    ChargeSufficient,
+    VehicleAirborne,
+    VehicleLanded,
+)
 from companion.flight_events.tree import LeafType
 from companion.mission.facts import AT
 from companion.vehicle.port import Failed, Goal, Progress
@@ -170,5 +175,5 @@ class EnoughCharge(Leaf):
         percent = state.battery_percent if state else None
         if flight.progress.is_landed_by_plan or percent is None or percent < self._percent:
             return self.fail("the battery has less")
-        flight.report(BatteryCharged(percent))
+        flight.report(ChargeSufficient(percent, self._percent))
         return Status.SUCCESS

@@ -19,6 +19,8 @@ from companion.planning.domain import REST_S, Action
 from companion.planning.energy.model import UNITS_PER_WH, EnergyModel
 from companion.planning.lasso import Energy
 
+MOVING_MPS = 0.5
+
 
 class MissionEnergy:
     """The energy of a mission; fulfils `Drains`.
@@ -78,6 +80,12 @@ class MissionEnergy:
         if math.isinf(passage.over_ground_m):
             return None
         return self.model.flight(passage, start, self._routes.goal(goal), self._limits())
+
+    def of_speeding_up(self, speed_mps: float) -> int:
+        """What a flight from rest to a speed takes more than one that has it already."""
+        limits = self._limits()
+        ramp_s = speed_mps / limits.acceleration_mps2 + limits.acceleration_mps2 / limits.jerk_mps3
+        return self.model.hovering(ramp_s / 2) if speed_mps > MOVING_MPS else 0
 
     def now(self, is_en_route: bool) -> Energy:
         """The energy of a problem.

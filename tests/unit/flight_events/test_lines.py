@@ -30,6 +30,7 @@ from companion.flight_events.skills import PlaceReached, SkillFailed
 from companion.flight_events.sortie import (
     AutopilotSaid,
     BatteryCharged,
+    ChargeSufficient,
     GoalFailed,
     Phase,
     PhaseEntered,
@@ -89,6 +90,7 @@ def test_keys_stand_in_the_order_of_the_fields() -> None:
         SkillFailed("upload(r1)", "denied: it failed: why"),
         PhaseEntered(Phase.TAKE_OFF),
         BatteryCharged(90),
+        ChargeSufficient(88, enough=85),
         AutopilotSaid("Low battery"),
         GoalFailed("not armed: denied"),
         TaskSatisfied(),

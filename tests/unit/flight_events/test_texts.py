@@ -84,6 +84,7 @@ from companion.flight_events.skills import (
 from companion.flight_events.sortie import (
     AutopilotSaid,
     BatteryCharged,
+    ChargeSufficient,
     ControlRegained,
     ControlTakenBack,
     ControlYielded,
@@ -269,6 +270,10 @@ TEXTS: list[tuple[FlightEvent, str]] = [
     (VehicleLanded(), "landed on the way"),
     (VehicleAirborne(), "in the air again"),
     (BatteryCharged(90), "charged to 90 %"),
+    (
+        ChargeSufficient(88, enough=85),
+        "not landed to charge: the battery has 88 %, 85 % are enough",
+    ),
     (AutopilotSaid("Low battery"), "the autopilot says: Low battery"),
     (GoalFailed("not armed: denied"), "not armed: denied"),
     (SetpointRefused("outside the fence"), "setpoint refused, holding: outside the fence"),

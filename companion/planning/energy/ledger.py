@@ -1,0 +1,161 @@
+"""What a plan takes of the battery, step by step, for people.
+
+The plan is flown on paper from what is there at its beginning, laps until one is as the one before.
+Percents are of the charge, as a gauge tells them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import chain, cycle
+
+from companion.mission.facts import AT, Fact
+from companion.mission.steps import Charge
+from companion.planning.domain import WAIT, Action, Refinement, Step
+from companion.planning.energy.model import UNITS_PER_WH
+from companion.planning.energy_check import required_levels
+from companion.planning.lasso import Energy, Lasso, Problem
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedEnergy:
+    """The energy of one action of a plan.
+
+    Attributes:
+        takes_wh: what it takes; None for a charge, and for rest on the ground.
+        required_percent: what has to be there before it, so that the plan can go on.
+        charge_to_percent: to so much it charges; None for what does not charge.
+    """
+
+    takes_wh: float | None
+    required_percent: int
+    charge_to_percent: int | None
+
+    def as_json(self) -> dict[str, object]:
+        """The same for programs."""
+        return {
+            "takes_wh": self.takes_wh,
+            "required_percent": self.required_percent,
+            "charge_to_percent": self.charge_to_percent,
+        }
+
+    def __str__(self) -> str:
+        if self.charge_to_percent is not None:
+            return f"charges to {self.charge_to_percent} %"
+        return "" if self.takes_wh is None else f"{self.takes_wh:.2f} Wh"
+
+
+@dataclass(frozen=True, slots=True)
+class Ledger:
+    """The energy of a plan.
+
+    Attributes:
+        prefix, loop: of each action.
+        lap_wh: what a lap takes, landings and take-offs for charges too; 0 for rest.
+        least_percent: the least charge that there ever is.
+        least_at: where that is, in words.
+        reserve_percent: the charge that no plan touches.
+    """
+
+    prefix: tuple[PlannedEnergy, ...]
+    loop: tuple[PlannedEnergy, ...]
+    lap_wh: float
+    least_percent: float
+    least_at: str
+    reserve_percent: float
+
+    def __str__(self) -> str:
+        least = f"{self.least_percent:.1f} % are left at least, {self.least_at}"
+        return f"{least}; the reserve is {self.reserve_percent:.1f} %"
+
+    def as_json(self) -> dict[str, object]:
+        """The plan as a whole, as `companion plan --json` gives it."""
+        return {
+            "lap_wh": self.lap_wh,
+            "least_percent": round(self.least_percent, 1),
+            "least_at": self.least_at,
+            "reserve_percent": round(self.reserve_percent, 1),
+        }
+
+
+def ledger(problem: Problem, lasso: Lasso, reserve: int) -> Ledger:
+    """The energy of a plan.
+
+    Args:
+        problem: that it solves, with energy.
+        lasso: the plan.
+        reserve: units that no plan touches.
+    """
+    energy = problem.energy
+    assert energy is not None
+    required = required_levels(energy, problem.facts, lasso)
+    actions = (*lasso.prefix, *lasso.loop)
+    steps = [
+        _planned(energy, action, level, lasso)
+        for action, level in zip(actions, required, strict=True)
+    ]
+    cut = len(lasso.prefix)
+    lap_wh = 0.0 if lasso.ends_at_rest else sum(map(_taken, lasso.loop)) / UNITS_PER_WH
+    least, where = min(_levels(energy, problem.facts, lasso, reserve), key=lambda each: each[0])
+    percents = (_percent(energy, units) for units in (least, reserve))
+    return Ledger(tuple(steps[:cut]), tuple(steps[cut:]), lap_wh, next(percents), where, *percents)
+
+
+def _planned(energy: Energy, action: Action, required: int, lasso: Lasso) -> PlannedEnergy:
+    is_on_ground = action is WAIT and lasso.ends_at_rest
+    units = energy.rest if action is WAIT else action.drain
+    takes_wh = None if action.charger is not None or is_on_ground else units / UNITS_PER_WH
+    percent = math.ceil(_percent(energy, required))
+    return PlannedEnergy(takes_wh, percent, _charged_to(action.execute))
+
+
+def _charged_to(steps: Sequence[Step]) -> int | None:
+    """The percentage of the first step that charges, in skills that it is made of too."""
+    for step in steps:
+        inner = _charged_to(step.steps) if isinstance(step, Refinement) else None
+        if inner is not None:
+            return inner
+        if isinstance(step, Charge) and step.percent is not None:
+            return math.ceil(step.percent)
+    return None
+
+
+def _taken(action: Action) -> int:
+    charger = action.charger
+    return action.drain if charger is None else charger.landing + charger.take_off
+
+
+def _percent(energy: Energy, level: int) -> float:
+    return energy.percents[min(max(0, level), len(energy.percents) - 1)]
+
+
+def _levels(
+    energy: Energy, facts: frozenset[Fact], lasso: Lasso, reserve: int
+) -> Iterator[tuple[int, str]]:
+    """What is there after each action, and after each landing, with where that is in words."""
+    level, begun = energy.level, -1
+    yield level, "at the beginning"
+    for number, action in enumerate(chain(lasso.prefix, cycle(lasso.loop)), -len(lasso.prefix)):
+        if number >= 0 and lasso.ends_at_rest:
+            place = _place(facts)
+            yield level - (energy.rests.get(place, reserve) - reserve), f"on the ground at {place}"
+            return
+        if number >= 0 and number % len(lasso.loop) == 0:  # a lap begins
+            if 0 <= begun <= level:
+                return
+            begun = level
+        facts = action.apply(facts)
+        charger, place = action.charger, _place(facts)
+        if charger is not None and action.charge_to is not None:
+            landed = level - charger.landing
+            yield landed, f"on the ground at {place}"
+            level = max(action.charge_to, landed - charger.take_off)
+        else:
+            level -= energy.rest if action is WAIT else action.drain
+            yield level, f"at {place}"
+
+
+def _place(facts: frozenset[Fact]) -> str:
+    return next((fact.arguments[0] for fact in facts if fact.predicate == AT), "an unknown place")
