@@ -14,8 +14,10 @@ from numpy.typing import NDArray
 from scipy.sparse.csgraph import minimum_spanning_tree
 
 from companion.planning.builtin.costs import UNREACHABLE_MS, Costs, Marks
+from companion.slices import spent
 
 MAX_ASCENTS = 150
+_ASCENT_US = 150.0
 
 
 def lower_bound_ms(between: Costs, marks: Marks, upper_ms: int) -> int:
@@ -51,6 +53,7 @@ def _heaviest(costs: NDArray[np.float64], upper: float) -> float:
     prices = np.zeros(size)
     best, step = 0.0, 1.0
     for _ in range(MAX_ASCENTS):
+        spent(_ASCENT_US)
         priced = costs + prices[:, None] + prices
         weight, degrees = _minimum(priced)
         bound = weight - 2 * prices.sum()

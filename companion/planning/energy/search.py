@@ -39,8 +39,10 @@ from companion.planning.objective import Objective
 ENGINE = "built-in, energy"
 MOST_MARKS = 62
 """They are bits of a number."""
-MOST_SETS, MOST_DOCKS = 1 << 11, 4
-"""Sets of marks and docks up to which laps are proved to be the shortest."""
+MOST_ADDITIONS = 12_000_000
+"""With so many for all chains of sorties, laps are proved to be the shortest."""
+FEW_TARGETS = 3
+"""Of so few every order is tried anyway."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -253,13 +255,14 @@ def _best_round(ways: Ways, chargers: dict[int, Charger], marks: int) -> Round |
     own = ways.marks[served]
     if np.bitwise_or.reduce(own, initial=0) != (1 << marks) - 1:
         return None
-    if ways.sets <= MOST_SETS and len(chargers) <= MOST_DOCKS:
+    if 3**marks * len(chargers) ** 3 <= MOST_ADDITIONS:
         return Rounds(ways, chargers).best()
     targets = [stop for stop in served if stop not in ways.docks]
     met = np.array([[bool(ways.marks[t] >> mark & 1) for mark in range(marks)] for t in targets])
     for table, is_thrifty in (ways.quickest, False), (ways.thriftiest, True):
         tours = LocalSearch(table.times_ms[np.ix_(targets, targets)], met)
-        tours.improve()
+        if len(targets) > FEW_TARGETS and (table.times_ms < UNREACHABLE_MS).all():
+            tours.improve()
         splits = Splits(table, chargers)
         order, cost_ms = improved(splits, [targets[place] for place in tours.cycle()])
         if cost_ms < UNREACHABLE_MS:

@@ -25,9 +25,9 @@ from companion.slices import spent
 Orders = NDArray[np.int64]
 """(orders, places): stops, each in every row once."""
 _MAX_SHIFTED = 3
-_MOST_ENTRIES = 400_000
+_MOST_ENTRIES = 100_000
 """Sorties that are priced at once, which bounds memory, and fits into a slice."""
-_PRICES_ADDITIONS, _CUT_US, _CHANGE_US = 5, 20.0, 2.0
+_PRICES_ADDITIONS, _CUT_US, _CHANGE_US = 4, 20.0, 4.0
 
 
 class Splits:
@@ -171,8 +171,11 @@ def improved(splits: Splits, order: Sequence[int]) -> tuple[list[int], int]:
     costs = splits.costs(begin)
     best, best_ms = begin[costs.argmin()], int(costs.min())
     while len(best) > 1:
-        tried = np.array(list(_changed(best)))
-        spent(_CHANGE_US * len(tried))
+        changed = []
+        for each in _changed(best):
+            spent(_CHANGE_US)
+            changed.append(each)
+        tried = np.array(changed)
         costs = splits.costs(tried)
         if costs.min() >= best_ms:
             break

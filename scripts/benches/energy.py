@@ -1,0 +1,101 @@
+"""Plans on a battery: how long they take, and how good they are."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator
+from dataclasses import replace
+from statistics import median
+from time import process_time
+from typing import Any
+
+from benches import Row
+from benches.worlds import Asked
+from companion.mission.loader import load_mission
+from companion.mission.model import Mission
+from companion.planning.planner import Planner
+from companion.slices import InSlices
+
+
+def patrol_on_a_battery(sites: int, docks: int, seed: int) -> Mission:
+    """A patrol over a large field, on a battery for about half of it."""
+    chance = random.Random(seed)
+    visited, pads = [f"s{i}" for i in range(sites)], [f"Dock{i}" for i in range(docks)]
+
+    def place() -> dict[str, float]:
+        return {"east_m": chance.uniform(0, 400), "north_m": chance.uniform(0, 300), "up_m": 6.0}
+
+    names = ["Home", *visited, *pads]
+    data: dict[str, Any] = {
+        "version": 1,
+        "name": "patrol_on_a_battery",
+        "limits": {
+            "speed_mps": 5,
+            "up_m": [1, 15],
+            "fence": [[-20, -20], [420, -20], [420, 320], [-20, 320]],
+        },
+        "battery": {"reserve": 20, "capacity_wh": 30},
+        "places": {name: place() for name in names},
+        "sets": {"Place": names, "Pad": pads},
+        "skills": {
+            "move": {
+                "parameters": {"from": "Place", "to": "Place"},
+                "precondition": "at(from)",
+                "assumes": "trans_ok(from, to)",
+                "effect": "at(to) & !at(from)",
+                "execute": "fly(to)",
+            },
+            "recharge": {
+                "parameters": {"pad": "Pad"},
+                "precondition": "at(pad)",
+                "assumes": "canCharge(pad)",
+                "effect": "at(pad)",
+                "charge_rate": [[0, 0.5], [80, 0.5], [90, 0.2], [100, 0.02]],
+                "execute": ["land()", "charge(auto)", "take_off()"],
+            },
+        },
+        "initially": ["at(Home)"],
+        "task": {"patrol": f"patrolling({', '.join(visited)})"},
+    }
+    return load_mission(data)
+
+
+def plans(runs: int) -> Iterator[Row]:
+    """First plans, and replans from any place and charge, in CPU time."""
+    seeds = range(max(1, runs // 10))
+    for sites in (10, 20) if runs >= 50 else (6,):
+        first_ms, later_ms, slices_ms = [], [], []
+        for seed in seeds:
+            planner = Planner(patrol_on_a_battery(sites, 2, seed))
+            start_s = process_time()
+            planner.explain()
+            first_ms.append(1000 * (process_time() - start_s))
+            for asked in _later(planner, seed):
+                took_ms = _slices_ms(planner, asked)
+                later_ms.append(sum(took_ms))
+                slices_ms += took_ms
+        name = f"on a battery, {sites} sites, 2 docks"
+        yield Row(f"{name}: first plan", median(first_ms), "ms")
+        yield Row(f"{name}: replan, median", median(later_ms), "ms")
+        yield Row(f"{name}: replan, worst", max(later_ms), "ms")
+        yield Row(f"{name}: its longest slice", max(slices_ms), "ms")
+
+
+def _later(planner: Planner, seed: int) -> Iterator[Asked]:
+    """From some places, with any charge above a third."""
+    chance = random.Random(seed)
+    for place in chance.sample(list(planner.mission.places), 5):
+        problem, histories = planner.initial_problem(at=place)
+        assert problem.energy is not None
+        full = len(problem.energy.percents)
+        level = chance.randrange(full // 3, full)
+        yield replace(problem, energy=replace(problem.energy, level=level)), histories
+
+
+def _slices_ms(planner: Planner, asked: Asked) -> list[float]:
+    planning, took_ms, is_done = InSlices(lambda: planner.replan(*asked)), [], False
+    while not is_done:
+        start_s = process_time()
+        is_done = planning.step()
+        took_ms.append(1000 * (process_time() - start_s))
+    return took_ms
