@@ -77,6 +77,6 @@ def _unserved(graph: EnergyProduct, nodes: NDArray[np.intp]) -> Iterator[str]:
             names = [graph.places[stop] for stop in stops]
             yield (
                 f"{names[1]} cannot be served: {', '.join(names)} takes "
-                f"{drain / UNITS_PER_WH:.1f} Wh, {missing / UNITS_PER_WH:.1f} Wh more than a full "
+                f"{drain / UNITS_PER_WH:.1f} Wh, {missing / UNITS_PER_WH:.2f} Wh more than a full "
                 "battery has above the reserve"
             )
