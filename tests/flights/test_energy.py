@@ -8,15 +8,23 @@ from typing import Any
 import pytest
 from lockstep import Lockstep
 
+from companion.acting.flight import TICK_S
 from companion.api.simulating import world_of
 from companion.flight_events.facts import BeliefWithdrawn
 from companion.flight_events.plans import NoPlanFound, PlanAwaited, PlanReplaced
 from companion.flight_events.skills import PlaceReached, SkillCompleted
-from companion.flight_events.sortie import ControlRegained, ControlTakenBack, VehicleLanded
+from companion.flight_events.sortie import (
+    ControlRegained,
+    ControlTakenBack,
+    Phase,
+    PhaseEntered,
+    VehicleLanded,
+)
 from companion.mavlink.framing import dialect
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
 from companion.planning.builtin.search import Search
+from companion.planning.energy.model import UNITS_PER_WH
 from companion.planning.planner import Planner
 
 PAD = {"radius_m": 1.5, "current_a": 100}
@@ -199,6 +207,40 @@ def test_patience_ends_when_the_charge_is_needed() -> None:
     flight.until(lambda: flight.companion.has_ended, 600.0)
     assert flight.of(PlanAwaited) and flight.exit_code == 3, text(flight)
     assert flight.now_s > 60.0 and RESERVE - 0.2 <= percent(flight) < RESERVE + 3
+
+
+LEGS = {"Home": (0, 0, 5), "A": (100, 0, 5), "B": (100, 80, 20), "C": (10, 10, 5)}
+
+
+@pytest.mark.parametrize("east_mps", [0.0, 5.0])
+def test_flights_take_what_plans_reckon_with(east_mps: float) -> None:
+    """Level, climbing and descending, in still air, and with, across and against a wind."""
+    places = {
+        name: dict(zip(("east_m", "north_m", "up_m"), position, strict=True))
+        for name, position in LEGS.items()
+    }
+    fence = [[-20, -20], [150, -20], [150, 150], [-20, 150]]
+    skills = {"move": data()["skills"]["move"]}
+    mission = load_mission(
+        data(
+            limits={"speed_mps": 5, "up_m": [1, 30], "fence": fence},
+            battery={"reserve": RESERVE, "wind": {"east_mps": east_mps}},
+            places=places,
+            sets={"Place": list(places)},
+            skills=skills,
+            task={"go": "F (at(A) & F (at(B) & F at(C))) & F G at(Home)"},
+        )
+    )
+    gusts = {"east_mps": east_mps, "turbulence_mps": 0.3 if east_mps else 0.0}
+    flight = Lockstep(mission, world_of(mission, {"version": 1, "wind": gusts}), seed=1)
+    flight.until_reported(PhaseEntered, phase=Phase.TASK)
+    planned = sum(action.drain for action in Planner(mission).plan().prefix) / UNITS_PER_WH
+    used_wh = 0.0
+    while not flight.of(PlaceReached, place="Home"):
+        flight.tick()
+        state = flight.simulation.flight
+        used_wh += state.voltage_v * state.current_a * TICK_S / 3600
+    assert 0.95 * planned <= used_wh <= planned
 
 
 def test_equal_seeds_equal_events() -> None:
