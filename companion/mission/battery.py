@@ -17,7 +17,7 @@ FEWEST_W = 1.0
 
 
 @dataclass(frozen=True, slots=True)
-class Battery:
+class MissionBattery:
     """What plans reckon with.
 
     Attributes:
@@ -33,7 +33,7 @@ class Battery:
 
 def read_battery(
     entry: BatteryEntry | None, vehicle: VehicleProfile, document: Document
-) -> Battery | None:
+) -> MissionBattery | None:
     """The battery of a mission; None if it says nothing of one.
 
     Raises:
@@ -63,7 +63,7 @@ def read_battery(
         if entry.power_w.climb is not None:
             climb = _powers(entry.power_w.climb, "climb", document)
         profile = replace(profile, level_w=level, climb_w=climb)
-    return Battery(profile, entry.reserve / 100, (entry.wind.north_mps, entry.wind.east_mps))
+    return MissionBattery(profile, entry.reserve / 100, (entry.wind.north_mps, entry.wind.east_mps))
 
 
 def _curve(points: Sequence[tuple[float, float]], document: Document) -> Points:

@@ -14,7 +14,7 @@ from companion.battery_profile import Points
 from companion.drawn_maps import Wall
 from companion.geometry import GlobalOrigin, Ned, NorthEast
 from companion.ltl.formula import Formula, atoms
-from companion.mission.battery import Battery
+from companion.mission.battery import MissionBattery
 from companion.mission.facts import AT, Atom, Fact, at
 from companion.mission.markers import LandingMarker
 from companion.mission.python_call import PythonCall
@@ -286,7 +286,7 @@ class Mission:
     anchor: GlobalOrigin | None = None
     map_file: str = ""
     walls: tuple[Wall, ...] = ()
-    battery: Battery | None = None
+    battery: MissionBattery | None = None
 
     @property
     def is_above_sea(self) -> bool:

@@ -20,7 +20,7 @@ _LABEL_US, _COMPARISON_US, _LEG_US = 2.0, 0.7, 3.0
 
 
 @dataclass(frozen=True, slots=True)
-class Leg:
+class FlightLeg:
     """An edge of a graph that is not a charge."""
 
     end: int
@@ -46,7 +46,7 @@ class EnergyGraph:
         floors: by node, the least level there.
     """
 
-    legs: Sequence[Sequence[Leg]]
+    legs: Sequence[Sequence[FlightLeg]]
     charges: Sequence[Sequence[ChargeLeg]]
     floors: Sequence[int]
 
@@ -66,7 +66,7 @@ class Step:
 
 
 @dataclass(frozen=True, slots=True)
-class Approach:
+class LoopApproach:
     """A way.
 
     Attributes:
@@ -147,7 +147,7 @@ class _Label:
             and self.least <= other.least
         )
 
-    def after(self, leg: Leg, number: int) -> _Label:
+    def after(self, leg: FlightLeg, number: int) -> _Label:
         """The way with a leg more, by its number."""
         return _Label(
             leg.end,
@@ -209,7 +209,7 @@ class _OpenList:
 
 def approach(
     graph: EnergyGraph, starts: Sequence[int], level: int, required: Mapping[int, int]
-) -> Approach | None:
+) -> LoopApproach | None:
     """The quickest way from some nodes to one of others; None if there is none.
 
     Args:
@@ -241,7 +241,7 @@ def approach(
     return None
 
 
-def _read(label: _Label, needed: int) -> Approach:
+def _read(label: _Label, needed: int) -> LoopApproach:
     """The way of a label, with the levels that it takes."""
     end, time_ms = label.node, label.time_ms(needed)
     departure = label.departure(needed)
@@ -256,4 +256,4 @@ def _read(label: _Label, needed: int) -> Approach:
         else:
             steps.append(Step(here.before.node, here.number))
         here = here.before
-    return Approach(tuple(steps[::-1]), time_ms, end, level)
+    return LoopApproach(tuple(steps[::-1]), time_ms, end, level)

@@ -9,7 +9,7 @@ from companion.mission.facts import at
 from companion.planning.builtin.product import Product
 from companion.planning.charger import Charger
 from companion.planning.domain import WAIT, Action
-from companion.planning.energy.approach import ChargeLeg, EnergyGraph, Leg
+from companion.planning.energy.approach import ChargeLeg, EnergyGraph, FlightLeg
 from companion.planning.energy.paths import Paths
 from companion.planning.lasso import Energy, Problem
 from companion.slices import spent
@@ -106,7 +106,7 @@ class EnergyProduct:
 
     def _graph(self) -> EnergyGraph:
         product = self.product
-        legs: list[list[Leg]] = [[] for _ in range(product.nodes)]
+        legs: list[list[FlightLeg]] = [[] for _ in range(product.nodes)]
         charges: list[list[ChargeLeg]] = [[] for _ in range(product.nodes)]
         each = zip(
             self.sources.tolist(),
@@ -121,6 +121,6 @@ class EnergyProduct:
                 charges[start].append(ChargeLeg(end, charger))
                 self._charge_edges[start].append(number)
             else:
-                legs[start].append(Leg(end, cost_ms, drain))
+                legs[start].append(FlightLeg(end, cost_ms, drain))
                 self._leg_edges[start].append(number)
         return EnergyGraph(legs, charges, self.floors)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from companion.battery_profile import interpolated
 from companion.geometry import Ned
-from companion.mission.battery import Battery
+from companion.mission.battery import MissionBattery
 from companion.motion.layered_routes import LEVEL_M, Passage
 from companion.motion.profile import SpeedLimits
 from companion.planning.charger import Charger
@@ -43,7 +43,7 @@ class EnergyModel:
         reserve: units that no plan touches.
     """
 
-    def __init__(self, battery: Battery) -> None:
+    def __init__(self, battery: MissionBattery) -> None:
         self._profile, self._wind = battery.profile, battery.wind
         self.full = math.floor(battery.profile.capacity_wh * UNITS_PER_WH)
         self.reserve = math.ceil(battery.reserve * battery.profile.capacity_wh * UNITS_PER_WH)

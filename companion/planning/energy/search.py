@@ -1,9 +1,9 @@
 """The best lasso that the battery lasts for: shortest lap, then shortest prefix.
 
 A loop either rests, which is to land, or charges: a closed chain of sorties between docks that
-reach each other on full charges (`rounds.py`; beyond a few marks and docks `split.py`). The way
-into it takes the charge that there is, and charges where it needs more (`approach.py`). Each
-position keeps its floor: the reserve, and what it takes to land at a safe place.
+reach each other on full charges (`charging_laps.py`; beyond a few marks and docks `split.py`).
+The way into it takes the charge that there is, and charges where it needs more (`approach.py`).
+Each position keeps its floor: the reserve, and what it takes to land at a safe place.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ from companion.planning.builtin.search import Search, accepting_components
 from companion.planning.charger import Charger
 from companion.planning.domain import WAIT, Action
 from companion.planning.effort import Effort
-from companion.planning.energy.approach import Approach, approach
+from companion.planning.energy.approach import LoopApproach, approach
+from companion.planning.energy.charging_laps import ChargingLap, ChargingLaps
 from companion.planning.energy.energy_product import EnergyProduct
 from companion.planning.energy.levels import charged
 from companion.planning.energy.paths import Paths
-from companion.planning.energy.rounds import Round, Rounds
-from companion.planning.energy.sorties import Ways, joined
+from companion.planning.energy.sorties import WayTables, joined
 from companion.planning.energy.split import Splits, improved
 from companion.planning.lasso import Lasso, Problem, Solution
 from companion.planning.objective import Objective
@@ -104,7 +104,7 @@ class EnergySearch:
             return
         loops = [loop for nodes in components for loop in self._rounds(nodes)]
         loops.sort(key=lambda loop: loop.cost_ms)
-        best: tuple[Approach, _Loop] | None = None
+        best: tuple[LoopApproach, _Loop] | None = None
         for loop in loops:
             if best is not None and loop.cost_ms > best[1].cost_ms:
                 break
@@ -173,7 +173,7 @@ class EnergySearch:
         marks = np.array([met(a) | met(b) for a, b in zip(outs, ins, strict=True)], np.int64)
         quickest, thriftiest = (graph.paths(inside, outs, thrifty) for thrifty in (False, True))
         stops = frozenset(range(len(targets), len(outs)))
-        ways = Ways(quickest.table(ins), thriftiest.table(ins), marks, stops)
+        ways = WayTables(quickest.table(ins), thriftiest.table(ins), marks, stops)
         chargers = {i: graph.charger(dock) for i, dock in enumerate(docks, len(targets))}
         for group in joined(ways.thriftiest, chargers):
             found = _best_round(ways, group, len(targets_of))
@@ -204,18 +204,18 @@ class EnergySearch:
 
     # -- the way into a loop -----------------------------------------------------------------------
 
-    def _way_into(self, loop: _Loop) -> Approach | None:
+    def _way_into(self, loop: _Loop) -> LoopApproach | None:
         required: dict[int, int] = {}
         for edge, needed in zip(loop.edges, loop.required, strict=True):
             node = self._graph.start(edge)
             required[node] = min(needed, required.get(node, needed))
         return self._approach(required)
 
-    def _approach(self, required: dict[int, int]) -> Approach | None:
+    def _approach(self, required: dict[int, int]) -> LoopApproach | None:
         level, starts = self._graph.energy.level, self._graph.product.initial
         return approach(self._graph.graph, starts, level, required) if required else None
 
-    def _solution(self, way: Approach, loop: _Loop, bound_ms: int) -> Solution:
+    def _solution(self, way: LoopApproach, loop: _Loop, bound_ms: int) -> Solution:
         begin = next(
             i
             for i, edge in enumerate(loop.edges)
@@ -227,7 +227,7 @@ class EnergySearch:
         lasso = Lasso(tuple(self._prefix(way)), lap)
         return Solution(lasso, Objective.LAP, loop.cost_ms, bound_ms, ENGINE)
 
-    def _prefix(self, way: Approach) -> Iterator[Action]:
+    def _prefix(self, way: LoopApproach) -> Iterator[Action]:
         level = self._graph.energy.level
         for step in way.steps:
             edge = self._graph.edge(step.node, step.number, step.departure is not None)
@@ -243,7 +243,7 @@ class EnergySearch:
         return charged(action, departure, arrival, self._graph.energy.percents)
 
 
-def _best_round(ways: Ways, chargers: dict[int, Charger], marks: int) -> Round | None:
+def _best_round(ways: WayTables, chargers: dict[int, Charger], marks: int) -> ChargingLap | None:
     """The shortest lap, or a good one where there are many marks or docks.
 
     Args:
@@ -256,7 +256,7 @@ def _best_round(ways: Ways, chargers: dict[int, Charger], marks: int) -> Round |
     if np.bitwise_or.reduce(own, initial=0) != (1 << marks) - 1:
         return None
     if 3**marks * len(chargers) ** 3 <= MOST_ADDITIONS:
-        return Rounds(ways, chargers).best()
+        return ChargingLaps(ways, chargers).best()
     targets = [stop for stop in served if stop not in ways.docks]
     met = np.array([[bool(ways.marks[t] >> mark & 1) for mark in range(marks)] for t in targets])
     for table, is_thrifty in (ways.quickest, False), (ways.thriftiest, True):
@@ -267,5 +267,5 @@ def _best_round(ways: Ways, chargers: dict[int, Charger], marks: int) -> Round |
         order, cost_ms = improved(splits, [targets[place] for place in tours.cycle()])
         if cost_ms < UNREACHABLE_MS:
             sorties = [replace(each, is_thrifty=is_thrifty) for each in splits.sorties(order)]
-            return Round(tuple(sorties), cost_ms, 0)
+            return ChargingLap(tuple(sorties), cost_ms, 0)
     return None

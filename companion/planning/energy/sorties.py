@@ -47,7 +47,7 @@ class WayTable:
 
 
 @dataclass(frozen=True, eq=False)
-class Ways:
+class WayTables:
     """The ways between stops: targets of the marks, and docks.
 
     Attributes:
@@ -103,7 +103,7 @@ class _Table:
     Its keys have a major and a minor part that are minimised in this order.
     """
 
-    def __init__(self, keys: NDArray[np.int64], ways: Ways, start: int) -> None:
+    def __init__(self, keys: NDArray[np.int64], ways: WayTables, start: int) -> None:
         self._keys, self._start, self._marks = keys, start, ways.marks
         passed = [stop for stop in np.flatnonzero(ways.marks) if stop not in ways.docks]
         self._targets = np.array(passed, np.intp)
@@ -201,7 +201,7 @@ class Sorties:
         start: the stop.
     """
 
-    def __init__(self, ways: Ways, start: int) -> None:
+    def __init__(self, ways: WayTables, start: int) -> None:
         by_time, by_drain = ways.quickest, ways.thriftiest
         quick = by_time.keys((by_time.times_ms << _MINOR) + by_time.drains)
         thrifty = by_drain.keys((by_drain.drains << _MAJOR_DRAIN) + by_drain.times_ms)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from companion.planning.builtin.costs import UNREACHABLE_MS, Costs
 from companion.planning.charger import Charger
 from companion.planning.effort import ADDITION_US
-from companion.planning.energy.rounds import Sortie
+from companion.planning.energy.charging_laps import ChargedSortie
 from companion.planning.energy.services import service_costs
 from companion.planning.energy.sorties import WayTable
 from companion.slices import spent
@@ -56,7 +56,7 @@ class Splits:
         parts = [self._reached(orders[i : i + batch]) for i in range(0, len(orders), batch)]
         return np.concatenate([_closed(part) for part in parts])
 
-    def sorties(self, order: Sequence[int]) -> list[Sortie]:
+    def sorties(self, order: Sequence[int]) -> list[ChargedSortie]:
         """The best cut of one order."""
         reached = self._reached(np.array([order]))[:, 0]  # (start, place, dock)
         prices = self._prices(np.array([order]))[:, :, 0]  # (from, to, first, last)
@@ -89,12 +89,12 @@ class Splits:
             return None
         return int((reached[place] + self._transfers[:, here]).argmin())
 
-    def _sortie(self, i: int, j: int, targets: tuple[int, ...]) -> Sortie:
+    def _sortie(self, i: int, j: int, targets: tuple[int, ...]) -> ChargedSortie:
         stops = [self._docks[i], *targets, self._docks[j]]
         legs = [self._way(a, b) for a, b in pairwise(stops)]
         time_ms, drain = (sum(parts) for parts in zip(*legs, strict=True))
         cost_ms = int(self._priced(i, j, np.array(time_ms), np.array(drain)))
-        return Sortie(self._docks[i], self._chargers[j].floor + drain, targets, cost_ms)
+        return ChargedSortie(self._docks[i], self._chargers[j].floor + drain, targets, cost_ms)
 
     def _way(self, start: int, end: int) -> tuple[int, int]:
         return int(self._ways.times_ms[start, end]), int(self._ways.drains[start, end])

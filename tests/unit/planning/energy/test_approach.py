@@ -10,7 +10,13 @@ import pytest
 
 from companion.planning.builtin.costs import UNREACHABLE_MS
 from companion.planning.charger import Charger
-from companion.planning.energy.approach import Approach, ChargeLeg, EnergyGraph, Leg, approach
+from companion.planning.energy.approach import (
+    ChargeLeg,
+    EnergyGraph,
+    FlightLeg,
+    LoopApproach,
+    approach,
+)
 
 
 def instance(seed: int) -> tuple[EnergyGraph, list[int], int, dict[int, int]]:
@@ -22,7 +28,7 @@ def instance(seed: int) -> tuple[EnergyGraph, list[int], int, dict[int, int]]:
     reserve = rng.randint(0, 4)
     legs = [
         [
-            Leg(end, rng.randint(300, 6000), rng.randint(1, 12))
+            FlightLeg(end, rng.randint(300, 6000), rng.randint(1, 12))
             for end in range(size)
             if end != node and rng.random() < 0.5
         ]
@@ -64,7 +70,7 @@ def exhaustive(graph: EnergyGraph, starts: list[int], level: int, required: dict
     return UNREACHABLE_MS
 
 
-def flown(graph: EnergyGraph, level: int, found: Approach) -> tuple[int, int]:
+def flown(graph: EnergyGraph, level: int, found: LoopApproach) -> tuple[int, int]:
     """Time and level at the end of a way, which keeps to all floors."""
     time_ms, node = 0, found.steps[0].node if found.steps else found.end
     for step in found.steps:

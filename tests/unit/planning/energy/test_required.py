@@ -10,7 +10,7 @@ from energy_problems import energy_problem
 from problems import action, asking, move
 
 from companion.battery_profile import BatteryProfile
-from companion.mission.battery import Battery
+from companion.mission.battery import MissionBattery
 from companion.mission.steps import Charge
 from companion.planning.builtin.search import Search
 from companion.planning.charger import Charger
@@ -111,7 +111,7 @@ def test_a_level_is_charged_to_with_a_percent_of_the_gauge_more() -> None:
         assert stop.enough_percent >= asked.energy.percents[level] + 1  # type: ignore[union-attr]
 
 
-MODEL = EnergyModel(Battery(BatteryProfile(), 0.2))
+MODEL = EnergyModel(MissionBattery(BatteryProfile(), 0.2))
 
 
 def test_what_is_there_is_rounded_down_and_what_is_taken_up() -> None:

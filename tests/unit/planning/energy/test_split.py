@@ -10,15 +10,15 @@ import pytest
 
 from companion.planning.builtin.costs import UNREACHABLE_MS
 from companion.planning.charger import Charger
-from companion.planning.energy.rounds import Rounds
-from companion.planning.energy.sorties import Ways, WayTable
+from companion.planning.energy.charging_laps import ChargingLaps
+from companion.planning.energy.sorties import WayTable, WayTables
 from companion.planning.energy.split import Splits, improved
 
 FIELD = 100
 MOST_ABOVE = 1.08
 
 
-def instance(sites: int, docks: int, seed: int) -> tuple[Ways, dict[int, Charger]]:
+def instance(sites: int, docks: int, seed: int) -> tuple[WayTables, dict[int, Charger]]:
     """Sites and docks on a field, and a battery for about a third of a tour."""
     rng = Random(seed)
     size = sites + docks
@@ -36,14 +36,14 @@ def instance(sites: int, docks: int, seed: int) -> tuple[Ways, dict[int, Charger
     }
     marks = np.array([1 << i for i in range(sites)] + [0] * docks, np.int64)
     table = WayTable(times, drains)
-    return Ways(table, table, marks, frozenset(chargers)), chargers
+    return WayTables(table, table, marks, frozenset(chargers)), chargers
 
 
 @pytest.mark.parametrize("seed", range(18))
 def test_they_are_no_better_than_the_shortest_and_little_worse(seed: int) -> None:
     sites, docks = 2 + seed % 9, 1 + seed % 2
     ways, chargers = instance(sites, docks, seed)
-    best = Rounds(ways, chargers).best()
+    best = ChargingLaps(ways, chargers).best()
     splits = Splits(ways.quickest, chargers)
     _order, cost_ms = improved(splits, Random(seed).sample(range(sites), sites))
     if best is None:

@@ -21,14 +21,14 @@ from companion.planning.builtin.costs import UNREACHABLE_MS, Costs
 from companion.planning.charger import Charger
 from companion.planning.effort import ADDITION_US
 from companion.planning.energy.services import costs_at_least, service_costs
-from companion.planning.energy.sorties import Sorties, Ways
+from companion.planning.energy.sorties import Sorties, WayTables
 from companion.slices import spent
 
 _SET_US, _PART_US = 20.0, 3.0
 
 
 @dataclass(frozen=True, slots=True)
-class Sortie:
+class ChargedSortie:
     """A charge, and the flight to the next one.
 
     Attributes:
@@ -47,19 +47,19 @@ class Sortie:
 
 
 @dataclass(frozen=True, slots=True)
-class Round:
+class ChargingLap:
     """A lap: sorties one after the other, the last one to where the first begins.
 
     Attributes:
         bound_ms: no lap is shorter.
     """
 
-    sorties: tuple[Sortie, ...]
+    sorties: tuple[ChargedSortie, ...]
     cost_ms: int
     bound_ms: int
 
 
-class Rounds:
+class ChargingLaps:
     """The laps over some stops.
 
     Args:
@@ -67,7 +67,7 @@ class Rounds:
         chargers: by stop, what charging takes there.
     """
 
-    def __init__(self, ways: Ways, chargers: dict[int, Charger]) -> None:
+    def __init__(self, ways: WayTables, chargers: dict[int, Charger]) -> None:
         self._docks = list(chargers)
         self._chargers = list(chargers.values())
         self._sorties = [Sorties(ways, dock) for dock in self._docks]
@@ -102,7 +102,7 @@ class Rounds:
         drains = np.where(is_thrifty, found.thriftiest_drain, found.quickest_drain)
         self._departures[i, j] = floor + drains
 
-    def best(self) -> Round | None:
+    def best(self) -> ChargingLap | None:
         """The shortest lap; None if there is none."""
         costs = _Chains(self._costs)
         everything = self._costs.shape[2] - 1
@@ -115,11 +115,11 @@ class Rounds:
         bound_ms = int(bounds.laps_ms[:, everything].min())
         steps = costs.steps(anchor, everything)
         sorties = tuple(self._sortie(*step) for step in steps)
-        return Round(sorties, int(laps_ms[anchor]), bound_ms)
+        return ChargingLap(sorties, int(laps_ms[anchor]), bound_ms)
 
-    def _sortie(self, i: int, j: int, marks: int) -> Sortie:
+    def _sortie(self, i: int, j: int, marks: int) -> ChargedSortie:
         is_thrifty = bool(self._is_thrifty[i, j, marks])
-        return Sortie(
+        return ChargedSortie(
             self._docks[i],
             int(self._departures[i, j, marks]),
             tuple(self._sorties[i].path(self._docks[j], marks, is_thrifty)),
@@ -216,6 +216,6 @@ def _product(left: Costs, right: Costs) -> Costs:
     return found
 
 
-def in_order(sorties: Sequence[Sortie]) -> list[int]:
+def in_order(sorties: Sequence[ChargedSortie]) -> list[int]:
     """All stops of a lap in their order, docks included."""
     return [stop for sortie in sorties for stop in (sortie.dock, *sortie.targets)]

@@ -10,11 +10,11 @@ import pytest
 
 from companion.planning.builtin.costs import UNREACHABLE_MS, Costs
 from companion.planning.charger import Charger
-from companion.planning.energy.rounds import Round, Rounds, in_order
-from companion.planning.energy.sorties import Ways, WayTable
+from companion.planning.energy.charging_laps import ChargingLap, ChargingLaps, in_order
+from companion.planning.energy.sorties import WayTable, WayTables
 
 
-def instance(seed: int) -> tuple[Ways, dict[int, Charger], WayTable]:
+def instance(seed: int) -> tuple[WayTables, dict[int, Charger], WayTable]:
     """Some sites and docks, with times and drains that need not agree."""
     rng = Random(seed)
     sites, docks, full = rng.randint(1, 5), rng.randint(1, 2), rng.randint(12, 30)
@@ -45,7 +45,7 @@ def instance(seed: int) -> tuple[Ways, dict[int, Charger], WayTable]:
     np.fill_diagonal(times, UNREACHABLE_MS)
     ways = closed(times, drains), closed(drains, times)[::-1]
     tables = [WayTable(*table) for table in ways]
-    return Ways(*tables, np.array(marks, np.int64)), chargers, WayTable(times, drains)
+    return WayTables(*tables, np.array(marks, np.int64)), chargers, WayTable(times, drains)
 
 
 def closed(first: Costs, second: Costs) -> tuple[Costs, Costs]:
@@ -61,7 +61,7 @@ def closed(first: Costs, second: Costs) -> tuple[Costs, Costs]:
     return first, second
 
 
-def exhaustive(ways: Ways, chargers: dict[int, Charger], legs: WayTable) -> int:
+def exhaustive(ways: WayTables, chargers: dict[int, Charger], legs: WayTable) -> int:
     """The shortest lap that ends with no less than it began with, whatever levels it takes."""
     size, everything = len(ways.marks), ways.sets - 1
     best = UNREACHABLE_MS
@@ -101,7 +101,7 @@ def exhaustive(ways: Ways, chargers: dict[int, Charger], legs: WayTable) -> int:
     return best
 
 
-def flown(ways: Ways, chargers: dict[int, Charger], lap: Round) -> tuple[int, int]:
+def flown(ways: WayTables, chargers: dict[int, Charger], lap: ChargingLap) -> tuple[int, int]:
     """The cost of a lap by its sorties, and the marks it meets; levels are kept to."""
     stops = in_order(list(lap.sorties))
     time_ms, met, charge = 0, 0, chargers[stops[0]].floor
@@ -127,7 +127,7 @@ def flown(ways: Ways, chargers: dict[int, Charger], lap: Round) -> tuple[int, in
 def test_no_lap_is_shorter(seed: int) -> None:
     ways, chargers, legs = instance(seed)
     expected = exhaustive(ways, chargers, legs)
-    lap = Rounds(ways, chargers).best()
+    lap = ChargingLaps(ways, chargers).best()
     if lap is None:
         assert expected >= UNREACHABLE_MS
         return
