@@ -45,7 +45,12 @@ def assemble(prepared: PreparedMission, vehicle: Vehicle, detector: EventDetecto
     prepared.planner.flight_time = flight_times(mission, routes, here, lambda: speed_limit.target)
     if (energy := prepared.planner.energy) is not None:
         gauge = Gauge(vehicle, energy.model)
-        energy.here, energy.level, energy.most = here, gauge.level, gauge.most
+
+        def level() -> int:
+            is_landed = vehicle.state is not None and vehicle.state.is_landed
+            return max(0, gauge.level() - (energy.to_take_off() if is_landed else 0))
+
+        energy.here, energy.level, energy.most = here, level, gauge.most
     flight = Flight(
         vehicle=vehicle,
         task=TaskState(prepared.planner),

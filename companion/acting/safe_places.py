@@ -26,6 +26,7 @@ from companion.slices import Question, spent
 MAX_PARTS = 200
 """Of the search for the ways to one place, on a map that goes on changing."""
 NOWHERE = ""
+NO_WAY = 1 << 40
 
 
 class SafePlaces:
@@ -54,11 +55,20 @@ class SafePlaces:
 
     @property
     def landed_at(self) -> str | None:
-        """The safe place on which the plan has landed the vehicle; None if it has not."""
-        flight = self._flight
+        """The safe place on which the plan has landed the vehicle; None if it has not.
+
+        A dock is one where the charge lasts for none of the mission's.
+        """
+        flight, energy = self._flight, self._planner.energy
         if not flight.progress.is_landed_by_plan:
             return None
-        return next((place for place in self._places if at(place) in flight.task.facts), None)
+        facts = flight.task.facts
+        named = next((place for place in self._places if at(place) in facts), None)
+        if named is not None or energy is None:
+            return named
+        if any(self._missing(energy, place) <= 0 for place in self._places):
+            return None
+        return next((dock for dock in energy.safe if at(dock) in facts), None)
 
     def choose(self) -> str | None:
         """The next place to fly to, NOWHERE if none can be reached; None while that is not known.
@@ -101,9 +111,8 @@ class SafePlaces:
 
     def _missing(self, energy: MissionEnergy, place: str) -> int:
         """What is missing to land at a place, the reserve left; 0 or less if it is there."""
-        needed = energy.to_land_at(place)
-        reserve = energy.model.reserve
-        return (needed or 0) + reserve - energy.level()
+        needed, reserve = energy.to_land_at(place), energy.model.reserve
+        return (NO_WAY if needed is None else needed) + reserve - energy.level()
 
 
 def flight_to(planner: Planner, place: str) -> Lasso | None:

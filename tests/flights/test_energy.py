@@ -132,9 +132,9 @@ def test_a_full_battery_lands_on_no_dock() -> None:
 
 def test_with_little_it_charges_first() -> None:
     """What it can do is known before it takes off."""
-    flight = fly(charge=0.233)
+    flight = fly(charge=0.242)
     assert lowest(flight, 100.0) >= RESERVE
-    assert flight.places[:1] == ["W"] and flight.of(VehicleLanded)
+    assert flight.places[0] in ("W", "E") and flight.of(VehicleLanded), text(flight)
     assert not flight.of(NoPlanFound), text(flight)
 
 
@@ -156,12 +156,14 @@ def test_with_too_little_for_any_plan_it_lands_where_it_can(at_s: float) -> None
     assert percent(flight) > RESERVE - 3
 
 
-def test_both_docks_fail_and_it_lands_with_the_reserve() -> None:
+def test_where_no_dock_charges_it_stays_on_the_first_one_with_the_reserve() -> None:
+    """It has arrived with what that one asks for: no other place is in reach."""
     flight = fly(pads=[])
     flight.until(lambda: flight.companion.has_ended, 400.0)
-    assert [e.belief for e in flight.of(BeliefWithdrawn)] == ["canCharge(E)", "canCharge(W)"]
+    assert [e.belief for e in flight.of(BeliefWithdrawn)] == ["canCharge(E)"]
     assert flight.exit_code == 3 and not flight.simulation.is_armed
     assert percent(flight) >= RESERVE
+    assert flight.places[-1] == "E" and flight.armings == 1, text(flight)
 
 
 def test_a_gauge_that_is_not_read_any_more_ends_the_task_with_the_reserve() -> None:

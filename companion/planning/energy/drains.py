@@ -118,6 +118,14 @@ class MissionEnergy:
         flight = self.flight(HERE, place)
         return None if flight is None else flight + self._landing(place)
 
+    def to_take_off(self) -> int:
+        """What it takes to take off here, to the height of the nearest place."""
+        if (here := self.here()) is None:
+            return 0
+        goals = map(self._routes.goal, self._mission.places)
+        nearest = min(goals, key=lambda goal: math.dist(goal[:2], here[:2]))
+        return self.model.take_off(max(0.0, -nearest[2]), self._limits())
+
     def _landing(self, place: str) -> int:
         return self.model.landing(-self._routes.goal(place)[2])
 

@@ -542,6 +542,7 @@ def test_the_triggers_are_looked_at_in_their_order() -> None:
     """What the map and the beliefs say is known before the tree acts on it."""
     assert [trigger.name for trigger in REPLAN_TRIGGERS] == [
         "the map cuts off a belief of the plan",
+        "the charge does not last",
         "the task has a plan again",
         "a line that was dropped can be kept",
         "the tree has failed",
