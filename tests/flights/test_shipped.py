@@ -158,7 +158,8 @@ SHIPPED = (
         [
             *("Well", "Pond", "Barn", "Mill", "Weir", "Ford", "East"),
             *(NO_CHARGE, BeliefWithdrawn("works(East)"), Replanned(NO_CHARGE.text)),
-            *("West", SkillCompleted("recharge(West)"), "Well", "Hill", "Gate", "Oak", "Shed"),
+            *("Hill", "Well", "West", SkillCompleted("recharge(West)")),
+            *("Pond", "Barn", "Mill", "Weir", "Ford", "Shed", "Oak", "Gate"),
             *(*noticed("calledHome", "called home"), "Home", TaskSatisfied()),
         ],
         limit_s=800,
