@@ -321,6 +321,10 @@ ACHIEVED = {
 """What each mission achieves until it is satisfied; one that is not is stopped in its test."""
 
 
+TOO_LONG = "endless_patrol"
+"""Eleven minutes: flown in lockstep alone."""
+
+
 def fly(run: Run, mission: str, instance: int, log_dir: Path, until: str = "") -> list[str]:
     """What a mission achieves until it ends, or is stopped as soon as a text was printed.
 
@@ -345,7 +349,12 @@ def fly(run: Run, mission: str, instance: int, log_dir: Path, until: str = "") -
 def test_all_missions_are_flown_here() -> None:
     names = {path.name.removesuffix(".sim.yaml") for path in MISSIONS.glob("*.sim.yaml")}
     shipped = {name for name in names if (MISSIONS / f"{name}.yaml").exists()}
-    assert shipped == {*ACHIEVED, "surveillance", "paper_section_v", "persistent_patrol"}
+    assert shipped - {TOO_LONG} == {
+        *ACHIEVED,
+        "surveillance",
+        "paper_section_v",
+        "persistent_patrol",
+    }
 
 
 @pytest.mark.parametrize("mission", ACHIEVED)
