@@ -312,17 +312,19 @@ def achieved_in(events: Iterable[object]) -> list[str]:
     return achieved
 
 
+TOO_LONG = "endless_patrol"
+"""Eleven minutes: flown in lockstep alone."""
 ACHIEVED = {
-    **{s.mission: achieved_in(s.story) for s in SHIPPED if not isinstance(s.story[-1], RunFailed)},
+    **{
+        shipped.mission: achieved_in(shipped.story)
+        for shipped in SHIPPED
+        if not isinstance(shipped.story[-1], RunFailed) and shipped.mission != TOO_LONG
+    },
     "by_hand": ["A", "B", "C", "A", "r1", "r2", "upload(r2)", "Home"],
     "lost_person": ["West", "Person", SkillCompleted("drop").action, "Home"],
     "inspection": ["inspect(Home, A)", "inspect(here, C)", "Home"],
 }
 """What each mission achieves until it is satisfied; one that is not is stopped in its test."""
-
-
-TOO_LONG = "endless_patrol"
-"""Eleven minutes: flown in lockstep alone."""
 
 
 def fly(run: Run, mission: str, instance: int, log_dir: Path, until: str = "") -> list[str]:
