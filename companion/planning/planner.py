@@ -77,7 +77,10 @@ class Planner(Solver):
             route: a function, or a table of pairs of places in which a pair without a route is
             left out. Without it, the times of flight on the mission's map.
         clock: seconds; measures `translating_s` and `instantiating_s`.
-        energy: of a mission with a battery; made if absent.
+        energy: of a mission with a battery; made if absent, but not for flight times that are given.
+
+    Raises:
+        CompanionError: flight times are given for a mission with a battery, and no energy.
 
     Attributes:
         flight_time: as given; a flight sets one that knows where its vehicle is.
@@ -96,6 +99,11 @@ class Planner(Solver):
             flight_time = flight_times(mission, routes)
             if mission.battery is not None:
                 energy = energy or MissionEnergy(mission, routes)
+        elif mission.battery is not None and energy is None:
+            raise CompanionError(
+                "flight times say nothing of energy, and the mission has a battery\n"
+                "    leave out flight_time, or the mission's battery"
+            )
         elif isinstance(flight_time, Mapping):
             flight_time = from_table(mission, flight_time)
         start_s = clock()

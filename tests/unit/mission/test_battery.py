@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from companion.errors import MissionError
+from companion.errors import CompanionError, MissionError
 from companion.mission.loader import load_mission
 from companion.planning.planner import Planner
 
@@ -54,6 +54,11 @@ def test_what_is_written_is_what_plans_reckon_with() -> None:
     assert mission.skills["move"].energy_wh == 0.5
     assert mission.skills["recharge"].charge_rate == ((0, 0.02), (0.8, 0.02), (1, 0.001))
     assert "recharge(Dock)" in str(Planner(mission).plan())
+
+
+def test_flight_times_alone_make_no_plans_for_a_battery() -> None:
+    with pytest.raises(CompanionError, match="flight times say nothing of energy"):
+        Planner(load_mission(TEXT), lambda origin, goal: 5.0)
 
 
 def test_what_is_left_out_is_the_default_vehicles_or_linear() -> None:
