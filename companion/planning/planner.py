@@ -77,7 +77,7 @@ class Planner(Solver):
             route: a function, or a table of pairs of places in which a pair without a route is
             left out. Without it, the times of flight on the mission's map.
         clock: seconds; measures `translating_s` and `instantiating_s`.
-        energy: of a mission with a battery; made if absent, but not for flight times that are given.
+        energy: of a mission with a battery; made if absent, but not for given flight times.
 
     Raises:
         CompanionError: flight times are given for a mission with a battery, and no energy.
