@@ -138,7 +138,9 @@ def test_with_little_it_charges_first() -> None:
     assert not flight.of(NoPlanFound), text(flight)
 
 
-@pytest.mark.parametrize("at_s", [10.0, 18.0, 26.0, 33.0])
+@pytest.mark.parametrize(
+    "at_s", [18.0, *(pytest.param(at_s, marks=pytest.mark.long) for at_s in (10.0, 26.0, 33.0))]
+)
 def test_charge_that_is_lost_in_flight_makes_it_charge_first(at_s: float) -> None:
     flight = fly({"at_s": at_s, "battery": {"charge": 0.235}}, charge=0.5)
     assert lowest(flight, 110.0) >= RESERVE - 0.2
@@ -174,7 +176,7 @@ def test_a_gauge_that_is_not_read_any_more_ends_the_task_with_the_reserve() -> N
     assert "the battery does not charge, it is at unknown" in text(flight)
 
 
-@pytest.mark.parametrize("away_s", [0.5, 4.0])
+@pytest.mark.parametrize("away_s", [pytest.param(0.5, marks=pytest.mark.long), 4.0])
 def test_one_that_is_cut_off_in_a_lap_goes_on(away_s: float) -> None:
     flight = fly(has_station=True, resumes=True)
     flight.until_reported(PlaceReached, place="B").run(1.0)

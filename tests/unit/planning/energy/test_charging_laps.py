@@ -123,7 +123,9 @@ def flown(ways: WayTables, chargers: dict[int, Charger], lap: ChargingLap) -> tu
     return time_ms, met
 
 
-@pytest.mark.parametrize("seed", range(60))
+@pytest.mark.parametrize(
+    "seed", [*range(20), *(pytest.param(seed, marks=pytest.mark.long) for seed in range(20, 60))]
+)
 def test_no_lap_is_shorter(seed: int) -> None:
     ways, chargers, legs = instance(seed)
     expected = exhaustive(ways, chargers, legs)
