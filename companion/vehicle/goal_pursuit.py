@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from companion.mavlink.commands import CommandSender
 from companion.mavlink.framing import Message
+from companion.vehicle.control_watch import Heartbeat
 from companion.vehicle.goals import APPROACHES, Pursuit
 from companion.vehicle.port import Failed, Goal, Mode, Outcome, Progress, VehicleState
 from companion.vehicle.services import Moment
@@ -65,7 +66,8 @@ class GoalPursuit:
             allowed = approach.passes | {state.mode}
             self._first_mode = self._first_mode or state.mode
             up_m = self._takeoff_up(state, takeoff_up_m)
-            pursuit = Pursuit(goal, allowed, state.mode, moment.heard_s, up_m)
+            start = state.mode, moment.heard_s
+            pursuit = Pursuit(goal, allowed, *start, up_m, state.is_failsafe)
             self._pursuit = pursuit
         if state.is_mode_known(moment.now_s) and approach.is_reached(state):
             self._end_command()
@@ -76,20 +78,29 @@ class GoalPursuit:
         pursuit.has_failed = failure is not None
         return failure or Progress.RUNNING
 
-    def admits(self, mode: Mode, is_armed: bool) -> bool:
-        """Takes a mode that was heard; whether it means that nobody has taken control."""
+    def admits(self, heartbeat: Heartbeat) -> bool:
+        """Takes what was heard; whether it means that nobody has taken control."""
         pursuit = self._pursuit
         if pursuit is None:
             return True
-        is_passed = pursuit.admits(mode, is_armed, self._first_mode)
-        return is_passed and not self._is_held_low(pursuit, mode)
+        is_passed = pursuit.admits(heartbeat.mode, heartbeat.is_armed, self._first_mode)
+        is_held = heartbeat.mode is Mode.LOITER and (
+            self._is_held_low(pursuit) or self._is_held_by_failsafe(pursuit, heartbeat)
+        )
+        return is_passed and not is_held
 
-    def _is_held_low(self, pursuit: Pursuit, mode: Mode) -> bool:
+    def _is_held_low(self, pursuit: Pursuit) -> bool:
         """Whether a climb has ended in a hold so low that somebody must have chosen it."""
         state = self._telemetry.state
-        if pursuit.goal is not Goal.AIRBORNE or mode is not Mode.LOITER or state is None:
+        if pursuit.goal is not Goal.AIRBORNE or state is None:
             return False
         return state.mode is Mode.TAKEOFF and -state.position[2] < pursuit.takeoff_up_m - SHORT_M
+
+    def _is_held_by_failsafe(self, pursuit: Pursuit, heartbeat: Heartbeat) -> bool:
+        """Whether the autopilot holds by a failsafe, of its fence, where a climb would end."""
+        state, is_rising = self._telemetry.state, pursuit.goal in (Goal.AIRBORNE, Goal.OFFBOARD)
+        is_news = heartbeat.is_failsafe and not pursuit.begins_in_failsafe
+        return is_rising and is_news and state is not None and not state.is_landed
 
     def _ask(self, pursuit: Pursuit, state: VehicleState, moment: Moment) -> Failed | None:
         """Sends the goal's command when it is time to, unless the goal has failed."""

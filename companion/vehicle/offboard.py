@@ -290,7 +290,7 @@ class MavlinkVehicle:
         if self._goals.goal is None:
             self._control.settle()
         else:
-            is_ours = self._goals.admits(heartbeat.mode, heartbeat.is_armed)
+            is_ours = self._goals.admits(heartbeat)
             self._control.take(self._now_s, heartbeat, is_ours)
         return not self.is_doubted
 

@@ -11,7 +11,7 @@ from dataclasses import replace
 from companion.geofence import KeptFence
 from companion.mavlink.framing import Message, dialect
 from companion.outcomes import Refusal
-from companion.vehicle.gate import Envelope, Request, admit
+from companion.vehicle.gate import Envelope, Request, Verdict, admit
 from companion.vehicle.port import Setpoint
 from companion.vehicle.telemetry import Telemetry
 from companion.vehicle.wire import AUTOPILOT
@@ -35,6 +35,7 @@ class SetpointStream:
         self._telemetry = telemetry
         self._envelope = envelope
         self._request: Request | None = None
+        self._verdict: Verdict | None = None
         self._is_violated = False
 
     def fly(
@@ -45,7 +46,7 @@ class SetpointStream:
 
     def end(self) -> None:
         """Nothing is asked for any longer."""
-        self._request = None
+        self._request = self._verdict = None
 
     def set_speed_limit(self, speed_mps: float) -> None:
         """The gate admits no faster setpoint from now on."""
@@ -73,7 +74,7 @@ class SetpointStream:
         self.refusal = None
         if self._request is None:
             return []
-        verdict = admit(
+        self._verdict = verdict = admit(
             self._request,
             self._telemetry.state,
             now_s,
@@ -81,6 +82,7 @@ class SetpointStream:
             is_entering=is_entering,
             is_violated=self._is_violated,
             frame_doubt=self._telemetry.frame_doubt,
+            before=self._verdict,
         )
         if verdict.setpoint is None:
             return []

@@ -45,6 +45,8 @@ from companion.mission.model import Mission
 from companion.vehicle.offboard import MavlinkVehicle
 from companion.vehicle.own_uploads import OwnUploads
 from companion.vehicle.port import Setpoint
+from sitl.world.scenario_events import ScenarioEvent, TimeTrigger
+from sitl.world.schema import WindEventModel
 
 
 def at(origin: GlobalOrigin) -> dict[str, float]:
@@ -230,3 +232,17 @@ def test_what_leaves_the_fence_is_refused_by_the_companions_own_gate(
     for sent in flight.setpoints[before + 1 :]:
         assert is_in_polygon((sent.message.x, sent.message.y), SQUARE)
     assert flight.simulation.mode == "OFFBOARD"
+
+
+@pytest.mark.parametrize("blows_s", [6.0, 7.0])
+def test_a_breach_in_the_climb_is_the_autopilots(blows_s: float) -> None:
+    """Its hold looks like the end of the climb. Going on would take the vehicle from the fence."""
+    asked = mission(((-15.0, -1.0), (-15.0, 35.0), (15.0, 35.0), (15.0, -1.0)))
+    scenario, grid = world_of(asked, None)
+    gale = ScenarioEvent(TimeTrigger(blows_s), (("wind", WindEventModel(east_mps=-18.0)),), "wind")
+    scenario = replace(scenario, airframe="px4_sih", events=(gale,))
+    flight = Lockstep(asked, (scenario, grid), has_station=True)
+    flight.until(lambda: flight.companion.has_ended, 40.0)
+    assert flight.exit_code == 5
+    assert flight.ending.text == "a failsafe of the autopilot has control, in AUTO.LOITER"
+    assert "OFFBOARD" not in [mode for _, mode in flight.modes]

@@ -172,6 +172,39 @@ def test_a_plan_for_a_task_that_is_violated_holds(
     assert found == (Verdict(GOOD) if passes else held("the task is violated"))
 
 
+BEGUN = hold_at((4.0, 15.0, -2.25), 0.25)
+HELD = Verdict(BEGUN, Refusal("outside the fence"))
+OUTSIDE = replace(GOOD, position=(5.5, 21.0, -2.25))
+
+
+@pytest.mark.parametrize(
+    ("before", "is_kept"),
+    [(HELD, True), (None, False), (Verdict(BEGUN), False), (Verdict(None, HELD.refusal), False)],
+)
+def test_a_hold_stays_where_it_began(before: Verdict | None, is_kept: bool) -> None:
+    """And not where an estimate has drifted to by then; not where a setpoint was that passed."""
+    told = admit(Request(OUTSIDE, NOW_S), STATE, NOW_S, ENVELOPE, before=before)
+    assert told == Verdict(BEGUN if is_kept else HOLD, Refusal("outside the fence"))
+
+
+@pytest.mark.parametrize(("away_m", "is_kept"), [(1.5, True), (1.5 + AFTER, False)])
+def test_a_hold_begins_anew_beyond_the_carrot(away_m: float, is_kept: bool) -> None:
+    state = heard(position=changed(STATE.position, 0, 4.0 + away_m))
+    told = admit(Request(OUTSIDE, NOW_S), state, NOW_S, ENVELOPE, before=HELD).setpoint
+    assert told == (BEGUN if is_kept else hold_at(state.position, state.yaw_rad))
+
+
+def test_a_hold_in_a_frame_in_doubt_does_not_stay() -> None:
+    doubt = Refusal("the frame has moved")
+    request = Request(GOOD, NOW_S)
+    told = admit(request, STATE, NOW_S, ENVELOPE, frame_doubt=doubt, before=HELD)
+    assert told == Verdict(HOLD, doubt)
+
+
+def test_what_passes_again_is_sent() -> None:
+    assert admit(Request(GOOD, NOW_S), STATE, NOW_S, ENVELOPE, before=HELD) == Verdict(GOOD)
+
+
 def test_a_frame_in_doubt_holds_where_the_vehicle_is() -> None:
     """Whatever is asked for, and also what asks for OFFBOARD; what is not sent stays so."""
     doubt, asked = Refusal("two positions"), Request(GOOD, NOW_S)
