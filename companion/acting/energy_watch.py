@@ -11,9 +11,10 @@ import math
 
 from companion.acting.flight import Flight
 from companion.mission.facts import HERE
+from companion.planning.charger import UNITS_PER_WH
 from companion.planning.domain import Action
-from companion.planning.energy.drains import MissionEnergy
-from companion.planning.energy.model import UNITS_PER_WH, EnergyModel
+from companion.planning.energy.mission_energy import MissionEnergy
+from companion.planning.energy.model import EnergyModel
 from companion.planning.energy_check import required_levels
 from companion.planning.lasso import Lasso
 from companion.vehicle.port import Vehicle

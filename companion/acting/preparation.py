@@ -20,7 +20,7 @@ from companion.mission.altitudes import above_ground
 from companion.mission.model import Mission
 from companion.motion.layered_routes import LayeredRoutes
 from companion.motion.live_speed_limit import LiveSpeedLimit
-from companion.planning.energy.drains import MissionEnergy
+from companion.planning.energy.mission_energy import MissionEnergy
 from companion.planning.engine_port import Engine
 from companion.planning.flight_times import flight_times, route_map
 from companion.planning.lasso import ChosenPlan, Lasso, Letter, Problem

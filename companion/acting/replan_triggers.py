@@ -17,7 +17,7 @@ from companion.acting.energy_watch import EnergyWatch
 from companion.acting.flight import Flight
 from companion.acting.replanning.assumptions import Assumptions
 from companion.acting.replanning.replanner import Replanner
-from companion.planning.energy.drains import MissionEnergy
+from companion.planning.energy.mission_energy import MissionEnergy
 from companion.planning.lasso import Lasso
 from companion.slices import Question, ask_once
 

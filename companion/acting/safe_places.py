@@ -18,7 +18,7 @@ from companion.mission.facts import HERE, at
 from companion.motion.distance_maps import CELL_US
 from companion.motion.routes import CELLS_PER_TICK
 from companion.planning.domain import WAIT
-from companion.planning.energy.drains import MissionEnergy
+from companion.planning.energy.mission_energy import MissionEnergy
 from companion.planning.lasso import Lasso
 from companion.planning.planner import Planner
 from companion.slices import Question, spent

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+UNITS_PER_WH = 100
+
 
 @dataclass(frozen=True, eq=False)
 class Charger:

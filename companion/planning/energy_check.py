@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from companion.mission.facts import AT, Fact
+from companion.planning.charger import UNITS_PER_WH
 from companion.planning.domain import WAIT, Action
 from companion.planning.lasso import Energy, Lasso, Problem
-
-_PER_WH = 100
 
 
 def energy_fault(problem: Problem, lasso: Lasso) -> str | None:
@@ -27,9 +26,9 @@ def energy_fault(problem: Problem, lasso: Lasso) -> str | None:
             return wrong
         level, facts = _left(energy, level, action), action.apply(facts)
     if lasso.ends_at_rest:
-        needed = energy.rests.get(_place(facts))
+        needed = energy.rests.get(place_of(facts))
         is_enough = needed is not None and level >= needed
-        return None if is_enough else f"landing at {_place(facts)} would take the reserve"
+        return None if is_enough else f"landing at {place_of(facts)} would take the reserve"
     begun = level + 1
     while level < begun:  # what there was at first is used up, until each lap is like the last
         begun = level
@@ -51,10 +50,10 @@ def required_levels(energy: Energy, facts: frozenset[Fact], lasso: Lasso) -> tup
     actions = (*lasso.prefix, *lasso.loop)
     places = []
     for action in actions:
-        places.append(_place(facts))
+        places.append(place_of(facts))
         facts = action.apply(facts)
     if lasso.ends_at_rest:
-        after = energy.rests.get(_place(facts), 0)
+        after = energy.rests.get(place_of(facts), 0)
         kept = len(lasso.prefix)
         levels = [after] * len(lasso.loop)
     else:
@@ -76,7 +75,7 @@ def _before(energy: Energy, action: Action, after: int, floor: int) -> int:
 
 def _missing(energy: Energy, level: int, facts: frozenset[Fact], action: Action) -> str | None:
     """What is missing before an action; None if nothing is."""
-    place = _place(facts)
+    place = place_of(facts)
     floor = energy.floors.get(place)
     if floor is None:
         return f"from {place or 'nowhere'} no safe place can be reached"
@@ -98,9 +97,10 @@ def _left(energy: Energy, level: int, action: Action) -> int:
     return level - (energy.rest if action is WAIT else action.drain)
 
 
-def _place(facts: frozenset[Fact]) -> str:
+def place_of(facts: frozenset[Fact]) -> str:
+    """Where the vehicle is; "" for nowhere."""
     return next((fact.arguments[0] for fact in facts if fact.predicate == AT), "")
 
 
 def _wh(units: int) -> str:
-    return f"{units / _PER_WH:.2f} Wh"
+    return f"{units / UNITS_PER_WH:.2f} Wh"

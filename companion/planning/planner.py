@@ -28,8 +28,8 @@ from companion.planning.builtin.masked_actions import KnownActions
 from companion.planning.builtin.product import Product
 from companion.planning.builtin.transition_system import TransitionSystem
 from companion.planning.domain import Action, is_named, reach
-from companion.planning.energy.drains import MissionEnergy
 from companion.planning.energy.ledger import Ledger, ledger
+from companion.planning.energy.mission_energy import MissionEnergy
 from companion.planning.explain import Explanation, NoPlan
 from companion.planning.flight_times import flight_times, from_table, route_map
 from companion.planning.instances import FlightTime, Instances, task_model

@@ -22,8 +22,8 @@ Rules, in this order; the first that applies decides:
 10. Climbing or descending faster than the vehicle can: hold.
 
 To hold is to be sent, at rest, to where the hold began, as long as that is within the carrot: a PX4
-that was sent to its present position in each tick went 2.6 m in 6 s. In a frame in doubt it is the
-present position, which is right in both frames. Walls are the business of routes.
+that was sent to its present position in each tick went 2.6 m in 6 s. In a frame in doubt it is that
+position, which is right in both. Walls are the business of routes.
 """
 
 from __future__ import annotations
@@ -157,12 +157,15 @@ def admit(
 
 def _hold(judged: _Judged, before: Verdict | None) -> Setpoint:
     """Where the hold began, or the present position if it begins now."""
-    state = judged.state
-    if before is not None and before.refusal is not None and before.setpoint is not None:
-        gap_m = math.dist(before.setpoint.position, state.position)
-        if gap_m <= judged.envelope.carrot_m and judged.frame_doubt is None:
-            return before.setpoint
-    return hold_at(state.position, state.yaw_rad)
+    here, carrot_m = judged.state.position, judged.envelope.carrot_m
+    begun = before.setpoint if before is not None and before.refusal is not None else None
+    if (
+        begun is None
+        or judged.frame_doubt is not None
+        or math.dist(begun.position, here) > carrot_m
+    ):
+        return hold_at(here, judged.state.yaw_rad)
+    return begun
 
 
 @dataclass(frozen=True, slots=True)

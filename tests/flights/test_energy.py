@@ -24,7 +24,7 @@ from companion.mavlink.framing import dialect
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
 from companion.planning.builtin.search import Search
-from companion.planning.energy.model import UNITS_PER_WH
+from companion.planning.charger import UNITS_PER_WH
 from companion.planning.planner import Planner
 
 PAD = {"radius_m": 1.5, "current_a": 100}

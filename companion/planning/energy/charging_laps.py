@@ -20,7 +20,7 @@ import numpy as np
 from companion.planning.builtin.costs import UNREACHABLE_MS, Costs
 from companion.planning.charger import Charger
 from companion.planning.effort import ADDITION_US
-from companion.planning.energy.services import costs_at_least, service_costs
+from companion.planning.energy.charging_costs import costs_at_least, service_costs
 from companion.planning.energy.sorties import Sorties, WayTables
 from companion.slices import spent
 

@@ -11,11 +11,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain, cycle
 
-from companion.mission.facts import AT, Fact
+from companion.mission.facts import Fact
 from companion.mission.steps import Charge
+from companion.planning.charger import UNITS_PER_WH
 from companion.planning.domain import WAIT, Action, Refinement, Step
-from companion.planning.energy.model import UNITS_PER_WH
-from companion.planning.energy_check import required_levels
+from companion.planning.energy_check import place_of, required_levels
 from companion.planning.lasso import Energy, Lasso, Problem
 
 
@@ -139,7 +139,7 @@ def _levels(
     yield level, "at the beginning"
     for number, action in enumerate(chain(lasso.prefix, cycle(lasso.loop)), -len(lasso.prefix)):
         if number >= 0 and lasso.ends_at_rest:
-            place = _place(facts)
+            place = place_of(facts)
             yield level - (energy.rests.get(place, reserve) - reserve), f"on the ground at {place}"
             return
         if number >= 0 and number % len(lasso.loop) == 0:  # a lap begins
@@ -147,7 +147,7 @@ def _levels(
                 return
             begun = level
         facts = action.apply(facts)
-        charger, place = action.charger, _place(facts)
+        charger, place = action.charger, place_of(facts)
         if charger is not None and action.charge_to is not None:
             landed = level - charger.landing
             yield landed, f"on the ground at {place}"
@@ -155,7 +155,3 @@ def _levels(
         else:
             level -= energy.rest if action is WAIT else action.drain
             yield level, f"at {place}"
-
-
-def _place(facts: frozenset[Fact]) -> str:
-    return next((fact.arguments[0] for fact in facts if fact.predicate == AT), "an unknown place")

@@ -18,9 +18,8 @@ from companion.geometry import Ned
 from companion.mission.battery import MissionBattery
 from companion.motion.layered_routes import LEVEL_M, Passage
 from companion.motion.profile import SpeedLimits
-from companion.planning.charger import Charger
+from companion.planning.charger import UNITS_PER_WH, Charger
 
-UNITS_PER_WH = 100
 _J_PER_UNIT = 3600 / UNITS_PER_WH
 MARGIN = 1.05
 """Gusts, and what a profile does not know: plans reckon with so much more than it says."""

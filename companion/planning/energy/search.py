@@ -27,9 +27,9 @@ from companion.planning.charger import Charger
 from companion.planning.domain import WAIT, Action
 from companion.planning.effort import Effort
 from companion.planning.energy.approach import LoopApproach, approach
+from companion.planning.energy.charged_actions import charged
 from companion.planning.energy.charging_laps import ChargingLap, ChargingLaps
 from companion.planning.energy.energy_product import EnergyProduct
-from companion.planning.energy.levels import charged
 from companion.planning.energy.paths import Paths
 from companion.planning.energy.sorties import WayTables, joined
 from companion.planning.energy.split import Splits, improved

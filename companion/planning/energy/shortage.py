@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from companion.planning.builtin.costs import UNREACHABLE_MS
 from companion.planning.builtin.loops import essential_targets
 from companion.planning.builtin.search import Search, accepting_components
+from companion.planning.charger import UNITS_PER_WH
 from companion.planning.effort import Effort
 from companion.planning.energy.energy_product import EnergyProduct
-from companion.planning.energy.model import UNITS_PER_WH
 from companion.planning.energy.search import is_solvable
 from companion.planning.lasso import Problem
 

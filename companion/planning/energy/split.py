@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from companion.planning.builtin.costs import UNREACHABLE_MS, Costs
 from companion.planning.charger import Charger
 from companion.planning.effort import ADDITION_US
+from companion.planning.energy.charging_costs import service_costs
 from companion.planning.energy.charging_laps import ChargedSortie
-from companion.planning.energy.services import service_costs
 from companion.planning.energy.sorties import WayTable
 from companion.slices import spent
 

@@ -16,7 +16,7 @@ from companion.planning.builtin.search import Search
 from companion.planning.charger import Charger
 from companion.planning.domain import WAIT
 from companion.planning.effort import BEFORE_FLIGHT
-from companion.planning.energy.levels import charged
+from companion.planning.energy.charged_actions import charged
 from companion.planning.energy.model import MARGIN, EnergyModel
 from companion.planning.energy.search import energy_solutions
 from companion.planning.energy.shortage import shortages

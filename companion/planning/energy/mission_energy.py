@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from companion.geometry import Ned
 from companion.mission.facts import HERE
-from companion.mission.model import LandAtSafePlace, Mission, Skill
+from companion.mission.model import Mission, Skill
 from companion.motion.layered_routes import LayeredRoutes
 from companion.motion.profile import SpeedLimits
-from companion.planning.charger import Charger
+from companion.planning.charger import UNITS_PER_WH, Charger
 from companion.planning.domain import REST_S, Action
-from companion.planning.energy.model import UNITS_PER_WH, EnergyModel
+from companion.planning.energy.model import EnergyModel
 from companion.planning.lasso import Energy
 
 MOVING_MPS = 0.5
@@ -108,9 +108,7 @@ class MissionEnergy:
     @property
     def safe(self) -> tuple[str, ...]:
         """Where the vehicle may land: the mission's safe places, or home, and its docks."""
-        otherwise = self._mission.otherwise
-        is_said = isinstance(otherwise, LandAtSafePlace)
-        named = otherwise.places if is_said else (self._mission.home.name,)  # type: ignore[union-attr]
+        named = self._mission.safe_places or (self._mission.home.name,)
         return tuple(dict.fromkeys([*named, *self._docks]))
 
     def to_land_at(self, place: str) -> int | None:
