@@ -33,13 +33,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from companion.outcomes import Refusal
+from companion.vehicle.gate_polygons import Corner, distance_to, edges, is_crossing, is_inside_of
 from companion.vehicle.port import Mode, Setpoint, VehicleState, hold_at
 
 SPEED_TOLERANCE = 1.01
 """Rounding of a velocity that is exactly at the limit must not stop the vehicle."""
-
-Corner = tuple[float, float]
-"""North, east; metres."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -242,19 +240,19 @@ def _not_finite(judged: _Judged) -> Refusal | None:
 
 def _outside_fence(judged: _Judged) -> Refusal | None:
     envelope, there = judged.envelope, judged.request.setpoint.position[:2]
-    if not _is_inside(there, envelope.fence, envelope.fence_margin_m):
+    if not is_inside_of(there, envelope.fence, envelope.fence_margin_m):
         return Refusal("outside the fence")
-    is_inside = all(_is_inside(there, area, envelope.fence_margin_m) for area in envelope.within)
+    is_inside = all(is_inside_of(there, area, envelope.fence_margin_m) for area in envelope.within)
     return None if is_inside else Refusal("outside the autopilot's own fence")
 
 
 def _in_zone(judged: _Judged) -> Refusal | None:
     there, here = judged.request.setpoint.position[:2], judged.state.position[:2]
     for zone in judged.envelope.keep_out:
-        away_m = _away(here, zone)
-        if not _away(there, zone) >= min(away_m, judged.envelope.fence_margin_m):
+        away_m = distance_to(here, zone)
+        if not distance_to(there, zone) >= min(away_m, judged.envelope.fence_margin_m):
             return Refusal("in a keep-out zone")
-        if away_m >= 0 and any(_cross(here, there, *edge) for edge in _edges(zone)):
+        if away_m >= 0 and any(is_crossing(here, there, *edge) for edge in edges(zone)):
             return Refusal("behind a keep-out zone")
     return None
 
@@ -292,47 +290,6 @@ def _too_steep(judged: _Judged) -> Refusal | None:
 
 def _is_finite(*numbers: float) -> bool:
     return all(map(math.isfinite, numbers))
-
-
-def _is_inside(point: Corner, fence: Sequence[Corner], margin_m: float) -> bool:
-    """Whether a point lies in a polygon and so far from its edges: crossings of a ray eastwards."""
-    north, east = point
-    is_inside = False
-    for (n1, e1), (n2, e2) in _edges(fence):
-        if _distance(point, (n1, e1), (n2, e2)) < margin_m:
-            return False
-        if (n1 > north) != (n2 > north) and east < e1 + (north - n1) / (n2 - n1) * (e2 - e1):
-            is_inside = not is_inside
-    return is_inside
-
-
-def _away(point: Corner, zone: Sequence[Corner]) -> float:
-    """From a point to the nearest edge of a polygon, metres; negative inside."""
-    away_m = min(_distance(point, *edge) for edge in _edges(zone))
-    return -away_m if _is_inside(point, zone, 0.0) else away_m
-
-
-def _edges(polygon: Sequence[Corner]) -> Sequence[tuple[Corner, Corner]]:
-    return [*zip(polygon, (*polygon[1:], polygon[0]), strict=True)]
-
-
-def _cross(a: Corner, b: Corner, c: Corner, d: Corner) -> bool:
-    """Whether the ways from a to b and from c to d cross."""
-    return _side(a, b, c) * _side(a, b, d) < 0 and _side(c, d, a) * _side(c, d, b) < 0
-
-
-def _side(a: Corner, b: Corner, point: Corner) -> float:
-    """Positive on one side of the line through a and b, negative on the other."""
-    return (b[0] - a[0]) * (point[1] - a[1]) - (b[1] - a[1]) * (point[0] - a[0])
-
-
-def _distance(point: Corner, start: Corner, end: Corner) -> float:
-    """From a point to the nearest one of an edge, metres."""
-    along = (end[0] - start[0], end[1] - start[1])
-    length_2 = along[0] ** 2 + along[1] ** 2
-    offset = (point[0] - start[0]) * along[0] + (point[1] - start[1]) * along[1]
-    share = min(max(offset / length_2, 0.0), 1.0) if length_2 else 0.0
-    return math.dist(point, (start[0] + share * along[0], start[1] + share * along[1]))
 
 
 _Rule = Callable[[_Judged], Refusal | None]
