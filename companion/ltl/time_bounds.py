@@ -1,0 +1,121 @@
+"""Lines of a task with a bound in time, as clocks that read a word.
+
+A bound is pointwise: it speaks of the positions of a word, and of the times at which these are
+reached. Each kind is one clock, which is a deterministic automaton with one stop watch:
+
+- `F[<=T] p`: a clock runs from the first position on until p holds.
+- `G (a -> F[<=T] p)`: a clock begins where a holds and p does not, unless it runs, and ends at p.
+- `revisit(p) <= T`: a clock runs always, and is set to 0 where p holds. That is not `G F[<=T] p`:
+  p holds at p itself, so the leg that leaves it would not be counted.
+
+Without its bound each line is a formula, `untimed`, which automata read as any other. So a
+clock only has to refuse what comes too late.
+
+Source: Koymans, Specifying real-time properties with metric temporal logic, Real-Time Systems 1990
+(pointwise semantics); Alur and Dill, A theory of timed automata, TCS 1994.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from companion.ltl.formula import Formula, always, eventually, implies
+
+
+@dataclass(frozen=True)
+class TimeBound(ABC):
+    """One bounded line.
+
+    Attributes:
+        goal: what has to come in time; without temporal operators.
+        limit_ms: by when, in milliseconds.
+    """
+
+    goal: Formula
+    limit_ms: int
+
+    @property
+    @abstractmethod
+    def untimed(self) -> Formula:
+        """What it says without its bound."""
+
+    @abstractmethod
+    def begin(self) -> int | None:
+        """The clock before the first position: 0 if it runs from there on."""
+
+    @abstractmethod
+    def after(self, elapsed_ms: int | None, is_true: Callable[[Formula], bool]) -> int | None:
+        """The clock once a position was read.
+
+        Args:
+            elapsed_ms: what it showed when the position was reached; None if it stood still.
+            is_true: whether a formula without temporal operators holds there.
+        """
+
+    def is_late(self, elapsed_ms: int | None) -> bool:
+        """Whether a clock that shows this at a position, before it is read, has run over."""
+        return elapsed_ms is not None and elapsed_ms > self.limit_ms
+
+
+@dataclass(frozen=True)
+class Within(TimeBound):
+    """`F[<=T] goal`, from the first position on."""
+
+    @property
+    def untimed(self) -> Formula:
+        """Without its bound."""
+        return eventually(self.goal)
+
+    def begin(self) -> int | None:
+        """Before the first position."""
+        return 0
+
+    def after(self, elapsed_ms: int | None, is_true: Callable[[Formula], bool]) -> int | None:
+        """Once a position was read."""
+        return None if is_true(self.goal) else elapsed_ms
+
+
+@dataclass(frozen=True)
+class Response(TimeBound):
+    """`G (trigger -> F[<=T] goal)`.
+
+    Attributes:
+        trigger: what asks for the goal; without temporal operators.
+    """
+
+    trigger: Formula
+
+    @property
+    def untimed(self) -> Formula:
+        """Without its bound."""
+        return always(implies(self.trigger, eventually(self.goal)))
+
+    def begin(self) -> int | None:
+        """Before the first position."""
+        return None
+
+    def after(self, elapsed_ms: int | None, is_true: Callable[[Formula], bool]) -> int | None:
+        """Once a position was read."""
+        if is_true(self.goal):
+            return None
+        return 0 if elapsed_ms is None and is_true(self.trigger) else elapsed_ms
+
+
+@dataclass(frozen=True)
+class Revisit(TimeBound):
+    """`revisit(goal) <= T`: between positions with the goal, and from the start to the first."""
+
+    @property
+    def untimed(self) -> Formula:
+        """Without its bound."""
+        return always(eventually(self.goal))
+
+    def begin(self) -> int | None:
+        """Before the first position."""
+        return 0
+
+    def after(self, elapsed_ms: int | None, is_true: Callable[[Formula], bool]) -> int | None:
+        """Once a position was read."""
+        return 0 if is_true(self.goal) else elapsed_ms
