@@ -14,25 +14,37 @@ How it is read and written, and whose may be overwritten, is in upload_check.py.
 4. Whatever fence it is: the autopilot's home, the vehicle and each place of the mission lie in
    every area of it, or the mission is refused. What follows from one that is kept is for
    kept_fence.py.
+5. A vehicle that stands nearer to an edge than its position may be off by is told of: its estimate
+   may wander across in the climb, and the autopilot then ends the flight.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from companion.acting.arming_terms import UploadPolicy
 from companion.acting.flight import Flight
 from companion.acting.upload_check import UploadStep
-from companion.flight_events.fence import FenceKept, FenceMissing, FenceReplaced, FenceWritten
+from companion.flight_events.fence import (
+    FenceKept,
+    FenceMissing,
+    FenceNear,
+    FenceReplaced,
+    FenceWritten,
+)
 from companion.geofence import FenceArea, FencePolygon, StoredFence, are_alike
 from companion.geometry import NorthEast
 from companion.mission.model import Limits, Place
+from companion.motion.position_error import greatest_error_m
 from companion.vehicle.port import Failed
 from companion.vehicle.store_port import AutopilotFence
 
 ALIKE_M = 0.2
 """Corners that are nearer to each other are the same; the protocol rounds to a centimetre."""
 LISTEN_S = 2.0
+DIRECTIONS = 16
+"""In which it is looked how near an edge is."""
 
 
 class FenceJudge:
@@ -122,6 +134,7 @@ class FenceJudge:
             self._flight.report(FenceReplaced(words, str(self._replaced)))
         else:
             self._flight.report(FenceWritten(words))
+        self._tell_if_near(self._wanted)
         return UploadStep.UNOPPOSED
 
     def _keep(self, stored: StoredFence) -> UploadStep | Failed:
@@ -134,9 +147,24 @@ class FenceJudge:
             is_ours = are_alike(stored.areas, self._wanted, ALIKE_M)
             self.kept = None if is_ours else stored
             self._flight.report(FenceKept(str(stored)))
+            self._tell_if_near(stored.areas)
         else:
             self._flight.report(FenceMissing("it has none, and none is asked for"))
         return UploadStep.KEPT
+
+    def _tell_if_near(self, areas: Sequence[FenceArea]) -> None:
+        """Rule 5."""
+        state = self._flight.vehicle.state
+        if state is None:
+            return
+        error_m, (north_m, east_m) = greatest_error_m(state.accuracy_m), state.position[:2]
+        angles = (math.tau * number / DIRECTIONS for number in range(DIRECTIONS))
+        around = [
+            (north_m + error_m * math.cos(angle), east_m + error_m * math.sin(angle))
+            for angle in angles
+        ]
+        if not all(area.allows(point) for area in areas for point in around):
+            self._flight.report(FenceNear(round(error_m, 1)))
 
     def _outside(self, areas: Sequence[FenceArea], whose: str) -> Failed | None:
         """Why the mission cannot be flown in a fence; rule 4."""

@@ -15,7 +15,13 @@ from companion.flight_events.facts import (
     PlacesConnected,
     PlacesCutOff,
 )
-from companion.flight_events.fence import FenceKept, FenceMissing, FenceReplaced, FenceWritten
+from companion.flight_events.fence import (
+    FenceKept,
+    FenceMissing,
+    FenceNear,
+    FenceReplaced,
+    FenceWritten,
+)
 from companion.flight_events.hosting import (
     DatagramsDropped,
     FramesRefused,
@@ -145,6 +151,7 @@ EVENTS: tuple[type[FlightEvent], ...] = (
     FenceReplaced,
     FenceKept,
     FenceMissing,
+    FenceNear,
     RallyWritten,
     RallyReplaced,
     RallyKept,

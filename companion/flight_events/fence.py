@@ -50,3 +50,16 @@ class FenceMissing(FlightEvent):
     template = "no fence in the autopilot: {reason}"
 
     reason: InText[str]
+
+
+@dataclass(frozen=True, slots=True)
+class FenceNear(FlightEvent):
+    """The vehicle stands nearer to an edge of the fence than its position may be off by."""
+
+    kind = "fence"
+    template = (
+        "the fence is nearer than what the position may be off by, {error_m:.1f} m: "
+        "the autopilot may end the flight in the climb"
+    )
+
+    error_m: Annotated[float, Doc("what the position may be off by, rounded to 0.1 m")]

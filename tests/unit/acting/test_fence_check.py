@@ -12,7 +12,13 @@ from synthetic import mission
 from companion.acting.arming_terms import ArmingTerms, UploadPolicy
 from companion.acting.fence_check import LISTEN_S, areas_of
 from companion.acting.upload_check import TRANSITIONS, UploadStage
-from companion.flight_events.fence import FenceKept, FenceMissing, FenceReplaced, FenceWritten
+from companion.flight_events.fence import (
+    FenceKept,
+    FenceMissing,
+    FenceNear,
+    FenceReplaced,
+    FenceWritten,
+)
 from companion.flight_events.sortie import Phase
 from companion.geofence import FenceArea, FenceCircle, FencePolygon, StoredFence
 from companion.geometry import NorthEast
@@ -179,3 +185,17 @@ def test_nothing_is_asked_when_somebody_arms_it_meanwhile() -> None:
 
 def test_every_stage_is_reached() -> None:
     assert {row.then for row in TRANSITIONS} | {UploadStage.LOCATING} == set(UploadStage)
+
+
+@pytest.mark.parametrize("policy", [UploadPolicy.UPLOAD, UploadPolicy.KEEP])
+@pytest.mark.parametrize(("accuracy_m", "told_m"), [(0.05, []), (0.5, [1.5])])
+def test_a_vehicle_near_the_fence_is_told_of_if_its_position_may_lie_across(
+    policy: UploadPolicy, accuracy_m: float, told_m: list[float]
+) -> None:
+    """The mission's is 1.0 m away from where it stands, the kept one 1.3 m."""
+    near = StoredFence((FenceArea(FenceCircle((28.0, 3.0), 30.0), True),), 1)
+    run = rig(policy, near if policy is UploadPolicy.KEEP else None)
+    assert run.vehicle.state is not None
+    run.vehicle.state = replace(run.vehicle.state, position=(-0.5, 0.0, 0.0), accuracy_m=accuracy_m)
+    armed(run)
+    assert [event.error_m for event in run.of(FenceNear)] == told_m

@@ -18,7 +18,13 @@ from companion.flight_events.facts import (
     PlacesConnected,
     PlacesCutOff,
 )
-from companion.flight_events.fence import FenceKept, FenceMissing, FenceReplaced, FenceWritten
+from companion.flight_events.fence import (
+    FenceKept,
+    FenceMissing,
+    FenceNear,
+    FenceReplaced,
+    FenceWritten,
+)
 from companion.flight_events.hosting import (
     DatagramsDropped,
     FramesRefused,
@@ -210,6 +216,11 @@ TEXTS: list[tuple[FlightEvent, str]] = [
     ),
     (FenceKept("12 points, 2 areas"), "the autopilot keeps its fence (12 points, 2 areas)"),
     (FenceMissing("it tells no position"), "no fence in the autopilot: it tells no position"),
+    (
+        FenceNear(0.8),
+        "the fence is nearer than what the position may be off by, 0.8 m: "
+        "the autopilot may end the flight in the climb",
+    ),
     (
         RallyWritten("East, North"),
         "the autopilot's Return may land at East, North from now on, also after the flight",
