@@ -19,7 +19,7 @@ def tell_positions(flight: Flight, for_ever: bool = False) -> None:
         word = number, facts, risen, reached_s, withdrawn, restarted, for_ever
         flight.report(PositionLeft(*word, position.dropped))
         for conjunct in position.violated:
-            name, formula = conjunct.name, str(conjunct.formula)
+            name, formula = conjunct.name, conjunct.text
             is_optional = name in flight.task.optional
             flight.report(ConjunctViolated(name, formula, number, facts, is_optional))
     flight.task.left.clear()

@@ -273,7 +273,7 @@ def _as_json(planner: Planner, problem: Problem, search_s: float) -> dict[str, A
         "automata": [
             {
                 "conjunct": conjunct.name,
-                "formula": str(conjunct.formula),
+                "formula": conjunct.text,
                 "states": conjunct.automaton.states,
                 "transitions": len(conjunct.automaton.transitions),
                 "marks": conjunct.automaton.marks,

@@ -77,19 +77,7 @@ class Formula:
 
     def __str__(self) -> str:
         """The formula with as few parentheses as possible; `parse` reads it back."""
-        written: list[str] = []
-        pending: list[str | tuple[Formula, int]] = [(self, 0)]
-        while pending:
-            item = pending.pop()
-            if isinstance(item, str):
-                written.append(item)
-                continue
-            formula, strength = item
-            pieces = _pieces(formula)
-            if _STRENGTH[formula.operator] < strength:
-                pieces = ["(", *pieces, ")"]
-            pending += reversed(pieces)
-        return "".join(written)
+        return _written(self, 0)
 
     def __repr__(self) -> str:
         return f"parse({str(self)!r})"
@@ -119,6 +107,37 @@ _STRENGTH = {
     Operator.FALSE: 7,
 }
 """Binding strength; an operand weaker than its place needs parentheses."""
+
+
+def operand_text(formula: Formula, operator: Operator) -> str:
+    """A formula as it is written as the first operand of an operator.
+
+    >>> from companion.ltl.parser import parse
+    >>> operand_text(parse("a | b"), Operator.EVENTUALLY)
+    '(a | b)'
+    """
+    strength = _STRENGTH[operator]
+    return _written(formula, strength if operator in _PREFIXES else strength + 1)
+
+
+_PREFIXES = (Operator.NOT, Operator.NEXT, Operator.EVENTUALLY, Operator.ALWAYS)
+
+
+def _written(whole: Formula, least: int) -> str:
+    """The text of a formula, in parentheses if it binds less than a strength."""
+    written: list[str] = []
+    pending: list[str | tuple[Formula, int]] = [(whole, least)]
+    while pending:
+        item = pending.pop()
+        if isinstance(item, str):
+            written.append(item)
+            continue
+        formula, strength = item
+        pieces = _pieces(formula)
+        if _STRENGTH[formula.operator] < strength:
+            pieces = ["(", *pieces, ")"]
+        pending += reversed(pieces)
+    return "".join(written)
 
 
 def _pieces(formula: Formula) -> list[str | tuple[Formula, int]]:

@@ -1,8 +1,9 @@
 """Parsing: reads formulas from text, and explains what cannot be read.
 
 The grammar is in `grammar.lark`. A mission pattern, e.g. `patrolling(A, B)`, is read as the
-formula that it stands for (`patterns.py`). Nothing here recurses: the parser is LALR and builds
-the tree from below. A text beyond the limits below is refused before it is read.
+formula that it stands for (`patterns.py`); bounds in time are in `bound_parsing.py`. Nothing here
+recurses: the parser is LALR and builds the tree from below. A text beyond the limits below is
+refused before it is read.
 
 >>> parse("visit(A, B)") is parse("F at(A) & F at(B)")
 True
@@ -18,46 +19,61 @@ from lark import Lark, Token, Transformer, v_args
 from lark.exceptions import UnexpectedCharacters, UnexpectedToken
 
 from companion.errors import FormulaError
-from companion.ltl.formula import Formula, Operator, conjoin, disjoin
-from companion.ltl.patterns import PATTERNS
+from companion.ltl import bound_parsing
+from companion.ltl.bound_parsing import Parsed, TimedAnswer, error_at, span, without_bounds
+from companion.ltl.formula import Formula, Operator, disjoin
+from companion.ltl.patterns import AT, PATTERNS
+from companion.ltl.timed_formula import Line, TimedFormula
 
 
 @v_args(inline=True)
-class _FormulaBuilder(Transformer[Token, Formula]):
+class _FormulaBuilder(Transformer[Token, Parsed]):
     """Makes formulas while the text is parsed, one method a rule of grammar.lark."""
 
     def constant(self, name: Token) -> Formula:
         return Formula(Operator(name))
 
-    def proposition(self, name: Token, *arguments: Token) -> Formula:
+    def proposition(self, name: Token, *arguments: Token) -> Parsed:
         if arguments and name in PATTERNS:
             pattern = PATTERNS[name]
             misfit = pattern.misfit(arguments)
             if misfit is not None:
                 index, what = misfit
                 token = name if index is None else arguments[index]
-                raise _error_at(token, what, f"write {pattern.signature}")
+                raise error_at(token, what, f"write {pattern.signature}")
             return _read(pattern.expansion(arguments))
         for argument in arguments:
             if argument.type in (_FACT, "NUMBER"):
                 what = f"an argument of {name} cannot be {argument}"
-                raise _error_at(argument, what, "expected the name of an argument")
+                raise error_at(argument, what, "expected the name of an argument")
         return Formula(Operator.ATOM, (), _canonical(name, arguments))
 
     def fact(self, name: Token, *rest: Token) -> Token:
         return _fact(name, rest[1::2], rest[-1])  # between brackets and commas
 
-    def unary(self, operator: Token, operand: Formula) -> Formula:
-        return Formula(Operator(operator), (operand,))
+    def unary(self, operator: Token, operand: Parsed) -> Parsed:
+        if isinstance(operand, TimedAnswer) and operator == Operator.ALWAYS.value:
+            return bound_parsing.response(operand)
+        return Formula(Operator(operator), (without_bounds(operand),))
 
-    def binary(self, left: Formula, operator: Token, right: Formula) -> Formula:
-        return Formula(Operator(operator), (left, right))
+    def within(self, operator: Token, bound: Token, goal: Parsed) -> Parsed:
+        return bound_parsing.within(bound, goal)
 
-    def conjunction(self, *operands: Formula) -> Formula:
-        return conjoin(*operands)
+    def revisit(self, name: Token, goal: Token | Parsed, limit: Token | None = None) -> Parsed:
+        if isinstance(goal, Token):  # a place, as in patterns
+            goal = Formula(Operator.ATOM, (), _canonical(AT, [goal]))
+        return bound_parsing.revisit(name, goal, limit)
 
-    def disjunction(self, *operands: Formula) -> Formula:
-        return disjoin(*operands)
+    def binary(self, left: Parsed, operator: Token, right: Parsed) -> Parsed:
+        if operator == Operator.IMPLIES.value:
+            return bound_parsing.implication(left, right)
+        return Formula(Operator(operator), (without_bounds(left), without_bounds(right)))
+
+    def conjunction(self, *operands: Parsed) -> Parsed:
+        return bound_parsing.conjunction(operands)
+
+    def disjunction(self, *operands: Parsed) -> Parsed:
+        return disjoin(*map(without_bounds, operands))
 
 
 def _canonical(name: str, arguments: Sequence[str]) -> str:
@@ -73,18 +89,6 @@ def _fact(name: Token, arguments: Sequence[Token], closing: Token) -> Token:
     return Token(_FACT, text, start_pos=name.start_pos, end_pos=closing.end_pos)
 
 
-def _error_at(token: Token, what: str, advice: str) -> FormulaError:
-    """An error that `parse` completes with the text: the builder does not know it."""
-    offset, length = _span(token, token)
-    return FormulaError(what, "", offset, length, advice)
-
-
-def _span(first: Token, last: Token) -> tuple[int, int]:
-    """Offset and length of the text from one token to another."""
-    assert first.start_pos is not None and last.end_pos is not None
-    return first.start_pos, last.end_pos - first.start_pos
-
-
 @cache
 def _parser() -> Lark:
     # The basic lexer keeps `U` an operator even where only a proposition could stand.
@@ -94,9 +98,9 @@ def _parser() -> Lark:
     )
 
 
-def _read(text: str) -> Formula:
-    formula: Formula = _parser().parse(text)  # type: ignore[assignment]
-    return formula
+def _read(text: str) -> Parsed:
+    parsed: Parsed = _parser().parse(text)  # type: ignore[assignment]
+    return parsed
 
 
 MAX_CHARACTERS = 250_000
@@ -124,9 +128,22 @@ def parse(text: str) -> Formula:
         G F at(A) U
                    ^  expected a proposition such as at(A), true, false, ( or one of ! X F G
     """
+    line = parse_line(text)
+    if isinstance(line, TimedFormula):
+        advice = "leave the bound out here; lines of a task have them"
+        raise FormulaError("this cannot have a time bound", text, 0, len(text), advice)
+    return line
+
+
+def parse_line(text: str) -> Line:
+    """A line of a task: a formula, or one with bounds in time. Raises FormulaError as `parse` does.
+
+    >>> str(parse_line("G (alarm -> F[<=1.5 min] at(A))"))
+    'G(alarm -> F[<=90s] at(A))'
+    """
     _check_length(text)
     try:
-        return _read(text)
+        return bound_parsing.whole(_read(text))
     except UnexpectedCharacters as error:
         raise _meaningless(text, error.pos_in_stream or 0) from None
     except UnexpectedToken as error:
@@ -136,7 +153,7 @@ def parse(text: str) -> Formula:
 
 
 def occurrences(text: str) -> list[tuple[str, int, int]]:
-    """The places where a text mentions propositions. Raises FormulaError as `parse` does.
+    """The places where a text mentions propositions. Raises FormulaError as `parse_line` does.
 
     Returns:
         (canonical text, offset, length) of every mention, in the order of the text. An argument
@@ -147,12 +164,17 @@ def occurrences(text: str) -> list[tuple[str, int, int]]:
     >>> occurrences("patrolling(A, B)")
     [('at(A)', 11, 1), ('at(B)', 14, 1)]
     """
-    parse(text)
+    parse_line(text)
     found = []
     tokens = [*_parser().lex(text), Token("$END", "")]
     position = 0
     while tokens[position].type != "$END":
         name = tokens[position]
+        if name.type == "REVISIT" and tokens[position + 3].type == "_CLOSE":
+            place = tokens[position + 2]
+            if place.type not in ("TRUE", "FALSE"):
+                found.append((_canonical(AT, [place]), *span(place, place)))
+            position += 3
         if name.type != "NAME":
             position += 1
             continue
@@ -161,9 +183,9 @@ def occurrences(text: str) -> list[tuple[str, int, int]]:
             for index, argument in enumerate(arguments):
                 proposition = PATTERNS[name].proposition(index, argument)
                 if proposition is not None:
-                    found.append((proposition, *_span(argument, argument)))
+                    found.append((proposition, *span(argument, argument)))
         else:
-            found.append((_canonical(name, arguments), *_span(name, tokens[position - 1])))
+            found.append((_canonical(name, arguments), *span(name, tokens[position - 1])))
     return found
 
 
@@ -193,6 +215,9 @@ _EXPECTED = (
 
 
 def _meaningless(text: str, offset: int) -> FormulaError:
+    if text[offset] == "[" and re.search(r"\bF\s*$", text[:offset]):
+        what = "the [ of a time bound has no ]"
+        return FormulaError(what, text, offset, 1, "write F[<=60s] at(A)")
     return FormulaError(f"{text[offset]!r} has no meaning in a formula", text, offset, 1, _NOTATION)
 
 
@@ -202,6 +227,9 @@ def _explained(error: UnexpectedToken, text: str) -> FormulaError:
     if error.token.type == "$END":
         return FormulaError("the formula ends too early", text, len(text.rstrip()), 1, hint)
     offset = error.token.start_pos or 0
+    if error.token.type in ("BOUND", "LIMIT"):
+        what, hint = bound_parsing.misplaced(error.token)
+        return FormulaError(what, text, offset, len(error.token), hint)
     if error.token.type == "NUMBER":
         return _meaningless(text, offset)
     glued = re.search(r"\b[XFG]{2,}\s*$", text[:offset])

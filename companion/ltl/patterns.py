@@ -26,6 +26,9 @@ from dataclasses import dataclass
 from enum import Enum
 from itertools import pairwise
 
+AT = "at"
+"""The proposition of a place."""
+
 
 class ParameterKind(Enum):
     """The kinds of arguments that patterns have; the value is how signatures call it."""
@@ -90,7 +93,7 @@ class Pattern:
         """The proposition that an argument stands for; None for a count."""
         match self._parameter(index):
             case ParameterKind.PLACE:
-                return f"at({argument})"
+                return f"{AT}({argument})"
             case ParameterKind.CONDITION:
                 return argument
             case ParameterKind.COUNT:

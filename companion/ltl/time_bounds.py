@@ -17,11 +17,16 @@ Source: Koymans, Specifying real-time properties with metric temporal logic, Rea
 
 from __future__ import annotations
 
+import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from companion.ltl.formula import Formula, always, eventually, implies
+from companion.ltl.formula import Formula, Operator, always, eventually, implies, operand_text
+
+MARGIN_MS = 2000
+MARGIN_PERCENT = 5
+"""What plans keep in hand: flights are late."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +45,26 @@ class TimeBound(ABC):
     @abstractmethod
     def untimed(self) -> Formula:
         """What it says without its bound."""
+
+    @property
+    def planned_ms(self) -> int:
+        """The limit that plans keep: 5 % less, or 2 s if that is more.
+
+        >>> from companion.ltl.parser import atom
+        >>> [Within(atom("p"), limit).planned_ms for limit in (10_000, 60_000)]
+        [8000, 57000]
+        """
+        less_ms = self.limit_ms * (100 - MARGIN_PERCENT) // 100
+        return min(less_ms, self.limit_ms - MARGIN_MS)
+
+    @property
+    def _limit_s(self) -> str:
+        return f"{self.limit_ms / 1000:.3f}".rstrip("0").rstrip(".")
+
+    @property
+    def _within(self) -> str:
+        """`F[<=T] goal`."""
+        return f"F[<={self._limit_s}s] {operand_text(self.goal, Operator.EVENTUALLY)}"
 
     @abstractmethod
     def begin(self) -> int | None:
@@ -62,6 +87,9 @@ class TimeBound(ABC):
 @dataclass(frozen=True)
 class Within(TimeBound):
     """`F[<=T] goal`, from the first position on."""
+
+    def __str__(self) -> str:
+        return self._within
 
     @property
     def untimed(self) -> Formula:
@@ -87,6 +115,9 @@ class Response(TimeBound):
 
     trigger: Formula
 
+    def __str__(self) -> str:
+        return f"G({operand_text(self.trigger, Operator.IMPLIES)} -> {self._within})"
+
     @property
     def untimed(self) -> Formula:
         """Without its bound."""
@@ -106,6 +137,14 @@ class Response(TimeBound):
 @dataclass(frozen=True)
 class Revisit(TimeBound):
     """`revisit(goal) <= T`: between positions with the goal, and from the start to the first."""
+
+    def __str__(self) -> str:
+        goal = str(self.goal)
+        if place := re.fullmatch(r"at\((\w+)\)", goal):
+            goal = place[1]
+        elif not self.goal.operands:  # a name alone is that of a place
+            goal = f"({goal})"
+        return f"revisit({goal}) <= {self._limit_s} s"
 
     @property
     def untimed(self) -> Formula:

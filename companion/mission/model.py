@@ -13,7 +13,8 @@ from enum import Enum
 from companion.battery_profile import Points
 from companion.drawn_maps import Wall
 from companion.geometry import GlobalOrigin, Ned, NorthEast
-from companion.ltl.formula import Formula, atoms
+from companion.ltl.formula import atoms
+from companion.ltl.timed_formula import Line, untimed
 from companion.mission.battery import MissionBattery
 from companion.mission.facts import AT, Atom, Fact, at
 from companion.mission.markers import LandingMarker
@@ -277,7 +278,7 @@ class Mission:
     events: Mapping[str, Event]
     skills: Mapping[str, Skill]
     initially: frozenset[Fact]
-    task: Mapping[str, Formula]
+    task: Mapping[str, Line]
     otherwise: Otherwise | LandAtSafePlace
     tree: Tree | None = None
     vehicle: VehicleProfile = field(default_factory=VehicleProfile)
@@ -301,7 +302,7 @@ class Mission:
     @property
     def written_task(self) -> dict[str, str]:
         """The lines of the task as texts."""
-        return {name: str(formula) for name, formula in self.task.items()}
+        return {name: str(line) for name, line in self.task.items()}
 
     @property
     def speed_limits(self) -> SpeedLimits:
@@ -333,4 +334,5 @@ class Mission:
     @property
     def task_facts(self) -> frozenset[Fact]:
         """The facts that the task speaks of."""
-        return frozenset(Fact.parse(p) for part in self.task.values() for p in atoms(part))
+        lines = map(untimed, self.task.values())
+        return frozenset(Fact.parse(p) for line in lines for p in atoms(line))

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from companion.documents import Document
 from companion.errors import MissionError
-from companion.ltl.formula import Formula, eventually
-from companion.ltl.parser import parse
+from companion.ltl.formula import eventually
+from companion.ltl.parser import parse, parse_line
+from companion.ltl.timed_formula import Line
 from companion.mission.literals import parse_literals
 from companion.mission.schema import MissionFile
 from companion.mission.vocabulary import Vocabulary
@@ -25,7 +26,7 @@ def line_names(file: MissionFile) -> list[str]:
 
 def read_task(
     file: MissionFile, document: Document, vocabulary: Vocabulary
-) -> tuple[dict[str, Formula], dict[str, int]]:
+) -> tuple[dict[str, Line], dict[str, int]]:
     """The formulas of all lines, and the priorities of those that may be dropped.
 
     Raises:
@@ -41,10 +42,10 @@ def read_task(
             document.key_at("task", GOAL),
             "choose another name for the line",
         )
-    task = {}
+    task: dict[str, Line] = {}
     for name, line in file.task.items():
         with document.locating("task", name, "formula"):
-            task[name] = parse(line.formula)
+            task[name] = parse_line(line.formula)
             vocabulary.check(line.formula)
     if file.goal is not None:
         with document.locating("goal"):

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from companion.ltl.automaton import BuchiAutomaton
-from companion.ltl.formula import Formula, conjuncts
 from companion.ltl.monitor import live_states
 from companion.ltl.semantics import Letter
+from companion.ltl.timed_formula import Line, parts
 from companion.ltl.translate import translate
 from companion.monitor.page_events import Arrow, AutomatonDrawing
 
@@ -27,7 +27,7 @@ class DrawnAutomaton:
     """The automaton of one conjunct with its marks on nodes."""
 
     name: str
-    formula: Formula
+    text: str
     automaton: BuchiAutomaton
 
     @cached_property
@@ -70,7 +70,7 @@ class DrawnAutomaton:
                     arrows.setdefault((number[node], number[end]), []).append(str(t.label))
         return AutomatonDrawing(
             conjunct=self.name,
-            formula=str(self.formula),
+            formula=self.text,
             accepting=tuple(len(marks) == self.automaton.marks for _, marks in self.nodes),
             arrows=tuple(Arrow(*ends, " or ".join(labels)) for ends, labels in arrows.items()),
         )
@@ -83,11 +83,11 @@ def _order(node: Node) -> tuple[int, list[int]]:
 class TaskReader:
     """Reads the word of a flight with the automata of its task."""
 
-    def __init__(self, task: dict[str, Formula]) -> None:
+    def __init__(self, task: dict[str, Line]) -> None:
         self.automata = [
-            DrawnAutomaton(name, part, translate(part))
-            for name, formula in task.items()
-            for part in conjuncts(formula)
+            DrawnAutomaton(name, str(bound or part), translate(part))
+            for name, line in task.items()
+            for part, bound in parts(line)
         ]
         self._nodes = [automaton.start for automaton in self.automata]
 

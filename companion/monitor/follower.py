@@ -26,7 +26,7 @@ from companion.flight_events.skills import ClearanceChanged, SymbolMoved
 from companion.flight_events.tree import ActionTreeNode, TreeBuilt
 from companion.flight_events.word import PositionLeft
 from companion.geometry import Ned, NorthEast, enu_from_ned
-from companion.ltl.parser import parse
+from companion.ltl.parser import parse_line
 from companion.monitor.automata import TaskReader
 from companion.monitor.page_events import (
     DERIVED,
@@ -146,7 +146,7 @@ class Follower:
         match event:
             case PlanMade(task=task) | WrittenTreeAdopted(task=task):
                 self._is_written = isinstance(event, WrittenTreeAdopted)
-                self._task = TaskReader({name: parse(text) for name, text in task.items()})
+                self._task = TaskReader({name: parse_line(text) for name, text in task.items()})
                 yield AutomataDrawn(tuple(each.drawing for each in self._task.automata))
                 yield AutomataMoved(self._task.states)
             case PositionLeft() if self._task is not None:

@@ -115,7 +115,7 @@ class Explanation:
         lines = [f"no plan: {', '.join(names)} cannot hold{together} from here."]
         if not names:  # there is always rest, but for the energy that it takes
             lines = ["no plan: the charge lasts for nothing from here, the reserve left."]
-        lines += [f"  {conjunct.name}: {conjunct.formula}" for conjunct in self.conflict]
+        lines += [f"  {conjunct.name}: {conjunct.text}" for conjunct in self.conflict]
         lines += [f"  {unreachable}" for unreachable in self.unreachable]
         lines += [f"  no route leads to {place} on the map" for place in self.no_route]
         lines += [f"  {shortage}" for shortage in self.shortages]
@@ -131,7 +131,7 @@ class Explanation:
     def as_json(self) -> dict[str, object]:
         """The explanation as JSON values."""
         return {
-            "conflict": [{"name": c.name, "formula": str(c.formula)} for c in self.conflict],
+            "conflict": [{"name": c.name, "formula": c.text} for c in self.conflict],
             "unreachable": [
                 {"fact": u.fact, "needs": [sorted(needed) for needed in u.needs]}
                 for u in self.unreachable

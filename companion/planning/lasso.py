@@ -20,6 +20,7 @@ from companion.flight_events.plans import PlannedAction, PlannedLasso
 from companion.flight_events.writing import json_of
 from companion.ltl.automaton import BuchiAutomaton
 from companion.ltl.formula import Formula, atoms
+from companion.ltl.time_bounds import TimeBound
 from companion.mission.facts import Fact
 from companion.planning.domain import WAIT, Action
 from companion.planning.objective import Objective
@@ -30,11 +31,22 @@ Letter = frozenset[Fact]
 
 @dataclass(frozen=True)
 class Conjunct:
-    """One named part of the task with its automaton."""
+    """One named part of the task with its automaton.
+
+    Attributes:
+        formula: what its automaton reads: without its bound in time.
+        bound: None if it has none.
+    """
 
     name: str
     formula: Formula
     automaton: BuchiAutomaton
+    bound: TimeBound | None = None
+
+    @property
+    def text(self) -> str:
+        """What it says, with its bound."""
+        return str(self.bound or self.formula)
 
     @cached_property
     def facts(self) -> frozenset[Fact]:
@@ -79,6 +91,8 @@ class Problem:
             since; in flight time, of which only differences matter. Empty while nothing has been
             waited for: before the first skill of a flight is completed.
         energy: None where plans know of none.
+        clocks_ms: per conjunct, what its clock shows after the present position was read; None: it
+            stands still, or there is no bound. Empty if no conjunct has one.
     """
 
     actions: tuple[Action, ...]
@@ -89,15 +103,17 @@ class Problem:
     unread: frozenset[Fact] = frozenset()
     waiting_since_ms: tuple[int, ...] = ()
     energy: Energy | None = None
+    clocks_ms: tuple[int | None, ...] = ()
 
     def only(self, indices: Sequence[int]) -> Problem:
         """The same with some of the conjuncts alone."""
-        since_ms = self.waiting_since_ms
+        since_ms, clocks_ms = self.waiting_since_ms, self.clocks_ms
         return replace(
             self,
             conjuncts=tuple(self.conjuncts[i] for i in indices),
             automaton_states=tuple(self.automaton_states[i] for i in indices),
             waiting_since_ms=tuple(since_ms[i] for i in indices) if since_ms else (),
+            clocks_ms=tuple(clocks_ms[i] for i in indices) if clocks_ms else (),
         )
 
 

@@ -97,7 +97,7 @@ def _vacuous_lines(planner: Planner) -> Iterator[Notice]:
         if rest.everything.intersection(at_first):
             never = sorted(name for name, holds in constants.items() if not holds)
             why = f", for {', '.join(never)} never holds" if never else ""
-            text = f"{conjunct.formula} holds from the start on, whatever is done{why}"
+            text = f"{conjunct.text} holds from the start on, whatever is done{why}"
             yield Notice(conjunct.name, text)
 
 
@@ -124,5 +124,5 @@ def _met_by_rest(conjuncts: Sequence[Conjunct], plan: Lasso) -> Iterator[Notice]
             formula.operands[0].operator is Operator.EVENTUALLY
         )
         if again:
-            text = f"{formula} is met by resting for ever: the vehicle lands, and the flight ends"
-            yield Notice(conjunct.name, text)
+            how = "is met by resting for ever: the vehicle lands, and the flight ends"
+            yield Notice(conjunct.name, f"{conjunct.text} {how}")

@@ -13,17 +13,15 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
-from companion.errors import CompanionError, KeyPath
-from companion.ltl.budget import Budget, TranslationLimit
-from companion.ltl.formula import conjuncts
+from companion.errors import CompanionError
 from companion.ltl.monitor import Runs
-from companion.ltl.translate import translate
 from companion.mission.facts import HERE, Fact
 from companion.mission.model import Fly, Mission
 from companion.mission.tree_nodes import Tree, actions
+from companion.planning.bound_clocks import begun
 from companion.planning.builtin.masked_actions import KnownActions
 from companion.planning.builtin.product import Product
 from companion.planning.builtin.transition_system import TransitionSystem
@@ -33,32 +31,18 @@ from companion.planning.energy.mission_energy import MissionEnergy
 from companion.planning.explain import Explanation, NoPlan
 from companion.planning.flight_times import flight_times, from_table, route_map
 from companion.planning.instances import FlightTime, Instances, task_model
-from companion.planning.lasso import Conjunct, Lasso, Letter, Problem, Solution
+from companion.planning.lasso import Lasso, Letter, Problem, Solution
 from companion.planning.objective import Encoding, Objective
 from companion.planning.optional_lines import without_lines
 from companion.planning.solver import Solver
 from companion.planning.supposition import supposed_facts, supposed_withdrawn
+from companion.planning.task_automata import translated
 from companion.planning.unread_rises import UnreadRises
 
 BUILT_IN = "built-in"
 """The engine that plans unless another one is named."""
 
 log = logging.getLogger(__name__)
-
-
-def _translated(mission: Mission) -> Iterator[Conjunct]:
-    """The automata of the task, for all of which there is one budget.
-
-    Raises:
-        TranslationLimit: it does not suffice for a line.
-    """
-    budget = Budget.of_a_mission()
-    for name, formula in mission.task.items():
-        for part in conjuncts(formula):
-            try:
-                yield Conjunct(name, part, translate(part, budget=budget))
-            except TranslationLimit as limit:
-                raise limit.located(KeyPath(("task", name))) from None
 
 
 class Planner(Solver):
@@ -112,7 +96,7 @@ class Planner(Solver):
         self._departures = Instances(mission, HERE, energy)
         self.model = task_model(self._instances, flight_time)
         self.instantiating_s = clock() - start_s
-        self.conjuncts = tuple(_translated(mission))
+        self.conjuncts = tuple(translated(mission))
         self.translating_s = clock() - start_s - self.instantiating_s
         self.task_facts = mission.task_facts
         self.flight_time = flight_time
@@ -192,6 +176,7 @@ class Planner(Solver):
         withdrawn: frozenset[Fact] = frozenset(),
         is_en_route: bool = False,
         unread: frozenset[Fact] = frozenset(),
+        clocks_ms: tuple[int | None, ...] = (),
     ) -> Problem:
         """The problem from a state.
 
@@ -201,6 +186,7 @@ class Planner(Solver):
             withdrawn: beliefs that have been disproved; all others are held.
             is_en_route: whether the vehicle is between places: adds the moves from `here`.
             unread: events that have risen and fallen since the last letter was read.
+            clocks_ms: per conjunct, what its clock shows after reading it; () without bounds.
         """
         actions, beliefs = self.model.actions, self.model.beliefs
         if is_en_route:
@@ -209,6 +195,7 @@ class Planner(Solver):
             beliefs = beliefs.union(*(a.assumes for a in extra))
         held = facts | (beliefs - withdrawn)
         problem = Problem(actions, self.conjuncts, held, automaton_states, beliefs & withdrawn)
+        problem = replace(problem, clocks_ms=clocks_ms)
         if self.energy is not None:
             problem = replace(problem, energy=self.energy.now(is_en_route))
         return self._unread_rises.with_unread(problem, unread) if unread else problem
@@ -343,5 +330,6 @@ class Planner(Solver):
         withdrawn = supposed_withdrawn(self.model, without)
         letter = state | (self.model.beliefs - withdrawn)
         runs = (Runs.begin(conjunct.automaton).after(letter) for conjunct in self.conjuncts)
-        problem = self.problem(state, tuple(run.states for run in runs), withdrawn)
+        states, clocks_ms = tuple(run.states for run in runs), begun(self.conjuncts, letter)
+        problem = self.problem(state, states, withdrawn, clocks_ms=clocks_ms)
         return problem, [[letter] for _ in self.conjuncts]

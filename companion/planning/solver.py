@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
 
-from companion.errors import CompanionError
+from companion.errors import CompanionError, KeyPath, MissionError
 from companion.mission.model import Mission
 from companion.planning import optional_lines
 from companion.planning.builtin.search import Search
@@ -102,6 +102,7 @@ class Solver:
             yield solution
 
     def _found(self, problem: Problem, objective: Objective, effort: Effort) -> Iterator[Solution]:
+        _refuse_bounds(problem)
         if problem.energy is None:
             return self._search.solutions(problem, objective, effort)
         if objective is not Objective.LAP:
@@ -152,6 +153,7 @@ class Solver:
 
     def is_solvable(self, problem: Problem, effort: Effort = BEFORE_FLIGHT) -> bool | None:
         """Whether there is a plan; None if the search for one reaches its limit."""
+        _refuse_bounds(problem)
         if problem.energy is None:
             return self._search.is_solvable(problem, effort)
         return search.is_solvable(self._search, problem, effort)
@@ -161,3 +163,14 @@ class Solver:
 
     def _shortages(self, problem: Problem) -> tuple[str, ...]:
         return shortages(self._search, problem, BEFORE_FLIGHT)
+
+
+def _refuse_bounds(problem: Problem) -> None:
+    """Nothing is flown whose bounds no plan keeps. Raises MissionError."""
+    bounded = next((c for c in problem.conjuncts if c.bound is not None), None)
+    if bounded is not None:
+        raise MissionError(
+            f"plans keep no bound in time yet: {bounded.name}: {bounded.text}",
+            KeyPath(("task", bounded.name)),
+            "leave the bound out",
+        )

@@ -10,7 +10,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 from companion.ltl.first_letter import with_first_letter
-from companion.ltl.formula import Formula
 from companion.mission.facts import Fact
 from companion.planning.lasso import Conjunct, Problem
 from companion.slices import spent
@@ -22,7 +21,7 @@ class UnreadRises:
     """Makes such problems, and keeps the automata from plan to plan."""
 
     def __init__(self) -> None:
-        self._found: dict[tuple[str, Formula, frozenset[int], frozenset[Fact]], Conjunct] = {}
+        self._found: dict[tuple[str, str, frozenset[int], frozenset[Fact]], Conjunct] = {}
 
     def with_unread(self, problem: Problem, unread: frozenset[Fact]) -> Problem:
         """A problem whose first letter has some events besides what a plan makes of the facts."""
@@ -39,7 +38,7 @@ class UnreadRises:
     def _with(
         self, conjunct: Conjunct, states: frozenset[int], events: frozenset[Fact]
     ) -> Conjunct:
-        key = (conjunct.name, conjunct.formula, states, events)
+        key = (conjunct.name, conjunct.text, states, events)
         if key not in self._found:
             spent(_TAKING_IN_US)
             automaton = with_first_letter(conjunct.automaton, states, events)

@@ -23,6 +23,7 @@ from companion.flight_events.word import PositionLeft
 from companion.ltl.formula import Formula, conjuncts
 from companion.ltl.monitor import Monitor, TruthValue
 from companion.ltl.semantics import Letter, holds
+from companion.ltl.timed_formula import untimed
 from companion.record.events import RunRecord
 
 
@@ -99,8 +100,8 @@ def audit(record: RunRecord) -> Audit:
     """
     readings = [
         _read(name, part, record.positions)
-        for name, formula in record.task.items()
-        for part in conjuncts(formula)
+        for name, line in record.task.items()
+        for part in conjuncts(untimed(line))
     ]
     found = {(reading.name, number) for reading in readings for number in reading.violated}
     differs = tuple(sorted(found ^ record.violations))

@@ -20,8 +20,8 @@ from companion.flight_events.reading import read_line
 from companion.flight_events.sortie import RunEnded
 from companion.flight_events.tree import TreeBuilt
 from companion.flight_events.word import ConjunctViolated, PositionLeft
-from companion.ltl.formula import Formula
-from companion.ltl.parser import parse
+from companion.ltl.parser import parse_line
+from companion.ltl.timed_formula import Line
 
 EVENTS_FILE = "events.jsonl"
 
@@ -40,7 +40,7 @@ class RunRecord:
         is_torn: the last line is not whole, and was left out.
     """
 
-    task: Mapping[str, Formula]
+    task: Mapping[str, Line]
     priorities: Mapping[str, int]
     positions: tuple[PositionLeft, ...]
     times_s: tuple[float, ...]
@@ -85,7 +85,7 @@ def record_of(events: Iterable[Stamped]) -> RunRecord:
 def _record(
     events: Iterable[tuple[Stamped, Location | KeyPath]], name: str, is_torn: bool
 ) -> RunRecord:
-    task: dict[str, Formula] | None = None
+    task: dict[str, Line] | None = None
     priorities: Mapping[str, int] = {}
     positions: list[PositionLeft] = []
     times_s: list[float] = []
@@ -121,9 +121,9 @@ def _is_json(text: bytes) -> bool:
     return True
 
 
-def _formulas(task: Mapping[str, str], where: Location | KeyPath) -> dict[str, Formula]:
+def _formulas(task: Mapping[str, str], where: Location | KeyPath) -> dict[str, Line]:
     try:
-        return {name: parse(text) for name, text in task.items()}
+        return {name: parse_line(text) for name, text in task.items()}
     except FormulaError as error:
         raise error.located(where) from error
 

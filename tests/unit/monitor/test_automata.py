@@ -24,7 +24,7 @@ letters = st.frozensets(st.sampled_from(["p", "q"]))
 
 def drawing(text: str) -> DrawnAutomaton:
     formula = parse(text)
-    return DrawnAutomaton("it", formula, translate(formula))
+    return DrawnAutomaton("it", str(formula), translate(formula))
 
 
 @given(st.sampled_from(FORMULAS), st.lists(letters, max_size=8))

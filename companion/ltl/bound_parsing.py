@@ -1,0 +1,167 @@
+"""Bounds in time while a text is parsed: what they say, and where they may stand.
+
+A bound stands at `F`, at `revisit(...)`, and at the F of `G (... -> F ...)`, each a conjunct of the
+whole text. Anywhere else its clock would not be one clock: below X or ! it begins or ends where no
+position says so, and an alternative may leave it without anybody who waits.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from lark import Token
+
+from companion.errors import FormulaError
+from companion.ltl.formula import Formula, Operator, conjoin, implies, subformulas
+from companion.ltl.time_bounds import Response, Revisit, TimeBound, Within
+from companion.ltl.timed_formula import TimedFormula
+
+MIN_LIMIT_S = 3.0
+"""A plan keeps 2 s in hand."""
+MAX_LIMIT_S = 86_400.0
+UNITS_S = {"s": 1.0, "min": 60.0}
+
+_LIMIT = re.compile(r"(?P<sign>\D*?)\s*(?P<number>[-+]?\d+(\.\d+)?)\s*(?P<unit>[A-Za-z]*)")
+_WRITE = {"BOUND": "write F[<=60s] at(A)", "LIMIT": "write revisit(A) <= 120 s"}
+_TEMPORAL = frozenset(
+    (
+        Operator.NEXT,
+        Operator.EVENTUALLY,
+        Operator.ALWAYS,
+        Operator.UNTIL,
+        Operator.RELEASE,
+        Operator.WEAK_UNTIL,
+    )
+)
+
+
+@dataclass(frozen=True, slots=True)
+class TimedParts:
+    """Parts that all have to hold, some with a bound; one of these is at `bound`."""
+
+    parts: tuple[Formula | TimeBound, ...]
+    bound: Token
+
+
+@dataclass(frozen=True, slots=True)
+class TimedAnswer:
+    """`trigger -> F[<=T] goal`, which means something below G alone."""
+
+    trigger: Formula
+    within: Within
+    bound: Token
+
+
+Parsed = Formula | TimedParts | TimedAnswer
+"""What a part of a text says."""
+
+
+def span(first: Token, last: Token) -> tuple[int, int]:
+    """Offset and length of the text from one token to another."""
+    assert first.start_pos is not None and last.end_pos is not None
+    return first.start_pos, last.end_pos - first.start_pos
+
+
+def error_at(token: Token, what: str, advice: str) -> FormulaError:
+    """An error that `parse` completes with the text: who builds does not know it."""
+    offset, length = span(token, token)
+    return FormulaError(what, "", offset, length, advice)
+
+
+def within(bound: Token, goal: Parsed) -> TimedParts:
+    """`F[<=T] goal`."""
+    return TimedParts((Within(_state_formula(goal, bound), _limit_ms(bound, bound[1:-1])),), bound)
+
+
+def revisit(name: Token, goal: Parsed, limit: Token | None) -> TimedParts:
+    """`revisit(goal) <= T`."""
+    if limit is None:
+        what = "revisit has no bound: within what time, again and again?"
+        raise error_at(name, what, f"{_WRITE['LIMIT']}; without a bound it is G F at(A)")
+    goal = _state_formula(goal, limit)
+    return TimedParts((Revisit(goal, _limit_ms(limit, limit)),), limit)
+
+
+def implication(left: Parsed, right: Parsed) -> Parsed:
+    """`left -> right`; with a bound it waits for a G."""
+    match right:
+        case TimedParts(parts=(Within() as within,), bound=bound):
+            return TimedAnswer(_state_formula(left, bound), within, bound)
+    return implies(without_bounds(left), without_bounds(right))
+
+
+def response(found: TimedAnswer) -> TimedParts:
+    """`G (trigger -> F[<=T] goal)`."""
+    within = found.within
+    return TimedParts((Response(within.goal, within.limit_ms, found.trigger),), found.bound)
+
+
+def conjunction(operands: tuple[Parsed, ...]) -> Parsed:
+    """All operands."""
+    parts: list[Formula | TimeBound] = []
+    bound = None
+    for operand in operands:
+        if isinstance(operand, TimedParts):
+            bound = bound or operand.bound
+            parts += operand.parts
+        else:
+            parts.append(without_bounds(operand))
+    if bound is None:
+        return conjoin(*(part for part in parts if isinstance(part, Formula)))
+    return TimedParts(tuple(parts), bound)
+
+
+def without_bounds(part: Parsed) -> Formula:
+    """A part where no bound may stand. Raises FormulaError if it has one."""
+    if isinstance(part, Formula):
+        return part
+    raise error_at(
+        part.bound,
+        "time bounds stand at F and G (... -> F) of a whole line only",
+        "write F[<=60s] at(A), G (alarm -> F[<=90s] at(A)) or revisit(A) <= 120 s as a line",
+    )
+
+
+def whole(part: Parsed) -> Formula | TimedFormula:
+    """A whole text."""
+    return TimedFormula(part.parts) if isinstance(part, TimedParts) else without_bounds(part)
+
+
+def misplaced(token: Token) -> tuple[str, str]:
+    """What is wrong with a bound where the grammar has none, and what to write."""
+    if token.type == "BOUND":
+        return "a time bound stands after F only", _WRITE["BOUND"]
+    return "a limit in time follows revisit(...) only", f"{_WRITE['LIMIT']}, or F[<=60s] at(A)"
+
+
+def _state_formula(part: Parsed, bound: Token) -> Formula:
+    """A formula that one position decides."""
+    formula = without_bounds(part)
+    temporal = next((f for f in subformulas(formula) if f.operator in _TEMPORAL), None)
+    if temporal is not None:
+        raise error_at(
+            bound,
+            f"a time bound is about facts, and {str(temporal)[:60]} has an operator over time",
+            "write facts, !, & and | there; name what comes later in a line of its own",
+        )
+    return formula
+
+
+def _limit_ms(token: Token, text: str) -> int:
+    """The limit that a bound says."""
+    write = _WRITE[token.type]
+    found = _LIMIT.fullmatch(text.strip())
+    if found is None:
+        raise error_at(token, f"{token} is no bound in time", write)
+    if found["sign"] != "<=":
+        raise error_at(token, "a time bound is <= a time", write)
+    unit = found["unit"]
+    if unit not in UNITS_S:
+        what = f"the time has the unit {unit}" if unit else "the time has no unit"
+        raise error_at(token, f"{what}: s and min are known", write)
+    seconds = float(found["number"]) * UNITS_S[unit]
+    if not MIN_LIMIT_S <= seconds <= MAX_LIMIT_S:
+        hint = f"a bound is {MIN_LIMIT_S:g} s to {MAX_LIMIT_S / 60:g} min; plans keep 2 s in hand"
+        raise error_at(token, f"no plan can be held to {found['number']} {unit}", hint)
+    return round(1000 * seconds)

@@ -1,0 +1,51 @@
+"""Lines of a task, some parts of which have a bound in time.
+
+All parts have to hold. A line without any bound is a plain formula.
+
+>>> from companion.ltl.parser import parse_line
+>>> line = parse_line("F[<= 1 min] at(A) & G F at(B)")
+>>> str(line), str(untimed(line)), [str(part) for part, _ in parts(line)]
+('F[<=60s] at(A) & G F at(B)', 'F at(A) & G F at(B)', ['F at(A)', 'G F at(B)'])
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from companion.ltl.formula import Formula, Operator, conjoin, conjuncts, operand_text
+from companion.ltl.time_bounds import TimeBound
+
+
+@dataclass(frozen=True)
+class TimedFormula:
+    """A conjunction of formulas and bounds, one bound at least among them."""
+
+    parts: tuple[Formula | TimeBound, ...]
+
+    def __str__(self) -> str:
+        """The line as `parse_line` reads it back."""
+        return " & ".join(
+            operand_text(part, Operator.AND) if isinstance(part, Formula) else str(part)
+            for part in self.parts
+        )
+
+
+Line = Formula | TimedFormula
+"""What a line of a task says."""
+
+
+def parts(line: Line) -> Iterator[tuple[Formula, TimeBound | None]]:
+    """The conjuncts of a line: formulas, those with a bound without it, and their bounds."""
+    for part in (line,) if isinstance(line, Formula) else line.parts:
+        if isinstance(part, TimeBound):
+            yield part.untimed, part
+        else:
+            yield from ((conjunct, None) for conjunct in conjuncts(part))
+
+
+def untimed(line: Line) -> Formula:
+    """What a line says without its bounds."""
+    if isinstance(line, Formula):
+        return line
+    return conjoin(*(p.untimed if isinstance(p, TimeBound) else p for p in line.parts))
