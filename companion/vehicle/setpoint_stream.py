@@ -1,7 +1,8 @@
 """The stream of setpoints: what was asked for last, as the gate lets it out, as a message.
 
 Nothing here repeats a setpoint by itself: one leaves in a tick, and its lease ends where nobody
-renews it (`gate.py`).
+renews it (`gate.py`). What the gate lets out is written in the autopilot's own measure: positions
+in its frame, velocities as its estimate shows them (`velocity_bias.py`).
 """
 
 from __future__ import annotations
@@ -87,6 +88,8 @@ class SetpointStream:
         if verdict.setpoint is None:
             return []
         self.refusal = verdict.refusal
+        north_mps, east_mps, down_mps = verdict.setpoint.velocity
+        off_north_mps, off_east_mps = self._telemetry.velocity_bias.at(now_s)
         return [
             dialect.MAVLink_set_position_target_local_ned_message(
                 int(now_s * 1000) & 0xFFFFFFFF,
@@ -95,7 +98,9 @@ class SetpointStream:
                 dialect.MAV_FRAME_LOCAL_NED,
                 ALL_BUT_YAW_RATE,
                 *self._telemetry.frame.local(verdict.setpoint.position),
-                *verdict.setpoint.velocity,
+                north_mps + off_north_mps,
+                east_mps + off_east_mps,
+                down_mps,
                 *verdict.setpoint.acceleration,
                 verdict.setpoint.yaw_rad,
                 0.0,

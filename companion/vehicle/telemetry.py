@@ -22,6 +22,7 @@ from companion.vehicle.mission_frame import MissionFrame
 from companion.vehicle.origin_watch import OriginWatch
 from companion.vehicle.port import FrameLocation, Mode, VehicleState
 from companion.vehicle.position_watch import PositionWatch
+from companion.vehicle.velocity_bias import VelocityBias
 
 KNOWN_MODES = {mode.value: mode for mode in Mode}
 BATTERY_KNOWN_S = 5.0
@@ -41,6 +42,7 @@ class Telemetry:
         frame: of the mission.
         origins: where the autopilot's local frame lies on the earth.
         clock: of the autopilot.
+        velocity_bias: what its velocity is off by.
         heartbeat_s: when the newest heartbeat was heard.
         accuracy_m: as in VehicleState.
         words: in which the autopilot speaks.
@@ -50,6 +52,7 @@ class Telemetry:
         self.frame = MissionFrame()
         self.origins = OriginWatch()
         self.clock = BootClock()
+        self.velocity_bias = VelocityBias()
         self.words = AutopilotWords()
         self.heartbeat_s = -math.inf
         self.mode: Mode | None = None
@@ -204,6 +207,7 @@ class Telemetry:
             self._position = (now_s, position, velocity)
             self._measured_s = message.time_boot_ms / 1000
             self.origins.take_local(self._measured_s, position, velocity)
+            self.velocity_bias.take(now_s, self._measured_s, position, velocity)
             self._follow_origin()
             self._position_s = self.clock.measured_s(now_s, self._measured_s)
             is_standing = self._is_landed is True and not self.is_armed

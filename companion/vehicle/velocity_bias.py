@@ -1,0 +1,88 @@
+"""What the autopilot's velocity is off by, against the change of its position.
+
+An estimator's velocity may be off for seconds while fixes hold its position. The autopilot flies by
+both: with a velocity that is off by b it stands b / MPC_XY_P beside its setpoint (a PX4 with noisy
+inertial sensors: 0.4 m, and up to 1.5 m). The change of the position tells what the velocity should
+be. So setpoints are sent in the autopilot's own measure, what is off added to their velocity,
+as their positions are sent in its own frame.
+
+Both are smoothed alike, so that nothing is off where they agree, however the vehicle is flown:
+
+    b = lowpass(v) - d/dt lowpass(p)
+
+Rules:
+1. What is off by less than IGNORED_MPS is taken for rounding, and no more than MOST_MPS is added.
+2. A position that jumps is taken as a new one: the estimator has set it elsewhere.
+3. Nothing is known before SMOOTH_S of reports in a row, and after a gap, or a report older than
+   FRESH_S, it begins anew.
+"""
+
+from __future__ import annotations
+
+import math
+
+from companion.geometry import Ned, NorthEast
+
+SMOOTH_S = 0.5
+"""Time constant. On logs of a PX4, 0.3 to 1 s explained four fifths of what it stood beside."""
+IGNORED_MPS = 0.05
+MOST_MPS = 0.6
+JUMP_M = 0.3
+"""A change of the position, beside what the velocity makes of it, from one report to the next."""
+FRESH_S = 0.5
+"""Age of a report, and the time between two."""
+
+
+class VelocityBias:
+    """Follows the positions and velocities of one vehicle, north and east.
+
+    Attributes:
+        heard_s: when the newest report was heard.
+    """
+
+    def __init__(self) -> None:
+        self.heard_s = self._measured_s = self._begun_s = -math.inf
+        self._before = (0.0, 0.0, 0.0, 0.0)
+        self._smooth = (0.0, 0.0, 0.0, 0.0)
+
+    def take(self, now_s: float, measured_s: float, position: Ned, velocity: Ned) -> None:
+        """Takes a report, all numbers of which are finite.
+
+        Args:
+            now_s: when it was heard.
+            measured_s: its time by the autopilot's clock.
+            position: by its estimate, north, east, down.
+            velocity: the same.
+        """
+        since_s, before = measured_s - self._measured_s, self._before
+        if since_s == 0.0:
+            return
+        report = (position[0], position[1], velocity[0], velocity[1])
+        self.heard_s, self._measured_s, self._before = now_s, measured_s, report
+        if not 0 < since_s <= FRESH_S:
+            self._begun_s, self._smooth = measured_s, report
+            return
+        mean = [(old + new) / 2 for old, new in zip(before[2:], report[2:], strict=True)]
+        jump = [report[i] - before[i] - mean[i] * since_s for i in (0, 1)]
+        if math.hypot(*jump) > JUMP_M:
+            north, east, *velocities = self._smooth
+            self._smooth = (north + jump[0], east + jump[1], *velocities)
+        share = since_s / (SMOOTH_S + since_s)
+        news = (*report[:2], *mean)
+        north, east, v_north, v_east = (
+            old + share * (new - old) for old, new in zip(self._smooth, news, strict=True)
+        )
+        self._smooth = (north, east, v_north, v_east)
+
+    def at(self, now_s: float) -> NorthEast:
+        """What to add to a velocity so that the vehicle flies it, in m/s."""
+        is_stale = now_s - self.heard_s > FRESH_S
+        if is_stale or self._measured_s - self._begun_s < SMOOTH_S:
+            return (0.0, 0.0)
+        position, smooth = self._before[:2], self._smooth
+        off = [smooth[2 + i] - (position[i] - smooth[i]) / SMOOTH_S for i in (0, 1)]
+        size_mps = math.hypot(*off)
+        if size_mps <= IGNORED_MPS:
+            return (0.0, 0.0)
+        counted = min(size_mps - IGNORED_MPS, MOST_MPS) / size_mps
+        return (off[0] * counted, off[1] * counted)
