@@ -16,11 +16,10 @@ from __future__ import annotations
 
 import math
 
+from companion.vehicle.heard_time import FOLLOWS_S
 from companion.vehicle.port import Mode, VehicleState
 
 INTERRUPTED_S = 0.5
-FOLLOWS_S = 5.0
-"""From the end of an interruption to the failsafe that follows from it."""
 
 
 class StreamLossWatch:

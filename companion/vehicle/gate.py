@@ -24,6 +24,9 @@ Rules, in this order; the first that applies decides:
 To hold is to be sent, at rest, to where the hold began, as long as that is within the carrot: a PX4
 that was sent to its present position in each tick went 2.6 m in 6 s. In a frame in doubt it is that
 position, which is right in both. Walls are the business of routes.
+
+What leaves is written in the autopilot's own measure: to a velocity that was let out at most
+`velocity_bias.MOST_MPS` is added, what the autopilot's own is off by (`setpoint_stream.py`).
 """
 
 from __future__ import annotations

@@ -1,15 +1,22 @@
 """Pursues one goal of the vehicle after the other (`goals.py`), by commands to its autopilot.
 
+A failsafe that holds the vehicle where a climb ends, or where OFFBOARD is entered, is not gone on
+from: it may be the fence's. One that follows within FOLLOWS_S from a time in which nothing was
+heard, or nothing was done here, while OFFBOARD was asked for, is the loss of our own stream.
+
 A command that was accepted without effect is sent again after a pause. While nothing is heard of
 the autopilot no command is sent, and no goal's time passes.
 """
 
 from __future__ import annotations
 
+import math
+
 from companion.mavlink.commands import CommandSender
 from companion.mavlink.framing import Message
 from companion.vehicle.control_watch import Heartbeat
 from companion.vehicle.goals import APPROACHES, Pursuit
+from companion.vehicle.heard_time import FOLLOWS_S, QUIET_S
 from companion.vehicle.port import Failed, Goal, Mode, Outcome, Progress, VehicleState
 from companion.vehicle.services import Moment
 from companion.vehicle.telemetry import Telemetry
@@ -43,6 +50,7 @@ class GoalPursuit:
         self._commands = CommandSender()
         self._pursuit: Pursuit | None = None
         self._first_mode: Mode | None = None
+        self._stepped_s = self._interrupted_s = -math.inf
 
     @property
     def goal(self) -> Goal | None:
@@ -99,7 +107,10 @@ class GoalPursuit:
     def _is_held_by_failsafe(self, pursuit: Pursuit, heartbeat: Heartbeat) -> bool:
         """Whether the autopilot holds by a failsafe, of its fence, where a climb would end."""
         state, is_rising = self._telemetry.state, pursuit.goal in (Goal.AIRBORNE, Goal.OFFBOARD)
-        is_news = heartbeat.is_failsafe and not pursuit.begins_in_failsafe
+        follows = self._stepped_s - self._interrupted_s <= FOLLOWS_S
+        if heartbeat.is_failsafe and follows and pursuit.goal is Goal.OFFBOARD and pursuit.asked:
+            pursuit.is_in_failsafe = True
+        is_news = heartbeat.is_failsafe and not pursuit.is_in_failsafe
         return is_rising and is_news and state is not None and not state.is_landed
 
     def _ask(self, pursuit: Pursuit, state: VehicleState, moment: Moment) -> Failed | None:
@@ -157,7 +168,10 @@ class GoalPursuit:
     # -- services.Service ----------------------------------------------------------------------
 
     def step(self, moment: Moment) -> None:
-        """Goals are worked towards when they are pursued."""
+        """Notes interruptions; goals are worked towards when they are pursued."""
+        if moment.is_quiet or moment.now_s - self._stepped_s > QUIET_S:
+            self._interrupted_s = moment.now_s
+        self._stepped_s = moment.now_s
 
     def take(self, moment: Moment, message: Message) -> None:
         """Takes an answer to us."""

@@ -70,7 +70,8 @@ class Pursuit:
         takeoff_up_m: altitude above home that a take-off leads to.
         ticket: the command under way.
         asked: the approach to which that command belongs.
-        begins_in_failsafe: one of the autopilot's was active at its start, and is gone on from.
+        is_in_failsafe: one of the autopilot's is gone on from, which was active at its start, or
+            is that our stream was lost.
         has_failed: it was given up; the goal may be pursued anew.
         underway_s: when the vehicle was last on its way; the start before that.
     """
@@ -80,7 +81,7 @@ class Pursuit:
     start_mode: Mode
     start_s: float
     takeoff_up_m: float
-    begins_in_failsafe: bool = False
+    is_in_failsafe: bool = False
     ticket: int | None = None
     asked: Approach | None = None
     has_failed: bool = False

@@ -10,6 +10,8 @@ import math
 
 QUIET_S = 0.5
 """Silence after which nothing is heard; a PX4 sends more than a hundred messages a second."""
+FOLLOWS_S = 5.0
+"""From the end of an interruption to the failsafe by which a loss of our stream is told."""
 
 
 class HeardTime:

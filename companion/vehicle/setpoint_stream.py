@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from companion.geofence import KeptFence
+from companion.geometry import NorthEast
 from companion.mavlink.framing import Message, dialect
 from companion.outcomes import Refusal
 from companion.vehicle.gate import Envelope, Request, Verdict, admit
@@ -89,7 +90,7 @@ class SetpointStream:
             return []
         self.refusal = verdict.refusal
         north_mps, east_mps, down_mps = verdict.setpoint.velocity
-        off_north_mps, off_east_mps = self._telemetry.velocity_bias.at(now_s)
+        off_north_mps, off_east_mps = self._velocity_bias(now_s)
         return [
             dialect.MAVLink_set_position_target_local_ned_message(
                 int(now_s * 1000) & 0xFFFFFFFF,
@@ -106,3 +107,9 @@ class SetpointStream:
                 0.0,
             )
         ]
+
+    def _velocity_bias(self, now_s: float) -> NorthEast:
+        """What the autopilot's velocity is off by in flight; on the ground it moves nothing."""
+        state = self._telemetry.state
+        is_flying = state is not None and not state.is_landed
+        return self._telemetry.velocity_bias.at(now_s) if is_flying else (0.0, 0.0)

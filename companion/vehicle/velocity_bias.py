@@ -42,8 +42,8 @@ class VelocityBias:
 
     def __init__(self) -> None:
         self.heard_s = self._measured_s = self._begun_s = -math.inf
-        self._before = (0.0, 0.0, 0.0, 0.0)
-        self._smooth = (0.0, 0.0, 0.0, 0.0)
+        self._before = [0.0, 0.0, 0.0, 0.0]  # positions, velocities
+        self._smooth = self._before
 
     def take(self, now_s: float, measured_s: float, position: Ned, velocity: Ned) -> None:
         """Takes a report, all numbers of which are finite.
@@ -57,7 +57,7 @@ class VelocityBias:
         since_s, before = measured_s - self._measured_s, self._before
         if since_s == 0.0:
             return
-        report = (position[0], position[1], velocity[0], velocity[1])
+        report = [*position[:2], *velocity[:2]]
         self.heard_s, self._measured_s, self._before = now_s, measured_s, report
         if not 0 < since_s <= FRESH_S:
             self._begun_s, self._smooth = measured_s, report
@@ -66,13 +66,10 @@ class VelocityBias:
         jump = [report[i] - before[i] - mean[i] * since_s for i in (0, 1)]
         if math.hypot(*jump) > JUMP_M:
             north, east, *velocities = self._smooth
-            self._smooth = (north + jump[0], east + jump[1], *velocities)
+            self._smooth = [north + jump[0], east + jump[1], *velocities]
         share = since_s / (SMOOTH_S + since_s)
-        news = (*report[:2], *mean)
-        north, east, v_north, v_east = (
-            old + share * (new - old) for old, new in zip(self._smooth, news, strict=True)
-        )
-        self._smooth = (north, east, v_north, v_east)
+        smooth = zip(self._smooth, [*report[:2], *mean], strict=True)
+        self._smooth = [old + share * (new - old) for old, new in smooth]
 
     def at(self, now_s: float) -> NorthEast:
         """What to add to a velocity so that the vehicle flies it, in m/s."""
