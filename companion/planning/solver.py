@@ -16,6 +16,7 @@ from companion.planning.check import fault
 from companion.planning.domain import Action
 from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT, Effort
 from companion.planning.energy import search
+from companion.planning.energy.known_loops import KnownLoops
 from companion.planning.energy.shortage import shortages
 from companion.planning.energy_check import energy_fault
 from companion.planning.explain import Explanation, NoPlan, why_no_plan, world_of
@@ -34,6 +35,7 @@ class Solver:
     def __init__(self, mission: Mission, actions: Sequence[Action]) -> None:
         self.mission = mission
         self._search = Search(actions)
+        self._loops = KnownLoops()
 
     def solutions(
         self,
@@ -110,7 +112,7 @@ class Solver:
                 f"the objective {objective.value} is not for missions with a battery: plans that "
                 "keep its reserve are those of the shortest lap; leave the objective out"
             )
-        return search.energy_solutions(self._search, problem, effort)
+        return search.energy_solutions(self._search, problem, effort, self._loops)
 
     def kept(
         self, problem: Problem, histories: optional_lines.Histories
@@ -156,7 +158,7 @@ class Solver:
         _refuse_bounds(problem)
         if problem.energy is None:
             return self._search.is_solvable(problem, effort)
-        return search.is_solvable(self._search, problem, effort)
+        return search.is_solvable(self._search, problem, effort, self._loops)
 
     def _is_solvable_soon(self, problem: Problem) -> bool | None:
         return self.is_solvable(problem, IN_FLIGHT)

@@ -9,7 +9,7 @@ charging is the slower the fuller the battery is.
 from __future__ import annotations
 
 import heapq
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from companion.planning.builtin.costs import UNREACHABLE_MS
@@ -78,6 +78,18 @@ class LoopApproach:
     time_ms: int
     end: int
     level: int
+
+
+@dataclass(frozen=True, slots=True)
+class ApproachGoal:
+    """Where a way may end.
+
+    Attributes:
+        required: what has to be left there.
+    """
+
+    node: int
+    required: int
 
 
 @dataclass(slots=True, eq=False)
@@ -179,31 +191,34 @@ class _Label:
 
 
 class _OpenList:
-    """Labels that wait, by their time; each is one on its way, and maybe one that ends there."""
+    """Labels that wait, by their time; each is one on its way, and maybe some that end there."""
 
-    def __init__(self, graph: EnergyGraph, required: Mapping[int, int]) -> None:
-        self._graph, self._required = graph, required
-        self._pending: list[tuple[int, int, bool, _Label]] = []
+    def __init__(self, graph: EnergyGraph, goals: Sequence[ApproachGoal]) -> None:
+        self._graph = graph
+        self._goals: dict[int, list[tuple[int, int]]] = {}
+        for number, goal in enumerate(goals):
+            self._goals.setdefault(goal.node, []).append((number, goal.required))
+        self._pending: list[tuple[int, int, int | None, _Label]] = []
         self._count = 0
 
     def push(self, label: _Label) -> None:
         """A label with which the floor of its node can be kept."""
         floor = self._graph.floors[label.node]
         label.least = max(label.least, floor + label.used)
-        self._add(label.time_ms(floor), False, label)
-        if label.node in self._required:
-            self._add(label.time_ms(self._required[label.node]), True, label)
+        self._add(label.time_ms(floor), None, label)
+        for number, required in self._goals.get(label.node, ()):
+            self._add(label.time_ms(required), number, label)
 
-    def pop(self) -> tuple[_Label, bool] | None:
-        """The earliest one, and whether it ends there; None if there are none."""
+    def pop(self) -> tuple[_Label, int | None] | None:
+        """The earliest one, and the goal at which it ends, if at one; None if there are none."""
         if not self._pending:
             return None
-        _, _, is_end, label = heapq.heappop(self._pending)
-        return label, is_end
+        _, _, goal, label = heapq.heappop(self._pending)
+        return label, goal
 
-    def _add(self, time_ms: int, is_end: bool, label: _Label) -> None:
+    def _add(self, time_ms: int, goal: int | None, label: _Label) -> None:
         if time_ms < UNREACHABLE_MS:
-            heapq.heappush(self._pending, (time_ms, self._count, is_end, label))
+            heapq.heappush(self._pending, (time_ms, self._count, goal, label))
             self._count += 1
 
 
@@ -218,14 +233,32 @@ def approach(
         level: at the beginning.
         required: by node, what has to be left where it ends there.
     """
-    pending = _OpenList(graph, required)
+    goals = [ApproachGoal(node, needed) for node, needed in required.items()]
+    return next((way for _, way in quickest_ways(graph, starts, level, goals)), None)
+
+
+def quickest_ways(
+    graph: EnergyGraph, starts: Sequence[int], level: int, goals: Sequence[ApproachGoal]
+) -> Iterator[tuple[int, LoopApproach]]:
+    """The quickest way to each goal that can be reached, by its number, the quickest one first.
+
+    Args:
+        graph: its chargers all charge alike, or they may be not the quickest ones.
+        starts: where they may begin.
+        level: at the beginning.
+        goals: where they may end.
+    """
+    pending, left = _OpenList(graph, goals), set(range(len(goals)))
     for start in starts:
         pending.push(_Label(start, 0, 0, 0, None, -1, level=level))
     known: dict[int, list[_Label]] = {}
-    while (popped := pending.pop()) is not None:
-        label, is_end = popped
-        if is_end:
-            return _read(label, required[label.node])
+    while left and (popped := pending.pop()) is not None:
+        label, goal = popped
+        if goal is not None:
+            if goal in left:
+                left.remove(goal)
+                yield goal, _read(label, goals[goal].required)
+            continue
         alike = known.setdefault(label.node, [])
         spent(_LABEL_US + _COMPARISON_US * len(alike))
         if any(each.dominates(label) for each in alike):
@@ -238,7 +271,6 @@ def approach(
         for number, charge in enumerate(charges):
             if (charged := label.charged(charge, number)) is not None:
                 pending.push(charged)
-    return None
 
 
 def _read(label: _Label, needed: int) -> LoopApproach:
