@@ -191,6 +191,7 @@ class SearchLimit(CompanionError):
 
     Args:
         limit: the limit that was reached, with its number.
+        advice: what to do.
 
     >>> print(SearchLimit("80,000 edges of the product"))
     the search was given up at its limit of 80,000 edges of the product; there may be a plan
@@ -199,9 +200,13 @@ class SearchLimit(CompanionError):
 
     exit_code = 7
 
-    def __init__(self, limit: str) -> None:
+    def __init__(
+        self,
+        limit: str,
+        advice: str = "simplify the task, or ask another planner: companion plan --engine "
+        "fast-downward",
+    ) -> None:
         self.limit = limit
         super().__init__(
-            f"the search was given up at its limit of {limit}; there may be a plan\n"
-            "    simplify the task, or ask another planner: companion plan --engine fast-downward"
+            f"the search was given up at its limit of {limit}; there may be a plan\n    {advice}"
         )

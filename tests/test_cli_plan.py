@@ -54,7 +54,7 @@ def test_json_says_why_there_is_no_plan(companion: Companion) -> None:
 def test_a_search_that_is_given_up_is_told_from_no_plan(
     companion: Companion, monkeypatch: pytest.MonkeyPatch, command: str
 ) -> None:
-    tiny = Effort(product_edges=5, dijkstra_steps=5, held_karp_additions=5, loop_steps=5)
+    tiny = Effort(5, 5, 5, 5, 5)
     monkeypatch.setattr("companion.planning.solver.BEFORE_FLIGHT", tiny)
     ended = companion(command, SURVEILLANCE)
     assert ended.code == 7

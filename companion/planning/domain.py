@@ -139,6 +139,15 @@ WAIT = Action(
 )
 
 
+def duration_ms(action: Action) -> int:
+    """What an action takes: its cost, but for rest, which costs less than all else.
+
+    >>> duration_ms(WAIT)
+    1000
+    """
+    return round(1000 * REST_S) if action is WAIT else action.cost_ms
+
+
 TRIES = 3
 """Waypoints of a place that are tried (MAX_TRY, Fig. 6)."""
 

@@ -21,12 +21,14 @@ class Effort:
             takes their place.
         loop_steps: edges that the search for loops sees which are no cycles of the product; beyond
             them it is not proved that no loop is better.
+        time_labels: ways that the search for plans with bounds in time looks at.
     """
 
     product_edges: int
     dijkstra_steps: int
     held_karp_additions: int
     loop_steps: int
+    time_labels: int
 
 
 BEFORE_FLIGHT = Effort(
@@ -34,12 +36,14 @@ BEFORE_FLIGHT = Effort(
     dijkstra_steps=600_000_000,
     held_karp_additions=60_000_000,
     loop_steps=200_000,
+    time_labels=1_000_000,
 )
 IN_FLIGHT = Effort(
     product_edges=80_000,
     dijkstra_steps=15_000_000,
     held_karp_additions=15_000_000,
     loop_steps=10_000,
+    time_labels=60_000,
 )
 """Well under a second of work, which is done in slices (slices.py)."""
 

@@ -74,13 +74,19 @@ def solve_with(
 
     Raises:
         EngineError: the engine is missing, cannot take the problem, failed, or took too long; the
-            encoding cannot express the task; or the problem has energy, of which no engine knows.
+            encoding cannot express the task; or the problem has energy or bounds in time, of
+            which no engine knows.
         CompanionError: the engine made a wrong plan.
     """
     if problem.energy is not None:
         raise EngineError(
             f"the engine {engine} knows of no energy, and the mission has a battery; leave the "
             "engine out, so that the built-in search plans, or remove battery:"
+        )
+    if problem.clocks_ms:
+        raise EngineError(
+            f"the engine {engine} knows of no bounds in time, and the task has some; leave the "
+            "engine out, so that the built-in search plans, or remove the bounds"
         )
     question = EngineQuestion(problem, histories, encoding, objective)
     answer = _asked(question, engine, timeout_s, stop)

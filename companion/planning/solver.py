@@ -22,6 +22,8 @@ from companion.planning.energy_check import energy_fault
 from companion.planning.explain import Explanation, NoPlan, why_no_plan, world_of
 from companion.planning.lasso import DroppedLine, Lasso, Letter, Problem, Solution
 from companion.planning.objective import Objective
+from companion.planning.time_check import time_fault
+from companion.planning.timed.search import TimedSearch
 
 
 class Solver:
@@ -36,6 +38,7 @@ class Solver:
         self.mission = mission
         self._search = Search(actions)
         self._loops = KnownLoops()
+        self._timed = TimedSearch(self._search)
 
     def solutions(
         self,
@@ -52,7 +55,7 @@ class Solver:
         Raises:
             NoPlan: there is none; its `explanation` says why.
             SearchLimit: the search was given up.
-            CompanionError: an objective other than the lap, where plans know of energy.
+            CompanionError: an objective other than the lap, where plans know of energy or time.
         """
         found = False
         for solution in self._checked(problem, histories, objective, BEFORE_FLIGHT):
@@ -98,20 +101,27 @@ class Solver:
             wrong = fault(problem, solution.lasso, histories)
             if wrong is None and problem.energy is not None:
                 wrong = energy_fault(problem, solution.lasso)
+            if wrong is None and problem.clocks_ms:
+                wrong = time_fault(problem, solution.lasso)
             if wrong is not None:
                 text = f"the planner made a wrong plan, {solution.lasso}: {wrong}"
                 raise CompanionError(text)
             yield solution
 
     def _found(self, problem: Problem, objective: Objective, effort: Effort) -> Iterator[Solution]:
-        _refuse_bounds(problem)
-        if problem.energy is None:
+        _refuse_bounds_on_a_battery(problem)
+        if problem.energy is None and not problem.clocks_ms:
             return self._search.solutions(problem, objective, effort)
         if objective is not Objective.LAP:
+            why, kept = ("with a battery", "its reserve")
+            if problem.energy is None:
+                why, kept = ("with bounds in time", "them")
             raise CompanionError(
-                f"the objective {objective.value} is not for missions with a battery: plans that "
-                "keep its reserve are those of the shortest lap; leave the objective out"
+                f"the objective {objective.value} is not for missions {why}: plans that "
+                f"keep {kept} are those of the shortest lap; leave the objective out"
             )
+        if problem.energy is None:
+            return self._timed.solutions(problem, effort)
         return search.energy_solutions(self._search, problem, effort, self._loops)
 
     def kept(
@@ -155,7 +165,9 @@ class Solver:
 
     def is_solvable(self, problem: Problem, effort: Effort = BEFORE_FLIGHT) -> bool | None:
         """Whether there is a plan; None if the search for one reaches its limit."""
-        _refuse_bounds(problem)
+        _refuse_bounds_on_a_battery(problem)
+        if problem.energy is None and problem.clocks_ms:
+            return self._timed.is_solvable(problem, effort)
         if problem.energy is None:
             return self._search.is_solvable(problem, effort)
         return search.is_solvable(self._search, problem, effort, self._loops)
@@ -167,12 +179,12 @@ class Solver:
         return shortages(self._search, problem, BEFORE_FLIGHT)
 
 
-def _refuse_bounds(problem: Problem) -> None:
-    """Nothing is flown whose bounds no plan keeps. Raises MissionError."""
+def _refuse_bounds_on_a_battery(problem: Problem) -> None:
+    """Nothing is flown whose charge and bounds no plan keeps together. Raises MissionError."""
     bounded = next((c for c in problem.conjuncts if c.bound is not None), None)
-    if bounded is not None:
+    if bounded is not None and problem.energy is not None:
         raise MissionError(
-            f"plans keep no bound in time yet: {bounded.name}: {bounded.text}",
+            f"plans keep no bound in time on a battery: {bounded.name}: {bounded.text}",
             KeyPath(("task", bounded.name)),
-            "leave the bound out",
+            "leave the bound out, or battery:",
         )

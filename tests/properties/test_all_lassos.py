@@ -78,7 +78,7 @@ def test_what_is_promised_in_flight_is_true(seed: int) -> None:
         best, best_sum = reference.best_lap_and_prefix(), reference.best_sum()
     except TooLarge:
         return
-    for effort in (IN_FLIGHT, Effort(80_000, 200, 0, 0)):
+    for effort in (IN_FLIGHT, Effort(80_000, 200, 0, 0, 0)):
         for found in Search(asked.actions).solutions(asked, Objective.LAP, effort):
             assert best is not None and found.bound_ms <= best[0] <= found.cost_ms
             ours = (found.lasso.lap_cost_ms, found.lasso.prefix_cost_ms)

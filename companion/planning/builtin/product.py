@@ -29,6 +29,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from companion.errors import SearchLimit
+from companion.mission.facts import Fact
 from companion.planning.builtin.entered_nodes import EnteredNodes, Node
 from companion.planning.builtin.forgotten_facts import forgotten_facts
 from companion.planning.builtin.masked_actions import KnownActions
@@ -163,6 +164,10 @@ class Product:
     def facts(self, node: int) -> int:
         """The facts (bits) of a node."""
         return self._nodes[node][0]
+
+    def letter(self, node: int) -> frozenset[Fact]:
+        """All facts that hold at a node, constants among them."""
+        return self.system.constant | self._bits.facts(self.facts(node) & self.system.changing)
 
     def automaton_states(self, node: int) -> tuple[int, ...]:
         """The states of the automata of a node."""

@@ -61,7 +61,7 @@ def hit(run: SortieRig) -> None:
 
 def give_up_searches(monkeypatch: pytest.MonkeyPatch, effort: str) -> None:
     """Searches have a limit that they reach at once."""
-    tiny = Effort(product_edges=1, dijkstra_steps=1, held_karp_additions=1, loop_steps=1)
+    tiny = Effort(1, 1, 1, 1, 1)
     monkeypatch.setattr(f"companion.planning.solver.{effort}", tiny)
 
 

@@ -1,0 +1,112 @@
+"""A strong component of a product, where its laps are looked for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from companion.ltl.time_bounds import Revisit
+from companion.planning.builtin.loops import essential_targets
+from companion.planning.timed.timed_product import TimedProduct, TimedStep
+from companion.slices import spent
+
+_STEP_US = 1.0
+
+
+class TimedComponent:
+    """The states of a component, the steps that stay in it, and the marks that a lap has to meet.
+
+    Attributes:
+        nodes: of the product.
+        states: its states, as `TimedStep.end` numbers them.
+        targets_of: by mark, the nodes at which it is met.
+        all: the marks, as bits.
+        all_clocks: the clocks, as bits.
+    """
+
+    def __init__(
+        self,
+        graph: TimedProduct,
+        nodes: NDArray[np.intp],
+        targets_of: list[frozenset[int]] | None = None,
+    ) -> None:
+        self._graph = graph
+        self.nodes = nodes
+        within = set(nodes.tolist())
+        if targets_of is None:
+            targets_of = essential_targets(graph.product, nodes)
+        self.targets_of = targets_of
+        self.all = (1 << len(self.targets_of)) - 1
+        self.all_clocks = (1 << len(graph.bounds)) - 1
+        marks_at: dict[int, int] = {}
+        for mark, targets in enumerate(self.targets_of):
+            for target in targets:
+                marks_at[target] = marks_at.get(target, 0) | 1 << mark
+        self._steps: dict[int, list[tuple[TimedStep, int]]] = {}
+        for node in nodes.tolist():
+            state = graph.product.state_of[node]
+            if state not in self._steps:
+                self._steps[state] = [
+                    (step, marks_at.get(step.node, 0))
+                    for step in graph.steps(state)
+                    if step.node in within
+                ]
+                spent(_STEP_US * len(self._steps[state]))
+        self.states = list(self._steps)
+
+    def steps(self, state: int) -> Sequence[tuple[TimedStep, int]]:
+        """The steps that lead on from a state, and the marks (bits) that each meets."""
+        return self._steps.get(state, ())
+
+    def with_marks(self, marks: Sequence[int]) -> TimedComponent:
+        """The same, where a lap has to meet some of the marks alone, which are numbered anew."""
+        return TimedComponent(self._graph, self.nodes, [self.targets_of[mark] for mark in marks])
+
+    @property
+    def free(self) -> int:
+        """The marks (bits) that are met by what clocks ask for anyway."""
+        graph = self._graph
+        goals = [graph.goals(clock) for clock, least in enumerate(graph.least) if least == 0]
+        asked_for = [frozenset(np.intersect1d(nodes, self.nodes).tolist()) for nodes in goals]
+        is_free = [any(nodes <= targets for nodes in asked_for) for targets in self.targets_of]
+        return sum(1 << mark for mark, free in enumerate(is_free) if free)
+
+    def by_action(self) -> dict[int, dict[int, list[tuple[TimedStep, int]]]]:
+        """By state and action, the same."""
+        found: dict[int, dict[int, list[tuple[TimedStep, int]]]] = {}
+        for state, steps in self._steps.items():
+            own = found[state] = {}
+            for step, marks in steps:
+                own.setdefault(step.action, []).append((step, marks))
+        return found
+
+    def anchors(self) -> list[int]:
+        """States of which every lap passes one: the fewest that are known.
+
+        Among as many, those where a clock begins anew that has the least limit.
+        """
+        graph = self._graph
+        best = (len(self.states), 0, self.states)
+        for clock, bound in enumerate(graph.bounds):
+            if isinstance(bound, Revisit):
+                states = [state for state in self.states if graph.is_goal(clock, state)]
+                best = min(best, (len(states), bound.limit_ms - (1 << 60), states))
+        for targets in self.targets_of:
+            states = sorted({graph.product.state_of[node] for node in targets})
+            best = min(best, (len(states), 0, states))
+        return best[2]
+
+    def is_never_met(self) -> bool:
+        """Whether a mark cannot be met between two goals of a clock that runs for ever."""
+        graph = self._graph
+        for clock, bound in enumerate(graph.bounds):
+            if isinstance(bound, Revisit):
+                goals = np.intersect1d(graph.goals(clock), self.nodes)
+                there, back = graph.durations_from(goals), graph.durations_to(goals)
+                for targets in self.targets_of:
+                    at = sorted(targets)
+                    if (there[at] + back[at]).min() > graph.limits_ms[clock]:
+                        return True
+        return False

@@ -1,0 +1,125 @@
+"""The quickest way into a lap with the clocks as they are now, by label setting.
+
+Labels are ways from the start, taken in the order of their cost. One is of no use if an earlier one
+leads to the same state and none of its clocks shows more. A way may end where a lap admits its
+clocks. The search goes on from where it stopped, as the next lap is asked for.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections import defaultdict
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from companion.planning.timed.label_budget import LabelBudget
+from companion.planning.timed.laps import LapEntries, TimedLap
+from companion.planning.timed.pareto_set import ParetoSet
+from companion.planning.timed.timed_product import Clocks, TimedProduct, TimedStep
+
+
+class _WayLabel(NamedTuple):
+    """A way from the start."""
+
+    cost_ms: int
+    state: int
+    clocks: Clocks
+    before: _WayLabel | None
+    step: TimedStep | None
+
+    @property
+    def steps(self) -> list[TimedStep]:
+        """From the start on."""
+        found: list[TimedStep] = []
+        here: _WayLabel | None = self
+        while here is not None and here.step is not None:
+            found.append(here.step)
+            here = here.before
+        return found[::-1]
+
+
+class LapEntry(NamedTuple):
+    """A way into a lap, and the place of its first step there."""
+
+    prefix: list[TimedStep]
+    prefix_ms: int
+    lap: TimedLap
+    place: int
+
+
+class WaysIn:
+    """The ways that keep all bounds, from the start of a problem.
+
+    Args:
+        graph: the product.
+        has_unread: whether a plan has to begin with a step: its first letter has what no other has.
+        budget: of labels.
+    """
+
+    def __init__(self, graph: TimedProduct, has_unread: bool, budget: LabelBudget) -> None:
+        self._graph, self._has_unread, self._budget = graph, has_unread, budget
+        self._known: dict[int, ParetoSet] = defaultdict(ParetoSet)
+        self._taken: list[_WayLabel] = []
+        self._pending: list[tuple[int, int, _WayLabel]] = []
+        self._count = 0
+        for node in graph.product.initial:
+            state = graph.product.state_of[node]
+            if graph.can_begin(state):
+                self._push(_WayLabel(0, state, graph.start, None, None))
+
+    @property
+    def can_begin(self) -> bool:
+        """Whether no bound is broken already, or bound to be."""
+        return bool(self._pending or self._taken)
+
+    def into(self, laps: list[TimedLap]) -> LapEntry | None:
+        """The quickest way into one of some laps; None if there is none.
+
+        Raises:
+            SearchLimit: the budget does not suffice.
+        """
+        return next(self.all_into(laps), None)
+
+    def all_into(self, laps: list[TimedLap]) -> Iterator[LapEntry]:
+        """Every way into one of some laps that has no better one, the quickest first."""
+        entries = LapEntries(laps)
+        for label in self._labels():
+            if self._has_unread and label.before is None:
+                continue
+            found = entries.at(label.state, label.clocks)
+            if found is not None:
+                yield LapEntry(label.steps, label.cost_ms, *found)
+
+    def _labels(self) -> Iterator[_WayLabel]:
+        """All labels, the quickest ones first."""
+        number = 0
+        while number < len(self._taken) or self._advance():
+            yield self._taken[number]
+            number += 1
+
+    def _advance(self) -> bool:
+        """Takes the next label; whether there was one."""
+        while self._pending:
+            _, _, label = heapq.heappop(self._pending)
+            is_first = label.before is None and self._has_unread
+            if not is_first and not self._is_new(label):
+                continue
+            self._taken.append(label)
+            steps = self._graph.steps(label.state)
+            self._budget.take(len(steps))
+            for step in steps:
+                clocks = self._graph.after(label.clocks, step, label.before is None)
+                if clocks is not None:
+                    cost_ms = label.cost_ms + step.cost_ms
+                    self._push(_WayLabel(cost_ms, step.end, clocks, label, step))
+            return True
+        return False
+
+    def _push(self, label: _WayLabel) -> None:
+        self._count += 1
+        heapq.heappush(self._pending, (label.cost_ms, self._count, label))
+
+    def _is_new(self, label: _WayLabel) -> bool:
+        alike = self._known[label.state]
+        self._budget.take(0, len(alike))
+        return alike.add(label.clocks)

@@ -1,0 +1,195 @@
+"""The shortest laps through a state that keep all bounds for ever, by label setting.
+
+A label is a way from a state, the anchor, to another one: its cost, the marks that it has met, and
+its clocks. What a clock shows at the anchor is known only at the end of the lap. So each begins
+with the least that it may show, and a label remembers when the goal of each was first met: at the
+end, what a clock shows then and that time together have to be within the limit.
+
+One label dominates another at the same state with the same marks if it costs no more, no clock
+shows more, and no goal was first met later. Labels are taken in the order of their cost and of what
+is missing at least to end the lap (`lap_completion.py`), so laps are found in the order of theirs.
+
+Source: Irnich and Desaulniers, Shortest path problems with resource constraints, 2005.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections import defaultdict
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from companion.planning.builtin.costs import UNREACHABLE_MS
+from companion.planning.timed.component import TimedComponent
+from companion.planning.timed.label_budget import LabelBudget
+from companion.planning.timed.lap_completion import completion, completion_in_order
+from companion.planning.timed.pareto_set import ParetoSet
+from companion.planning.timed.timed_product import STANDS, Clocks, TimedProduct, TimedStep
+
+_OPEN = 1
+"""The goal of a clock was not met yet."""
+
+
+class _LapLabel(NamedTuple):
+    """A way from the anchor.
+
+    Attributes:
+        met: the marks, as bits.
+        first_met: by clock, when its goal was first met; what has passed, if it was not.
+        is_met: the clocks whose goal was met, as bits.
+    """
+
+    cost_ms: int
+    elapsed_ms: int
+    state: int
+    met: int
+    clocks: Clocks
+    first_met: Clocks
+    is_met: int
+    before: _LapLabel | None
+    step: TimedStep | None
+
+    @property
+    def weight(self) -> tuple[int, ...]:
+        """What makes it worse than others."""
+        is_open = (_OPEN if not self.is_met >> c & 1 else 0 for c in range(len(self.clocks)))
+        return (self.cost_ms, *self.clocks, *self.first_met, *is_open)
+
+
+MOST_ALIKE = 20
+"""Labels that are kept at a state with the same marks, where marks are met in order."""
+
+
+class LapSearch:
+    """Laps through an anchor.
+
+    Attributes:
+        bound_ms: no lap that is still to come costs less.
+
+    Args:
+        graph: the product.
+        component: of it, in which laps stay.
+        anchor: the state.
+        budget: of labels.
+        barred: states that laps avoid: those through them are known.
+        is_in_order: whether laps meet the marks in their order: not all of them are found, but some
+            soon.
+    """
+
+    def __init__(
+        self,
+        graph: TimedProduct,
+        component: TimedComponent,
+        anchor: int,
+        budget: LabelBudget,
+        barred: frozenset[int] = frozenset(),
+        is_in_order: bool = False,
+    ) -> None:
+        self._graph, self._component, self._anchor = graph, component, anchor
+        self._budget, self._barred, self._is_in_order = budget, barred, is_in_order
+        missing = completion_in_order if is_in_order else completion
+        self._missing_ms = missing(component, anchor, barred)
+        self.bound_ms = self._missing_ms(anchor, 0)
+        at_anchor = [graph.is_goal(clock, anchor) for clock in range(len(graph.bounds))]
+        self._begun = sum(1 << clock for clock, is_goal in enumerate(at_anchor) if is_goal)
+
+    def laps(self, below_ms: int = UNREACHABLE_MS) -> Iterator[list[TimedStep]]:
+        """Laps that cost less than some cost, the shortest ones first.
+
+        Raises:
+            SearchLimit: the budget does not suffice.
+        """
+        pending: list[tuple[int, int, _LapLabel, bool]] = []
+        count = 0
+        known: dict[tuple[int, int], ParetoSet] = defaultdict(ParetoSet)
+
+        def push(label: _LapLabel, is_lap: bool) -> None:
+            nonlocal count
+            missing_ms = 0 if is_lap else self._missing_ms(label.state, label.met)
+            if label.cost_ms + missing_ms < below_ms:
+                count += 1
+                heapq.heappush(pending, (label.cost_ms + missing_ms, -count, label, is_lap))
+
+        start = self._graph.least
+        nothing = (0,) * len(start)
+        push(_LapLabel(0, 0, self._anchor, 0, start, nothing, self._begun, None, None), False)
+        while pending:
+            self.bound_ms, _, label, is_lap = heapq.heappop(pending)
+            if is_lap:
+                yield _steps(label)
+                continue
+            if not self._is_new(label, known[label.state, label.met]):
+                continue
+            for following in self._after(label):
+                is_end = following.state == self._anchor and following.met == self._component.all
+                if is_end and self._closes(following):
+                    push(following, True)
+                else:
+                    push(following, False)
+        self.bound_ms = below_ms
+
+    def _is_new(self, label: _LapLabel, alike: ParetoSet) -> bool:
+        """Whether no label that is known dominates one; then it is known."""
+        self._budget.take(0, len(alike))
+        is_full = self._is_in_order and len(alike) >= MOST_ALIKE
+        return not is_full and alike.add(label.weight)
+
+    def _after(self, label: _LapLabel) -> Iterator[_LapLabel]:
+        graph = self._graph
+        steps = self._component.steps(label.state)
+        self._budget.take(len(steps))
+        for step, marks in steps:
+            if step.end in self._barred:
+                continue
+            met = label.met | marks
+            if self._is_in_order:
+                met = _in_order(label.met, marks)
+            clocks = graph.after(label.clocks, step)
+            if clocks is None:
+                continue
+            elapsed_ms = label.elapsed_ms + step.duration_ms
+            first_met, is_met = label.first_met, label.is_met
+            if is_met != self._component.all_clocks:
+                passed = []
+                for clock, first_ms in enumerate(first_met):
+                    is_open = not is_met >> clock & 1
+                    passed.append(elapsed_ms if is_open else first_ms)
+                    if is_open and graph.is_goal(clock, step.end):
+                        is_met |= 1 << clock
+                first_met = tuple(passed)
+            yield _LapLabel(
+                label.cost_ms + step.cost_ms,
+                elapsed_ms,
+                step.end,
+                met,
+                clocks,
+                first_met,
+                is_met,
+                label,
+                step,
+            )
+
+    def _closes(self, label: _LapLabel) -> bool:
+        """Whether a way back to the anchor can be flown for ever."""
+        return all(
+            now == STANDS or (label.is_met >> clock & 1 and now + first_ms <= limit_ms)
+            for clock, (now, first_ms, limit_ms) in enumerate(
+                zip(label.clocks, label.first_met, self._graph.limits_ms, strict=True)
+            )
+        )
+
+
+def _in_order(met: int, marks: int) -> int:
+    """The marks that count as met, of those that are met now the next ones alone."""
+    while marks & (met + 1):
+        met = met << 1 | 1
+    return met
+
+
+def _steps(label: _LapLabel) -> list[TimedStep]:
+    steps: list[TimedStep] = []
+    here: _LapLabel | None = label
+    while here is not None and here.step is not None:
+        steps.append(here.step)
+        here = here.before
+    return steps[::-1]

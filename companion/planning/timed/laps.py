@@ -1,0 +1,128 @@
+"""Loops that keep all bounds for ever, and what their clocks may show where they are entered.
+
+A clock that is set by its goal somewhere on a lap shows the same at the end of every lap, whatever
+it showed before the first one. So a lap can be flown for ever if it can be flown once with what it
+leaves its clocks at: for a revisit, what passes from the last visit of a lap to its end and from
+its beginning to the first one is within the limit.
+
+A plan may enter it wherever its clocks leave enough time for the next goal of each. Where a lap
+meets no goal of a clock, that clock has to stand still.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from companion.planning.timed.timed_product import STANDS, Clocks, TimedProduct, TimedStep
+
+
+@dataclass(frozen=True, slots=True)
+class TimedLap:
+    """A loop that keeps all bounds for ever.
+
+    Attributes:
+        steps: from its beginning on, which is where the last one ends.
+        cost_ms: of all of them.
+        latest: by place in `steps`, what each clock may show at most before the step.
+    """
+
+    steps: tuple[TimedStep, ...]
+    cost_ms: int
+    latest: tuple[Clocks, ...]
+
+    def state(self, place: int) -> int:
+        """Where a step begins."""
+        return self.steps[place - 1].end
+
+    def admits(self, place: int, clocks: Clocks) -> bool:
+        """Whether it can be entered before a step with some clocks."""
+        return all(now <= last for now, last in zip(clocks, self.latest[place], strict=True))
+
+
+def lap_of(graph: TimedProduct, steps: Sequence[TimedStep]) -> TimedLap | None:
+    """Some steps that lead back to their beginning as a lap; None if they break a bound."""
+    first = _flown(graph, graph.least, steps)
+    if first is None:
+        return None
+    again = _flown(graph, first, steps)
+    if again is None or any(b > a for a, b in zip(first, again, strict=True)):
+        return None
+    return TimedLap(tuple(steps), sum(step.cost_ms for step in steps), _latest(graph, steps))
+
+
+def _flown(graph: TimedProduct, clocks: Clocks, steps: Sequence[TimedStep]) -> Clocks | None:
+    for step in steps:
+        after = graph.after(clocks, step)
+        if after is None:
+            return None
+        clocks = after
+    return clocks
+
+
+def _latest(graph: TimedProduct, steps: Sequence[TimedStep]) -> tuple[Clocks, ...]:
+    found: list[Clocks] = []
+    latest = [STANDS] * len(graph.bounds)
+    for step in (*steps, *steps)[::-1]:  # what is met early on the next lap
+        for clock, limit_ms in enumerate(graph.limits_ms):
+            if graph.is_goal(clock, step.end):
+                latest[clock] = limit_ms
+            latest[clock] = max(STANDS, latest[clock] - step.duration_ms)
+        found.append(tuple(latest))
+    return tuple(found[::-1][: len(steps)])
+
+
+class LapEntries:
+    """Where some laps may be entered."""
+
+    def __init__(self, laps: Sequence[TimedLap]) -> None:
+        self._by_state: dict[int, list[tuple[TimedLap, int]]] = {}
+        for lap in laps:
+            for place in range(len(lap.steps)):
+                self._by_state.setdefault(lap.state(place), []).append((lap, place))
+
+    def at(self, state: int, clocks: Clocks) -> tuple[TimedLap, int] | None:
+        """A lap that can be entered at a state with some clocks, and the place; None if none is."""
+        for lap, place in self._by_state.get(state, ()):
+            if lap.admits(place, clocks):
+                return lap, place
+        return None
+
+
+RememberedLap = tuple[str, ...]
+"""The names of its actions."""
+
+
+def found_again(
+    graph: TimedProduct,
+    inside: Mapping[int, Mapping[int, Sequence[tuple[TimedStep, int]]]],
+    numbers: Sequence[int],
+    every_mark: int,
+) -> TimedLap | None:
+    """A loop of actions as a lap in a product; None if it is none there.
+
+    Args:
+        graph: the product.
+        inside: by state of a component and action, the steps within it and the marks they meet.
+        numbers: of the actions.
+        every_mark: that a lap has to meet.
+    """
+    for start in inside:
+        state, tried = start, set[int]()
+        while state not in tried:  # a loop of actions may lead to its cycle in some laps
+            tried.add(state)
+            steps, met = [], 0
+            here = state
+            for number in numbers:
+                following = inside.get(here, {}).get(number)
+                if not following:
+                    break
+                step, marks = following[0]
+                steps.append(step)
+                met |= marks
+                here = step.end
+            else:
+                if here == state and met == every_mark:
+                    return lap_of(graph, steps)
+                state = here
+    return None

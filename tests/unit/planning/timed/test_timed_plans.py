@@ -1,0 +1,51 @@
+"""Whole plans with bounds in time, against a search that looks at every state of the clocks."""
+
+from __future__ import annotations
+
+import pytest
+from problems import histories
+from reference_time import TimeReference
+from timed_problems import timed_problem
+
+from companion.planning.builtin.search import Search
+from companion.planning.check import fault
+from companion.planning.effort import BEFORE_FLIGHT
+from companion.planning.lasso import Problem, Solution
+from companion.planning.time_check import time_fault
+from companion.planning.timed.search import TimedSearch
+
+SEEDS = range(100)
+
+
+def planned(asked: Problem) -> Solution | None:
+    """The best plan that is found; it is right."""
+    found = list(TimedSearch(Search(asked.actions)).solutions(asked, BEFORE_FLIGHT))
+    for solution in found:
+        assert fault(asked, solution.lasso, histories(asked)) is None
+        assert time_fault(asked, solution.lasso) is None
+    return found[-1] if found else None
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_plan_is_found_if_there_is_one_and_no_lap_is_shorter(seed: int) -> None:
+    asked = timed_problem(seed)
+    best_ms = TimeReference(asked).best_ms()
+    solution = planned(asked)
+    assert (solution.cost_ms if solution else None) == best_ms
+    if solution is not None:
+        assert solution.bound_ms <= solution.cost_ms == solution.lasso.lap_cost_ms
+
+
+def test_bounded_laps_may_visit_a_place_several_times() -> None:
+    """Among the random problems are many without a plan, and some with a lap beyond the tour."""
+    without, longer = 0, 0
+    for seed in SEEDS:
+        asked = timed_problem(seed)
+        solution = planned(asked)
+        if solution is None:
+            without += 1
+            continue
+        *_, untimed = Search(asked.actions).solutions(asked)
+        longer += solution.cost_ms > untimed.cost_ms
+    assert without >= 20
+    assert longer >= 5
