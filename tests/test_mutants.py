@@ -63,3 +63,15 @@ def test_each_listed_survivor_is_a_mutant_with_a_reason() -> None:
     for entry in survivors:
         assert entry["mutant"] in made[entry["file"]], entry
         assert len(entry["why"]) > 20
+
+
+def test_the_tests_that_it_runs_exist() -> None:
+    """A module whose tests are not found has no mutant killed, and none counted."""
+    source = (ROOT / "scripts/mutate").read_text(encoding="utf-8")
+    named = {
+        node.value
+        for node in ast.walk(ast.parse(source))
+        if isinstance(node, ast.Constant) and str(node.value).startswith("unit/")
+    }
+    assert len(named) > 5
+    assert [name for name in sorted(named) if not (ROOT / "tests" / name).is_file()] == []
