@@ -10,12 +10,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 from companion.geofence import KeptFence
-from companion.geometry import NorthEast
+from companion.geometry import Ned
 from companion.mavlink.framing import Message, dialect
 from companion.outcomes import Refusal
 from companion.vehicle.gate import Envelope, Request, Verdict, admit
 from companion.vehicle.port import Setpoint
 from companion.vehicle.telemetry import Telemetry
+from companion.vehicle.velocity_bias import STILL
 from companion.vehicle.wire import AUTOPILOT
 
 ALL_BUT_YAW_RATE = dialect.POSITION_TARGET_TYPEMASK_YAW_RATE_IGNORE
@@ -89,8 +90,8 @@ class SetpointStream:
         if verdict.setpoint is None:
             return []
         self.refusal = verdict.refusal
-        north_mps, east_mps, down_mps = verdict.setpoint.velocity
-        off_north_mps, off_east_mps = self._velocity_bias(now_s)
+        bias = self._velocity_bias(now_s)
+        velocity = [v + off for v, off in zip(verdict.setpoint.velocity, bias, strict=True)]
         return [
             dialect.MAVLink_set_position_target_local_ned_message(
                 int(now_s * 1000) & 0xFFFFFFFF,
@@ -99,17 +100,15 @@ class SetpointStream:
                 dialect.MAV_FRAME_LOCAL_NED,
                 ALL_BUT_YAW_RATE,
                 *self._telemetry.frame.local(verdict.setpoint.position),
-                north_mps + off_north_mps,
-                east_mps + off_east_mps,
-                down_mps,
+                *velocity,
                 *verdict.setpoint.acceleration,
                 verdict.setpoint.yaw_rad,
                 0.0,
             )
         ]
 
-    def _velocity_bias(self, now_s: float) -> NorthEast:
+    def _velocity_bias(self, now_s: float) -> Ned:
         """What the autopilot's velocity is off by in flight; on the ground it moves nothing."""
         state = self._telemetry.state
         is_flying = state is not None and not state.is_landed
-        return self._telemetry.velocity_bias.at(now_s) if is_flying else (0.0, 0.0)
+        return self._telemetry.velocity_bias.at(now_s) if is_flying else STILL

@@ -1,10 +1,10 @@
 """What the autopilot's velocity is off by, against the change of its position.
 
 An estimator's velocity may be off for seconds while fixes hold its position. The autopilot flies by
-both: with a velocity that is off by b it stands b / MPC_XY_P beside its setpoint (a PX4 with noisy
-inertial sensors: 0.4 m, and up to 1.5 m). The change of the position tells what the velocity should
-be. So setpoints are sent in the autopilot's own measure, what is off added to their velocity,
-as their positions are sent in its own frame.
+both: with a velocity that is off by b it stands b / MPC_XY_P beside its setpoint, or b / MPC_Z_P
+above it (a PX4 with noisy inertial sensors: 0.4 m, and up to 1.5 m; 0.15 m). The change of the
+position tells what the velocity should be. So setpoints are sent in the autopilot's own measure,
+what is off added to their velocity, as their positions are sent in its own frame.
 
 Both are smoothed alike, so that nothing is off where they agree, however the vehicle is flown:
 
@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import math
 
-from companion.geometry import Ned, NorthEast
+from companion.geometry import Ned
 
 SMOOTH_S = 0.5
 """Time constant. On logs of a PX4, 0.3 to 1 s explained four fifths of what it stood beside."""
@@ -31,10 +31,11 @@ JUMP_M = 0.3
 """A change of the position, beside what the velocity makes of it, from one report to the next."""
 FRESH_S = 0.5
 """Age of a report, and the time between two."""
+STILL = (0.0, 0.0, 0.0)
 
 
 class VelocityBias:
-    """Follows the positions and velocities of one vehicle, north and east.
+    """Follows the positions and velocities of one vehicle.
 
     Attributes:
         heard_s: when the newest report was heard.
@@ -42,7 +43,7 @@ class VelocityBias:
 
     def __init__(self) -> None:
         self.heard_s = self._measured_s = self._begun_s = -math.inf
-        self._before = [0.0, 0.0, 0.0, 0.0]  # positions, velocities
+        self._before = [0.0] * 6  # north, east, down, and the velocities
         self._smooth = self._before
 
     def take(self, now_s: float, measured_s: float, position: Ned, velocity: Ned) -> None:
@@ -57,29 +58,29 @@ class VelocityBias:
         since_s, before = measured_s - self._measured_s, self._before
         if since_s == 0.0:
             return
-        report = [*position[:2], *velocity[:2]]
+        report = [*position, *velocity]
         self.heard_s, self._measured_s, self._before = now_s, measured_s, report
         if not 0 < since_s <= FRESH_S:
             self._begun_s, self._smooth = measured_s, report
             return
-        mean = [(old + new) / 2 for old, new in zip(before[2:], report[2:], strict=True)]
-        jump = [report[i] - before[i] - mean[i] * since_s for i in (0, 1)]
+        mean = [(old + new) / 2 for old, new in zip(before[3:], velocity, strict=True)]
+        jump = [position[i] - before[i] - mean[i] * since_s for i in range(3)]
         if math.hypot(*jump) > JUMP_M:
-            north, east, *velocities = self._smooth
-            self._smooth = [north + jump[0], east + jump[1], *velocities]
+            shift = zip(self._smooth, [*jump, 0.0, 0.0, 0.0], strict=True)
+            self._smooth = [old + by for old, by in shift]
         share = since_s / (SMOOTH_S + since_s)
-        smooth = zip(self._smooth, [*report[:2], *mean], strict=True)
+        smooth = zip(self._smooth, [*position, *mean], strict=True)
         self._smooth = [old + share * (new - old) for old, new in smooth]
 
-    def at(self, now_s: float) -> NorthEast:
+    def at(self, now_s: float) -> Ned:
         """What to add to a velocity so that the vehicle flies it, in m/s."""
         is_stale = now_s - self.heard_s > FRESH_S
         if is_stale or self._measured_s - self._begun_s < SMOOTH_S:
-            return (0.0, 0.0)
-        position, smooth = self._before[:2], self._smooth
-        off = [smooth[2 + i] - (position[i] - smooth[i]) / SMOOTH_S for i in (0, 1)]
+            return STILL
+        position, smooth = self._before, self._smooth
+        off = [smooth[3 + i] - (position[i] - smooth[i]) / SMOOTH_S for i in range(3)]
         size_mps = math.hypot(*off)
         if size_mps <= IGNORED_MPS:
-            return (0.0, 0.0)
+            return STILL
         counted = min(size_mps - IGNORED_MPS, MOST_MPS) / size_mps
-        return (off[0] * counted, off[1] * counted)
+        return (off[0] * counted, off[1] * counted, off[2] * counted)

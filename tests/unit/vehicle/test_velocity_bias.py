@@ -20,7 +20,7 @@ from companion.vehicle.velocity_bias import (
 )
 
 PERIOD_S = 1 / 30
-NOTHING = (0.0, 0.0)
+FLAT, NOTHING = (0.0, 0.0), (0.0, 0.0, 0.0)
 Flat = Callable[[float], tuple[float, float]]
 
 
@@ -43,18 +43,25 @@ def flown(
 def test_a_vehicle_that_moves_as_its_velocity_does_not_say(heading: int) -> None:
     """It reports to stand, and moves at 0.35 m/s: that much has to be added the other way."""
     north, east = math.cos(math.radians(heading)), math.sin(math.radians(heading))
-    bias, now_s = flown(lambda t: (0.35 * north * t, 0.35 * east * t), lambda _: NOTHING)
+    bias, now_s = flown(lambda t: (0.35 * north * t, 0.35 * east * t), lambda _: FLAT)
     counted = -(0.35 - IGNORED_MPS)
-    assert bias.at(now_s) == pytest.approx((counted * north, counted * east), abs=1e-3)
+    assert bias.at(now_s) == pytest.approx((counted * north, counted * east, 0.0), abs=1e-3)
+
+
+def test_the_vertical_is_one_of_three() -> None:
+    bias = VelocityBias()
+    for number in range(150):
+        bias.take(number / 30, number / 30, (0.0, 0.0, -2.0 - 0.2 * number / 30), (0.0, 0.0, 0.0))
+    assert bias.at(149 / 30) == pytest.approx((0.0, 0.0, 0.2 - IGNORED_MPS), abs=1e-3)
 
 
 def test_no_more_than_the_most_is_added() -> None:
-    bias, now_s = flown(lambda t: (-2.0 * t, 0.0), lambda _: NOTHING)
-    assert bias.at(now_s) == pytest.approx((MOST_MPS, 0.0))
+    bias, now_s = flown(lambda t: (-2.0 * t, 0.0), lambda _: FLAT)
+    assert bias.at(now_s) == pytest.approx((MOST_MPS, 0.0, 0.0))
 
 
 def test_nothing_is_added_for_rounding() -> None:
-    bias, now_s = flown(lambda t: (0.0, 0.9 * IGNORED_MPS * t), lambda _: NOTHING)
+    bias, now_s = flown(lambda t: (0.0, 0.9 * IGNORED_MPS * t), lambda _: FLAT)
     assert bias.at(now_s) == NOTHING
 
 
@@ -82,7 +89,7 @@ def test_nothing_is_off_where_velocity_and_position_agree(
 
 
 def test_it_follows_within_its_time_constant() -> None:
-    bias, now_s = flown(lambda t: (0.3 * max(0.0, t - 4.0), 0.0), lambda _: NOTHING, 4.0 + SMOOTH_S)
+    bias, now_s = flown(lambda t: (0.3 * max(0.0, t - 4.0), 0.0), lambda _: FLAT, 4.0 + SMOOTH_S)
     assert bias.at(now_s)[0] == pytest.approx(-0.3 * (1 - math.exp(-1)) + IGNORED_MPS, abs=0.02)
 
 
@@ -93,27 +100,27 @@ def test_a_position_set_elsewhere_is_no_motion(by_m: float) -> None:
 
 
 def test_a_jump_does_not_forget_what_is_off() -> None:
-    bias, now_s = flown(lambda t: (0.3 * t + (9.0 if t > 4.0 else 0.0), 0.0), lambda _: NOTHING)
+    bias, now_s = flown(lambda t: (0.3 * t + (9.0 if t > 4.0 else 0.0), 0.0), lambda _: FLAT)
     assert bias.at(now_s)[0] == pytest.approx(-0.3 + IGNORED_MPS, abs=5e-3)
 
 
 def test_nothing_is_known_before_some_reports_in_a_row() -> None:
     assert VelocityBias().at(0.0) == NOTHING
-    bias, now_s = flown(lambda t: (0.4 * t, 0.0), lambda _: NOTHING, 0.9 * SMOOTH_S)
+    bias, now_s = flown(lambda t: (0.4 * t, 0.0), lambda _: FLAT, 0.9 * SMOOTH_S)
     assert bias.at(now_s) == NOTHING
-    bias, now_s = flown(lambda t: (0.4 * t, 0.0), lambda _: NOTHING, 1.2 * SMOOTH_S)
+    bias, now_s = flown(lambda t: (0.4 * t, 0.0), lambda _: FLAT, 1.2 * SMOOTH_S)
     assert bias.at(now_s) != NOTHING
 
 
 def test_what_is_old_is_not_added() -> None:
-    bias, _ = flown(lambda t: (0.4 * t, 0.0), lambda _: NOTHING)
+    bias, _ = flown(lambda t: (0.4 * t, 0.0), lambda _: FLAT)
     heard_s = bias.heard_s
     assert bias.at(heard_s + FRESH_S) != NOTHING
     assert bias.at(heard_s + FRESH_S + 1e-6) == NOTHING
 
 
 def test_a_report_that_comes_twice_is_one() -> None:
-    bias, now_s = flown(lambda t: (0.4 * t, 0.0), lambda _: NOTHING)
+    bias, now_s = flown(lambda t: (0.4 * t, 0.0), lambda _: FLAT)
     before = bias.at(now_s)
     bias.take(now_s, bias.heard_s, (99.0, 0.0, -2.0), (9.0, 0.0, 0.0))
     assert bias.at(now_s) == before
@@ -121,7 +128,7 @@ def test_a_report_that_comes_twice_is_one() -> None:
 
 @pytest.mark.parametrize("step_s", [FRESH_S + 1e-6, -1.0])
 def test_after_a_gap_or_a_reboot_it_begins_anew(step_s: float) -> None:
-    bias, _ = flown(lambda t: (0.4 * t, 0.0), lambda _: NOTHING)
+    bias, _ = flown(lambda t: (0.4 * t, 0.0), lambda _: FLAT)
     then_s = bias.heard_s + step_s
     bias.take(bias.heard_s, then_s, (2.0, 0.0, -2.0), (0.0, 0.0, 0.0))
     assert bias.at(bias.heard_s) == NOTHING
