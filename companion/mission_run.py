@@ -13,6 +13,7 @@ from typing import Protocol
 
 from companion.acting.arming_terms import USUAL_TERMS, ArmingTerms
 from companion.acting.assembly import assemble, envelope_of
+from companion.acting.charge_report import ChargeReport
 from companion.acting.event_detector import EventDetector
 from companion.acting.flight_limit import NO_LIMIT, FlightLimit
 from companion.acting.found_places import FoundPlaces
@@ -209,6 +210,7 @@ class Run:
         )
         self._surroundings = Surroundings(mission.grid, telemetry)
         self._added_clearance = AddedClearance(mission.vehicle.deviation_m)
+        self._charge = ChargeReport(acting.flight, prepared.planner.energy)
 
     def _keep(self, prepared: PreparedMission, journalled: JournalledFlight | None) -> None:
         """From now on the journal has what another process needs to go on."""
@@ -280,6 +282,7 @@ class Run:
             self.flight.functions.end_calls()
         else:
             self._tell_of_silence(now_s)
+            self._charge.look(self.executive.lasso)
         self._learn()
         self._note_vehicle(now_s)
         return self.flight.collect_reports()
@@ -313,9 +316,9 @@ class Run:
     def record(self, now_s: float, packets: list[bytes], reports: list[Stamped]) -> None:
         """Hands everything on to the recorder."""
         self.recorder.packets(now_s - self.start_s, packets)
-        position = self._position()
-        if position is not None:
-            self.recorder.position(now_s - self.start_s, position)
+        state = self.vehicle.state
+        if state is not None and self.vehicle.frame_doubt is None:
+            self.recorder.position(now_s - self.start_s, state.position)
         for stamped in reports:
             if isinstance(stamped.event, PlanReplaced | NoPlanFound):
                 self.recorder.journal.note(now_s, PlanNumbered(stamped.event.number))
@@ -341,7 +344,3 @@ class Run:
         self.flight.belief_retry_s = belief_retry_s if belief_retry_s >= 0.0 else None
         settings = OperatorSettings(speed_max_mps, belief_retry_s)
         self.recorder.journal.note(self.flight.now_s, settings)
-
-    def _position(self) -> Ned | None:
-        state = self.vehicle.state
-        return state.position if state and self.vehicle.frame_doubt is None else None

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import re
+import subprocess
+import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from playwright.sync_api import Page
 
@@ -66,3 +71,15 @@ class Watched:
 
 Open = Callable[..., Watched]
 """Opens an address in a window of some width."""
+
+
+@contextmanager
+def replayed(run: Path) -> Iterator[str]:
+    """The address of a replay of a run."""
+    command = [sys.executable, "-m", "companion", "replay", str(run), "--port", "0"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        address = re.search(r"http://\S+", process.stdout.readline())
+        assert address
+        yield address[0]
+        process.kill()

@@ -6,6 +6,7 @@ them whose text it has; so those whose text may be anything come last.
 
 from __future__ import annotations
 
+from companion.flight_events.charge import ChargeMeasured, ChargePlanned
 from companion.flight_events.event import FlightEvent
 from companion.flight_events.facts import (
     BeliefRestored,
@@ -181,6 +182,8 @@ EVENTS: tuple[type[FlightEvent], ...] = (
     VehicleAirborne,
     BatteryCharged,
     ChargeSufficient,
+    ChargeMeasured,
+    ChargePlanned,
     AutopilotSaid,
     GoalFailed,
     SetpointRefused,

@@ -24,7 +24,7 @@ def energy_fault(problem: Problem, lasso: Lasso) -> str | None:
     for action in lasso.prefix:
         if wrong := _missing(energy, level, facts, action):
             return wrong
-        level, facts = _left(energy, level, action), action.apply(facts)
+        level, facts = level_after(energy, level, action), action.apply(facts)
     if lasso.ends_at_rest:
         needed = energy.rests.get(place_of(facts))
         is_enough = needed is not None and level >= needed
@@ -35,7 +35,7 @@ def energy_fault(problem: Problem, lasso: Lasso) -> str | None:
         for action in lasso.loop:
             if wrong := _missing(energy, level, facts, action):
                 return wrong
-            level, facts = _left(energy, level, action), action.apply(facts)
+            level, facts = level_after(energy, level, action), action.apply(facts)
     return None
 
 
@@ -90,7 +90,8 @@ def _missing(energy: Energy, level: int, facts: frozenset[Fact], action: Action)
     return None
 
 
-def _left(energy: Energy, level: int, action: Action) -> int:
+def level_after(energy: Energy, level: int, action: Action) -> int:
+    """What is there after an action."""
     if action.charge_to is not None and action.charger is not None:
         least = level - action.charger.landing - action.charger.take_off
         return max(action.charge_to, least)

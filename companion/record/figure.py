@@ -1,7 +1,8 @@
 """flight.png: the flight over the shaded distance field, as Fig. 7 of the paper.
 
 One panel per plan: what was flown while it was valid is drawn bold, what came before pale. The
-darker a cell, the nearer the next obstacle.
+darker a cell, the nearer the next obstacle. Below, where plans reckon with the charge, or the
+vehicle was charged, the charge over time.
 """
 
 from __future__ import annotations
@@ -18,9 +19,12 @@ from matplotlib.patches import Polygon
 
 from companion.geometry import Ned, NorthEast, enu_from_ned
 from companion.mission.model import Mission
+from companion.record.charge_figure import draw_charge
 from companion.record.trail import Trail
 
 PANEL_INCHES = (5.4, 4.2)
+CHARGE_INCHES = 2.1
+"""Height of the strip of the charge."""
 COLUMNS = 3
 """At most so many panels side by side."""
 SHADE_LIMIT_M = 3.0
@@ -33,17 +37,23 @@ def draw_flight(mission: Mission, trail: Trail, path: Path) -> None:
 
 
 def figure_of(mission: Mission, trail: Trail) -> Figure:
-    """A flight, a panel for each part of its trail; east to the right, north up, metres."""
+    """A flight, a panel for each part of its trail; east to the right, north up, metres.
+
+    Below is the charge, if it says something.
+    """
     panels = max(1, len(trail.parts))
     rows = math.ceil(panels / COLUMNS)
     columns = math.ceil(panels / rows)
-    size = (PANEL_INCHES[0] * columns, PANEL_INCHES[1] * rows)
-    figure = Figure(figsize=size, layout="constrained")
+    width, height = PANEL_INCHES[0] * columns, PANEL_INCHES[1] * rows
+    strip = CHARGE_INCHES if trail.charge.says_something else 0.0
+    figure = Figure(figsize=(width, height + strip), layout="constrained")
     FigureCanvasAgg(figure)
-    axes = figure.subplots(rows, columns, squeeze=False).flat
-    for axis in axes[panels:]:
-        axis.remove()
-    for i, axis in enumerate(axes[:panels]):
+    heights = [PANEL_INCHES[1]] * rows + [strip] * bool(strip)
+    grid = figure.add_gridspec(len(heights), columns, height_ratios=heights)
+    if strip:
+        draw_charge(figure.add_subplot(grid[rows, :]), trail.charge)
+    axes = [figure.add_subplot(grid[divmod(i, columns)]) for i in range(panels)]
+    for i, axis in enumerate(axes):
         _draw_hall(mission, axis)
         for _, positions in trail.parts[:i]:
             _draw_path(axis, positions, is_present=False)

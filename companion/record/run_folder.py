@@ -60,7 +60,7 @@ class RunFolder:
 
     Attributes:
         journal: of the run.
-        trail: where the vehicle was, by plan.
+        trail: where the vehicle was, by plan, and its charge.
     """
 
     def __init__(
@@ -106,6 +106,7 @@ class RunFolder:
         """Appends a line to events.jsonl, at once; a plan also becomes a file."""
         if _position_of(stamped.event) < self._positions:
             return  # the run that was cut off has told it
+        self.trail.charge.take(stamped)
         if stamped.event.is_told:
             self._tell(stamped)
         with self._going_on():

@@ -1,10 +1,11 @@
-"""Where a vehicle was, for `flight.png`: it stays small in a flight of days."""
+"""Where a vehicle was, and its charge, for `flight.png`: both stay small in a flight of days."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 
 from companion.geometry import Ned
+from companion.record.charge_trail import ChargeTrail
 
 PARTS_MAX = 12
 """Plans that have a part of their own."""
@@ -14,9 +15,15 @@ POSITIONS_MAX = 1024
 
 @dataclass
 class Trail:
-    """Where the vehicle was, in parts: one per plan. However long a flight is, it stays small."""
+    """Where the vehicle was, in parts: one per plan. However long a flight is, it stays small.
+
+    Attributes:
+        parts: title and positions of each.
+        charge: of the battery.
+    """
 
     parts: list[tuple[str, list[Ned]]] = field(default_factory=list)
+    charge: ChargeTrail = field(default_factory=ChargeTrail)
     _added: int = 0
     _stride: int = 1
 

@@ -8,9 +8,9 @@ from collections.abc import Iterator
 from dataclasses import replace
 from statistics import median
 from time import process_time
-from typing import Any
 
 from benches import Row
+from benches.docks import HOME, patrol_between_docks
 from benches.worlds import Asked
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
@@ -29,39 +29,16 @@ def patrol_on_a_battery(sites: int, docks: int, seed: int) -> Mission:
     def place() -> dict[str, float]:
         return {"east_m": chance.uniform(0, 400), "north_m": chance.uniform(0, 300), "up_m": 6.0}
 
-    names = ["Home", *visited, *pads]
-    data: dict[str, Any] = {
-        "version": 1,
-        "name": "patrol_on_a_battery",
-        "limits": {
-            "speed_mps": 5,
-            "up_m": [1, 15],
-            "fence": [[-20, -20], [420, -20], [420, 320], [-20, 320]],
-        },
-        "battery": {"reserve": 20, "capacity_wh": 30},
-        "places": {name: place() for name in names},
-        "sets": {"Place": names, "Pad": pads},
-        "skills": {
-            "move": {
-                "parameters": {"from": "Place", "to": "Place"},
-                "precondition": "at(from)",
-                "assumes": "trans_ok(from, to)",
-                "effect": "at(to) & !at(from)",
-                "execute": "fly(to)",
-            },
-            "recharge": {
-                "parameters": {"pad": "Pad"},
-                "precondition": "at(pad)",
-                "assumes": "canCharge(pad)",
-                "effect": "at(pad)",
-                "charge_rate": [[0, 0.5], [80, 0.5], [90, 0.2], [100, 0.02]],
-                "execute": ["land()", "charge(auto)", "take_off()"],
-            },
-        },
-        "initially": ["at(Home)"],
-        "task": {"patrol": f"patrolling({', '.join(visited)})"},
-    }
-    return load_mission(data)
+    return load_mission(
+        patrol_between_docks(
+            "patrol_on_a_battery",
+            places={name: place() for name in (HOME, *visited, *pads)},
+            docks=pads,
+            fence=[[-20, -20], [420, -20], [420, 320], [-20, 320]],
+            battery={"reserve": 20, "capacity_wh": 30},
+            charge_rate=[[0, 0.5], [80, 0.5], [90, 0.2], [100, 0.02]],
+        )
+    )
 
 
 def plans(runs: int) -> Iterator[Row]:

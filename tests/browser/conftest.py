@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import os
-import re
 import shutil
-import subprocess
-import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from browsing import LIMIT_S, Open, Watched
+from browsing import LIMIT_S, Open, Watched, replayed
 from playwright.sync_api import Browser, ViewportSize, sync_playwright
+from two_docks import between_docks, two_docks
 
 from companion import load_mission, simulate
 
 NIGHT_WATCH = Path(__file__).parents[2] / "missions" / "night_watch.yaml"
+TASK = {"patrol": "patrolling(A, B)", "look": "G (smoke -> F at(Home))"}
 CHROMIUM = shutil.which("chromium")
 
 
@@ -68,13 +66,11 @@ def watch_recorded(tmp_path: Path) -> Iterator[str]:
         yield address
 
 
-@contextmanager
-def replayed(run: Path) -> Iterator[str]:
-    """The address of a replay of a run."""
-    command = [sys.executable, "-m", "companion", "replay", str(run), "--port", "0"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
-        assert process.stdout is not None
-        address = re.search(r"http://\S+", process.stdout.readline())
-        assert address
-        yield address[0]
-        process.kill()
+@pytest.fixture(scope="session")
+def charging_run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of a flight that charges, and then has to plan anew; to be read only."""
+    folder = tmp_path_factory.mktemp("charging") / "run"
+    mission = load_mission(two_docks(events={"smoke": {"when": "EVENT[smoke] > 0"}}, task=TASK))
+    scenario = between_docks({"at_s": 40, "report": {"smoke": 1}}, charge=0.242)
+    simulate(mission, scenario, folder=folder, limit_s=70)
+    return folder

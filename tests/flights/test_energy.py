@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import pytest
 from lockstep import Lockstep
+from two_docks import PADS, RESERVE, between_docks, two_docks
 
 from companion.acting.flight import TICK_S
 from companion.api.simulating import world_of
+from companion.flight_events.charge import ChargeMeasured, ChargePlanned
 from companion.flight_events.facts import BeliefWithdrawn
-from companion.flight_events.plans import NoPlanFound, PlanAwaited, PlanReplaced
+from companion.flight_events.plans import LapCompleted, NoPlanFound, PlanAwaited, PlanReplaced
 from companion.flight_events.skills import PlaceReached, SkillCompleted
 from companion.flight_events.sortie import (
     ControlRegained,
@@ -27,56 +30,11 @@ from companion.planning.builtin.search import Search
 from companion.planning.charger import UNITS_PER_WH
 from companion.planning.planner import Planner
 
-PAD = {"radius_m": 1.5, "current_a": 100}
-PADS = [
-    {"name": "W", "east_m": 10, "north_m": 8} | PAD,
-    {"name": "E", "east_m": 20, "north_m": 20} | PAD,
-]
 CONTINUE = dialect.MAV_CMD_DO_PAUSE_CONTINUE
-RESERVE = 20
 COMPANION = 191
 
 
-def data(**changes: Any) -> dict[str, Any]:
-    """A patrol of two sites between two docks."""
-    fence = [[-10, -10], [50, -10], [50, 40], [-10, 40]]
-    return {
-        "version": 1,
-        "name": "two_docks",
-        "limits": {"speed_mps": 5, "up_m": [1, 12], "fence": fence},
-        "battery": {"reserve": RESERVE},
-        "places": {
-            "Home": {"east_m": 0, "north_m": 0, "up_m": 3, "radius_m": 2},
-            "A": {"east_m": 30, "north_m": 0, "up_m": 3},
-            "B": {"east_m": 30, "north_m": 25, "up_m": 3},
-            "W": {"east_m": 10, "north_m": 8, "up_m": 2},
-            "E": {"east_m": 20, "north_m": 20, "up_m": 2},
-        },
-        "sets": {"Place": ["Home", "A", "B", "W", "E"], "Pad": ["W", "E"]},
-        "skills": {
-            "move": {
-                "parameters": {"from": "Place", "to": "Place"},
-                "precondition": "at(from)",
-                "assumes": "trans_ok(from, to)",
-                "effect": "at(to) & !at(from)",
-                "execute": "fly(to)",
-            },
-            "recharge": {
-                "parameters": {"pad": "Pad"},
-                "precondition": "at(pad)",
-                "assumes": "canCharge(pad)",
-                "effect": "at(pad)",
-                "charge_rate": [[0, 0.35], [80, 0.3], [100, 0.01]],
-                "execute": ["land()", "charge(auto)", "take_off()"],
-            },
-        },
-        "initially": ["at(Home)"],
-        "task": {"patrol": "patrolling(A, B)"},
-        "otherwise": {"land_at": ["Home"]},
-    } | changes
-
-
-MISSION = load_mission(data())
+MISSION = load_mission(two_docks())
 
 
 def fly(
@@ -86,7 +44,7 @@ def fly(
     pads: list[dict[str, Any]] = PADS,
     **options: Any,
 ) -> Lockstep:
-    scenario = {"version": 1, "battery": {"charge": charge}, "pads": pads, "happens": [*happens]}
+    scenario = between_docks(*happens, charge=charge, pads=pads)
     return Lockstep(mission, world_of(mission, scenario), seed=1, **options)
 
 
@@ -121,6 +79,23 @@ def test_it_goes_on_for_ever_and_keeps_the_reserve() -> None:
     assert charges(flight) >= 4
     assert not flight.of(PlanReplaced) and not flight.of(NoPlanFound), text(flight)
     assert {*flight.places} == {"A", "B", "E"}
+    tells_its_charge(flight)
+
+
+def tells_its_charge(flight: Lockstep) -> None:
+    """The gauge and the plans, lap after lap, are in the record: what is there lasts."""
+    told = [stamped.event for stamped in flight.for_programs]
+    measured = [event.percent for event in told if isinstance(event, ChargeMeasured)]
+    assert len(measured) > 20 and all(a != b for a, b in pairwise(measured))
+    assert abs((measured[-1] or 0) - percent(flight)) <= 2
+    plans = [event for event in told if isinstance(event, ChargePlanned)]
+    assert len(plans) == 1 + len(flight.of(LapCompleted))
+    for plan in plans:
+        assert plan.percent >= plan.required_percent >= RESERVE
+        assert all(at.percent >= at.required_percent for at in plan.ahead)
+    done = [each.action for each in plans[0].ahead]
+    flown = [e.action for e in flight.events if isinstance(e, PlaceReached | SkillCompleted)]
+    assert done == flown[: len(done)]
 
 
 def test_a_full_battery_lands_on_no_dock() -> None:
@@ -203,10 +178,10 @@ def test_after_a_pilots_flight_it_reckons_with_what_is_left() -> None:
 
 def test_patience_ends_when_the_charge_is_needed() -> None:
     """A door may open again; it waits as long as it can still land with the reserve."""
-    skills = data()["skills"]
+    skills = two_docks()["skills"]
     skills["move"] |= {"precondition": "at(from) & !closed"}
     events = {"closed": {"when": "EVENT[door] > 0"}}
-    mission = load_mission(data(skills=skills, events=events, patience_s=3000))
+    mission = load_mission(two_docks(skills=skills, events=events, patience_s=3000))
     flight = fly({"at_s": 24, "report": {"door": 1}}, charge=0.27, mission=mission)
     flight.until(lambda: flight.companion.has_ended, 600.0)
     assert flight.of(PlanAwaited) and flight.exit_code == 3, text(flight)
@@ -224,9 +199,9 @@ def test_flights_take_what_plans_reckon_with(east_mps: float) -> None:
         for name, position in LEGS.items()
     }
     fence = [[-20, -20], [150, -20], [150, 150], [-20, 150]]
-    skills = {"move": data()["skills"]["move"]}
+    skills = {"move": two_docks()["skills"]["move"]}
     mission = load_mission(
-        data(
+        two_docks(
             limits={"speed_mps": 5, "up_m": [1, 30], "fence": fence},
             battery={"reserve": RESERVE, "wind": {"east_mps": east_mps}},
             places=places,
@@ -254,7 +229,7 @@ def test_equal_seeds_equal_events() -> None:
 
 
 def test_without_a_battery_plans_are_as_they_were() -> None:
-    plain = data()
+    plain = two_docks()
     del plain["battery"]
     plain["skills"]["recharge"] |= {"execute": ["land()", "charge(80)", "take_off()"]}
     del plain["skills"]["recharge"]["charge_rate"]
@@ -268,7 +243,7 @@ def test_without_a_battery_plans_are_as_they_were() -> None:
 
 
 def test_with_a_battery_for_everything_a_task_that_ends_has_the_same_plan() -> None:
-    ends = data(task={"visit": "F at(A) & F at(B) & F G at(Home)"})
+    ends = two_docks(task={"visit": "F at(A) & F at(B) & F G at(Home)"})
     plan = Planner(load_mission(ends)).plan()
     assert str(plan) == "move(Home, A), move(A, B), move(B, Home), (wait)^w"
     assert replace(plan, lasso=plan.lasso).cost_ms == 100

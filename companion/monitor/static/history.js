@@ -1,6 +1,8 @@
 // All that is known of a run, and what it amounts to at any time of it. A live page looks at the
 // newest time, a replay at any: the same events, folded up to there.
 
+import { applyCharge, freshCharge } from "./charge.js";
+
 export class History {
   constructor(mission) {
     this.mission = mission;
@@ -61,12 +63,13 @@ function fresh() {
   return {
     time_s: -Infinity, count: 0, touched: {}, nodes: [], statuses: [], said: [], legs: [],
     automata: [], states: [], dropped: new Set(), withdrawn: new Set(), facts: new Map(), cells: new Map(),
-    plan: null, phase: "", ending: null, planned_s: 0,
+    plan: null, phase: "", ending: null, planned_s: 0, charge: freshCharge(),
   };
 }
 
 function apply(state, event) {
   state.touched[event.kind] = state.count + 1;
+  applyCharge(state.charge, event);
   switch (event.kind) {
     case "plan":
     case "replan":

@@ -1,6 +1,7 @@
 // Joins the stream to what is shown. Everything drawn is a function of the history and the time.
 
 import { TaskView } from "./automata.js";
+import { ChargeView } from "./charge.js";
 import { byId, say } from "./dom.js";
 import { History } from "./history.js";
 import { MapView } from "./map.js";
@@ -31,7 +32,7 @@ function open(mission) {
   timeline.connect();
   page = {
     history, timeline, map: new MapView(mission, zoom.view), tree: new TreeView(), plan: new PlanView(),
-    task: new TaskView(),
+    task: new TaskView(), charge: new ChargeView((time_s) => timeline.seek(time_s)),
   };
   byId("name").textContent = mission.name;
   document.title = `${mission.name}, companion monitor`;
@@ -59,6 +60,7 @@ function frame(now_ms) {
     page.tree.show(state);
     page.plan.show(state);
     page.task.show(state);
+    page.charge.show(page.history, state);
     page.timeline.show();
     showVehicle(vehicle, state);
     const [kind, text] = badge(state);

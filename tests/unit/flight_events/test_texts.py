@@ -9,6 +9,7 @@ from __future__ import annotations
 import pytest
 
 from companion.flight_events.catalogue import EVENTS
+from companion.flight_events.charge import ChargeMeasured, ChargePlanned, PlannedCharge
 from companion.flight_events.event import FlightEvent
 from companion.flight_events.facts import (
     BeliefRestored,
@@ -284,6 +285,12 @@ TEXTS: list[tuple[FlightEvent, str]] = [
     (
         ChargeSufficient(88, enough=85),
         "not landed to charge: the battery has 88 %, 85 % are enough",
+    ),
+    (ChargeMeasured(62), "the battery is at 62 %"),
+    (ChargeMeasured(None), "the battery is at an unknown charge"),
+    (
+        ChargePlanned(61.5, 40.0, 20.0, (PlannedCharge("move(A, B)", 9.5, 58.0, 37.0),)),
+        "at least 61.5 % are there, 40.0 % are required",
     ),
     (AutopilotSaid("Low battery"), "the autopilot says: Low battery"),
     (GoalFailed("not armed: denied"), "not armed: denied"),

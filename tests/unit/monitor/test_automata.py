@@ -51,7 +51,7 @@ def test_rings_say_which_words_are_accepted(
             nodes = drawn.after(nodes, letter)
             ((_, marks),) = nodes
             rung |= lap == 11 and len(marks) == drawn.automaton.marks
-    assert rung == holds(drawn.formula, prefix, loop)
+    assert rung == holds(parse(drawn.text), prefix, loop)
 
 
 def test_a_violated_conjunct_stands_nowhere_and_may_begin_anew() -> None:
@@ -72,3 +72,14 @@ def test_a_line_of_the_task_is_drawn_by_its_conjuncts() -> None:
         count = len(drawn.accepting)
         assert any(drawn.accepting)
         assert all(0 <= a < count and 0 <= b < count and label for a, b, label in drawn.arrows)
+
+
+def test_a_patrol_of_many_places_is_small_enough_for_a_page() -> None:
+    """The vehicle is at one place at a time."""
+    places = [f"at(P{number})" for number in range(10)]
+    reader = TaskReader(
+        {"patrol": parse(" & ".join(["F b"] + [f"G F {p}" for p in places]) + " | F c")}
+    )
+    assert sum(len(each.drawing.arrows) for each in reader.automata) < 1000
+    reader.read(frozenset({"b", places[3]}), ())
+    assert all(reader.states)

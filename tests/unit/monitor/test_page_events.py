@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 
 from companion.flight_events.catalogue import EVENTS, FOR_PROGRAMS
+from companion.flight_events.sortie import Phase
 from companion.monitor.follower import Follower
 from companion.monitor.page_events import DERIVED
 from companion.monitor.server import STATIC
@@ -39,3 +41,9 @@ def test_the_kinds_that_the_page_colours_exist() -> None:
     lines = [line for line in style.splitlines() if line.startswith("#lines")]
     coloured = set(re.findall(r'data-kind="(\w+)"', "".join(lines)))
     assert "violation" in coloured and coloured <= KINDS
+
+
+def test_the_phases_that_the_page_knows_exist() -> None:
+    text = (STATIC / "charge.js").read_text(encoding="utf-8")
+    (listed,) = re.findall(r"OVER = new Set\((\[.*\])\)", text)
+    assert set(json.loads(listed)) <= {phase.value for phase in Phase}

@@ -1,0 +1,40 @@
+"""The charge at the positions to come, as a plan reckons with it, for those who watch a flight.
+
+Percents are of the charge, as a gauge tells them, and the least that there may be.
+"""
+
+from __future__ import annotations
+
+from companion.flight_events.charge import ChargePlanned, PlannedCharge
+from companion.mission.facts import Fact
+from companion.planning.energy_check import level_after, required_levels
+from companion.planning.lasso import Energy, Lasso
+
+_DIGITS = 1
+
+
+def charge_ahead(
+    energy: Energy, reserve: int, facts: frozenset[Fact], lasso: Lasso
+) -> ChargePlanned:
+    """What a plan reckons with: to the end of its prefix, and of one lap where it does not rest.
+
+    Args:
+        energy: of the problem that it solves, with what is there now.
+        reserve: units that no plan touches.
+        facts: at its beginning.
+        lasso: the plan.
+    """
+
+    def percent(level: int) -> float:
+        return round(energy.percents[min(max(0, level), len(energy.percents) - 1)], _DIGITS)
+
+    required = required_levels(energy, facts, lasso)
+    flown = lasso.prefix if lasso.ends_at_rest else (*lasso.prefix, *lasso.loop)
+    after = (*required[1:], required[len(lasso.prefix)])
+    level, ahead = energy.level, []
+    for action, needed in zip(flown, after, strict=False):  # what rests needs nothing more
+        level = level_after(energy, level, action)
+        about = percent(level), percent(needed)
+        ahead.append(PlannedCharge(action.name, action.cost_ms / 1000, *about))
+    now = percent(energy.level), percent(required[0])
+    return ChargePlanned(*now, percent(reserve), tuple(ahead))
