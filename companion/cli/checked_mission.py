@@ -31,6 +31,7 @@ class CheckedMission:
         states: of each conjunct's automaton.
         priorities: of the lines of the task that may be dropped.
         energy: how far the plan charges, and what it leaves; None without a battery.
+        waits: how long each line with a bound in time waits at most.
         land_at: where the vehicle lands without a plan, if the mission names places.
         dropped: lines of the task that the plan does not keep, and why.
         notices: what is allowed, and hardly meant.
@@ -45,6 +46,7 @@ class CheckedMission:
     priorities: Mapping[str, int]
     plan: str
     energy: str | None
+    waits: tuple[str, ...]
     land_at: LandAtSafePlace | None
     dropped: tuple[str, ...]
     notices: tuple[str, ...]
@@ -58,6 +60,7 @@ class CheckedMission:
             "automata": self.states,
             "plan": self.plan,
             "energy": self.energy,
+            "waits": list(self.waits),
             "land_at": list(self.land_at.places) if self.land_at else [],
             "dropped": list(self.dropped),
             "notices": list(self.notices),
@@ -107,6 +110,7 @@ def check_mission(
         mission.priorities,
         str(found or "a tree of its own"),
         _energy_in_words(planner, found) if found else None,
+        tuple(map(str, planner.waits(planner.initial_problem()[0], found))) if found else (),
         mission.otherwise if isinstance(mission.otherwise, LandAtSafePlace) else None,
         tuple(map(str, found.dropped)) if found else (),
         tuple(map(str, notices(planner, found))),

@@ -65,6 +65,8 @@ def check(
     typer.echo(f"plan       {checked.plan}")
     if checked.energy is not None:
         typer.echo(f"energy     {checked.energy}")
+    for wait in checked.waits:
+        typer.echo(f"waits      {wait}")
     if checked.land_at is not None:
         typer.echo(f"otherwise  lands at {checked.land_at}: where it is soonest")
     for line in checked.dropped:
@@ -191,6 +193,8 @@ def _print_steps(planner: Planner, problem: Problem, lasso: Lasso) -> None:
 
 def _print(planner: Planner, problem: Problem, solution: Solution) -> None:
     _print_steps(planner, problem, solution.lasso)
+    for wait in planner.waits(problem, solution):
+        typer.echo(f"waits  {wait}")
     what = f"{solution.objective} {solution.cost_ms / 1000:.1f} s"
     if solution.is_optimal:
         typer.echo(f"{what}, optimal ({solution.engine})")
@@ -205,12 +209,13 @@ def _print(planner: Planner, problem: Problem, solution: Solution) -> None:
 
 
 def _solution_as_json(planner: Planner, problem: Problem, solution: Solution) -> dict[str, Any]:
-    """The plan; of a mission with a battery with its energy, step by step and as a whole."""
+    """The plan with its waits; of a mission with a battery with its energy, step by step."""
     from companion.flight_events.writing import json_of
 
+    waits = {"waits": [wait.as_json() for wait in planner.waits(problem, solution)]}
     taken = planner.ledger(problem, solution.lasso)
     if taken is None:
-        return solution.as_json()
+        return solution.as_json() | waits
     planned = solution.lasso.planned
     parts = (
         ("prefix", planned.prefix, taken.prefix),
@@ -222,7 +227,7 @@ def _solution_as_json(planner: Planner, problem: Problem, solution: Solution) ->
         ]
         for part, steps, energies in parts
     }
-    return solution.as_json() | told | {"energy": taken.as_json()}
+    return solution.as_json() | told | waits | {"energy": taken.as_json()}
 
 
 def _write_pddl(
@@ -236,7 +241,7 @@ def _write_pddl(
     """Writes the problem as PDDL, two files: with the lines of the task that a plan keeps.
 
     Raises:
-        CompanionError: the mission has a battery, which is not told in PDDL.
+        CompanionError: the mission has a battery or bounds in time, which are not told in PDDL.
     """
     from companion.planning.compilation.encode import encode
     from companion.planning.compilation.monolithic import monolithic
@@ -245,6 +250,10 @@ def _write_pddl(
     if problem.energy is not None:
         raise CompanionError(
             "PDDL is written without energy; remove battery: from the mission first"
+        )
+    if problem.clocks_ms:
+        raise CompanionError(
+            "PDDL is written without bounds in time; remove them from the task first"
         )
     problem, histories, _ = planner.kept(problem, histories)
     if encoding is Encoding.V1:

@@ -66,6 +66,9 @@ def world_of(mission: Mission, problem: Problem) -> WorldModel:
 IsSolvable = Callable[[Problem], bool | None]
 """Whether a problem has a plan; None if the search for one reaches its limit."""
 
+Reasons = Callable[[Problem], tuple[str, ...]]
+"""Why a problem has no plan, a line each."""
+
 _MAX_SHOWN = 6  # alternatives that are listed in words
 
 
@@ -99,6 +102,7 @@ class Explanation:
         withdrawn: the beliefs that were withdrawn.
         restoring: those of them that would each make a plan possible again.
         shortages: why the battery does not last, in words.
+        late: which bounds in time cannot be kept, and from which limit on they could be, in words.
     """
 
     conflict: tuple[Conjunct, ...]
@@ -108,6 +112,7 @@ class Explanation:
     withdrawn: tuple[Fact, ...]
     restoring: tuple[Fact, ...]
     shortages: tuple[str, ...] = ()
+    late: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         names = list(dict.fromkeys(conjunct.name for conjunct in self.conflict))
@@ -118,7 +123,7 @@ class Explanation:
         lines += [f"  {conjunct.name}: {conjunct.text}" for conjunct in self.conflict]
         lines += [f"  {unreachable}" for unreachable in self.unreachable]
         lines += [f"  no route leads to {place} on the map" for place in self.no_route]
-        lines += [f"  {shortage}" for shortage in self.shortages]
+        lines += [f"  {reason}" for reason in (*self.shortages, *self.late)]
         if self.events:
             values = ", ".join(f"{e} is {str(holds).lower()}" for e, holds in self.events.items())
             lines.append(f"  a plan takes events as they are now: {values}")
@@ -141,6 +146,7 @@ class Explanation:
             "withdrawn": list(self.withdrawn),
             "restoring": list(self.restoring),
             "shortages": list(self.shortages),
+            "late": list(self.late),
         }
 
 
@@ -156,7 +162,8 @@ def why_no_plan(
     problem: Problem,
     is_solvable: IsSolvable,
     world: WorldModel = NOTHING_MORE,
-    shortages: Callable[[Problem], tuple[str, ...]] = lambda problem: (),
+    shortages: Reasons = lambda problem: (),
+    late: Reasons = lambda problem: (),
 ) -> Explanation:
     """The reason why a problem has no plan.
 
@@ -165,6 +172,7 @@ def why_no_plan(
         is_solvable: the search.
         world: what the problem does not say.
         shortages: says why the battery does not last for a problem without a plan.
+        late: says which bounds cannot be kept in it.
     """
     core = list(range(len(problem.conjuncts)))  # indices of a conflicting set
     for i in tuple(core):
@@ -184,7 +192,10 @@ def why_no_plan(
     concerned = needed if unreachable or no_route else mentioned | _in_the_way(problem)
     events = {event: event in problem.facts for event in sorted(concerned & world.events)}
     short = shortages(problem.only(core)) if problem.energy is not None else ()
-    return Explanation(conflict, unreachable, no_route, events, withdrawn, tuple(restoring), short)
+    too_late = late(problem.only(core)) if any(c.bound for c in conflict) else ()
+    return Explanation(
+        conflict, unreachable, no_route, events, withdrawn, tuple(restoring), short, too_late
+    )
 
 
 def _with(problem: Problem, belief: Fact) -> Problem:

@@ -37,6 +37,7 @@ from companion.planning.optional_lines import without_lines
 from companion.planning.solver import Solver
 from companion.planning.supposition import supposed_facts, supposed_withdrawn
 from companion.planning.task_automata import translated
+from companion.planning.time_check import LongestWait, longest_waits
 from companion.planning.unread_rises import UnreadRises
 
 BUILT_IN = "built-in"
@@ -251,6 +252,11 @@ class Planner(Solver):
         """What a plan takes of the battery; None for a mission without one."""
         energy = self.energy
         return None if energy is None else ledger(problem, lasso, energy.model.reserve)
+
+    def waits(self, problem: Problem, solution: Solution) -> tuple[LongestWait, ...]:
+        """How long each line with a bound in time waits at most in a plan that keeps it."""
+        kept, _ = without_lines([each.line for each in solution.dropped], problem)
+        return longest_waits(kept, solution.lasso) if kept.clocks_ms else ()
 
     def explain(
         self, *, at: str | None = None, facts: Iterable[str] = (), without: Iterable[str] = ()

@@ -23,6 +23,7 @@ from companion.planning.explain import Explanation, NoPlan, why_no_plan, world_o
 from companion.planning.lasso import DroppedLine, Lasso, Letter, Problem, Solution
 from companion.planning.objective import Objective
 from companion.planning.time_check import time_fault
+from companion.planning.timed.lateness import late_bounds
 from companion.planning.timed.search import TimedSearch
 
 
@@ -63,7 +64,9 @@ class Solver:
             yield solution
         if not found:
             world = world_of(self.mission, problem)
-            raise NoPlan(why_no_plan(problem, self.is_solvable, world, self._shortages))
+            raise NoPlan(
+                why_no_plan(problem, self.is_solvable, world, self._shortages, self._late_bounds)
+            )
 
     def solve(
         self,
@@ -152,7 +155,8 @@ class Solver:
         """
         left_out = [each.line for each in dropped if each.line != line]
         asked, _ = optional_lines.without_lines(left_out, problem)
-        return why_no_plan(asked, self.is_solvable, world_of(self.mission, asked))
+        world = world_of(self.mission, asked)
+        return why_no_plan(asked, self.is_solvable, world, late=self._late_bounds)
 
     def lines_to_drop(self, problem: Problem) -> tuple[DroppedLine, ...]:
         """The lines to drop in flight."""
@@ -177,6 +181,9 @@ class Solver:
 
     def _shortages(self, problem: Problem) -> tuple[str, ...]:
         return shortages(self._search, problem, BEFORE_FLIGHT)
+
+    def _late_bounds(self, problem: Problem) -> tuple[str, ...]:
+        return late_bounds(self._timed, problem, BEFORE_FLIGHT)
 
 
 def _refuse_bounds_on_a_battery(problem: Problem) -> None:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from companion.planning.bound_clocks import after
 from companion.planning.domain import Action, duration_ms
+from companion.planning.energy_check import place_of
 from companion.planning.lasso import Conjunct, Lasso, Letter, Problem
 from companion.slices import spent
 
@@ -23,12 +24,14 @@ class _Arrival:
     Attributes:
         number: of its conjunct.
         elapsed_ms: what it shows before the position is read.
-        actions: since it began, or since the start of the plan.
+        places: since it began, or since the start of the plan.
+        action: that led there.
     """
 
     number: int
     elapsed_ms: int
-    actions: tuple[Action, ...]
+    places: tuple[str, ...]
+    action: Action
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,18 +40,34 @@ class LongestWait:
 
     Attributes:
         elapsed_ms: what its clock shows at most.
-        actions: meanwhile, as far as the plan has them.
+        places: from where it began, or the plan did, to where it ends.
     """
 
     conjunct: Conjunct
     elapsed_ms: int
-    actions: tuple[Action, ...]
+    places: tuple[str, ...]
+
+    def __str__(self) -> str:
+        return (
+            f"{self.conjunct.name}: {self.conjunct.text}: {self.elapsed_ms / 1000:.1f} s at most, "
+            f"{self.slack_ms / 1000:.1f} s to spare: {', '.join(self.places)}"
+        )
 
     @property
     def slack_ms(self) -> int:
         """What is left of the limit."""
         assert self.conjunct.bound is not None
         return self.conjunct.bound.limit_ms - self.elapsed_ms
+
+    def as_json(self) -> dict[str, object]:
+        """The wait as JSON values."""
+        return {
+            "line": self.conjunct.name,
+            "formula": self.conjunct.text,
+            "longest_s": self.elapsed_ms / 1000,
+            "slack_s": self.slack_ms / 1000,
+            "places": list(self.places),
+        }
 
 
 def time_fault(problem: Problem, lasso: Lasso) -> str | None:
@@ -64,8 +83,8 @@ def time_fault(problem: Problem, lasso: Lasso) -> str | None:
         assert bound is not None
         if bound.is_late(arrival.elapsed_ms):
             over_s = (arrival.elapsed_ms - bound.limit_ms) / 1000
-            reached_by = arrival.actions[-1].name
-            return f"{conjunct.name}: {bound} is late by {over_s:g} s after {reached_by}"
+            by = arrival.action.name
+            return f"{conjunct.name}: {bound} is late by {over_s:g} s after {by}"
     return None
 
 
@@ -81,7 +100,7 @@ def longest_waits(problem: Problem, lasso: Lasso) -> tuple[LongestWait, ...]:
         known = longest.get(arrival.number)
         if known is None or arrival.elapsed_ms > known.elapsed_ms:
             conjunct = problem.conjuncts[arrival.number]
-            longest[arrival.number] = LongestWait(conjunct, arrival.elapsed_ms, arrival.actions)
+            longest[arrival.number] = LongestWait(conjunct, arrival.elapsed_ms, arrival.places)
     return tuple(longest[number] for number in sorted(longest))
 
 
@@ -92,25 +111,28 @@ def _arrivals(problem: Problem, lasso: Lasso) -> Iterator[_Arrival]:
     """
     bounded = {n: c.bound for n, c in enumerate(problem.conjuncts) if c.bound is not None}
     clocks = {number: problem.clocks_ms[number] for number in bounded}
-    since: dict[int, tuple[Action, ...]] = dict.fromkeys(bounded, ())
     facts, unread = problem.facts, problem.unread
+    begun: tuple[str, ...] = (place_of(facts),)
+    passed = dict.fromkeys(bounded, begun)
     before: Mapping[int, int | None] | None = None
     actions = lasso.prefix
     while True:
         for action in actions:
             facts = action.apply(facts)
             letter: Letter = facts | unread
+            place = place_of(facts)
             unread = frozenset()
             spent(_READING_US * len(bounded))
             for number, bound in bounded.items():
                 elapsed_ms = clocks[number]
                 if elapsed_ms is not None:
                     elapsed_ms += duration_ms(action)
-                    since[number] = (*since[number], action)
-                    yield _Arrival(number, elapsed_ms, since[number])
+                    if passed[number][-1] != place:
+                        passed[number] = (*passed[number], place)
+                    yield _Arrival(number, elapsed_ms, passed[number], action)
                 shown = after(bound, elapsed_ms, letter)
-                if shown is None or not shown:
-                    since[number] = ()
+                if not shown:
+                    passed[number] = (place,)
                 clocks[number] = shown
         is_late = any(bound.is_late(clocks[number]) for number, bound in bounded.items())
         if clocks == before or (is_late and before is not None):

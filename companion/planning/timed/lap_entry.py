@@ -10,12 +10,20 @@ from __future__ import annotations
 import heapq
 from collections import defaultdict
 from collections.abc import Iterator
+from contextlib import suppress
+from itertools import accumulate, islice
 from typing import NamedTuple
 
+from companion.errors import SearchLimit
+from companion.ltl.bitsets import indices
 from companion.planning.timed.label_budget import LabelBudget
 from companion.planning.timed.laps import LapEntries, TimedLap
 from companion.planning.timed.pareto_set import ParetoSet
 from companion.planning.timed.timed_product import Clocks, TimedProduct, TimedStep
+from companion.slices import spent
+
+MOST_WAYS = 200
+_STEP_US = 2.0
 
 
 class _WayLabel(NamedTuple):
@@ -46,6 +54,11 @@ class LapEntry(NamedTuple):
     lap: TimedLap
     place: int
 
+    @property
+    def round(self) -> tuple[TimedStep, ...]:
+        """The lap from that place on."""
+        return self.lap.steps[self.place :] + self.lap.steps[: self.place]
+
 
 class WaysIn:
     """The ways that keep all bounds, from the start of a problem.
@@ -73,12 +86,39 @@ class WaysIn:
         return bool(self._pending or self._taken)
 
     def into(self, laps: list[TimedLap]) -> LapEntry | None:
-        """The quickest way into one of some laps; None if there is none.
+        """The best way into one of some laps; None if there is none.
+
+        It is the quickest one; in flight the one with which the worst age of a mark is the least,
+        of those that take no lap longer (as in `builtin/fair_entry.py`).
 
         Raises:
             SearchLimit: the budget does not suffice.
         """
-        return next(self.all_into(laps), None)
+        ways = self.all_into(laps)
+        best = next(ways, None)
+        if best is None or not self._graph.product.waiting_since_ms:
+            return best
+        most_ms, age_ms = best.prefix_ms + best.lap.cost_ms, self._worst_age_ms(best)
+        with suppress(SearchLimit):
+            for way in islice(ways, MOST_WAYS):
+                if way.prefix_ms > most_ms:
+                    break
+                own_ms = self._worst_age_ms(way)
+                if own_ms < age_ms:
+                    best, age_ms = way, own_ms
+        return best
+
+    def _worst_age_ms(self, way: LapEntry) -> int:
+        """The age of a mark when a plan meets it first, of the one where that is the longest."""
+        product = self._graph.product
+        steps = (*way.prefix, *way.round)
+        spent(_STEP_US * len(steps))
+        met_ms: dict[int, int] = {}
+        for step, passed_ms in zip(steps, accumulate(s.cost_ms for s in steps), strict=True):
+            for mark in indices(product.marks[step.node]):
+                met_ms.setdefault(mark, passed_ms)
+        since_ms = enumerate(product.waiting_since_ms)
+        return max(met_ms[mark] - since for mark, since in since_ms)
 
     def all_into(self, laps: list[TimedLap]) -> Iterator[LapEntry]:
         """Every way into one of some laps that has no better one, the quickest first."""
@@ -86,9 +126,8 @@ class WaysIn:
         for label in self._labels():
             if self._has_unread and label.before is None:
                 continue
-            found = entries.at(label.state, label.clocks)
-            if found is not None:
-                yield LapEntry(label.steps, label.cost_ms, *found)
+            for lap, place in entries.at(label.state, label.clocks):
+                yield LapEntry(label.steps, label.cost_ms, lap, place)
 
     def _labels(self) -> Iterator[_WayLabel]:
         """All labels, the quickest ones first."""

@@ -11,7 +11,7 @@ meets no goal of a clock, that clock has to stand still.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from companion.planning.timed.timed_product import STANDS, Clocks, TimedProduct, TimedStep
@@ -81,12 +81,11 @@ class LapEntries:
             for place in range(len(lap.steps)):
                 self._by_state.setdefault(lap.state(place), []).append((lap, place))
 
-    def at(self, state: int, clocks: Clocks) -> tuple[TimedLap, int] | None:
-        """A lap that can be entered at a state with some clocks, and the place; None if none is."""
+    def at(self, state: int, clocks: Clocks) -> Iterator[tuple[TimedLap, int]]:
+        """The laps that can be entered at a state with some clocks, and the places."""
         for lap, place in self._by_state.get(state, ()):
             if lap.admits(place, clocks):
-                return lap, place
-        return None
+                yield lap, place
 
 
 RememberedLap = tuple[str, ...]

@@ -301,8 +301,7 @@ class _Lassos:
     def _solution(self, found: LapEntry, bound_ms: int) -> Solution:
         actions = self._problem.actions
         prefix = [actions[step.action] for step in found.prefix]
-        steps = found.lap.steps[found.place :] + found.lap.steps[: found.place]
-        loop = tuple(actions[step.action] for step in steps)
+        loop = tuple(actions[step.action] for step in found.round)
         if loop == (WAIT,):
             while prefix and prefix[-1] is WAIT:  # a step of rest less is the same word
                 prefix.pop()

@@ -294,6 +294,7 @@ def test_as_json_has_all_of_it() -> None:
         "withdrawn": ["can_upload"],
         "restoring": [],
         "shortages": [],
+        "late": [],
     }
     assert json.loads(json.dumps(found)) == found
 

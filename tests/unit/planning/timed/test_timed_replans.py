@@ -1,0 +1,126 @@
+"""Plans made anew with clocks that run, laps that are kept, and what is told without a plan."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import pytest
+from problems import histories, names, problem
+from timed_problems import with_bounds
+
+from companion.errors import SearchLimit
+from companion.ltl.parser import parse
+from companion.ltl.time_bounds import Response, Revisit, TimeBound, Within
+from companion.mission.facts import Fact, at
+from companion.planning.builtin.search import Search
+from companion.planning.check import fault
+from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT
+from companion.planning.lasso import Problem, Solution
+from companion.planning.time_check import time_fault
+from companion.planning.timed.lateness import late_bounds
+from companion.planning.timed.search import TimedSearch
+
+LINE = {"H": 0.0, "A": 10.0, "B": 30.0, "C": 60.0}
+"""Places along a line, by the second."""
+LEGS = {(a, b): abs(LINE[a] - LINE[b]) for a in LINE for b in LINE if a != b}
+
+
+def asked(bounds: Mapping[str, TimeBound], task: str = "patrolling(A, B, C)") -> Problem:
+    """A patrol along the line, from H."""
+    return with_bounds(problem("HABC", LEGS, task), dict(bounds), frozenset({at("H")}))
+
+
+def often(place: str, seconds: float) -> dict[str, TimeBound]:
+    """A place is visited again and again."""
+    return {"often": Revisit(parse(f"at({place})"), round(1000 * seconds))}
+
+
+def moved(of: Problem, place: str, clocks_ms: tuple[int | None, ...]) -> Problem:
+    """The same at another place, with other clocks."""
+    unbounded = len(of.conjuncts) - len(clocks_ms)
+    facts = frozenset(fact for fact in of.facts if fact.predicate != "at") | {at(place)}
+    return replace(of, facts=facts, clocks_ms=(*[None] * unbounded, *clocks_ms))
+
+
+def best(search: TimedSearch, of: Problem) -> Solution | None:
+    """The last plan of a search, which is right."""
+    found = list(search.solutions(of, BEFORE_FLIGHT))
+    for solution in found:
+        assert fault(of, solution.lasso, histories(of)) is None
+        assert time_fault(of, solution.lasso) is None
+    return found[-1] if found else None
+
+
+def test_a_lap_visits_a_place_twice_where_one_visit_is_too_seldom() -> None:
+    search = TimedSearch(Search())
+    tour, twice = best(search, asked(often("B", 110))), best(search, asked(often("B", 70)))
+    assert tour is not None and twice is not None
+    assert (tour.lasso.lap_cost_ms, twice.lasso.lap_cost_ms) == (100_000, 100_000)
+    assert [a.name for a in twice.loop].count("move(A, B)") == 1
+    assert {"move(A, B)", "move(C, B)"} <= {a.name for a in twice.loop}
+
+
+def test_a_plan_made_anew_keeps_the_lap() -> None:
+    of = asked(often("A", 110))
+    search = TimedSearch(Search(of.actions))
+    first = best(search, of)
+    assert first is not None
+    later = moved(of, "C", (40_000,))
+    again = next(search.solutions(later, IN_FLIGHT))
+    assert sorted(a.name for a in again.loop) == sorted(a.name for a in first.loop)
+
+
+def test_the_clock_decides_which_way_a_lap_is_entered() -> None:
+    of = asked(often("A", 120))
+    search = TimedSearch(Search(of.actions))
+    fresh, late = (best(search, moved(of, "B", (clock,))) for clock in (0, 70_000))
+    assert fresh is not None and late is not None
+    assert names(late.lasso)[0] + names(late.lasso)[1][:1] == ["move(B, A)"]
+    assert late.lasso.lap_cost_ms == fresh.lasso.lap_cost_ms
+
+
+def test_what_is_late_uses_up_what_plans_keep_in_hand() -> None:
+    of = asked({"soon": Within(parse("at(C)"), 100_000)})
+    search = TimedSearch(Search(of.actions))
+    assert of.conjuncts[-1].bound is not None and of.conjuncts[-1].bound.planned_ms == 95_000
+    for clock, is_kept in ((35_000, True), (38_000, True), (40_000, True), (40_001, False)):
+        assert (best(search, moved(of, "H", (clock,))) is not None) == is_kept
+
+
+def test_what_rose_and_fell_is_answered() -> None:
+    of = asked({"answer": Response(parse("at(C)"), 70_000, parse("alarm"))})
+    search = TimedSearch(Search(of.actions))
+    calm = best(search, of)
+    risen = replace(of, unread=frozenset({Fact.parse("alarm")}))
+    rushed = best(search, risen)
+    assert calm is not None and rushed is not None
+    reached_s = 0.0
+    for action in (*rushed.prefix, *rushed.loop):
+        reached_s += action.cost_ms / 1000
+        if action.destination == "C":
+            break
+    assert reached_s <= 66.5 + LEGS["H", "A"]  # the first letter is that of the first place
+
+
+def test_it_is_told_how_far_a_bound_would_have_to_be_relaxed() -> None:
+    of = asked(often("A", 60))
+    search = TimedSearch(Search(of.actions))
+    assert best(search, of) is None
+    (line,) = late_bounds(search, of, BEFORE_FLIGHT)
+    assert line == (
+        "revisit(A) <= 60 s cannot be kept: A, C, B, A takes 100 s, 43 s more than is planned "
+        "for; from 105.3 s on it can be"
+    )
+    relaxed = asked(often("A", 105.3))
+    assert best(search, relaxed) is not None
+    assert best(search, asked(often("A", 105.2))) is None
+
+
+def test_a_search_that_ends_too_early_does_not_say_that_there_is_no_plan() -> None:
+    of = asked(often("A", 110) | {"other": Revisit(parse("at(B)"), 90_000)})
+    search = TimedSearch(Search(of.actions))
+    with pytest.raises(SearchLimit, match="no proof"):
+        list(search.solutions(of, replace(BEFORE_FLIGHT, time_labels=10)))
+    assert search.is_solvable(of, replace(BEFORE_FLIGHT, time_labels=10)) is None
+    assert search.is_solvable(of, BEFORE_FLIGHT) is True
