@@ -36,6 +36,7 @@ from companion.flight_events.plans import NoPlanFound, PlanReplaced
 from companion.flight_events.reports import SignalHeard, SignalSilent
 from companion.flight_events.skills import ClearanceChanged
 from companion.flight_events.sortie import AutopilotSaid, Phase, RunFailed
+from companion.flight_events.word import since
 from companion.geometry import Ned
 from companion.mavlink.framing import Message
 from companion.mission.digest import digest
@@ -323,7 +324,7 @@ class Run:
             if isinstance(stamped.event, PlanReplaced | NoPlanFound):
                 self.recorder.journal.note(now_s, PlanNumbered(stamped.event.number))
             time_s = round(stamped.time_s - self.start_s, 3)
-            self.recorder.report(Stamped(time_s, stamped.event))
+            self.recorder.report(Stamped(time_s, since(stamped.event, self.start_s)))
         for reading in self._clocks.due(now_s, self.start_s, self.sortie.has_ended):
             self.recorder.clocks(reading)
 

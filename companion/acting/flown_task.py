@@ -7,18 +7,37 @@ what is flown, whatever safe places there are.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from companion.acting.executive import Executive
 from companion.acting.executive_states import ExecutiveState, TaskStatus
 from companion.acting.flight import Flight
 from companion.acting.flight_limit import LimitWatch
 from companion.acting.journal import EndingBegun
 from companion.acting.phases import SortieEvent
+from companion.acting.positions import tell_late
 from companion.acting.return_home import ReturnHome
 from companion.acting.safe_places import NOWHERE, SafePlaces
 from companion.errors import Aborted, CompanionError
-from companion.flight_events.sortie import FlightLimitReached, ReturnBegun, ReturnFailed
+from companion.flight_events.sortie import (
+    FlightLimitReached,
+    Phase,
+    ReturnBegun,
+    ReturnFailed,
+)
 from companion.mission.model import Mission, Otherwise
+from companion.mission.signals import Signal
 from companion.vehicle.port import Failed, Progress
+
+CLOCKED = (
+    Phase.TASK,
+    Phase.PAUSED,
+    Phase.YIELDED,
+    Phase.OFFBOARD,
+    Phase.ARMING,
+    Phase.TAKE_OFF,
+)
+"""Phases in which time counts for the task, once it has begun."""
 
 
 class FlownTask:
@@ -87,6 +106,17 @@ class FlownTask:
         else:
             self._return_home.stop()
         self.is_interrupted = True
+
+    def sense(self, readings: Sequence[tuple[Signal, float]], phase: Phase) -> None:
+        """Takes readings off the wire; the clocks of bounded lines go on until the end begins."""
+        task, now_s = self._flight.task, self._flight.now_s
+        has_begun = phase is Phase.TASK or task.now_s > 0.0
+        is_counted = has_begun and phase in CLOCKED and not self.is_called_home
+        if is_counted:
+            task.now_s = now_s
+        self._executive.sense(readings)
+        if is_counted:
+            tell_late(self._flight)
 
     def tick(self) -> SortieEvent | None:
         """One tick; what it has come to, None while it goes on."""

@@ -4,6 +4,14 @@ from __future__ import annotations
 
 from companion.acting.flight import Flight
 from companion.flight_events.word import ConjunctViolated, PositionLeft
+from companion.planning.lasso import Conjunct
+
+
+def tell_late(flight: Flight) -> None:
+    """Reports each bounded line whose clock has just run over."""
+    task = flight.task
+    for conjunct in task.run_clocks(flight.now_s):
+        _tell_violated(flight, conjunct, task.last_position, tuple(sorted(task.facts)))
 
 
 def tell_positions(flight: Flight, for_ever: bool = False) -> None:
@@ -19,7 +27,10 @@ def tell_positions(flight: Flight, for_ever: bool = False) -> None:
         word = number, facts, risen, reached_s, withdrawn, restarted, for_ever
         flight.report(PositionLeft(*word, position.dropped))
         for conjunct in position.violated:
-            name, formula = conjunct.name, conjunct.text
-            is_optional = name in flight.task.optional
-            flight.report(ConjunctViolated(name, formula, number, facts, is_optional))
+            _tell_violated(flight, conjunct, number, facts)
     flight.task.left.clear()
+
+
+def _tell_violated(flight: Flight, conjunct: Conjunct, number: int, facts: tuple[str, ...]) -> None:
+    is_optional = conjunct.name in flight.task.optional
+    flight.report(ConjunctViolated(conjunct.name, conjunct.text, number, facts, is_optional))

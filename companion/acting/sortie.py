@@ -110,7 +110,7 @@ class Sortie:
             return
         if self._is_stopping:
             self._stop()
-        self._executive.sense(readings)
+        self._flown.sense(readings, self.phase)
         self._gate_watch.step()
         state = flight.vehicle.state
         lost = self._frame_watch.step(self.phase)

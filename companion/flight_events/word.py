@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated
 
 from companion.flight_events.event import FlightEvent
@@ -44,6 +44,13 @@ class PositionLeft(FlightEvent):
     def listed(self) -> str:
         """The facts in one line."""
         return ", ".join(self.facts)
+
+
+def since(event: FlightEvent, start_s: float) -> FlightEvent:
+    """An event whose own time, if it has one, counts from the beginning of a run."""
+    if not isinstance(event, PositionLeft):
+        return event
+    return replace(event, reached_s=round(max(0.0, event.reached_s - start_s), 3))
 
 
 @dataclass(frozen=True, slots=True)

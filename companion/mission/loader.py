@@ -19,7 +19,6 @@ from companion.documents import Document, Given, Source, did_you_mean, read_sour
 from companion.errors import FormulaError, MissionError
 from companion.ltl.formula import Operator
 from companion.ltl.parser import parse
-from companion.ltl.timed_formula import Line, TimedFormula
 from companion.mission.battery import read_battery
 from companion.mission.coordinates import coordinates_of
 from companion.mission.event_entries import check_restored, read_events
@@ -118,7 +117,7 @@ def _read_mission(
         task=task,
         otherwise=read_otherwise(file, places, space.grid, vehicle, document),
         patience_s=file.patience_s,
-        tree=_tree(file, document, skills, sets, vocabulary, task),
+        tree=_tree(file, document, skills, sets, vocabulary),
         priorities=priorities,
         anchor=coordinates.anchor,
         battery=read_battery(file.battery, vehicle, document),
@@ -157,14 +156,8 @@ def _tree(
     skills: Mapping[str, Skill],
     sets: Mapping[str, Collection[str]],
     vocabulary: Vocabulary,
-    task: Mapping[str, Line],
 ) -> Tree | None:
-    bounded = [name for name, line in task.items() if isinstance(line, TimedFormula)]
     if file.tree:
-        if bounded:
-            where = document.where("task", bounded[0])
-            hint = "leave the bound out, or tree:, so that the task is planned for"
-            raise MissionError("bounds in time are not watched yet beside a tree", where, hint)
         if file.battery is not None:
             where = document.key_at("battery")
             hint = "leave battery: out, or tree:, so that the task is planned for"

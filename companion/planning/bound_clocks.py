@@ -1,27 +1,129 @@
-"""What the clocks of bounded conjuncts show at a position of the word."""
+"""The clocks of a task's bounded conjuncts, beside its automata."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
-from companion.ltl.formula import Formula
-from companion.ltl.semantics import holds
-from companion.ltl.time_bounds import TimeBound
+from companion.ltl.bound_clock import BoundClock
 from companion.planning.lasso import Conjunct, Letter
 
-
-def after(bound: TimeBound, elapsed_ms: int | None, letter: Letter) -> int | None:
-    """The clock of a bound once a position was read."""
-
-    def is_true(formula: Formula) -> bool:
-        return holds(formula, (), (letter,))
-
-    return bound.after(elapsed_ms, is_true)
+NO_CLOCKS: tuple[int | None, ...] = ()
+"""What they show where no conjunct has a bound."""
 
 
-def begun(conjuncts: Sequence[Conjunct], letter: Letter) -> tuple[int | None, ...]:
-    """The clocks after the first position, as problems have them; () if none has a bound."""
-    bounds = [conjunct.bound for conjunct in conjuncts]
-    if not any(bounds):
-        return ()
-    return tuple(after(b, b.begin(), letter) if b is not None else None for b in bounds)
+class BoundClocks:
+    """One clock for each conjunct that has a bound.
+
+    Attributes:
+        are_begun: whether the word has begun, for them.
+
+    Args:
+        conjuncts: of the task.
+    """
+
+    def __init__(self, conjuncts: Sequence[Conjunct]) -> None:
+        self.are_begun = False
+        self._conjuncts = conjuncts
+        self._clocks = {
+            number: BoundClock(conjunct.bound)
+            for number, conjunct in enumerate(conjuncts)
+            if conjunct.bound is not None
+        }
+
+    def __bool__(self) -> bool:
+        """Whether there are any."""
+        return bool(self._clocks)
+
+    def begin_anew(self, line: str) -> None:
+        """Those of a line begin anew with the next position."""
+        for i, clock in self._clocks.items():
+            if self._conjuncts[i].name == line:
+                self._clocks[i] = clock.anew()
+
+    def read(self, letter: Letter, reached_s: float, left_s: float) -> tuple[Conjunct, ...]:
+        """One more position; those that it finds to be too late, which were not before."""
+        before = self.late
+        self._clocks = {
+            i: clock.after(letter, _ms(reached_s), _ms(left_s)) for i, clock in self._clocks.items()
+        }
+        return tuple(conjunct for conjunct in self.late if conjunct not in before)
+
+    def see(self, letter: Letter, event_s: float | None = None) -> None:
+        """What the next letter will have, as far as it is known by now.
+
+        Args:
+            letter: that.
+            event_s: when an event has changed it; None where a position has.
+        """
+        event_ms = None if event_s is None else _ms(event_s)
+        self._clocks = {i: clock.seeing(letter, event_ms) for i, clock in self._clocks.items()}
+
+    def run(self, now_s: float, unread: Letter | None) -> Sequence[Conjunct]:
+        """Time goes on; the conjuncts whose clock has just run over, [] where nothing changes.
+
+        With the first call the word begins.
+
+        Args:
+            now_s: the time.
+            unread: the position that was reached and not left yet; None if there is none.
+        """
+        now_ms = _ms(now_s)
+        if not self.are_begun:
+            self._clocks = {i: clock.begun(now_ms) for i, clock in self._clocks.items()}
+            self.are_begun = True
+            return ()
+        over = {i: c.over() for i, c in self._clocks.items() if c.is_over(now_ms, unread)}
+        self._clocks |= over
+        return [self._conjuncts[i] for i in over]
+
+    @property
+    def late(self) -> tuple[Conjunct, ...]:
+        """The conjuncts whose clock has run over."""
+        return tuple(self._conjuncts[i] for i, clock in self._clocks.items() if clock.is_late)
+
+    def without_late(
+        self, states: tuple[frozenset[int], ...], anew: Collection[str]
+    ) -> tuple[frozenset[int], ...]:
+        """The states of the automata, none for conjuncts that are late and do not begin anew."""
+        late = [conjunct for conjunct in self.late if conjunct.name not in anew]
+        pairs = zip(self._conjuncts, states, strict=True)
+        return tuple(frozenset() if c in late else own for c, own in pairs) if late else states
+
+    def show(
+        self,
+        now_s: float,
+        unread: tuple[Letter, float] | None = None,
+        anew: Collection[str] = (),
+    ) -> tuple[int | None, ...]:
+        """What they show, for each conjunct; as if the present position were read.
+
+        Args:
+            now_s: the time.
+            unread: the present position and when it was reached; None if it is read already.
+            anew: lines that begin anew.
+        """
+        if not self._clocks:
+            return NO_CLOCKS
+        now_ms = _ms(now_s)
+        shown: list[int | None] = [None] * len(self._conjuncts)
+        for i, clock in self._clocks.items():
+            if self._conjuncts[i].name in anew:
+                clock = clock.anew()
+            if not self.are_begun:
+                clock = clock.begun(now_ms)
+            if unread is not None:
+                letter, reached_s = unread
+                clock = clock.after(letter, _ms(reached_s) if self.are_begun else now_ms, now_ms)
+            elif clock.is_new:
+                clock = clock.begun(now_ms)
+            shown[i] = clock.elapsed_ms(now_ms)
+        return tuple(shown)
+
+
+def at_first(conjuncts: Sequence[Conjunct], letter: Letter) -> tuple[int | None, ...]:
+    """The clocks after the first position."""
+    return BoundClocks(conjuncts).show(0.0, (letter, 0.0))
+
+
+def _ms(seconds: float) -> int:
+    return round(1000 * seconds)

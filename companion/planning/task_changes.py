@@ -27,11 +27,13 @@ class TaskChange:
         method: of `TaskState`.
         arguments: actions, events and facts by their names.
         positions: how many positions of the word had been left after it.
+        now_s: when; 0 where the task has no clocks.
     """
 
     method: str
     arguments: tuple[Argument, ...]
     positions: int = 0
+    now_s: float = 0.0
 
 
 class Recorded(Protocol):
@@ -39,11 +41,13 @@ class Recorded(Protocol):
 
     Attributes:
         positions: how many positions of the word have been left.
+        now_s: the time, where clocks have to know it.
         is_changing: whether a change is under way.
         on_change: told of each change, after it.
     """
 
     positions: int
+    now_s: float
     is_changing: bool
     on_change: Callable[[TaskChange], None]
 
@@ -69,7 +73,7 @@ def recorded(
         finally:
             state.is_changing = False
         if done != []:  # which says that nothing has changed
-            state.on_change(TaskChange(method.__name__, named, state.positions))
+            state.on_change(TaskChange(method.__name__, named, state.positions, state.now_s))
         return done
 
     return call

@@ -35,6 +35,7 @@ class TaskReplay:
 
     def make(self, change: TaskChange) -> None:
         """One change, after those before it."""
+        self._state.now_s = change.now_s
         arguments = _READERS[change.method](self, change.arguments)
         getattr(self._state, change.method)(*arguments)
 
@@ -73,6 +74,7 @@ _READERS: dict[str, _Reader] = {
     "drop": TaskReplay._of_names,
     "leave": TaskReplay._as_they_are,
     "interrupt": TaskReplay._as_they_are,
+    "run_clocks": TaskReplay._as_they_are,
     "keep_dropped": TaskReplay._as_they_are,
     "depart": TaskReplay._as_they_are,
 }

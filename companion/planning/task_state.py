@@ -21,18 +21,21 @@ The word of the flight (after Section III-A of the paper):
 10. An action may be barred: nobody knows whether it was done, and no plan does it again.
 11. A line that the present plan drops is read on. If it was violated, it begins anew with the plan
    that takes it up; plans are made as if it had. It has no part in laps.
+12. A bounded line is violated as soon as its clock has run over, by the position left last, and
+   told at once. Clocks go on over replans, pauses and takeovers (companion/ltl/bound_clock.py).
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Collection, Iterable, Set
+from collections.abc import Callable, Collection, Iterable, Sequence, Set
 from dataclasses import replace
 
 from companion.mission.facts import AT, HERE, Fact, at
 from companion.mission.model import Event
+from companion.planning.bound_clocks import BoundClocks
 from companion.planning.domain import Action
-from companion.planning.lasso import Letter, Problem
+from companion.planning.held_beliefs import HeldBeliefs
+from companion.planning.lasso import Conjunct, Letter, Problem
 from companion.planning.planner import Planner
 from companion.planning.readings import Reading
 from companion.planning.situation import Position, TaskSituation
@@ -49,11 +52,11 @@ class TaskState:
     Attributes:
         facts: what holds, without the beliefs.
         risen: events that have risen since the last letter was read.
-        withdrawn: beliefs that were disproved, or that the map contradicts.
         completed: how many skills were completed, each of which has appended a position.
         positions: how many positions have been left.
         laps: how many laps of the task they were.
         left: those of them that nobody has collected yet.
+        now_s: the time, where clocks have to know it; 0 before the task is flown.
         running: the action under way.
         optional: lines of the task that may be dropped.
         dropped: those of them that the present plan does not keep.
@@ -69,14 +72,13 @@ class TaskState:
         self._planner = planner
         self.optional = frozenset(planner.mission.priorities)
         self._readings = [Reading(conjunct) for conjunct in planner.conjuncts]
+        self._clocks = BoundClocks(planner.conjuncts)
+        self.now_s = self._left_s = 0.0
         self._is_read = False
         self._restarted: tuple[str, ...] = ()
         self.facts: frozenset[Fact] = planner.mission.initially
         self.risen: frozenset[Fact] = frozenset()
-        self.withdrawn: frozenset[Fact] = frozenset()
-        self._returns_s: dict[Fact, float] = {}
-        self._failed: frozenset[Fact] = frozenset()
-        self._cut_off: frozenset[Fact] = frozenset()
+        self._beliefs = HeldBeliefs()
         self.positions = self.laps = 0
         self._reached_s, self.completed = 0.0, 0
         self.left: list[Position] = []
@@ -86,6 +88,11 @@ class TaskState:
         self.barred: frozenset[str] = frozenset()
         self._interrupted: Action | None = None
         self._departed_from: frozenset[Fact] = frozenset()
+
+    @property
+    def withdrawn(self) -> frozenset[Fact]:
+        """Beliefs that were disproved, or that the map contradicts."""
+        return self._beliefs.withdrawn
 
     @property
     def all_facts(self) -> frozenset[Fact]:
@@ -111,7 +118,8 @@ class TaskState:
 
     @property
     def _violated(self) -> tuple[str, ...]:
-        names = (r.conjunct.name for r in self._readings if not r.runs.states)
+        late = self._clocks.late
+        names = (r.conjunct.name for r in self._readings if not r.runs.states or r.conjunct in late)
         return tuple(dict.fromkeys(names))
 
     def problem(
@@ -135,15 +143,18 @@ class TaskState:
             states = tuple(r.runs.states for r in readings)
             histories = [r.letters for r in readings]
             waiting = [r.since_s for r in readings]
-            unread = self.risen - facts
+            unread, present = self.risen - facts, None
         else:
             letter = self._letter(facts)
             states = tuple(r.runs.after(letter).states for r in readings)
             histories = [[*r.letters, letter] for r in readings]
             waiting = [r.since_with(letter, self._reached_s) for r in readings]
-            unread = frozenset()
+            unread, present = frozenset[Fact](), (letter, self._reached_s)
+        now_s = self.now_s if self.running is None else self._left_s
+        clocks_ms = self._clocks.show(now_s, present, lost)
+        states = self._clocks.without_late(states, lost)
         is_en_route = AT_HERE in facts
-        problem = self._planner.problem(facts, states, withdrawn, is_en_route, unread)
+        problem = self._planner.problem(facts, states, withdrawn, is_en_route, unread, clocks_ms)
         if self.barred:
             allowed = tuple(a for a in problem.actions if a.name not in self.barred)
             problem = replace(problem, actions=allowed)
@@ -156,7 +167,7 @@ class TaskState:
     def begin(self, action: Action) -> None:
         """Leaves the present position for the one that an action leads to."""
         self.leave()
-        self.running = action
+        self.running, self._left_s = action, self.now_s
 
     @recorded
     def leave(self) -> None:
@@ -165,7 +176,9 @@ class TaskState:
             return
         letter = self._letter(self.facts)
         reached_s = self._reached_s
+        late = self._clocks.read(letter, reached_s, self.now_s)
         violated = tuple(r.conjunct for r in self._readings if r.read(letter, reached_s))
+        violated += tuple(conjunct for conjunct in late if conjunct not in violated)
         facts = self.facts | letter & self._planner.task_facts
         risen = (self.risen - self.facts) & facts
         number, restarted = self.positions, self._restarted
@@ -189,8 +202,9 @@ class TaskState:
         self._reached_s = now_s
         self.completed += 1
         self.facts = action.apply(self.facts)
-        self.withdrawn = frozenset(b for b in self.withdrawn if HERE not in b.arguments)
+        self._beliefs.leave_here()
         self._is_read = False
+        self._clocks.see(self._next_letter)
         self.running = self._interrupted = None
         self.may_take_up = bool(self.dropped)
 
@@ -247,6 +261,7 @@ class TaskState:
             if reading.conjunct.name == line:
                 reading.restart(self._reached_s)
                 self._restarted = tuple(dict.fromkeys((*self._restarted, line)))
+        self._clocks.begin_anew(line)
 
     @recorded
     def depart(self) -> None:
@@ -259,12 +274,7 @@ class TaskState:
     @recorded
     def withdraw(self, beliefs: frozenset[Fact], retry_s: float | None = None) -> None:
         """Gives up beliefs; from `retry_s` on, if given, they may be held again."""
-        self.withdrawn |= beliefs
-        self._failed |= beliefs
-        for belief in beliefs:
-            self._returns_s.pop(belief, None)
-            if retry_s is not None:
-                self._returns_s[belief] = retry_s
+        self._beliefs.withdraw(beliefs, retry_s)
 
     @recorded
     def bar(self, action: Action) -> None:
@@ -273,45 +283,23 @@ class TaskState:
 
     @recorded
     def cut_off(self, beliefs: frozenset[Fact]) -> tuple[list[Fact], list[Fact]]:
-        """Gives up the beliefs that the map contradicts, and holds again those that it did before.
-
-        A belief that has just failed, and that the map contradicts, has failed for the map's sake.
-
-        Args:
-            beliefs: all that the map contradicts now.
-
-        Returns:
-            The beliefs given up, and those held again.
-        """
-        lost, held = beliefs - self.withdrawn, self._cut_off - beliefs
-        self._cut_off = (self._cut_off | lost | self._failed) & beliefs
-        self._failed = frozenset()
-        self.withdrawn = (self.withdrawn | lost) - held
-        return sorted(lost), sorted(held)
+        """Gives up all that the map contradicts, and holds again what it did before; both."""
+        return self._beliefs.cut_off(beliefs)
 
     @property
     def returning(self) -> frozenset[Fact]:
         """The withdrawn beliefs that are held again when their time has come."""
-        return self.withdrawn & self._returns_s.keys()
+        return self._beliefs.returning
 
     @property
     def is_cut_off(self) -> bool:
         """Whether the map contradicts a belief."""
-        return bool(self._cut_off)
+        return self._beliefs.is_cut_off
 
     @recorded
     def restore(self, now_s: float, predicates: frozenset[str]) -> list[Fact]:
-        """Holds beliefs again whose time has come, or whose predicate is named; which ones.
-
-        Those that the map contradicts wait for the map.
-        """
-        restored = sorted(
-            belief
-            for belief in self.withdrawn - self._cut_off
-            if belief.predicate in predicates or self._returns_s.get(belief, math.inf) <= now_s
-        )
-        self.withdrawn -= set(restored)
-        return restored
+        """Holds beliefs again whose time has come, or whose predicate is named; which ones."""
+        return self._beliefs.restore(now_s, predicates)
 
     @recorded
     def take(self, event: Event, holds: bool) -> None:
@@ -320,9 +308,34 @@ class TaskState:
         self.facts = self.facts | fact if holds else self.facts - fact
         if holds:
             self.risen |= fact
+        self._clocks.see(self._next_letter, self.now_s)
         for line in self._planner.mission.task:
             if holds and line in event.restarts:
                 self._restart(line)
+
+    @recorded
+    def run_clocks(self, now_s: float) -> Sequence[Conjunct]:
+        """Time goes on; the conjuncts whose clock has just run over, [] where nothing changes.
+
+        With the first call the task begins: its first position counts as reached then.
+        """
+        if not self._clocks:
+            return []
+        if not self._clocks.are_begun and not self.positions:
+            self._reached_s = now_s
+        self.now_s = now_s
+        return self._clocks.run(now_s, None if self._is_read else self._next_letter)
+
+    @property
+    def _next_letter(self) -> Letter:
+        """What is read next, as far as it is known: between places the vehicle is at none."""
+        left = frozenset(f for f in self.facts if f.predicate == AT) if self._is_read else ()
+        return self._letter(self.facts.difference(left))
+
+    @property
+    def last_position(self) -> int:
+        """The number of the position that was left last."""
+        return max(0, self.positions - 1)
 
     def _letter(self, facts: frozenset[Fact]) -> Letter:
         """What the automata read at a position with some facts."""

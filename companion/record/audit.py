@@ -4,6 +4,9 @@ The word is read again from the record alone, letter by letter, by a monitor of 
 (`companion/ltl/monitor.py`). If the vehicle came to rest for ever, the word is a lasso, and the
 direct semantics of LTL decides each conjunct without any automaton.
 
+A line with a bound in time is read by its clock beside that (`timed_word.py`): where it runs over,
+the position left last has violated it.
+
 An event may have made conjuncts begin anew (`restarts`); what such a conjunct had read before is
 then dropped, but a violation that has happened stays one. That is not the formula's truth over the
 whole flight, so the outcome without any restart stands beside it.
@@ -15,15 +18,16 @@ judged from there on. The positions at which it was dropped are named.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from enum import Enum
 
 from companion.flight_events.word import PositionLeft
-from companion.ltl.formula import Formula, conjuncts
+from companion.ltl.formula import Formula
 from companion.ltl.monitor import Monitor, TruthValue
 from companion.ltl.semantics import Letter, holds
-from companion.ltl.timed_formula import untimed
+from companion.ltl.time_bounds import TimeBound
+from companion.ltl.timed_formula import parts
 from companion.record.events import RunRecord
 
 
@@ -47,6 +51,7 @@ class Finding:
     """What the flight has done about one conjunct.
 
     Attributes:
+        text: what it says.
         outcome: VIOLATED and FULFILLED if the word alone decides it, from `position` on; SATISFIED
             and UNFULFILLED if the rest does that follows for ever; else OPEN: it holds so far.
         since: the position with which it began anew last, 0 if it never did. What was read before
@@ -59,7 +64,7 @@ class Finding:
     """
 
     name: str
-    formula: Formula
+    text: str
     outcome: ConjunctOutcome
     position: int | None
     since: int
@@ -99,13 +104,33 @@ def audit(record: RunRecord) -> Audit:
         TranslationLimit: the monitor of a conjunct would be too large.
     """
     readings = [
-        _read(name, part, record.positions)
+        _read(Part(name, formula, bound), record)
         for name, line in record.task.items()
-        for part in conjuncts(untimed(line))
+        for formula, bound in parts(line)
     ]
-    found = {(reading.name, number) for reading in readings for number in reading.violated}
+    found = {(reading.part.name, number) for reading in readings for number in reading.violated}
     differs = tuple(sorted(found ^ record.violations))
     return Audit(tuple(_finding(reading, record) for reading in readings), differs)
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A conjunct of a line of the task.
+
+    Attributes:
+        name: of the line.
+        formula: without its bound in time.
+        bound: None if it has none.
+    """
+
+    name: str
+    formula: Formula
+    bound: TimeBound | None
+
+    @property
+    def text(self) -> str:
+        """What it says."""
+        return str(self.bound or self.formula)
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,8 +143,7 @@ class _Reading:
         violated: the positions that violated it: one, and perhaps one more after each restart.
     """
 
-    name: str
-    formula: Formula
+    part: Part
     begun: int
     states: tuple[TruthValue, ...]
     violated: tuple[int, ...]
@@ -130,39 +154,41 @@ class _Reading:
         return replace(self, violated=tuple(n for n in self.violated if n >= self.begun))
 
 
-def _read(
-    name: str, formula: Formula, positions: Iterable[PositionLeft], begins_anew: bool = True
-) -> _Reading:
-    fresh = monitor = Monitor.of(formula)
-    begun, states, violated = 0, [], []
-    for position in positions:
-        if begins_anew and name in position.restarted:
-            monitor, begun = fresh, position.number
+def _read(part: Part, record: RunRecord, begins_anew: bool = True) -> _Reading:
+    fresh = monitor = Monitor.of(part.formula)
+    overruns: Collection[int] = ()
+    if part.bound is not None:
+        overruns = record.in_time.overruns(part.bound, part.name, begins_anew)
+    begun, is_late, states, violated = 0, False, [], set(overruns)
+    for position in record.positions:
+        if begins_anew and part.name in position.restarted:
+            monitor, begun, is_late = fresh, position.number, False
         before, monitor = monitor.truth_value, monitor.after(frozenset(position.facts))
-        states.append(monitor.truth_value)
+        is_late = is_late or position.number in overruns
+        states.append(TruthValue.FALSE if is_late else monitor.truth_value)
         if before is not TruthValue.FALSE and monitor.truth_value is TruthValue.FALSE:
-            violated.append(position.number)
-    return _Reading(name, formula, begun, tuple(states), tuple(violated))
+            violated.add(position.number)
+    return _Reading(part, begun, tuple(states), tuple(sorted(violated)))
 
 
 def _finding(reading: _Reading, record: RunRecord) -> Finding:
-    positions, priority = record.positions, record.priorities.get(reading.name)
+    positions, priority = record.positions, record.priorities.get(reading.part.name)
     judged = reading if priority is None else reading.since_begun
     outcome, number = _outcome(judged, positions)
     whole = outcome
     if reading.begun:
-        never_anew = _read(reading.name, reading.formula, positions, begins_anew=False)
+        never_anew = _read(reading.part, record, begins_anew=False)
         whole, _ = _outcome(never_anew, positions)
     return Finding(
-        name=reading.name,
-        formula=reading.formula,
+        name=reading.part.name,
+        text=reading.part.text,
         outcome=outcome,
         position=number,
         since=reading.begun,
         whole=whole,
         states=reading.states,
         priority=priority,
-        dropped=_spans(p.number for p in positions if reading.name in p.dropped),
+        dropped=_spans(p.number for p in positions if reading.part.name in p.dropped),
     )
 
 
@@ -191,7 +217,7 @@ def _outcome(
         return ConjunctOutcome.FULFILLED, reading.states.index(TruthValue.TRUE, reading.begun)
     if positions and positions[-1].for_ever:
         word: list[Letter] = [frozenset(each.facts) for each in positions[reading.begun :]]
-        is_satisfied = holds(reading.formula, word[:-1], word[-1:])
+        is_satisfied = holds(reading.part.formula, word[:-1], word[-1:])
         outcome = ConjunctOutcome.SATISFIED if is_satisfied else ConjunctOutcome.UNFULFILLED
         return outcome, None
     return ConjunctOutcome.OPEN, None
@@ -208,7 +234,7 @@ def as_json(record: RunRecord, result: Audit) -> Mapping[str, object]:
         "conjuncts": [
             {
                 "conjunct": finding.name,
-                "formula": str(finding.formula),
+                "formula": finding.text,
                 "outcome": finding.outcome.value,
                 "position": finding.position,
                 "since": finding.since,

@@ -14,15 +14,19 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from companion.errors import FormulaError, KeyPath, Location, MissionError
-from companion.flight_events.event import Stamped
+from companion.flight_events.event import FlightEvent, Stamped
+from companion.flight_events.facts import MissionEventChanged
 from companion.flight_events.plans import PlanMade, WrittenTreeAdopted
 from companion.flight_events.reading import read_line
-from companion.flight_events.sortie import RunEnded
+from companion.flight_events.sortie import Phase, PhaseEntered, RunEnded
 from companion.flight_events.tree import TreeBuilt
 from companion.flight_events.word import ConjunctViolated, PositionLeft
 from companion.ltl.parser import parse_line
 from companion.ltl.timed_formula import Line
+from companion.record.timed_word import TimedWord
 
+ENDS_THE_TASK = (Phase.RETURNING, Phase.HOLDING, Phase.PARTING, Phase.LANDING)
+"""Phases that nothing of the task comes after."""
 EVENTS_FILE = "events.jsonl"
 
 
@@ -38,6 +42,7 @@ class RunRecord:
         tree: the behaviour tree that was ticked last; None if there was none.
         ending: how the run ended; None if it was cut off.
         is_torn: the last line is not whole, and was left out.
+        in_time: the word with its times, for lines that are bounded.
     """
 
     task: Mapping[str, Line]
@@ -48,6 +53,7 @@ class RunRecord:
     tree: TreeBuilt | None
     ending: RunEnded | None
     is_torn: bool
+    in_time: TimedWord
 
 
 def read_events(folder: Path) -> RunRecord:
@@ -92,7 +98,13 @@ def _record(
     violations: set[tuple[str, int]] = set()
     tree: TreeBuilt | None = None
     ending: RunEnded | None = None
+    steps: list[tuple[float, MissionEventChanged | PositionLeft]] = []
+    until_s, is_counted = 0.0, True
     for stamped, where in events:
+        if is_counted:
+            until_s, is_counted = stamped.time_s, not _ends_the_task(stamped.event)
+        if isinstance(stamped.event, MissionEventChanged | PositionLeft):
+            steps.append((stamped.time_s, stamped.event))
         match stamped.event:
             case PlanMade() | WrittenTreeAdopted() as first:
                 task, priorities = _formulas(first.task, where), first.priorities
@@ -110,7 +122,18 @@ def _record(
         why = f": {ending.text}" if ending else ""
         raise MissionError(f"{name}: no plan was made in this run, so nothing was flown{why}")
     word = tuple(positions), tuple(times_s), frozenset(violations)
-    return RunRecord(task, priorities, *word, tree, ending, is_torn)
+    in_time = TimedWord(tuple(steps), until_s, frozenset(violations))
+    return RunRecord(task, priorities, *word, tree, ending, is_torn, in_time)
+
+
+def _ends_the_task(event: FlightEvent) -> bool:
+    """Whether time does not count any more for the task."""
+    match event:
+        case PhaseEntered(phase):
+            return phase in ENDS_THE_TASK
+        case PositionLeft(for_ever=True) | RunEnded():
+            return True
+    return False
 
 
 def _is_json(text: bytes) -> bool:

@@ -15,7 +15,6 @@
 from __future__ import annotations
 
 import json
-import math
 import os
 import struct
 from collections.abc import Callable, Iterator
@@ -85,13 +84,13 @@ class RunFolder:
         self._is_failing = False
         self._flushed_s = 0.0
         events = folder / EVENTS_FILE
-        self._positions = 0
+        self._told = _Told()
         if cut_off_at is None:
             (folder / "mission.yaml").write_text(mission.text, encoding="utf-8")
             about = json.dumps(scene(mission, start_unix_s)) + "\n"
             (folder / "scene.json").write_text(about, encoding="utf-8")
         else:
-            self._positions = _cut(events, cut_off_at)
+            self._told = _cut(events, cut_off_at)
         self._clocks = ClockFile(folder, is_continued=cut_off_at is not None)
         mode = "w" if cut_off_at is None else "a"
         self._events = events.open(mode, encoding="utf-8")
@@ -104,7 +103,7 @@ class RunFolder:
 
     def report(self, stamped: Stamped) -> None:
         """Appends a line to events.jsonl, at once; a plan also becomes a file."""
-        if _position_of(stamped.event) < self._positions:
+        if stamped.event in self._told:
             return  # the run that was cut off has told it
         self.trail.charge.take(stamped)
         if stamped.event.is_told:
@@ -168,31 +167,48 @@ class RunFolder:
         self.trail.begin(title)
 
 
-def _position_of(event: FlightEvent) -> float:
-    """The position of the word that an event is about; inf if it is about none."""
-    match event:
-        case PositionLeft(number=number) | ConjunctViolated(position=number):
-            return number
-    return math.inf
+class _Told:
+    """What of the word a run folder has already.
+
+    Attributes:
+        positions: how many.
+        violations: conjuncts, and the positions that violated them.
+    """
+
+    def __init__(self) -> None:
+        self.positions = 0
+        self.violations: set[tuple[str, int]] = set()
+
+    def __contains__(self, event: object) -> bool:
+        match event:
+            case PositionLeft(number=number):
+                return number < self.positions
+            case ConjunctViolated(conjunct=conjunct, position=position):
+                return (conjunct, position) in self.violations
+        return False
 
 
-def _cut(path: Path, positions: int) -> int:
+def _cut(path: Path, positions: int) -> _Told:
     """Takes away a torn last line, and all from a position on that the journal does not have.
 
     Returns:
-        how many positions are left.
+        what is left.
     """
     lines = path.read_bytes().splitlines(keepends=True) if path.exists() else []
-    kept = count = 0
+    told, kept = _Told(), 0
     for line in lines:
         try:
-            number = _position_of(read_line(line).event)
+            event = read_line(line).event
         except MissionError:
             break
-        if number >= positions and number != math.inf:
-            break
-        count = max(count, int(number) + 1) if number != math.inf else count
+        match event:
+            case PositionLeft(number=number):
+                if number >= positions:
+                    break
+                told.positions = max(told.positions, number + 1)
+            case ConjunctViolated(conjunct=conjunct, position=position):
+                told.violations.add((conjunct, position))
         kept += len(line)
     if lines:
         os.truncate(path, kept)
-    return count
+    return told

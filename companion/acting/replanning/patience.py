@@ -60,7 +60,8 @@ class Patience:
     def lasts(self) -> bool:
         """Whether the vehicle holds."""
         is_landed = self._flight.progress.is_landed_by_plan
-        may_wait = self.left_s > 0 and bool(self.hopes) and not is_landed
+        is_lost = bool(self._flight.task.violated)  # a clock may have run over meanwhile
+        may_wait = self.left_s > 0 and bool(self.hopes) and not is_landed and not is_lost
         return may_wait and not self._is_battery_low and not self._is_charge_needed
 
     def _find_hopes(self) -> list[str]:

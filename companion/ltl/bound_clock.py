@@ -1,0 +1,112 @@
+"""The clock of a bound as it reads a word in time, position by position.
+
+What an event asks for is asked for from the moment in which it comes, not only from the position at
+which it is read: a vehicle reads next where it arrives. What was asked for before, and still is, is
+asked for from each position on that says so. Between two positions a clock goes on, and
+may run over; a position that was reached in time counts, although it is read later.
+
+A clock that begins anew stands at 0 until the next position is left.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from companion.ltl.formula import Formula
+from companion.ltl.semantics import Letter, holds
+from companion.ltl.time_bounds import Response, TimeBound
+
+
+@dataclass(frozen=True)
+class BoundClock:
+    """A bound, and since when it runs; times are in milliseconds, of which differences matter.
+
+    >>> from companion.ltl.parser import atom
+    >>> from companion.ltl.time_bounds import Within
+    >>> clock = BoundClock(Within(atom("p"), 9000)).begun(1000)
+    >>> clock.is_over(10_000, None), clock.is_over(10_001, None)
+    (False, True)
+
+    Attributes:
+        since_ms: None while it stands still.
+        asked_ms: when an event asked for it, which no position has read yet.
+        is_asking: whether it is asked for by what is known now.
+        is_new: it begins anew with the next position that is left.
+        is_late: it has run over; for ever, unless it begins anew.
+    """
+
+    bound: TimeBound
+    since_ms: int | None = None
+    asked_ms: int | None = None
+    is_asking: bool = False
+    is_new: bool = False
+    is_late: bool = False
+
+    def begun(self, now_ms: int) -> BoundClock:
+        """The word begins."""
+        since_ms = now_ms if self.bound.begin() is not None else None
+        return replace(self, since_ms=since_ms, asked_ms=None)
+
+    def anew(self) -> BoundClock:
+        """It begins anew with the next position; what was, is forgotten."""
+        return BoundClock(self.bound, is_new=True)
+
+    def seeing(self, letter: Letter, event_ms: int | None = None) -> BoundClock:
+        """With what the next letter will have, as far as it is known by now.
+
+        Args:
+            letter: that.
+            event_ms: when an event has changed it; None where a position has.
+        """
+        if not isinstance(self.bound, Response) or self.is_new:
+            return self
+        was_asking, is_asking = self.is_asking, is_true(self.bound.trigger, letter)
+        asked = event_ms if is_asking and not was_asking else self.asked_ms
+        return replace(self, is_asking=is_asking, asked_ms=asked if is_asking else None)
+
+    def is_over(self, now_ms: int, unread: Letter | None) -> bool:
+        """Whether it has run over by now, and had not before.
+
+        Args:
+            now_ms: the time.
+            unread: the position that was reached and not left yet; None if there is none.
+        """
+        if self.is_late or not self.bound.is_late(self.elapsed_ms(now_ms)):
+            return False
+        return unread is None or not is_true(self.bound.goal, unread)
+
+    def over(self) -> BoundClock:
+        """It has run over."""
+        return replace(self, is_late=True)
+
+    def elapsed_ms(self, now_ms: int) -> int | None:
+        """What it shows; None if it stands still."""
+        since = self.since_ms if self.since_ms is not None else self.asked_ms
+        return None if since is None else max(0, now_ms - since)
+
+    def after(self, letter: Letter, reached_ms: int, left_ms: int) -> BoundClock:
+        """One more position that was read.
+
+        Args:
+            letter: what holds there.
+            reached_ms: when it was reached.
+            left_ms: when it was left.
+        """
+        if self.is_new:
+            return replace(self.begun(left_ms), is_new=False).after(letter, left_ms, left_ms)
+        since = self.since_ms
+        bound = self.bound
+        is_asking = isinstance(bound, Response) and is_true(bound.trigger, letter)
+        if since is None and is_asking:
+            since = self.asked_ms
+        elapsed = None if since is None else max(0, reached_ms - since)
+        shown = self.bound.after(elapsed, lambda formula: is_true(formula, letter))
+        if shown is None or since is None or shown != elapsed:
+            since = None if shown is None else reached_ms - shown
+        is_late = self.is_late or self.bound.is_late(elapsed)
+        return replace(self, since_ms=since, asked_ms=None, is_asking=is_asking, is_late=is_late)
+
+
+def is_true(formula: Formula, letter: Letter) -> bool:
+    """Whether a formula without temporal operators holds at a position."""
+    return holds(formula, (), (letter,))

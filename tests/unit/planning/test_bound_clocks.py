@@ -1,0 +1,235 @@
+"""Bounded lines in flight: the task's state and the audit, against the definition of each bound.
+
+Random flights: skills that take their time, holds between them, events that rise and fall at any
+time. Time goes on in ticks. The reference below knows all of a flight and no clock.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from random import Random
+
+import pytest
+from synthetic import event, mission
+
+from companion.flight_events.facts import MissionEventChanged
+from companion.flight_events.word import PositionLeft
+from companion.ltl.parser import parse_line
+from companion.ltl.time_bounds import Revisit, TimeBound, Within
+from companion.ltl.timed_formula import parts
+from companion.mission.model import Mission
+from companion.planning.domain import WAIT
+from companion.planning.planner import Planner
+from companion.planning.situation import Position
+from companion.planning.task_changes import TaskChange
+from companion.planning.task_replay import TaskReplay
+from companion.planning.task_state import TaskState
+from companion.record.timed_word import TimedWord
+
+TICK_S = 0.05
+ALARM = event("alarm")
+LINES = {
+    "first": "F[<=20s] at(B)",
+    "answer": "G (alarm -> F[<=15s] at(B))",
+    "calm": "G (!alarm & at(A) -> F[<=15s] at(B))",
+    "often": "revisit(A) <= 25 s",
+}
+
+
+def bounded(*lines: str, priorities: dict[str, int] | None = None) -> Mission:
+    made = mission("F at(A)", events=[ALARM])
+    task = {line: parse_line(LINES[line]) for line in lines}
+    return replace(made, task=task, priorities=priorities or {})
+
+
+ALL = bounded(*LINES)
+PLANNER = Planner(ALL, lambda origin, goal: 4.0)
+
+
+@dataclass
+class Flown:
+    """A flight: what a record has of it, and what was told of bounds."""
+
+    steps: list[tuple[float, MissionEventChanged | PositionLeft]] = field(default_factory=list)
+    told: set[tuple[str, int]] = field(default_factory=set)
+    changes: list[TaskChange] = field(default_factory=list)
+    until_s: float = 0.0
+    unread: list[PositionLeft] = field(default_factory=list)
+
+    @property
+    def positions(self) -> list[PositionLeft]:
+        """With the one that was reached last, which no record has."""
+        left = [step for _, step in self.steps if isinstance(step, PositionLeft)]
+        return left + self.unread
+
+    @property
+    def recorded(self) -> TimedWord:
+        return TimedWord(tuple(self.steps), self.until_s, frozenset(self.told))
+
+
+class Pilot:
+    """Flies at random: in each tick a skill goes on, ends or begins, and events may change."""
+
+    def __init__(self, random: Random, planner: Planner) -> None:
+        self.task = TaskState(planner)
+        self.flown = Flown()
+        self.task.on_change = self.flown.changes.append
+        self._random = random
+        self._tick = 200
+        self._busy_until = self._idle_until = self._tick
+
+    def fly(self, ticks: int) -> Flown:
+        for _ in range(ticks):
+            self._tick += 1
+            self._now_s = round(self._tick * TICK_S, 3)
+            self.task.now_s = self._now_s
+            self._events()
+            for conjunct in self.task.run_clocks(self._now_s):
+                self.flown.told.add((conjunct.name, self.task.last_position))
+            self._act()
+        self.flown.until_s = self._now_s
+        return self.flown
+
+    def leave(self) -> None:
+        """Leaves the position that was reached last, for those who are to know it."""
+        self.task.leave()
+        self.flown.unread = [_left(position) for position in self.task.left]
+
+    def _events(self) -> None:
+        for _ in range(2):
+            if self._random.random() < 0.003:
+                holds = ALARM.fact not in self.task.facts
+                self.task.take(ALARM, holds)
+                self.flown.steps.append((self._now_s, MissionEventChanged("alarm", holds)))
+
+    def _act(self) -> None:
+        task, random = self.task, self._random
+        if task.running is not None and self._tick >= self._busy_until:
+            if random.random() < 0.15:
+                task.interrupt()
+            else:
+                task.complete(task.running, self._now_s)
+            self._idle_until = self._tick + random.choice((0, 0, 0, 40, 200))
+        if task.running is None and self._tick >= self._idle_until:
+            choices = [a for a in task.problem()[0].actions if a.is_applicable(task.all_facts)]
+            action = random.choice([a for a in choices if a is not WAIT])
+            task.begin(action)
+            self._busy_until = self._tick + random.randint(40, 160)
+        for left in task.left:
+            self.flown.steps.append((self._now_s, _left(left)))
+            self.flown.told |= {(conjunct.name, left.number) for conjunct in left.violated}
+        task.left.clear()
+
+
+def _left(position: Position) -> PositionLeft:
+    facts, risen = tuple(position.facts), tuple(position.risen)
+    word = position.number, facts, risen, position.reached_s
+    return PositionLeft(*word, (), position.restarted, False)
+
+
+def requests(flown: Flown, line: str, bound: TimeBound) -> list[tuple[float, int]]:
+    """When something is asked for, and the first position that may answer it."""
+    word = flown.positions
+    match bound:
+        case Within():
+            return [(word[0].reached_s, 0)]
+        case Revisit(goal):
+            visits = [(p.reached_s, p.number + 1) for p in word if goal.atom in p.facts]
+            return [(word[0].reached_s, 0), *visits]
+    asking, due = Asking(is_calm=line == "calm"), list(word)
+    for time_s, step in [*flown.steps, (flown.until_s, None)]:
+        if due and asking.here is None and due[0].reached_s <= time_s:
+            asking.reach(due.pop(0))
+        if isinstance(step, MissionEventChanged):
+            asking.change(step.holds, time_s)
+        elif step is not None:
+            asking.leave(step)
+    if asking.asked_s is not None:
+        asking.found.append((asking.asked_s, len(word) - len(flown.unread)))
+    return asking.found
+
+
+class Asking:
+    """What is asked for by `alarm`, or by `!alarm & at(A)`, along a flight."""
+
+    def __init__(self, is_calm: bool) -> None:
+        self.found: list[tuple[float, int]] = []
+        self.asked_s: float | None = None
+        self.here: PositionLeft | None = None
+        self._is_calm, self._holds, self._has_risen, self._was_so = is_calm, False, False, False
+
+    def _is_so(self) -> bool:
+        has_alarm = self._holds or self._has_risen
+        is_at_a = self.here is not None and "at(A)" in self.here.facts
+        return is_at_a and not has_alarm if self._is_calm else has_alarm
+
+    def reach(self, position: PositionLeft) -> None:
+        self.here = position
+        self._was_so = self._is_so()
+        self.asked_s = self.asked_s if self._was_so else None
+
+    def change(self, holds: bool, time_s: float) -> None:
+        self._holds, self._has_risen = holds, self._has_risen or holds
+        if self._is_so() and not self._was_so and time_s > 10.05:  # when the word begins
+            self.asked_s = time_s
+        self._was_so = self._is_so()
+        self.asked_s = self.asked_s if self._was_so else None
+
+    def leave(self, position: PositionLeft) -> None:
+        has_alarm = "alarm" in position.facts
+        is_so = not has_alarm and "at(A)" in position.facts if self._is_calm else has_alarm
+        if is_so:
+            since_s = position.reached_s if self.asked_s is None else self.asked_s
+            self.found.append((since_s, position.number))
+        self.asked_s, self._was_so, self.here, self._has_risen = None, is_so, None, False
+
+
+def violations(flown: Flown, line: str, bound: TimeBound) -> list[float]:
+    """When something is too late for the first time."""
+    late = []
+    for asked_s, first in requests(flown, line, bound):
+        due_s = round(asked_s + bound.limit_ms / 1000, 3)
+        answers = (p for p in flown.positions[first:] if bound.goal.atom in p.facts)
+        if due_s < flown.until_s and not any(p.reached_s <= due_s for p in answers):
+            late.append(due_s)
+    return sorted(late)[:1]
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_what_is_told_is_what_the_definition_says(seed: int) -> None:
+    verdicts = set()
+    for number in range(10):
+        random = Random(1000 * seed + number)
+        pilot = Pilot(random, PLANNER)
+        flown = pilot.fly(1600)
+        word = flown.recorded
+        pilot.leave()
+        for name, line in ALL.task.items():
+            ((_, bound),) = parts(line)
+            assert bound is not None
+            told = {position for told_name, position in flown.told if told_name == name}
+            late = violations(flown, name, bound)
+            assert bool(told) is bool(late), (seed, number, name)
+            if late:
+                left = (p.number for t, p in flown.steps if p in flown.positions and t <= late[0])
+                assert told == {max(left, default=0)}, (seed, number, name)
+            assert set(word.overruns(bound, name)) == told, (seed, number, name)
+            verdicts.add((name, bool(late)))
+    assert len(verdicts) >= 6
+
+
+def test_a_journal_brings_the_clocks_back() -> None:
+    for seed in range(20):
+        pilot = Pilot(Random(seed), PLANNER)
+        flown = pilot.fly(random_length := Random(seed).randint(1, 1200))
+        again = TaskState(PLANNER)
+        replay = TaskReplay(again, PLANNER)
+        for change in flown.changes:
+            replay.make(change)
+        for task in (pilot.task, again):
+            task.now_s = 10 + random_length * TICK_S + 100.0
+            task.interrupt()
+        here, there = pilot.task.problem()[0], again.problem()[0]
+        assert here.clocks_ms == there.clocks_ms
+        assert here.automaton_states == there.automaton_states
+        assert pilot.task.violated == again.violated
