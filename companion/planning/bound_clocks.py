@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
-from companion.ltl.bound_clock import BoundClock
+from companion.ltl.bound_clock import BoundClock, is_true
+from companion.ltl.time_bounds import TimeBound
 from companion.planning.lasso import Conjunct, Letter
 
 NO_CLOCKS: tuple[int | None, ...] = ()
@@ -120,7 +121,18 @@ class BoundClocks:
         return tuple(shown)
 
 
-def at_first(conjuncts: Sequence[Conjunct], letter: Letter) -> tuple[int | None, ...]:
+def after(bound: TimeBound, elapsed_ms: int | None, letter: Letter) -> int | None:
+    """What the clock of a bound shows once a position was read; None if it stands still.
+
+    Args:
+        bound: what it says.
+        elapsed_ms: what it showed when the position was reached.
+        letter: what holds there.
+    """
+    return bound.after(elapsed_ms, lambda formula: is_true(formula, letter))
+
+
+def begun(conjuncts: Sequence[Conjunct], letter: Letter) -> tuple[int | None, ...]:
     """The clocks after the first position."""
     return BoundClocks(conjuncts).show(0.0, (letter, 0.0))
 

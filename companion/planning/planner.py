@@ -21,7 +21,7 @@ from companion.ltl.monitor import Runs
 from companion.mission.facts import HERE, Fact
 from companion.mission.model import Fly, Mission
 from companion.mission.tree_nodes import Tree, actions
-from companion.planning.bound_clocks import NO_CLOCKS, at_first
+from companion.planning.bound_clocks import NO_CLOCKS, begun
 from companion.planning.builtin.masked_actions import KnownActions
 from companion.planning.builtin.product import Product
 from companion.planning.builtin.transition_system import TransitionSystem
@@ -336,6 +336,6 @@ class Planner(Solver):
         withdrawn = supposed_withdrawn(self.model, without)
         letter = state | (self.model.beliefs - withdrawn)
         runs = (Runs.begin(conjunct.automaton).after(letter) for conjunct in self.conjuncts)
-        states, clocks_ms = tuple(run.states for run in runs), at_first(self.conjuncts, letter)
+        states, clocks_ms = tuple(run.states for run in runs), begun(self.conjuncts, letter)
         problem = self.problem(state, states, withdrawn, clocks_ms=clocks_ms)
         return problem, [[letter] for _ in self.conjuncts]

@@ -104,7 +104,7 @@ def audit(record: RunRecord) -> Audit:
         TranslationLimit: the monitor of a conjunct would be too large.
     """
     readings = [
-        _read(Part(name, formula, bound), record)
+        _read(AuditedConjunct(name, formula, bound), record)
         for name, line in record.task.items()
         for formula, bound in parts(line)
     ]
@@ -114,7 +114,7 @@ def audit(record: RunRecord) -> Audit:
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class AuditedConjunct:
     """A conjunct of a line of the task.
 
     Attributes:
@@ -143,7 +143,7 @@ class _Reading:
         violated: the positions that violated it: one, and perhaps one more after each restart.
     """
 
-    part: Part
+    part: AuditedConjunct
     begun: int
     states: tuple[TruthValue, ...]
     violated: tuple[int, ...]
@@ -154,7 +154,7 @@ class _Reading:
         return replace(self, violated=tuple(n for n in self.violated if n >= self.begun))
 
 
-def _read(part: Part, record: RunRecord, begins_anew: bool = True) -> _Reading:
+def _read(part: AuditedConjunct, record: RunRecord, begins_anew: bool = True) -> _Reading:
     fresh = monitor = Monitor.of(part.formula)
     overruns: Collection[int] = ()
     if part.bound is not None:
