@@ -36,7 +36,7 @@ from companion.mission.schema import MissionFile
 from companion.mission.sites import check_places
 from companion.mission.skills import build_skills
 from companion.mission.space import read_space
-from companion.mission.task_lines import read_task
+from companion.mission.task_lines import read_ready, read_task
 from companion.mission.tree import read_tree
 from companion.mission.tree_nodes import Tree
 from companion.mission.vocabulary import Vocabulary
@@ -121,6 +121,7 @@ def _read_mission(
         priorities=priorities,
         anchor=coordinates.anchor,
         battery=read_battery(file.battery, vehicle, document),
+        ready=read_ready(file, document, task),
     )
     return mission, document
 

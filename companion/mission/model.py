@@ -255,6 +255,7 @@ class Mission:
     Attributes:
         sets: members of each set: places, and objects that are no places.
         task: named lines, in the order of the file; a plain goal is the line `goal`.
+        ready: lines that shall hold whenever their event may come.
         priorities: of the lines that may be dropped; the higher, the more important.
         initially: facts that hold at the start, beliefs left out; all others are false.
         grid: what the vehicle is told of the map beforehand.
@@ -288,6 +289,7 @@ class Mission:
     map_file: str = ""
     walls: tuple[Wall, ...] = ()
     battery: MissionBattery | None = None
+    ready: tuple[str, ...] = ()
 
     @property
     def is_above_sea(self) -> bool:

@@ -185,6 +185,13 @@ class MissionFile(DrawnModel):
         ),
     ] = []
     task: TaskKey = {}
+    ready: Annotated[
+        list[Name],
+        Field(
+            description="Lines of the task such as G (alarm -> F[<=90s] at(X)) that shall hold "
+            "whenever the event may come: plans stay so near that X is reached in time."
+        ),
+    ] = []
     goal: Annotated[
         Text | None,
         BeforeValidator(given, json_schema_input_type=Text),

@@ -6,11 +6,15 @@ plan keeps it. One line at least has none: it says when the mission is done, and
 
 from __future__ import annotations
 
-from companion.documents import Document
+from collections.abc import Mapping
+
+from companion.documents import Document, did_you_mean
 from companion.errors import MissionError
 from companion.ltl.formula import eventually
 from companion.ltl.parser import parse, parse_line
-from companion.ltl.timed_formula import Line
+from companion.ltl.time_bounds import Response
+from companion.ltl.timed_formula import Line, parts
+from companion.mission.facts import AT
 from companion.mission.literals import parse_literals
 from companion.mission.schema import MissionFile
 from companion.mission.vocabulary import Vocabulary
@@ -53,6 +57,37 @@ def read_task(
             vocabulary.check(file.goal)
         task[GOAL] = eventually(parse(file.goal))
     return task, _priorities(file, document)
+
+
+def read_ready(file: MissionFile, document: Document, task: Mapping[str, Line]) -> tuple[str, ...]:
+    """The lines that shall hold whenever their event may come.
+
+    Raises:
+        MissionError: one is no line, asks for no place in time, or plans cannot keep it.
+    """
+    for index, name in enumerate(file.ready):
+        where = document.where("ready", index)
+        if name not in task:
+            hint = f"lines are {', '.join(task)}. {did_you_mean(name, task)}".rstrip()
+            raise MissionError(f"no line of the task is called {name}", where, hint)
+        bounds = [bound for _, bound in parts(task[name])]
+        if not all(isinstance(bound, Response) for bound in bounds):
+            what = f"{name} is not a line that can be ready: {task[name]}"
+            raise MissionError(what, where, "write it as G (alarm -> F[<=90s] at(A))")
+        for bound in bounds:
+            if bound is not None and not bound.goal.atom.startswith(f"{AT}("):
+                what = f"{name} can only be ready for a place, and asks for {bound.goal}"
+                raise MissionError(what, where, "write it as G (alarm -> F[<=90s] at(A))")
+        if name in file.ready[:index]:
+            raise MissionError(f"{name} is twice in ready", where, "remove one of the two")
+        for is_wrong, what, hint in (
+            (file.task[name].priority is not None, "may be dropped", "leave its priority out"),
+            (file.battery is not None, "is not planned on a battery", "leave battery: out"),
+            (bool(file.tree), "stands beside a tree by hand", "leave ready: out, or tree:"),
+        ):
+            if is_wrong:
+                raise MissionError(f"{name} {what}, so no plan keeps it ready", where, hint)
+    return tuple(file.ready)
 
 
 def _priorities(file: MissionFile, document: Document) -> dict[str, int]:

@@ -192,7 +192,7 @@ def why_no_plan(
     concerned = needed if unreachable or no_route else mentioned | _in_the_way(problem)
     events = {event: event in problem.facts for event in sorted(concerned & world.events)}
     short = shortages(problem.only(core)) if problem.energy is not None else ()
-    too_late = late(problem.only(core)) if any(c.bound for c in conflict) else ()
+    too_late = late(problem.only(core))
     return Explanation(
         conflict, unreachable, no_route, events, withdrawn, tuple(restoring), short, too_late
     )

@@ -109,13 +109,8 @@ class Planner(Solver):
     def _log_sizes(self) -> None:
         log.debug("%d actions, %d beliefs", len(self.model.actions), len(self.model.beliefs))
         for name, automaton in ((c.name, c.automaton) for c in self.conjuncts):
-            log.debug(
-                "automaton of %s: %d states, %d transitions, %d marks",
-                name,
-                automaton.states,
-                len(automaton.transitions),
-                automaton.marks,
-            )
+            sizes = automaton.states, len(automaton.transitions), automaton.marks
+            log.debug("automaton of %s: %d states, %d transitions, %d marks", name, *sizes)
         if self.translating_s:  # it was measured
             times_ms = 1000 * self.instantiating_s, 1000 * self.translating_s
             log.debug("instantiated in %.1f ms, translated in %.1f ms", *times_ms)
@@ -195,6 +190,7 @@ class Planner(Solver):
             actions = (*actions, *extra)
             beliefs = beliefs.union(*(a.assumes for a in extra))
         held = facts | (beliefs - withdrawn)
+        actions = self._readiness.allowed(actions, withdrawn)
         problem = Problem(actions, self.conjuncts, held, automaton_states, beliefs & withdrawn)
         problem = replace(problem, clocks_ms=clocks_ms)
         if self.energy is not None:

@@ -22,6 +22,7 @@ from companion.planning.energy_check import energy_fault
 from companion.planning.explain import Explanation, NoPlan, why_no_plan, world_of
 from companion.planning.lasso import DroppedLine, Lasso, Letter, Problem, Solution
 from companion.planning.objective import Objective
+from companion.planning.readiness import Readiness
 from companion.planning.time_check import time_fault
 from companion.planning.timed.lateness import late_bounds
 from companion.planning.timed.search import TimedSearch
@@ -40,6 +41,7 @@ class Solver:
         self._search = Search(actions)
         self._loops = KnownLoops()
         self._timed = TimedSearch(self._search)
+        self._readiness = Readiness(mission)
 
     def solutions(
         self,
@@ -183,7 +185,9 @@ class Solver:
         return shortages(self._search, problem, BEFORE_FLIGHT)
 
     def _late_bounds(self, problem: Problem) -> tuple[str, ...]:
-        return late_bounds(self._timed, problem, BEFORE_FLIGHT)
+        is_bounded = any(conjunct.bound for conjunct in problem.conjuncts)
+        late = late_bounds(self._timed, problem, BEFORE_FLIGHT) if is_bounded else ()
+        return *late, *self._readiness.too_far
 
 
 def _refuse_bounds_on_a_battery(problem: Problem) -> None:
