@@ -119,6 +119,7 @@ class Planner(Solver):
         """Takes over flight times that have changed; what was ever believed stays a belief."""
         model = task_model(self._instances, self.flight_time)
         self._search.keep(model.actions)
+        self._timed.costs_have_changed()
         beliefs = self.model.beliefs | model.beliefs
         self.without_a_move = beliefs - model.beliefs
         self.model = replace(model, beliefs=beliefs)

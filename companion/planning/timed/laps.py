@@ -11,10 +11,13 @@ meets no goal of a clock, that clock has to stand still.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from companion.planning.timed.timed_product import STANDS, Clocks, TimedProduct, TimedStep
+from companion.slices import spent
+
+_STEP_US = 5.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +45,7 @@ class TimedLap:
 
 def lap_of(graph: TimedProduct, steps: Sequence[TimedStep]) -> TimedLap | None:
     """Some steps that lead back to their beginning as a lap; None if they break a bound."""
+    spent(_STEP_US * len(steps) * len(graph.bounds))
     first = _flown(graph, graph.least, steps)
     if first is None:
         return None
@@ -86,42 +90,3 @@ class LapEntries:
         for lap, place in self._by_state.get(state, ()):
             if lap.admits(place, clocks):
                 yield lap, place
-
-
-RememberedLap = tuple[str, ...]
-"""The names of its actions."""
-
-
-def found_again(
-    graph: TimedProduct,
-    inside: Mapping[int, Mapping[int, Sequence[tuple[TimedStep, int]]]],
-    numbers: Sequence[int],
-    every_mark: int,
-) -> TimedLap | None:
-    """A loop of actions as a lap in a product; None if it is none there.
-
-    Args:
-        graph: the product.
-        inside: by state of a component and action, the steps within it and the marks they meet.
-        numbers: of the actions.
-        every_mark: that a lap has to meet.
-    """
-    for start in inside:
-        state, tried = start, set[int]()
-        while state not in tried:  # a loop of actions may lead to its cycle in some laps
-            tried.add(state)
-            steps, met = [], 0
-            here = state
-            for number in numbers:
-                following = inside.get(here, {}).get(number)
-                if not following:
-                    break
-                step, marks = following[0]
-                steps.append(step)
-                met |= marks
-                here = step.end
-            else:
-                if here == state and met == every_mark:
-                    return lap_of(graph, steps)
-                state = here
-    return None

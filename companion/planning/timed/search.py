@@ -36,14 +36,14 @@ from companion.planning.effort import Effort
 from companion.planning.lasso import Lasso, Problem, Solution
 from companion.planning.objective import Objective
 from companion.planning.timed.component import TimedComponent
+from companion.planning.timed.known_laps import KnownLaps
 from companion.planning.timed.label_budget import LabelBudget
 from companion.planning.timed.lap_entry import LapEntry, WaysIn
 from companion.planning.timed.lap_search import LapSearch
-from companion.planning.timed.laps import RememberedLap, TimedLap, found_again, lap_of
+from companion.planning.timed.laps import TimedLap, lap_of
 from companion.planning.timed.timed_product import TimedProduct, TimedStep, may_any_run
 
 ENGINE = "built-in, time bounds"
-MOST_REMEMBERED = 8
 SHARES = 4
 """A search in a given order has this part of the budget."""
 FEW_MARKS = 3
@@ -59,7 +59,11 @@ class TimedSearch:
 
     def __init__(self, search: Search) -> None:
         self._search = search
-        self._remembered: list[RememberedLap] = []
+        self._known = KnownLaps()
+
+    def costs_have_changed(self) -> None:
+        """What was found before may not be the best any more."""
+        self._known.are_best = False
 
     def is_solvable(self, problem: Problem, effort: Effort) -> bool | None:
         """Whether there is a lasso; None if a search reaches its limit."""
@@ -91,11 +95,10 @@ class TimedSearch:
                 return
             parts = [TimedComponent(graph, nodes) for nodes in components]
             try:
-                for solution in _Lassos(
-                    problem, graph, parts, effort, self._remembered
-                ).solutions():
+                lassos = _Lassos(problem, graph, parts, effort, self._known)
+                for solution in lassos.solutions():
                     has_found = True
-                    self._remember(solution.lasso)
+                    self._known.keep(solution.lasso)
                     yield solution
             except SearchLimit as reached:
                 limit = limit or reached
@@ -103,13 +106,6 @@ class TimedSearch:
                 return
         if limit is not None:
             raise limit
-
-    def _remember(self, lasso: Lasso) -> None:
-        if lasso.ends_at_rest:
-            return
-        names = tuple(action.name for action in lasso.loop)
-        others = [other for other in self._remembered if other != names]
-        self._remembered = [names, *others][:MOST_REMEMBERED]
 
 
 class _Lassos:
@@ -121,11 +117,11 @@ class _Lassos:
         graph: TimedProduct,
         parts: Sequence[TimedComponent],
         effort: Effort,
-        remembered: Sequence[RememberedLap],
+        known: KnownLaps,
     ) -> None:
         self._problem, self._graph, self._effort = problem, graph, effort
         self._parts = [part for part in parts if not part.is_never_met()]
-        self._remembered = remembered
+        self._known = known
         self._tours: dict[int, Loops] = {}
         self._budget = LabelBudget(effort.time_labels)
         self._ways = WaysIn(graph, bool(problem.unread), LabelBudget(effort.time_labels))
@@ -138,11 +134,14 @@ class _Lassos:
         """
         if not self._parts or not self._ways.can_begin:
             return
-        if (rest := self._ways.into(self._rests())) is not None:
+        rests = self._rests()
+        if rests and (rest := self._ways.into(rests)) is not None:
             yield self._solution(rest, rest.lap.cost_ms)
             return
+        best = self._known_entry()
+        if best is not None and self._known.are_best:
+            yield self._solution(best, 0)
         self._parts = [part for part in self._parts if self._can_be_served(part)]
-        best: LapEntry | None = None
         for found in self._good_laps():
             if best is None or found.lap.cost_ms < best.lap.cost_ms:
                 best = found
@@ -160,6 +159,7 @@ class _Lassos:
                 limit = reached
             bound_ms = min(bound_ms, search.bound_ms)
         if best is not None:
+            self._known.are_best = True
             yield self._solution(best, min(max(bound_ms, untimed_ms), best.lap.cost_ms))
         elif limit is not None:
             raise limit
@@ -208,7 +208,8 @@ class _Lassos:
     def _entered(self, steps: Sequence[TimedStep]) -> LapEntry | None:
         """A lap, in the direction in which it is entered better; None if it cannot be."""
         ways = [lap_of(self._graph, steps), self._backwards(steps)]
-        return self._ways.into([lap for lap in ways if lap is not None])
+        laps = [lap for lap in ways if lap is not None]
+        return self._ways.into(laps) if laps else None
 
     def _backwards(self, steps: Sequence[TimedStep]) -> TimedLap | None:
         """A lap in the other direction, if there is one that costs as much."""
@@ -242,12 +243,6 @@ class _Lassos:
 
     def _good_laps(self) -> Iterator[LapEntry]:
         """Laps that are likely to be good, with ways into them."""
-        known = sorted(self._known_laps(), key=lambda lap: lap.cost_ms)
-        for lap in known:
-            found = self._ways.into([lap])
-            if found is not None:
-                yield found
-                break
         for part in self._parts:
             for search in self._ordered(part):
                 try:
@@ -257,20 +252,11 @@ class _Lassos:
                 if found is not None:
                     yield found
 
-    def _known_laps(self) -> Iterator[TimedLap]:
-        """Those of the laps that were found before that are laps now."""
-        if not self._remembered:
-            return
-        numbers = {action.name: number for number, action in enumerate(self._problem.actions)}
-        for part in self._parts:
-            by_action = part.by_action()
-            for names in self._remembered:
-                if all(name in numbers for name in names):
-                    lap = found_again(
-                        self._graph, by_action, [numbers[name] for name in names], part.all
-                    )
-                    if lap is not None:
-                        yield lap
+    def _known_entry(self) -> LapEntry | None:
+        """The way into the shortest lap that is known and can be entered; None if none can be."""
+        known = self._known.within(self._problem, self._graph, self._parts)
+        ways = (self._ways.into([lap]) for lap in known)
+        return next((way for way in ways if way is not None), None)
 
     def _ordered(self, part: TimedComponent) -> Iterator[LapSearch]:
         """Searches for laps that meet most marks in the order of the shortest tour, both ways."""

@@ -1,0 +1,89 @@
+"""Laps that were found before: in flight they are tried first, and mostly nothing else is.
+
+A plan made anew, at another place and with other clocks, mostly needs but a way into the lap that
+was flown. Where costs have changed since, another lap may be better: then the known one is what is
+left if no other is found.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from companion.planning.lasso import Lasso, Problem
+from companion.planning.timed.component import TimedComponent
+from companion.planning.timed.laps import TimedLap, lap_of
+from companion.planning.timed.timed_product import TimedProduct, TimedStep
+
+MOST_KNOWN = 8
+
+_ByAction = dict[int, dict[int, list[tuple[TimedStep, int]]]]
+
+
+class KnownLaps:
+    """The laps of one mission.
+
+    Attributes:
+        are_best: whether they were found with the costs as they are.
+    """
+
+    def __init__(self) -> None:
+        self._names: list[tuple[str, ...]] = []
+        self.are_best = True
+
+    def keep(self, lasso: Lasso) -> None:
+        """The loop of a lasso is known."""
+        if not lasso.ends_at_rest:
+            names = tuple(action.name for action in lasso.loop)
+            others = [other for other in self._names if other != names]
+            self._names = [names, *others][:MOST_KNOWN]
+
+    def within(
+        self, problem: Problem, graph: TimedProduct, parts: Sequence[TimedComponent]
+    ) -> list[TimedLap]:
+        """Those that are laps in some components, the shortest one first."""
+        if not self._names:
+            return []
+        numbers = {action.name: number for number, action in enumerate(problem.actions)}
+        found: list[TimedLap] = []
+        for part in parts:
+            by_action = part.by_action()
+            for names in self._names:
+                if all(name in numbers for name in names):
+                    found += _found_again(
+                        graph, by_action, [numbers[name] for name in names], part.all
+                    )
+        return sorted(found, key=lambda lap: lap.cost_ms)
+
+
+def _found_again(
+    graph: TimedProduct, inside: _ByAction, numbers: Sequence[int], every_mark: int
+) -> Iterator[TimedLap]:
+    """A loop of actions as a lap in a component; nothing if it is none there.
+
+    Args:
+        graph: the product.
+        inside: by state of the component and action, the steps within it and the marks they meet.
+        numbers: of the actions.
+        every_mark: that a lap has to meet.
+    """
+    for start in inside:
+        state, tried = start, set[int]()
+        while state not in tried:  # a loop of actions may lead to its cycle in some laps
+            tried.add(state)
+            steps, met = [], 0
+            here = state
+            for number in numbers:
+                following = inside.get(here, {}).get(number)
+                if not following:
+                    break
+                step, marks = following[0]
+                steps.append(step)
+                met |= marks
+                here = step.end
+            else:
+                if here == state and met == every_mark:
+                    lap = lap_of(graph, steps)
+                    if lap is not None:
+                        yield lap
+                    return
+                state = here
