@@ -40,6 +40,7 @@ from companion.acting.replanning.patience import Patience
 from companion.acting.replanning.replanner import DueReplan, PlanFailure, Replanner
 from companion.acting.safe_places import flight_to
 from companion.acting.whereabouts import Whereabouts
+from companion.acting.written_end import failure_at_the_end
 from companion.errors import NoPlanError
 from companion.flight_events.facts import BeliefRestored, MissionEventChanged
 from companion.flight_events.plans import (
@@ -245,8 +246,7 @@ class Executive:
         tell_positions(self._flight)
         if root.status is Status.SUCCESS:
             self._rest()
-            if lines := ", ".join(self._flight.task.violated):
-                self.failure = NoPlanError(f"the tree is done, and has violated {lines}")
+            self.failure = failure_at_the_end(self._flight.task)
         elif root.status is Status.FAILURE:
             self._flight.task.interrupt()
             self.state = ExecutiveState.WITHOUT_PLAN

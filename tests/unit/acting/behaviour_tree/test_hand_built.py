@@ -91,6 +91,35 @@ def test_a_tree_that_has_violated_the_task_does_not_end_well(never: str, exit_co
         assert run.end == TaskSatisfied()
 
 
+@pytest.mark.parametrize(
+    ("lines", "priorities", "told"),
+    [
+        ({"visit": "F at(A)", "later": "F at(B)"}, {}, "has not met later"),
+        ({"visit": "F at(A)", "later": "F at(B)"}, {"later": 1}, None),
+        ({"again": "G F at(H)", "stay": "F G at(A)"}, {}, "has not met again"),
+        (
+            {"never": "G !at(A)", "later": "F at(B)", "calm": "G !at(C)"},
+            {},
+            "has violated never and has not met later",
+        ),
+        ({"next": "X at(A) & X X at(A)", "until": "at(H) U at(A)"}, {}, None),
+    ],
+)
+def test_a_tree_that_leaves_a_line_unmet_does_not_end_well(
+    lines: dict[str, str], priorities: dict[str, int], told: str | None
+) -> None:
+    """It rests at A for ever; `companion audit` says the same of the record."""
+    steps = Steps((Act("move(H, A)"),))
+    asked = replace(mission(lines, places="HABC"), tree=steps, priorities=priorities)
+    run = SortieRig(asked).until(Phase.ENDED)
+    assert run.position[:2] == (6.0, 0.0)
+    if told is None:
+        assert run.end == TaskSatisfied()
+    else:
+        assert run.end.exit_code == 3
+        assert run.failure.reason == f"the tree is done, and {told}"
+
+
 def test_a_belief_that_comes_back_does_not_stop_the_tree() -> None:
     """Nothing better can be planned for it."""
     do = replace(command("do", "", "done"), retry_after_s=0.5)

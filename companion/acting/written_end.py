@@ -1,0 +1,20 @@
+"""What a tree written by hand has come to when it is done: its success alone satisfies no task."""
+
+from __future__ import annotations
+
+from companion.errors import NoPlanError
+from companion.planning.task_state import TaskState
+
+
+def failure_at_the_end(task: TaskState) -> NoPlanError | None:
+    """Why the task is not satisfied where the vehicle rests for ever; None if it is.
+
+    Args:
+        task: with its last position left.
+    """
+    said = []
+    if violated := task.violated:
+        said.append(f"has violated {', '.join(violated)}")
+    if unmet := [line for line in task.unmet_at_rest if line not in violated]:
+        said.append(f"has not met {', '.join(unmet)}")
+    return NoPlanError(f"the tree is done, and {' and '.join(said)}") if said else None
