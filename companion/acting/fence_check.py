@@ -21,7 +21,7 @@ How it is read and written, and whose may be overwritten, is in upload_check.py.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from companion.acting.arming_terms import UploadPolicy
 from companion.acting.flight import Flight
@@ -33,7 +33,7 @@ from companion.flight_events.fence import (
     FenceReplaced,
     FenceWritten,
 )
-from companion.geofence import FenceArea, FencePolygon, StoredFence, are_alike
+from companion.geofence import FenceArea, FencePolygon, KeptFence, StoredFence, are_alike
 from companion.geometry import NorthEast
 from companion.mission.model import Limits, Place
 from companion.motion.position_error import greatest_error_m
@@ -146,7 +146,9 @@ class FenceJudge:
         if stored.points:
             is_ours = are_alike(stored.areas, self._wanted, ALIKE_M)
             self.kept = None if is_ours else stored
-            self._flight.report(FenceKept(str(stored)))
+            others = KeptFence.of(() if is_ours else stored.areas)
+            areas = _rounded(others.within), _rounded(others.keep_out)
+            self._flight.report(FenceKept(str(stored), *areas))
             self._tell_if_near(stored.areas)
         else:
             self._flight.report(FenceMissing("it has none, and none is asked for"))
@@ -196,3 +198,10 @@ def _another(stored: StoredFence) -> str:
         return f"the vehicle has another fence ({stored}): {stored.flaw}{replaced}"
     kept = "\n    --autopilot-fence keep flies within it, beside the mission's own"
     return f"the vehicle has another fence ({stored}){kept}{replaced}"
+
+
+def _rounded(polygons: Iterable[Sequence[NorthEast]]) -> tuple[tuple[NorthEast, ...], ...]:
+    """To a millimetre."""
+    return tuple(
+        tuple((round(north, 3), round(east, 3)) for north, east in corners) for corners in polygons
+    )

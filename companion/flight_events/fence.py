@@ -7,8 +7,10 @@ from typing import Annotated
 
 from companion.flight_events.event import FlightEvent
 from companion.flight_events.event_fields import Doc, InText
+from companion.geometry import NorthEast
 
 FenceWords = Annotated[str, Doc("points and areas")]
+Polygon = tuple[NorthEast, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +42,16 @@ class FenceKept(FlightEvent):
     template = "the autopilot keeps its fence ({fence})"
 
     fence: InText[FenceWords]
+    within: Annotated[
+        tuple[Polygon, ...],
+        Doc(
+            "polygons that are not the mission's, to stay in each of them: their corners, metres "
+            "north and east of home"
+        ),
+    ] = ()
+    keep_out: Annotated[
+        tuple[Polygon, ...], Doc("the same, to stay out of; circles are polygons on the safe side")
+    ] = ()
 
 
 @dataclass(frozen=True, slots=True)

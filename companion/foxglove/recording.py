@@ -3,7 +3,8 @@
     /vehicle/pose, /vehicle/location, /tf    where the vehicle is, five times a second
     /setpoint    where it was asked to be
     /plan    the way of the plan under way, with each new one
-    /scene    walls, fence, zones and places; what the lidar saw besides
+    /scene    walls, fence, zones and places; the autopilot's own fence where it is kept;
+           what the lidar saw besides
     /map    the same on the earth, as GeoJSON, with the whole flight
     /log    events, in words
 
@@ -19,6 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from companion.flight_events.event import FlightEvent
+from companion.flight_events.fence import FenceKept
 from companion.foxglove.messages import (
     LogMessage,
     location,
@@ -26,7 +28,7 @@ from companion.foxglove.messages import (
     poses_in_map,
     vehicle_in_map,
 )
-from companion.foxglove.scenery import ABOVE_M, seen, world
+from companion.foxglove.scenery import ABOVE_M, kept, seen, world
 from companion.geometry import GlobalOrigin
 from companion.ground.texts import CRITICAL, DEBUG, ERROR, WARNING, severity
 from companion.monitor.follower import Follower
@@ -73,7 +75,7 @@ class RecordedRun:
         yield LogMessage(0.0, "/scene", "foxglove.SceneUpdate", world(self._scene))
         if self._geojson is not None:
             yield LogMessage(0.0, "/map", "foxglove.GeoJSON", {"geojson": self._geojson})
-        parts = (self._flight(), self._plans(), self._logs(), self._seen())
+        parts = (self._flight(), self._plans(), self._logs(), self._kept(), self._seen())
         yield from heapq.merge(*parts, key=lambda message: message.time_s)
 
     def _flight(self) -> Iterator[LogMessage]:
@@ -101,6 +103,13 @@ class RecordedRun:
             if stamped.event.is_told:
                 content = _log(stamped.event, line)
                 yield LogMessage(stamped.time_s, "/log", "foxglove.Log", content)
+
+    def _kept(self) -> Iterator[LogMessage]:
+        """The fence of somebody else that the autopilot keeps, when that is known."""
+        for stamped in self._follower.events:
+            if isinstance(stamped.event, FenceKept):
+                areas = kept(self._scene, stamped.event)
+                yield LogMessage(stamped.time_s, "/scene", "foxglove.SceneUpdate", areas)
 
     def _seen(self) -> Iterator[LogMessage]:
         """What the lidar saw, at most once in SEEN_EVERY_S, and at last."""

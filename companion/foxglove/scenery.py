@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from companion.flight_events.fence import FenceKept
 from companion.foxglove.messages import MAP, Content, pose, vector
 from companion.geometry import Ned, NorthEast
 from companion.monitor.scene import Scene
@@ -46,7 +47,7 @@ class Block(NamedTuple):
 
 def world(scene: Scene) -> Content:
     """The content of SceneUpdate for all that stands still; times are put in later."""
-    top_m = max((-site.position[2] for site in scene.sites.values()), default=0.0) + ABOVE_M
+    top_m = _top_m(scene)
     entities = [entity("walls", cubes=list(_cubes(scene.grid, scene.grid.occupied, top_m, GREY)))]
     entities.append(entity("fence", lines=[_loop(scene.fence, 0.0, GREEN)]))
     entities += [
@@ -61,10 +62,29 @@ def world(scene: Scene) -> Content:
     return {"deletions": [], "entities": entities}
 
 
+def kept(scene: Scene, fence: FenceKept) -> Content:
+    """The content of SceneUpdate for a fence of the autopilot's own."""
+    top_m = _top_m(scene)
+    entities = [
+        entity(f"kept_fence_{number}", lines=[_loop(area, 0.0, GREEN)])
+        for number, area in enumerate(fence.within, 1)
+    ]
+    entities += [
+        entity(f"kept_zone_{number}", lines=[_loop(zone, 0.0, RED), _loop(zone, top_m, RED)])
+        for number, zone in enumerate(fence.keep_out, 1)
+    ]
+    return {"deletions": [], "entities": entities}
+
+
 def seen(grid: OccupancyGrid, occupied: npt.NDArray[np.bool_], top_m: float) -> Content:
     """The content of SceneUpdate for what the lidar sees that the map does not show."""
     cubes = list(_cubes(grid, occupied, top_m, ORANGE))
     return {"deletions": [], "entities": [entity("seen", cubes=cubes)]}
+
+
+def _top_m(scene: Scene) -> float:
+    """Where what has no known height ends."""
+    return max((-site.position[2] for site in scene.sites.values()), default=0.0) + ABOVE_M
 
 
 def entity(name: str, **primitives: list[Content]) -> Content:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import base64
 import math
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,7 @@ import numpy.typing as npt
 from companion.errors import CompanionError
 from companion.flight_events.catalogue import FOR_PROGRAMS
 from companion.flight_events.event import FlightEvent, Stamped
+from companion.flight_events.fence import FenceKept
 from companion.flight_events.plans import PlanMade, WrittenTreeAdopted
 from companion.flight_events.skills import ClearanceChanged, SymbolMoved
 from companion.flight_events.tree import ActionTreeNode, TreeBuilt
@@ -154,6 +155,9 @@ class Follower:
                 yield AutomataMoved(self._task.states)
             case ClearanceChanged():
                 self._routes.add_clearance(event.clearance_m - self._scene.clearance_m)
+            case FenceKept():
+                areas = [list(filter(_is_area, each)) for each in (event.within, event.keep_out)]
+                self._routes.keep_within(*areas)
             case SymbolMoved():
                 self._routes.aim(event.place, event.position)
             case TreeBuilt() if not self._is_written:
@@ -171,6 +175,10 @@ class Follower:
                 corners = route.waypoints if route else np.array([at])
                 yield [(north, east, down) for north, east, down in corners.tolist()]
                 at = tuple(corners[-1].tolist())
+
+
+def _is_area(corners: Sequence[NorthEast]) -> bool:
+    return len(corners) > 2
 
 
 def _on_the_page(corners: Iterable[Ned]) -> Leg:

@@ -63,7 +63,7 @@ function fresh() {
   return {
     time_s: -Infinity, count: 0, touched: {}, nodes: [], statuses: [], said: [], legs: [],
     automata: [], states: [], dropped: new Set(), withdrawn: new Set(), facts: new Map(), cells: new Map(),
-    plan: null, phase: "", ending: null, planned_s: 0, charge: freshCharge(),
+    plan: null, phase: "", ending: null, planned_s: 0, charge: freshCharge(), kept: { within: [], keep_out: [] },
   };
 }
 
@@ -113,6 +113,9 @@ function apply(state, event) {
       break;
     case "cells":
       for (const [row, col, occupied] of event.cells) state.cells.set(`${row},${col}`, occupied);
+      break;
+    case "fence":
+      if (event.within) state.kept = event; // others of this kind are in words alone
       break;
     case "phase":
       state.phase = event.text;

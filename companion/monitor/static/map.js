@@ -21,7 +21,7 @@ export class MapView {
     this.hall.style.setProperty("--ratio", cols / rows);
     this.corner = [east_m, SVG_Y(north_m + this.height_m)];
     this.layers = Object.fromEntries(
-      ["fence", "low_walls", "keep_out", "places", "cells", "path", "past", "trail", "names", "carrot", "setpoint", "vehicle"]
+      ["fence", "kept", "low_walls", "keep_out", "places", "cells", "path", "past", "trail", "names", "carrot", "setpoint", "vehicle"]
         .map((name) => [name, svg("g", { class: name })]));
     this.overlay.replaceChildren(svg("title"), ...Object.values(this.layers));
     this.layers.fence.append(svg("polygon", { points: line(mission.fence) }));
@@ -83,6 +83,10 @@ export class MapView {
 
   show(history, state, vehicle) {
     if (this.drawnCells !== state.touched.cells) this.drawCells(state);
+    if (this.drawnFence !== state.touched.fence) {
+      this.drawnFence = state.touched.fence;
+      this.drawKept(state.kept);
+    }
     if (this.drawnPath !== state.touched.path) {
       this.drawnPath = state.touched.path;
       this.layers.path.replaceChildren(
@@ -101,6 +105,14 @@ export class MapView {
     this.place(this.setpoint, setpoint, 0);
     const ends = { x1: vehicle.enu[0], y1: SVG_Y(vehicle.enu[1]), x2: setpoint[0], y2: SVG_Y(setpoint[1]) };
     for (const [name, value] of Object.entries(ends)) this.carrot.setAttribute(name, value);
+  }
+
+  // The fence of somebody else that the autopilot keeps.
+  drawKept({ within, keep_out }) {
+    const drawn = (areas, kind) => areas.map((corners) =>
+      svg("polygon", { class: kind, points: line(corners.map(([north, east]) => [east, north])) }));
+    this.layers.kept.replaceChildren(...drawn(within, "fence"), ...drawn(keep_out, "keep_out"));
+    byId("kept").hidden = !within.length && !keep_out.length;
   }
 
   // What was flown under the present plan, and before; up to the last snapshot.

@@ -69,7 +69,7 @@ def test_one_that_is_there_already_is_written_once_in_each_program() -> None:
     again = SortieRig(ASKED)
     again.vehicle.fence = fence
     assert armed(again).written == [OURS]
-    assert again.one(FenceKept).fence == "4 points, 1 area"
+    assert again.one(FenceKept) == FenceKept("4 points, 1 area"), "the mission's is drawn anyway"
 
 
 def test_another_fence_is_not_overwritten() -> None:
@@ -104,7 +104,11 @@ def test_another_fence_gives_way_where_that_was_said_or_it_is_ours(how: str) -> 
 def test_another_fence_is_kept_where_all_places_lie_in_it() -> None:
     run = rig(UploadPolicy.KEEP, OTHER)
     assert armed(run).written == []
-    assert run.one(FenceKept).fence == "12 points, 2 areas"
+    told = run.one(FenceKept)
+    assert told.fence == "12 points, 2 areas"
+    (field,), (bed,) = told.within, told.keep_out
+    assert max(n for n, _ in field) == pytest.approx(500.0, abs=0.2)
+    assert min(n for n, _ in bed) == pytest.approx(295.0, abs=0.2)
 
 
 def test_where_it_is_to_be_kept_none_is_written() -> None:

@@ -15,12 +15,14 @@ import pytest
 from mcap.reader import make_reader
 
 from companion.api.drawings import home_of_run
+from companion.flight_events.fence import FenceKept
 from companion.foxglove.mcap_file import write_mcap
-from companion.foxglove.messages import LogMessage, heading, pose_in_map
+from companion.foxglove.messages import LogMessage, heading, pose_in_map, stamp
 from companion.foxglove.recording import RecordedRun
-from companion.foxglove.scenery import PRIMITIVES, blocks, entity
+from companion.foxglove.scenery import PRIMITIVES, blocks, entity, kept
 from companion.foxglove.schemas import SCHEMAS
 from companion.monitor.follower import Follower
+from companion.monitor.scene import read_scene
 from companion.record.events import read_events
 
 START_NS = 1_700_000_000 * 10**9
@@ -153,6 +155,17 @@ def test_the_scene_has_all_that_the_mission_names(read: Read, surveillance_run: 
     assert fence == [tuple(corner) for corner in scene["fence"]]
     assert len(entities["walls"]["cubes"]) > 3
     assert len({each["id"] for each in first["entities"]}) == len(first["entities"])
+
+
+def test_a_fence_that_is_kept_is_in_the_scene(surveillance_run: Path) -> None:
+    square = ((0.0, 0.0), (0.0, 9.0), (9.0, 9.0), (9.0, 0.0))
+    bed = ((2.0, 2.0), (2.0, 4.0), (4.0, 4.0))
+    update = kept(read_scene(surveillance_run), FenceKept("7 points, 2 areas", (square,), (bed,)))
+    fence, zone = update["entities"]
+    assert [(p["y"], p["x"]) for p in fence["lines"][0]["points"]] == [*square]
+    assert [(p["y"], p["x"]) for p in zone["lines"][1]["points"]] == [*bed]
+    content = {"deletions": [], "entities": [{"timestamp": stamp(0), **e} for e in (fence, zone)]}
+    jsonschema.validate(content, SCHEMAS["foxglove.SceneUpdate"])
 
 
 def test_blocks_are_the_cells_and_no_others() -> None:

@@ -34,6 +34,7 @@ from companion.monitor.page_events import (
 from companion.monitor.scene import read_scene
 from companion.record.run_folder import RunFolder
 
+KEPT_TEXT = "the autopilot keeps its fence (4 points, 1 area)"
 MISSIONS = Path(__file__).parents[3] / "missions"
 
 
@@ -259,6 +260,7 @@ def test_a_damaged_scene_is_refused(surveillance_run: Path, tmp_path: Path, chan
         {"kind": "symbol", "place": "nowhere", "position": [0, 0, 0]},
         {"kind": "symbol", "place": "A", "position": ["x", 0, 0]},
         {"kind": "tree", "nodes": [7]},
+        {"kind": "fence", "text": KEPT_TEXT, "within": [[[0, 0], [1, 0]], []], "keep_out": [[]]},
     ],
 )
 def test_a_line_that_is_not_as_documented_stops_nothing(
@@ -271,3 +273,21 @@ def test_a_line_that_is_not_as_documented_stops_nothing(
     (tmp_path / "events.jsonl").write_text(f"{first}\n{damaged}\n{rest}", encoding="utf-8")
     run = read_whole(tmp_path)
     assert of(run, RunEnded)
+
+
+def test_ways_keep_to_a_fence_of_the_autopilots_own(surveillance_run: Path, tmp_path: Path) -> None:
+    """As the flight's own routes do: the zone lies on the way from Home to A."""
+    for name in ("scene.json", "flight.tlog"):
+        (tmp_path / name).write_bytes((surveillance_run / name).read_bytes())
+    whole = read_whole(surveillance_run)
+    (first, *_), *_ = of(whole, WayPlanned)[0].legs
+    (east, north), *_ = [leg[-1] for leg in of(whole, WayPlanned)[0].legs]
+    middle = ((first[1] + north) / 2, (first[0] + east) / 2)
+    zone = [[middle[0] + n, middle[1] + e] for n, e in ((-1, -1), (-1, 1), (1, 1), (1, -1))]
+    kept = {"t_s": 0.0, "kind": "fence", "text": KEPT_TEXT, "within": [], "keep_out": [zone]}
+    events = (surveillance_run / "events.jsonl").read_text(encoding="utf-8")
+    (tmp_path / "events.jsonl").write_text(f"{json.dumps(kept)}\n{events}", encoding="utf-8")
+    ways = of(read_whole(tmp_path), WayPlanned)
+    before = of(whole, WayPlanned)[0].legs[0]
+    assert len(ways[0].legs) == len(of(whole, WayPlanned)[0].legs)
+    assert len(ways[0].legs[0]) > len(before), "it leads round the zone"
