@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from companion.errors import NoPlanError
+from companion.ltl.semantics import holds
 from companion.planning.task_state import TaskState
 
 
@@ -15,6 +16,17 @@ def failure_at_the_end(task: TaskState) -> NoPlanError | None:
     said = []
     if violated := task.violated:
         said.append(f"has violated {', '.join(violated)}")
-    if unmet := [line for line in task.unmet_at_rest if line not in violated]:
+    if unmet := [line for line in _unmet_at_rest(task) if line not in violated]:
         said.append(f"has not met {', '.join(unmet)}")
     return NoPlanError(f"the tree is done, and {' and '.join(said)}") if said else None
+
+
+def _unmet_at_rest(task: TaskState) -> list[str]:
+    """The lines that must hold, and do not if the letter that was read last comes for ever."""
+    problem, histories = task.problem()
+    unmet = dict.fromkeys(
+        conjunct.name
+        for conjunct, letters in zip(problem.conjuncts, histories, strict=True)
+        if not holds(conjunct.formula, letters[:-1], letters[-1:])
+    )
+    return [line for line in unmet if line not in task.optional]

@@ -30,7 +30,6 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Sequence, Set
 from dataclasses import replace
 
-from companion.ltl.semantics import holds
 from companion.mission.facts import AT, HERE, Fact, at
 from companion.mission.model import Event
 from companion.planning.bound_clocks import BoundClocks
@@ -122,16 +121,6 @@ class TaskState:
         late = self._clocks.late
         names = (r.conjunct.name for r in self._readings if not r.runs.states or r.conjunct in late)
         return tuple(dict.fromkeys(names))
-
-    @property
-    def unmet_at_rest(self) -> tuple[str, ...]:
-        """The lines that must hold, and do not if the position that was left last never ends."""
-        unmet = (
-            r.conjunct.name
-            for r in self._readings
-            if r.letters and not holds(r.conjunct.formula, r.letters[:-1], r.letters[-1:])
-        )
-        return tuple(line for line in dict.fromkeys(unmet) if line not in self.optional)
 
     def problem(
         self, fallen: Set[Fact] = frozenset(), returned: Set[Fact] = frozenset()
