@@ -1,0 +1,104 @@
+"""Flights of plans that keep bounds for ever: in wind, slower than planned, with an alarm, anew."""
+
+from __future__ import annotations
+
+from copy import deepcopy
+from itertools import pairwise
+from typing import Any
+
+from lockstep import COMPANION, Lockstep
+from meadow import DATA
+
+from companion.api.simulating import world_of
+from companion.flight_events.event import FlightEvent, Stamped
+from companion.flight_events.plans import NoPlanFound, PlanReplaced
+from companion.flight_events.skills import PlaceReached
+from companion.flight_events.word import ConjunctViolated
+from companion.mavlink.framing import dialect
+from companion.mission.loader import load_mission
+from companion.record.audit import ConjunctOutcome, audit
+from companion.record.events import record_of
+
+PAUSE = dialect.MAV_CMD_DO_PAUSE_CONTINUE
+USER_1, USER_2 = dialect.MAV_CMD_USER_1, dialect.MAV_CMD_USER_2
+PLACES = {"A": (10, 0), "B": (25, 10), "C": (25, -10), "X": (0, 12)}
+TASK = {
+    "patrol": "patrolling(A, B, C)",
+    "often": "revisit(A) <= 20 s",
+    "answer": "G (alarm -> F[<=30s] at(X))",
+}
+"""Each way over A takes 13 s, to B and to C together more than A can wait."""
+
+
+class Watch(Lockstep):
+    """A flight that keeps all that a run folder would have."""
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        self.recorded: list[Stamped] = []
+        super().__init__(*arguments, **options)
+
+    def report(self, stamped: Stamped) -> None:
+        self.recorded.append(stamped)
+        super().report(stamped)
+
+    def told(self, kind: type[FlightEvent]) -> list[FlightEvent]:
+        """What was told of some kind."""
+        return [each.event for each in self.recorded if isinstance(each.event, kind)]
+
+    def reached(self, place: str) -> list[float]:
+        """When a place was reached."""
+        events = ((s.time_s, s.event) for s in self.recorded)
+        return [t for t, e in events if isinstance(e, PlaceReached) and e.place == place]
+
+
+def watch(scenario: dict[str, Any] | None = None, **keys: Any) -> Watch:
+    data = deepcopy(DATA) | {"task": TASK} | keys
+    height = data["places"]["A"]["up_m"]
+    for name, (east_m, north_m) in PLACES.items():
+        data["places"][name] = {"east_m": east_m, "north_m": north_m, "up_m": height}
+    data["sets"] = {"Place": ["Home", *PLACES]}
+    data["events"] = {
+        "alarm": {"when": "COMMAND.MAV_CMD_USER_1", "until": "COMMAND.MAV_CMD_USER_2"}
+    }
+    data["limits"] = {
+        "speed_mps": 4,
+        "up_m": [1, 10],
+        "fence": [[-15, -25], [40, -25], [40, 25], [-15, 25]],
+    }
+    mission = load_mission(data)
+    return Watch(mission, world_of(mission, scenario), has_station=True)
+
+
+def gaps(times_s: list[float]) -> list[float]:
+    return [after - before for before, after in pairwise(times_s)]
+
+
+def test_an_alarm_is_answered_in_time_for_as_long_as_it_lasts_and_sites_are_visited_often() -> None:
+    """The lap goes by A between B and C, and, while there is an alarm, by X as well."""
+    gusts = {"version": 1, "wind": {"east_mps": -4, "turbulence_mps": 0.5}}
+    flight = watch(gusts).until_reported(PlaceReached, place="B").run_for(1.0)
+    flight.station_commands(USER_1, component=COMPANION)
+    asked_s = flight.now_s
+    flight.run_for(45.0).station_commands(USER_2, component=COMPANION)
+    flight.run_for(25.0)
+    assert not flight.told(ConjunctViolated) and not flight.told(NoPlanFound)
+    assert len(flight.told(PlanReplaced)) >= 2
+    assert max(gaps(flight.reached("A"))) <= 20.0
+    assert flight.reached("X")[0] <= asked_s + 30.0
+    assert max(gaps([*flight.reached("X"), asked_s + 45.0])) <= 30.0
+    assert flight.reached("B")[1:] and flight.reached("C")[1:]
+    found = audit(record_of(flight.recorded))
+    assert not found.differs
+    assert all(each.outcome is not ConjunctOutcome.VIOLATED for each in found.findings)
+
+
+def test_a_pause_uses_up_the_time_for_a_detour() -> None:
+    """It has just left A for B. After the pause there is time for A alone, and for B after that."""
+    flight = watch().until_reported(PlaceReached, place="A").run_for(1.0)
+    flight.station_commands(PAUSE, 0.0, component=COMPANION)
+    flight.run_for(7.0).station_commands(PAUSE, 1.0, component=COMPANION)
+    flight.run_for(25.0)
+    assert not flight.told(ConjunctViolated) and not flight.told(NoPlanFound)
+    first, again, *_ = flight.reached("A")
+    assert again - first <= 20.0
+    assert flight.reached("B")[0] > again
