@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from companion.api.auditing import audit as audit
+    from companion.api.contingency_answers import contingencies as contingencies
     from companion.api.flying import run as run
     from companion.api.formulas import parse_formula as parse_formula
     from companion.api.formulas import translate as translate
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
 
 _EXPORTS = {
     "companion.api.auditing": "audit",
+    "companion.api.contingency_answers": "contingencies",
     "companion.api.flying": "run",
     "companion.api.formulas": "parse_formula translate",
     "companion.api.results": "FlightResult FlownTrajectory",

@@ -37,6 +37,17 @@ def assemble(prepared: PreparedMission, vehicle: Vehicle, detector: EventDetecto
         vehicle: what is flown.
         detector: of the mission's events.
     """
+    flight = flight_of(prepared, vehicle)
+    return ActingParts(flight, Executive(prepared, flight, detector))
+
+
+def flight_of(prepared: PreparedMission, vehicle: Vehicle) -> Flight:
+    """The flight of a mission by a vehicle, at its beginning.
+
+    Args:
+        prepared: what to do; from now on its planner knows where the vehicle is between places.
+        vehicle: what is flown.
+    """
     mission, routes, speed_limit = prepared.mission, prepared.routes, prepared.speed_limit
 
     def here() -> Ned | None:
@@ -51,7 +62,7 @@ def assemble(prepared: PreparedMission, vehicle: Vehicle, detector: EventDetecto
             return max(0, gauge.level() - (energy.to_take_off() if is_landed else 0))
 
         energy.here, energy.level, energy.most = here, level, gauge.most
-    flight = Flight(
+    return Flight(
         vehicle=vehicle,
         task=TaskState(prepared.planner),
         routes=routes,
@@ -61,7 +72,6 @@ def assemble(prepared: PreparedMission, vehicle: Vehicle, detector: EventDetecto
         symbols=Symbols(mission.places, routes),
         functions=prepared.functions,
     )
-    return ActingParts(flight, Executive(prepared, flight, detector))
 
 
 def envelope_of(mission: Mission) -> Envelope:

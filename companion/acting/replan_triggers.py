@@ -96,6 +96,11 @@ class ReplanTriggers:
         for question in (self._cut_off, self._line, self._possible):
             question.abandon()
 
+    @property
+    def is_thinking(self) -> bool:
+        """Whether a question about the plan is not answered yet."""
+        return any(question.is_open for question in (self._cut_off, self._line, self._possible))
+
     def look(self, plan: PlanUnderWay) -> None:
         """Looks at events and map. What events have become is taken over if the plan stays best."""
         assumptions, self.has_used_slice = self._assumptions, False

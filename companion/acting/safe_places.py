@@ -109,6 +109,11 @@ class SafePlaces:
             found[place] = self._planner.flight_time(HERE, place)
         return {place: time_s for place, time_s in found.items() if math.isfinite(time_s)}
 
+    def missing(self, place: str) -> int:
+        """What is missing of the charge to land at a place, the reserve left; 0 if it is there."""
+        energy = self._planner.energy
+        return max(0, self._missing(energy, place)) if energy is not None else 0
+
     def _missing(self, energy: MissionEnergy, place: str) -> int:
         """What is missing to land at a place, the reserve left; 0 or less if it is there."""
         needed, reserve = energy.to_land_at(place), energy.model.reserve

@@ -2,7 +2,8 @@
 
 Exit codes: 0 the task is satisfied (or the run was stopped as asked), 1 internal, 2 a file from
 outside is wrong, 3 no plan, 4 no link, 5 the pilot or a failsafe ended the flight, 6 a recorded
-flight does not satisfy its task (`audit`), 7 the search for a plan was given up at a limit.
+flight does not satisfy its task (`audit`), 7 the search for a plan was given up at a limit, 8 a
+contingency is unsafe (`check --contingencies`).
 
 Imports that take long (MAVLink, plots, the simulator) are made inside the commands that need
 them, so that `--help` answers at once.
@@ -18,13 +19,14 @@ from typing import Annotated
 import typer
 
 from companion.cli.auditing import audit
+from companion.cli.checking import check
 from companion.cli.flying import run
 from companion.cli.formulas import ltl
 from companion.cli.keys import key
 from companion.cli.monitoring import monitor, replay
 from companion.cli.operating import upload, watch
 from companion.cli.plan_files import export, import_
-from companion.cli.planning import check, plan
+from companion.cli.planning import plan
 from companion.cli.simulated_flight import sim
 from companion.cli.skills import skills
 from companion.cli.terminal import give_up

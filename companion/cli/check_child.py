@@ -25,7 +25,8 @@ from types import FrameType, MappingProxyType
 from typing import Any
 
 from companion.cli.checked_mission import CheckedMission, check_mission
-from companion.cli.planning import FORMAT_VERSION, refusal_as_json
+from companion.cli.checking import refusal_as_json
+from companion.cli.planning import FORMAT_VERSION
 from companion.errors import CompanionError
 from companion.ground.checking import MAX_OUTPUT_BYTES
 from companion.mission.kept_domain import read_and_keep

@@ -1,4 +1,4 @@
-"""The commands that plan without a vehicle: check and plan."""
+"""The command that plans without a vehicle, from any state."""
 
 from __future__ import annotations
 
@@ -23,63 +23,6 @@ if TYPE_CHECKING:
 
 FORMAT_VERSION = 1
 """Of the JSON that `plan --json` and `check --json` print."""
-
-
-def check(
-    mission: MissionFile,
-    within: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="DIR", help="Refuse a mission that needs files outside, as one from a stranger."
-        ),
-    ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
-    verbose: Verbose = False,
-) -> None:
-    """Reads, translates and plans a mission; needs no vehicle.
-
-    It says when each event holds, and which lines of the task the plan drops. It notices what is
-    allowed and hardly meant: an event that nothing uses, a line that holds from the start on, a
-    patrol that a rest fulfils.
-    """
-    from companion.cli.checked_mission import check_mission
-
-    try:
-        checked = check_mission(mission, within)
-    except CompanionError as error:
-        if as_json:
-            typer.echo(json.dumps(refusal_as_json(error)))
-        raise
-    if as_json:
-        typer.echo(json.dumps({"version": FORMAT_VERSION, "ok": True} | checked.as_json()))
-        return
-    typer.echo(f"mission    {checked.mission}: places {' '.join(checked.places)}")
-    if checked.earth is not None:
-        typer.echo(f"earth      {checked.earth}")
-    typer.echo(f"map        {checked.map}")
-    for name, duration in checked.events.items():
-        typer.echo(f"event      {name}: {duration}")
-    for name, states in checked.states.items():
-        rank = f", priority {checked.priorities[name]}" if name in checked.priorities else ""
-        typer.echo(f"task       {name}: {states} states{rank}")
-    typer.echo(f"plan       {checked.plan}")
-    if checked.energy is not None:
-        typer.echo(f"energy     {checked.energy}")
-    for wait in checked.waits:
-        typer.echo(f"waits      {wait}")
-    if checked.land_at is not None:
-        typer.echo(f"otherwise  lands at {checked.land_at}: where it is soonest")
-    for line in checked.dropped:
-        typer.echo(f"dropped    {line}")
-    for notice in checked.notices:
-        typer.echo(f"notice     {notice}")
-    typer.echo("ok")
-
-
-def refusal_as_json(error: CompanionError) -> dict[str, Any]:
-    """What `check --json` prints of a mission that cannot be flown."""
-    refused = {"version": FORMAT_VERSION, "ok": False, "exit_code": error.exit_code}
-    return refused | {"error": str(error)}
 
 
 ObjectiveOption = Annotated[

@@ -30,6 +30,14 @@ class MissionBattery:
     reserve: float
     wind: NorthEast = (0.0, 0.0)
 
+    def times(self, factor: float) -> MissionBattery:
+        """The same for a vehicle that takes so many times the power."""
+        level_w, climb_w = (
+            tuple((speed_mps, factor * power_w) for speed_mps, power_w in points)
+            for points in (self.profile.level_w, self.profile.climb_w)
+        )
+        return replace(self, profile=replace(self.profile, level_w=level_w, climb_w=climb_w))
+
 
 def read_battery(
     entry: BatteryEntry | None, vehicle: VehicleProfile, document: Document

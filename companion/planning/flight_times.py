@@ -19,8 +19,13 @@ from companion.slices import spent
 _DISTANCE_US = 30
 
 
-def route_map(mission: Mission) -> LayeredRoutes:
-    """The routes of a mission: the places that its task mentions are not crossed by chance."""
+def route_map(mission: Mission, kind: type[LayeredRoutes] = LayeredRoutes) -> LayeredRoutes:
+    """The routes of a mission: the places that its task mentions are not crossed by chance.
+
+    Args:
+        mission: whose places they lead to.
+        kind: what is made.
+    """
     mentioned = mission.task_facts
     sites = {
         name: PlaceRegion(
@@ -31,7 +36,7 @@ def route_map(mission: Mission) -> LayeredRoutes:
         for name, place in mission.places.items()
     }
     vehicle, limits = mission.vehicle, mission.limits
-    return LayeredRoutes(
+    return kind(
         mission.grid,
         sites,
         limits.fence,

@@ -34,12 +34,15 @@ class Solver:
     Args:
         mission: says of its problems what they do not say themselves.
         actions: those that every problem begins with.
+
+    Attributes:
+        loops: on a battery, those that were found before.
     """
 
     def __init__(self, mission: Mission, actions: Sequence[Action]) -> None:
         self.mission = mission
         self._search = Search(actions)
-        self._loops = KnownLoops()
+        self.loops = KnownLoops()
         self._timed = TimedSearch(self._search)
         self._readiness = Readiness(mission)
 
@@ -127,7 +130,7 @@ class Solver:
             )
         if problem.energy is None:
             return self._timed.solutions(problem, effort)
-        return search.energy_solutions(self._search, problem, effort, self._loops)
+        return search.energy_solutions(self._search, problem, effort, self.loops)
 
     def kept(
         self, problem: Problem, histories: optional_lines.Histories
@@ -176,7 +179,7 @@ class Solver:
             return self._timed.is_solvable(problem, effort)
         if problem.energy is None:
             return self._search.is_solvable(problem, effort)
-        return search.is_solvable(self._search, problem, effort, self._loops)
+        return search.is_solvable(self._search, problem, effort, self.loops)
 
     def _is_solvable_soon(self, problem: Problem) -> bool | None:
         return self.is_solvable(problem, IN_FLIGHT)

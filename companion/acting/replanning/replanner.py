@@ -12,7 +12,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
 from companion.acting.flight import Flight
@@ -24,7 +24,7 @@ from companion.errors import NoPlanError, SearchLimit
 from companion.flight_events.facts import PlacesCutOff
 from companion.flight_events.plans import EngineFailed
 from companion.planning.engine_port import Engine, EngineFailure
-from companion.planning.explain import NoPlan
+from companion.planning.explain import Explanation, NoPlan
 from companion.planning.lasso import ChosenPlan, DroppedLine, Lasso, Letter, Problem
 from companion.planning.optional_lines import without_lines
 from companion.planning.planner import Planner
@@ -72,6 +72,7 @@ class Replanner:
         patience: learns why there is no plan.
         engine: who plans; None for the built-in search, which is asked where an engine fails, and
             whether the present plan is still the best one.
+        explain: says why a problem has no plan; None for the planner.
     """
 
     def __init__(
@@ -81,6 +82,7 @@ class Replanner:
         assumptions: Assumptions,
         patience: Patience,
         engine: Engine | None = None,
+        explain: Callable[[Problem], Explanation] | None = None,
     ) -> None:
         self.reachability = Reachability(planner, flight)
         self.is_explaining = False
@@ -89,6 +91,7 @@ class Replanner:
         self._assumptions = assumptions
         self._patience = patience
         self._engine = engine
+        self._explain = explain or planner.explain_soon
         self._planning: InSlices[ChosenPlan | PlanFailure] | None = None
         self._planned_in: TaskSituation | None = None
         self._idle_replans = 0
@@ -193,7 +196,7 @@ class Replanner:
         if found is not None:
             return found
         self.is_explaining = True
-        return NoPlan(self._planner.explain_soon(problem))
+        return NoPlan(self._explain(problem))
 
     def _ask(
         self, engine: Engine, problem: Problem, histories: Sequence[Sequence[Letter]]

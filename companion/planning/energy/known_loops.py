@@ -80,6 +80,12 @@ class KnownLoops:
     def __init__(self) -> None:
         self._known: list[_Known] = []
 
+    def copied(self) -> KnownLoops:
+        """Others, which know the same."""
+        others = KnownLoops()
+        others._known = self._known
+        return others
+
     def of(self, graph: EnergyProduct, nodes: NDArray[np.intp]) -> LoopsFound | None:
         """The best loops of a component, as far as they are known; None if they are not.
 

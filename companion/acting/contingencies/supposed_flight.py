@@ -1,0 +1,327 @@
+"""A flight that is supposed to have come to some position of its plan; what it does then.
+
+Nothing flies. The task's state, the assumptions of the plan, the triggers of a replan, the search
+for it, and the choice of a safe place are those of a flight, called in the order in which a flight
+calls them; the vehicle is one that is where the plan has it.
+
+A change comes when the next action of the plan has just begun, as it does in flight: a flight is
+then interrupted where it begins. What has begun on the ground is finished first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import cast
+
+from py_trees.behaviours import Running
+
+from companion.acting.assembly import flight_of
+from companion.acting.contingencies.answers import (
+    Answer,
+    GoesOn,
+    LandsAt,
+    PlansAnew,
+    StaysWhereItIs,
+)
+from companion.acting.contingencies.changes import (
+    BeliefLost,
+    Change,
+    ChargeAtFloor,
+    DrainUp,
+    EventTurns,
+    SiteLost,
+)
+from companion.acting.flight import PlanProgress
+from companion.acting.preparation import PreparedMission
+from companion.acting.replan_triggers import PlanUnderWay, ReplanTriggers
+from companion.acting.replanning.assumptions import Assumptions
+from companion.acting.replanning.optional_lines import drop
+from companion.acting.replanning.patience import Patience
+from companion.acting.replanning.replanner import PlanFailure, Replanner
+from companion.acting.safe_places import SafePlaces, flight_to
+from companion.geometry import Ned
+from companion.mission.facts import HERE
+from companion.mission.model import Event, Land, LandOn, Otherwise, TakeOff
+from companion.planning.charger import UNITS_PER_WH
+from companion.planning.domain import Action, Refinement, Step
+from companion.planning.energy.model import EnergyModel
+from companion.planning.energy_check import level_after, place_of
+from companion.planning.explain import Explanation
+from companion.planning.lasso import ChosenPlan, Problem
+from companion.vehicle.port import Mode, Vehicle, VehicleState
+
+
+class SupposedVehicle:
+    """A vehicle in the air, at rest; those who decide on plans ask it for its state alone."""
+
+    def __init__(self, position: Ned) -> None:
+        self.stand_at(position)
+
+    def stand_at(self, position: Ned) -> None:
+        """It is somewhere else now."""
+        self.state = VehicleState(
+            stamp_s=0.0,
+            position=position,
+            velocity=(0.0, 0.0, 0.0),
+            yaw_rad=0.0,
+            mode=Mode.OFFBOARD,
+            is_armed=True,
+            is_landed=False,
+            is_failsafe=False,
+            battery_percent=None,
+        )
+
+
+class SupposedFlight:
+    """One flight, from the beginning of a plan on; it serves one contingency.
+
+    Args:
+        prepared: the mission; `close` gives its routes and actions back as they were.
+        chosen: the plan.
+        level: of the energy at its beginning; None where nobody reckons.
+        explain: says why a problem has no plan; None for the planner.
+    """
+
+    def __init__(
+        self,
+        prepared: PreparedMission,
+        chosen: ChosenPlan,
+        level: int | None,
+        explain: Callable[[Problem], Explanation] | None = None,
+    ) -> None:
+        self._mission, self._planner = prepared.mission, prepared.planner
+        self._routes, self._level = prepared.routes, level
+        self._vehicle = SupposedVehicle(self._mission.home.position)
+        self._flight = flight = flight_of(prepared, cast(Vehicle, self._vehicle))
+        if (energy := self._planner.energy) is not None and level is not None:
+            energy.level = energy.most = lambda: self._level or 0
+        self._assumptions = Assumptions(self._planner, flight)
+        self._patience = Patience(self._planner, flight)
+        about = flight, self._assumptions
+        self._replanner = Replanner(self._planner, *about, self._patience, explain=explain)
+        self._triggers = ReplanTriggers(*about, self._replanner, self._planner.energy)
+        self._lost: set[str] = set()
+        self._found: set[str] = set()
+        self._retry_s: float | None = None
+        self._has_more_drain = False
+        self._assumptions.renew()
+        self.adopt(chosen)
+
+    def adopt(self, chosen: ChosenPlan) -> None:
+        """Flies a plan from now on, and begins its first action."""
+        drop(self._flight, chosen.dropped)
+        self._flight.progress = PlanProgress(
+            is_landed_by_plan=self._flight.progress.is_landed_by_plan
+        )
+        self._lasso = chosen.lasso
+        self._triggers.adopt(chosen.lasso)
+        self._begin()
+
+    @property
+    def running(self) -> Action:
+        """The action of the plan that is under way."""
+        actions = (*self._lasso.prefix, *self._lasso.loop)
+        return actions[min(self._flight.progress.completed, len(actions) - 1)]
+
+    def complete(self, count: int = 1, level: int | None = None) -> None:
+        """Completes so many actions of the plan, and begins the next one.
+
+        Args:
+            count: no more than there are before the last one.
+            level: of the energy then; None for what the actions leave.
+        """
+        for _ in range(count):
+            self._complete()
+        self._level = self._level if level is None else level
+
+    def _complete(self) -> None:
+        action, flight, energy = self.running, self._flight, self._planner.energy
+        flight.now_s += action.cost_ms / 1000
+        flight.task.complete(action, flight.now_s)
+        if energy is not None and self._level is not None:
+            self._level = level_after(energy.now(is_en_route=True), self._level, action)
+        for step in _primitives(action.execute):
+            if isinstance(step, Land | LandOn | TakeOff):
+                flight.progress.is_landed_by_plan = not isinstance(step, TakeOff)
+        self._stand_at(action)
+        flight.progress.completed += 1
+        self._begin()
+
+    def _begin(self) -> None:
+        """Leaves the position, as the precondition of an action does."""
+        action, flight = self.running, self._flight
+        flight.task.keep_dropped()
+        flight.task.begin(action)
+        first = next(_primitives(action.execute), None)
+        if isinstance(first, Land | LandOn):
+            flight.progress.is_landed_by_plan = True
+
+    def _stand_at(self, action: Action) -> None:
+        if action.destination is not None:
+            self._vehicle.stand_at(self._routes.goal(action.destination))
+
+    def meet(self, change: Change) -> tuple[Answer, ChosenPlan | None]:
+        """What the flight does about a change now; the other plan, if it makes one."""
+        reason = self._take(change)
+        if reason is None:
+            self._finish_on_the_ground()
+            reason = self._why_to_replan(change)
+        if reason is None:
+            return GoesOn(), None
+        return self._replan(reason)
+
+    def _take(self, change: Change) -> str | None:
+        """Lets the change happen; why another plan is due for it, where that is plain."""
+        flight, action = self._flight, self.running
+        match change:
+            case EventTurns(name, holds):
+                self._turn(self._mission.events[name], holds)
+            case SiteLost(place):
+                self._lost.add(place)
+                self._routes.hide(place)
+            case BeliefLost(belief):
+                if belief in action.assumes:
+                    return self._fail(action)
+                flight.task.withdraw(frozenset({belief}))
+            case ChargeAtFloor():
+                self._level = self.floor
+        return None
+
+    @property
+    def floor(self) -> int | None:
+        """The least level at the place of the flight; None where nobody reckons."""
+        energy, place = self._planner.energy, place_of(self._flight.task.facts)
+        if energy is None:
+            return None
+        return energy.now(is_en_route=True).floors.get(place or HERE)
+
+    def _turn(self, event: Event, holds: bool) -> None:
+        """The event, and the place that is found with it: in the middle of where it may be."""
+        for name, place in self._mission.places.items():
+            if holds and place.found_by == event.name:
+                self._found.add(name)
+                self._routes.find_place(name, place.position)
+        self._flight.task.take(event, holds)
+        if holds and event.is_pulse:
+            self._flight.task.take(event, False)
+
+    def _fail(self, action: Action) -> str:
+        """The skill under way has failed after all its tries; one that lands, on the ground."""
+        flight, energy = self._flight, self._planner.energy
+        self._retry_s = action.retry_after_s
+        flight.task.withdraw(
+            action.assumes, None if self._retry_s is None else flight.now_s + self._retry_s
+        )
+        if any(isinstance(step, Land | LandOn) for step in _primitives(action.execute)):
+            flight.progress.is_landed_by_plan = True
+            self._stand_at(action)
+            if energy is not None and self._level is not None and action.charger is not None:
+                self._level -= action.charger.landing + action.charger.take_off
+        return f"{action.name} failed"
+
+    def _finish_on_the_ground(self) -> None:
+        """What has begun on the ground is finished before anything is answered."""
+        left = len(self._lasso.prefix) + len(self._lasso.loop) - self._flight.progress.completed
+        for _ in range(left - 1):
+            if not self._flight.progress.is_landed_by_plan:
+                return
+            self._complete()
+
+    def _why_to_replan(self, change: Change) -> str | None:
+        plan = PlanUnderWay(self._lasso, Running("plan"), is_leaving=False)
+        if isinstance(change, SiteLost) and self.running.destination == change.place:
+            return self._fail(self.running)
+        if isinstance(change, DrainUp):
+            self._reckon(1 + change.share)
+            return str(change)
+        if isinstance(change, BeliefLost):
+            is_kept = self._replanner.search_confirms(self._lasso)
+            return None if is_kept else str(change)
+        self._triggers.look(plan)
+        reason = self._triggers.before_the_tree(plan)
+        while reason is None and self._triggers.is_thinking:
+            reason = self._triggers.before_the_tree(plan)
+        return reason or self._assumptions.surprise
+
+    def _reckon(self, factor: float) -> None:
+        """All takes so many times what the mission says, from now on."""
+        energy, battery = self._planner.energy, self._mission.battery
+        if energy is not None and battery is not None:
+            energy.model = EnergyModel(battery.times(factor))
+            self._planner.reinstantiate()
+            self._has_more_drain = True
+
+    def _replan(self, reason: str) -> tuple[Answer, ChosenPlan | None]:
+        self._flight.task.interrupt()
+        found = self._make_plan(reason)
+        waits, waited_s = self._waits_for, 0.0
+        retry_s = self._retry_s
+        if not isinstance(found, ChosenPlan) and waits and retry_s is not None:
+            if retry_s < self._patience.left_s:
+                waited_s, found = retry_s, self._plan_after(reason, retry_s)
+        if not isinstance(found, ChosenPlan):
+            return self._without_plan(found, waits), None
+        if self._replanner.is_rest_of(self._lasso, found.lasso):
+            return GoesOn(), None
+        return PlansAnew(found.lasso.planned, found.lines_dropped, waited_s), found
+
+    def _make_plan(self, reason: str) -> ChosenPlan | PlanFailure:
+        due = self._replanner.begin(reason)
+        found = self._replanner.step(due)
+        while found is None:
+            found = self._replanner.step(due)
+        return found
+
+    def _plan_after(self, reason: str, wait_s: float) -> ChosenPlan | PlanFailure:
+        """The plan when a withdrawn belief has come back."""
+        flight, energy = self._flight, self._planner.energy
+        flight.now_s += wait_s
+        if energy is not None and self._level is not None:
+            self._level -= energy.model.hovering(wait_s)
+        flight.task.restore(flight.now_s, frozenset())
+        return self._make_plan(reason)
+
+    @property
+    def _waits_for(self) -> tuple[str, ...]:
+        patience = self._patience
+        return tuple(map(str, patience.hopes)) if patience.hopes and patience.lasts else ()
+
+    def _without_plan(self, failure: PlanFailure, waits: tuple[str, ...]) -> Answer:
+        """What the mission says for the case that no plan exists."""
+        why = str(failure).splitlines()[0]
+        safe = SafePlaces(self._flight, self._planner, self._mission.safe_places)
+        if (landed := safe.landed_at) is not None:
+            return LandsAt(landed, why, waits)
+        while (place := safe.choose()) != "":
+            if place is not None and flight_to(self._planner, place) is not None:
+                return LandsAt(place, why, waits, *self._missing_wh(safe.missing(place)))
+        is_hold = self._mission.otherwise is Otherwise.HOLD
+        does = "holds where it is" if is_hold else "lands where it is"
+        return StaysWhereItIs(does, why, not self._mission.safe_places, waits)
+
+    def _missing_wh(self, units: int) -> tuple[float, float]:
+        """What is missing, the reserve left and the reserve used."""
+        energy = self._planner.energy
+        reserve = 0 if energy is None else energy.model.reserve
+        return units / UNITS_PER_WH, max(0, units - reserve) / UNITS_PER_WH
+
+    def close(self) -> None:
+        """The mission is as it was: the next flight begins with the map as it was told."""
+        for name in self._lost:
+            self._routes.find_place(name, self._mission.places[name].position)
+        for name in self._found:
+            self._routes.hide(name)
+        if self._has_more_drain:
+            self._reckon(1.0)
+        if self._lost or self._found:
+            for name, place in self._mission.places.items():
+                self._routes.aim(name, place.position)
+            self._planner.reinstantiate()
+
+
+def _primitives(steps: tuple[Step, ...]) -> Iterator[Step]:
+    for step in steps:
+        if isinstance(step, Refinement):
+            yield from _primitives(step.steps)
+        else:
+            yield step

@@ -1,0 +1,214 @@
+"""The table of contingencies: what becomes of a flight for each change, at each position."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from companion.acting.contingencies.answers import (
+    Answer,
+    ContingencyVerdict,
+    LandsAt,
+    PlansAnew,
+    StaysWhereItIs,
+)
+from companion.acting.contingencies.changes import Change, EventTurns
+from companion.flight_events.writing import json_of
+
+
+@dataclass(frozen=True, slots=True)
+class PlanPosition:
+    """A position of the first plan, up to the end of its first lap.
+
+    Attributes:
+        number: how many actions were completed.
+        place: where the vehicle is; "" for nowhere.
+        ahead: the action that begins there.
+        is_in_loop: whether that belongs to the loop.
+        level: of the energy, in units, in the lap in which it is least; None without a battery.
+        charge_percent: the same as a gauge tells it.
+    """
+
+    number: int
+    place: str
+    ahead: str
+    is_in_loop: bool
+    level: int | None = None
+    charge_percent: float | None = None
+
+    def as_json(self) -> dict[str, Any]:
+        """The same for programs."""
+        return {
+            "position": self.number,
+            "place": self.place,
+            "ahead": self.ahead,
+            "loop": self.is_in_loop,
+            "charge_percent": self.charge_percent,
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class Contingency:
+    """A change at a position, and what the flight does.
+
+    Attributes:
+        position: by its number.
+        change: what turns out otherwise.
+        answer: what becomes of the flight.
+        after: an event that has come at the position before: the change is of the plan for that.
+    """
+
+    position: int
+    change: Change
+    answer: Answer
+    after: EventTurns | None = None
+
+    @property
+    def label(self) -> str:
+        """What turns out otherwise, in words."""
+        return str(self.change) if self.after is None else f"{self.after}, then {self.change}"
+
+    def as_json(self) -> dict[str, Any]:
+        """The same for programs."""
+        answer, told = self.answer, dict[str, Any]()
+        match answer:
+            case PlansAnew(plan, dropped, waited_s):
+                told = json_of(plan) | {"dropped": list(dropped), "waited_s": waited_s}
+            case LandsAt():
+                told = {
+                    "lands_at": answer.place,
+                    "of_reserve_wh": round(answer.missing_wh - answer.short_wh, 2),
+                    "missing_wh": round(answer.short_wh, 2),
+                }
+            case StaysWhereItIs():
+                told = {"does": answer.does}
+        if isinstance(answer, LandsAt | StaysWhereItIs):
+            told |= {"why": answer.why, "waits_for": list(answer.waits_for)}
+        return {
+            "position": self.position,
+            "kind": self.change.kind,
+            "subject": self.change.subject,
+            "after": None if self.after is None else self.after.event,
+            "contingency": self.label,
+            "verdict": self.answer.verdict.name.lower(),
+            **told,
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class FoldedContingencies:
+    """Contingencies of one kind with equal answers, at equal positions.
+
+    Attributes:
+        labels: what turns out otherwise.
+        positions: at which.
+        answers: one for each contingency; they differ in the way into the loop alone.
+    """
+
+    kind: str
+    labels: tuple[str, ...]
+    positions: tuple[int, ...]
+    answers: tuple[Answer, ...]
+
+
+@dataclass(frozen=True)
+class ContingencyTable:
+    """All contingencies of a mission's first plan, in a fixed order.
+
+    Attributes:
+        mission: its name.
+        plan: its first plan, as it is written.
+        positions: of that.
+        contingencies: by position, and at each in the order of the mission file.
+    """
+
+    mission: str
+    plan: str
+    positions: tuple[PlanPosition, ...]
+    contingencies: tuple[Contingency, ...]
+
+    @property
+    def unsafe(self) -> tuple[Contingency, ...]:
+        """Those after which the charge lasts to no safe place."""
+        unsafe = ContingencyVerdict.UNSAFE
+        return tuple(c for c in self.contingencies if c.answer.verdict is unsafe)
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """What may turn out otherwise, by kind, in the order in which it comes first."""
+        kinds = dict.fromkeys(_kind(each) for each in self.contingencies)
+        found = (each.label for kind in kinds for each in self.contingencies if _kind(each) == kind)
+        return tuple(dict.fromkeys(found))
+
+    @property
+    def summary(self) -> str:
+        """All of it in a line."""
+        answers = [each.answer for each in self.contingencies]
+        verdicts = Counter(answer.verdict for answer in answers)
+        kinds = ContingencyVerdict
+        dropped = verdicts[kinds.LINES_DROPPED]
+        planned = verdicts[kinds.AS_PLANNED] + verdicts[kinds.PLANNED] + dropped
+        ends = Counter(a.place for a in answers if isinstance(a, LandsAt) and not a.missing_wh)
+        parts = [
+            f"{planned} planned" + (f" ({dropped} with lines dropped)" if dropped else ""),
+            *(f"{count} end at {place}" for place, count in sorted(ends.items())),
+        ]
+        if on_reserve := verdicts[kinds.ON_RESERVE]:
+            parts.append(f"{on_reserve} land on the reserve")
+        if stays := verdicts[kinds.WHERE_IT_IS]:
+            parts.append(f"{stays} end where the vehicle is")
+        parts.append(f"{verdicts[kinds.UNSAFE]} unsafe")
+        return f"{len(answers)} contingencies: {', '.join(parts)}"
+
+    def folded(self) -> Iterator[FoldedContingencies]:
+        """The contingencies with equal answers together, so that they can be read."""
+        by_label: dict[tuple[str, str, object], list[Contingency]] = {}
+        for each in self.contingencies:
+            key = _kind(each), each.label, _same(each.answer)
+            by_label.setdefault(key, []).append(each)
+        folds: dict[object, FoldedContingencies] = {}
+        order = {label: number for number, label in enumerate(self.labels)}
+        for (kind, label, same), members in sorted(by_label.items(), key=lambda x: order[x[0][1]]):
+            positions = tuple(each.position for each in members)
+            found = tuple(each.answer for each in members)
+            fold = kind, positions, same
+            before = folds.get(fold)
+            labels = (label,) if before is None else (*before.labels, label)
+            answers = found if before is None else (*before.answers, *found)
+            folds[fold] = FoldedContingencies(kind, labels, positions, answers)
+        yield from folds.values()
+
+    def as_json(self) -> dict[str, Any]:
+        """The table for programs."""
+        verdicts = Counter(each.answer.verdict for each in self.contingencies)
+        return {
+            "plan": self.plan,
+            "positions": [position.as_json() for position in self.positions],
+            "contingencies": [each.as_json() for each in self.contingencies],
+            "verdicts": {each.name.lower(): verdicts[each] for each in ContingencyVerdict},
+            "summary": self.summary,
+        }
+
+
+def _kind(contingency: Contingency) -> str:
+    after = contingency.after
+    return contingency.change.kind if after is None else f"{after.kind}, then"
+
+
+def _same(answer: Answer) -> object:
+    """What two answers have in common that are told as one: the loop, and not the way into it."""
+    match answer:
+        case PlansAnew(plan, dropped, waited_s):
+            loop = [step.action for step in plan.loop]
+            first = min(range(len(loop)), key=lambda i: loop[i:] + loop[:i])
+            kept = loop[first:] + loop[:first]
+            if len(loop) == 1:  # it ends at rest: what it does is all on the way there
+                kept = [*(step.action for step in plan.prefix), *loop]
+            return answer.verdict, tuple(kept), dropped, waited_s > 0
+        case LandsAt():
+            return answer.verdict, answer.place, answer.waits_for
+        case StaysWhereItIs():
+            return answer.verdict, answer.does, answer.waits_for
+    return answer.verdict

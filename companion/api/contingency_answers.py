@@ -1,0 +1,103 @@
+"""The table of contingencies of a mission, on all cores.
+
+Each process prepares the mission and answers some of the questions. No question knows of another,
+and answers come back in the order of the questions: one process and many make the same table.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+
+from companion.acting.contingencies.listing import Contingencies, ContingencyQuestion
+from companion.acting.contingencies.table import Contingency, ContingencyTable
+from companion.errors import CompanionError
+from companion.mission.model import Mission
+
+FEW_ANSWERS = 100
+"""So many are not worth another process, which takes a second to begin."""
+
+Progress = Callable[[int, int], None]
+"""Told how many contingencies were looked at, and of how many."""
+
+_asked: Contingencies | None = None
+"""Of this process, if it answers for another one."""
+
+
+def contingencies(
+    mission: Mission, jobs: int | None = None, on_progress: Progress | None = None
+) -> ContingencyTable:
+    """What becomes of a flight for each single change, at each position of its first plan.
+
+    >>> from companion import load_mission
+    >>> print(contingencies(load_mission("missions/surveillance.yaml"), jobs=1).summary)
+    60 contingencies: 48 planned, 12 end at Home, 0 unsafe
+
+    Args:
+        mission: to be flown.
+        jobs: processes; None for one on each core.
+        on_progress: told how far it has come; an event counts as one, whatever comes of it.
+
+    Raises:
+        NoPlanError: the mission has no first plan.
+        CompanionError: the mission has a tree of its own; or a process has ended early.
+    """
+    asked = Contingencies(mission)
+    questions = asked.questions
+    total = sum(len(question.positions) for question in questions)
+    many = jobs if jobs is not None else len(os.sched_getaffinity(0))
+    is_alone = many <= 1 or total <= FEW_ANSWERS
+    answers = map(asked.answer, questions) if is_alone else _in_processes(mission, questions, many)
+    return asked.table(_counted(answers, questions, total, on_progress))
+
+
+def _counted(
+    answers: Iterable[tuple[Contingency, ...]],
+    questions: Iterable[ContingencyQuestion],
+    total: int,
+    on_progress: Progress | None,
+) -> Iterator[tuple[Contingency, ...]]:
+    done = 0
+    for answer, question in zip(answers, questions, strict=True):
+        done += len(question.positions)
+        if on_progress is not None:
+            on_progress(done, total)
+        yield answer
+
+
+def _in_processes(
+    mission: Mission, questions: tuple[ContingencyQuestion, ...], jobs: int
+) -> Iterator[tuple[Contingency, ...]]:
+    """The answers, in order; whatever ends this ends the processes."""
+    before = set(multiprocessing.active_children())
+    server = multiprocessing.get_context("forkserver")
+    pool = ProcessPoolExecutor(
+        min(jobs, len(questions)), mp_context=server, initializer=_begin, initargs=(mission,)
+    )
+    try:
+        yield from pool.map(_answer, questions)
+    except BrokenProcessPool as error:
+        raise CompanionError(
+            "a process that looks at contingencies has ended early\n"
+            "    has the machine enough memory? try --jobs 1"
+        ) from error
+    finally:
+        children = set(multiprocessing.active_children()) - before
+        pool.shutdown(wait=False, cancel_futures=True)
+        for child in children:
+            child.terminate()
+
+
+def _begin(mission: Mission) -> None:
+    global _asked
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that asks
+    _asked = Contingencies(mission)
+
+
+def _answer(question: ContingencyQuestion) -> tuple[Contingency, ...]:
+    assert _asked is not None
+    return _asked.answer(question)
