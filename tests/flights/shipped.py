@@ -27,6 +27,7 @@ from companion.flight_events.skills import (
 from companion.flight_events.sortie import RunEnded
 from companion.geometry import Ned, distance
 from companion.ltl.semantics import Letter, holds
+from companion.ltl.timed_formula import untimed
 from companion.mission.loader import load_mission
 from companion.mission.model import Fly, Mission
 from companion.planning.domain import Action
@@ -112,6 +113,8 @@ class ShippedFlight(Lockstep):
     def lines_that_hold(self) -> list[str]:
         """Lines of the task that the flown word satisfies, if it rests at its end for ever.
 
+        Bounds in time are not asked: one that passed would have been told.
+
         A line that an event restarts is about the word from that event on.
         """
         word, since = flown_word(self)
@@ -122,8 +125,8 @@ class ShippedFlight(Lockstep):
         }
         return [
             line
-            for line, formula in self.mission.task.items()
-            if holds(formula, word[begins[line] :], word[-1:])
+            for line, said in self.mission.task.items()
+            if holds(untimed(said), word[begins[line] :], word[-1:])
         ]
 
 

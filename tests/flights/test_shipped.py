@@ -107,7 +107,10 @@ SHIPPED = (
         [
             *("Gate", "Dock", "Store", "Gate"),
             *(MissionEventChanged("dockInUse", holds=True), LineDropped("dock", NO_PLAN_KEEPS_IT)),
-            *(Replanned("dock in use"), "Gate", "Store", "Gate", "Store"),
+            *(Replanned("dock in use"), "Gate", "Store"),
+            MissionEventChanged("alarm", holds=True),
+            MissionEventChanged("alarm", holds=False),
+            *(Replanned("alarm"), "Store"),
             *(MissionEventChanged("dockInUse", holds=False), "Gate"),
             *(LineTakenUp("dock", anew=False), Replanned("dock has a plan again"), "Dock"),
             *(*noticed("calledHome", "called home"), "Home", TaskSatisfied()),
