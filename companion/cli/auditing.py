@@ -98,7 +98,7 @@ def _print(run: Path, record: RunRecord, result: Audit) -> None:
         typer.echo(_row(position, time_s, result.findings))
     for finding in result.findings:
         words = WORDS[finding.outcome.value].format(finding.position)
-        typer.echo(f"{finding.name:<10} {words:<26} {finding.text}")
+        typer.echo(f"{finding.name:<10} {words:<26} {finding.formula}")
         if finding.priority is not None:
             typer.echo(f"{'':<10} priority {finding.priority}, {_dropped(finding)}")
         if finding.since:

@@ -51,7 +51,7 @@ class Finding:
     """What the flight has done about one conjunct.
 
     Attributes:
-        text: what it says.
+        formula: what it says; with its bound in time, if it has one.
         outcome: VIOLATED and FULFILLED if the word alone decides it, from `position` on; SATISFIED
             and UNFULFILLED if the rest does that follows for ever; else OPEN: it holds so far.
         since: the position with which it began anew last, 0 if it never did. What was read before
@@ -64,7 +64,7 @@ class Finding:
     """
 
     name: str
-    text: str
+    formula: Formula | TimeBound
     outcome: ConjunctOutcome
     position: int | None
     since: int
@@ -128,9 +128,9 @@ class AuditedConjunct:
     bound: TimeBound | None
 
     @property
-    def text(self) -> str:
+    def said(self) -> Formula | TimeBound:
         """What it says."""
-        return str(self.bound or self.formula)
+        return self.bound or self.formula
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,7 +181,7 @@ def _finding(reading: _Reading, record: RunRecord) -> Finding:
         whole, _ = _outcome(never_anew, positions)
     return Finding(
         name=reading.part.name,
-        text=reading.part.text,
+        formula=reading.part.said,
         outcome=outcome,
         position=number,
         since=reading.begun,
@@ -234,7 +234,7 @@ def as_json(record: RunRecord, result: Audit) -> Mapping[str, object]:
         "conjuncts": [
             {
                 "conjunct": finding.name,
-                "formula": finding.text,
+                "formula": str(finding.formula),
                 "outcome": finding.outcome.value,
                 "position": finding.position,
                 "since": finding.since,

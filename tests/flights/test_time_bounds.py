@@ -87,7 +87,7 @@ def begun_s(flight: Recorded) -> float:
 def test_bounds_that_are_kept_are_told_as_kept() -> None:
     task = {
         "first": "F[<=30s] at(A)",
-        "often": "revisit(A) <= 40 s",
+        "often": "revisit(Home) <= 40 s",
         "answer": "G (at(A) -> F[<=20s] at(Home))",
     }
     flight = by_hand(task).until_the_end()

@@ -233,3 +233,72 @@ def test_a_journal_brings_the_clocks_back() -> None:
         assert here.clocks_ms == there.clocks_ms
         assert here.automaton_states == there.automaton_states
         assert pilot.task.violated == again.violated
+
+
+def waiting(task: TaskState, until_s: float) -> list[str]:
+    """Time goes on; the lines that are told to be late meanwhile."""
+    told = []
+    now_s = task.now_s
+    while now_s < until_s:
+        now_s = round(now_s + TICK_S, 3)
+        task.now_s = now_s
+        told += [conjunct.name for conjunct in task.run_clocks(now_s)]
+    return told
+
+
+def test_a_violated_line_has_no_plan_and_one_that_may_be_dropped_begins_anew() -> None:
+    asked = bounded("first", "often", priorities={"often": 1})
+    task = TaskState(Planner(asked, lambda origin, goal: 4.0))
+    assert waiting(task, 19.0) == []
+    assert task.problem()[0].clocks_ms == (18_950, 18_950)
+    assert waiting(task, 26.0) == ["first", "often"]
+    assert task.violated == ("first",) and task.violated_anew == ("often",)
+    first, often = task.problem()[0].automaton_states
+    assert not first and often
+    assert task.problem()[0].clocks_ms[1] == 0  # as if it began anew
+    assert task.drop(["often"]) == ()
+    assert task.violated_anew == ()
+    assert task.drop([]) == ("often",)
+    assert waiting(task, 40.0) == []  # not before a position was left
+    move = next(a for a in task.problem()[0].actions if a.name == "move(H, B)")
+    task.begin(move)
+    assert waiting(task, 64.9) == []
+    assert task.problem()[0].clocks_ms[1] == 0  # as from where it was left
+    assert waiting(task, 66.0) == ["often"]
+
+
+def test_an_event_makes_a_bounded_line_begin_anew() -> None:
+    again = event("again", restarts=["first"])
+    asked = replace(bounded("first"), events={"again": again})
+    task = TaskState(Planner(asked, lambda origin, goal: 4.0))
+    assert waiting(task, 21.0) == ["first"]
+    task.take(again, True)
+    assert task.violated == () and task.problem()[0].clocks_ms == (0,)
+    task.leave()
+    assert waiting(task, 41.0) == []
+    assert waiting(task, 41.1) == ["first"]
+
+
+def test_an_answer_that_is_due_is_due_in_the_next_plan() -> None:
+    task = TaskState(Planner(bounded("answer"), lambda origin, goal: 4.0))
+    waiting(task, 5.0)
+    task.begin(next(a for a in task.problem()[0].actions if a.name == "move(H, A)"))
+    waiting(task, 7.0)
+    task.take(ALARM, True)
+    task.take(ALARM, False)
+    waiting(task, 10.0)
+    task.interrupt()
+    problem = task.problem()[0]
+    assert problem.unread == {"alarm"}
+    assert problem.clocks_ms == (3000,)
+
+
+def test_who_stands_where_it_is_to_be_is_not_late() -> None:
+    task = TaskState(Planner(bounded("first"), lambda origin, goal: 4.0))
+    waiting(task, 5.0)
+    move = next(a for a in task.problem()[0].actions if a.name == "move(H, B)")
+    task.begin(move)
+    waiting(task, 15.0)
+    task.complete(move, 15.0)
+    assert waiting(task, 60.0) == []
+    assert task.problem()[0].clocks_ms == (None,)
