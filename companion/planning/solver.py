@@ -7,6 +7,7 @@ Every plan passes the independent check. Before a flight there is time for the b
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
 
 from companion.errors import CompanionError, KeyPath, MissionError
 from companion.mission.model import Mission
@@ -24,8 +25,22 @@ from companion.planning.lasso import DroppedLine, Lasso, Letter, Problem, Soluti
 from companion.planning.objective import Objective
 from companion.planning.readiness import Readiness
 from companion.planning.time_check import time_fault
+from companion.planning.timed.known_laps import KnownLaps
 from companion.planning.timed.lateness import late_bounds
 from companion.planning.timed.search import TimedSearch
+
+
+@dataclass(frozen=True, slots=True)
+class SolverMemory:
+    """What was found before, which is tried first and so decides between equals.
+
+    Attributes:
+        loops: on a battery.
+        laps: that keep bounds in time.
+    """
+
+    loops: KnownLoops
+    laps: KnownLaps
 
 
 class Solver:
@@ -34,17 +49,23 @@ class Solver:
     Args:
         mission: says of its problems what they do not say themselves.
         actions: those that every problem begins with.
-
-    Attributes:
-        loops: on a battery, those that were found before.
     """
 
     def __init__(self, mission: Mission, actions: Sequence[Action]) -> None:
         self.mission = mission
         self._search = Search(actions)
-        self.loops = KnownLoops()
+        self._loops = KnownLoops()
         self._timed = TimedSearch(self._search)
         self._readiness = Readiness(mission)
+
+    @property
+    def memory(self) -> SolverMemory:
+        """What was found so far."""
+        return SolverMemory(self._loops.copied(), self._timed.known.copied())
+
+    def recall(self, memory: SolverMemory) -> None:
+        """Nothing else was found so far."""
+        self._loops, self._timed.known = memory.loops.copied(), memory.laps.copied()
 
     def solutions(
         self,
@@ -130,7 +151,7 @@ class Solver:
             )
         if problem.energy is None:
             return self._timed.solutions(problem, effort)
-        return search.energy_solutions(self._search, problem, effort, self.loops)
+        return search.energy_solutions(self._search, problem, effort, self._loops)
 
     def kept(
         self, problem: Problem, histories: optional_lines.Histories
@@ -179,7 +200,7 @@ class Solver:
             return self._timed.is_solvable(problem, effort)
         if problem.energy is None:
             return self._search.is_solvable(problem, effort)
-        return search.is_solvable(self._search, problem, effort, self.loops)
+        return search.is_solvable(self._search, problem, effort, self._loops)
 
     def _is_solvable_soon(self, problem: Problem) -> bool | None:
         return self.is_solvable(problem, IN_FLIGHT)

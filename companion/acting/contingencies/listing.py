@@ -54,7 +54,8 @@ class _Reasons:
 
     def __call__(self, problem: Problem) -> Explanation:
         """The reason, found once."""
-        key = problem.withdrawn, problem.automaton_states, problem.energy and problem.energy.level
+        charge = problem.energy and problem.energy.level
+        key = problem.withdrawn, problem.automaton_states, problem.clocks_ms, charge
         if key not in self._known:
             self._known[key] = self._explain(problem)
         return self._known[key]
@@ -91,7 +92,7 @@ class Contingencies:
             raise first.outcome
         self._plan: ChosenPlan = first.outcome
         self._energy = first.problem.energy
-        self._loops = self._prepared.planner.loops
+        self._memory = self._prepared.planner.memory
         self.positions = tuple(_positions(mission, self._plan.lasso, self._energy))
 
     @cached_property
@@ -148,7 +149,7 @@ class Contingencies:
         *before, last = changes
         position = self.positions[number]
         level = None if self._energy is None else self._energy.level
-        self._prepared.planner.loops = self._loops.copied()  # as each flight begins
+        self._prepared.planner.recall(self._memory)  # as each flight begins
         with closing(SupposedFlight(self._prepared, self._plan, level, reasons)) as flight:
             flight.complete(number, position.level)
             for change in before:

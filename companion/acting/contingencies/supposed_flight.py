@@ -31,7 +31,8 @@ from companion.acting.contingencies.changes import (
     EventTurns,
     SiteLost,
 )
-from companion.acting.flight import PlanProgress
+from companion.acting.flight import TICK_S, PlanProgress
+from companion.acting.positions import tell_late
 from companion.acting.preparation import PreparedMission
 from companion.acting.replan_triggers import PlanUnderWay, ReplanTriggers
 from companion.acting.replanning.assumptions import Assumptions
@@ -104,6 +105,7 @@ class SupposedFlight:
         self._found: set[str] = set()
         self._retry_s: float | None = None
         self._has_more_drain = False
+        self._pass_time(TICK_S)
         self._assumptions.renew()
         self.adopt(chosen)
 
@@ -136,7 +138,7 @@ class SupposedFlight:
 
     def _complete(self) -> None:
         action, flight, energy = self.running, self._flight, self._planner.energy
-        flight.now_s += action.cost_ms / 1000
+        self._pass_time(action.cost_ms / 1000)
         flight.task.complete(action, flight.now_s)
         if energy is not None and self._level is not None:
             self._level = level_after(energy.now(is_en_route=True), self._level, action)
@@ -146,6 +148,13 @@ class SupposedFlight:
         self._stand_at(action)
         flight.progress.completed += 1
         self._begin()
+
+    def _pass_time(self, seconds: float) -> None:
+        """Time goes on, for the clocks of bounded lines too."""
+        flight = self._flight
+        flight.now_s += seconds
+        flight.task.now_s = flight.now_s
+        tell_late(flight)
 
     def _begin(self) -> None:
         """Leaves the position, as the precondition of an action does."""
@@ -275,7 +284,7 @@ class SupposedFlight:
     def _plan_after(self, reason: str, wait_s: float) -> ChosenPlan | PlanFailure:
         """The plan when a withdrawn belief has come back."""
         flight, energy = self._flight, self._planner.energy
-        flight.now_s += wait_s
+        self._pass_time(wait_s)
         if energy is not None and self._level is not None:
             self._level -= energy.model.hovering(wait_s)
         flight.task.restore(flight.now_s, frozenset())

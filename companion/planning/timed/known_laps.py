@@ -30,6 +30,12 @@ class KnownLaps:
         self._names: list[tuple[str, ...]] = []
         self.are_best = True
 
+    def copied(self) -> KnownLaps:
+        """Others, the same."""
+        others = KnownLaps()
+        others._names, others.are_best = [*self._names], self.are_best
+        return others
+
     def keep(self, lasso: Lasso) -> None:
         """The loop of a lasso is known."""
         if not lasso.ends_at_rest:

@@ -55,15 +55,18 @@ class TimedSearch:
 
     Args:
         search: knows the mission's actions and automata.
+
+    Attributes:
+        known: laps that were found before.
     """
 
     def __init__(self, search: Search) -> None:
         self._search = search
-        self._known = KnownLaps()
+        self.known = KnownLaps()
 
     def costs_have_changed(self) -> None:
         """What was found before may not be the best any more."""
-        self._known.are_best = False
+        self.known.are_best = False
 
     def is_solvable(self, problem: Problem, effort: Effort) -> bool | None:
         """Whether there is a lasso; None if a search reaches its limit."""
@@ -95,10 +98,10 @@ class TimedSearch:
                 return
             parts = [TimedComponent(graph, nodes) for nodes in components]
             try:
-                lassos = _Lassos(problem, graph, parts, effort, self._known)
+                lassos = _Lassos(problem, graph, parts, effort, self.known)
                 for solution in lassos.solutions():
                     has_found = True
-                    self._known.keep(solution.lasso)
+                    self.known.keep(solution.lasso)
                     yield solution
             except SearchLimit as reached:
                 limit = limit or reached

@@ -66,6 +66,31 @@ task: {patrol: "patrolling(A, B) | F alarm", leave: "G (alarm -> F G at(Home))"}
 """
 
 
+BOUNDED = """\
+version: 1
+name: bounded
+limits: {speed_mps: 4, up_m: [1, 15], fence: [[-20, -20], [60, -20], [60, 60], [-20, 60]]}
+places:
+  Home: {east_m: 0, north_m: 0, up_m: 6}
+  A: {east_m: 40, north_m: 0, up_m: 6}
+  B: {east_m: 40, north_m: 40, up_m: 6}
+sets: {Place: [Home, A, B]}
+events: {alarm: {when: COMMAND.MAV_CMD_USER_1}}
+skills:
+  move:
+    parameters: {from: Place, to: Place}
+    precondition: at(from)
+    assumes: trans_ok(from, to)
+    effect: at(to) & !at(from)
+    execute: fly(to)
+initially: [at(Home)]
+task:
+  often: revisit(A) <= 45 s
+  answer: G (alarm -> F[<=BOUND] at(Home))
+  other: "G F at(B)"
+"""
+
+
 def table_of(asked: Mission) -> ContingencyTable:
     found = Contingencies(asked)
     return found.table(map(found.answer, found.questions))
@@ -134,11 +159,27 @@ def test_a_lost_site_of_the_patrol_leads_home(surveillance: ContingencyTable) ->
     assert verdicts(surveillance, "no way to r1") == "===="
 
 
-def test_the_answers_do_not_depend_on_what_was_asked_before() -> None:
-    asked = Contingencies(shipped("surveillance"))
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        DOCKED.replace("RESERVE", "20"),
+        BOUNDED.replace("BOUND", "30 s"),
+    ],
+    ids=["surveillance", "on a battery", "with bounds"],
+)
+def test_the_answers_do_not_depend_on_what_was_asked_before(text: str) -> None:
+    asked = Contingencies(load_mission(text) if text else shipped("surveillance"))
     there = [asked.answer(question) for question in asked.questions]
     back = [asked.answer(question) for question in reversed(asked.questions)]
     assert there == back[::-1]
+
+
+@pytest.mark.parametrize(("bound", "expected"), [("30 s", "PPP"), ("15 s", "PPS"), ("10 s", "PSS")])
+def test_bounds_in_time_count_from_where_the_vehicle_is(bound: str, expected: str) -> None:
+    """Home is 12 s from A, and 17 s from B; at first the vehicle is there."""
+    table = table_of(load_mission(BOUNDED.replace("BOUND", bound)))
+    assert verdicts(table, "alarm comes") == expected
 
 
 def test_lines_are_dropped_as_in_flight() -> None:
