@@ -40,8 +40,8 @@ def fly(mission: Path, folder: Path) -> Path:
 
 
 @pytest.fixture(scope="module")
-def good(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return fly(MISSIONS / "surveillance.yaml", tmp_path_factory.mktemp("good"))
+def good(surveillance_run: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return shutil.copytree(surveillance_run, tmp_path_factory.mktemp("good") / "run")
 
 
 @pytest.fixture(scope="module")

@@ -24,7 +24,7 @@ from sitl.world.scenario import read_scenario
 QUAD = VehicleProfile()
 
 MISSIONS = Path(__file__).parents[2] / "missions"
-CRATES, CHANGES = 10, 80
+CRATES = 10
 OFF_PLACES_M = 1.6
 EVERY_S = 2.5
 NEAREST_M = 2.0
@@ -70,12 +70,13 @@ def world(folder: Path, hall: list[Crate], changes: list[int]) -> Path:
 
 
 @pytest.mark.parametrize(
-    "seed", [1, *(pytest.param(seed, marks=pytest.mark.long) for seed in range(2, 11))]
+    ("seed", "count"),
+    [(1, 24), *(pytest.param(seed, 80, marks=pytest.mark.long) for seed in range(1, 11))],
 )
-def test_nothing_is_touched(tmp_path: Path, seed: int) -> None:
+def test_nothing_is_touched(tmp_path: Path, seed: int, count: int) -> None:
     rng, mission = Random(seed), load_mission(MISSIONS / "surveillance.yaml")
     hall = crates(rng, [place.position[:2] for place in mission.places.values()])
-    changes = [rng.randrange(CRATES) for _ in range(CHANGES)]
+    changes = [rng.randrange(CRATES) for _ in range(count)]
     scenario = read_scenario(world(tmp_path, hall, changes))
     flight = Lockstep(mission, scenario, seed=seed, has_station=True)
     flight.until(lambda: flight.simulation.mode == "OFFBOARD", limit_s=20.0)
@@ -92,4 +93,4 @@ def test_nothing_is_touched(tmp_path: Path, seed: int) -> None:
             flight.station_commands(dialect.MAV_CMD_USER_3)
     assert flight.simulation.collisions == 0
     assert least_m >= QUAD.radius_m
-    assert len(flight.of(LapCompleted)) >= 3
+    assert len(flight.of(LapCompleted)) >= count // 24

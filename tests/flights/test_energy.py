@@ -10,6 +10,7 @@ import pytest
 from lockstep import Lockstep
 from two_docks import PADS, RESERVE, between_docks, two_docks
 
+from companion.acting.behaviour_tree import landing
 from companion.acting.flight import TICK_S
 from companion.api.simulating import world_of
 from companion.flight_events.charge import ChargeMeasured, ChargePlanned
@@ -75,8 +76,8 @@ def lowest(flight: Lockstep, seconds: float) -> float:
 
 def test_it_goes_on_for_ever_and_keeps_the_reserve() -> None:
     flight = fly()
-    assert lowest(flight, 240.0) >= RESERVE
-    assert charges(flight) >= 4
+    assert lowest(flight, 130.0) >= RESERVE
+    assert charges(flight) >= 2
     assert not flight.of(PlanReplaced) and not flight.of(NoPlanFound), text(flight)
     assert {*flight.places} == {"A", "B", "E"}
     tells_its_charge(flight)
@@ -86,7 +87,7 @@ def tells_its_charge(flight: Lockstep) -> None:
     """The gauge and the plans, lap after lap, are in the record: what is there lasts."""
     told = [stamped.event for stamped in flight.for_programs]
     measured = [event.percent for event in told if isinstance(event, ChargeMeasured)]
-    assert len(measured) > 20 and all(a != b for a, b in pairwise(measured))
+    assert len(measured) > 10 and all(a != b for a, b in pairwise(measured))
     assert abs((measured[-1] or 0) - percent(flight)) <= 2
     plans = [event for event in told if isinstance(event, ChargePlanned)]
     assert len(plans) == 1 + len(flight.of(LapCompleted))
@@ -100,7 +101,7 @@ def tells_its_charge(flight: Lockstep) -> None:
 
 def test_a_full_battery_lands_on_no_dock() -> None:
     flight = fly(charge=0.9)
-    flight.run(90.0)
+    flight.run(60.0)
     assert charges(flight) >= 2 and flight.armings == 1
     assert not flight.of(VehicleLanded)
 
@@ -108,7 +109,7 @@ def test_a_full_battery_lands_on_no_dock() -> None:
 def test_with_little_it_charges_first() -> None:
     """What it can do is known before it takes off."""
     flight = fly(charge=0.242)
-    assert lowest(flight, 100.0) >= RESERVE
+    assert lowest(flight, 45.0) >= RESERVE
     assert flight.places[0] in ("W", "E") and flight.of(VehicleLanded), text(flight)
     assert not flight.of(NoPlanFound), text(flight)
 
@@ -118,7 +119,7 @@ def test_with_little_it_charges_first() -> None:
 )
 def test_charge_that_is_lost_in_flight_makes_it_charge_first(at_s: float) -> None:
     flight = fly({"at_s": at_s, "battery": {"charge": 0.235}}, charge=0.5)
-    assert lowest(flight, 110.0) >= RESERVE - 0.2
+    assert lowest(flight, 85.0) >= RESERVE - 0.2
     assert not flight.of(NoPlanFound), text(flight)
     assert flight.of(VehicleLanded) and charges(flight) >= 2
     assert {"A", "B"} <= {*flight.places}
@@ -133,6 +134,13 @@ def test_with_too_little_for_any_plan_it_lands_where_it_can(at_s: float) -> None
     assert percent(flight) > RESERVE - 3
 
 
+@pytest.fixture
+def soon_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A dock that does not charge is left after half a minute, and not after two."""
+    monkeypatch.setattr(landing, "NO_CHARGE_S", 30.0)
+
+
+@pytest.mark.usefixtures("soon_given_up")
 def test_where_no_dock_charges_it_stays_on_the_first_one_with_the_reserve() -> None:
     """It has arrived with what that one asks for: no other place is in reach."""
     flight = fly(pads=[])
@@ -143,6 +151,7 @@ def test_where_no_dock_charges_it_stays_on_the_first_one_with_the_reserve() -> N
     assert flight.places[-1] == "E" and flight.armings == 1, text(flight)
 
 
+@pytest.mark.usefixtures("soon_given_up")
 def test_a_gauge_that_is_not_read_any_more_ends_the_task_with_the_reserve() -> None:
     flight = fly({"at_s": 18, "battery": {"known": False}})
     flight.until(lambda: flight.companion.has_ended, 400.0)
@@ -159,8 +168,8 @@ def test_one_that_is_cut_off_in_a_lap_goes_on(away_s: float) -> None:
     flight.run(away_s)
     flight.restart()
     flight.until_reported(ControlTakenBack)
-    assert lowest(flight, 90.0) >= RESERVE
-    assert charges(flight) >= 3 and not flight.of(NoPlanFound), text(flight)
+    assert lowest(flight, 60.0) >= RESERVE
+    assert charges(flight) >= 2 and not flight.of(NoPlanFound), text(flight)
 
 
 def test_after_a_pilots_flight_it_reckons_with_what_is_left() -> None:
@@ -223,7 +232,7 @@ def test_flights_take_what_plans_reckon_with(east_mps: float) -> None:
 
 
 def test_equal_seeds_equal_events() -> None:
-    flights = [fly({"at_s": 18, "battery": {"charge": 0.235}}).run_for(60.0) for _ in range(2)]
+    flights = [fly({"at_s": 18, "battery": {"charge": 0.235}}).run_for(30.0) for _ in range(2)]
     first, second = ([(s.time_s, s.event) for s in flight.reports] for flight in flights)
     assert first == second
 

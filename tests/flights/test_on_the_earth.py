@@ -180,7 +180,11 @@ def test_it_flies_to_where_the_places_are_on_the_earth(field: Field) -> None:
     assert flight.of(FrameDoubted) == flight.of(OriginMoved) == flight.of(SetpointRefused) == []
 
 
-@pytest.mark.parametrize("written", [mission_of, in_metres], ids=["degrees", "metres"])
+@pytest.mark.parametrize(
+    "written",
+    [mission_of, pytest.param(in_metres, marks=pytest.mark.long)],
+    ids=["degrees", "metres"],
+)
 def test_an_origin_that_moves_in_flight_changes_nothing_on_the_earth(
     written: Callable[[Field], dict[str, Any]],
 ) -> None:
