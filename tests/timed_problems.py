@@ -9,13 +9,15 @@ from random import Random
 
 from problems import asking, move
 
+from companion.ltl.automaton import successors
 from companion.ltl.parser import parse
 from companion.ltl.time_bounds import Response, Revisit, TimeBound, Within
 from companion.ltl.translate import translate
 from companion.mission.facts import Fact
-from companion.planning.bound_clocks import begun
+from companion.planning.bound_clocks import after, begun
 from companion.planning.domain import WAIT
 from companion.planning.lasso import Conjunct, Letter, Problem
+from companion.planning.unread_rises import UnreadRises
 
 TASKS = (
     "patrolling({every})",
@@ -107,3 +109,42 @@ def _tour_s(legs: dict[tuple[str, str], float], places: str) -> float:
         for rest in itertools.permutations(sites[1:])
     )
     return min(tours)
+
+
+def later(asked: Problem, seed: int) -> tuple[Problem, list[Letter]] | None:
+    """The same after some random flights, maybe with an alarm that has come and gone meanwhile.
+
+    Returns:
+        The problem, and the letters that were read; None where a bound or a line was broken.
+    """
+    chance = Random(seed)
+    facts, states, clocks = asked.facts, asked.automaton_states, asked.clocks_ms
+    letters = [facts]
+    for _ in range(chance.randint(1, 4)):
+        flights = [a for a in asked.actions if a.is_applicable(facts) and a is not WAIT]
+        if not flights:
+            break
+        flight = chance.choice(flights)
+        facts = flight.apply(facts)
+        letters.append(facts)
+        states = tuple(
+            successors(conjunct.automaton, before, facts)
+            for conjunct, before in zip(asked.conjuncts, states, strict=True)
+        )
+        shown: list[int | None] = []
+        for conjunct, elapsed_ms in zip(asked.conjuncts, clocks, strict=True):
+            bound, now = conjunct.bound, elapsed_ms
+            if bound is not None:
+                now = None if now is None else now + flight.cost_ms
+                if now is not None and now > bound.planned_ms:
+                    return None
+                now = after(bound, now, facts)
+            shown.append(now)
+        clocks = tuple(shown)
+        if not all(states):
+            return None
+    found = replace(asked, facts=facts, automaton_states=states, clocks_ms=clocks)
+    alarm = Fact.parse("alarm")
+    if alarm not in facts and chance.random() < 0.4:
+        found = UnreadRises().with_unread(found, frozenset({alarm}))
+    return found, letters

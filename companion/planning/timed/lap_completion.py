@@ -15,24 +15,26 @@ from companion.planning.effort import DIJKSTRA_STEP_US
 from companion.planning.timed.component import TimedComponent
 from companion.slices import spent
 
-MOST_EDGES = 600_000
-"""Between pairs of a state and the marks that were met, up to which the least cost is exact."""
+_SORTING_US = 0.2
 
 Missing = Callable[[int, int], int]
 """By state and marks (bits) that were met, the least cost of what is missing."""
 
 
-def completion(component: TimedComponent, anchor: int, barred: frozenset[int]) -> Missing:
+def completion(
+    component: TimedComponent, anchor: int, barred: frozenset[int], most_edges: int
+) -> Missing:
     """The least cost of the rest of a lap.
 
     Args:
         component: of the lap.
         anchor: the state where it ends.
         barred: states that it avoids.
+        most_edges: between pairs of a state and the marks that were met, up to which it is exact.
     """
     numbers, edges = _edges(component, barred)
     sets = component.all + 1
-    if len(edges) * sets > MOST_EDGES:
+    if len(edges) * sets > most_edges:
         return _by_farthest_mark(component, numbers, edges, anchor)
     starts, ends, costs, marks = np.array(edges, np.int64).reshape(-1, 4).T
     every = np.arange(sets)
@@ -40,7 +42,7 @@ def completion(component: TimedComponent, anchor: int, barred: frozenset[int]) -
     leads_to = (ends[:, np.newaxis] * sets + (every | marks[:, np.newaxis])).ravel()
     size = len(numbers) * sets
     backward = _cheapest(leads_to, begins, np.repeat(costs, sets), size)
-    spent(DIJKSTRA_STEP_US * dijkstra_steps(size, 2 * len(begins)))
+    spent(_SORTING_US * len(begins) + DIJKSTRA_STEP_US * dijkstra_steps(size, len(begins)))
     found = whole(dijkstra(backward, indices=[numbers[anchor] * sets + component.all]))[0].tolist()
     return lambda state, met: int(found[numbers[state] * sets + met])
 

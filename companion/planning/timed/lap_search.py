@@ -87,8 +87,10 @@ class LapSearch:
     ) -> None:
         self._graph, self._component, self._anchor = graph, component, anchor
         self._budget, self._barred, self._is_in_order = budget, barred, is_in_order
-        missing = completion_in_order if is_in_order else completion
-        self._missing_ms = missing(component, anchor, barred)
+        if is_in_order:
+            self._missing_ms = completion_in_order(component, anchor, barred)
+        else:
+            self._missing_ms = completion(component, anchor, barred, budget.most // 2)
         self.bound_ms = self._missing_ms(anchor, 0)
         at_anchor = [graph.is_goal(clock, anchor) for clock in range(len(graph.bounds))]
         self._begun = sum(1 << clock for clock, is_goal in enumerate(at_anchor) if is_goal)

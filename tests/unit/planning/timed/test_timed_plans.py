@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 from problems import histories
 from reference_time import TimeReference
-from timed_problems import timed_problem
+from timed_problems import later, timed_problem
 
 from companion.planning.builtin.search import Search
 from companion.planning.check import fault
-from companion.planning.effort import BEFORE_FLIGHT
+from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT
 from companion.planning.lasso import Problem, Solution
 from companion.planning.time_check import time_fault
 from companion.planning.timed.search import TimedSearch
@@ -34,6 +34,29 @@ def test_a_plan_is_found_if_there_is_one_and_no_lap_is_shorter(seed: int) -> Non
     assert (solution.cost_ms if solution else None) == best_ms
     if solution is not None:
         assert solution.bound_ms <= solution.cost_ms == solution.lasso.lap_cost_ms
+
+
+@pytest.mark.parametrize(
+    "seed",
+    [*range(30), *(pytest.param(seed, marks=pytest.mark.long) for seed in range(30, 400))],
+)
+def test_plans_made_anew_are_as_good(seed: int) -> None:
+    """With the laps that are known, and without them; where none is left, what is kept in hand."""
+    begun = timed_problem(seed)
+    search = TimedSearch(Search(begun.actions))
+    list(search.solutions(begun, BEFORE_FLIGHT))
+    reached = later(begun, seed)
+    if reached is None:
+        return
+    asked, letters = reached
+    best_ms = TimeReference(asked).best_ms()
+    for effort, used in ((IN_FLIGHT, search), (BEFORE_FLIGHT, TimedSearch(Search(begun.actions)))):
+        found = list(used.solutions(asked, effort))
+        for solution in found:
+            assert fault(asked, solution.lasso, [letters] * len(asked.conjuncts)) is None
+            assert time_fault(asked, solution.lasso) is None
+        if best_ms is not None:
+            assert found[-1].cost_ms == best_ms
 
 
 def test_bounded_laps_may_visit_a_place_several_times() -> None:
