@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
-from companion.errors import CompanionError, KeyPath, MissionError
+from companion.errors import CompanionError
 from companion.mission.model import Mission
 from companion.planning import optional_lines
 from companion.planning.builtin.search import Search
@@ -55,7 +55,7 @@ class Solver:
         self.mission = mission
         self._search = Search(actions)
         self._loops = KnownLoops()
-        self._timed = TimedSearch(self._search)
+        self._timed = TimedSearch(self._search, self._loops)
         self._readiness = Readiness(mission)
 
     @property
@@ -66,6 +66,7 @@ class Solver:
     def recall(self, memory: SolverMemory) -> None:
         """Nothing else was found so far."""
         self._loops, self._timed.known = memory.loops.copied(), memory.laps.copied()
+        self._timed.loops = self._loops
 
     def solutions(
         self,
@@ -138,18 +139,17 @@ class Solver:
             yield solution
 
     def _found(self, problem: Problem, objective: Objective, effort: Effort) -> Iterator[Solution]:
-        _refuse_bounds_on_a_battery(problem)
         if problem.energy is None and not problem.clocks_ms:
             return self._search.solutions(problem, objective, effort)
         if objective is not Objective.LAP:
-            why, kept = ("with a battery", "its reserve")
+            why, kept = "with a battery", "its reserve"
             if problem.energy is None:
-                why, kept = ("with bounds in time", "them")
+                why, kept = "with bounds in time", "them"
             raise CompanionError(
                 f"the objective {objective.value} is not for missions {why}: plans that "
                 f"keep {kept} are those of the shortest lap; leave the objective out"
             )
-        if problem.energy is None:
+        if problem.clocks_ms:
             return self._timed.solutions(problem, effort)
         return search.energy_solutions(self._search, problem, effort, self._loops)
 
@@ -195,8 +195,7 @@ class Solver:
 
     def is_solvable(self, problem: Problem, effort: Effort = BEFORE_FLIGHT) -> bool | None:
         """Whether there is a plan; None if the search for one reaches its limit."""
-        _refuse_bounds_on_a_battery(problem)
-        if problem.energy is None and problem.clocks_ms:
+        if problem.clocks_ms:
             return self._timed.is_solvable(problem, effort)
         if problem.energy is None:
             return self._search.is_solvable(problem, effort)
@@ -212,14 +211,3 @@ class Solver:
         is_bounded = any(conjunct.bound for conjunct in problem.conjuncts)
         late = late_bounds(self._timed, problem, BEFORE_FLIGHT) if is_bounded else ()
         return *late, *self._readiness.too_far
-
-
-def _refuse_bounds_on_a_battery(problem: Problem) -> None:
-    """Nothing is flown whose charge and bounds no plan keeps together. Raises MissionError."""
-    bounded = next((c for c in problem.conjuncts if c.bound is not None), None)
-    if bounded is not None and problem.energy is not None:
-        raise MissionError(
-            f"plans keep no bound in time on a battery: {bounded.name}: {bounded.text}",
-            KeyPath(("task", bounded.name)),
-            "leave the bound out, or battery:",
-        )

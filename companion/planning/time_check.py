@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from companion.planning.bound_clocks import after
 from companion.planning.domain import Action, duration_ms
-from companion.planning.energy_check import place_of
+from companion.planning.energy_check import level_after, place_of
 from companion.planning.lasso import Conjunct, Lasso, Letter, Problem
 from companion.slices import spent
 
@@ -114,10 +114,14 @@ def _arrivals(problem: Problem, lasso: Lasso) -> Iterator[_Arrival]:
     facts, unread = problem.facts, problem.unread
     begun: tuple[str, ...] = (place_of(facts),)
     passed = dict.fromkeys(bounded, begun)
-    before: Mapping[int, int | None] | None = None
+    level = problem.energy.level if problem.energy is not None else 0
+    before: tuple[Mapping[int, int | None], int] | None = None
     actions = lasso.prefix
     while True:
         for action in actions:
+            took_ms = _duration_ms(action, level)
+            if problem.energy is not None:
+                level = level_after(problem.energy, level, action)
             facts = action.apply(facts)
             letter: Letter = facts | unread
             place = place_of(facts)
@@ -126,7 +130,7 @@ def _arrivals(problem: Problem, lasso: Lasso) -> Iterator[_Arrival]:
             for number, bound in bounded.items():
                 elapsed_ms = clocks[number]
                 if elapsed_ms is not None:
-                    elapsed_ms += duration_ms(action)
+                    elapsed_ms += took_ms
                     if passed[number][-1] != place:
                         passed[number] = (*passed[number], place)
                     yield _Arrival(number, elapsed_ms, passed[number], action)
@@ -135,7 +139,15 @@ def _arrivals(problem: Problem, lasso: Lasso) -> Iterator[_Arrival]:
                     passed[number] = (place,)
                 clocks[number] = shown
         is_late = any(bound.is_late(clocks[number]) for number, bound in bounded.items())
-        if clocks == before or (is_late and before is not None):
+        now = clocks, 0 if lasso.ends_at_rest else level
+        if now == before or (is_late and before is not None):
             return
-        before = dict(clocks)
+        before = dict(clocks), now[1]
         actions = lasso.loop
+
+
+def _duration_ms(action: Action, level: int) -> int:
+    """What an action takes; a charge that begins with some level."""
+    if action.charger is None or action.charge_to is None:
+        return duration_ms(action)
+    return action.charger.service_ms(level, action.charge_to)

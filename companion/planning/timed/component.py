@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from companion.ltl.time_bounds import Revisit
 from companion.planning.builtin.loops import essential_targets
-from companion.planning.timed.timed_product import TimedProduct, TimedStep
+from companion.planning.timed.timed_product import TimedProduct
+from companion.planning.timed.timed_step import TimedStep
 from companion.slices import spent
 
 _STEP_US = 1.0
@@ -39,7 +40,7 @@ class TimedComponent:
             targets_of = essential_targets(graph.product, nodes)
         self.targets_of = targets_of
         self.all = (1 << len(self.targets_of)) - 1
-        self.all_clocks = (1 << len(graph.bounds)) - 1
+        self.all_clocks = (1 << len(graph.least)) - 1
         marks_at: dict[int, int] = {}
         for mark, targets in enumerate(self.targets_of):
             for target in targets:
@@ -68,7 +69,9 @@ class TimedComponent:
     def free(self) -> int:
         """The marks (bits) that are met by what clocks ask for anyway."""
         graph = self._graph
-        goals = [graph.goals(clock) for clock, least in enumerate(graph.least) if least == 0]
+        goals = [
+            graph.goals(clock) for clock, b in enumerate(graph.bounds) if isinstance(b, Revisit)
+        ]
         asked_for = [frozenset(np.intersect1d(nodes, self.nodes).tolist()) for nodes in goals]
         is_free = [any(nodes <= targets for nodes in asked_for) for targets in self.targets_of]
         return sum(1 << mark for mark, free in enumerate(is_free) if free)

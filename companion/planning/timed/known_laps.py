@@ -9,13 +9,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from companion.planning.lasso import Lasso, Problem
+from companion.planning.domain import Action
+from companion.planning.lasso import Problem
+from companion.planning.timed.charge_levels import charging
 from companion.planning.timed.component import TimedComponent
 from companion.planning.timed.laps import TimedLap, lap_of
-from companion.planning.timed.timed_product import TimedProduct, TimedStep
+from companion.planning.timed.timed_product import TimedProduct
+from companion.planning.timed.timed_step import TimedStep
 
 MOST_KNOWN = 8
 
+_Charge = tuple[int, int] | None
+_KnownLap = tuple[tuple[str, _Charge], ...]
+"""Names of actions, and how they charge."""
 _ByAction = dict[int, dict[int, list[tuple[TimedStep, int]]]]
 
 
@@ -27,49 +33,52 @@ class KnownLaps:
     """
 
     def __init__(self) -> None:
-        self._names: list[tuple[str, ...]] = []
+        self._known: list[_KnownLap] = []
         self.are_best = True
 
     def copied(self) -> KnownLaps:
         """Others, the same."""
         others = KnownLaps()
-        others._names, others.are_best = [*self._names], self.are_best
+        others._known, others.are_best = [*self._known], self.are_best
         return others
 
-    def keep(self, lasso: Lasso) -> None:
-        """The loop of a lasso is known."""
-        if not lasso.ends_at_rest:
-            names = tuple(action.name for action in lasso.loop)
-            others = [other for other in self._names if other != names]
-            self._names = [names, *others][:MOST_KNOWN]
+    def keep(self, problem: Problem, lap: TimedLap) -> None:
+        """A lap in a product of a problem is known."""
+        steps = tuple((problem.actions[s.action].name, s.charge) for s in lap.steps)
+        others = [other for other in self._known if other != steps]
+        self._known = [steps, *others][:MOST_KNOWN]
 
     def within(
         self, problem: Problem, graph: TimedProduct, parts: Sequence[TimedComponent]
     ) -> list[TimedLap]:
         """Those that are laps in some components, the shortest one first."""
-        if not self._names:
+        if not self._known:
             return []
         numbers = {action.name: number for number, action in enumerate(problem.actions)}
         found: list[TimedLap] = []
         for part in parts:
             by_action = part.by_action()
-            for names in self._names:
-                if all(name in numbers for name in names):
-                    found += _found_again(
-                        graph, by_action, [numbers[name] for name in names], part.all
-                    )
+            for known in self._known:
+                if all(name in numbers for name, _ in known):
+                    steps = [(numbers[name], charge) for name, charge in known]
+                    found += _found_again(graph, by_action, problem.actions, steps, part.all)
         return sorted(found, key=lambda lap: lap.cost_ms)
 
 
 def _found_again(
-    graph: TimedProduct, inside: _ByAction, numbers: Sequence[int], every_mark: int
+    graph: TimedProduct,
+    inside: _ByAction,
+    actions: Sequence[Action],
+    known: Sequence[tuple[int, _Charge]],
+    every_mark: int,
 ) -> Iterator[TimedLap]:
     """A loop of actions as a lap in a component; nothing if it is none there.
 
     Args:
         graph: the product.
         inside: by state of the component and action, the steps within it and the marks they meet.
-        numbers: of the actions.
+        actions: of the problem.
+        known: the numbers of the actions, and how far they charge.
         every_mark: that a lap has to meet.
     """
     for start in inside:
@@ -78,11 +87,13 @@ def _found_again(
             tried.add(state)
             steps, met = [], 0
             here = state
-            for number in numbers:
+            for number, charge in known:
                 following = inside.get(here, {}).get(number)
                 if not following:
                     break
                 step, marks = following[0]
+                if (charger := actions[number].charger) is not None and charge is not None:
+                    step = charging(step, charger, *charge)
                 steps.append(step)
                 met |= marks
                 here = step.end

@@ -7,6 +7,7 @@ from companion.slices import spent
 
 LABEL_US = 6.0
 _COMPARISON_US = 0.05
+ADVICE = "none was found, which is no proof; allow more time somewhere"
 COMPARISONS = 100
 """So many are counted as a label."""
 
@@ -32,7 +33,7 @@ class LabelBudget:
         self.left -= labels + comparisons // COMPARISONS
         if self.left < 0:
             limit = f"{self.most:,} labels of plans with bounds in time"
-            raise SearchLimit(limit, "none was found, which is no proof; allow more time somewhere")
+            raise SearchLimit(limit, ADVICE)
 
     def share(self, part: int) -> LabelBudget:
         """A budget of its own: one part of what is left."""

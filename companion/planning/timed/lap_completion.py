@@ -10,7 +10,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from companion.planning.builtin.costs import UNREACHABLE_MS, Costs
 from companion.planning.builtin.product import dijkstra_steps
-from companion.planning.builtin.shortest_paths import whole
+from companion.planning.builtin.shortest_paths import cheapest_edges, whole
 from companion.planning.effort import DIJKSTRA_STEP_US
 from companion.planning.timed.component import TimedComponent
 from companion.slices import spent
@@ -41,19 +41,10 @@ def completion(
     begins = (starts[:, np.newaxis] * sets + every).ravel()
     leads_to = (ends[:, np.newaxis] * sets + (every | marks[:, np.newaxis])).ravel()
     size = len(numbers) * sets
-    backward = _cheapest(leads_to, begins, np.repeat(costs, sets), size)
+    backward = cheapest_edges(leads_to, begins, np.repeat(costs, sets), size)
     spent(_SORTING_US * len(begins) + DIJKSTRA_STEP_US * dijkstra_steps(size, len(begins)))
     found = whole(dijkstra(backward, indices=[numbers[anchor] * sets + component.all]))[0].tolist()
     return lambda state, met: int(found[numbers[state] * sets + met])
-
-
-def _cheapest(begins: np.ndarray, ends: np.ndarray, costs: np.ndarray, size: int) -> csr_array:
-    """A graph with the cheapest edge of each pair: scipy's searches hang on a pair twice."""
-    order = np.lexsort((costs, ends, begins))
-    pairs = np.stack((begins, ends))[:, order]
-    is_new = np.append(True, (np.diff(pairs) != 0).any(axis=0))[: len(order)]
-    kept = costs[order].astype(float)[is_new]
-    return csr_array((kept, tuple(pairs[:, is_new])), shape=(size, size))
 
 
 def completion_in_order(component: TimedComponent, anchor: int, barred: frozenset[int]) -> Missing:
@@ -87,7 +78,7 @@ def _edges(component: TimedComponent, barred: frozenset[int]) -> tuple[dict[int,
 
 
 def _both_ways(starts: Costs, ends: Costs, costs: Costs, size: int) -> tuple[csr_array, csr_array]:
-    return _cheapest(starts, ends, costs, size), _cheapest(ends, starts, costs, size)
+    return cheapest_edges(starts, ends, costs, size), cheapest_edges(ends, starts, costs, size)
 
 
 def _last(starts: Costs, ends: Costs, costs: Costs, meets: Costs, after: Costs) -> Costs:

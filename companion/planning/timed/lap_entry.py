@@ -19,7 +19,8 @@ from companion.ltl.bitsets import indices
 from companion.planning.timed.label_budget import LabelBudget
 from companion.planning.timed.laps import LapEntries, TimedLap
 from companion.planning.timed.pareto_set import ParetoSet
-from companion.planning.timed.timed_product import Clocks, TimedProduct, TimedStep
+from companion.planning.timed.timed_product import Clocks, TimedProduct
+from companion.planning.timed.timed_step import TimedStep
 from companion.slices import spent
 
 MOST_WAYS = 200

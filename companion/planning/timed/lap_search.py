@@ -24,7 +24,8 @@ from companion.planning.timed.component import TimedComponent
 from companion.planning.timed.label_budget import LabelBudget
 from companion.planning.timed.lap_completion import completion, completion_in_order
 from companion.planning.timed.pareto_set import ParetoSet
-from companion.planning.timed.timed_product import STANDS, Clocks, TimedProduct, TimedStep
+from companion.planning.timed.timed_product import STANDS, Clocks, TimedProduct
+from companion.planning.timed.timed_step import TimedStep
 
 _OPEN = 1
 """The goal of a clock was not met yet."""
@@ -35,7 +36,8 @@ class _LapLabel(NamedTuple):
 
     Attributes:
         met: the marks, as bits.
-        first_met: by clock, when its goal was first met; what has passed, if it was not.
+        first_met: by clock, when its goal was first met; what has passed, if it was not. On a
+            battery the last one is the level that is needed up to the first charge.
         is_met: the clocks whose goal was met, as bits.
     """
 
@@ -156,7 +158,10 @@ class LapSearch:
                 for clock, first_ms in enumerate(first_met):
                     is_open = not is_met >> clock & 1
                     passed.append(elapsed_ms if is_open else first_ms)
-                    if is_open and graph.is_goal(clock, step.end):
+                    if is_open and graph.charges is not None and clock == len(graph.bounds):
+                        needed = graph.charges.needed(label.clocks[-1], step)
+                        passed[-1] = max(first_ms, needed)
+                    if is_open and graph.is_met(clock, step):
                         is_met |= 1 << clock
                 first_met = tuple(passed)
             yield _LapLabel(

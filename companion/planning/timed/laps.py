@@ -12,9 +12,11 @@ meets no goal of a clock, that clock has to stand still.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from operator import gt
 
-from companion.planning.timed.timed_product import STANDS, Clocks, TimedProduct, TimedStep
+from companion.planning.timed.timed_product import STANDS, Clocks, TimedProduct
+from companion.planning.timed.timed_step import TimedStep
 from companion.slices import spent
 
 _STEP_US = 5.0
@@ -28,11 +30,13 @@ class TimedLap:
         steps: from its beginning on, which is where the last one ends.
         cost_ms: of all of them.
         latest: by place in `steps`, what each clock may show at most before the step.
+        is_rest: whether it is a step of rest, for which the vehicle lands.
     """
 
     steps: tuple[TimedStep, ...]
     cost_ms: int
     latest: tuple[Clocks, ...]
+    is_rest: bool = False
 
     def state(self, place: int) -> int:
         """Where a step begins."""
@@ -50,9 +54,24 @@ def lap_of(graph: TimedProduct, steps: Sequence[TimedStep]) -> TimedLap | None:
     if first is None:
         return None
     again = _flown(graph, first, steps)
-    if again is None or any(b > a for a, b in zip(first, again, strict=True)):
+    if again is None or any(map(gt, again, first)):
         return None
-    return TimedLap(tuple(steps), sum(step.cost_ms for step in steps), _latest(graph, steps))
+    return TimedLap(tuple(steps), sum(step.cost_ms for step in steps), latest_clocks(graph, steps))
+
+
+def rest_of(graph: TimedProduct, step: TimedStep) -> TimedLap | None:
+    """A step of rest as a lap; None if it breaks a bound."""
+    if graph.charges is None:
+        lap = lap_of(graph, [step])
+        return None if lap is None else replace(lap, is_rest=True)
+    landed = step._replace(drain=0)
+    clocks = graph.after(graph.least, landed)
+    again = None if clocks is None else graph.after(clocks, landed)
+    if clocks is None or again is None or any(map(gt, again, clocks)):
+        return None
+    (latest,) = latest_clocks(graph, [landed])
+    most = graph.charges.most_missing_at_rest(step.end)
+    return TimedLap((step,), step.cost_ms, ((*latest[:-1], most),), is_rest=True)
 
 
 def _flown(graph: TimedProduct, clocks: Clocks, steps: Sequence[TimedStep]) -> Clocks | None:
@@ -64,15 +83,19 @@ def _flown(graph: TimedProduct, clocks: Clocks, steps: Sequence[TimedStep]) -> C
     return clocks
 
 
-def _latest(graph: TimedProduct, steps: Sequence[TimedStep]) -> tuple[Clocks, ...]:
+def latest_clocks(graph: TimedProduct, steps: Sequence[TimedStep]) -> tuple[Clocks, ...]:
+    """By step of a lap, what each clock may show at most before it."""
     found: list[Clocks] = []
     latest = [STANDS] * len(graph.bounds)
+    charges, missing = graph.charges, graph.limits_ms[-1]
     for step in (*steps, *steps)[::-1]:  # what is met early on the next lap
-        for clock, limit_ms in enumerate(graph.limits_ms):
+        for clock, limit_ms in enumerate(graph.limits_ms[: len(latest)]):
             if graph.is_goal(clock, step.end):
                 latest[clock] = limit_ms
             latest[clock] = max(STANDS, latest[clock] - step.duration_ms)
-        found.append(tuple(latest))
+        if charges is not None:
+            missing = charges.most_before(missing, step)
+        found.append((*latest, missing) if charges is not None else tuple(latest))
     return tuple(found[::-1][: len(steps)])
 
 

@@ -12,9 +12,8 @@ Source: Irnich and Desaulniers, Shortest path problems with resource constraints
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from enum import IntEnum
-from typing import NamedTuple
+from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,13 +23,15 @@ from scipy.sparse.csgraph import dijkstra
 from companion.ltl.formula import Formula, atoms
 from companion.ltl.semantics import holds
 from companion.ltl.time_bounds import Response, Revisit, TimeBound
-from companion.mission.facts import Fact
 from companion.planning.builtin.costs import UNREACHABLE_MS, Costs
 from companion.planning.builtin.product import Product
-from companion.planning.builtin.shortest_paths import whole
-from companion.planning.domain import Action, duration_ms
+from companion.planning.builtin.shortest_paths import cheapest_edges, whole
+from companion.planning.domain import duration_ms
 from companion.planning.effort import DIJKSTRA_STEP_US
 from companion.planning.lasso import Problem
+from companion.planning.timed.bound_readings import BoundReading, Letters, reading_of
+from companion.planning.timed.charge_levels import ChargeLevels
+from companion.planning.timed.timed_step import TimedStep
 from companion.slices import spent
 
 STANDS = -1
@@ -42,32 +43,6 @@ Clocks = tuple[int, ...]
 _NODE_US, _EDGE_US, _READING_US, _ACTION_US = 1.0, 0.1, 10.0, 1.0
 
 
-class _Reading(IntEnum):
-    """What a position does with a clock."""
-
-    NOTHING = 0
-    GOAL = 1
-    TRIGGER = 2
-
-
-class TimedStep(NamedTuple):
-    """An edge of a product between two of its states.
-
-    Attributes:
-        action: its number.
-        cost_ms: in the objective.
-        duration_ms: what it takes; rest costs less than that.
-        end: the state, as the number of its first node.
-        node: the node where it ends.
-    """
-
-    action: int
-    cost_ms: int
-    duration_ms: int
-    end: int
-    node: int
-
-
 class TimedProduct:
     """A product and its clocks.
 
@@ -75,7 +50,7 @@ class TimedProduct:
         product: with all one-shot goals in it.
         bounds: of the clocks that may ever run.
         limits_ms: that plans keep, by clock.
-        start: what the clocks show now.
+        start: what the clocks show now. On a battery the last one is what is missing to a full one.
         least: the least that each of them ever shows.
 
     Args:
@@ -88,12 +63,12 @@ class TimedProduct:
         spent(_NODE_US * product.nodes + _EDGE_US * len(product.ends))
         self.product = product
         self._problem = problem
-        self._letters = _Letters(product)
+        self._letters = Letters(product)
         actions = [duration_ms(action) for action in problem.actions]
         self._durations = np.array(actions, np.int64)[product.actions]
-        shape = (product.nodes, product.nodes)
-        each = (self._durations.astype(float), product.ends, product.first)
-        self._forward = csr_array(each, shape=shape)
+        self._sources = np.repeat(np.arange(product.nodes), np.diff(product.first))
+        ends = product.ends.astype(np.int64)
+        self._forward = cheapest_edges(self._sources, ends, self._durations, product.nodes)
         self._steps: dict[int, list[TimedStep]] = {}
         self._first_kinds: dict[int, list[int]] = {}
         clocks = problem.clocks_ms or (None,) * len(problem.conjuncts)
@@ -114,8 +89,13 @@ class TimedProduct:
         self.start = tuple(start)
         self.limits_ms = tuple(bound.planned_ms for bound in self.bounds)
         self.least = tuple(0 if isinstance(b, Revisit) else STANDS for b in self.bounds)
-        self._goals = [np.flatnonzero(own == _Reading.GOAL) for own in kinds]
+        self._goals = [np.flatnonzero(own == BoundReading.GOAL) for own in kinds]
         latest = [self._latest(i) for i in range(len(self.bounds))]
+        self.charges = None if problem.energy is None else ChargeLevels(problem.energy, product)
+        if self.charges is not None:
+            self.start = (*self.start, self.charges.missing)
+            self.limits_ms = (*self.limits_ms, self.charges.full)
+            self.least = (*self.least, 0)
         if not self.bounds:
             return
         self._kinds = list(zip(*(own.tolist() for own in kinds), strict=True))
@@ -135,33 +115,45 @@ class TimedProduct:
         kinds = self._first(state) if is_first and self._problem.unread else self._kinds[state]
         shown = []
         for elapsed, limit, kind, zero, latest in zip(
-            clocks, self.limits_ms, kinds, self.least, self._latest_ms[state], strict=True
+            clocks, self.limits_ms, kinds, self.least, self._latest_ms[state], strict=False
         ):
             now = elapsed
             if now >= 0:
                 now += took_ms
                 if now > limit:
                     return None
-                if kind == _Reading.GOAL:
+                if kind == BoundReading.GOAL:
                     now = zero
-            elif kind == _Reading.TRIGGER:
+            elif kind == BoundReading.TRIGGER:
                 now = 0
             if now > latest:
                 return None
             shown.append(now)
+        if self.charges is not None:
+            missing = self.charges.after(clocks[-1], step)
+            if missing is None:
+                return None
+            shown.append(missing)
         return tuple(shown)
 
     def can_begin(self, state: int) -> bool:
         """Whether no clock is late, or bound to be, where a plan begins."""
         latest = self._latest_ms[state]
-        return all(
+        is_kept = self.charges is None or self.start[-1] <= self.charges.most_missing(state)
+        return is_kept and all(
             now <= min(limit, last)
-            for now, limit, last in zip(self.start, self.limits_ms, latest, strict=True)
+            for now, limit, last in zip(self.start, self.limits_ms, latest, strict=False)
         )
 
     def is_goal(self, clock: int, state: int) -> bool:
         """Whether the goal of a clock holds at a state."""
-        return bool(self._kinds[state][clock] == _Reading.GOAL)
+        return bool(self._kinds[state][clock] == BoundReading.GOAL)
+
+    def is_met(self, clock: int, step: TimedStep) -> bool:
+        """Whether a step leads to the goal of a clock; of a battery: whether it charges."""
+        if clock == len(self.bounds):
+            return step.charge is not None
+        return self.is_goal(clock, step.end)
 
     def goals(self, clock: int) -> NDArray[np.intp]:
         """The nodes where the goal of a clock holds."""
@@ -176,7 +168,7 @@ class TimedProduct:
             product = self.product
             span = slice(product.first[state], product.first[state + 1])
             ends = product.ends[span].tolist()
-            found = self._steps[state] = [
+            plain = [
                 TimedStep(action, cost_ms, took_ms, product.state_of[end], end)
                 for action, cost_ms, took_ms, end in zip(
                     product.actions[span].tolist(),
@@ -186,6 +178,11 @@ class TimedProduct:
                     strict=True,
                 )
             ]
+            found = self._steps[state] = plain
+            if self.charges is not None:
+                actions = self._problem.actions
+                each = (self.charges.steps(step, actions[step.action]) for step in plain)
+                found = self._steps[state] = [step for steps in each for step in steps]
             spent(_EDGE_US * len(found) * 10)
         return found
 
@@ -195,7 +192,7 @@ class TimedProduct:
 
     def durations_to(self, nodes: Sequence[int] | NDArray[np.intp]) -> Costs:
         """(nodes,) the least time from each to one of some nodes."""
-        return self._least_times(self._backward(), nodes)
+        return self._least_times(self._backward, nodes)
 
     def _least_times(self, matrix: csr_array, nodes: Sequence[int] | NDArray[np.intp]) -> Costs:
         spent(DIJKSTRA_STEP_US * self.product.dijkstra_steps)
@@ -203,18 +200,16 @@ class TimedProduct:
             return np.full(self.product.nodes, UNREACHABLE_MS)
         return whole(dijkstra(matrix, indices=nodes, min_only=True))
 
+    @cached_property
     def _backward(self) -> csr_array:
-        if not hasattr(self, "_transposed"):
-            self._transposed = self._forward.T.tocsr()
-        return self._transposed
+        return self._forward.T.tocsr()
 
     def _latest(self, clock: int) -> NDArray[np.int64]:
         """(nodes,) what the clock may show at most once a node was read."""
         product = self.product
         to_goal = self.durations_to(self._goals[clock])
-        sources = np.repeat(np.arange(product.nodes), np.diff(product.first))
         least = np.full(product.nodes, UNREACHABLE_MS)
-        np.minimum.at(least, sources, self._durations + to_goal[product.ends])
+        np.minimum.at(least, self._sources, self._durations + to_goal[product.ends])
         latest: NDArray[np.int64] = np.maximum(STANDS, self.limits_ms[clock] - least)
         return latest
 
@@ -222,10 +217,10 @@ class TimedProduct:
 
     def _read(self, bound: TimeBound) -> NDArray[np.int8]:
         """(nodes,) what each does with the clock of a bound."""
-        kinds = np.full(self.product.nodes, _Reading.NOTHING, np.int8)
+        kinds = np.full(self.product.nodes, BoundReading.NOTHING, np.int8)
         if isinstance(bound, Response):
-            kinds[self._letters.where(bound.trigger)] = _Reading.TRIGGER
-        kinds[self._letters.where(bound.goal)] = _Reading.GOAL
+            kinds[self._letters.where(bound.trigger)] = BoundReading.TRIGGER
+        kinds[self._letters.where(bound.goal)] = BoundReading.GOAL
         return kinds
 
     def _can_begin(self, bound: TimeBound, kinds: NDArray[np.int8]) -> bool:
@@ -233,7 +228,7 @@ class TimedProduct:
         if not isinstance(bound, Response):
             return False
         unread = self._problem.unread & frozenset(atoms(bound.trigger))
-        return bool(unread) or bool((kinds == _Reading.TRIGGER).any())
+        return bool(unread) or bool((kinds == BoundReading.TRIGGER).any())
 
     def _first(self, state: int) -> list[int]:
         """What a state does with each clock as the first position of a plan."""
@@ -244,69 +239,5 @@ class TimedProduct:
             def is_true(formula: Formula) -> bool:
                 return holds(formula, [], [letter])
 
-            found = self._first_kinds[state] = [_kind(bound, is_true) for bound in self.bounds]
+            found = self._first_kinds[state] = [reading_of(bound, is_true) for bound in self.bounds]
         return found
-
-
-def _kind(bound: TimeBound, is_true: Callable[[Formula], bool]) -> _Reading:
-    if is_true(bound.goal):
-        return _Reading.GOAL
-    is_begun = isinstance(bound, Response) and is_true(bound.trigger)
-    return _Reading.TRIGGER if is_begun else _Reading.NOTHING
-
-
-def may_any_run(problem: Problem) -> bool:
-    """Whether a clock of some problem may ever run; it does not where no action begins any."""
-    waiting: list[Response] = []
-    for conjunct, elapsed_ms in zip(problem.conjuncts, problem.clocks_ms, strict=True):
-        if elapsed_ms is not None or isinstance(conjunct.bound, Revisit):
-            return True
-        if isinstance(conjunct.bound, Response):
-            waiting.append(conjunct.bound)
-    if not waiting:
-        return False
-    spent(_ACTION_US * len(problem.actions))
-    changing = frozenset[Fact]().union(*(_changed(action) for action in problem.actions))
-    letters = [problem.facts, problem.facts | problem.unread]
-    return any(
-        not changing.isdisjoint(atoms(bound.trigger))
-        or any(holds(bound.trigger, [], [letter]) for letter in letters)
-        for bound in waiting
-    )
-
-
-def _changed(action: Action) -> frozenset[Fact]:
-    changes = [action.adds, action.deletes]
-    changes += [each for effect in action.conditional for each in (effect.adds, effect.deletes)]
-    return frozenset[Fact]().union(*changes)
-
-
-class _Letters:
-    """The letters of a product's nodes, as formulas without temporal operators read them."""
-
-    def __init__(self, product: Product) -> None:
-        self._product = product
-
-    def where(self, formula: Formula) -> NDArray[np.bool_]:
-        """(nodes,) where a formula holds."""
-        product = self._product
-        named = sorted(atoms(formula))
-        constants = {name: product.system.constant_value(name) for name in named}
-        always = frozenset(name for name, value in constants.items() if value)
-        bits = {name: product.bit(name) for name, value in constants.items() if value is None}
-        mask = sum(bits.values())
-        known: dict[int, bool] = {}
-        found = np.zeros(product.nodes, np.bool_)
-        for node in range(product.nodes):
-            held = product.facts(node) & mask
-            if held not in known:
-                spent(_READING_US)
-                letter = always.union(name for name, bit in bits.items() if bit & held)
-                known[held] = holds(formula, [], [letter])
-            found[node] = known[held]
-        spent(_NODE_US * product.nodes)
-        return found
-
-    def of(self, node: int) -> frozenset[str]:
-        """All that holds at a node."""
-        return self._product.letter(node)

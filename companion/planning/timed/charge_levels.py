@@ -1,0 +1,149 @@
+"""The charge as one more label: what is missing to a full battery.
+
+It is as a clock is: smaller is better, flights make it larger, a charge sets it. Each position
+keeps the reserve and the way to a safe place. Of all levels to charge to there are but a few, and
+a step that charges takes as long as from the lowest level that it is for: what is found is right,
+and there may be plans that are not found.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from companion.mission.facts import at
+from companion.planning.builtin.product import Product
+from companion.planning.charger import Charger
+from companion.planning.domain import WAIT, Action
+from companion.planning.lasso import Energy
+from companion.planning.timed.timed_step import TimedStep
+
+LEVELS = 5
+"""So many parts of what a battery has above the floor of a dock."""
+_NEVER = -1
+
+
+class ChargeLevels:
+    """What steps make of the charge.
+
+    Attributes:
+        full: the highest level.
+        missing: to it, now.
+
+    Args:
+        energy: of the problem.
+        product: of it.
+    """
+
+    def __init__(self, energy: Energy, product: Product) -> None:
+        self._energy, self._product = energy, product
+        self.full = len(energy.percents) - 1
+        self.missing = self.full - energy.level
+        self._bits = {place: product.bit(at(place)) for place in energy.floors}
+        self._most: dict[int, int] = {}
+
+    def after(self, missing: int, step: TimedStep) -> int | None:
+        """What is missing after a step; None if it takes too much."""
+        if step.charge is not None:
+            needs, leaves = step.charge
+            if self.full - missing < needs:
+                return None
+            missing = self.full - leaves
+        else:
+            missing += step.drain
+        return missing if missing <= self.most_missing(step.end) else None
+
+    def most_missing(self, state: int) -> int:
+        """What may be missing at a state; less than nothing where no safe place can be reached."""
+        found = self._most.get(state)
+        if found is None:
+            place = self.place(state)
+            floor = self._energy.floors.get(place)
+            found = self._most[state] = _NEVER if floor is None else self.full - floor
+        return found
+
+    def most_missing_at_rest(self, state: int) -> int:
+        """The same where the vehicle rests for ever, which is to land."""
+        needed = self._energy.rests.get(self.place(state))
+        return _NEVER if needed is None else self.full - needed
+
+    def place(self, state: int) -> str:
+        """Where the vehicle is; "" for nowhere."""
+        held = self._product.facts(state)
+        return next((place for place, bit in self._bits.items() if held & bit), "")
+
+    def most_before(self, missing: int, step: TimedStep) -> int:
+        """What may be missing before a step, given what may be after it."""
+        if step.charge is not None:
+            return self.full - step.charge[0]
+        return min(missing, self.most_missing(step.end)) - step.drain
+
+    def needed(self, missing: int, step: TimedStep) -> int:
+        """The level that there has to be at some beginning, as far as a step asks for it.
+
+        Args:
+            missing: what has been taken since the beginning.
+            step: from there.
+        """
+        if step.charge is not None:
+            return missing + step.charge[0]
+        return missing + step.drain + self.full - self.most_missing(step.end)
+
+    def steps(self, step: TimedStep, action: Action) -> Iterator[TimedStep]:
+        """A step as it is on a battery: what it takes, or each way in which it may charge."""
+        charger = action.charger
+        if charger is None:
+            yield step._replace(drain=self._energy.rest if action is WAIT else action.drain)
+            return
+        for needs, leaves in _choices(charger):
+            took_ms = charger.service_ms(needs, leaves)
+            yield step._replace(cost_ms=took_ms, duration_ms=took_ms, charge=(needs, leaves))
+
+    def from_least(self, step: TimedStep, action: Action) -> TimedStep:
+        """A step, which may begin with the least that its dock asks for if it charges."""
+        if step.charge is None or action.charger is None:
+            return step
+        return step._replace(charge=(action.charger.floor, step.charge[1]))
+
+    def trimmed(
+        self, steps: Sequence[TimedStep], latest: Sequence[int], actions: Sequence[Action]
+    ) -> list[TimedStep]:
+        """A lap that charges no further than it has to.
+
+        Args:
+            steps: of the lap.
+            latest: by step, what may be missing at most before it, if each charge may begin with
+                the least that its dock asks for.
+            actions: of the problem.
+        """
+        leaves = {
+            place: self.full - min(latest[(place + 1) % len(steps)], self.most_missing(step.end))
+            for place, step in enumerate(steps)
+            if step.charge is not None
+        }
+        level, found = 0, list(steps)
+        for place, step in [*enumerate(steps), *enumerate(steps)]:  # the first lap for the level
+            if place not in leaves:
+                level -= step.drain
+                continue
+            charger = actions[step.action].charger
+            assert charger is not None
+            needs = max(level, charger.floor)
+            found[place] = charging(step, charger, needs, leaves[place])
+            level = leaves[place]
+        return found
+
+
+def charging(step: TimedStep, charger: Charger, needs: int, leaves: int) -> TimedStep:
+    """A step that charges from one level at least to another one."""
+    took_ms = charger.service_ms(needs, leaves)
+    return step._replace(cost_ms=took_ms, duration_ms=took_ms, charge=(needs, leaves))
+
+
+def _choices(charger: Charger) -> Iterator[tuple[int, int]]:
+    room = charger.highest - charger.floor
+    if room <= 0:
+        return
+    levels = sorted({charger.floor + room * part // LEVELS for part in range(LEVELS + 1)})
+    for number, needs in enumerate(levels):
+        for leaves in levels[number + 1 :]:
+            yield needs, leaves

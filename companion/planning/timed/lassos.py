@@ -1,0 +1,257 @@
+"""The lassos of one problem that keep all bounds, each better than the one before.
+
+Rest, where it is accepted with all clocks still or set by it, is the shortest loop. Else laps are
+looked for through few states of which each lap passes one, the shortest first (`lap_search.py`),
+until one can be entered with the clocks as they are (`lap_entry.py`). What is looked for first:
+
+- a lap that is known: in flight nothing else is looked for if it still does;
+- then the tour without bounds, with visits to what has bounds put in where they are due;
+- then all laps. What is found first bounds what is looked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import reduce
+from itertools import pairwise
+from operator import or_
+
+from companion.errors import SearchLimit
+from companion.planning.builtin.costs import UNREACHABLE_MS
+from companion.planning.builtin.loop_entry import least_lap_ms
+from companion.planning.builtin.loops import Loops, loops_of
+from companion.planning.builtin.shortest_paths import ShortestPaths
+from companion.planning.domain import WAIT, Action
+from companion.planning.effort import Effort
+from companion.planning.energy.charged_actions import charged
+from companion.planning.lasso import Lasso, Problem, Solution
+from companion.planning.objective import Objective
+from companion.planning.timed.component import TimedComponent
+from companion.planning.timed.known_laps import KnownLaps
+from companion.planning.timed.label_budget import LabelBudget
+from companion.planning.timed.lap_entry import LapEntry, WaysIn
+from companion.planning.timed.lap_search import LapSearch
+from companion.planning.timed.laps import TimedLap, lap_of, latest_clocks, rest_of
+from companion.planning.timed.timed_product import TimedProduct
+from companion.planning.timed.timed_step import TimedStep
+
+ENGINE = "built-in, time bounds"
+SHARES = 4
+"""A search in a given order has this part of the budget."""
+FEW_MARKS = 3
+"""Of so few that are not bounded every order is tried anyway."""
+
+
+class TimedLassos:
+    """Looks for the lassos of one problem.
+
+    Args:
+        problem: with bounds.
+        graph: its product.
+        parts: the strong components with a loop that meets every mark.
+        effort: limits of the search.
+        known: laps that were found before, and keeps those that are found now.
+    """
+
+    def __init__(
+        self,
+        problem: Problem,
+        graph: TimedProduct,
+        parts: Sequence[TimedComponent],
+        effort: Effort,
+        known: KnownLaps,
+    ) -> None:
+        self._problem, self._graph, self._effort = problem, graph, effort
+        self._parts = [part for part in parts if not part.is_never_met()]
+        self._known = known
+        self._tours: dict[int, Loops] = {}
+        self._budget = LabelBudget(effort.time_labels)
+        self._ways = WaysIn(graph, bool(problem.unread), LabelBudget(effort.time_labels))
+
+    def solutions(self) -> Iterator[Solution]:
+        """Each better than the one before.
+
+        Raises:
+            SearchLimit: none was found within the budget.
+        """
+        if not self._parts or not self._ways.can_begin:
+            return
+        rests = self._rests()
+        if rests and (rest := self._ways.into(rests)) is not None:
+            yield self._solution(rest, rest.lap.cost_ms)
+            return
+        best = self._known_entry()
+        if best is not None and self._known.are_best:
+            yield self._solution(best, 0)
+        self._parts = [part for part in self._parts if self._can_be_served(part)]
+        for found in self._good_laps():
+            if best is None or found.lap.cost_ms < best.lap.cost_ms:
+                best = found
+                yield self._solution(best, 0)
+        bound_ms, limit = UNREACHABLE_MS, None
+        untimed_ms = min((self._tours_of(p).bound_ms for p in self._parts), default=0)
+        if best is not None and best.lap.cost_ms <= untimed_ms:
+            yield self._solution(best, untimed_ms)
+            return
+        for search in self._lap_searches():
+            below_ms = UNREACHABLE_MS if best is None else best.lap.cost_ms
+            try:
+                best = self._first_entered(search, below_ms) or best
+            except SearchLimit as reached:
+                limit = reached
+            bound_ms = min(bound_ms, search.bound_ms)
+        if best is not None:
+            self._known.are_best = True
+            yield self._solution(best, min(max(bound_ms, untimed_ms), best.lap.cost_ms))
+        elif limit is not None:
+            raise limit
+
+    def _can_be_served(self, part: TimedComponent) -> bool:
+        """Whether for each mark some lap meets it; False is a proof that none meets all."""
+        budget = self._budget.share(SHARES)
+        for mark in range(len(part.targets_of)):
+            is_free = part.free >> mark & 1
+            if not is_free and self._has_lap(part.with_marks([mark]), budget) is False:
+                return False
+        return True
+
+    def _has_lap(self, part: TimedComponent, budget: LabelBudget) -> bool | None:
+        """Whether there is a lap in a component; None if the search reaches its limit."""
+        barred = frozenset[int]()
+        for anchor in part.anchors():
+            try:
+                if next(LapSearch(self._graph, part, anchor, budget, barred).laps(), None):
+                    return True
+            except SearchLimit:
+                return None
+            barred |= {anchor}
+        return False
+
+    def _lap_searches(self) -> Iterator[LapSearch]:
+        """Searches that find every lap, one after the other."""
+        for part in self._parts:
+            barred = frozenset[int]()
+            for anchor in part.anchors():
+                yield LapSearch(self._graph, part, anchor, self._budget, barred)
+                barred |= {anchor}
+
+    def _first_entered(self, search: LapSearch, below_ms: int) -> LapEntry | None:
+        """The shortest lap that can be entered, with the way into it; None if there is none.
+
+        Raises:
+            SearchLimit: the budget does not suffice.
+        """
+        for steps in search.laps(below_ms):
+            found = self._entered(steps)
+            if found is not None:
+                return found
+        return None
+
+    def _entered(self, steps: Sequence[TimedStep]) -> LapEntry | None:
+        """A lap, in the direction in which it is entered better; None if it cannot be."""
+        ways = [self._trimmed(steps), self._backwards(steps)]
+        laps = [lap for lap in ways if lap is not None]
+        return self._ways.into(laps) if laps else None
+
+    def _trimmed(self, steps: Sequence[TimedStep]) -> TimedLap | None:
+        """A lap that charges no further than it has to, if it keeps its bounds then."""
+        graph, actions = self._graph, self._problem.actions
+        if graph.charges is None:
+            return lap_of(graph, steps)
+        least = [graph.charges.from_least(step, actions[step.action]) for step in steps]
+        latest = [clocks[-1] for clocks in latest_clocks(graph, least)]
+        return lap_of(graph, graph.charges.trimmed(steps, latest, actions)) or lap_of(graph, steps)
+
+    def _backwards(self, steps: Sequence[TimedStep]) -> TimedLap | None:
+        """A lap in the other direction, if there is one that costs as much."""
+        if any(step.charge is not None for step in steps):
+            return None
+        states = [step.end for step in steps[::-1]]
+        back: list[TimedStep] = []
+        for here, after in pairwise([*states, states[0]]):
+            step = next((each for each in self._graph.steps(here) if each.end == after), None)
+            if step is None:
+                return None
+            back.append(step)
+        is_as_short = sum(s.cost_ms for s in back) == sum(s.cost_ms for s in steps)
+        return lap_of(self._graph, back) if is_as_short and self._is_accepted(back) else None
+
+    def _is_accepted(self, steps: Sequence[TimedStep]) -> bool:
+        marks = self._graph.product.marks
+        met = reduce(or_, (marks[step.node] for step in steps))
+        return met == self._graph.product.all_marks
+
+    # -- laps that are looked for first ------------------------------------------------------------
+
+    def _rests(self) -> list[TimedLap]:
+        """Where the vehicle may rest for ever."""
+        graph, found = self._graph, []
+        for part in self._parts:
+            for state in part.states:
+                for step, marks in part.steps(state):
+                    is_rest = self._problem.actions[step.action] is WAIT and step.end == state
+                    if is_rest and marks == part.all and (lap := rest_of(graph, step)):
+                        found.append(lap)
+        return found
+
+    def _good_laps(self) -> Iterator[LapEntry]:
+        """Laps that are likely to be good, with ways into them."""
+        for part in self._parts:
+            for search in self._ordered(part):
+                try:
+                    found = self._first_entered(search, UNREACHABLE_MS)
+                except SearchLimit:
+                    continue
+                if found is not None:
+                    yield found
+
+    def _known_entry(self) -> LapEntry | None:
+        """The way into the shortest lap that is known and can be entered; None if none can be."""
+        known = self._known.within(self._problem, self._graph, self._parts)
+        ways = (self._ways.into([lap]) for lap in known)
+        return next((way for way in ways if way is not None), None)
+
+    def _ordered(self, part: TimedComponent) -> Iterator[LapSearch]:
+        """Searches for laps that meet most marks in the order of the shortest tour, both ways."""
+        marks = [mark for mark in range(len(part.targets_of)) if not part.free >> mark & 1]
+        if len(marks) <= FEW_MARKS:
+            return
+        graph, anchor = self._graph, part.anchors()[0]
+        at = next(node for node in part.nodes.tolist() if graph.product.state_of[node] == anchor)
+        order: dict[int, None] = {}
+        for edge in self._tours_of(part).loop_from(at):
+            order.update((mark, None) for mark in marks if edge.end in part.targets_of[mark])
+        for directed in (list(order), list(order)[::-1]):
+            ordered = part.with_marks(directed)
+            budget = self._budget.share(SHARES)
+            yield LapSearch(graph, ordered, anchor, budget, is_in_order=True)
+
+    def _tours_of(self, part: TimedComponent) -> Loops:
+        """The loops of a component without bounds."""
+        found = self._tours.get(id(part))
+        if found is None:
+            paths = ShortestPaths(self._graph.product)
+            found = loops_of(self._graph.product, part.nodes, paths, self._effort)
+            self._tours[id(part)] = found
+        return found
+
+    # -- what is found -----------------------------------------------------------------------------
+
+    def _solution(self, found: LapEntry, bound_ms: int) -> Solution:
+        if not found.lap.is_rest:
+            self._known.keep(self._problem, found.lap)
+        prefix = list(map(self._action, found.prefix))
+        loop = tuple(map(self._action, found.round))
+        if loop == (WAIT,):
+            while prefix and prefix[-1] is WAIT:  # a step of rest less is the same word
+                prefix.pop()
+        bound_ms = least_lap_ms(self._graph.product, bound_ms)
+        lasso = Lasso(tuple(prefix), loop)
+        return Solution(lasso, Objective.LAP, found.lap.cost_ms, bound_ms, ENGINE)
+
+    def _action(self, step: TimedStep) -> Action:
+        action, energy = self._problem.actions[step.action], self._problem.energy
+        if step.charge is None or energy is None:
+            return action
+        needs, leaves = step.charge
+        return charged(action, leaves, needs, energy.percents)

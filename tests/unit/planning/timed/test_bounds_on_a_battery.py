@@ -1,0 +1,85 @@
+"""Plans that keep bounds and a reserve: all are right, and "none" is said where there is none."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from random import Random
+
+import pytest
+from energy_problems import energy_problem
+from problems import histories
+from reference_energy import EnergyReference, flown
+from reference_time import TimeReference
+from timed_problems import with_bounds
+
+from companion.errors import SearchLimit
+from companion.ltl.parser import parse
+from companion.ltl.time_bounds import Response, Revisit, TimeBound, Within
+from companion.planning.builtin.search import Search
+from companion.planning.check import fault
+from companion.planning.effort import BEFORE_FLIGHT
+from companion.planning.energy_check import energy_fault
+from companion.planning.lasso import Problem, Solution
+from companion.planning.time_check import time_fault
+from companion.planning.timed.search import TimedSearch
+
+LAPS = 20
+
+
+def bounded(seed: int, share: float) -> Problem:
+    """A problem on a battery with one bound, of about some share of what its lap takes."""
+    asked, chance = energy_problem(seed), Random(seed)
+    lap_ms = EnergyReference(asked).best_ms() or 60_000
+    added = {fact for action in asked.actions for fact in action.adds if fact.predicate == "at"}
+    goal, trigger = (parse(text) for text in chance.sample(sorted(map(str, added)), 2))
+    limit_ms = round(share * chance.uniform(0.7, 1.3) * lap_ms) + 4000
+    bounds: tuple[TimeBound, ...] = (
+        Revisit(goal, limit_ms),
+        Revisit(goal, limit_ms),
+        Within(goal, limit_ms),
+        Response(goal, limit_ms, trigger),
+    )
+    return with_bounds(asked, {"line": chance.choice(bounds)}, asked.facts)
+
+
+def planned(asked: Problem) -> Solution | None:
+    """The last plan that is found; all are right."""
+    found = list(TimedSearch(Search(asked.actions)).solutions(asked, BEFORE_FLIGHT))
+    for solution in found:
+        assert fault(asked, solution.lasso, histories(asked)) is None
+        assert energy_fault(asked, solution.lasso) is None
+        assert time_fault(asked, solution.lasso) is None
+        assert solution.bound_ms <= solution.cost_ms == solution.lasso.lap_cost_ms
+        flown(asked, solution.lasso, LAPS)
+    return found[-1] if found else None
+
+
+@pytest.mark.parametrize(
+    "seed",
+    [*range(40), *(pytest.param(seed, marks=pytest.mark.long) for seed in range(40, 240))],
+)
+def test_a_plan_keeps_both(seed: int) -> None:
+    asked = bounded(seed, share=1.0)
+    best_ms = EnergyReference(asked).best_ms()
+    try:
+        solution = planned(asked)
+    except SearchLimit as reached:
+        assert best_ms is not None
+        assert "no proof" in str(reached)
+        return
+    if solution is None:
+        without_battery = TimeReference(replace(asked, energy=None)).best_ms()
+        assert best_ms is None or without_battery is None
+        return
+    assert best_ms is not None
+    assert solution.bound_ms <= best_ms <= solution.cost_ms
+
+
+def test_many_plans_are_found() -> None:
+    found = 0
+    for seed in range(40):
+        try:
+            found += planned(bounded(seed, share=1.0)) is not None
+        except SearchLimit:
+            continue
+    assert found >= 12
