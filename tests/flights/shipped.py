@@ -54,6 +54,11 @@ Story = list[FlightEvent | Replanned | str]
 class ShippedFlight(Lockstep):
     """A mission of missions/ in the world of a scenario there, flown to its end.
 
+    Args:
+        mission, scenario: their names.
+        limit_s: what the flight takes at most.
+        until: a place at which it is left alone when it has come there; "" for the end.
+
     Attributes:
         mission: the mission.
         truth: where the vehicle truly was at each tick.
@@ -62,13 +67,15 @@ class ShippedFlight(Lockstep):
         velocities: how it truly moved at each tick in OFFBOARD; None at the others.
     """
 
-    def __init__(self, mission: str, scenario: str, seed: int, limit_s: float = 150.0) -> None:
+    def __init__(
+        self, mission: str, scenario: str, seed: int, limit_s: float = 150.0, until: str = ""
+    ) -> None:
         self.mission = load_mission(MISSIONS / f"{mission}.yaml")
         self.truth: list[Ned] = []
         self.clearance_m = math.inf
         self.velocities: list[Ned | None] = []
         super().__init__(self.mission, read_scenario(MISSIONS / f"{scenario}.sim.yaml"), seed=seed)
-        self.until_the_end(limit_s)
+        self.until(lambda: self.companion.has_ended or until in self.places, limit_s)
 
     def tick(self) -> None:
         super().tick()

@@ -12,6 +12,7 @@ from re import sub
 import pytest
 from shipped import Replanned, ShippedFlight, Story, distance_from_home_m
 
+from companion.acting.behaviour_tree import landing
 from companion.flight_events.facts import BeliefWithdrawn, MissionEventChanged
 from companion.flight_events.plans import LineDropped, LineTakenUp
 from companion.flight_events.skills import (
@@ -222,9 +223,31 @@ def flies_as_told(shipped: Shipped, seed: int) -> None:
         assert ways_between_the_rooms(flight) == BETWEEN_THE_ROOMS
 
 
-@pytest.mark.parametrize("shipped", SHIPPED, ids=lambda shipped: shipped.scenario)
+ENDLESS = next(shipped for shipped in SHIPPED if shipped.mission == "endless_patrol")
+
+
+@pytest.mark.parametrize(
+    "shipped",
+    [
+        *(shipped for shipped in SHIPPED if shipped is not ENDLESS),
+        pytest.param(ENDLESS, marks=pytest.mark.long),  # eleven minutes
+    ],
+    ids=lambda shipped: shipped.scenario,
+)
 def test_a_mission_flies_as_told(shipped: Shipped) -> None:
     flies_as_told(shipped, seed=2)
+
+
+def test_endless_patrol_leaves_the_dock_that_fails_for_the_other(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Its story up to there; it waits for one more percent for half a minute, and not for two."""
+    monkeypatch.setattr(landing, "NO_CHARGE_S", 30.0)
+    flight = ShippedFlight(ENDLESS.mission, ENDLESS.scenario, 2, ENDLESS.limit_s, until="West")
+    story = without_percents(flight.story)
+    assert story == ENDLESS.story[: ENDLESS.story.index("West") + 1]
+    assert flight.simulation.collisions == 0
+    assert flight.clearance_m >= QUAD.radius_m + QUAD.margin_m
 
 
 @pytest.mark.long
