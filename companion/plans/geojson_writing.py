@@ -1,6 +1,7 @@
 """A drawing as GeoJSON (RFC 7946): one feature for each place, area and line, with its `kind`.
 
-    home, place    a point, with name, radius_m, and up_m or amsl_m
+    home, place, rally    a point, with name, radius_m, and up_m or amsl_m; a safe place that the
+        plan visits is two of them, a place and a rally point
     fence, keep_out    a polygon, counterclockwise and closed
     route, loop    where the plan leads once, and then again and again
     flown    where the vehicle was
@@ -25,9 +26,12 @@ DIGITS = 9
 def geojson_text(drawing: Drawing) -> str:
     """The text of a GeoJSON file."""
     visited = {visit.place for visit in (*drawing.prefix, *drawing.loop)}
-    kinds = dict.fromkeys((name for name in drawing.safe if name not in visited), "rally")
-    kinds[drawing.start] = "home"
-    features = [_point(place, kinds.get(place.name, "place")) for place in drawing.places.values()]
+    features = [
+        _point(place, "home" if name == drawing.start else "place")
+        for name, place in drawing.places.items()
+        if name in visited or name not in drawing.safe
+    ]
+    features += [_point(drawing.places[name], "rally") for name in drawing.safe]
     features.append(_polygon(drawing.fence, {"name": "fence", "kind": "fence"}))
     for name, zone in drawing.keep_out.items():
         features.append(_polygon(zone, {"name": name, "kind": "keep_out"}))

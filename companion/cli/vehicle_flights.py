@@ -1,0 +1,148 @@
+"""Flights of a vehicle from the command line: one mission once, or those of ground stations.
+
+What both have in common stands in `VehicleFlights`: the link, the run folders, the page, who plans,
+on which terms it is armed, and the run that was cut off, if that is to be gone on with.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from companion.acting.arming_terms import ArmingTerms
+from companion.cli.monitoring import monitored
+from companion.cli.real_time import raise_failure
+from companion.cli.recording import close_run, flown_s, line, open_run, recorded
+from companion.cli.resuming import CutOffRun, cut_off_run
+from companion.cli.terminal import Terminal
+
+if TYPE_CHECKING:
+    from companion.acting.flight_limit import FlightLimit
+    from companion.app import Companion
+    from companion.flight_events.event import Stamped
+    from companion.mission.model import Mission
+    from companion.mission_run import Recorder
+    from companion.planning.engine_port import Engine
+    from companion.record.run_folder import RunFolder
+
+UPLOADS = "uploads"
+"""Among the run folders: what ground stations have sent."""
+
+
+@dataclass(frozen=True)
+class VehicleFlights:
+    """What flights of one vehicle need.
+
+    Attributes:
+        fly: flies a companion over the link until it has ended.
+        log_dir: where run folders are.
+        address: of the monitor page.
+        engine: who plans; None for the built-in search.
+        terms: on which the vehicle is armed.
+        limit: after what it is called home.
+        resumes: goes on with a run that was cut off, and where the autopilot holds.
+    """
+
+    fly: Callable[..., None]
+    log_dir: Path
+    address: str
+    engine: Engine | None
+    terms: ArmingTerms
+    limit: FlightLimit
+    resumes: bool
+
+    def fly_once(self, mission: Mission, timeout_s: float) -> None:
+        """Flies one mission, or goes on with one; raises what it has failed of."""
+        from companion.skills.runner import FunctionRunner
+
+        cut_off = self._cut_off(mission)
+        terminal = Terminal()
+        with (
+            closing(terminal),
+            recorded(mission, self.log_dir, terminal, True, cut_off) as folder,
+            monitored(self.address, terminal.say) as page,
+            closing(FunctionRunner(folder.folder)) as functions,
+        ):
+            page.show(folder.folder)
+            companion = self._companion(mission, folder, cut_off, page=page, functions=functions)
+            self.fly(companion, terminal, 1.0, timeout_s, flown_s(cut_off))
+            raise_failure(companion.failure)
+
+    def host(self, mission: Mission | None) -> None:
+        """Waits for ground stations to start sorties, until it is stopped; first goes on with one.
+
+        Args:
+            mission: what they may start before they have sent another one.
+        """
+        from companion.cli.hosting import SortieHost
+        from companion.ground.checking import CheckChildren
+        from companion.ground.uploads import Uploads
+        from companion.mission.installed_calls import functions_of
+        from companion.skills.installed import read_all
+        from companion.skills.runner import FunctionRunner
+
+        cut_off = self._cut_off(mission)
+        terminal = Terminal()
+
+        def tell(stamped: Stamped) -> None:
+            terminal.say(line(stamped))
+
+        def close_folder(folder: RunFolder) -> None:
+            close_run(folder, terminal)
+
+        with (
+            closing(terminal),
+            closing(FunctionRunner()) as functions,
+            monitored(self.address, terminal.say) as page,
+        ):
+
+            def open_folder(mission: Mission, cut_off: CutOffRun | None = None) -> RunFolder:
+                folder = open_run(mission, self.log_dir, tell, terminal, True, cut_off)
+                page.show(folder.folder)
+                return folder
+
+            installed = read_all()
+            children = CheckChildren(installed)
+            uploads = Uploads(self.log_dir.expanduser() / UPLOADS, children.begin)
+            about = tell, uploads, self.engine, functions, installed
+            host = SortieHost(open_folder, close_folder, *about)
+            recorder = host.resume_run(open_folder(cut_off.mission, cut_off)) if cut_off else None
+            mission = cut_off.mission if cut_off else mission
+            functions.prepare(functions_of(mission) if mission else ())
+            companion = self._companion(mission, recorder, cut_off, host=host, page=page)
+            try:
+                what = f"to fly {mission.name}" if mission else "and a mission"
+                terminal.say(f"hosting    waits for MAV_CMD_MISSION_START {what}; Ctrl-C ends it")
+                self.fly(companion, terminal, 1.0, 0.0, flown_s(cut_off))
+            finally:
+                host.close()
+                uploads.close()
+                children.close()
+
+    def _cut_off(self, mission: Mission | None) -> CutOffRun | None:
+        return cut_off_run(self.log_dir, mission) if self.resumes else None
+
+    def _companion(
+        self,
+        mission: Mission | None,
+        recorder: Recorder | None,
+        cut_off: CutOffRun | None,
+        **others: Any,
+    ) -> Companion:
+        from companion.app import Companion
+        from companion.record.own_upload_file import own_uploads_in
+
+        return Companion(
+            mission,
+            recorder,
+            self.terms,
+            own_uploads=own_uploads_in(self.log_dir),
+            limit=self.limit,
+            resumes=self.resumes,
+            journalled=cut_off.journalled if cut_off else None,
+            engine=self.engine,
+            **others,
+        )
