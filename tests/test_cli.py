@@ -63,7 +63,7 @@ def free_port() -> int:
 
 SIGNING = ("--signing-key", "--unsigned-vehicle")
 OPTIONS = {
-    "check": ["--within", "--json", "--verbose"],
+    "check": ["--within", "--contingencies", "--picture", "--jobs", "--json", "--verbose"],
     "plan": [
         *("--at", "--set", "--unset", "--without", "--objective"),
         *("--engine", "--encoding", "--timeout", "--pddl", "--json", "--verbose"),
