@@ -50,7 +50,8 @@ class TimedWord:
         anew = self._anew(name) if begins_anew else frozenset()
         reader = _Reader(BoundClock(bound), self._positions(), self._events_at_first())
         for number, (time_s, step) in enumerate(self.steps):
-            reader.run(_ms(time_s))
+            if not reader.is_at_the_end:
+                reader.run(_ms(time_s))
             if number in anew:
                 reader.begin_anew()
             if isinstance(step, MissionEventChanged):
@@ -107,6 +108,11 @@ class _Reader:
         self._risen: set[str] = set()
         if self._next is not None:
             self._clock = clock.begun(_ms(self._next.reached_s))
+
+    @property
+    def is_at_the_end(self) -> bool:
+        """Whether what was reached now is not known any more."""
+        return self._here is None and self._next is None
 
     def run(self, now_ms: int) -> None:
         """Time goes on; a position may be reached meanwhile."""

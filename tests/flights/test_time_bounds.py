@@ -166,3 +166,37 @@ def test_a_restart_costs_time() -> None:
     flight.until_the_end()
     assert flight.exit_code == 3  # before that there was no plan any more
     assert flight.time_of(NoPlanFound) < time_s
+
+
+LAP = {"patrol": "patrolling(A, B)", "answer": "G (alarm -> F[<=17s] at(Home))"}
+ALARM = {"alarm": {"when": "COMMAND.MAV_CMD_USER_1"}}
+
+
+def patrol(**keys: Any) -> Recorded:
+    """A and B 20 m from home, 17 m from each other."""
+    data = deepcopy(DATA) | {"task": LAP, "events": ALARM} | keys
+    data["places"]["B"] = {"east_m": 11, "north_m": 13, "up_m": 3}
+    data["sets"] = {"Place": ["Home", "A", "B"]}
+    return begun(data)
+
+
+SECONDS = [k / 2 for k in range(1, 61)]
+"""Of two laps."""
+TRIED = (2.0, 9.5)
+
+
+@pytest.mark.parametrize(
+    "after_s",
+    [*TRIED, *(pytest.param(s, marks=pytest.mark.long) for s in SECONDS if s not in TRIED)],
+)
+def test_an_alarm_at_any_time_is_answered_in_time_where_the_line_is_ready(after_s: float) -> None:
+    flight = patrol(ready=["answer"]).until_reported(PhaseEntered, phase=Phase.TASK)
+    flight.run_for(after_s)
+    command(flight, USER)
+    flight.until_reported(MissionEventChanged)
+    asked_s = flight.now_s
+    flight.until_reported(PlaceReached, place="Home")
+    assert flight.now_s - asked_s <= 17.0
+    flight.run(12.0)
+    assert not told(flight) and not flight.of(NoPlanFound)
+    assert outcome(flight, "answer")[0] is ConjunctOutcome.OPEN

