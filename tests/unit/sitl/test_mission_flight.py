@@ -308,8 +308,14 @@ def test_an_item_without_autocontinue_is_not_left() -> None:
     assert position(wire) == pytest.approx((5.0, 0.0, 4.0), abs=0.1)
 
 
-@pytest.mark.parametrize("value", [NAN, math.inf, 3e38, -3e38])
-@pytest.mark.parametrize("command", sorted({*map(int, MissionCommand), 2000}))
+@pytest.mark.parametrize(
+    ("command", "value"),
+    [
+        pytest.param(command, value, marks=[pytest.mark.long] if (i + j) % 2 else [])
+        for i, command in enumerate(sorted({*map(int, MissionCommand), 2000}))
+        for j, value in enumerate([NAN, math.inf, 3e38, -3e38])
+    ],
+)
 def test_no_parameter_makes_an_item_fail(command: int, value: float) -> None:
     parameters = (value,) * 3
     item = (
