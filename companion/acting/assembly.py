@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from companion.acting.energy_watch import Gauge
+from companion.acting.energy_gauge import Gauge
 from companion.acting.event_detector import EventDetector
 from companion.acting.executive import Executive
 from companion.acting.flight import Flight
@@ -54,15 +54,7 @@ def flight_of(prepared: PreparedMission, vehicle: Vehicle) -> Flight:
         return vehicle.state.position if vehicle.state else None
 
     prepared.planner.flight_time = flight_times(mission, routes, here, lambda: speed_limit.target)
-    if (energy := prepared.planner.energy) is not None:
-        gauge = Gauge(vehicle, energy.model)
-
-        def level() -> int:
-            is_landed = vehicle.state is not None and vehicle.state.is_landed
-            return max(0, gauge.level() - (energy.to_take_off() if is_landed else 0))
-
-        energy.here, energy.level, energy.most = here, level, gauge.most
-    return Flight(
+    flight = Flight(
         vehicle=vehicle,
         task=TaskState(prepared.planner),
         routes=routes,
@@ -72,6 +64,10 @@ def flight_of(prepared: PreparedMission, vehicle: Vehicle) -> Flight:
         symbols=Symbols(mission.places, routes),
         functions=prepared.functions,
     )
+    if (energy := prepared.planner.energy) is not None:
+        energy.here = here
+        Gauge(flight, energy)
+    return flight
 
 
 def envelope_of(mission: Mission) -> Envelope:

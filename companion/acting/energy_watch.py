@@ -9,49 +9,18 @@ from __future__ import annotations
 
 import math
 
+from companion.acting.energy_meter import EnergyMeter
 from companion.acting.flight import Flight
 from companion.mission.facts import HERE
 from companion.planning.charger import UNITS_PER_WH
 from companion.planning.domain import Action
 from companion.planning.energy.mission_energy import MissionEnergy
-from companion.planning.energy.model import EnergyModel
 from companion.planning.energy_check import required_levels
 from companion.planning.lasso import Lasso
-from companion.vehicle.port import Vehicle
 
-HALF_STEP = 0.005
-"""Of a gauge of whole percents."""
 LOOKS_S = 1.0
-
-
-class Gauge:
-    """The battery as its gauge tells it.
-
-    Args:
-        vehicle: whose battery it is.
-        model: in what is reckoned.
-    """
-
-    def __init__(self, vehicle: Vehicle, model: EnergyModel) -> None:
-        self._vehicle, self._model = vehicle, model
-        self._known, self._known_s = 1.0, math.inf
-
-    def level(self) -> int:
-        """The least that there may be, in units."""
-        return self._level(-HALF_STEP)
-
-    def most(self) -> int:
-        """The most that there may be."""
-        return self._level(HALF_STEP)
-
-    def _level(self, step: float) -> int:
-        state = self._vehicle.state
-        if state is None:
-            return self._model.level(self._known)
-        if state.battery_percent is not None:
-            self._known, self._known_s = state.battery_percent / 100, state.stamp_s
-        taken = self._model.hovering(max(0.0, state.stamp_s - self._known_s))
-        return max(0, self._model.level(min(1.0, max(0.0, self._known + step))) - taken)
+MORE, LESS = 0.03, 0.1
+"""Plans are made anew where flights take more by such a share, or less by such a one."""
 
 
 class EnergyWatch:
@@ -60,10 +29,14 @@ class EnergyWatch:
     Args:
         flight: whose plan it is.
         energy: of the mission.
+
+    Attributes:
+        meter: what flights take.
     """
 
     def __init__(self, flight: Flight, energy: MissionEnergy) -> None:
         self._flight, self._energy = flight, energy
+        self.meter = EnergyMeter(flight, energy)
         self._lasso: Lasso | None = None
         self._required: tuple[int, ...] = ()
         self._looked_s = -LOOKS_S
@@ -98,7 +71,33 @@ class EnergyWatch:
         missing = needed - self._energy.most()
         if missing <= 0:
             return None
-        return f"{missing / UNITS_PER_WH:.1f} Wh are missing for {_name(lasso, ahead)}"
+        return f"{missing / UNITS_PER_WH:.1f} Wh are missing for {_action(lasso, ahead).name}"
+
+    @property
+    def is_figure_wrong(self) -> bool:
+        """Whether plans should reckon with other figures from now on.
+
+        With less energy only where that is worth another lap, and after a charge, which was for
+        more: in the middle of a lap another one would meet again what was just met.
+        """
+        ratio = self._energy.known.to_plan_with / self._energy.model.factor
+        return ratio > 1 + MORE or (ratio < 1 - LESS and self._has_charged)
+
+    @property
+    def _has_charged(self) -> bool:
+        """Whether the action completed last has charged."""
+        number, lasso = self._flight.progress.completed, self._lasso
+        if lasso is None or not number:
+            return False
+        return _action(lasso, _place(lasso, number - 1)).charger is not None
+
+    def take_factor(self) -> str:
+        """Plans reckon from now on with what flights really take; why, in words."""
+        known = self._energy.known
+        self._energy.model.factor = known.to_plan_with
+        percent = round(100 * (known.mean - 1))
+        more = f"{abs(percent)} % {'less' if percent < 0 else 'more'} energy than"
+        return f"flights take {more if percent else 'the energy that'} the mission says"
 
     def _under_way(self) -> int:
         """What a flight from rest takes more than one that goes on."""
@@ -112,6 +111,6 @@ def _place(lasso: Lasso, number: int) -> int:
     return number if number < prefix else prefix + (number - prefix) % len(lasso.loop)
 
 
-def _name(lasso: Lasso, place: int) -> str:
+def _action(lasso: Lasso, place: int) -> Action:
     actions: tuple[Action, ...] = (*lasso.prefix, *lasso.loop)
-    return actions[place].name
+    return actions[place]

@@ -68,6 +68,8 @@ class Flight:
         functions: calls functions of installed packages.
         is_task_flown: what is flown is the plan of the task; `FlownTask` writes it.
         heard: when each signal was heard last, and its value.
+        believed_percent: of the charge, where the gauge tells more than can be; `energy_gauge.py`
+            writes it.
         kept_fence: of somebody else, to which it keeps; `kept_fence.py` writes it.
     """
 
@@ -87,6 +89,7 @@ class Flight:
     functions: FunctionPort = field(default_factory=NoFunctions)
     is_task_flown: bool = False
     heard: dict[Signal, tuple[float, float]] = field(default_factory=dict)
+    believed_percent: int = 100
     kept_fence: KeptFence | None = None
     _intentions: int = field(default=0, init=False)
     _setpoint: Setpoint | None = field(default=None, init=False)

@@ -1,4 +1,4 @@
-"""What is asked of the autopilot before it is armed: failsafes, then fence, then rally points."""
+"""What is asked of the autopilot before it is armed: charge, failsafes, fence, rally points."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from companion.acting.executive import Executive
 from companion.acting.failsafe_check import FailsafeCheck
 from companion.acting.fence_check import FenceJudge
 from companion.acting.flight import Flight
+from companion.acting.gauge_check import GaugeCheck
 from companion.acting.kept_fence import KeptFenceCheck
 from companion.acting.rally_check import RallyJudge
 from companion.acting.upload_check import UploadCheck
@@ -35,6 +36,8 @@ class GroundChecks:
         rally = RallyJudge(flight, terms.rally_points, mission)
         uploads = UploadCheck(fence, terms.fence), UploadCheck(rally, terms.rally_points)
         self._checks = [failsafes.tick, uploads[0].tick, kept.tick, uploads[1].tick]
+        if energy is not None:
+            self._checks.insert(0, GaugeCheck(flight).tick)
 
     def tick(self) -> Outcome:
         """DONE when the vehicle may be armed; or why it may not."""

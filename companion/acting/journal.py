@@ -110,6 +110,16 @@ class PlaceFound:
 
 
 @dataclass(frozen=True, slots=True)
+class EnergyLearnt:
+    """What is known of the energy of flights (`planning/energy/ratio_estimate.py`)."""
+
+    flying: float
+    flying_deviation: float
+    gauge: float
+    gauge_deviation: float
+
+
+@dataclass(frozen=True, slots=True)
 class OperatorSettings:
     """What an operator has set of the companion's parameters."""
 
@@ -121,6 +131,7 @@ JournalEntry = (
     FlightBegun
     | PhaseBegun
     | EndingBegun
+    | EnergyLearnt
     | VehicleSeen
     | CommandIntended
     | CommandSettled
@@ -171,6 +182,7 @@ class JournalledFlight:
         replans: how often it has planned again.
         found: places that were found in flight, the newest position of each last.
         fence: of somebody else, in the autopilot, that it keeps to; None without one.
+        energy: what was learnt of it; None before that.
         time_s: of the last entry.
         away_s: since then, by the wall clock.
     """
@@ -188,6 +200,7 @@ class JournalledFlight:
     replans: int = 0
     found: tuple[PlaceFound, ...] = ()
     fence: KeptFence | None = None
+    energy: EnergyLearnt | None = None
     time_s: float = 0.0
     away_s: float = 0.0
 
@@ -255,6 +268,8 @@ def _after(flight: JournalledFlight, time_s: float, entry: JournalEntry) -> Jour
             return replace(flight, shots=(*flight.shots, entry)[-KEPT_SHOTS:])
         case KeptFence():
             return replace(flight, fence=entry)
+        case EnergyLearnt():
+            return replace(flight, energy=entry)
         case PlanNumbered(number):
             return replace(flight, replans=number)
         case OperatorSettings():

@@ -104,6 +104,8 @@ class ReplanTriggers:
     def look(self, plan: PlanUnderWay) -> None:
         """Looks at events and map. What events have become is taken over if the plan stays best."""
         assumptions, self.has_used_slice = self._assumptions, False
+        if self._energy is not None:
+            self._energy.meter.step()
         assumptions.narrow(plan.lasso)
         if self._flight.progress.is_landed_by_plan:
             return
@@ -173,6 +175,15 @@ class ReplanTriggers:
         assert self._energy is not None
         return self._energy.shortage()
 
+    def _is_figure_wrong(self, plan: PlanUnderWay) -> bool:
+        energy, is_landed = self._energy, self._flight.progress.is_landed_by_plan
+        may_replan = not plan.is_leaving and not is_landed
+        return energy is not None and may_replan and energy.is_figure_wrong
+
+    def _figure_is_wrong(self, _: PlanUnderWay) -> str | None:
+        assert self._energy is not None
+        return self._energy.take_factor()
+
     # -- the task has a plan again -------------------------------------------------------------
 
     def _may_be_possible(self, plan: PlanUnderWay) -> bool:
@@ -241,6 +252,7 @@ _T = ReplanTriggers
 BEFORE_THE_TREE = (
     ReplanTrigger("the map cuts off a belief of the plan", _T._map_differs, _T._cut_off_by_map),
     ReplanTrigger("the charge does not last", _T._looks_at_charge, _T._charge_is_short),
+    ReplanTrigger("flights take another energy", _T._is_figure_wrong, _T._figure_is_wrong),
     ReplanTrigger("the task has a plan again", _T._may_be_possible, _T._possible_again),
     ReplanTrigger("a line that was dropped can be kept", _T._may_take_up, _T._taken_up),
 )

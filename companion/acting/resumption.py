@@ -20,6 +20,7 @@ from companion.flight_events.facts import BeliefWithdrawn
 from companion.flight_events.skills import OutcomeUnknown
 from companion.flight_events.sortie import FlightFoundAgain, Phase
 from companion.geometry import distance
+from companion.planning.energy.ratio_estimate import RatioEstimate
 from companion.planning.planner import Planner
 from companion.planning.task_replay import TaskReplay
 from companion.vehicle.port import Mode, VehicleState
@@ -133,6 +134,9 @@ def restore(
         replay.make(change)
     if journalled.fence is not None:
         keep_to(flight, journalled.fence)
+    if (learnt := journalled.energy) is not None and planner.energy is not None:
+        flying = RatioEstimate(learnt.flying, learnt.flying_deviation)
+        planner.energy.recall(flying, RatioEstimate(learnt.gauge, learnt.gauge_deviation))
     tell_positions(flight)  # some may be wanting in the record, which leaves out what it has
     events = planner.mission.events
     detector.resume(name for name, event in events.items() if event.fact in task.facts)

@@ -7,6 +7,7 @@ them whose text it has; so those whose text may be anything come last.
 from __future__ import annotations
 
 from companion.flight_events.charge import ChargeMeasured, ChargePlanned
+from companion.flight_events.energy import EnergyUsed, GaugeJumped
 from companion.flight_events.event import FlightEvent
 from companion.flight_events.facts import (
     BeliefRestored,
@@ -184,6 +185,8 @@ EVENTS: tuple[type[FlightEvent], ...] = (
     ChargeSufficient,
     ChargeMeasured,
     ChargePlanned,
+    EnergyUsed,
+    GaugeJumped,
     AutopilotSaid,
     GoalFailed,
     SetpointRefused,

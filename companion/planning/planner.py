@@ -124,6 +124,11 @@ class Planner(Solver):
         self.without_a_move = beliefs - model.beliefs
         self.model = replace(model, beliefs=beliefs)
 
+    @property
+    def energy_factor(self) -> float:
+        """With how much more energy plans reckon than the mission says; 1 without a battery."""
+        return 1.0 if self.energy is None else self.energy.model.factor
+
     def beliefs(self, is_en_route: bool) -> frozenset[Fact]:
         """All that is believed unless it was disproved; between places also about `here`."""
         known = self.model.beliefs

@@ -7,6 +7,7 @@ MAVLink; tests fulfil it with a kinematic fake.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
@@ -67,6 +68,8 @@ class VehicleState:
         yaw_s: the same of the heading.
         is_battery_critical: the charge is critical, or worse, by the autopilot's own word.
         is_drifting: the autopilot is losing its position (`position_watch.py`).
+        battery_s: when the charge was told last; for a charge that is None of no account.
+        power_w: what the battery gives, by voltage and current; None while one is not known.
     """
 
     stamp_s: float
@@ -88,6 +91,8 @@ class VehicleState:
     yaw_s: float = 0.0
     is_battery_critical: bool = False
     is_drifting: bool = False
+    battery_s: float = math.inf
+    power_w: float | None = None
 
     def is_mode_known(self, now_s: float) -> bool:
         """Whether the mode is that of a recent heartbeat."""

@@ -29,6 +29,7 @@ BATTERY_KNOWN_S = 5.0
 """How long a charge stays known while an autopilot says that it does not know it."""
 MOST_TILT_RAD = math.radians(60.0)  # beyond, no weight is carried
 GRAVITY_MPS2 = 9.81
+VOLTAGE_UNKNOWN = 65535
 CRITICAL_CHARGE = (
     dialect.MAV_BATTERY_CHARGE_STATE_CRITICAL,
     dialect.MAV_BATTERY_CHARGE_STATE_EMERGENCY,
@@ -66,6 +67,7 @@ class Telemetry:
         self._position_s = self._yaw_s = -math.inf
         self._battery_percent: int | None = None
         self._battery_s = 0.0
+        self._power_w: float | None = None
         self._is_battery_critical = False
         self._measured_s = self._tilt_rad = self.accuracy_m = 0.0
         self._position_watch = PositionWatch()
@@ -125,6 +127,8 @@ class Telemetry:
             yaw_s=self._yaw_s,
             is_battery_critical=self._is_battery_critical,
             is_drifting=self._position_watch.is_drifting,
+            battery_s=self._battery_s,
+            power_w=self._power_w,
         )
 
     def stand_at(self, place: Ned) -> None:
@@ -253,6 +257,7 @@ class Telemetry:
         elif now_s - self._battery_s > BATTERY_KNOWN_S:
             self._battery_percent = None
         self._is_battery_critical = message.charge_state in CRITICAL_CHARGE
+        self._power_w = _power_w(message)
 
     def _on_estimator(self, now_s: float, message: Message) -> None:
         if math.isfinite(message.pos_horiz_accuracy):
@@ -286,6 +291,19 @@ def heartbeat_of(message: Message) -> Heartbeat:
         bool(message.base_mode & dialect.MAV_MODE_FLAG_SAFETY_ARMED),
         message.system_status >= dialect.MAV_STATE_CRITICAL,
     )
+
+
+def _power_w(message: Message) -> float | None:
+    """Voltage times current of a BATTERY_STATUS; None without one of them.
+
+    A charger's current counts as none, as PX4 sends -1 for a current that it does not know.
+    """
+    cells_mv = [each for each in message.voltages if each != VOLTAGE_UNKNOWN]
+    if not cells_mv or message.current_battery < 0:
+        return None
+    volts: float = sum(cells_mv) / 1000
+    amperes: float = message.current_battery / 100
+    return volts * amperes
 
 
 def _thrust(roll: float, pitch: float, yaw: float) -> NorthEast:

@@ -173,7 +173,10 @@ class EnoughCharge(Leaf):
         """SUCCESS in the air with so much."""
         flight, state = self._flight, self._flight.vehicle.state
         percent = state.battery_percent if state else None
-        if flight.progress.is_landed_by_plan or percent is None or percent < self._percent:
+        if flight.progress.is_landed_by_plan or percent is None:
+            return self.fail("the battery has less")
+        percent = min(percent, flight.believed_percent)
+        if percent < self._percent:
             return self.fail("the battery has less")
         flight.report(ChargeSufficient(percent, self._percent))
         return Status.SUCCESS

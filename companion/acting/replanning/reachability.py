@@ -54,7 +54,7 @@ class Reachability:
         self._planner = planner
         self._flight = flight
         self._instantiated_on = self._looked_at = flight.routes.version
-        self._costed_at = flight.speed_limit.version
+        self._costed_at = flight.speed_limit.version, planner.energy_factor
         self._cut_off = self.unreachable
         self._searched_on = self._instantiated_on
         self._searching = Question[bool]()
@@ -99,8 +99,9 @@ class Reachability:
         """
         flight, state = self._flight, self._flight.vehicle.state
         is_map_new = self._instantiated_on != flight.routes.version
-        if state is not None and (is_map_new or self._costed_at != flight.speed_limit.version):
-            followed = flight.routes.version, flight.speed_limit.version
+        figures = flight.speed_limit.version, self._planner.energy_factor
+        if state is not None and (is_map_new or self._costed_at != figures):
+            followed = flight.routes.version, figures
             if self._searched_on != flight.routes.version:
                 self._find(MAX_PARTS)
             self._planner.reinstantiate()

@@ -17,6 +17,7 @@ from companion.motion.profile import SpeedLimits
 from companion.planning.charger import UNITS_PER_WH, Charger
 from companion.planning.domain import REST_S, Action
 from companion.planning.energy.model import EnergyModel
+from companion.planning.energy.ratio_estimate import KnownRatios, RatioEstimate
 from companion.planning.lasso import Energy
 
 MOVING_MPS = 0.5
@@ -35,6 +36,8 @@ class MissionEnergy:
         here: says where the vehicle is, between places; a flight sets one.
         level: says what there is at least; a full battery until a flight says otherwise.
         most: says what there is at most.
+        middle: says what there is, about.
+        known: what flights have taken so far of what the mission says.
         percents: by level, the charge of the battery.
     """
 
@@ -52,6 +55,8 @@ class MissionEnergy:
         self.here: Callable[[], Ned | None] = lambda: None
         self.level: Callable[[], int] = lambda: model.full
         self.most: Callable[[], int] = lambda: model.full
+        self.middle: Callable[[], int] = lambda: model.full
+        self.known = KnownRatios()
         self._charging: dict[str, NDArray[np.int64]] = {}
         self._docks: dict[str, None] = {}
         self.percents = [100 * self.model.charge(level) for level in range(self.model.full + 1)]
@@ -104,6 +109,11 @@ class MissionEnergy:
         rests = {name: self.model.reserve + landing for name, landing in landings.items()}
         rest = self.model.hovering(REST_S)
         return Energy(self.level(), floors, rests, rest, self.percents)
+
+    def recall(self, flying: RatioEstimate, gauge: RatioEstimate) -> None:
+        """Plans reckon with what was learnt before."""
+        self.known = KnownRatios(flying, gauge)
+        self.model.factor = self.known.to_plan_with
 
     @property
     def safe(self) -> tuple[str, ...]:

@@ -21,8 +21,9 @@ from companion.motion.profile import SpeedLimits
 from companion.planning.charger import UNITS_PER_WH, Charger
 
 _J_PER_UNIT = 3600 / UNITS_PER_WH
-MARGIN = 1.05
-"""Gusts, and what a profile does not know: plans reckon with so much more than it says."""
+FACTOR = 1.05
+"""Gusts, and what a profile does not know: plans reckon with so much more than it says, until a
+flight knows better."""
 LANDING_MPS = 0.7
 """PX4's MPC_LAND_SPEED."""
 TOUCHING_DOWN_S = 3.0
@@ -40,9 +41,11 @@ class EnergyModel:
     Attributes:
         full: units of a full battery.
         reserve: units that no plan touches.
+        factor: plans reckon with so much more than the battery's figures; a flight sets it.
     """
 
     def __init__(self, battery: MissionBattery) -> None:
+        self.factor = FACTOR
         self._profile, self._wind = battery.profile, battery.wind
         self.full = math.floor(battery.profile.capacity_wh * UNITS_PER_WH)
         self.reserve = math.ceil(battery.reserve * battery.profile.capacity_wh * UNITS_PER_WH)
@@ -148,7 +151,7 @@ class EnergyModel:
         return Charger(self.reserve + landing, landing, take_off, overhead_ms, times_ms)
 
     def _units(self, joules: float) -> int:
-        return math.ceil(MARGIN * joules / _J_PER_UNIT - 1e-9)
+        return math.ceil(self.factor * joules / _J_PER_UNIT - 1e-9)
 
 
 def needs(

@@ -543,6 +543,7 @@ def test_the_triggers_are_looked_at_in_their_order() -> None:
     assert [trigger.name for trigger in REPLAN_TRIGGERS] == [
         "the map cuts off a belief of the plan",
         "the charge does not last",
+        "flights take another energy",
         "the task has a plan again",
         "a line that was dropped can be kept",
         "the tree has failed",

@@ -10,6 +10,7 @@ import pytest
 
 from companion.flight_events.catalogue import EVENTS
 from companion.flight_events.charge import ChargeMeasured, ChargePlanned, PlannedCharge
+from companion.flight_events.energy import EnergyUsed, GaugeJumped
 from companion.flight_events.event import FlightEvent
 from companion.flight_events.facts import (
     BeliefRestored,
@@ -292,6 +293,12 @@ TEXTS: list[tuple[FlightEvent, str]] = [
         ChargePlanned(61.5, 40.0, 20.0, (PlannedCharge("move(A, B)", 9.5, 58.0, 37.0),)),
         "at least 61.5 % are there, 40.0 % are required",
     ),
+    (
+        EnergyUsed(61.0, 3.214, 3.1, 1.037),
+        "flown 61 s on 3.21 Wh, 3.10 Wh were expected; "
+        "flights take 1.04 times what the mission says",
+    ),
+    (GaugeJumped(50, 90, 50), "the battery's gauge jumps from 50 % to 90 %: 50 % are believed"),
     (AutopilotSaid("Low battery"), "the autopilot says: Low battery"),
     (GoalFailed("not armed: denied"), "not armed: denied"),
     (SetpointRefused("outside the fence"), "setpoint refused, holding: outside the fence"),

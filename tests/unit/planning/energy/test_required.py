@@ -17,7 +17,7 @@ from companion.planning.charger import Charger
 from companion.planning.domain import WAIT
 from companion.planning.effort import BEFORE_FLIGHT
 from companion.planning.energy.charged_actions import charged
-from companion.planning.energy.model import MARGIN, EnergyModel
+from companion.planning.energy.model import FACTOR, EnergyModel
 from companion.planning.energy.search import energy_solutions
 from companion.planning.energy.shortage import shortages
 from companion.planning.energy_check import energy_fault, required_levels
@@ -121,7 +121,7 @@ def test_what_is_there_is_rounded_down_and_what_is_taken_up() -> None:
         assert level <= 100 * profile.energy_wh(percent / 100) < level + 1
         assert MODEL.charge(level) <= percent / 100 + 1e-9
     for seconds in (0.1, 1.0, 7.3, 100.0):
-        wanted = MARGIN * profile.power_w(0.0) * seconds / 36
+        wanted = FACTOR * profile.power_w(0.0) * seconds / 36
         assert wanted <= MODEL.hovering(seconds) + 1e-6 and MODEL.hovering(seconds) < wanted + 1
 
 

@@ -1,0 +1,78 @@
+"""The charge of the battery, as its gauge tells it, in units of energy.
+
+What was never told is full. A gauge that is silent for 5 s is gone on from with what a hover takes.
+One that jumps in flight is believed as far as it is the lower one: a higher charge than before is
+no charge of a battery that nobody has charged, and what it tells then counts down from there.
+"""
+
+from __future__ import annotations
+
+import math
+
+from companion.acting.flight import Flight
+from companion.flight_events.energy import GaugeJumped
+from companion.planning.energy.mission_energy import MissionEnergy
+
+HALF_STEP = 0.005
+"""Of a gauge of whole percents."""
+SILENT_S = 5.0
+JUMP = 0.05
+
+
+class Gauge:
+    """The battery of a flight.
+
+    Args:
+        flight: of the vehicle.
+        energy: of its mission; plans reckon from now on with what this gauge tells.
+    """
+
+    def __init__(self, flight: Flight, energy: MissionEnergy) -> None:
+        self._flight, self._energy, self._model = flight, energy, energy.model
+        energy.level, energy.most, energy.middle = self.for_flying, self.most, self.middle
+        self._known, self._known_s = 1.0, math.inf
+        self._told: float | None = None
+        self._too_much = 0.0
+
+    def for_flying(self) -> int:
+        """The least that there may be, in units; on the ground without what taking off takes."""
+        state = self._flight.vehicle.state
+        is_landed = state is not None and state.is_landed
+        taken = self._energy.to_take_off() if is_landed else 0
+        return max(0, self._level(-HALF_STEP) - taken)
+
+    def most(self) -> int:
+        """The most that there may be."""
+        return self._level(HALF_STEP)
+
+    def middle(self) -> int:
+        """What there is, about."""
+        return self._level(0.0)
+
+    def listen(self) -> None:
+        """Takes what is told now; it may be called as often as one likes."""
+        flight, state = self._flight, self._flight.vehicle.state
+        if state is None or state.battery_percent is None:
+            return
+        told = state.battery_percent / 100
+        if state.is_landed:
+            self._too_much = 0.0  # charged, or another battery
+        elif self._told is not None and abs(told - self._told) > JUMP:
+            before = self._known
+            self._too_much = max(0.0, told - before)
+            percents = (round(100 * each) for each in (before, told, told - self._too_much))
+            flight.report(GaugeJumped(*percents))
+        self._told = told
+        self._known = max(0.0, told - self._too_much)
+        flight.believed_percent = 100 if not self._too_much else math.floor(100 * self._known)
+        self._known_s = min(state.stamp_s, state.battery_s)
+
+    def _level(self, step: float) -> int:
+        self.listen()
+        state = self._flight.vehicle.state
+        known = self._model.level(min(1.0, max(0.0, self._known + step)))
+        if state is None:
+            return known
+        silent_s = state.stamp_s - self._known_s
+        taken = self._model.hovering(silent_s) if silent_s > SILENT_S else 0
+        return max(0, known - taken)

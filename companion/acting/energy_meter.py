@@ -1,0 +1,184 @@
+"""What flights take of the battery, against what plans say, and the factor that follows from it.
+
+Each action that flies or hovers is measured from its beginning to its end, or as far as it came: by
+voltage times current where the autopilot tells both, and by the gauge. What is measured beside it,
+the way down to a charge and up again, holds and waits, is in no figure. Late flights count like
+thirsty ones: what is predicted of a leg is for the time that was planned. By voltage and current a
+minute is enough, by the gauge it takes all from one charge to the next.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+
+from companion.acting.flight import TICK_S, Flight
+from companion.acting.journal import EnergyLearnt
+from companion.flight_events.energy import EnergyUsed
+from companion.mission.facts import HERE
+from companion.planning.charger import UNITS_PER_WH
+from companion.planning.domain import WAIT, Action
+from companion.planning.energy.mission_energy import MissionEnergy
+from companion.planning.energy.ratio_estimate import KnownRatios
+
+LOOKS_S = 1.0
+WINDOW_S = 60.0
+"""A measurement is so long, or a third of it where a charge comes before."""
+OF_A_WINDOW = 0.03
+"""Standard deviation of what a flight of a window takes, by its gusts."""
+OF_A_CURVE = 0.05
+"""The same of a gauge between two charges: a pack has not quite the curve of the mission."""
+OF_THE_GAUGE = 0.0041
+"""The same of a difference of two whole percents."""
+UNITS_PER_J = UNITS_PER_WH / 3600
+
+
+@dataclass
+class _Leg:
+    """An action under way.
+
+    Attributes:
+        predicted: units, by the mission's figures.
+        ahead: what is left of that, when it was last looked.
+        used: units, by voltage and current; nan without a current.
+        gauge: units that it told at the beginning.
+    """
+
+    action: Action
+    completed: int
+    predicted: float
+    ahead: float
+    gauge: int
+    used: float = 0.0
+    seconds: float = 0.0
+    looked_s: float = -math.inf
+
+
+@dataclass
+class _Window:
+    """Some legs.
+
+    Attributes:
+        expected: by the mission's figures, times what was known of them.
+    """
+
+    predicted: float = 0.0
+    expected: float = 0.0
+    used: float = 0.0
+    counted: float = 0.0
+    seconds: float = 0.0
+
+    def add(self, leg: _Leg, flown: float, counted: float, factor: float) -> None:
+        self.predicted += flown
+        self.expected += flown * factor
+        self.used += leg.used
+        self.counted += counted
+        self.seconds += leg.seconds
+
+
+@dataclass
+class EnergyMeter:
+    """Measures one flight.
+
+    Args:
+        flight: that is measured.
+        energy: of its mission, which learns of it.
+    """
+
+    flight: Flight
+    energy: MissionEnergy
+    _leg: _Leg | None = None
+    _now_s: float = -math.inf
+    _window: _Window = field(default_factory=_Window)
+    _stretch: _Window = field(default_factory=_Window)
+
+    def step(self) -> None:
+        """One tick under a plan."""
+        flight, state = self.flight, self.flight.vehicle.state
+        if state is None:
+            return
+        self.energy.middle()  # the gauge listens
+        elapsed_s, self._now_s = flight.now_s - self._now_s, flight.now_s
+        running = flight.task.running
+        leg = self._leg
+        if leg is not None and leg.action is not running:
+            self._end(leg)
+        elif leg is not None and elapsed_s > 3 * TICK_S:
+            self._leg = None  # somebody else has flown it meanwhile
+        if running is not None and (running.charger or flight.progress.is_landed_by_plan):
+            self._end_stretch()
+        elif running is not None and self._leg is None and running is not WAIT:
+            self._begin(running)
+        if (leg := self._leg) is not None and elapsed_s < 3 * TICK_S:
+            leg.seconds += elapsed_s
+            power_w = math.nan if state.power_w is None else state.power_w
+            leg.used += power_w * elapsed_s * UNITS_PER_J
+            if flight.now_s - leg.looked_s >= LOOKS_S:
+                leg.looked_s, leg.ahead = flight.now_s, self._ahead(leg.action)
+
+    def _begin(self, action: Action) -> None:
+        predicted = action.drain / self.energy.model.factor
+        completed, gauge = self.flight.task.completed, self.energy.middle()
+        self._leg = _Leg(action, completed, predicted, predicted, gauge)
+
+    def _ahead(self, action: Action) -> float:
+        """What is left of a flight, by the mission's figures; nan where that is not known."""
+        goal, state = action.destination, self.flight.vehicle.state
+        left = None if goal is None else self.energy.flight(HERE, goal)
+        if left is None or state is None:
+            return math.nan
+        speeding_up = self.energy.of_speeding_up(math.hypot(*state.velocity))
+        return max(0, left - speeding_up) / self.energy.model.factor
+
+    def _end(self, leg: _Leg) -> None:
+        """The end of a leg: completed, or cut short."""
+        self._leg = None
+        is_whole = self.flight.task.completed > leg.completed
+        flown = leg.predicted if is_whole else leg.predicted - leg.ahead
+        counted = leg.gauge - self.energy.middle()
+        if not flown > 0:  # nan, too
+            return
+        for window in (self._window, self._stretch):
+            window.add(leg, flown, counted, self.energy.known.flying.mean)
+        if self._window.seconds >= WINDOW_S:
+            self._learn()
+
+    def _end_stretch(self) -> None:
+        """The vehicle lands to charge."""
+        if self._window.seconds >= WINDOW_S / 3:
+            self._learn()
+        stretch, self._stretch, self._window = self._stretch, _Window(), _Window()
+        if stretch.seconds >= WINDOW_S / 3:
+            self._learn_gauge(stretch)
+        if stretch.seconds > 0:
+            used = stretch.counted if math.isnan(stretch.used) else stretch.used
+            known = self.energy.known.mean
+            about = used / UNITS_PER_WH, stretch.expected / UNITS_PER_WH, known
+            self.flight.report(EnergyUsed(round(stretch.seconds, 2), *about))
+
+    def _learn(self) -> None:
+        """Takes a window for a measurement, by voltage and current."""
+        window, self._window = self._window, _Window()
+        if not math.isnan(window.used):
+            deviation = OF_A_WINDOW * math.sqrt(WINDOW_S / window.seconds)
+            ratio, known = window.used / window.predicted, self.energy.known
+            self._take(replace(known, flying=known.flying.after(ratio, deviation, window.seconds)))
+
+    def _learn_gauge(self, stretch: _Window) -> None:
+        """Takes a stretch for a measurement, by the gauge: in parts it is off by its curve."""
+        known, seconds = self.energy.known, stretch.seconds
+        of_gauge = OF_THE_GAUGE * self.energy.model.full
+        if math.isnan(stretch.used):
+            deviation = math.hypot(OF_A_CURVE, of_gauge / stretch.predicted)
+            ratio = stretch.counted / stretch.predicted
+            self._take(replace(known, flying=known.flying.after(ratio, deviation, seconds)))
+        elif stretch.used > 0:
+            deviation = math.hypot(OF_A_CURVE, of_gauge / stretch.used)
+            ratio = stretch.counted / stretch.used
+            self._take(replace(known, gauge=known.gauge.after(ratio, deviation, seconds)))
+
+    def _take(self, known: KnownRatios) -> None:
+        self.energy.known = known
+        flying, gauge = known.flying, known.gauge
+        learnt = EnergyLearnt(flying.mean, flying.deviation, gauge.mean, gauge.deviation)
+        self.flight.journal.note(self.flight.now_s, learnt)

@@ -1,0 +1,64 @@
+"""Flights that take another energy than the mission says, and gauges that say odd things."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from lockstep import Lockstep
+from two_docks import RESERVE, between_docks, two_docks
+
+from companion.api.simulating import world_of
+from companion.flight_events.energy import EnergyUsed, GaugeJumped
+from companion.flight_events.plans import NoPlanFound, PlanReplaced
+from companion.flight_events.skills import PlaceReached
+from companion.flight_events.sortie import VehicleLanded
+from companion.mission.loader import load_mission
+
+SAYS = 0.8
+"""The power of the mission, against what it really takes."""
+POWER_W = {
+    "level": [[0, 189.4 * SAYS], [5, 192.0 * SAYS], [10, 204.8 * SAYS]],
+    "climb": [[-1, 179.4 * SAYS], [0, 189.4 * SAYS], [3, 225.0 * SAYS]],
+}
+
+
+def fly(data: dict[str, Any], *happens: dict[str, Any]) -> Lockstep:
+    mission = load_mission(data)
+    return Lockstep(mission, world_of(mission, between_docks(*happens, charge=0.27)), seed=1)
+
+
+def text(flight: Lockstep) -> str:
+    return "\n".join(event.text for event in flight.events)
+
+
+def lowest(flight: Lockstep, seconds: float) -> float:
+    """The least charge at which it flies, in some time, percent."""
+    least = 100.0
+    for _ in range(round(seconds)):
+        flight.run(1.0)
+        if flight.simulation.is_armed:
+            least = min(least, 100 * flight.simulation.flight.charge)
+    return least
+
+
+def test_flights_that_take_a_quarter_more_go_on_with_plans_that_know_it() -> None:
+    battery = {"reserve": RESERVE, "capacity_wh": 75.5, "power_w": POWER_W}
+    battery["curve"] = [[0, 0], [20, 18.7], [60, 58], [80, 78.6], [90, 89.2], [100, 100]]
+    flight = fly(two_docks(battery=battery))
+    assert lowest(flight, 300.0) >= RESERVE - 0.3
+    used = flight.of(EnergyUsed)
+    assert len(used) >= 4 and used[-1].factor > 1.15, text(flight)
+    assert abs(used[-1].expected_wh / used[-1].used_wh - 1) < 0.08
+    assert not flight.of(NoPlanFound) and len(flight.of(PlanReplaced)) <= 4, text(flight)
+    late = [s.time_s for s in flight.reports if isinstance(s.event, PlanReplaced)]
+    assert all(time_s < 200.0 for time_s in late), text(flight)
+    served = [s for s in flight.reports if isinstance(s.event, PlaceReached) and s.time_s > 200.0]
+    assert {"A", "B"} <= {s.event.place for s in served}
+
+
+def test_a_gauge_that_jumps_up_in_flight_is_not_believed() -> None:
+    flight = fly(two_docks(), {"at_s": 18, "battery": {"charge": 0.9}})
+    flight.until_reported(VehicleLanded)
+    jump = flight.of(GaugeJumped)[0]
+    assert jump.now_percent == 90 and jump.believed_percent == jump.before_percent < 27
+    assert not flight.of(NoPlanFound), text(flight)
