@@ -68,6 +68,7 @@ def test_every_row_is_measured(group: str, count: int, with_peer: set[str], tmp_
     assert {name for name, row in rows.items() if row["ratio"]} == with_peer
 
 
+@pytest.mark.long  # the group is measured above, without Spot
 @needs_spot
 def test_spot_is_the_peer_where_it_is_installed() -> None:
     command = [sys.executable, str(BENCH), "--quick", "--json", "translating"]

@@ -22,7 +22,7 @@ OURS, HOLD = "OFFBOARD", "AUTO.LOITER"
 HEARD_S = 2.0
 """After this the companion has heard of a mode: a heartbeat comes once a second."""
 CAMPAIGN = (pytest.mark.faults, pytest.mark.long)
-SEEDS = [*range(2), *(pytest.param(seed, marks=CAMPAIGN) for seed in range(2, 40))]
+SEEDS = [0, *(pytest.param(seed, marks=CAMPAIGN) for seed in range(1, 40))]
 
 Keys = Callable[[Lockstep, Cut, Random], float]
 """Has control be lost, and turns the keys; returns when the later one was turned."""
