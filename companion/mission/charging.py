@@ -8,9 +8,10 @@ from itertools import pairwise
 from companion.battery_profile import Points
 from companion.documents import Document
 from companion.errors import MissionError
+from companion.mission.model import Skill
 from companion.mission.schema import MissionFile
 from companion.mission.skill_schema import SkillEntry
-from companion.mission.steps import Charge, Execution
+from companion.mission.steps import Charge, Do, Execution, Fly
 
 
 def charge_rate_of(
@@ -53,3 +54,18 @@ def charge_rate_of(
             "write pairs of charge and percent a second; a battery charges the slower the fuller",
         )
     return tuple((charge / 100, rise / 100) for charge, rise in rate)
+
+
+def refuse_charge_nowhere(skill: Skill, document: Document) -> None:
+    """Refuses a skill of which nobody knows where it charges.
+
+    Raises:
+        MissionError: at its place in the file.
+    """
+    goes_there = any(isinstance(step, Fly | Do) for step in skill.execute)
+    if skill.charge_rate is not None and skill.origin is None and not goes_there:
+        raise MissionError(
+            f"it is not known where {skill.name} charges",
+            document.key_at("skills", skill.name),
+            "add precondition: at(pad), with pad one of its parameters",
+        )

@@ -14,7 +14,7 @@ from typing import TypeVar
 
 from companion.documents import Document, did_you_mean
 from companion.errors import MissionError
-from companion.mission.charging import charge_rate_of
+from companion.mission.charging import charge_rate_of, refuse_charge_nowhere
 from companion.mission.conditions import parse_condition
 from companion.mission.coordinates import Coordinates
 from companion.mission.execution import KINDS, parse_execution
@@ -174,7 +174,7 @@ class _SkillBuilder:
         mentioned = [*(literal.atom for literal in literals), *assumes]
         looked_at = look_at(self.name, entry, self.file, self.document, self.coordinates)
         self._refuse_unused(mentioned, execute, looked_at)
-        return Skill(
+        skill = Skill(
             name=self.name,
             parameters=tuple(entry.parameters.items()),
             precondition=precondition,
@@ -195,6 +195,8 @@ class _SkillBuilder:
             energy_wh=entry.energy_wh,
             charge_rate=charge_rate_of(self.name, entry, execute, self.file, self.document),
         )
+        refuse_charge_nowhere(skill, self.document)
+        return skill
 
     def _confirmed_by(self) -> Condition | None:
         text, keys = self.entry.confirmed_by, ("skills", self.name, "confirmed_by")

@@ -95,6 +95,7 @@ REFUSED = [
     ("    charge_rate: [[0, 2.0], [80, 2.0], [100, 0.1]]\n", "", "28:23", "not known how fast"),
     ("charge(auto)", "charge(80)", "28:5", "has a charge_rate and no charge(auto)"),
     ("charge(auto)", "charge(0)", "29:", "charge"),
+    ("    precondition: at(pad)\n", "", "24:3", "not known where recharge charges"),
 ]
 
 
