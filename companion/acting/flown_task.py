@@ -21,6 +21,7 @@ from companion.acting.safe_places import NOWHERE, SafePlaces
 from companion.errors import Aborted, CompanionError
 from companion.flight_events.sortie import (
     FlightLimitReached,
+    PauseEnded,
     Phase,
     ReturnBegun,
     ReturnFailed,
@@ -117,6 +118,15 @@ class FlownTask:
         self._executive.sense(readings)
         if is_counted:
             tell_late(self._flight)
+
+    def ends_pause(self) -> bool:
+        """A tick of a pause, in which the vehicle holds; whether the charge ends it now."""
+        self._flight.hold()
+        energy = self._executive.planner.energy
+        if energy is None or not energy.is_needed_to_land:
+            return False
+        self._flight.report(PauseEnded())
+        return True
 
     def tick(self) -> SortieEvent | None:
         """One tick; what it has come to, None while it goes on."""

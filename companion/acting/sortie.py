@@ -224,8 +224,7 @@ class Sortie:
 
     def _is_waited_for(self, state: VehicleState) -> bool:
         """Whether nothing is heard of it in the air; a landing by plan goes on without us."""
-        is_landing = self._flight.progress.is_landed_by_plan
-        is_flown = self.phase in UNDER_TASK and not is_landing
+        is_flown = self.phase in UNDER_TASK and not self._flight.progress.is_landed_by_plan
         return is_flown and is_silent(state, self._flight.now_s)
 
     def _yield(self, event: SortieEvent, news: FlightEvent) -> None:
@@ -336,11 +335,11 @@ class Sortie:
         self._on(SortieEvent.GIVEN_UP)
 
 
-_WORK: dict[Phase, Callable[[Sortie, VehicleState], None]] = {
+_WORK: dict[Phase, Callable[[Sortie, VehicleState], object]] = {
     Phase.WAITING: Sortie._begin,
     Phase.CHECKING: Sortie._check_autopilot,
     Phase.TASK: Sortie._fly,
-    Phase.PAUSED: lambda sortie, _: sortie._flight.hold(),
+    Phase.PAUSED: lambda sortie, _: sortie.resume() if sortie._flown.ends_pause() else None,
     Phase.RETURNING: Sortie._fly,
     Phase.YIELDED: Sortie._await_control,
     **dict.fromkeys(GOALS, Sortie._pursue_goal),

@@ -179,6 +179,14 @@ class StopRequested(FlightEvent):
 
 
 @dataclass(frozen=True, slots=True)
+class PauseEnded(FlightEvent):
+    """The operator's pause is over, because of the charge; the flight goes on."""
+
+    kind = "phase"
+    template = "the pause is over: the charge is needed to land at a safe place"
+
+
+@dataclass(frozen=True, slots=True)
 class ReturnBegun(FlightEvent):
     """The task has no plan, and the vehicle flies home, or to another safe place."""
 

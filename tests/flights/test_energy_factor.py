@@ -11,7 +11,8 @@ from companion.api.simulating import world_of
 from companion.flight_events.energy import EnergyUsed, GaugeJumped
 from companion.flight_events.plans import NoPlanFound, PlanReplaced
 from companion.flight_events.skills import PlaceReached
-from companion.flight_events.sortie import VehicleLanded
+from companion.flight_events.sortie import PauseEnded, VehicleLanded
+from companion.mavlink.framing import dialect
 from companion.mission.loader import load_mission
 
 SAYS = 0.8
@@ -22,9 +23,10 @@ POWER_W = {
 }
 
 
-def fly(data: dict[str, Any], *happens: dict[str, Any]) -> Lockstep:
+def fly(data: dict[str, Any], *happens: dict[str, Any], **options: Any) -> Lockstep:
     mission = load_mission(data)
-    return Lockstep(mission, world_of(mission, between_docks(*happens, charge=0.27)), seed=1)
+    world = world_of(mission, between_docks(*happens, charge=0.27))
+    return Lockstep(mission, world, seed=1, **options)
 
 
 def text(flight: Lockstep) -> str:
@@ -62,3 +64,13 @@ def test_a_gauge_that_jumps_up_in_flight_is_not_believed() -> None:
     jump = flight.of(GaugeJumped)[0]
     assert jump.now_percent == 90 and jump.believed_percent == jump.before_percent < 27
     assert not flight.of(NoPlanFound), text(flight)
+
+
+def test_a_pause_ends_when_the_charge_is_needed() -> None:
+    flight = fly(two_docks(), has_station=True)
+    flight.until_reported(PlaceReached, place="A")
+    flight.station_commands(dialect.MAV_CMD_DO_PAUSE_CONTINUE, 0.0, component=191)
+    flight.until_reported(PauseEnded, limit_s=600.0)
+    flight.until_reported(VehicleLanded)
+    assert not flight.of(NoPlanFound), text(flight)
+    assert 100 * flight.simulation.flight.charge >= RESERVE

@@ -54,13 +54,16 @@ def ages(chance: Random, hours: float) -> Iterator[dict[str, Any]]:
 
 
 def failures(chance: Random, hours: float) -> Iterator[dict[str, Any]]:
-    """One dock at a time fails for ten minutes, and works again."""
+    """One dock at a time fails, for less time than it takes until a dock is given up.
+
+    A vehicle arrives at a dock with what it takes to land there: given up, it is where it ends.
+    """
     now_s = chance.uniform(900, 2400)
     while now_s < 3600 * hours:
         pad = chance.choice(list(PADS))
         yield {"at_s": round(now_s), "pad": {"name": pad, "works": False}}
-        yield {"at_s": round(now_s + 600), "pad": {"name": pad, "works": True}}
-        now_s += 600 + chance.uniform(1800, 3600)
+        yield {"at_s": round(now_s + 90), "pad": {"name": pad, "works": True}}
+        now_s += 90 + chance.uniform(1800, 3600)
 
 
 def flown(seed: int, hours: float = HOURS) -> tuple[Lockstep, float]:

@@ -19,8 +19,6 @@ from companion.errors import NoPlanError, SearchLimit
 from companion.planning.optional_lines import without_lines
 from companion.planning.planner import Planner
 
-MARGIN_S = 5.0
-"""A wait ends so long before the charge is needed for the way to a safe place."""
 BATTERY = frozenset({"BATTERY_STATUS", "SYS_STATUS"})
 """Messages whose events mean that the flight has to end."""
 
@@ -99,11 +97,7 @@ class Patience:
     def _is_charge_needed(self) -> bool:
         """Whether all charge but the reserve is needed to land at a safe place."""
         energy = self._planner.energy
-        if energy is None:
-            return False
-        needed = [drain for s in energy.safe if (drain := energy.to_land_at(s)) is not None]
-        margin = energy.model.reserve + energy.model.hovering(MARGIN_S)
-        return bool(needed) and energy.level() < min(needed) + margin
+        return energy is not None and energy.is_needed_to_land
 
     @property
     def _is_battery_low(self) -> bool:

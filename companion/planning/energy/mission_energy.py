@@ -21,6 +21,8 @@ from companion.planning.energy.ratio_estimate import KnownRatios, RatioEstimate
 from companion.planning.lasso import Energy
 
 MOVING_MPS = 0.5
+WAITS_END_S = 5.0
+"""A wait ends so long before the charge is needed for the way to a safe place."""
 
 
 class MissionEnergy:
@@ -125,6 +127,13 @@ class MissionEnergy:
         """What it takes to fly to a place from here, and to land there; None without a way."""
         flight = self.flight(HERE, place)
         return None if flight is None else flight + self._landing(place)
+
+    @property
+    def is_needed_to_land(self) -> bool:
+        """Whether all charge but the reserve is needed to land at a safe place: no wait goes on."""
+        needed = [drain for place in self.safe if (drain := self.to_land_at(place)) is not None]
+        margin = self.model.reserve + self.model.hovering(WAITS_END_S)
+        return bool(needed) and self.level() < min(needed) + margin
 
     def to_take_off(self) -> int:
         """What it takes to take off here, to the height of the nearest place."""
