@@ -12,7 +12,7 @@ from meadow import DATA
 from companion.api.simulating import world_of
 from companion.flight_events.event import Stamped
 from companion.flight_events.facts import MissionEventChanged
-from companion.flight_events.plans import NoPlanFound
+from companion.flight_events.plans import LineTakenUp, NoPlanFound
 from companion.flight_events.skills import PlaceReached
 from companion.flight_events.sortie import Phase, PhaseEntered
 from companion.flight_events.word import ConjunctViolated, PositionLeft
@@ -200,3 +200,20 @@ def test_an_alarm_at_any_time_is_answered_in_time_where_the_line_is_ready(after_
     flight.run(12.0)
     assert not told(flight) and not flight.of(NoPlanFound)
     assert outcome(flight, "answer")[0] is ConjunctOutcome.OPEN
+
+
+def test_a_line_that_may_be_dropped_begins_anew_after_a_pause_that_was_too_long() -> None:
+    often = {"formula": "revisit(A) <= 20 s", "priority": 1}
+    flight = planned({"patrol": "patrolling(A, Home)", "often": often})
+    flight.until_reported(PlaceReached, place="A").run(3.0)
+    command(flight, PAUSE, 0.0)
+    flight.until_reported(PhaseEntered, phase=Phase.PAUSED).run(25.0)
+    command(flight, PAUSE, 1.0)
+    flight.run(20.0)
+    command(flight, dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH)
+    flight.until_the_end()
+    assert flight.exit_code == 0 and len(told(flight)) == 1
+    assert flight.one(LineTakenUp) == LineTakenUp("often", anew=True)
+    (often_found,) = (f for f in audited(flight).findings if f.name == "often")
+    assert often_found.outcome is ConjunctOutcome.OPEN and often_found.since == 2
+    assert often_found.whole is ConjunctOutcome.VIOLATED
