@@ -21,7 +21,7 @@ from playwright.sync_api import sync_playwright
 from companion.record.run_folder import RunFolder
 
 MISSION = "surveillance"
-SHOWN_S = 50.5
+SHOWN_S = 54.5
 """Time of the flight that is shown."""
 SIZE = {"width": 1440, "height": 900}
 COLOURS = 256
