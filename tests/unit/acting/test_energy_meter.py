@@ -1,0 +1,102 @@
+"""What actions take is measured from their beginning to their end, or as far as they came."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from companion.acting.energy_meter import UNITS_PER_J, EnergyMeter
+from companion.acting.flight import TICK_S
+from companion.flight_events.energy import EnergyUsed
+from companion.planning.energy.ratio_estimate import KnownRatios
+
+POWER_W = 180.0
+LEG_S = 70.0
+
+
+class Stretch:
+    """Legs, and a charge, of a flight that takes another power than its plan says.
+
+    Args:
+        more: what it takes of what is predicted.
+        is_told: whether the autopilot tells voltage and current.
+        ages: what the gauge counts of what is taken.
+    """
+
+    def __init__(self, more: float, is_told: bool = True, ages: float = 1.0) -> None:
+        self._power_w, self._ages, self.level = POWER_W * more, ages, 6000.0
+        state = SimpleNamespace(
+            power_w=self._power_w if is_told else None, velocity=(0.0, 0.0, 0.0)
+        )
+        self.reports: list[Any] = []
+        self.ahead = math.nan
+        self.flight: Any = SimpleNamespace(
+            vehicle=SimpleNamespace(state=state),
+            task=SimpleNamespace(running=None, completed=0),
+            progress=SimpleNamespace(is_landed_by_plan=False),
+            journal=SimpleNamespace(note=lambda *_: None),
+            report=self.reports.append,
+            now_s=0.0,
+        )
+        self.energy: Any = SimpleNamespace(
+            known=KnownRatios(),
+            model=SimpleNamespace(factor=1.0, full=7000),
+            middle=lambda: round(self.level),
+            flight=lambda *_: self.ahead,
+            of_speeding_up=lambda _: 0.0,
+        )
+        self.meter = EnergyMeter(self.flight, self.energy)
+
+    def leg(self, seconds: float = LEG_S, is_completed: bool = True) -> Stretch:
+        """An action that is to take so long; it is cut short in the middle if not completed."""
+        drain = POWER_W * seconds * UNITS_PER_J
+        task = self.flight.task
+        task.running = SimpleNamespace(drain=drain, charger=None, destination="A")
+        flown_s = seconds if is_completed else seconds / 2
+        for _ in range(round(flown_s / TICK_S)):
+            self.ahead = drain / 2
+            self._tick(self._power_w)
+        task.running = None
+        task.completed += is_completed
+        self._tick(0.0)
+        return self
+
+    def charge(self) -> Stretch:
+        self.flight.task.running = SimpleNamespace(charger=object())
+        self._tick(0.0)
+        return self
+
+    def _tick(self, power_w: float) -> None:
+        self.flight.now_s += TICK_S
+        self.level -= power_w * TICK_S * UNITS_PER_J * self._ages
+        self.meter.step()
+
+
+@pytest.mark.parametrize("is_told", [True, False])
+def test_what_flights_take_is_learnt_by_current_or_gauge(is_told: bool) -> None:
+    stretch = Stretch(1.3, is_told).leg().leg().charge()
+    assert stretch.energy.known.mean == pytest.approx(1.3, abs=0.06)
+    (used,) = stretch.reports
+    assert isinstance(used, EnergyUsed)
+    assert used.used_wh == pytest.approx(POWER_W * 1.3 * 2 * LEG_S / 3600, rel=0.02)
+
+
+def test_a_pack_that_has_aged_is_told_by_its_gauge() -> None:
+    known = Stretch(1.0, ages=1.25).leg().leg().leg().charge().energy.known
+    assert known.flying.mean == pytest.approx(1.0, abs=0.02)
+    assert known.gauge.mean > 1.15
+
+
+def test_a_leg_that_is_cut_short_counts_as_far_as_it_came() -> None:
+    known = Stretch(1.3).leg(2 * LEG_S, is_completed=False).charge().energy.known
+    assert known.flying.mean == pytest.approx(1.3, abs=0.05)
+
+
+def test_one_of_which_nobody_knows_how_far_it_came_does_not_count() -> None:
+    stretch = Stretch(1.3)
+    stretch.energy.flight = lambda *_: None
+    stretch.leg(2 * LEG_S, is_completed=False).charge()
+    assert stretch.energy.known == KnownRatios() and not stretch.reports
