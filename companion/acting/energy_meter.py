@@ -24,9 +24,9 @@ from companion.planning.energy.ratio_estimate import KnownRatios
 LOOKS_S = 1.0
 WINDOW_S = 60.0
 """A measurement is so long, or a third of it where a charge comes before."""
-OF_A_WINDOW = 0.03
+OF_A_WINDOW = 0.05
 """Standard deviation of what a flight of a window takes, by its gusts."""
-OF_A_CURVE = 0.05
+OF_A_CURVE = 0.08
 """The same of a gauge between two charges: a pack has not quite the curve of the mission."""
 OF_THE_GAUGE = 0.0041
 """The same of a difference of two whole percents."""

@@ -75,10 +75,10 @@ class Stretch:
         self.meter.step()
 
 
-@pytest.mark.parametrize("is_told", [True, False])
-def test_what_flights_take_is_learnt_by_current_or_gauge(is_told: bool) -> None:
+@pytest.mark.parametrize(("is_told", "least"), [(True, 1.25), (False, 1.2)])
+def test_what_flights_take_is_learnt_by_current_or_gauge(is_told: bool, least: float) -> None:
     stretch = Stretch(1.3, is_told).leg().leg().charge()
-    assert stretch.energy.known.mean == pytest.approx(1.3, abs=0.06)
+    assert least < stretch.energy.known.mean < 1.32
     (used,) = stretch.reports
     assert isinstance(used, EnergyUsed)
     assert used.used_wh == pytest.approx(POWER_W * 1.3 * 2 * LEG_S / 3600, rel=0.02)
