@@ -36,6 +36,8 @@ LONG_S = 60.0
 SITES = ("Barn", "Mill", "Weir", "Ford", "Oak", "Gate", "Well", "Pond", "Hill", "Shed")
 PADS = {"west": (50, 35), "east": (280, 155)}
 LEAST_PERCENT = 18.0
+MOST_ERROR = 0.15
+"""Of what a stretch takes; docs/decisions/energy.md has what was measured."""
 
 
 def mission() -> Mission:
@@ -111,4 +113,4 @@ def test_a_patrol_of_four_hours(seed: int) -> None:
     assert not flight.companion.has_ended, "\n".join(event.text for event in flight.events[-20:])
     assert least >= LEAST_PERCENT
     assert max(gaps_s(flight)) <= OFTEN_S
-    assert np.quantile(errors(flight), 0.95) <= 0.05
+    assert np.quantile(errors(flight), 0.95) <= MOST_ERROR
