@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 from itertools import pairwise
-from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -42,8 +41,10 @@ from companion.motion.grid import OccupancyGrid
 from companion.motion.routes import RouteMap
 from companion.planning.builtin.search import Search
 from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT
-from companion.planning.explain import NoPlan, why_no_plan
+from companion.planning.explain import Explanation, NoPlan, why_no_plan
+from companion.planning.lasso import Problem
 from companion.planning.planner import Planner
+from companion.planning.solver import Solver
 from companion.vehicle.port import Failed, Progress, hold_at
 
 FOUND, LOW = event("found"), event("low")
@@ -196,16 +197,22 @@ def test_the_reason_is_found_in_slices_while_the_vehicle_holds(
     """Setpoints do not wait for it; what is told is what would be told at once."""
     monkeypatch.setattr(slices, "SLICE_US", 20)
     conjuncts = {f"c{i}": f"F at({name}) | F done" for i, name in enumerate("AB" * 5)}
+    explain = Solver.explain_soon
+    asked: list[Problem] = []
+
+    def explained(solver: Solver, problem: Problem) -> Explanation:
+        asked.append(problem)
+        return explain(solver, problem)
+
+    monkeypatch.setattr(Solver, "explain_soon", explained)
     rig = Rig(mission({"do": "F done", **conjuncts}, skills=[DO])).begin()
-    searches = Mock(wraps=rig.planner.explain_soon)
-    monkeypatch.setattr(rig.planner, "explain_soon", searches)
     rig.vehicle.payloads.answers = [(0.0, Failed("denied"))]
     rig.run(lambda: rig.executive.status is TaskStatus.NO_PLAN, limit_s=20.0)
     taken_s = rig.time_of(NoPlanFound) - rig.time_of(BeliefWithdrawn)
     assert taken_s > 10 * TICK_S
     assert rig.vehicle.setpoint == hold_at(POSITIONS["H"], 0.0)
-    (asked,) = searches.call_args_list
-    why = why_no_plan(asked.args[0], Search().is_solvable)
+    (problem,) = asked
+    why = why_no_plan(problem, Search().is_solvable)
     assert rig.one(NoPlanFound) == NoPlanFound(1, "do failed: denied", str(why))
 
 
