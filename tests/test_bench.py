@@ -27,7 +27,7 @@ BENCH = Path(__file__).parents[1] / "scripts" / "bench"
         ("translating", 28, set()),  # Spot comes with the tests alone
         (
             "planning",
-            27,
+            37,
             {
                 "plan at the start, median",
                 "replan en route, target found, median",

@@ -183,7 +183,7 @@ def test_nothing_but_the_initial_state_changes_in_flight(
 ) -> None:
     """Each conjunct is translated once, and skills are instantiated once, over the whole flight."""
     translated, instantiated = Mock(wraps=translate), Mock(wraps=Instances)
-    monkeypatch.setattr("companion.planning.planner.translate", translated)
+    monkeypatch.setattr("companion.planning.task_automata.translate", translated)
     monkeypatch.setattr("companion.planning.planner.Instances", instantiated)
     planned = {verb: Mock(wraps=getattr(Planner, verb)) for verb in ("solve", "replan")}
     for verb, mock in planned.items():

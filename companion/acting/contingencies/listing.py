@@ -69,7 +69,7 @@ class Contingencies:
     >>> [position.ahead for position in found.positions]
     ['move(Home, A)', 'move(A, B)', 'move(B, C)', 'move(C, A)']
     >>> print(found.answer(found.questions[0])[0].answer)
-    move(here, r1), upload(r1), move(r1, Home), (wait)^w
+    move(here, r2), upload(r2), move(r2, Home), (wait)^w
 
     Args:
         mission: to be flown.

@@ -13,7 +13,9 @@ from synthetic import command, event, mission
 
 from companion.mission.model import Mission
 from companion.planning import task_replay
+from companion.planning.bound_clocks import BoundClocks
 from companion.planning.domain import Action
+from companion.planning.held_beliefs import HeldBeliefs
 from companion.planning.planner import Planner
 from companion.planning.readings import Reading
 from companion.planning.task_changes import TaskChange
@@ -70,6 +72,8 @@ def told(state: TaskState) -> dict[str, Any]:
             case Reading():
                 inner = {k: v for k, v in vars(value).items() if k not in ("conjunct", "_begin")}
                 return inner | {"runs": value.runs.states}
+            case HeldBeliefs() | BoundClocks():
+                return {k: v for k, v in vars(value).items() if k != "_conjuncts"}
             case list():
                 return [plain(each) for each in value]
         return value
