@@ -39,6 +39,8 @@ MEMORY_BYTES = 448 * MIB
 CPU_S = 10
 WORK_S = 6
 NICENESS = 10
+ANSWER_BYTES = 32 * MIB
+"""Kept free, so that there is memory left to say that there is none."""
 ADVICE = "simplify the task, or use fewer places, or larger cells of the map"
 
 
@@ -62,6 +64,7 @@ class BoundedCheck:
     ) -> None:
         self._mission, self._work_s, self._installed = mission, work_s, installed
         self._doing = ""
+        self._for_the_answer = bytearray(ANSWER_BYTES)
 
     def answer(self) -> dict[str, Any]:
         """What is found out, in JSON values."""
@@ -70,6 +73,7 @@ class BoundedCheck:
         except CompanionError as error:
             return refusal_as_json(error)
         except MemoryError:
+            self._for_the_answer.clear()
             return self._given_up(f"{MEMORY_BYTES // MIB} MiB of memory")
         except _TimeIsOver:
             return self._given_up(f"{CPU_S} s of processor time")

@@ -11,9 +11,11 @@ They run in a process of their own, which forks a child for each.
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 from pathlib import Path
+from random import Random
 
 import pytest
 from hostile import MISSION, hostile
@@ -44,3 +46,47 @@ def test_mutants_are_many_and_the_same_each_time() -> None:
     assert made == [hostile("mission", seed) for seed in range(40)]
     assert len({each.files[MISSION] for each in made}) > 30
     assert len({hostile("formula", seed).files[MISSION] for seed in range(20)}) == 20
+
+
+@pytest.mark.long
+def test_bounds_that_take_all_memory_are_refused_in_words(tmp_path: Path) -> None:
+    """Twenty sites on an open field, four of them bounded: 790 MB of a search."""
+    random = Random(3)
+    names = [f"P{number}" for number in range(20)]
+    places = {
+        name: {"east_m": random.randint(-90, 90), "north_m": random.randint(-90, 90), "up_m": 5}
+        for name in names
+    }
+    asked = {
+        "version": 1,
+        "name": "bounded",
+        "limits": {
+            "speed_mps": 5,
+            "up_m": [1, 20],
+            "fence": [[-100, -100], [-100, 100], [100, 100], [100, -100]],
+        },
+        "places": {"Home": {"east_m": 0, "north_m": 0, "up_m": 5}, **places},
+        "sets": {"Place": ["Home", *names]},
+        "skills": {
+            "move": {
+                "parameters": {"from": "Place", "to": "Place"},
+                "precondition": "at(from)",
+                "assumes": "trans_ok(from, to)",
+                "effect": "at(to) & !at(from)",
+                "execute": "fly(to)",
+            }
+        },
+        "initially": ["at(Home)"],
+        "task": {
+            "all": f"patrolling({', '.join(names)})",
+            **{f"often_{i}": f"revisit(P{i}) <= {190 + i} s" for i in (0, 3, 5, 7)},
+        },
+        "otherwise": "return_home",
+    }
+    (tmp_path / MISSION).write_text(json.dumps(asked), encoding="utf-8")
+    order = json.dumps([str(tmp_path), MISSION, []])
+    command = [sys.executable, "-P", "-m", "companion.cli.check_child"]
+    done = subprocess.run(command, input=order + "\n", capture_output=True, text=True, check=True)
+    answer = json.loads(done.stdout.splitlines()[-1])
+    assert not answer["ok"]
+    assert "to check it; given up at its first plan" in json.dumps(answer)
