@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from benches.docks import patrol_between_docks
+from lockstep import Lockstep
 
 PAD = {"radius_m": 1.5, "current_a": 100}
 PADS: list[dict[str, Any]] = [
@@ -39,3 +40,20 @@ def between_docks(
 ) -> dict[str, Any]:
     """A scenario: what the battery has at first, the pads, and what happens."""
     return {"version": 1, "battery": {"charge": charge}, "pads": pads, "happens": [*happens]}
+
+
+def text(flight: Lockstep) -> str:
+    """What people were told, a line each."""
+    return "\n".join(event.text for event in flight.events)
+
+
+def lowest(flight: Lockstep, seconds: float) -> float:
+    """The least true charge at which it flies, in some time or to its end, percent."""
+    least = 100.0
+    for _ in range(round(seconds)):
+        flight.run(1.0)
+        if flight.simulation.is_armed:
+            least = min(least, 100 * flight.simulation.flight.charge)
+        if flight.companion.has_ended:
+            break
+    return least

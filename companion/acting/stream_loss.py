@@ -14,12 +14,8 @@ that was left. Source: PX4 v1.16 as observed (COM_OF_LOSS_T 1 s, COM_OBL_RC_ACT 
 
 from __future__ import annotations
 
-import math
-
-from companion.vehicle.heard_time import FOLLOWS_S
+from companion.vehicle.heard_time import QUIET_S, Interruption
 from companion.vehicle.port import Mode, VehicleState
-
-INTERRUPTED_S = 0.5
 
 
 class StreamLossWatch:
@@ -31,24 +27,21 @@ class StreamLossWatch:
 
     def __init__(self) -> None:
         self.is_hold = False
-        self._stepped_s = self._interrupted_s = -math.inf
+        self._interruption = Interruption()
 
     def note_control_back(self) -> None:
         """We have control: what holds the vehicle from now on does not follow from before."""
-        self._interrupted_s = -math.inf
+        self._interruption.forget()
 
     def step(self, now_s: float, state: VehicleState) -> None:
         """Takes the state of a tick."""
-        if max(now_s - state.stamp_s, now_s - self._stepped_s) >= INTERRUPTED_S:
-            self._interrupted_s = now_s
-        self._stepped_s = now_s
+        self._interruption.step(now_s, is_quiet=now_s - state.stamp_s >= QUIET_S)
         if not state.is_mode_known(now_s):
             return
         if state.mode is Mode.OFFBOARD:
             self.is_hold = False
             return
-        follows = now_s - self._interrupted_s <= FOLLOWS_S
         is_failsafe_hold = state.mode is Mode.LOITER and state.is_failsafe
-        self.is_hold = is_failsafe_hold and (self.is_hold or follows)
+        self.is_hold = is_failsafe_hold and (self.is_hold or self._interruption.is_recent)
         if not is_failsafe_hold:
-            self._interrupted_s = -math.inf
+            self._interruption.forget()

@@ -1,8 +1,8 @@
 """Pursues one goal of the vehicle after the other (`goals.py`), by commands to its autopilot.
 
 A failsafe that holds the vehicle where a climb ends, or where OFFBOARD is entered, is not gone on
-from: it may be the fence's. One that follows within FOLLOWS_S from a time in which nothing was
-heard, or nothing was done here, while OFFBOARD was asked for, is the loss of our own stream.
+from: it may be the fence's. One that follows upon an interruption (`heard_time.py`) after OFFBOARD
+was asked for is the loss of our own stream.
 
 A command that was accepted without effect is sent again after a pause. While nothing is heard of
 the autopilot no command is sent, and no goal's time passes.
@@ -10,13 +10,11 @@ the autopilot no command is sent, and no goal's time passes.
 
 from __future__ import annotations
 
-import math
-
 from companion.mavlink.commands import CommandSender
 from companion.mavlink.framing import Message
 from companion.vehicle.control_watch import Heartbeat
 from companion.vehicle.goals import APPROACHES, Pursuit
-from companion.vehicle.heard_time import FOLLOWS_S, QUIET_S
+from companion.vehicle.heard_time import Interruption
 from companion.vehicle.port import Failed, Goal, Mode, Outcome, Progress, VehicleState
 from companion.vehicle.services import Moment
 from companion.vehicle.telemetry import Telemetry
@@ -50,7 +48,7 @@ class GoalPursuit:
         self._commands = CommandSender()
         self._pursuit: Pursuit | None = None
         self._first_mode: Mode | None = None
-        self._stepped_s = self._interrupted_s = -math.inf
+        self._interruption = Interruption()
 
     @property
     def goal(self) -> Goal | None:
@@ -91,6 +89,9 @@ class GoalPursuit:
         pursuit = self._pursuit
         if pursuit is None:
             return True
+        is_asked = pursuit.goal is Goal.OFFBOARD and pursuit.asked is not None
+        if heartbeat.is_failsafe and is_asked and self._interruption.is_recent:
+            pursuit.is_in_failsafe = True  # by the loss of our stream
         is_passed = pursuit.admits(heartbeat.mode, heartbeat.is_armed, self._first_mode)
         is_held = heartbeat.mode is Mode.LOITER and (
             self._is_held_low(pursuit) or self._is_held_by_failsafe(pursuit, heartbeat)
@@ -107,9 +108,6 @@ class GoalPursuit:
     def _is_held_by_failsafe(self, pursuit: Pursuit, heartbeat: Heartbeat) -> bool:
         """Whether the autopilot holds by a failsafe, of its fence, where a climb would end."""
         state, is_rising = self._telemetry.state, pursuit.goal in (Goal.AIRBORNE, Goal.OFFBOARD)
-        follows = self._stepped_s - self._interrupted_s <= FOLLOWS_S
-        if heartbeat.is_failsafe and follows and pursuit.goal is Goal.OFFBOARD and pursuit.asked:
-            pursuit.is_in_failsafe = True
         is_news = heartbeat.is_failsafe and not pursuit.is_in_failsafe
         return is_rising and is_news and state is not None and not state.is_landed
 
@@ -169,9 +167,7 @@ class GoalPursuit:
 
     def step(self, moment: Moment) -> None:
         """Notes interruptions; goals are worked towards when they are pursued."""
-        if moment.is_quiet or moment.now_s - self._stepped_s > QUIET_S:
-            self._interrupted_s = moment.now_s
-        self._stepped_s = moment.now_s
+        self._interruption.step(moment.now_s, moment.is_quiet)
 
     def take(self, moment: Moment, message: Message) -> None:
         """Takes an answer to us."""

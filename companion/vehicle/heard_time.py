@@ -14,6 +14,31 @@ FOLLOWS_S = 5.0
 """From the end of an interruption to the failsafe by which a loss of our stream is told."""
 
 
+class Interruption:
+    """The end of the last time in which the autopilot was not heard, or nothing was done here.
+
+    A hold by a failsafe that follows soon is no decision of a pilot: it is the loss of our stream.
+    """
+
+    def __init__(self) -> None:
+        self._stepped_s = self._ended_s = -math.inf
+
+    def step(self, now_s: float, is_quiet: bool) -> None:
+        """Once a tick; whether nothing is heard now."""
+        if is_quiet or now_s - self._stepped_s >= QUIET_S:
+            self._ended_s = now_s
+        self._stepped_s = now_s
+
+    def forget(self) -> None:
+        """What follows from now on does not follow from it."""
+        self._ended_s = -math.inf
+
+    @property
+    def is_recent(self) -> bool:
+        """Whether a failsafe may follow from it."""
+        return self._stepped_s - self._ended_s <= FOLLOWS_S
+
+
 class HeardTime:
     """The time in which something was heard.
 

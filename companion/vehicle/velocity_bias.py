@@ -35,14 +35,10 @@ STILL = (0.0, 0.0, 0.0)
 
 
 class VelocityBias:
-    """Follows the positions and velocities of one vehicle.
-
-    Attributes:
-        heard_s: when the newest report was heard.
-    """
+    """Follows the positions and velocities of one vehicle."""
 
     def __init__(self) -> None:
-        self.heard_s = self._measured_s = self._begun_s = -math.inf
+        self._heard_s = self._measured_s = self._begun_s = -math.inf
         self._before = [0.0] * 6  # north, east, down, and the velocities
         self._smooth = self._before
 
@@ -59,7 +55,7 @@ class VelocityBias:
         if since_s == 0.0:
             return
         report = [*position, *velocity]
-        self.heard_s, self._measured_s, self._before = now_s, measured_s, report
+        self._heard_s, self._measured_s, self._before = now_s, measured_s, report
         if not 0 < since_s <= FRESH_S:
             self._begun_s, self._smooth = measured_s, report
             return
@@ -74,7 +70,7 @@ class VelocityBias:
 
     def at(self, now_s: float) -> Ned:
         """What to add to a velocity so that the vehicle flies it, in m/s."""
-        is_stale = now_s - self.heard_s > FRESH_S
+        is_stale = now_s - self._heard_s > FRESH_S
         if is_stale or self._measured_s - self._begun_s < SMOOTH_S:
             return STILL
         position, smooth = self._before, self._smooth

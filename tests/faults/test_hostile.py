@@ -19,6 +19,7 @@ from random import Random
 
 import pytest
 from hostile import MISSION, hostile
+from meadow import DATA
 
 pytestmark = [pytest.mark.faults, pytest.mark.slow]
 
@@ -52,36 +53,25 @@ def test_mutants_are_many_and_the_same_each_time() -> None:
 def test_bounds_that_take_all_memory_are_refused_in_words(tmp_path: Path) -> None:
     """Twenty sites on an open field, four of them bounded: 790 MB of a search."""
     random = Random(3)
-    names = [f"P{number}" for number in range(20)]
-    places = {
-        name: {"east_m": random.randint(-90, 90), "north_m": random.randint(-90, 90), "up_m": 5}
-        for name in names
+    sites = {
+        f"P{number}": {"east_m": random.randint(-90, 90), "north_m": random.randint(-90, 90)}
+        for number in range(20)
     }
-    asked = {
-        "version": 1,
-        "name": "bounded",
+    asked = DATA | {
         "limits": {
             "speed_mps": 5,
             "up_m": [1, 20],
             "fence": [[-100, -100], [-100, 100], [100, 100], [100, -100]],
         },
-        "places": {"Home": {"east_m": 0, "north_m": 0, "up_m": 5}, **places},
-        "sets": {"Place": ["Home", *names]},
-        "skills": {
-            "move": {
-                "parameters": {"from": "Place", "to": "Place"},
-                "precondition": "at(from)",
-                "assumes": "trans_ok(from, to)",
-                "effect": "at(to) & !at(from)",
-                "execute": "fly(to)",
-            }
+        "places": {
+            name: place | {"up_m": 5}
+            for name, place in {"Home": {"east_m": 0, "north_m": 0}, **sites}.items()
         },
-        "initially": ["at(Home)"],
+        "sets": {"Place": ["Home", *sites]},
         "task": {
-            "all": f"patrolling({', '.join(names)})",
+            "all": f"patrolling({', '.join(sites)})",
             **{f"often_{i}": f"revisit(P{i}) <= {190 + i} s" for i in (0, 3, 5, 7)},
         },
-        "otherwise": "return_home",
     }
     (tmp_path / MISSION).write_text(json.dumps(asked), encoding="utf-8")
     order = json.dumps([str(tmp_path), MISSION, []])

@@ -169,7 +169,7 @@ class Lockstep(Happened):
         companion: under test.
         is_companion_alive: whether it steps with every tick.
         reports: what the companion reported that people are told.
-        for_programs: what it reported besides.
+        recorded: all that it reported, which a run folder would have.
         said: what it sent, before the way to the vehicle.
         heard: what the ground station heard of it.
         acknowledged: every COMMAND_ACK that left the vehicle, before the way to the companion.
@@ -204,7 +204,7 @@ class Lockstep(Happened):
         self.companion = self._companion(None)
         self.is_companion_alive = True
         self.reports: list[Stamped] = []
-        self.for_programs: list[Stamped] = []
+        self.recorded: list[Stamped] = []
         self.said: list[Said] = []
         self.heard: list[Said] = []
         self.acknowledged: list[Said] = []
@@ -250,8 +250,9 @@ class Lockstep(Happened):
         """In no phase does a setpoint outlive who flies."""
         if isinstance(stamped.event, SetpointRefused):
             assert "not renewed" not in stamped.event.reason, stamped
-        kept = self.reports if stamped.event.is_told else self.for_programs
-        kept.append(stamped)
+        self.recorded.append(stamped)
+        if stamped.event.is_told:
+            self.reports.append(stamped)
 
     def clocks(self, reading: ClockReading) -> None:
         """Not read."""

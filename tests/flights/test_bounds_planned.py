@@ -10,7 +10,7 @@ from lockstep import COMPANION, Lockstep
 from meadow import DATA
 
 from companion.api.simulating import world_of
-from companion.flight_events.event import FlightEvent, Stamped
+from companion.flight_events.event import FlightEvent
 from companion.flight_events.plans import NoPlanFound, PlanReplaced
 from companion.flight_events.skills import PlaceReached
 from companion.flight_events.word import ConjunctViolated
@@ -30,28 +30,18 @@ TASK = {
 """Each way over A takes 13 s, to B and to C together more than A can wait."""
 
 
-class Watch(Lockstep):
-    """A flight that keeps all that a run folder would have."""
-
-    def __init__(self, *arguments: Any, **options: Any) -> None:
-        self.recorded: list[Stamped] = []
-        super().__init__(*arguments, **options)
-
-    def report(self, stamped: Stamped) -> None:
-        self.recorded.append(stamped)
-        super().report(stamped)
-
-    def told(self, kind: type[FlightEvent]) -> list[FlightEvent]:
-        """What was told of some kind."""
-        return [each.event for each in self.recorded if isinstance(each.event, kind)]
-
-    def reached(self, place: str) -> list[float]:
-        """When a place was reached."""
-        events = ((s.time_s, s.event) for s in self.recorded)
-        return [t for t, e in events if isinstance(e, PlaceReached) and e.place == place]
+def told(flight: Lockstep, kind: type[FlightEvent]) -> list[FlightEvent]:
+    """What was recorded of some kind."""
+    return [each.event for each in flight.recorded if isinstance(each.event, kind)]
 
 
-def watch(scenario: dict[str, Any] | None = None, **keys: Any) -> Watch:
+def reached(flight: Lockstep, place: str) -> list[float]:
+    """When a place was reached."""
+    events = ((s.time_s, s.event) for s in flight.recorded)
+    return [t for t, e in events if isinstance(e, PlaceReached) and e.place == place]
+
+
+def watch(scenario: dict[str, Any] | None = None, **keys: Any) -> Lockstep:
     data = deepcopy(DATA) | {"task": TASK} | keys
     height = data["places"]["A"]["up_m"]
     for name, (east_m, north_m) in PLACES.items():
@@ -66,7 +56,7 @@ def watch(scenario: dict[str, Any] | None = None, **keys: Any) -> Watch:
         "fence": [[-15, -25], [40, -25], [40, 25], [-15, 25]],
     }
     mission = load_mission(data)
-    return Watch(mission, world_of(mission, scenario), has_station=True)
+    return Lockstep(mission, world_of(mission, scenario), has_station=True)
 
 
 def gaps(times_s: list[float]) -> list[float]:
@@ -81,12 +71,12 @@ def test_an_alarm_is_answered_in_time_for_as_long_as_it_lasts_and_sites_are_visi
     asked_s = flight.now_s
     flight.run_for(45.0).station_commands(USER_2, component=COMPANION)
     flight.run_for(25.0)
-    assert not flight.told(ConjunctViolated) and not flight.told(NoPlanFound)
-    assert len(flight.told(PlanReplaced)) >= 2
-    assert max(gaps(flight.reached("A"))) <= 20.0
-    assert flight.reached("X")[0] <= asked_s + 30.0
-    assert max(gaps([*flight.reached("X"), asked_s + 45.0])) <= 30.0
-    assert flight.reached("B")[1:] and flight.reached("C")[1:]
+    assert not told(flight, ConjunctViolated) and not told(flight, NoPlanFound)
+    assert len(told(flight, PlanReplaced)) >= 2
+    assert max(gaps(reached(flight, "A"))) <= 20.0
+    assert reached(flight, "X")[0] <= asked_s + 30.0
+    assert max(gaps([*reached(flight, "X"), asked_s + 45.0])) <= 30.0
+    assert reached(flight, "B")[1:] and reached(flight, "C")[1:]
     found = audit(record_of(flight.recorded))
     assert not found.differs
     assert all(each.outcome is not ConjunctOutcome.VIOLATED for each in found.findings)
@@ -98,7 +88,7 @@ def test_a_pause_uses_up_the_time_for_a_detour() -> None:
     flight.station_commands(PAUSE, 0.0, component=COMPANION)
     flight.run_for(7.0).station_commands(PAUSE, 1.0, component=COMPANION)
     flight.run_for(25.0)
-    assert not flight.told(ConjunctViolated) and not flight.told(NoPlanFound)
-    first, again, *_ = flight.reached("A")
+    assert not told(flight, ConjunctViolated) and not told(flight, NoPlanFound)
+    first, again, *_ = reached(flight, "A")
     assert again - first <= 20.0
-    assert flight.reached("B")[0] > again
+    assert reached(flight, "B")[0] > again

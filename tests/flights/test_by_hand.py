@@ -37,6 +37,11 @@ def undisturbed() -> Lockstep:
     return fly().until_the_end()
 
 
+def word(flight: Lockstep) -> list[tuple[str, ...]]:
+    """The facts at each position."""
+    return [s.event.facts for s in flight.recorded if isinstance(s.event, PositionLeft)]
+
+
 def test_it_visits_the_places_of_the_planned_mission_in_the_same_order(
     undisturbed: Lockstep, surveillance_run: Path
 ) -> None:
@@ -64,9 +69,7 @@ def test_after_a_pause_it_goes_on_with_what_was_under_way(undisturbed: Lockstep)
     flight.until_the_end()
     assert flight.exit_code == 0
     assert flight.places == undisturbed.places
-    assert [p.facts for p in flight.of(PositionLeft)] == [
-        p.facts for p in undisturbed.of(PositionLeft)
-    ]
+    assert word(flight) == word(undisturbed) != []
 
 
 def test_called_home_in_a_pause_it_flies_home() -> None:

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 from lockstep import Lockstep
-from two_docks import PADS, RESERVE, between_docks, two_docks
+from two_docks import PADS, RESERVE, between_docks, lowest, text, two_docks
 
 from companion.acting.behaviour_tree import landing
 from companion.acting.flight import TICK_S
@@ -58,22 +58,6 @@ def percent(flight: Lockstep) -> float:
     return 100 * flight.simulation.flight.charge
 
 
-def text(flight: Lockstep) -> str:
-    return "\n".join(event.text for event in flight.events)
-
-
-def lowest(flight: Lockstep, seconds: float) -> float:
-    """The least charge at which it flies, in some time."""
-    least = 100.0
-    for _ in range(round(seconds)):
-        flight.run(1.0)
-        if flight.simulation.is_armed:
-            least = min(least, percent(flight))
-        if flight.companion.has_ended:
-            break
-    return least
-
-
 def test_it_goes_on_for_ever_and_keeps_the_reserve() -> None:
     flight = fly()
     assert lowest(flight, 130.0) >= RESERVE
@@ -85,7 +69,7 @@ def test_it_goes_on_for_ever_and_keeps_the_reserve() -> None:
 
 def tells_its_charge(flight: Lockstep) -> None:
     """The gauge and the plans, lap after lap, are in the record: what is there lasts."""
-    told = [stamped.event for stamped in flight.for_programs]
+    told = [stamped.event for stamped in flight.recorded]
     measured = [event.percent for event in told if isinstance(event, ChargeMeasured)]
     assert len(measured) > 10 and all(a != b for a, b in pairwise(measured))
     assert abs((measured[-1] or 0) - percent(flight)) <= 2

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from lockstep import Lockstep
-from two_docks import RESERVE, between_docks, two_docks
+from two_docks import RESERVE, between_docks, lowest, text, two_docks
 
 from companion.api.simulating import world_of
 from companion.flight_events.energy import EnergyUsed, GaugeJumped
@@ -27,20 +27,6 @@ def fly(data: dict[str, Any], *happens: dict[str, Any], **options: Any) -> Locks
     mission = load_mission(data)
     world = world_of(mission, between_docks(*happens, charge=0.27))
     return Lockstep(mission, world, seed=1, **options)
-
-
-def text(flight: Lockstep) -> str:
-    return "\n".join(event.text for event in flight.events)
-
-
-def lowest(flight: Lockstep, seconds: float) -> float:
-    """The least charge at which it flies, in some time, percent."""
-    least = 100.0
-    for _ in range(round(seconds)):
-        flight.run(1.0)
-        if flight.simulation.is_armed:
-            least = min(least, 100 * flight.simulation.flight.charge)
-    return least
 
 
 def test_flights_that_take_a_quarter_more_go_on_with_plans_that_know_it() -> None:

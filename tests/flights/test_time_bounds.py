@@ -10,7 +10,6 @@ from lockstep import COMPANION, Lockstep
 from meadow import DATA
 
 from companion.api.simulating import world_of
-from companion.flight_events.event import Stamped
 from companion.flight_events.facts import MissionEventChanged
 from companion.flight_events.plans import LineTakenUp, NoPlanFound
 from companion.flight_events.skills import PlaceReached
@@ -27,58 +26,46 @@ ROUND = [{"repeat": ["move(*, A)", "move(A, Home)"], "times": 3}]
 """Back and forth, 7.4 s each way."""
 
 
-class Recorded(Lockstep):
-    """A flight that keeps all that a run folder would have."""
-
-    def __init__(self, *arguments: Any, **options: Any) -> None:
-        self.recorded: list[Stamped] = []
-        super().__init__(*arguments, **options)
-
-    def report(self, stamped: Stamped) -> None:
-        self.recorded.append(stamped)
-        super().report(stamped)
-
-
-def by_hand(task: dict[str, Any], **keys: Any) -> Recorded:
+def by_hand(task: dict[str, Any], **keys: Any) -> Lockstep:
     """A meadow with A 20 m east of Home, and a tree that flies there and back three times."""
     data = deepcopy(DATA) | {"task": task, "tree": ROUND} | keys
     return begun(data)
 
 
-def planned(task: dict[str, Any], **keys: Any) -> Recorded:
+def planned(task: dict[str, Any], **keys: Any) -> Lockstep:
     """The same meadow, with a plan."""
     return begun(deepcopy(DATA) | {"task": task} | keys)
 
 
-def begun(data: dict[str, Any]) -> Recorded:
+def begun(data: dict[str, Any]) -> Lockstep:
     fence = [[-15, -15], [35, -15], [35, 15], [-15, 15]]
     data["limits"] = {"speed_mps": 4, "up_m": [1, 10], "fence": fence}
     asked = load_mission(data)
-    return Recorded(asked, world_of(asked, None), has_station=True, resumes=True)
+    return Lockstep(asked, world_of(asked, None), has_station=True, resumes=True)
 
 
-def command(flight: Recorded, number: int, *parameters: float) -> None:
+def command(flight: Lockstep, number: int, *parameters: float) -> None:
     flight.station_commands(number, *parameters, component=COMPANION)
 
 
-def audited(flight: Recorded) -> Audit:
+def audited(flight: Lockstep) -> Audit:
     found = audit(record_of(flight.recorded))
     assert not found.differs
     return found
 
 
-def outcome(flight: Recorded, line: str) -> tuple[ConjunctOutcome, int | None]:
+def outcome(flight: Lockstep, line: str) -> tuple[ConjunctOutcome, int | None]:
     (finding,) = (f for f in audited(flight).findings if f.name == line)
     return finding.outcome, finding.position
 
 
-def told(flight: Recorded) -> list[tuple[str, float, int]]:
+def told(flight: Lockstep) -> list[tuple[str, float, int]]:
     """Violations: the line, when, and the position."""
     stamped = ((s.time_s, s.event) for s in flight.recorded)
     return [(e.conjunct, t, e.position) for t, e in stamped if isinstance(e, ConjunctViolated)]
 
 
-def begun_s(flight: Recorded) -> float:
+def begun_s(flight: Lockstep) -> float:
     """When the first position counts as reached."""
     positions = (s.event for s in flight.recorded if isinstance(s.event, PositionLeft))
     return next(positions).reached_s
@@ -172,7 +159,7 @@ LAP = {"patrol": "patrolling(A, B)", "answer": "G (alarm -> F[<=17s] at(Home))"}
 ALARM = {"alarm": {"when": "COMMAND.MAV_CMD_USER_1"}}
 
 
-def patrol(**keys: Any) -> Recorded:
+def patrol(**keys: Any) -> Lockstep:
     """A and B 20 m from home, 17 m from each other."""
     data = deepcopy(DATA) | {"task": LAP, "events": ALARM} | keys
     data["places"]["B"] = {"east_m": 11, "north_m": 13, "up_m": 3}
