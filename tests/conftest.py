@@ -1,5 +1,8 @@
 """The paper's mission for all tests; its routes are found once. No property is timed.
 
+Properties draw the same examples in each run, so that what fails is what was changed; with
+EXPLORE=1 they draw new ones.
+
 Tests that fly in the simulator are marked `flight`, and properties `slow`: `scripts/test --fast`
 leaves both out.
 """
@@ -25,8 +28,11 @@ from companion.motion.layered_routes import LayeredRoutes
 from companion.planning.flight_times import route_map
 from companion.record.run_folder import RunFolder
 
-settings.register_profile(  # machines are noisy
-    "untimed", deadline=None, suppress_health_check=[HealthCheck.too_slow]
+settings.register_profile(
+    "untimed",
+    deadline=None,  # machines are noisy
+    derandomize="EXPLORE" not in os.environ,
+    suppress_health_check=[HealthCheck.too_slow],
 )
 settings.load_profile("untimed")
 

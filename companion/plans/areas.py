@@ -61,13 +61,22 @@ def common(areas: Sequence[PlanArea]) -> PlanArea:
     """
     about = GlobalOrigin(*areas[0].corners[0], 0.0)
     first, *others = areas
-    shared = _counterclockwise([_local(about, corner) for corner in first.corners])
+    shared = _drawn(first, about)
     for area in others:
-        shared = _both(shared, [_local(about, corner) for corner in area.corners], area.item)
-    bends = _bends(shared)
+        shared = _both(shared, _drawn(area, about), area.item)
+    return replace(first, corners=tuple(_degrees(about, corner) for corner in shared))
+
+
+def _drawn(area: PlanArea, about: GlobalOrigin) -> list[NorthEast]:
+    """The corners at which an area turns, counterclockwise.
+
+    An edge cut in two leaves a corner on a line, by rounding on either side of it. Only what is
+    left without such corners tells whether an area is convex.
+    """
+    bends = _bends([_local(about, corner) for corner in area.corners])
     if len(bends) < 3:
-        raise ItemRefused(first.item, "has no area: its corners lie on one line", "draw it anew")
-    return replace(first, corners=tuple(_degrees(about, corner) for corner in bends))
+        raise ItemRefused(area.item, "has no area: its corners lie on one line", "draw it anew")
+    return bends if _area(bends) > 0 else bends[::-1]
 
 
 def _bends(corners: Sequence[NorthEast]) -> list[NorthEast]:
@@ -89,9 +98,8 @@ def _bends(corners: Sequence[NorthEast]) -> list[NorthEast]:
 
 
 def _both(one: list[NorthEast], other: list[NorthEast], item: str) -> list[NorthEast]:
-    other = _counterclockwise(other)
     if _is_convex(other):
-        clipped = _clipped(one, other)
+        clipped = _bends(_clipped(one, other))
         if _is_convex(one) or clipped == one:
             if len(clipped) < 3 or abs(_area(clipped)) < 1.0:
                 raise ItemRefused(item, "nothing is inside it and the others", "remove one of them")
@@ -131,10 +139,6 @@ def is_counterclockwise(corners: Sequence[LatLon]) -> bool:
     """Whether the corners run so, seen from above (the right-hand rule of RFC 7946)."""
     about = GlobalOrigin(*corners[0], 0.0)
     return _area([_local(about, corner) for corner in corners]) > 0
-
-
-def _counterclockwise(polygon: list[NorthEast]) -> list[NorthEast]:
-    return polygon if _area(polygon) > 0 else polygon[::-1]
 
 
 def _is_convex(polygon: Sequence[NorthEast]) -> bool:
