@@ -1,4 +1,4 @@
-"""Uploads of a stranger: seeded mutants of the shipped missions, and missions of hostile formulas.
+"""Uploads of a stranger: mutants of the shipped missions, hostile formulas, hostile time bounds.
 
 `hostile_checks.py` checks them as uploads are checked.
 """
@@ -37,9 +37,9 @@ class Hostile:
 
 
 def hostile(kind: str, seed: int) -> Hostile:
-    """The upload of a seed: a `mission`, or a mission with a hostile `formula`."""
-    chance = random.Random(f"{kind} {seed}")
-    made = {"mission": _mission, "formula": _formula_mission}[kind](chance)
+    """The upload of a seed: a `mission`, or one with a hostile `formula`, or hostile `bounds`."""
+    makers = {"mission": _mission, "formula": _formula_mission, "bounds": _bounds_mission}
+    made = makers[kind](random.Random(f"{kind} {seed}"))
     return Hostile(f"{kind} {seed}", made)
 
 
@@ -471,4 +471,41 @@ def _formula_mission(chance: Chance) -> Files:
     data = _data(_shipped()["surveillance"])
     line = {"hostile": hostile_formula(chance)}
     data["task"] = line if chance.random() < 0.5 else data["task"] | line
+    return _others() | {MISSION: _written(data).encode("utf-8", "surrogatepass")}
+
+
+# -- time bounds -------------------------------------------------------------------------------
+
+BOUNDED = (
+    "F[<={t}] {a}", "G({a} -> F[<={t}] {b})", "revisit({p}) <= {t}", "revisit({a} | {b}) <= {t}",
+    "revisit({a} & X {b}) <= {t}", "G F[<={t}] {a}", "F[<={t}] ({a} & F[<={t}] {b})",
+    "!F[<={t}] {a}", "X F[<={t}] {a}", "({a}) U (F[<={t}] {b})", "F[>={t}] {a}", "G[<={t}] {a}",
+    "G({a} -> F[<={t}] ({b} & F {c}))", "revisit({p})", "revisit() <= {t}", "F[<={t}, 3 s] {a}",
+)  # fmt: skip
+KEPT = BOUNDED[:4]
+"""Those that have a meaning."""
+ODD_TIMES = ("0 s", "-5 s", "1e9 s", "3 s", "nan s", "10", "5 min", "1 h", "1e308min", "0x5s", "")
+
+
+def _bounds_mission(chance: Chance) -> Files:
+    """A shipped mission with lines that are bounded in time, some of them `ready` for an event."""
+    names = [name for name, text in _shipped().items() if "\ntask:" in text]
+    data = _data(_shipped()[chance.choice(sorted(names))])
+    if chance.random() < 0.3:
+        more_places(data, chance)
+    facts, places = _facts(data), [*data["places"]]
+    schemes = BOUNDED if chance.random() < 0.3 else KEPT
+    lines: dict[str, Any] = {}
+    for number in range(chance.choice((1, 2, 3, 4, 6, 12, 40))):
+        a, b, c = (chance.choice(facts) for _ in range(3))
+        is_odd = chance.random() < 0.05
+        time = chance.choice(ODD_TIMES) if is_odd else f"{chance.lognormvariate(4, 1):.3g} s"
+        line = chance.choice(schemes).format(a=a, b=b, c=c, p=chance.choice(places), t=time)
+        is_optional = chance.random() < 0.15
+        lines[f"l{number}"] = {"formula": line, "priority": 1} if is_optional else line
+    data["task"] = lines if chance.random() < 0.3 else data["task"] | lines
+    if chance.random() < 0.3:
+        data["ready"] = chance.sample([*lines], min(2, len(lines)))
+    if chance.random() < 0.2:
+        chance.choice(OF_DATA)(data, chance)
     return _others() | {MISSION: _written(data).encode("utf-8", "surrogatepass")}
