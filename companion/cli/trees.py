@@ -49,11 +49,9 @@ def tree(source: Source, format_: FormatOption = TreeFormat.TEXT, verbose: Verbo
     from companion.api.trees import behaviour_tree
 
     made = behaviour_tree(source if source.is_dir() else load(source))
-    match format_:
-        case TreeFormat.TEXT:
-            text = made.to_text()
-        case TreeFormat.DOT:
-            text = made.to_dot()
-        case TreeFormat.XML:
-            text = made.to_xml()
-    typer.echo(text, nl=False)
+    write = {
+        TreeFormat.TEXT: made.to_text,
+        TreeFormat.DOT: made.to_dot,
+        TreeFormat.XML: made.to_xml,
+    }[format_]
+    typer.echo(write(), nl=False)

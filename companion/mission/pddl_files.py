@@ -59,26 +59,35 @@ def parsed(folder: Path, file: MissionFile, document: Document) -> Problem:
             own line and column if they are known.
     """
     from unified_planning.environment import get_environment
-    from unified_planning.io import PDDLReader
 
     names = [name for name in (file.domain, file.problem) if name is not None]
     texts = [_text(folder / name, document, key) for name, key in zip(names, _KEYS, strict=False)]
     # A type and an object may share a name. The reader needs its global environment for forall.
     get_environment().error_used_name = False
-    for last, (name, key) in enumerate(zip(names, _KEYS, strict=False)):
-        try:  # the domain alone first, so that an error is known to be in one file
-            with warnings.catch_warnings(action="ignore"):
-                problem = PDDLReader().parse_problem_string(*texts[: last + 1])
-            features = problem.kind.features
-        except Exception as error:  # the reader checks little and fails in any way on bad input
-            reason, place = _reason(error)
-            where = Location(str(folder / name), *place) if place else document.where(key)
-            what = f"{name} cannot be read as PDDL: {reason[:300]}"
-            raise MissionError(what, where, _FEATURES) from error
-        for feature, words in _FOREIGN.items():
-            if feature in features:
-                what = f"{name} has {words}, which are not supported"
-                raise MissionError(what, document.where(key), _FEATURES)
+    read = [  # the domain alone first, so that an error is known to be in one file
+        _parsed(texts[: last + 1], folder / name, document, key)
+        for last, (name, key) in enumerate(zip(names, _KEYS, strict=False))
+    ]
+    return read[-1]
+
+
+def _parsed(texts: list[str], path: Path, document: Document, key: str) -> Problem:
+    """What the texts say together; the last of them is that of the file."""
+    from unified_planning.io import PDDLReader
+
+    try:
+        with warnings.catch_warnings(action="ignore"):
+            problem = PDDLReader().parse_problem_string(*texts)
+        features = problem.kind.features
+    except Exception as error:  # the reader checks little and fails in any way on bad input
+        reason, place = _reason(error)
+        where = Location(str(path), *place) if place else document.where(key)
+        what = f"{path.name} cannot be read as PDDL: {reason[:300]}"
+        raise MissionError(what, where, _FEATURES) from error
+    for feature, words in _FOREIGN.items():
+        if feature in features:
+            what = f"{path.name} has {words}, which are not supported"
+            raise MissionError(what, document.where(key), _FEATURES)
     return problem
 
 

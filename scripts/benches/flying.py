@@ -174,7 +174,7 @@ def flying(runs: int) -> Iterator[Row]:
 
     MAVLink is measured on the autopilot's frames of that flight.
     """
-    speeds = []
+    speeds, seen = [], Flight()
     for _ in range(max(1, runs // 10)):
         mission = load_mission(MISSION)
         seen = Flight()

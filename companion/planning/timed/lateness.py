@@ -37,6 +37,7 @@ def _relaxed(search: TimedSearch, problem: Problem, number: int, effort: Effort)
     conjunct = problem.conjuncts[number]
     assert conjunct.bound is not None
     planned_ms = low_ms = conjunct.bound.planned_ms
+    best: LongestWait | None = None
     try:
         best = _waiting(search, problem, number, NO_LIMIT_MS, effort)
         if best is None:

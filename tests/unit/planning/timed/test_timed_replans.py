@@ -123,4 +123,5 @@ def test_a_search_that_ends_too_early_does_not_say_that_there_is_no_plan() -> No
     with pytest.raises(SearchLimit, match="no proof"):
         list(search.solutions(of, replace(BEFORE_FLIGHT, time_labels=10)))
     assert search.is_solvable(of, replace(BEFORE_FLIGHT, time_labels=10)) is None
+    assert late_bounds(search, of, replace(BEFORE_FLIGHT, time_labels=10)) == ()
     assert search.is_solvable(of, BEFORE_FLIGHT) is True
