@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import doctest
+import os
 import re
 import shutil
 import subprocess
@@ -80,7 +81,7 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     source = tmp_path_factory.mktemp("source")
     for name in ("pyproject.toml", "README.md", "LICENSE"):
         shutil.copy(ROOT / name, source)
-    for package in ("companion", "sitl"):
+    for package in ("companion", "sitl", "missions"):
         shutil.copytree(ROOT / package, source / package)
     pip = [sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check"]
     wheel = ["wheel", "--no-deps", "--wheel-dir", str(source / "dist"), str(source)]
@@ -103,6 +104,27 @@ def test_the_wheel_is_what_is_imported(installed: Path, tmp_path: Path) -> None:
         [installed, "-c", script], cwd=tmp_path, capture_output=True, text=True, check=True
     )
     assert all(Path(line).is_relative_to(installed.parents[1]) for line in done.stdout.split())
+
+
+@pytest.mark.long
+def test_shipped_missions_have_names_wherever_it_is_installed(
+    installed: Path, tmp_path: Path
+) -> None:
+    def ran(*arguments: str) -> subprocess.CompletedProcess[str]:
+        command = [installed.with_name("companion"), *arguments]
+        state = {**os.environ, "XDG_STATE_HOME": str(tmp_path / "state")}
+        return subprocess.run(
+            command, cwd=tmp_path, env=state, capture_output=True, text=True, check=False
+        )
+
+    for mission in sorted((ROOT / "missions").glob("*.yaml")):
+        if not mission.name.endswith(".sim.yaml"):
+            checked = ran("check", mission.stem)
+            assert checked.returncode == 0, checked.stderr
+    flown = ran("sim", "return_home", "--speed", "max")
+    assert (flown.returncode, flown.stderr) == (0, "")
+    assert list((tmp_path / "state" / "companion").glob("*-return_home/flight.png"))
+    assert "did you mean surveillance?" in ran("check", "surveilance").stderr
 
 
 @pytest.mark.long

@@ -27,19 +27,18 @@ from companion.cli.monitoring import monitor, replay
 from companion.cli.operating import upload, watch
 from companion.cli.plan_files import export, import_
 from companion.cli.planning import plan
+from companion.cli.shipped import DISTRIBUTION
 from companion.cli.simulated_flight import sim
 from companion.cli.skills import skills
 from companion.cli.terminal import give_up
 from companion.cli.trees import tree
 from companion.errors import CompanionError
 
-DISTRIBUTION = "mav-companion"
-"""As pyproject.toml names it; its version is written there, and nowhere else."""
 OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
 
 app = typer.Typer(
     help="Plans a mission in linear temporal logic and flies it on a PX4-style vehicle.",
-    epilog="Try: companion sim missions/surveillance.yaml --speed max",
+    epilog="Try: companion sim surveillance --speed max",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,

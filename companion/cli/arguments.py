@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,19 +11,27 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from companion.acting.arming_terms import UploadPolicy
+from companion.cli.shipped import mission_file
 
 if TYPE_CHECKING:
     from companion.mavlink.signing import Signing
     from companion.mission.model import Mission
 
-MissionFile = Annotated[Path, typer.Argument(metavar="MISSION", help="The mission's YAML file.")]
+MissionFile = Annotated[
+    Path,
+    typer.Argument(
+        metavar="MISSION",
+        parser=mission_file,
+        help="The mission's YAML file, or the name of one that is shipped.",
+    ),
+]
 
 LogDir = Annotated[
     Path,
     typer.Option(
         envvar="COMPANION_LOG_DIR",
         help="Where run folders are made.",
-        show_default="~/.local/state/companion",
+        show_default="$XDG_STATE_HOME/companion, else ~/.local/state/companion",
     ),
 ]
 Instance = Annotated[
@@ -111,7 +120,19 @@ UnsignedVehicle = Annotated[
         help="With a key: the autopilot and its devices need not sign; ground stations must.",
     ),
 ]
-DEFAULT_LOG_DIR = Path("~/.local/state/companion")
+
+
+def log_dir(state_home: str) -> Path:
+    """Where run folders are made, by the XDG base directory specification.
+
+    >>> str(log_dir("")), str(log_dir("/var/state")), str(log_dir("not/absolute"))
+    ('~/.local/state/companion', '/var/state/companion', '~/.local/state/companion')
+    """
+    state = Path(state_home)
+    return (state if state.is_absolute() else Path("~/.local/state")) / "companion"
+
+
+DEFAULT_LOG_DIR = log_dir(os.environ.get("XDG_STATE_HOME", ""))
 
 
 @contextmanager

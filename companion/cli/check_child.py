@@ -65,6 +65,8 @@ class BoundedCheck:
         self._mission, self._work_s, self._installed = mission, work_s, installed
         self._doing = ""
         self._for_the_answer = bytearray(ANSWER_BYTES)
+        # Keeps what a search has made until the answer is out: to free it may take a second.
+        self._given_up_by: BaseException | None = None
 
     def answer(self) -> dict[str, Any]:
         """What is found out, in JSON values."""
@@ -72,10 +74,12 @@ class BoundedCheck:
             return {"version": FORMAT_VERSION, "ok": True} | self._checked().as_json()
         except CompanionError as error:
             return refusal_as_json(error)
-        except MemoryError:
+        except MemoryError as error:
             self._for_the_answer.clear()
+            self._given_up_by = error
             return self._given_up(f"{MEMORY_BYTES // MIB} MiB of memory")
-        except _TimeIsOver:
+        except _TimeIsOver as error:
+            self._given_up_by = error
             return self._given_up(f"{CPU_S} s of processor time")
         except RecursionError:
             return self._given_up(f"{sys.getrecursionlimit()} calls in one another")
@@ -122,7 +126,9 @@ def main() -> None:
         signal.signal(signal.SIGXCPU, _stop)
         confine_time(CPU_S)
         os.chdir(folder)  # the module search path stays as it was: nothing is imported from there
-        _write(BoundedCheck(Path(mission), installed=from_json(installed)).answer())
+        check = BoundedCheck(Path(mission), installed=from_json(installed))
+        _write(check.answer())
+        os._exit(0)  # nothing is freed one by one
 
 
 if __name__ == "__main__":

@@ -37,6 +37,7 @@ from companion.cli.engine_options import (
 from companion.cli.log_lines import Verbose
 from companion.cli.monitoring import DEFAULT_ADDRESS, Monitor
 from companion.cli.real_time import OFFBOARD_PORT, fly_over
+from companion.cli.shipped import mission_file
 from companion.cli.vehicle_flights import VehicleFlights
 from companion.planning.objective import Encoding
 
@@ -44,7 +45,11 @@ from companion.planning.objective import Encoding
 def run(
     mission: Annotated[
         Path | None,
-        typer.Argument(metavar="MISSION", help="The mission's YAML file; without: uploads."),
+        typer.Argument(
+            metavar="MISSION",
+            parser=mission_file,
+            help="The mission's YAML file, or the name of a shipped one; without: uploads.",
+        ),
     ] = None,
     connect: LinkUrl = f"udpin://0.0.0.0:{OFFBOARD_PORT}",
     accept_weak_failsafes: WeakFailsafes = False,

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from companion.cli.arguments import load
+from companion.cli.shipped import mission_file
 from companion.errors import CompanionError, MissionError
 from companion.geometry import GlobalOrigin
 
@@ -70,7 +71,11 @@ def import_(
 def export(
     source: Annotated[
         Path,
-        typer.Argument(metavar="MISSION|RUN", help="A mission's file, or the folder of a run."),
+        typer.Argument(
+            metavar="MISSION|RUN",
+            parser=mission_file,
+            help="A mission's file, the name of a shipped one, or the folder of a run.",
+        ),
     ],
     output: Annotated[
         Path,

@@ -10,6 +10,7 @@ import typer
 
 from companion.cli.arguments import load
 from companion.cli.log_lines import Verbose
+from companion.cli.shipped import mission_file
 
 
 class TreeFormat(StrEnum):
@@ -22,7 +23,11 @@ class TreeFormat(StrEnum):
 
 Source = Annotated[
     Path,
-    typer.Argument(metavar="MISSION|RUN", help="A mission's YAML file, or the folder of a run."),
+    typer.Argument(
+        metavar="MISSION|RUN",
+        parser=mission_file,
+        help="A mission's YAML file, the name of a shipped one, or the folder of a run.",
+    ),
 ]
 FormatOption = Annotated[
     TreeFormat,

@@ -1,0 +1,57 @@
+"""The missions that come with the program, by their names.
+
+They lie beside the packages in a checkout; an installed program has them among its data files.
+"""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+from importlib import metadata
+from pathlib import Path
+
+import companion
+from companion.errors import MissionError
+
+DISTRIBUTION = "mav-companion"
+"""As pyproject.toml names it; its version is written there, and nowhere else."""
+SCENARIO = ".sim.yaml"
+_FOLDER = "missions"
+_ONE_OF_THEM = "surveillance.yaml"
+
+
+def folder() -> Path | None:
+    """Where the shipped missions lie; None if they were not installed."""
+    beside = Path(companion.__file__).parents[1] / _FOLDER
+    if (beside / _ONE_OF_THEM).is_file():
+        return beside
+    try:
+        files = metadata.files(DISTRIBUTION) or ()
+    except metadata.PackageNotFoundError:
+        return None
+    found = (file for file in files if file.name == _ONE_OF_THEM and file.parent.name == _FOLDER)
+    return next((Path(str(file.locate())).resolve().parent for file in found), None)
+
+
+def names() -> list[str]:
+    """The shipped missions, sorted."""
+    lies_in = folder()
+    files = lies_in.glob("*.yaml") if lies_in is not None else ()
+    return sorted(path.stem for path in files if not path.name.endswith(SCENARIO))
+
+
+def mission_file(text: str) -> Path:
+    """The file that a MISSION argument means: a path, or the name of a shipped mission.
+
+    Raises:
+        MissionError: it is neither; with the names that there are.
+    """
+    path, lies_in = Path(text), folder()
+    if path.exists() or lies_in is None:
+        return path
+    shipped = names()
+    if text in shipped:
+        return lies_in / f"{text}.yaml"
+    near = get_close_matches(path.name.removesuffix(".yaml"), shipped, n=1)
+    meant = f"did you mean {near[0]}? " if near else ""
+    advice = f"{meant}these are shipped: {', '.join(shipped)}"
+    raise MissionError(f"there is no file {text}", hint=advice)

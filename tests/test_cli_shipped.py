@@ -1,0 +1,49 @@
+"""A MISSION argument: a path, or the name of a mission that is shipped."""
+
+from __future__ import annotations
+
+from importlib import metadata
+from pathlib import Path
+
+import pytest
+
+import companion
+from companion.cli import shipped
+from companion.cli.shipped import mission_file, names
+from companion.errors import MissionError
+
+
+def test_names_are_those_of_the_missions_without_their_scenarios() -> None:
+    assert "surveillance" in names()
+    assert not any(name.endswith(".sim") for name in names())
+
+
+def test_a_name_means_the_shipped_file(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert mission_file("night_watch").name == "night_watch.yaml"
+    assert mission_file("night_watch").is_file()
+
+
+def test_a_file_that_is_there_comes_before_a_name(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "surveillance").write_text("version: 1\n")
+    assert mission_file("surveillance") == Path("surveillance")
+
+
+def test_what_is_neither_is_refused_with_the_names_there_are() -> None:
+    with pytest.raises(MissionError) as error:
+        mission_file("missions/survaillance.yaml")
+    assert "there is no file missions/survaillance.yaml" in str(error.value)
+    assert "did you mean surveillance?" in str(error.value)
+    assert ", ".join(names()) in str(error.value)
+
+
+def test_a_program_without_its_missions_leaves_the_path_to_the_reader(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(companion, "__file__", str(tmp_path / "companion" / "__init__.py"))
+    monkeypatch.setattr(metadata, "files", lambda name: None)
+    assert shipped.folder() is None
+    assert mission_file("surveillance") == Path("surveillance")
