@@ -103,34 +103,46 @@ class LapSearch:
         Raises:
             SearchLimit: the budget does not suffice.
         """
-        pending: list[tuple[int, int, _LapLabel, bool]] = []
+        pending: list[tuple[int, int, _LapLabel, TimedStep, int]] = []
         count = 0
         known: dict[tuple[int, int], ParetoSet] = defaultdict(ParetoSet)
 
-        def push(label: _LapLabel, is_lap: bool) -> None:
+        def lead_on(label: _LapLabel) -> None:
+            """Leaves the labels themselves for later: most of them are never looked at."""
             nonlocal count
-            missing_ms = 0 if is_lap else self._missing_ms(label.state, label.met)
-            if label.cost_ms + missing_ms < below_ms:
-                count += 1
-                heapq.heappush(pending, (label.cost_ms + missing_ms, -count, label, is_lap))
+            steps = self._component.steps(label.state)
+            self._budget.take(len(steps))
+            for step, marks in steps:
+                if step.end in self._barred:
+                    continue
+                met = self._met(label.met, marks)
+                least_ms = label.cost_ms + step.cost_ms + self._missing_ms(step.end, met)
+                if least_ms < below_ms:
+                    count += 1
+                    heapq.heappush(pending, (least_ms, -count, label, step, met))
 
-        start = self._graph.least
-        nothing = (0,) * len(start)
-        push(_LapLabel(0, 0, self._anchor, 0, start, nothing, self._begun, None, None), False)
+        lead_on(self._begin(known))
         while pending:
-            self.bound_ms, _, label, is_lap = heapq.heappop(pending)
-            if is_lap:
+            self.bound_ms, _, before, step, met = heapq.heappop(pending)
+            label = self._after(before, step, met)
+            if label is None:
+                continue
+            if label.state == self._anchor and met == self._component.all and self._closes(label):
                 yield _steps(label)
-                continue
-            if not self._is_new(label, known[label.state, label.met]):
-                continue
-            for following in self._after(label):
-                is_end = following.state == self._anchor and following.met == self._component.all
-                if is_end and self._closes(following):
-                    push(following, True)
-                else:
-                    push(following, False)
+            elif self._is_new(label, known[label.state, met]):
+                lead_on(label)
         self.bound_ms = below_ms
+
+    def _begin(self, known: dict[tuple[int, int], ParetoSet]) -> _LapLabel:
+        least = self._graph.least
+        nothing = (0,) * len(least)
+        label = _LapLabel(0, 0, self._anchor, 0, least, nothing, self._begun, None, None)
+        self._is_new(label, known[label.state, label.met])
+        return label
+
+    def _met(self, met: int, marks: int) -> int:
+        """The marks that are met after a step that meets some."""
+        return _in_order(met, marks) if self._is_in_order else met | marks
 
     def _is_new(self, label: _LapLabel, alike: ParetoSet) -> bool:
         """Whether no label that is known dominates one; then it is known."""
@@ -138,43 +150,27 @@ class LapSearch:
         is_full = self._is_in_order and len(alike) >= MOST_ALIKE
         return not is_full and alike.add(label.weight)
 
-    def _after(self, label: _LapLabel) -> Iterator[_LapLabel]:
+    def _after(self, label: _LapLabel, step: TimedStep, met: int) -> _LapLabel | None:
+        """A way that leads on by a step; None where a clock has run out."""
         graph = self._graph
-        steps = self._component.steps(label.state)
-        self._budget.take(len(steps))
-        for step, marks in steps:
-            if step.end in self._barred:
-                continue
-            met = label.met | marks
-            if self._is_in_order:
-                met = _in_order(label.met, marks)
-            clocks = graph.after(label.clocks, step)
-            if clocks is None:
-                continue
-            elapsed_ms = label.elapsed_ms + step.duration_ms
-            first_met, is_met = label.first_met, label.is_met
-            if is_met != self._component.all_clocks:
-                passed = []
-                for clock, first_ms in enumerate(first_met):
-                    is_open = not is_met >> clock & 1
-                    passed.append(elapsed_ms if is_open else first_ms)
-                    if is_open and graph.charges is not None and clock == len(graph.bounds):
-                        needed = graph.charges.needed(label.clocks[-1], step)
-                        passed[-1] = max(first_ms, needed)
-                    if is_open and graph.is_met(clock, step):
-                        is_met |= 1 << clock
-                first_met = tuple(passed)
-            yield _LapLabel(
-                label.cost_ms + step.cost_ms,
-                elapsed_ms,
-                step.end,
-                met,
-                clocks,
-                first_met,
-                is_met,
-                label,
-                step,
-            )
+        clocks = graph.after(label.clocks, step)
+        if clocks is None:
+            return None
+        elapsed_ms = label.elapsed_ms + step.duration_ms
+        first_met, is_met = label.first_met, label.is_met
+        if is_met != self._component.all_clocks:
+            passed = []
+            for clock, first_ms in enumerate(first_met):
+                is_open = not is_met >> clock & 1
+                passed.append(elapsed_ms if is_open else first_ms)
+                if is_open and graph.charges is not None and clock == len(graph.bounds):
+                    needed = graph.charges.needed(label.clocks[-1], step)
+                    passed[-1] = max(first_ms, needed)
+                if is_open and graph.is_met(clock, step):
+                    is_met |= 1 << clock
+            first_met = tuple(passed)
+        cost_ms = label.cost_ms + step.cost_ms
+        return _LapLabel(cost_ms, elapsed_ms, step.end, met, clocks, first_met, is_met, label, step)
 
     def _closes(self, label: _LapLabel) -> bool:
         """Whether a way back to the anchor can be flown for ever."""
