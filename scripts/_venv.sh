@@ -9,7 +9,7 @@
 
 root="$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd -P)"
 venv="$root/.venv"
-shown="bench,planners"
+shown="planners"
 
 use_venv() {
     local extra="${1:-}"

@@ -9,7 +9,7 @@ import pytest
 
 import companion
 from companion.cli import shipped
-from companion.cli.shipped import mission_file, names
+from companion.cli.shipped import completions, mission_file, names
 from companion.errors import MissionError
 
 
@@ -47,3 +47,16 @@ def test_a_program_without_its_missions_leaves_the_path_to_the_reader(
     monkeypatch.setattr(metadata, "files", lambda name: None)
     assert shipped.folder() is None
     assert mission_file("surveillance") == Path("surveillance")
+
+
+def test_a_shell_is_told_names_files_and_folders(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "survey").mkdir()
+    (tmp_path / "survey" / "field.yaml").write_text("")
+    (tmp_path / "survey.png").write_text("")
+    assert completions("surv") == ["surveillance", "survey/"]
+    assert completions("survey/") == ["survey/field.yaml"]
+    assert completions("survey/f") == ["survey/field.yaml"]
+    assert set(names()) < set(completions(""))

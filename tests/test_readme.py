@@ -46,6 +46,12 @@ SIMULATORS = (
 )
 """Commands that run until they are stopped."""
 
+STARTING = (
+    "companion new first --space field --task inspection",
+    "companion sim first.yaml --speed max",
+)
+"""Commands that are run here one after another."""
+
 REFUSED = (
     "companion sim missions/surveillance.yaml --speed max "
     "--scenario missions/surveillance_all_uploads_fail.sim.yaml"
@@ -116,6 +122,8 @@ def commands(text: str) -> list[str]:
 
 def is_quick(command: str) -> bool:
     """Whether a test may run a command as it stands."""
+    if command in STARTING:
+        return False
     match shlex.split(command):
         case ["companion" | "sitl", *_, "--help"]:
             return True
@@ -180,6 +188,14 @@ def test_a_quick_command_succeeds(command: str, start: Start) -> None:
     assert printed
 
 
+@pytest.mark.slow
+def test_a_new_mission_flies(start: Start) -> None:
+    for command in STARTING:
+        process = start(command)
+        printed, _ = process.communicate(timeout=600)
+        assert process.returncode == 0, printed
+
+
 @pytest.mark.sockets
 @pytest.mark.parametrize("together", IN_REAL_TIME)
 def test_a_command_flies_and_lands_on_ctrl_c(together: tuple[str, ...], start: Start) -> None:
@@ -228,7 +244,7 @@ def on_ports_of(instance: int, command: str) -> str:
 def test_every_command_is_covered() -> None:
     ours = [c for c in COMMANDS if shlex.split(c)[0] not in FOREIGN]
     flown = [command for together in IN_REAL_TIME for command in together]
-    assert set(ours) == {*QUICK, *flown, *SIMULATORS, *ELSEWHERE}, (
+    assert set(ours) == {*QUICK, *STARTING, *flown, *SIMULATORS, *ELSEWHERE}, (
         "let a test run each command, and no other"
     )
     assert set(EXIT_CODES) <= set(QUICK)

@@ -38,7 +38,7 @@ case "$*" in
         ;;
 esac
 """
-SHOWN = "bench,planners"
+SHOWN = "planners"
 """The extras that README.md's commands need."""
 NO_VENV = '#!/usr/bin/env bash\n[[ "$*" != *ensurepip* ]]\n'
 
@@ -151,7 +151,7 @@ def test_what_only_the_tests_need_is_hidden_from_the_commands(tmp_path: Path) ->
     hidden, without = hidden_modules(shown_extras()), hidden_modules([])
     assert {"hypothesis", "mypy", "playwright", "pytest"} <= hidden
     assert not {"companion", "numpy", "psutil", "unified_planning", "up_fast_downward"} & hidden
-    assert {"psutil", "up_fast_downward", "up_pyperplan"} <= without
+    assert {"up_fast_downward", "up_pyperplan"} <= without
     script = "import numpy, psutil\ntry: import pytest\nexcept ModuleNotFoundError: print('none')"
     done = subprocess.run(
         [sys.executable, "-c", script],

@@ -20,13 +20,16 @@ import typer
 
 from companion.cli.auditing import audit
 from companion.cli.checking import check
+from companion.cli.doctor import doctor
 from companion.cli.flying import run
 from companion.cli.formulas import ltl
 from companion.cli.keys import key
 from companion.cli.monitoring import monitor, replay
+from companion.cli.new import new
 from companion.cli.operating import upload, watch
 from companion.cli.plan_files import export, import_
 from companion.cli.planning import plan
+from companion.cli.runs import runs
 from companion.cli.shipped import DISTRIBUTION
 from companion.cli.simulated_flight import sim
 from companion.cli.skills import skills
@@ -40,10 +43,25 @@ app = typer.Typer(
     help="Plans a mission in linear temporal logic and flies it on a PX4-style vehicle.",
     epilog="Try: companion sim surveillance --speed max",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (check, plan, tree, ltl, run, sim, audit, replay, upload, watch, export, skills):
+for command in (
+    new,
+    check,
+    plan,
+    tree,
+    ltl,
+    run,
+    sim,
+    audit,
+    replay,
+    runs,
+    upload,
+    watch,
+    export,
+    skills,
+    doctor,
+):
     app.command()(command)
 app.command("import")(import_)
 app.add_typer(key, name="key")

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from companion.acting.arming_terms import UploadPolicy
-from companion.cli.shipped import mission_file
+from companion.cli.shipped import completions, mission_file
 
 if TYPE_CHECKING:
     from companion.mavlink.signing import Signing
@@ -22,6 +22,7 @@ MissionFile = Annotated[
     typer.Argument(
         metavar="MISSION",
         parser=mission_file,
+        autocompletion=completions,
         help="The mission's YAML file, or the name of one that is shipped.",
     ),
 ]

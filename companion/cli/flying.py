@@ -37,20 +37,23 @@ from companion.cli.engine_options import (
 from companion.cli.log_lines import Verbose
 from companion.cli.monitoring import DEFAULT_ADDRESS, Monitor
 from companion.cli.real_time import OFFBOARD_PORT, fly_over
-from companion.cli.shipped import mission_file
+from companion.cli.shipped import completions, mission_file
 from companion.cli.vehicle_flights import VehicleFlights
 from companion.planning.objective import Encoding
 
+OptionalMission = Annotated[
+    Path | None,
+    typer.Argument(
+        metavar="MISSION",
+        parser=mission_file,
+        autocompletion=completions,
+        help="The mission's YAML file, or the name of a shipped one; without: uploads.",
+    ),
+]
+
 
 def run(
-    mission: Annotated[
-        Path | None,
-        typer.Argument(
-            metavar="MISSION",
-            parser=mission_file,
-            help="The mission's YAML file, or the name of a shipped one; without: uploads.",
-        ),
-    ] = None,
+    mission: OptionalMission = None,
     connect: LinkUrl = f"udpin://0.0.0.0:{OFFBOARD_PORT}",
     accept_weak_failsafes: WeakFailsafes = False,
     autopilot_fence: AutopilotFence = UploadPolicy.UPLOAD,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from companion.cli.arguments import load
-from companion.cli.shipped import mission_file
+from companion.cli.shipped import completions, mission_file
 from companion.errors import CompanionError, MissionError
 from companion.geometry import GlobalOrigin
 
@@ -74,6 +74,7 @@ def export(
         typer.Argument(
             metavar="MISSION|RUN",
             parser=mission_file,
+            autocompletion=completions,
             help="A mission's file, the name of a shipped one, or the folder of a run.",
         ),
     ],
@@ -99,7 +100,7 @@ def export(
     texts = {".plan": plan_text, ".geojson": geojson_text, ".json": geojson_text}
     if output.suffix.lower() not in texts:
         raise typer.BadParameter(f"{output.name} is neither .plan nor .geojson", param_hint="-o")
-    latitude, longitude, amsl_m = _position(home)
+    latitude, longitude, amsl_m = home_position(home)
     if source.is_dir():
         drawing = run_drawing(source)
     else:
@@ -120,12 +121,12 @@ def export(
 def _given(home: str | None, up_m: float | None, payload: int | None) -> Given:
     from companion.plans.draft_places import Given
 
-    latitude, longitude, amsl_m = _position(home)
+    latitude, longitude, amsl_m = home_position(home)
     place = None if latitude is None or longitude is None else (latitude, longitude)
     return Given(place, amsl_m, up_m, payload)
 
 
-def _position(text: str | None) -> tuple[float | None, float | None, float | None]:
+def home_position(text: str | None) -> tuple[float | None, float | None, float | None]:
     """What LAT,LON[,AMSL] says."""
     if text is None:
         return None, None, None

@@ -6,6 +6,7 @@ They lie beside the packages in a checkout; an installed program has them among 
 from __future__ import annotations
 
 from difflib import get_close_matches
+from glob import escape, glob
 from importlib import metadata
 from pathlib import Path
 
@@ -37,6 +38,13 @@ def names() -> list[str]:
     lies_in = folder()
     files = lies_in.glob("*.yaml") if lies_in is not None else ()
     return sorted(path.stem for path in files if not path.name.endswith(SCENARIO))
+
+
+def completions(begun: str) -> list[str]:
+    """What a shell may put for a MISSION that is begun: names, YAML files, and folders."""
+    paths = [f"{path}/" if Path(path).is_dir() else path for path in glob(f"{escape(begun)}*")]
+    files = [path for path in paths if path.endswith(("/", ".yaml", ".yml"))]
+    return [name for name in names() if name.startswith(begun)] + sorted(files)
 
 
 def mission_file(text: str) -> Path:

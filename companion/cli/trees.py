@@ -10,7 +10,7 @@ import typer
 
 from companion.cli.arguments import load
 from companion.cli.log_lines import Verbose
-from companion.cli.shipped import mission_file
+from companion.cli.shipped import completions, mission_file
 
 
 class TreeFormat(StrEnum):
@@ -26,6 +26,7 @@ Source = Annotated[
     typer.Argument(
         metavar="MISSION|RUN",
         parser=mission_file,
+        autocompletion=completions,
         help="A mission's YAML file, the name of a shipped one, or the folder of a run.",
     ),
 ]

@@ -1,0 +1,87 @@
+"""The command that writes a mission to start from: new."""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from companion.cli.arguments import load
+from companion.cli.plan_files import HOME, home_position
+from companion.errors import CompanionError, MissionError
+from companion.geometry import GlobalOrigin
+from companion.plans.starter import PX4_HOME, SPACES, Space, starter
+from companion.plans.starter_tasks import TASKS, TaskName
+
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+
+
+def new(
+    name: Annotated[str, typer.Argument(help="Of the mission, and of its files.")],
+    space: Annotated[
+        Space | None,
+        typer.Option(help="Where it is flown. [default: asked for, or field]", show_default=False),
+    ] = None,
+    task: Annotated[
+        TaskName | None,
+        typer.Option(help="What it does. [default: asked for, or patrol]", show_default=False),
+    ] = None,
+    home: Annotated[
+        str | None,
+        typer.Option(metavar=HOME, help="Of --space earth. [default: PX4's simulated home]"),
+    ] = None,
+) -> None:
+    """Writes a commented mission and its simulated world to start from, and checks it.
+
+    NAME.yaml and NAME.sim.yaml are made in this folder. What no option says is asked for.
+
+    \b
+    Examples:
+      companion new harbour --space earth --task inspection --home 53.5436,9.9880
+      companion sim harbour.yaml --speed max
+    """
+    from companion.planning.planner import Planner
+
+    if not _NAME.fullmatch(name):
+        raise MissionError(f"{name!r} is no name", hint="letters, digits and _, a letter first")
+    spaces = {name.value: about for name, about in SPACES.items()}
+    tasks = {name.value: each.question for name, each in TASKS.items()}
+    where = space or Space(_asked("space", spaces, Space.FIELD))
+    what = task or TaskName(_asked("task", tasks, TaskName.PATROL))
+    made = starter(name, where, what, _origin(home))
+    mission, world = Path(f"{name}.yaml"), Path(f"{name}.sim.yaml")
+    for path in (mission, world):
+        if path.exists():
+            raise CompanionError(f"{path} is there already\n    remove it, or choose another name")
+    mission.write_text(made.mission, encoding="utf-8")
+    world.write_text(made.world, encoding="utf-8")
+    plan = Planner(load(mission)).plan()
+    typer.echo(f"written    {mission}, {world}")
+    typer.echo(f"plan       {plan.lasso}")
+    typer.echo(f"next       companion sim {mission} --speed max")
+
+
+def _asked(what: str, choices: Mapping[str, str], default: str) -> str:
+    """The answer of whoever sits at a terminal; elsewhere the default."""
+    if not sys.stdin.isatty():
+        return default
+    for name, about in choices.items():
+        typer.echo(f"  {name:<11} {about}")
+
+    def chosen(text: str) -> str:
+        if text not in choices:
+            raise typer.BadParameter(f"{text} is none of {', '.join(choices)}")
+        return text
+
+    return str(typer.prompt(what, default=default, value_proc=chosen))
+
+
+def _origin(home: str | None) -> GlobalOrigin:
+    latitude_deg, longitude_deg, amsl_m = home_position(home)
+    if latitude_deg is None or longitude_deg is None:
+        return PX4_HOME
+    return GlobalOrigin(latitude_deg, longitude_deg, amsl_m or 0.0)

@@ -1,0 +1,66 @@
+"""The run folders below a folder: when each began, what it flew, and how it ended.
+
+Only the last lines of each events.jsonl are read, so a thousand runs are listed at once. A run
+without an end was cut off, or still goes on; what other programs keep in the folder is none.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from companion.errors import Location, MissionError
+from companion.flight_events.event import Stamped
+from companion.flight_events.reading import read_line
+from companion.flight_events.sortie import RunEnded
+from companion.record.events import EVENTS_FILE
+
+LAST_BYTES = 65_536
+"""So much of events.jsonl is looked at: no line of an end is longer."""
+MISSION_FILE = "mission.yaml"
+
+
+@dataclass(frozen=True)
+class RunSummary:
+    """A run folder in short.
+
+    Attributes:
+        folder: of the run; its name begins with the local time at which the run did.
+        length_s: time of the last event that can be read; 0 if none can.
+        ending: how the run ended; None if it was cut off, or still goes on.
+        size_bytes: of all its files.
+    """
+
+    folder: Path
+    length_s: float
+    ending: RunEnded | None
+    size_bytes: int
+
+
+def list_runs(log_dir: Path) -> list[RunSummary]:
+    """The runs in a folder, the oldest first; none if there is no such folder."""
+    if not log_dir.is_dir():
+        return []
+    folders = (path for path in log_dir.iterdir() if (path / EVENTS_FILE).is_file())
+    return [summary(folder) for folder in sorted(folders)]
+
+
+def summary(folder: Path) -> RunSummary:
+    """What a run folder comes to."""
+    last = _last_event(folder / EVENTS_FILE)
+    ending = last.event if last is not None and isinstance(last.event, RunEnded) else None
+    size = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
+    return RunSummary(folder, last.time_s if last is not None else 0.0, ending, size)
+
+
+def _last_event(path: Path) -> Stamped | None:
+    """The last whole line that is an event; None if there is none."""
+    with path.open("rb") as file:
+        file.seek(max(0, path.stat().st_size - LAST_BYTES))
+        lines = file.read().split(b"\n")
+    for line in reversed(lines):
+        try:
+            return read_line(line, Location(str(path), 1, 1))
+        except MissionError:
+            continue
+    return None
