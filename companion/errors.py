@@ -19,6 +19,7 @@ A message quotes what came from outside, and is shown on terminals: no error has
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 _CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
@@ -90,17 +91,24 @@ class MissionError(CompanionError):
         what: what is wrong, in one line.
         where: the place in the file, or in the data, if known.
         hint: what to do about it; may have several lines.
+        others: what else is wrong with the same file, told after it.
     """
 
     exit_code = 2
 
-    def __init__(self, what: str, where: Location | KeyPath | None = None, hint: str = "") -> None:
+    def __init__(
+        self,
+        what: str,
+        where: Location | KeyPath | None = None,
+        hint: str = "",
+        others: Sequence[MissionError] = (),
+    ) -> None:
         self.what = what
         self.where = where
         self.hint = hint
         head = f"{where}: {what}" if where else what
         advice = [f"    {line}" for line in printable(hint).splitlines()]
-        super().__init__("\n".join([head, *advice]))
+        super().__init__("\n".join([head, *advice, *map(str, others)]))
 
 
 _SHOWN = 80  # characters of a long formula before and after the offending token

@@ -64,6 +64,9 @@ def free_port() -> int:
 SIGNING = ("--signing-key", "--unsigned-vehicle")
 OPTIONS = {
     "check": ["--within", "--contingencies", "--picture", "--jobs", "--json", "--verbose"],
+    "new": ["--space", "--task", "--home"],
+    "runs": ["--log-dir", "--newest", "--prune", "--yes"],
+    "doctor": ["--connect", "--instance", "--log-dir"],
     "plan": [
         *("--at", "--set", "--unset", "--without", "--objective"),
         *("--engine", "--encoding", "--timeout", "--pddl", "--json", "--verbose"),

@@ -1,14 +1,15 @@
-"""Diagnostics of a document in plain words: pydantic's list of errors as one of them.
+"""Diagnostics of a document in plain words, of pydantic's list of errors.
 
-Of several errors the first in the file is shown, unknown keys before all others: a misspelt key
-is the reason why the right one is missing. What a person can do about it is taken from the JSON
-Schema of the model: the keys that exist there and the description of the field.
+They come in the order of the file, but for unknown keys, which come first: a misspelt key is the
+reason why the right one is missing, which then is not told. What a person can do about it is taken
+from the JSON Schema of the model: the keys that exist there and the description of the field.
 """
 
 from __future__ import annotations
 
 import difflib
 import json
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -19,6 +20,8 @@ Keys = tuple[str | int, ...]
 Schema = Mapping[str, Any]
 Detail = Mapping[str, Any]
 
+_UNIT = re.compile(r"\s*([-+]?\d+(?:\.\d+)?)\s*[A-Za-z%°/]+[A-Za-z0-9/²]*\s*")
+"""A number with a unit behind it."""
 _SIMILAR = 0.6  # difflib's own cutoff for close matches
 
 
@@ -53,13 +56,17 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     return f"Did you mean {best}?" if similarity(best) >= _SIMILAR else ""
 
 
-def first_diagnostic(
+MOST = 10
+"""Mistakes that are told at once."""
+
+
+def diagnostics(
     error: ValidationError,
     model: type[BaseModel],
     data: object,
     position: Callable[..., tuple[int, ...]],
-) -> Diagnostic:
-    """Returns the diagnostic to show.
+) -> list[Diagnostic]:
+    """What is wrong with a document, each mistake once; the first ones of many.
 
     Args:
         error: what pydantic found.
@@ -72,10 +79,24 @@ def first_diagnostic(
         for detail in error.errors(include_url=False)
     ]
     details = [each for each in details if not _is_other_kind(*each, details, data)]
+    details = [each for each in details if not _is_misspelt(*each, details)]
     details.sort(key=lambda item: (item[1]["type"] != "extra_forbidden", position(*item[0])))
-    keys = details[0][0]
-    alike = [detail for where, detail in details if where == keys]  # the branches of a union
-    return _diagnostic(alike, keys, model.model_json_schema(), data)
+    schema = model.model_json_schema()
+    alike: dict[tuple[Keys, str], list[Detail]] = {}  # the branches of a union go together
+    for keys, detail in details:
+        name = str(detail["loc"][-1]) if detail["type"] == "missing" else ""
+        alike.setdefault((keys, name), []).append(detail)
+    told: dict[Keys, Diagnostic] = {}
+    for (keys, name), group in alike.items():
+        told.setdefault((*keys, name) if name else keys, _diagnostic(group, keys, schema, data))
+    return list(told.values())[:MOST]
+
+
+def _is_misspelt(keys: Keys, detail: Detail, details: Sequence[tuple[Keys, Detail]]) -> bool:
+    """Whether a key is missing where another one is unknown: that one is told."""
+    return detail["type"] == "missing" and any(
+        other["type"] == "extra_forbidden" and where[:-1] == keys for where, other in details
+    )
 
 
 def _is_other_kind(
@@ -130,7 +151,10 @@ def _wrong_value(details: list[Detail], keys: Keys, schema: Schema, value: objec
         _RULES[d["type"]](d.get("ctx", {})) for d in details if d["type"] in _RULES
     )
     hint = _sentence(str(subject), schema.get("description", ""))
-    if isinstance(value, str):
+    number = _UNIT.fullmatch(value) if isinstance(value, str) else None
+    if number is not None and "a number" in expected:
+        hint = f"write the number alone: {number[1]}. {hint}"
+    elif isinstance(value, str):
         words = [w for phrase in expected for w in phrase.replace(" or ", ", ").split(", ")]
         hint = f"{did_you_mean(value, words)} {hint}".strip()
     what = f"{subject} is {_describe(value)}, expected {' or '.join(expected)}"

@@ -12,14 +12,14 @@ is the field's own description, the one that the JSON Schema carries.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TypeAlias, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
 from companion.documents.data_tree import tree_of
-from companion.documents.diagnostics import first_diagnostic
+from companion.documents.diagnostics import Diagnostic, diagnostics
 from companion.documents.yaml_tree import (
     MappingNode,
     Node,
@@ -54,9 +54,9 @@ def validate(content: str | Mapping[str, object], name: str, model: type[M]) -> 
     try:
         return model.model_validate_json(json.dumps(document.data()), strict=True), document
     except ValidationError as error:
-        found = first_diagnostic(error, model, document.data(), document.position)
-        at = document.key_at if found.is_about_key else document.where
-        raise MissionError(found.what, at(*found.keys), found.hint) from None
+        found, *others = diagnostics(error, model, document.data(), document.position)
+        also = [document.refusal(other) for other in others]
+        raise document.refusal(found, also) from None
 
 
 class Document:
@@ -72,6 +72,11 @@ class Document:
     def data(self) -> Data:
         """Returns the content as plain dicts, lists and scalars."""
         return _plain(self._root)
+
+    def refusal(self, found: Diagnostic, others: Sequence[MissionError] = ()) -> MissionError:
+        """What is wrong, with its place, and what else is."""
+        at = self.key_at if found.is_about_key else self.where
+        return MissionError(found.what, at(*found.keys), found.hint, others)
 
     def where(self, *keys: Key) -> Location | KeyPath:
         """Returns the place of a value, or of the nearest parent that exists."""

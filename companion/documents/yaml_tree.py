@@ -144,7 +144,8 @@ class _TreeReader:
         next(self._events)  # start of the stream
         start = next(self._events)
         if isinstance(start, StreamEndEvent):
-            raise MissionError("the file is empty", Location(self._path, 1, 1))
+            advice = "companion new NAME writes a mission to start from"
+            raise MissionError("the file is empty", Location(self._path, 1, 1), advice)
         assert isinstance(start, DocumentStartEvent)
         if start.version or start.tags:
             raise MissionError(

@@ -214,7 +214,33 @@ _EXPECTED = (
 """The first terminal that the parser would accept tells what it was waiting for."""
 
 
+_FOREIGN = {
+    "=>": "->", "→": "->", "⇒": "->", "implies": "->",
+    "<=>": "<->", "↔": "<->", "==": "<->", "iff": "<->",
+    "□": "G", "[]": "G", "always": "G", "globally": "G", "◇": "F", "<>": "F", "eventually": "F",
+    "finally": "F", "○": "X", "next": "X", "until": "U", "release": "R", "and": "&", "∧": "&",
+    "or": "|", "∨": "|", "not": "!", "¬": "!", "~": "!",
+}  # fmt: skip
+"""Spellings of other tools and books, and ours."""
+_WORDS = re.compile(r"\w+|<=>|[^\w\s()]{1,2}")
+
+
+def _in_another_notation(text: str, offset: int) -> FormulaError | None:
+    """What is wrong at an offset, or in the word before it, if that is how others write."""
+    near = [word for word in _WORDS.finditer(text) if word.start() <= offset][-2:]
+    for word in near[::-1]:
+        if text[word.end() : offset].strip():
+            continue  # something stands between
+        for spelling in (word[0], word[0].lower(), word[0][:1]):
+            if ours := _FOREIGN.get(spelling):
+                what = f"{word[0][: len(spelling)]!r} is another notation"
+                return FormulaError(what, text, word.start(), len(spelling), f"write {ours}")
+    return None
+
+
 def _meaningless(text: str, offset: int) -> FormulaError:
+    if foreign := _in_another_notation(text, offset):
+        return foreign
     if text[offset] == "[" and re.search(r"\bF\s*$", text[:offset]):
         what = "the [ of a time bound has no ]"
         return FormulaError(what, text, offset, 1, "write F[<=60s] at(A)")
@@ -227,6 +253,8 @@ def _explained(error: UnexpectedToken, text: str) -> FormulaError:
     if error.token.type == "$END":
         return FormulaError("the formula ends too early", text, len(text.rstrip()), 1, hint)
     offset = error.token.start_pos or 0
+    if foreign := _in_another_notation(text, offset):
+        return foreign
     if error.token.type in ("BOUND", "LIMIT"):
         what, hint = bound_parsing.misplaced(error.token)
         return FormulaError(what, text, offset, len(error.token), hint)
