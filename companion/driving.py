@@ -14,6 +14,7 @@ from companion.app import Companion
 from companion.clock import ScaledClock
 from companion.errors import LinkTimeout
 from companion.ground.operations import SystemStatus
+from companion.slices import abandon_all
 from companion.vehicle.control_watch import PAUSED_S
 from companion.vehicle.link import Link
 from companion.vehicle.report_port import ReportPort
@@ -57,6 +58,7 @@ def fly(
     try:
         _drive(companion, link, clock, timeout_s, beat, reports)
     finally:
+        abandon_all()
         gc.unfreeze()  # what is left at the exit of the program is looked through again
 
 

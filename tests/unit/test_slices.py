@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gc
 import random
+import weakref
 from collections.abc import Callable
 
 import pytest
@@ -132,3 +134,31 @@ def test_no_step_of_a_search_takes_half_a_slice(sites: int) -> None:
         ended_at_us.append(searching._routine.left_us)
     assert len(ended_at_us) > 2
     assert all(-slices.SLICE_US / 2 < left_us <= 0 for left_us in ended_at_us)
+
+
+class Held:
+    """What some work refers to."""
+
+
+def test_what_is_put_aside_at_the_end_of_a_flight_is_let_go_of() -> None:
+    """A suspended coroutine is not looked through for garbage: what it holds would be left."""
+
+    def put_aside() -> weakref.ref[Held]:
+        held = Held()
+        cycle: list[object] = [held]
+
+        def work() -> int:
+            spent(2 * slices.SLICE_US)
+            return len(cycle)
+
+        working = InSlices(work)
+        cycle.append(working)
+        assert not working.step()
+        return weakref.ref(held)
+
+    left = put_aside()
+    gc.collect()
+    assert left() is not None, "else there is no need for it"
+    slices.abandon_all()
+    gc.collect()
+    assert left() is None
