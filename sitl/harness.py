@@ -7,6 +7,8 @@ companion answers at once arrives at once, as it does in real time.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from companion.acting.flight import TICK_S
 from companion.app import Companion
 from companion.errors import LinkTimeout
@@ -50,8 +52,8 @@ class LockstepFlight:
         self._to_vehicle = [(LinkName.OFFBOARD, datagram) for datagram in sent]
         self._ticks += 1
 
-    def fly(self, timeout_s: float = 30.0) -> None:
-        """Flies until the companion has ended, and on until the vehicle is at rest.
+    def ticks(self, timeout_s: float = 30.0) -> Iterator[None]:
+        """Ticks until the companion has ended; who looks at each may stop before.
 
         Raises:
             LinkTimeout: no vehicle was heard in time (simulated seconds).
@@ -59,9 +61,19 @@ class LockstepFlight:
         while not self.companion.has_ended:
             now_s = self.now_s
             self.tick()
+            yield
             if now_s > timeout_s and (missing := self.companion.missing) is not None:
                 raise LinkTimeout(
                     f"the simulated vehicle tells {missing} in {timeout_s:.0f} s of its time\n"
                     "    does the simulation have the link to the companion?"
                 )
+
+    def fly(self, timeout_s: float = 30.0) -> None:
+        """Flies until the companion has ended, and on until the vehicle is at rest.
+
+        Raises:
+            LinkTimeout: no vehicle was heard in time (simulated seconds).
+        """
+        for _ in self.ticks(timeout_s):
+            pass
         self.simulation.settle()

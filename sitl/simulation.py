@@ -10,9 +10,11 @@ and what it tells know the estimate alone; the world and its devices know the tr
 
 from __future__ import annotations
 
+import math
 from random import Random
+from typing import cast
 
-from companion.geometry import GlobalOrigin
+from companion.geometry import GlobalOrigin, Ned
 from companion.mavlink.framing import MavlinkCodec, Message, source
 from companion.mavlink.signing import Signing
 from companion.motion.grid import OccupancyGrid
@@ -153,6 +155,19 @@ class Simulation:
     def collisions(self) -> int:
         """The number of collisions with walls."""
         return self._world.collisions.count
+
+    @property
+    def set_down_m(self) -> float:
+        """How near to the vehicle an obstacle has appeared, at its nearest; else infinite."""
+        return self._world.set_down_m
+
+    @property
+    def setpoint_gap_m(self) -> float | None:
+        """How far in front of the vehicle its setpoint is; None outside OFFBOARD."""
+        setpoint, here = self._autopilot.setpoint, self._vehicle.state.position
+        if setpoint is None or None in setpoint.position or self.mode != "OFFBOARD":
+            return None
+        return math.dist(cast(Ned, setpoint.position), here)
 
     @property
     def is_damaged(self) -> bool:

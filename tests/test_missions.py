@@ -17,7 +17,10 @@ from sitl.world.scenario import read_scenario
 MISSIONS = Path(__file__).parents[1] / "missions"
 FILES = sorted(MISSIONS.glob("*.yaml"))
 SCENARIOS = [path for path in FILES if path.name.endswith(".sim.yaml")]
-OF_ANOTHER_NAME = {"surveillance_all_uploads_fail.sim.yaml": "surveillance.yaml"}
+OF_ANOTHER_NAME = {
+    "surveillance_all_uploads_fail.sim.yaml": "surveillance.yaml",
+    "surveillance_rough.sim.yaml": "surveillance.yaml",
+}
 """Scenarios of a mission that has one of its own name besides."""
 
 

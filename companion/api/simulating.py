@@ -5,7 +5,8 @@ The one module beside the command line that knows the simulator.
 
 from __future__ import annotations
 
-from contextlib import closing
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
 from dataclasses import asdict, dataclass
 from importlib.util import find_spec
 from pathlib import Path
@@ -13,9 +14,9 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from companion.acting.flight_limit import NO_LIMIT, FlightLimit
 from companion.acting.function_port import FunctionPort
-from companion.api.results import FlightResult, FlownTrajectory, OnEvent, recording
+from companion.api.results import FlightResult, FlownTrajectory, OnEvent, Recording, recording
 from companion.app import Companion
-from companion.documents import Given, read_source
+from companion.documents import Given, Source, read_source
 from companion.errors import Aborted, Collided, CompanionError
 from companion.ground.operations import MonitorPage
 from companion.mission.model import Mission
@@ -26,7 +27,10 @@ if TYPE_CHECKING:
     from companion.motion.grid import OccupancyGrid
     from companion.planning.engine_port import Engine
     from sitl.harness import LockstepFlight as LockstepFlight
-    from sitl.world.scenario import Scenario
+    from sitl.simulation import Simulation as Simulation
+    from sitl.world.scenario import Scenario as Scenario
+    from sitl.world.varied_scenario import VariedScenario as VariedScenario
+    from sitl.world.vary import Factor as Factor
 
 World: TypeAlias = "tuple[Scenario, OccupancyGrid | None]"
 """A scenario and its map; None is a world without walls."""
@@ -86,13 +90,9 @@ def simulate(
         CompanionError: jsbsim is not installed.
     """
     world = world_of(mission, scenario)
-    with (
-        recording(mission, folder, on_event) as recorder,
-        closing(FunctionRunner(Path(folder) if folder else None, is_lockstep=True)) as functions,
-    ):
-        limit = FlightLimit(laps, limit_s)
-        about = mission, world, recorder
-        flight = lockstep(*about, seed=seed, limit=limit, functions=functions)
+    limit = FlightLimit(laps, limit_s)
+    about = mission, world, seed
+    with flight_of(*about, folder=folder, on_event=on_event, limit=limit) as (flight, recorder):
         flight.fly(timeout_s)
     return SimulationResult(
         mission=mission,
@@ -103,6 +103,25 @@ def simulate(
         scenario_events=tuple(flight.simulation.event_log),
         collisions=flight.simulation.collisions,
     )
+
+
+@contextmanager
+def flight_of(
+    mission: Mission,
+    world: World,
+    seed: int = 0,
+    *,
+    folder: Path | str | None = None,
+    on_event: OnEvent | None = None,
+    limit: FlightLimit = NO_LIMIT,
+) -> Iterator[tuple[LockstepFlight, Recording]]:
+    """A flight of `simulate` that is still to be flown, with what records it."""
+    with (
+        recording(mission, folder, on_event) as recorder,
+        closing(FunctionRunner(Path(folder) if folder else None, is_lockstep=True)) as functions,
+    ):
+        made = lockstep(mission, world, recorder, seed=seed, limit=limit, functions=functions)
+        yield made, recorder
 
 
 def lockstep(
@@ -183,17 +202,36 @@ def world_of(mission: Mission, scenario: Given | None = None) -> World:
         MissionError: the scenario cannot be read, or does not fit.
         CompanionError: jsbsim is not installed.
     """
+    from sitl.world.scenario import PX4_HOME, read_scenario
+
+    source, grid = _scenario_source(mission, scenario)
+    return read_scenario(source, mission.anchor or PX4_HOME, grid)
+
+
+def varied_world_of(mission: Mission, scenario: Given | None = None) -> VariedScenario:
+    """The same scenario with what varies in it: of any row of a campaign it makes a world.
+
+    Raises:
+        MissionError: the scenario cannot be read, or does not fit.
+        CompanionError: jsbsim is not installed.
+    """
+    from sitl.world.scenario import PX4_HOME
+    from sitl.world.varied_scenario import read_varied
+
+    source, grid = _scenario_source(mission, scenario)
+    return read_varied(source, mission.anchor or PX4_HOME, grid)
+
+
+def _scenario_source(
+    mission: Mission, scenario: Given | None
+) -> tuple[Source, OccupancyGrid | None]:
+    """Where the scenario comes from, and its map if it names none."""
     if find_spec("jsbsim") is None:
         raise CompanionError(
             "the simulator needs jsbsim, which has no wheel for Linux on ARM\n"
             "    fly a simulator on another machine: companion run MISSION --connect URL"
         )
-    from sitl.world.scenario import read_scenario
-
     if scenario is None:
         scenario = scenario_beside(mission) or world_alone(mission) | {"map": None}  # it is at hand
     source = read_source(scenario, "scenario")
-    grid = None if source.path else mission.grid
-    if mission.anchor is not None:
-        return read_scenario(source, mission.anchor, grid)
-    return read_scenario(source, default_map=grid)
+    return source, None if source.path else mission.grid

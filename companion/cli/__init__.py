@@ -19,8 +19,10 @@ from typing import Annotated
 import typer
 
 from companion.cli.auditing import audit
+from companion.cli.campaigns import campaign
 from companion.cli.checking import check
 from companion.cli.doctor import doctor
+from companion.cli.falsifying import falsify
 from companion.cli.flying import run
 from companion.cli.formulas import ltl
 from companion.cli.keys import key
@@ -53,6 +55,8 @@ for command in (
     ltl,
     run,
     sim,
+    campaign,
+    falsify,
     audit,
     replay,
     runs,

@@ -54,6 +54,7 @@ class Autopilot:
         mode: flown now; differs from `intended_mode` during a failsafe.
         home: where the vehicle was armed last, or what was set since; before, where it started.
         cruise_mps: speed of automatic modes, if MAV_CMD_DO_CHANGE_SPEED has set one.
+        setpoint: the newest offboard setpoint.
         health: ages of what comes in, and the battery's warning level.
         control: of the motors.
         flights: the record of armings and take-offs.
@@ -85,7 +86,7 @@ class Autopilot:
         self.safe_points: tuple[SafePoint, ...] = ()
         self._state = state
         self._failsafe = FailsafeState()
-        self._setpoint: TrajectorySetpoint | None = None
+        self.setpoint: TrajectorySetpoint | None = None
         self.arming_refusal: str | None = None
         self._takeoff_down_m = self._lowest_takeoff()
         self._active_mode: FlightMode = HoldMode.start(self._situation())
@@ -188,7 +189,7 @@ class Autopilot:
 
     def accept_setpoint(self, setpoint: TrajectorySetpoint) -> None:
         """Takes a valid offboard setpoint; it counts for COM_OF_LOSS_T."""
-        self._setpoint = setpoint
+        self.setpoint = setpoint
         self.health.note_setpoint(self._state.time_s)
 
     def note_ground_station(self) -> None:
@@ -335,7 +336,7 @@ class Autopilot:
         return Situation(
             self._state,
             self.home,
-            self._setpoint,
+            self.setpoint,
             self._takeoff_down_m,
             self.cruise_mps or self.parameters["MPC_XY_CRUISE"],
             self.is_landed,

@@ -6,6 +6,7 @@ an obstacle appears or disappears.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -30,6 +31,18 @@ class Obstacle:
     north_east: NorthEast
     radius_m: float
     is_present: bool
+
+    def distance_m(self, point: NorthEast) -> float:
+        """How far a point is from it; 0 within.
+
+        >>> Obstacle("crate", (1.0, 1.0), (1.0, 1.0), 0.5, True).distance_m((1.0, 3.0))
+        1.5
+        """
+        gaps = (
+            max(low - x, x - high, 0.0)
+            for low, x, high in zip(self.south_west, point, self.north_east, strict=True)
+        )
+        return max(math.hypot(*gaps) - self.radius_m, 0.0)
 
 
 class TrueMap:
@@ -56,6 +69,10 @@ class TrueMap:
         (self._present.add if is_present else self._present.discard)(name)
         self.grid = self._draw()
         return True
+
+    def distance_m(self, name: str, point: NorthEast) -> float:
+        """How far a point is from one of the obstacles, whether it is there or not."""
+        return self._obstacles[name].distance_m(point)
 
     def _draw(self) -> OccupancyGrid | None:
         walls = self._walls

@@ -36,12 +36,14 @@ class PayloadAnswer:
     Attributes:
         is_silent: nothing at all is answered.
         tells_progress: IN_PROGRESS is repeated each second with what is done, 0 to 100.
+        is_lost: the final answer is not heard at first, but when it is asked for again.
     """
 
     result: MavResult
     after_s: float = DEFAULT_AFTER_S
     is_silent: bool = False
     tells_progress: bool = False
+    is_lost: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,7 +157,8 @@ class Payload:
         if now_s >= state.start_s + state.answer.after_s:
             ack = CommandAck(state.requester, state.answer.result)
             self._state = _Answered(ack, now_s)
-            return None if self.override and self.override.is_silent else ack
+            is_silent = self.override is not None and self.override.is_silent
+            return None if is_silent or state.answer.is_lost else ack
         if state.answer.tells_progress and now_s >= state.told_s + PROGRESS_S:
             state.told_s += PROGRESS_S
             return CommandAck(state.requester, MavResult.IN_PROGRESS, state.progress(now_s))

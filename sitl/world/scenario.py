@@ -28,7 +28,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from companion.documents import Document, Given, Source, did_you_mean, read_source, validate
@@ -58,6 +58,7 @@ from sitl.world.payload import PayloadAnswer, PayloadScript, PayloadSite
 from sitl.world.reading import command_number, read_events, read_obstacles
 from sitl.world.scenario_events import ScenarioEvent, VisitTrigger
 from sitl.world.schema import GlobalModel, PayloadModel, ScenarioModel
+from sitl.world.vary import Data, Factor, read_factors
 from sitl.world.visits import Circle
 
 DEFAULT_MAP = "the default map"
@@ -89,6 +90,7 @@ class Scenario:
         events: in the order of the file.
         map: its file, or itself; None is a world without walls, but for a map that was given
             otherwise.
+        factors: what a campaign varies.
     """
 
     home: GlobalOrigin = PX4_HOME
@@ -114,6 +116,7 @@ class Scenario:
     cameras: tuple[CameraSpec, ...] = ()
     gimbal: GimbalSpec | None = None
     gripper: GripperSpec | None = None
+    factors: tuple[Factor, ...] = ()
 
     @property
     def arming_refusals(self) -> tuple[str, ...]:
@@ -170,6 +173,10 @@ def _parse(
     for name, value in model.parameters.items():
         _check_parameter(name, value, document)
     _check_components(model, document)
+
+    def varied(data: Data) -> object:
+        return _parse(replace(source, content=data, path=None), default_home, has_default_map)
+
     start, home, wind = model.start, model.home, model.wind
     lidar = model.lidar_on_board
     scenario = Scenario(
@@ -196,6 +203,7 @@ def _parse(
         cameras=tuple(map(camera, model.cameras)),
         gimbal=gimbal(model.gimbal, document) if model.gimbal else None,
         gripper=gripper(model.gripper) if model.gripper else None,
+        factors=read_factors(model.vary, document, varied),
     )
     return scenario, document
 
@@ -264,7 +272,7 @@ def _payload(model: PayloadModel, document: Document) -> PayloadScript:
         PayloadSite(
             (site.north_m, site.east_m),
             site.radius_m,
-            PayloadAnswer(MavResult[site.result], site.after_s),
+            PayloadAnswer(MavResult[site.result], site.after_s, is_lost=site.lost),
         )
         for site in model.answers
     )

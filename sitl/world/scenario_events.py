@@ -98,7 +98,9 @@ class EffectReceiver(Protocol):
 EFFECTS: Mapping[str, Callable[[EffectReceiver, Any], None]] = {
     "target": lambda world, value: world.show_target(value == "seen"),
     "payload": lambda world, value: world.set_payload_answer(
-        PayloadAnswer(MavResult[value.result], value.after_s, value.silent, value.progress)
+        PayloadAnswer(
+            MavResult[value.result], value.after_s, value.silent, value.progress, value.lost
+        )
     ),
     "wind": lambda world, value: world.set_wind(ned_from_enu(value.east_mps, value.north_mps, 0.0)),
     "obstacle": lambda world, value: world.place_obstacle(value.name, value.present),

@@ -31,12 +31,14 @@ from sitl.world.schema_fields import (
     Strict,
     described,
 )
+from sitl.world.vary_schema import VaryEntry
 
 ResultName = Literal["ACCEPTED", "TEMPORARILY_REJECTED", "DENIED", "FAILED"]
 
 
 Result = Annotated[ResultName, described("the MAV_RESULT of the final answer")]
 After = Annotated[float, described("seconds until the final answer", ge=0)]
+Lost = Annotated[bool, described("it is done, but its final answer is lost, once for each command")]
 
 
 class StartModel(Strict):
@@ -99,6 +101,7 @@ class SiteModel(CircleModel):
 
     result: Result
     after_s: After = 1.0
+    lost: Lost = False
 
 
 class PayloadModel(Strict):
@@ -142,6 +145,7 @@ class PayloadEventModel(Strict):
     result: Result = "ACCEPTED"
     after_s: After = 1.0
     silent: Annotated[bool, described("nothing is answered at all")] = False
+    lost: Lost = False
     progress: Annotated[bool, described("tell the progress each second")] = False
 
 
@@ -296,6 +300,10 @@ class ScenarioModel(Strict):
     happens: Annotated[
         tuple[ScenarioEventModel, ...], described("what happens when, each once")
     ] = ()
+    vary: Annotated[
+        dict[str, VaryEntry],
+        described("what a campaign varies: a key's path, and its range or distribution"),
+    ] = {}
 
     @property
     def lidar_on_board(self) -> LidarModel | None:

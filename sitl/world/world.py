@@ -8,6 +8,7 @@ to links and commands is only kept here, for those who carry and answer them.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from random import Random
@@ -57,6 +58,7 @@ class World:
         link_qualities: of the links that are disturbed.
         answers: how the autopilot takes a MAV_CMD, where it is not as it should be.
         reporter: a program on board.
+        set_down_m: how near to the vehicle an obstacle has appeared, at its nearest.
     """
 
     def __init__(
@@ -90,6 +92,7 @@ class World:
         self.link_qualities: dict[tuple[Port, Direction], LinkQuality] = {}
         self.answers: dict[int, Answer] = {}
         self.reporter = Reporter()
+        self.set_down_m = math.inf
         self._schedule = EventSchedule(scenario.events, physics.state.position)
         self._pads = Pads(scenario.pads) if scenario.pads else None
         self._drains_always = scenario.drains_always
@@ -165,6 +168,9 @@ class World:
     def place_obstacle(self, name: str, is_present: bool) -> None:
         """Puts an obstacle there or takes it away."""
         if self._map.place(name, is_present):
+            if is_present:
+                away_m = self._map.distance_m(name, self._physics.state.position[:2])
+                self.set_down_m = min(self.set_down_m, away_m)
             self.collisions.grid = self._map.grid
             if self.lidar:
                 self.lidar.set_map(self._map.grid)

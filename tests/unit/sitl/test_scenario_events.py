@@ -106,6 +106,17 @@ def test_a_silent_payload_answers_nothing_but_lives() -> None:
     assert beats.count(25) == 4
 
 
+def test_a_lost_answer_is_heard_when_it_is_asked_for_again() -> None:
+    wire = fly("  - {at_s: 0, payload: {result: ACCEPTED, after_s: 0.5, lost: true}}\n")
+    wire.run(0.1)
+    wire.command(USER_1, component=25)
+    wire.run(1.0)
+    wire.send(dialect.MAVLink_command_long_message(1, 25, USER_1, 1, *(0.0,) * 7))
+    wire.run(2.0)
+    acks = [heard.message.result for heard in wire.named("COMMAND_ACK")]
+    assert acks == [MavResult.IN_PROGRESS, MavResult.ACCEPTED]
+
+
 def test_a_repetition_after_the_end_is_answered_the_same() -> None:
     wire = fly("  - {at_s: 0, payload: {result: FAILED, after_s: 0.5}}\n")
     wire.run(0.1)

@@ -1,0 +1,128 @@
+"""Rows as scenario files, each with the line that repeats it.
+
+A case is the scenario without `vary`, with the values of its row, so that `companion sim` flies it
+as any other scenario.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ruamel.yaml import YAML
+from ruamel.yaml.comments import CommentedMap
+
+from companion.api.simulating import world_alone
+from companion.campaigns.kit import Kit
+from companion.campaigns.outcomes import FlownRow, Outcome
+from companion.campaigns.table import write_whole
+
+if TYPE_CHECKING:
+    from companion.api.simulating import VariedScenario
+
+FAILURES, WORST = "failures", "worst"
+BLOCK_DEPTH = 2
+"""From this depth on a value is written on one line."""
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """A row as a file.
+
+    Attributes:
+        flown: the row.
+        file: its scenario.
+        line: the command that repeats it.
+    """
+
+    flown: FlownRow
+    file: Path
+    line: str
+
+
+def simplifiable(kit: Kit) -> Kit:
+    """The kit in whose rows any entry of `happens` may be left out."""
+    return replace(kit, scenario=kit.scenario.with_optional_events())
+
+
+def write_cases(
+    kit: Kit, mission: Path, folder: Path, failures: Iterable[FlownRow]
+) -> tuple[Case, ...]:
+    """Writes the scenario of each failure of a search, as DIR/failures/N-KIND.sim.yaml.
+
+    Args:
+        kit: that the rows belong to.
+        mission: its file, as it was named.
+        folder: of the campaign.
+        failures: made simple.
+    """
+    return tuple(
+        write_case(kit, mission, folder / FAILURES / f"{number}-{_name(flown.kind)}", flown)
+        for number, flown in enumerate(failures, 1)
+    )
+
+
+def write_worst(
+    kit: Kit, mission: Path, folder: Path, flown: Iterable[FlownRow]
+) -> tuple[Case, ...]:
+    """Writes the scenario of some rows, as DIR/worst/INDEX.sim.yaml; as `write_cases`."""
+    return tuple(
+        write_case(kit, mission, folder / WORST / str(each.row.index), each) for each in flown
+    )
+
+
+def write_case(kit: Kit, mission: Path, name: Path, flown: FlownRow) -> Case:
+    """Writes the scenario of a row, as NAME.sim.yaml."""
+    file = name.with_name(f"{name.name}.sim.yaml")
+    file.parent.mkdir(parents=True, exist_ok=True)
+    line = f"companion sim {mission} --scenario {file} --seed {flown.row.seed} --speed max"
+    write_whole(file, _text(kit, flown, file, line))
+    return Case(flown, file, line)
+
+
+def _name(kind: str) -> str:
+    return re.sub(r"[^a-z0-9]+", "-", kind.lower()).strip("-")
+
+
+def _text(kit: Kit, flown: FlownRow, file: Path, line: str) -> str:
+    data = CommentedMap()
+    for key, value in scenario_data(kit, flown, file.parent).items():
+        data[key] = _styled(value)
+    where = f", while {flown.phase}, near {flown.place}" if flown.place else ""
+    told = f"{flown.kind or flown.outcome.value}{where}\n{flown.reason}\n\n    {line}\n"
+    if flown.outcome is Outcome.LIMIT:
+        told += f"\nIt is cut off after {kit.limit_s:g} s in the campaign; that command flies on.\n"
+    data.yaml_set_start_comment(told)
+    writer = YAML()
+    writer.width = 4096
+    text = io.StringIO()
+    writer.dump(data, text)
+    return text.getvalue()
+
+
+def scenario_data(kit: Kit, flown: FlownRow, folder: Path) -> dict[str, Any]:
+    """The scenario of a row, as the data of a file in a folder."""
+    scenario: VariedScenario = kit.scenario
+    data = scenario.data_with(flown.row.values)
+    if data.get("map") is None:
+        data = {**world_alone(kit.mission), **{k: v for k, v in data.items() if k != "map"}}
+    if isinstance(data.get("map"), str):
+        map_file = (scenario.folder / data["map"]).resolve()
+        data["map"] = os.path.relpath(map_file, folder.resolve())
+    return data
+
+
+def _styled(value: Any, depth: int = 1) -> Any:
+    """A value whose inner mappings stand on one line each."""
+    if isinstance(value, list) and depth < BLOCK_DEPTH:
+        return [_styled(item, depth + 1) for item in value]
+    if isinstance(value, dict):
+        made = CommentedMap((k, _styled(v, depth + 1)) for k, v in value.items())
+        made.fa.set_flow_style()
+        return made
+    return value

@@ -1,0 +1,115 @@
+"""Flies rows on a Dask cluster: any number of machines with the same release installed.
+
+Rows are pure, so it does no harm if Dask flies one twice. A window of a few rows for each thread is
+under way. A row whose workers die is submitted again, as in a local pool; Dask counts the deaths of
+a worker against all rows that it had been given, so a row may be given up once without having been
+flown.
+
+A door: it connects to a scheduler. The extra `cluster` installs Dask, in the release that the
+cluster has.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, Any
+
+from companion.campaigns.outcomes import FlownRow
+from companion.campaigns.processes import TRIES, accepted, died
+from companion.campaigns.rows import Row
+from companion.campaigns.worker import fly_row
+from companion.errors import CompanionError, LinkError
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+WINDOW = 3
+"""Rows under way for each thread, so that none waits for the client."""
+CONNECT_S = 30.0
+
+
+class DaskCluster:
+    """Flies rows on a cluster.
+
+    Args:
+        packed: the kit.
+        address: of the scheduler, e.g. tcp://10.0.0.1:8786; with tls://, Dask's own configuration
+            says with which certificates.
+
+    Raises:
+        CompanionError: Dask is not installed.
+        LinkError: no scheduler answers.
+    """
+
+    def __init__(self, packed: bytes, address: str) -> None:
+        if find_spec("distributed") is None:
+            raise CompanionError(
+                "--dask needs Dask, which is not installed\n"
+                "    pip install 'mav-companion[cluster]', in the release of the cluster"
+            )
+        from distributed import Client
+
+        try:
+            self._client: Client = Client(address, timeout=CONNECT_S, set_as_default=False)
+        except (OSError, ValueError) as error:
+            raise LinkError(f"no Dask scheduler answers at {address}: {error}") from error
+        self._packed = packed
+        self._under_way: dict[Any, Row] = {}
+        self._deaths: dict[int, int] = {}
+
+    @property
+    def threads(self) -> int:
+        """Of all workers; each flies one row at a time."""
+        counts: dict[str, int] = self._client.nthreads()
+        return sum(counts.values())
+
+    @property
+    def busiest(self) -> int:
+        """Threads of the worker that has most; flights of one process do not run at once."""
+        counts: dict[str, int] = self._client.nthreads()
+        return max(counts.values(), default=0)
+
+    def fly(self, rows: Iterable[Row]) -> Iterator[FlownRow]:
+        """The rows as they come back."""
+        waiting = iter(rows)
+        while True:
+            for _ in range(max(1, WINDOW * self.threads) - len(self._under_way)):
+                if (row := next(waiting, None)) is None:
+                    break
+                self._submit(row)
+            if not self._under_way:
+                return
+            yield from self._returned()
+
+    def finish(self) -> Iterator[FlownRow]:
+        """The rows that are under way, as they come back."""
+        while self._under_way:
+            yield from self._returned()
+
+    def close(self) -> None:
+        """Leaves the cluster; what is under way there is given up."""
+        self._client.cancel(list(self._under_way), force=True)
+        self._client.close()
+
+    def _submit(self, row: Row) -> None:
+        future = self._client.submit(fly_row, self._packed, row, pure=False, retries=0)
+        self._under_way[future] = row
+
+    def _returned(self) -> Iterator[FlownRow]:
+        from distributed import KilledWorker, wait
+
+        done, _ = wait(list(self._under_way), return_when="FIRST_COMPLETED")
+        for future in done:
+            row = self._under_way.pop(future)
+            error = future.exception()
+            if error is None:
+                yield accepted(future.result())
+                continue
+            if not isinstance(error, KilledWorker):
+                raise CompanionError(f"the cluster cannot fly rows: {error!r}")
+            self._deaths[row.index] = self._deaths.get(row.index, 0) + 1
+            if self._deaths[row.index] < TRIES:
+                self._submit(row)
+            else:
+                yield died(row)

@@ -1,0 +1,92 @@
+"""What the bytes of a flight depend on besides its row: our code, libraries, and the machine.
+
+The same row is the same flight wherever these are the same. The last of them is a fingerprint: the
+hash of all datagrams and events of a short flight through gusts, with a noisy lidar. Machines whose
+mathematical functions differ in their last bits have another one.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import platform
+from collections.abc import Mapping
+from functools import cache
+from importlib import metadata
+from pathlib import Path
+
+from companion.api.results import Recording
+from companion.api.simulating import lockstep, world_of
+from companion.flight_events.event import Stamped
+from companion.mission.loader import load_mission
+
+LIBRARIES = ("jsbsim", "numpy", "pymavlink", "ruckig", "scipy")
+FINGERPRINT_TICKS = 180
+"""9 s: the start, the climb, and a part of the way."""
+PACKAGES = ("companion", "sitl")
+SHORT = """
+version: 1
+name: fingerprint
+map: {east_m: [-6, 8], north_m: [-6, 8], walls: [{east_m: [4, 5], north_m: [-3, -2]}]}
+limits: {speed_mps: 4, up_m: [0.5, 4], fence: [[-5, -5], [7, -5], [7, 7], [-5, 7]]}
+places:
+  Home: {east_m: 0, north_m: 0, up_m: 1}
+  Far: {east_m: 4, north_m: 1, up_m: 1}
+sets: {Place: [Home, Far]}
+skills:
+  move: {parameters: {from: Place, to: Place}, precondition: at(from),
+         effect: at(to) & !at(from), execute: fly(to)}
+initially: [at(Home)]
+goal: at(Far)
+"""
+GUSTY = {
+    "version": 1,
+    "wind": {"east_mps": 3.0, "north_mps": 1.0, "turbulence_mps": 0.5},
+    "lidar": {"noise_m": 0.02},
+    "wander": {},
+}
+
+
+class Hashing(Recording):
+    """A recorder that keeps a hash of all that goes over the link and happens."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.hash = hashlib.sha256()
+
+    def report(self, stamped: Stamped) -> None:
+        """Something happened."""
+        self.hash.update(f"{stamped.time_s!r} {stamped.event.text}\n".encode())
+
+    def packets(self, now_s: float, datagrams: list[bytes]) -> None:
+        """Datagrams went over the link."""
+        for datagram in datagrams:
+            self.hash.update(datagram)
+
+
+@cache
+def environment() -> Mapping[str, str]:
+    """What this process would fly with, as lines of a table's header."""
+    return {
+        "code": _hash_of_code(),
+        "python": platform.python_version(),
+        **{name: metadata.version(name) for name in LIBRARIES},
+        "fingerprint": fingerprint(),
+    }
+
+
+def fingerprint() -> str:
+    """The hash of the short flight on this machine."""
+    mission, recorder = load_mission(SHORT), Hashing()
+    flight = lockstep(mission, world_of(mission, GUSTY), recorder, seed=17)
+    for _ in range(FINGERPRINT_TICKS):
+        flight.tick()
+    return recorder.hash.hexdigest()[:16]
+
+
+def _hash_of_code() -> str:
+    hashed = hashlib.sha256()
+    root = Path(__file__).parents[2]
+    for package in PACKAGES:
+        for path in sorted((root / package).rglob("*.py")):
+            hashed.update(str(path.relative_to(root)).encode() + path.read_bytes())
+    return hashed.hexdigest()[:16]

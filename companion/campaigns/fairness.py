@@ -1,0 +1,39 @@
+"""Which rows leave the vehicle no chance: they say nothing of it, and count for nothing.
+
+A campaign that lays an obstacle anywhere lays it onto a place of the mission now and then, or so
+near to the start that the vehicle stands in it. Both are seen before the flight. What appears on
+top of a flying vehicle is seen when it does (measuring.py).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from companion.mission.model import Mission
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from companion.api.simulating import Scenario
+    from companion.campaigns.rows import Value
+
+AROUND_PLACE_M = 0.5
+"""What has to be left free around a place, beside the vehicle itself."""
+OBSTACLES = "obstacles."
+
+
+def unfair(mission: Mission, scenario: Scenario, values: Mapping[str, Value]) -> str:
+    """Why a row is unfair; "" if it is fair.
+
+    An obstacle that no factor moves stands where the author of the scenario wants it, and is fair
+    wherever that is.
+    """
+    moved = {path.split(".")[1] for path in values if path.startswith(OBSTACLES)}
+    for number, obstacle in enumerate(scenario.obstacles):
+        if not moved & {obstacle.name, str(number)}:
+            continue
+        least_m = scenario.vehicle.radius_m + AROUND_PLACE_M
+        for place in mission.places.values():
+            if obstacle.distance_m(place.position[:2]) < least_m:
+                return f"the obstacle {obstacle.name} on {place.name}"
+    return ""

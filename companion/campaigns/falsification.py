@@ -1,0 +1,78 @@
+"""Falsification from end to end: searches, makes failures simple, writes them, and checks them.
+
+Everything that is flown is a row in a folder, so a falsification that was stopped goes on by being
+done once more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+
+from companion.api.simulating import varied_world_of
+from companion.campaigns.campaign import Campaign
+from companion.campaigns.cases import Case, simplifiable, write_cases
+from companion.campaigns.kit import Kit
+from companion.campaigns.minimising import minimised
+from companion.campaigns.outcomes import FlownRow
+from companion.campaigns.processes import LocalProcesses, RowEngine
+from companion.campaigns.rows import Row
+from companion.campaigns.search import FailureSearch
+
+MINIMISED_FOLDER = "minimised"
+MOST_CASES = 8
+"""So many different failures are made simple; the table has the others."""
+
+
+@dataclass(frozen=True, slots=True)
+class CheckedCase:
+    """A failure as a file, and whether the file alone repeats it in a fresh process."""
+
+    case: Case
+    is_repeated: bool
+
+
+def falsify(search: Campaign, seed: int, budget: int) -> tuple[FlownRow, ...]:
+    """The first failure of each kind and place that a search finds; writes its table."""
+    failures = FailureSearch(search.kit.factors, seed, budget).run(search.flown)
+    search.write_table()
+    return failures
+
+
+def minimise(
+    search: Campaign,
+    failures: Sequence[FlownRow],
+    engine_of: Callable[[Kit], RowEngine],
+) -> tuple[FlownRow, ...]:
+    """The failures of a search made simple.
+
+    Args:
+        search: that found them.
+        failures: the first few are taken.
+        engine_of: who flies the rows of a kit.
+    """
+    kit = simplifiable(search.kit)
+    with closing(engine_of(kit)) as engine:
+        folder = search.folder / MINIMISED_FOLDER
+        with closing(Campaign(kit, engine, folder, search.header, lambda row: None)) as simpler:
+            return minimised(failures[:MOST_CASES], kit.factors, simpler.flown)
+
+
+def checked(
+    search: Campaign, mission: Path, failures: tuple[FlownRow, ...]
+) -> tuple[CheckedCase, ...]:
+    """Writes a file for each failure, and flies each from its file in a process of its own."""
+    kit = simplifiable(search.kit)
+    return tuple(
+        CheckedCase(case, _flown_anew(kit, case).kind == case.flown.kind)
+        for case in write_cases(kit, mission, search.folder, failures)
+    )
+
+
+def _flown_anew(kit: Kit, case: Case) -> FlownRow:
+    again = Kit.of(kit.mission, varied_world_of(kit.mission, case.file), kit.limit_s)
+    with closing(LocalProcesses(again.packed, 1)) as engine:
+        (flown,) = engine.fly([Row(0, case.flown.row.seed)])
+    return flown

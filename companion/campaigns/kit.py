@@ -1,0 +1,89 @@
+"""All that a process needs to fly rows of a campaign, as bytes, and the header of its table.
+
+The kit is made once, where the files are, and travels to other processes and machines; they need
+the same release installed, and no files.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import pickle
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from companion.campaigns.environment import environment
+from companion.mission.digest import digest
+from companion.mission.model import Mission
+
+if TYPE_CHECKING:
+    from companion.api.simulating import Factor, VariedScenario
+
+FORMAT = "1"
+"""Of the table and of rows.jsonl."""
+
+
+@dataclass(frozen=True)
+class Kit:
+    """A mission, the scenario whose rows it is flown in, and what to fly them with.
+
+    Attributes:
+        limit_s: simulated seconds after which a flight is cut off.
+        environment: of the process that made the kit; who differs flies other bytes.
+    """
+
+    mission: Mission
+    scenario: VariedScenario
+    limit_s: float
+    environment: Mapping[str, str]
+
+    @classmethod
+    def of(cls, mission: Mission, scenario: VariedScenario, limit_s: float) -> Kit:
+        """The kit of this process."""
+        return cls(mission, scenario, limit_s, dict(environment()))
+
+    @property
+    def factors(self) -> tuple[Factor, ...]:
+        """What varies."""
+        return self.scenario.factors
+
+    @cached_property
+    def packed(self) -> bytes:
+        """The kit as bytes."""
+        return zlib.compress(pickle.dumps(self))
+
+    @classmethod
+    def unpacked(cls, packed: bytes) -> Kit:
+        """The kit in bytes of our own."""
+        kit = pickle.loads(zlib.decompress(packed))
+        assert isinstance(kit, cls)
+        return kit
+
+    def header(self, seed: int, **about: object) -> dict[str, str]:
+        """The lines at the top of a table: all that its rows depend on.
+
+        Args:
+            seed: of the campaign.
+            about: what else there is to say, such as the number of rows.
+        """
+        varied = {f"vary {f.path}": str(f.distribution) for f in self.factors}
+        return {
+            "format": FORMAT,
+            "mission": f"{self.mission.name} {digest(self.mission)[:16]}",
+            "scenario": self._hash_of_scenario(),
+            **varied,
+            "seed": str(seed),
+            "limit_s": f"{self.limit_s:g}",
+            **{name: str(value) for name, value in about.items()},
+            **self.environment,
+        }
+
+    def _hash_of_scenario(self) -> str:
+        hashed = hashlib.sha256(json.dumps(self.scenario.portable, sort_keys=True).encode())
+        if (grid := self.scenario.grid) is not None:
+            hashed.update(repr((grid.occupied.shape, grid.cell_m, grid.origin)).encode())
+            hashed.update(grid.occupied.tobytes())
+        return hashed.hexdigest()[:16]

@@ -1,0 +1,105 @@
+"""Makes failures simple: the fewest and smallest changes of a scenario that still fail so.
+
+Factor by factor the value of the file is tried instead (delta debugging, Zeller, 2002); numbers
+that have to differ are brought nearer to it by bisection; events are left out; seed 0 is tried.
+What still fails in the same way is kept. Several failures are made simpler at once, one row of each
+at a time, so that the result does not depend on how many processes fly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from companion.campaigns.outcomes import FlownRow
+from companion.campaigns.rows import Row, Value
+from companion.campaigns.search import RowFlyer
+
+if TYPE_CHECKING:
+    from companion.api.simulating import Factor
+
+BISECTIONS = 5
+Steps = Generator[Row, FlownRow, FlownRow]
+"""Asks for a row, is sent what became of it, and returns the simplest that fails alike."""
+
+
+def minimised(
+    failures: Sequence[FlownRow], factors: Sequence[Factor], fly: RowFlyer
+) -> tuple[FlownRow, ...]:
+    """The failures, each as simple as it gets.
+
+    Args:
+        failures: as they were found.
+        factors: what may be put back, the entries of `happens` among them.
+        fly: flies rows.
+    """
+    under_way = {i: _steps(failure, factors) for i, failure in enumerate(failures)}
+    simplest: dict[int, FlownRow] = {}
+    sent: dict[int, FlownRow] = {}
+    number = 0
+    while under_way:
+        asked: dict[int, Row] = {}
+        for i, steps in [*under_way.items()]:
+            try:
+                row = steps.send(sent[i]) if i in sent else next(steps)
+            except StopIteration as end:
+                simplest[i] = end.value
+                del under_way[i]
+                continue
+            asked[i] = replace(row, index=number)
+            number += 1
+        flown = fly([*asked.values()])
+        sent.update(zip(asked, flown, strict=True))
+    return tuple(simplest[i] for i in range(len(failures)))
+
+
+def _steps(failure: FlownRow, factors: Sequence[Factor]) -> Steps:
+    best = failure
+
+    def trial(values: Mapping[str, Value], seed: int | None = None) -> Row:
+        return Row(0, best.row.seed if seed is None else seed, dict(values))
+
+    for factor in factors:
+        if factor.path in best.row.values:
+            rest = {k: v for k, v in best.row.values.items() if k != factor.path}
+            flown = yield trial(rest)
+            best = flown if _is_alike(flown, failure) else best
+    for factor in factors:
+        best = yield from _nearer(best, failure, factor)
+    for factor in factors:
+        if factor.is_entry and factor.path not in best.row.values:
+            flown = yield trial({**best.row.values, factor.path: False})
+            best = flown if _is_alike(flown, failure) else best
+    if best.row.seed != 0:
+        flown = yield trial(best.row.values, seed=0)
+        best = flown if _is_alike(flown, failure) else best
+    return best
+
+
+def _nearer(best: FlownRow, failure: FlownRow, factor: Factor) -> Steps:
+    """The failure with a number as near to that of the file as still fails alike."""
+    usual, value = factor.usual, best.row.values.get(factor.path)
+    if not (_is_number(usual) and _is_number(value)):
+        return best
+    assert isinstance(usual, int | float) and isinstance(value, int | float)
+    near, far = float(usual), float(value)
+    for _ in range(BISECTIONS):
+        middle = float(f"{(near + far) / 2:.3g}")
+        if middle in (near, far) or not min(near, far) < middle < max(near, far):
+            break
+        row = replace(best.row, values={**best.row.values, factor.path: middle})
+        flown = yield row
+        if _is_alike(flown, failure):
+            best, far = flown, middle
+        else:
+            near = middle
+    return best
+
+
+def _is_number(value: Value | None) -> bool:
+    return isinstance(value, float) or (isinstance(value, int) and not isinstance(value, bool))
+
+
+def _is_alike(flown: FlownRow, failure: FlownRow) -> bool:
+    return flown.kind == failure.kind

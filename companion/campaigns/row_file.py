@@ -1,0 +1,113 @@
+"""The rows of a campaign on disk, as they come: DIR/rows.jsonl.
+
+Its first line is the header. Each row is a line of its own, written and kept (fsync) before the
+next one is waited for; so whatever ends a campaign, it loses the rows that were under way. A line
+that is not whole is dropped. Two campaigns cannot write to one folder.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+
+from companion.campaigns.outcomes import FlownRow
+from companion.errors import CompanionError, MissionError
+
+NAME = "rows.jsonl"
+
+
+class RowFile:
+    """The file of a campaign, open and locked.
+
+    Args:
+        folder: of the campaign.
+        header: what its rows depend on.
+
+    Attributes:
+        rows: those that were flown, by index.
+
+    Raises:
+        CompanionError: another campaign writes to the folder.
+        MissionError: the folder has rows of another campaign.
+        OSError: it cannot be written.
+    """
+
+    def __init__(self, folder: Path, header: Mapping[str, str]) -> None:
+        folder.mkdir(parents=True, exist_ok=True)
+        self._path = folder / NAME
+        self._file = self._path.open("a+b")
+        try:
+            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            self._file.close()
+            raise CompanionError(f"another campaign is writing to {folder}") from error
+        before, flown, whole = _read(self._path)
+        self._file.truncate(whole)
+        self.rows = {each.row.index: each for each in flown}
+        if before is None:
+            self._write(dict(header))
+        elif before != dict(header):
+            self.close()
+            raise _other_campaign(folder, before, header)
+
+    def add(self, flown: FlownRow) -> None:
+        """Keeps a row."""
+        self.rows[flown.row.index] = flown
+        self._write(flown.as_json())
+
+    def close(self) -> None:
+        """Another campaign may write to the folder."""
+        self._file.close()
+
+    def _write(self, entry: Mapping[str, object]) -> None:
+        self._file.write(json.dumps(entry).encode() + b"\n")
+        self._file.flush()
+        os.fsync(self._file.fileno())
+
+
+def header_in(folder: Path) -> dict[str, str]:
+    """The header of the campaign in a folder.
+
+    Raises:
+        MissionError: there is none.
+    """
+    path = folder / NAME
+    header = _read(path)[0] if path.is_file() else None
+    if header is None:
+        raise MissionError(f"{folder} holds no campaign: {NAME} is missing or has no header")
+    return header
+
+
+def _read(path: Path) -> tuple[dict[str, str] | None, list[FlownRow], int]:
+    """The header, the rows, and how many bytes of the file are whole lines."""
+    header: dict[str, str] | None = None
+    flown: list[FlownRow] = []
+    whole = 0
+    for line in path.read_bytes().splitlines(keepends=True):
+        try:
+            entry = json.loads(line)
+        except ValueError:
+            break
+        if not line.endswith(b"\n"):
+            break
+        whole += len(line)
+        if header is None:
+            header = entry
+        else:
+            flown.append(FlownRow.of_json(entry))
+    return header, flown, whole
+
+
+def _other_campaign(
+    folder: Path, before: Mapping[str, str], header: Mapping[str, str]
+) -> MissionError:
+    names = [*before, *(name for name in header if name not in before)]
+    name = next(name for name in names if before.get(name) != header.get(name))
+    return MissionError(
+        f"{folder} holds another campaign: its {name} is {before.get(name, 'not there')}, "
+        f"and is {header.get(name, 'not there')} now",
+        hint="rows of the two cannot be in one table; take another folder with --out",
+    )

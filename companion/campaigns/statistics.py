@@ -1,0 +1,98 @@
+"""What the rows of a campaign say of a rate, of a factor, and of another version.
+
+Intervals are exact (Clopper and Pearson, 1934) and hold for random rows of a number that was fixed
+beforehand. Two versions on the same rows are compared by the rows that differ (McNemar, 1947), with
+the exact test. A factor matters as far as its rank goes with that of the margin (Spearman, 1904).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from scipy.stats import binomtest, rankdata
+
+CONFIDENCE = 0.95
+
+
+@dataclass(frozen=True, slots=True)
+class Rate:
+    """A share of rows, and where the true one lies with 95 % confidence.
+
+    >>> print(Rate.of(3, 150))
+    2.0 % (0.4 to 5.7 %)
+    """
+
+    count: int
+    total: int
+    low: float
+    high: float
+
+    @classmethod
+    def of(cls, count: int, total: int) -> Rate:
+        """The rate of so many among so many."""
+        if total == 0:
+            return cls(0, 0, 0.0, 1.0)
+        interval = binomtest(count, total).proportion_ci(CONFIDENCE, method="exact")
+        return cls(count, total, float(interval.low), float(interval.high))
+
+    @property
+    def share(self) -> float:
+        """Of the rows."""
+        return self.count / self.total if self.total else 0.0
+
+    def __str__(self) -> str:
+        return f"{100 * self.share:.1f} % ({100 * self.low:.1f} to {100 * self.high:.1f} %)"
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """Two versions on the same rows.
+
+    Attributes:
+        worse: rows that failed now and not before.
+        better: the other way round.
+        p: how likely rows differ as unevenly as that if neither version is better.
+    """
+
+    worse: tuple[int, ...]
+    better: tuple[int, ...]
+    p: float
+
+    @property
+    def is_significant(self) -> bool:
+        """Whether chance is no good explanation."""
+        return self.p < 1 - CONFIDENCE
+
+
+def compare(before: Sequence[tuple[int, bool]], now: Sequence[tuple[int, bool]]) -> Comparison:
+    """Compares the failures of two versions on the rows that both have.
+
+    >>> compare([(0, False), (1, False)], [(0, True), (1, False)]).worse
+    (0,)
+
+    Args:
+        before: index of each row, and whether it failed.
+        now: the same.
+    """
+    failed = dict(before)
+    common = [(index, failed[index], is_failure) for index, is_failure in now if index in failed]
+    worse = tuple(index for index, then, is_failure in common if is_failure and not then)
+    better = tuple(index for index, then, is_failure in common if then and not is_failure)
+    differing = len(worse) + len(better)
+    p = float(binomtest(len(worse), differing).pvalue) if differing else 1.0
+    return Comparison(worse, better, p)
+
+
+def rank_correlation(xs: Sequence[float], ys: Sequence[float]) -> float:
+    """How far the ranks of two series go together, -1 to 1; 0 where one of them does not vary.
+
+    >>> rank_correlation([1.0, 2.0, 3.0], [10.0, 30.0, 20.0])
+    0.5
+    """
+    if len(xs) < 3 or len(set(xs)) < 2 or len(set(ys)) < 2:
+        return 0.0
+    first, second = rankdata(xs), rankdata(ys)
+    first, second = first - first.mean(), second - second.mean()
+    return float(first @ second / math.sqrt(float(first @ first) * float(second @ second)))

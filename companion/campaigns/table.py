@@ -1,0 +1,118 @@
+"""The table of a campaign: DIR/table.csv, the same bytes however its rows were flown.
+
+Lines that begin with # are its header: `# key: value`. Then come the names of the columns, and the
+rows in order of their index. There is no time, no machine and no path in it.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+
+from companion.campaigns.outcomes import FlownRow, Margins
+from companion.errors import MissionError
+
+NAME = "table.csv"
+MARK = "# "
+FIRST = ("index", "generation", "seed")
+MEASURED = (
+    "outcome",
+    "conjunct",
+    "exit_code",
+    "score",
+    *(field.name for field in fields(Margins)),
+    "replans",
+    "duration_s",
+    "phase",
+    "place",
+    "east_m",
+    "north_m",
+    "reason",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """A table as it was read.
+
+    Attributes:
+        header: by key.
+        rows: the cells of each row, by column, as texts.
+    """
+
+    header: Mapping[str, str]
+    rows: tuple[Mapping[str, str], ...]
+
+
+def table_text(header: Mapping[str, str], paths: Sequence[str], flown: Iterable[FlownRow]) -> str:
+    """The table of some rows.
+
+    Args:
+        header: what the rows depend on.
+        paths: of the factors, a column each.
+        flown: in any order.
+    """
+    text = io.StringIO()
+    for key, value in header.items():
+        text.write(f"{MARK}{key}: {value}\n")
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow([*FIRST, *paths, *MEASURED])
+    for each in sorted(flown, key=lambda each: each.row.index):
+        writer.writerow([_cell(value) for value in _values(each, paths)])
+    return text.getvalue()
+
+
+def write_whole(path: Path, text: str) -> None:
+    """Writes a file at once: whoever reads it meanwhile has the one before, or none."""
+    partial = path.with_name(f"{path.name}.partial")
+    with partial.open("w", encoding="utf-8") as file:
+        file.write(text)
+        file.flush()
+        os.fsync(file.fileno())
+    partial.replace(path)
+
+
+def read_table(path: Path) -> Table:
+    """Reads a table.
+
+    Raises:
+        MissionError: it cannot be read, or is none.
+    """
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            text = file.read()
+    except (OSError, UnicodeDecodeError) as error:
+        raise MissionError(f"the table {path} cannot be read: {error}") from error
+    header = {}
+    while text.startswith(MARK):
+        line, _, text = text.removeprefix(MARK).partition("\n")
+        key, _, header[key] = line.partition(": ")
+    rows = tuple(csv.DictReader(io.StringIO(text, newline="")))
+    if "format" not in header or (rows and "outcome" not in rows[0]):
+        raise MissionError(f"{path} is no table of a campaign")
+    return Table(header, rows)
+
+
+def _values(flown: FlownRow, paths: Sequence[str]) -> list[object]:
+    row = flown.row
+    values: dict[str, object] = {
+        **asdict(flown),
+        **asdict(flown.margins),
+        "outcome": flown.outcome.value,
+        "score": flown.score,
+    }
+    measured = [values[name] for name in MEASURED]
+    return [row.index, row.generation, row.seed, *(row.values.get(p) for p in paths), *measured]
+
+
+def _cell(value: object) -> str:
+    """A value as text that reads as the same value again."""
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return repr(value) if isinstance(value, float) else str(value)

@@ -1,0 +1,234 @@
+"""The command that flies a mission many times in worlds that vary: campaign."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from companion.cli.arguments import MissionFile, load
+from companion.cli.simulated_flight import ScenarioFile
+from companion.errors import CompanionError
+
+if TYPE_CHECKING:
+    from rich.progress import Progress, TaskID
+
+    from companion.campaigns.campaign import Campaign
+    from companion.campaigns.kit import Kit
+    from companion.campaigns.outcomes import FlownRow
+    from companion.campaigns.processes import RowEngine
+
+Jobs = Annotated[
+    int | None,
+    typer.Option(help="Processes that fly.", min=1, show_default="as many as cores"),
+]
+CampaignSeed = Annotated[int, typer.Option(help="Of all that is drawn.", min=0)]
+RowLimit = Annotated[
+    float,
+    typer.Option(
+        "--limit-s",
+        help="Simulated seconds after which a flight is cut off, with the outcome `limit`.",
+        min=1.0,
+    ),
+]
+OutFolder = Annotated[
+    Path | None,
+    typer.Option("--out", metavar="DIR", help="Where it is written.", show_default="campaign-NAME"),
+]
+ResumedFolder = Annotated[
+    Path | None,
+    typer.Option(
+        "--resume", metavar="DIR", help="Go on with the campaign in DIR, with its own options."
+    ),
+]
+DaskAddress = Annotated[
+    str | None,
+    typer.Option("--dask", metavar="ADDRESS", help="Fly on a Dask cluster: tcp://HOST:8786."),
+]
+OtherTable = Annotated[
+    Path | None,
+    typer.Option("--against", metavar="TABLE", help="Compare with the same rows, flown before."),
+]
+LIMIT_S = 1800.0
+PLAIN_TELLINGS = 10
+"""How often progress is told where there is no terminal."""
+
+
+def campaign(
+    mission: MissionFile,
+    runs: Annotated[int, typer.Option(help="Flights.", min=1)] = 100,
+    seed: CampaignSeed = 0,
+    scenario: ScenarioFile = None,
+    jobs: Jobs = None,
+    limit_s: RowLimit = LIMIT_S,
+    out: OutFolder = None,
+    resume: ResumedFolder = None,
+    dask: DaskAddress = None,
+    against: OtherTable = None,
+) -> None:
+    """Flies a mission many times in lockstep, in worlds that vary, into one table.
+
+    What varies is said by the key `vary` of the scenario; without it, only the seed does. Each row
+    of the table depends on its number and --seed alone: the same bytes come out for any number of
+    processes, on a cluster, and after a resumption. docs/campaigns.md.
+
+    \b
+    Examples:
+      companion campaign missions/surveillance.yaml --runs 300 --seed 1
+      companion campaign missions/surveillance.yaml --resume campaign-surveillance
+    """
+    from companion.campaigns.campaign import random_rows
+    from companion.campaigns.row_file import header_in
+
+    folder = resume or out or Path(f"campaign-{mission.stem}")
+    if resume is not None:
+        header = header_in(resume)
+        runs, seed, limit_s = int(header["runs"]), int(header["seed"]), float(header["limit_s"])
+    kit = kit_of(mission, scenario, limit_s)
+    again = f"companion campaign {mission} --resume {folder}"
+    command = f"companion campaign {mission} --runs {runs} --seed {seed} --limit-s {limit_s:g}"
+    command += f" --scenario {scenario}" if scenario else ""
+    again += f" --scenario {scenario}" if scenario else ""
+    with begun(kit, folder, kit.header(seed, runs=runs), runs, jobs, dask, again) as flights:
+        flights.flown(random_rows(kit, seed, runs))
+        finish(flights, mission, command, against)
+
+
+def kit_of(mission: Path, scenario: Path | None, limit_s: float) -> Kit:
+    """The kit of a mission file and its scenario."""
+    from companion.api.simulating import varied_world_of
+    from companion.campaigns.kit import Kit
+
+    loaded = load(mission)
+    return Kit.of(loaded, varied_world_of(loaded, scenario), limit_s)
+
+
+@contextmanager
+def begun(
+    kit: Kit,
+    folder: Path,
+    header: dict[str, str],
+    total: int,
+    jobs: int | None,
+    dask: str | None,
+    again: str,
+) -> Iterator[Campaign]:
+    """A campaign with its engine and its progress bar, as long as the context lasts.
+
+    Args:
+        kit: what is flown.
+        folder: where it is written.
+        header: of its table.
+        total: rows that are expected.
+        jobs: processes; None for as many as there are cores.
+        dask: the address of a cluster; None for processes of this machine.
+        again: the command that goes on with it, told when it is stopped.
+    """
+    from companion.campaigns.campaign import Campaign, Interrupted
+
+    engine = engine_of(kit, jobs, dask)
+    with closing(engine), _progress(total) as tell:
+        flights = Campaign(kit, engine, folder, header, tell)
+        try:
+            yield flights
+        except Interrupted:
+            kept = f"stopped: {len(flights.rows)} rows are kept"
+            raise CompanionError(f"{kept}\n    to go on: {again}") from None
+        finally:
+            flights.close()
+
+
+def engine_of(kit: Kit, jobs: int | None, dask: str | None) -> RowEngine:
+    """Who flies the rows."""
+    from companion.campaigns.dask_cluster import DaskCluster
+    from companion.campaigns.processes import LocalProcesses
+
+    if dask is None:
+        return LocalProcesses(kit.packed, jobs or len(os.sched_getaffinity(0)))
+    cluster = DaskCluster(kit.packed, dask)
+    typer.echo(f"cluster    {cluster.threads} threads", err=True)
+    if cluster.busiest > 1:
+        typer.echo("           flights of one process wait for each other: --nthreads 1", err=True)
+    return cluster
+
+
+def finish(flights: Campaign, mission: Path, command: str, against: Path | None) -> None:
+    """Writes the table and the report, and says what is in them."""
+    from companion.campaigns.report import write_report
+    from companion.campaigns.summary import comparison_with
+
+    table = flights.write_table()
+    tell_outcomes(flights)
+    typer.echo(f"table      {table}")
+    typer.echo(f"report     {write_report(flights, mission, command)}")
+    if against is not None:
+        typer.echo(comparison_with(against, table))
+
+
+def tell_outcomes(flights: Campaign) -> None:
+    """Says how many rows ended how."""
+    from companion.campaigns.statistics import Rate
+    from companion.campaigns.summary import summary
+
+    for name, count, is_failure in summary(flights.rows):
+        valid = sum(each.outcome.is_valid for each in flights.rows)
+        rate = str(Rate.of(count, valid)) if name != "invalid" else "of no account"
+        typer.echo(f"{'FAILED ' if is_failure else '       '}{count:>6}  {name:<28} {rate}")
+
+
+@contextmanager
+def _progress(total: int) -> Iterator[Tell]:
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeRemainingColumn,
+    )
+
+    console = Console(stderr=True)
+    columns = (
+        TextColumn("flights"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.fields[rate]}"),
+        TextColumn("{task.fields[failures]} failed"),
+        TimeRemainingColumn(),
+    )
+    bar = Progress(*columns, console=console, transient=True, disable=not sys.stderr.isatty())
+    with bar:
+        yield Tell(bar, bar.add_task("flights", total=total, rate="", failures=0), total)
+
+
+class Tell:
+    """Tells how far a campaign has come: a bar on a terminal, else a line now and then.
+
+    Args:
+        bar: that is drawn, or disabled.
+        task: of the bar.
+        total: rows that are expected.
+    """
+
+    def __init__(self, bar: Progress, task: TaskID, total: int) -> None:
+        self._bar, self._task, self._total = bar, task, total
+        self._done = self._failures = 0
+        self._started_s = time.monotonic()
+
+    def __call__(self, flown: FlownRow) -> None:
+        """A row is back."""
+        self._done += 1
+        self._failures += flown.is_failure
+        rate = self._done / max(time.monotonic() - self._started_s, 1e-3)
+        said = f"{rate:.2f} flights/s"
+        self._bar.update(self._task, completed=self._done, rate=said, failures=self._failures)
+        every = max(1, self._total // PLAIN_TELLINGS)
+        if self._bar.disable and (self._done % every == 0 or self._done == self._total):
+            failed = f"{self._failures} failed, {said}"
+            typer.echo(f"flown      {self._done} of {self._total}, {failed}", err=True)

@@ -1,0 +1,80 @@
+"""The command that searches for a world in which a mission fails: falsify."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from companion.cli.arguments import MissionFile
+from companion.cli.campaigns import (
+    LIMIT_S,
+    CampaignSeed,
+    DaskAddress,
+    Jobs,
+    OutFolder,
+    ResumedFolder,
+    RowLimit,
+    begun,
+    engine_of,
+    kit_of,
+    tell_outcomes,
+)
+from companion.cli.simulated_flight import ScenarioFile
+from companion.errors import TaskViolated
+
+
+def falsify(
+    mission: MissionFile,
+    budget: Annotated[int, typer.Option(help="Flights of the search.", min=16)] = 150,
+    seed: CampaignSeed = 0,
+    scenario: ScenarioFile = None,
+    jobs: Jobs = None,
+    limit_s: RowLimit = LIMIT_S,
+    out: OutFolder = None,
+    resume: ResumedFolder = None,
+    dask: DaskAddress = None,
+) -> None:
+    """Searches, in what varies, for worlds in which the mission fails.
+
+    The rows fill the space evenly at first; then CMA-ES follows the least margin. Each different
+    failure is made simple, in 20 to 60 flights beyond the budget, and written as a scenario file
+    with the command that repeats it. docs/campaigns.md.
+
+    \b
+    Exit codes:
+      0  no failure was found
+      6  failures were found
+    """
+    from companion.campaigns.falsification import checked, minimise
+    from companion.campaigns.falsification import falsify as searched
+    from companion.campaigns.report import write_report
+    from companion.campaigns.row_file import header_in
+
+    folder = resume or out or Path(f"falsify-{mission.stem}")
+    if resume is not None:
+        header = header_in(resume)
+        budget, seed, limit_s = int(header["budget"]), int(header["seed"]), float(header["limit_s"])
+    kit = kit_of(mission, scenario, limit_s)
+    again = f"companion falsify {mission} --resume {folder}"
+    command = f"companion falsify {mission} --budget {budget} --seed {seed} --limit-s {limit_s:g}"
+    command += f" --scenario {scenario}" if scenario else ""
+    again += f" --scenario {scenario}" if scenario else ""
+    with begun(kit, folder, kit.header(seed, budget=budget), budget, jobs, dask, again) as search:
+        failures = searched(search, seed, budget)
+        if failures:
+            typer.echo(f"simpler    {len(failures)} different failures", err=True)
+        simple = minimise(search, failures, lambda kit: engine_of(kit, jobs, dask))
+        cases = checked(search, mission, simple)
+        tell_outcomes(search)
+        typer.echo(f"table      {search.folder / 'table.csv'}")
+        typer.echo(f"report     {write_report(search, mission, command, is_search=True)}")
+        for each in cases:
+            kind, where = each.case.flown.kind, each.case.flown.place
+            typer.echo(f"\nfailure    {kind}, near {where}" if where else f"\nfailure    {kind}")
+            typer.echo(f"scenario   {each.case.file}")
+            said = "the same" if each.is_repeated else "NOT repeated by its file alone"
+            typer.echo(f"repeat     {each.case.line}\n           in a fresh process: {said}")
+    if failures:
+        raise TaskViolated(f"{len(failures)} different failures were found")

@@ -1,0 +1,90 @@
+"""A scenario file whose keys vary, as something that can be sent to another process or machine.
+
+The scenario has named files, a map and a vehicle profile; here they are read already, so that any
+row of a campaign can be made of it without a disk.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from companion.documents import Source, validate
+from companion.geometry import GlobalOrigin
+from companion.motion.grid import OccupancyGrid
+from sitl.world.distributions import Chance
+from sitl.world.scenario import PX4_HOME, Scenario, read_scenario
+from sitl.world.schema import ScenarioModel
+from sitl.world.vary import Factor, Values, with_values
+
+
+@dataclass(frozen=True)
+class VariedScenario:
+    """A scenario and what varies in it.
+
+    Attributes:
+        data: of the file, as it is there.
+        portable: the same with its files' contents in their place, but for the map.
+        grid: its map; None without walls.
+        home: where home is, if the scenario does not say.
+        factors: what varies, in the order of the file.
+        folder: to which the names of its files are relative, where it was read.
+    """
+
+    data: Mapping[str, Any]
+    portable: Mapping[str, Any]
+    grid: OccupancyGrid | None
+    home: GlobalOrigin
+    factors: tuple[Factor, ...]
+    folder: Path
+
+    def world(self, values: Values) -> tuple[Scenario, OccupancyGrid | None]:
+        """The scenario of a row.
+
+        Args:
+            values: of factors by path; all others are as in the file.
+
+        Raises:
+            MissionError: it cannot be, such as a start in an obstacle.
+        """
+        data = with_values(self.portable, self.factors, values)
+        return read_scenario(Source(data, "scenario", Path(), None), self.home, self.grid)
+
+    def data_with(self, values: Values) -> dict[str, Any]:
+        """The data of a scenario file that says what a row does, beside the same files.
+
+        The vehicle is written out, as its profile lies in a folder that another file may not have.
+        """
+        data = with_values(self.data, self.factors, values)
+        return {**data, "vehicle": self.portable["vehicle"]} if "vehicle" in data else data
+
+    def with_optional_events(self) -> VariedScenario:
+        """The same, where each entry of `happens` may be left out, too."""
+        varied = {factor.path for factor in self.factors}
+        numbers = range(len(self.data.get("happens") or ()))
+        entries = {f"happens.{i}": ("happens", i) for i in numbers}
+        optional = tuple(
+            Factor(path, keys, Chance(1.0), None, is_entry=True)
+            for path, keys in entries.items()
+            if path not in varied
+        )
+        return replace(self, factors=self.factors + optional)
+
+
+def read_varied(
+    source: Source,
+    default_home: GlobalOrigin = PX4_HOME,
+    default_map: OccupancyGrid | None = None,
+) -> VariedScenario:
+    """Reads a scenario and what varies in it; arguments and errors are those of `read_scenario`."""
+    scenario, grid = read_scenario(source, default_home, default_map)
+    _, document = validate(source.content, source.name, ScenarioModel)
+    data = document.data()
+    assert isinstance(data, dict)
+    vehicle = {key: value for key, value in asdict(scenario.vehicle).items() if key != "name"}
+    portable = {**data, "vehicle": vehicle}
+    if isinstance(data.get("map"), str):
+        del portable["map"]
+    return VariedScenario(data, portable, grid, default_home, scenario.factors, source.folder)

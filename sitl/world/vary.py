@@ -1,0 +1,140 @@
+"""The keys of a scenario that a campaign varies, and the scenario with other values there.
+
+A key is named by its path, such as `wind.east_mps` or `obstacles.crate.circle.east_m`. An entry of
+a list is meant by its name, if it has one, or by its number from 0. A key that the file leaves out
+may be varied too; an entry of a list has to be there. The path of an entry itself is varied by
+`chance` alone: it is there in some rows, and in others not.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from companion.documents import Document, did_you_mean
+from companion.errors import MissionError
+from sitl.world.distributions import Chance, Distribution, Value
+from sitl.world.vary_schema import VaryEntry, distribution
+
+Data = Mapping[str, Any]
+Values = Mapping[str, Value]
+"""Path of a key -> its value in a row."""
+
+
+@dataclass(frozen=True, slots=True)
+class Factor:
+    """A key that is varied.
+
+    Attributes:
+        path: of the key.
+        keys: the same as keys and numbers of entries.
+        distribution: of its values.
+        usual: what the file itself says there; None if nothing, or for an entry.
+        is_entry: it is a whole entry of a list, which is there or not.
+    """
+
+    path: str
+    keys: tuple[str | int, ...]
+    distribution: Distribution
+    usual: Value | None
+    is_entry: bool = False
+
+
+def read_factors(
+    entries: Mapping[str, VaryEntry], document: Document, read: Callable[[Data], object]
+) -> tuple[Factor, ...]:
+    """The factors of a scenario, in the order of the file.
+
+    Args:
+        entries: of its key `vary`.
+        document: the whole file.
+        read: reads the data of a scenario; each factor is tried at its extremes.
+
+    Raises:
+        MissionError: a path leads nowhere, or to a key that cannot have all these values.
+    """
+    data = document.data()
+    assert isinstance(data, dict)
+    factors = tuple(_factor(path, entry, data, document) for path, entry in entries.items())
+    for factor in factors:
+        for value in factor.distribution.extremes:
+            try:
+                read(with_values(data, factors, {factor.path: value}))
+            except MissionError as error:
+                raise MissionError(
+                    f"{factor.path} cannot be {value}: {error.what}",
+                    document.where("vary", factor.path),
+                    error.hint,
+                ) from error
+    return factors
+
+
+def with_values(data: Data, factors: Sequence[Factor], values: Values) -> dict[str, Any]:
+    """The data of a scenario with other values, and without `vary`.
+
+    Args:
+        data: of the file.
+        factors: of the same file.
+        values: of some of the factors; all others stay as the file has them.
+    """
+    varied = copy.deepcopy({key: value for key, value in data.items() if key != "vary"})
+    chosen = [factor for factor in factors if factor.path in values]
+    for factor in chosen:
+        if not factor.is_entry:
+            _put(varied, factor.keys, values[factor.path])
+    missing = [factor.keys for factor in chosen if factor.is_entry and not values[factor.path]]
+    for keys in sorted(missing, key=lambda keys: int(keys[-1]), reverse=True):
+        parent: Any = varied
+        for key in keys[:-1]:
+            parent = parent[key]
+        del parent[keys[-1]]
+    return varied
+
+
+def _put(data: Any, keys: Sequence[str | int], value: Value) -> None:
+    for key in keys[:-1]:
+        if isinstance(data, dict) and data.get(str(key)) is None:
+            data[str(key)] = {}
+        data = data[key]
+    data[keys[-1]] = value
+
+
+def _factor(path: str, entry: VaryEntry, data: Data, document: Document) -> Factor:
+    here: Any = data
+    keys: list[str | int] = []
+    for step in path.split("."):
+        if isinstance(here, list):
+            keys.append(_entry_of(here, step, path, document))
+            here = here[int(keys[-1])]
+        elif isinstance(here, dict) or here is None:
+            keys.append(step)
+            here = here.get(step) if here else None
+        else:
+            raise MissionError(
+                f"{path} leads into a value, not to a key", document.key_at("vary", path)
+            )
+    chosen = distribution(entry, path, document)
+    is_entry = isinstance(keys[-1], int) and isinstance(here, dict)
+    if isinstance(here, dict | list) and not (is_entry and isinstance(chosen, Chance)):
+        raise MissionError(
+            f"{path} is no single value",
+            document.key_at("vary", path),
+            "name one of its keys; an entry of a list may be varied by {chance: 0.5} alone",
+        )
+    usual = here if isinstance(here, bool | int | float | str) else None
+    return Factor(path, tuple(keys), chosen, usual, is_entry)
+
+
+def _entry_of(entries: list[Any], step: str, path: str, document: Document) -> int:
+    names = [each.get("name", "") if isinstance(each, dict) else "" for each in entries]
+    if step in names:
+        return names.index(step)
+    if step.isdecimal() and int(step) < len(entries):
+        return int(step)
+    raise MissionError(
+        f"{path}: there is no entry {step}",
+        document.key_at("vary", path),
+        f"entries are named, or numbered from 0. {did_you_mean(step, filter(None, names))}".strip(),
+    )

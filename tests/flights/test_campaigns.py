@@ -1,0 +1,90 @@
+"""One campaign has one table, byte for byte, however its rows were flown."""
+
+from __future__ import annotations
+
+import os
+import signal
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from varied import DEADLY, RUNS, ThisProcess, fly_but_die, short_kit, table_by
+
+from companion.campaigns import worker
+from companion.campaigns.outcomes import FlownRow, Outcome
+from companion.campaigns.processes import LocalProcesses, accepted
+from companion.campaigns.row_file import NAME
+from companion.campaigns.rows import Row
+from companion.campaigns.worker import WorkerRefused, fly_row
+from companion.errors import CompanionError
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("campaign")
+
+
+@pytest.fixture(scope="module")
+def table(folder: Path) -> bytes:
+    return table_by(ThisProcess(short_kit()), folder)
+
+
+def test_the_rows_are_flown(table: bytes, folder: Path) -> None:
+    assert table.count(b",satisfied,") + table.count(b",invalid,") == RUNS
+    assert str(folder).encode() not in table
+
+
+def test_two_processes_one_of_which_is_killed(table: bytes, tmp_path: Path) -> None:
+    engine = LocalProcesses(short_kit().packed, 2)
+    killed: list[int] = []
+
+    def kill(flown: FlownRow) -> None:
+        if not killed and (pids := engine.pids):
+            killed.append(pids[0])
+            os.kill(pids[0], signal.SIGKILL)
+
+    assert table_by(engine, tmp_path, kill) == table
+    assert killed
+
+
+def test_a_campaign_that_was_cut_off_in_a_line_goes_on(
+    table: bytes, folder: Path, tmp_path: Path
+) -> None:
+    header, *lines = (folder / NAME).read_bytes().splitlines(keepends=True)
+    torn = lines[2][: len(lines[2]) // 2]
+    (tmp_path / NAME).write_bytes(header + lines[3] + lines[0] + torn)
+    engine = ThisProcess(short_kit())
+    assert table_by(engine, tmp_path) == table
+    assert engine.flown == [1, 2]
+
+
+def test_a_worker_of_another_kind_is_refused() -> None:
+    kit = short_kit()
+    other = replace(kit, environment={**kit.environment, "fingerprint": "another"})
+    answer = fly_row(other.packed, Row(0, 0))
+    assert isinstance(answer, WorkerRefused) and answer.line.startswith("fingerprint: ")
+    with pytest.raises(CompanionError, match="would fly other rows"):
+        accepted(answer)
+
+
+def test_what_raises_is_the_outcome_of_its_row(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(worker, "fly", lambda *about: 1 / 0)
+    flown = fly_row(short_kit().packed, Row(0, 0))
+    assert flown == FlownRow(Row(0, 0), Outcome.ERROR, reason="ZeroDivisionError: division by zero")
+
+
+@pytest.mark.long
+def test_one_process_and_four(table: bytes, tmp_path: Path) -> None:
+    for jobs in (1, 4):
+        assert table_by(LocalProcesses(short_kit().packed, jobs), tmp_path / str(jobs)) == table
+
+
+@pytest.mark.long
+def test_a_row_that_kills_its_process_three_times_has_died() -> None:
+    """The other row of the same process is flown."""
+    engine = LocalProcesses(short_kit().packed, 1, fly_but_die)
+    try:
+        flown = {each.row.index: each.outcome for each in engine.fly([Row(0, DEADLY), Row(1, 1)])}
+    finally:
+        engine.close()
+    assert flown == {0: Outcome.DIED, 1: Outcome.SATISFIED}

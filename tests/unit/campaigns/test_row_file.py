@@ -1,0 +1,63 @@
+"""What a campaign keeps on disk: nothing torn, nothing of another campaign."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from companion.campaigns.outcomes import FlownRow, Outcome
+from companion.campaigns.row_file import NAME, RowFile, header_in
+from companion.campaigns.rows import Row
+from companion.errors import CompanionError, MissionError
+
+HEADER = {"format": "1", "seed": "3"}
+
+
+def flown(index: int) -> FlownRow:
+    return FlownRow(Row(index, 7, {"a": 1.5}), Outcome.SATISFIED, track=((0.0, 1.0),))
+
+
+def test_rows_are_there_again(tmp_path: Path) -> None:
+    file = RowFile(tmp_path, HEADER)
+    file.add(flown(2))
+    file.add(flown(0))
+    file.close()
+    again = RowFile(tmp_path, HEADER)
+    assert again.rows == {2: flown(2), 0: flown(0)}
+    again.close()
+    assert header_in(tmp_path) == HEADER
+
+
+def test_a_torn_line_is_dropped(tmp_path: Path) -> None:
+    file = RowFile(tmp_path, HEADER)
+    file.add(flown(0))
+    file.add(flown(1))
+    file.close()
+    path = tmp_path / NAME
+    path.write_bytes(path.read_bytes()[:-20])
+    again = RowFile(tmp_path, HEADER)
+    assert [*again.rows] == [0]
+    again.add(flown(1))
+    again.close()
+    last = RowFile(tmp_path, HEADER)
+    assert [*last.rows] == [0, 1]
+    last.close()
+
+
+def test_another_campaign_is_refused_with_what_differs(tmp_path: Path) -> None:
+    RowFile(tmp_path, HEADER).close()
+    with pytest.raises(MissionError, match="its seed is 3, and is 4 now"):
+        RowFile(tmp_path, {**HEADER, "seed": "4"})
+
+
+def test_a_campaign_that_is_under_way_is_left_alone(tmp_path: Path) -> None:
+    file = RowFile(tmp_path, HEADER)
+    with pytest.raises(CompanionError, match="another campaign is writing"):
+        RowFile(tmp_path, HEADER)
+    file.close()
+
+
+def test_a_folder_without_a_campaign_cannot_be_resumed(tmp_path: Path) -> None:
+    with pytest.raises(MissionError, match="holds no campaign"):
+        header_in(tmp_path)

@@ -1,0 +1,118 @@
+"""The key `vary` of a scenario: what its paths mean, and what is told about a mistake."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from companion.errors import MissionError
+from sitl.world.distributions import Chance, Choice, Normal, Uniform
+from sitl.world.scenario import Scenario, parse_scenario
+from sitl.world.vary import with_values
+
+WORLD = """\
+version: 1
+map: maps/hall.yaml
+wind: {{east_mps: 1}}
+payload:
+  command: MAV_CMD_USER_1
+  answers: [{{east_m: 9, north_m: 4, radius_m: 1, result: FAILED}}]
+obstacles:
+  - {{name: crate, circle: {{east_m: 6, north_m: 6, radius_m: 0.5}}}}
+  - {{name: shed, box: {{east_m: [1, 2], north_m: [8, 9]}}, present: false}}
+happens:
+  - {{at_s: 30, obstacle: {{name: shed, present: true}}}}
+  - {{at_s: 40, link: {{loss: 0.1}}}}
+vary: {{{vary}}}
+"""
+DATA: dict[str, Any] = {
+    "wind": {"east_mps": 1},
+    "obstacles": [{"name": "crate", "circle": {"east_m": 6}}, {"name": "shed"}],
+    "happens": [{"at_s": 1}, {"at_s": 2}, {"at_s": 3}],
+    "vary": {},
+}
+
+
+def parse(vary: str) -> Scenario:
+    return parse_scenario(WORLD.format(vary=vary), Path("missions/a.sim.yaml"))
+
+
+def test_all_kinds_of_distributions_are_read() -> None:
+    factors = parse(
+        "wind.east_mps: [-3, 3], battery.charge: {normal: [0.9, 0.05], within: [0.7, 1]}, "
+        "payload.answers.0.result: {choice: [ACCEPTED, FAILED], weights: [3, 1]}, "
+        "obstacles.crate.circle.east_m: [1, 9], obstacles.1.box.east_m.0: [0, 1.5], "
+        "happens.1: {chance: 0.3}, happens.1.link.loss: [0, 0.4]"
+    ).factors
+    assert [factor.distribution for factor in factors] == [
+        Uniform(-3, 3),
+        Normal(0.9, 0.05, 0.7, 1),
+        Choice(("ACCEPTED", "FAILED"), (3, 1)),
+        Uniform(1, 9),
+        Uniform(0, 1.5),
+        Chance(0.3),
+        Uniform(0, 0.4),
+    ]
+    assert [factor.usual for factor in factors] == [1, None, "FAILED", 6, 1, None, 0.1]
+    assert [factor.is_entry for factor in factors] == [False] * 5 + [True, False]
+
+
+@pytest.mark.parametrize(
+    ("vary", "told"),
+    [
+        ("wind.east_mps: [3, -3]", "empty range"),
+        ("wind.east_mps: [-3, 40]", "wind.east_mps cannot be 40.0: east_mps is 40.0"),
+        ("wind.esat_mps: [-3, 3]", "unknown key 'esat_mps' in wind"),
+        ("obstacles.crat.circle.east_m: [1, 2]", "no entry crat"),
+        ("happens.2.at_s: [1, 2]", "no entry 2"),
+        ("obstacles.crate: [1, 2]", "no single value"),
+        ("wind: {chance: 0.5}", "no single value"),
+        ("wind.east_mps.more: [1, 2]", "leads into a value"),
+        ("obstacles.1: {chance: 0.5}", "obstacles.1 cannot be False"),
+        ("payload.answers.0.result: {choice: [ACEPTED]}", "cannot be ACEPTED"),
+        ("battery.charge: {choice: [1, 0.5], weights: [1]}", "weights"),
+        ("battery.charge: {normal: [0.5, 0]}", "no values"),
+        ("battery.charge: {chance: 1.5}", "at most 1"),
+    ],
+)
+def test_a_mistake_is_told_with_its_place(vary: str, told: str) -> None:
+    with pytest.raises(MissionError) as error:
+        parse(vary)
+    assert told in str(error.value)
+    assert str(error.value).startswith("missions/a.sim.yaml:13:")
+
+
+def test_values_are_put_where_their_paths_lead() -> None:
+    paths = (
+        "wind.east_mps: [-3, 3], battery.charge: [0.5, 1], happens.1: {chance: 0.3}, "
+        "happens.0: {chance: 0.3}, obstacles.crate.circle.radius_m: [0.1, 1]"
+    )
+    factors = parse(paths).factors
+    values = {
+        "wind.east_mps": 2.5,
+        "battery.charge": 0.75,
+        "happens.1": False,
+        "happens.0": True,
+        "obstacles.crate.circle.radius_m": 0.25,
+    }
+    varied = with_values(DATA, factors, values)
+    assert varied == {
+        "wind": {"east_mps": 2.5},
+        "battery": {"charge": 0.75},
+        "obstacles": [
+            {"name": "crate", "circle": {"east_m": 6, "radius_m": 0.25}},
+            {"name": "shed"},
+        ],
+        "happens": [{"at_s": 1}, {"at_s": 3}],
+    }
+    assert DATA["wind"] == {"east_mps": 1} and len(DATA["happens"]) == 3
+    assert with_values(DATA, factors, {"happens.0": False, "happens.1": False})["happens"] == [
+        {"at_s": 3}
+    ]
+
+
+def test_a_scenario_is_flown_as_it_stands_whatever_varies() -> None:
+    plain, varied = parse(""), parse("wind.east_mps: [-3, 3]")
+    assert varied.wind == plain.wind and varied.events == plain.events
