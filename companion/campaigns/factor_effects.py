@@ -73,6 +73,7 @@ def _by_quarter(path: str, valid: Sequence[FlownRow]) -> tuple[tuple[str, int, i
     for quarter in range(QUARTERS):
         first, last = (len(ordered) * end // QUARTERS for end in (quarter, quarter + 1))
         if rows := ordered[first:last]:
-            name = f"{rows[0].row.values[path]:g} to {rows[-1].row.values[path]:g}"
+            low, high = rows[0].row.values[path], rows[-1].row.values[path]
+            name = f"{float(low):.3g} to {float(high):.3g}"
             groups.append((name, sum(each.is_failure for each in rows), len(rows)))
     return tuple(groups)

@@ -5,44 +5,13 @@ from __future__ import annotations
 import re
 
 import pytest
-from varied import SEED, short_kit
+from reported import EVENT, ROWS, WIND, source
+from varied import short_kit
 
 from companion.campaigns.factor_effects import effects
-from companion.campaigns.outcomes import FlownRow, Margins, Outcome
-from companion.campaigns.report import ReportSource, report_html
-from companion.campaigns.rows import Row, random_row
-
-WIND, EVENT = "wind.east_mps", "happens.1"
-
-
-def flown(index: int) -> FlownRow:
-    """A row that fails in a wind from the west above 2 m/s, and has hit something above 3 m/s."""
-    row = random_row(short_kit().factors, SEED, index)
-    wind = float(row.values[WIND])
-    outcome, conjunct = Outcome.SATISFIED, ""
-    if wind > 2:
-        outcome, conjunct = (Outcome.CRASH, "") if wind > 3 else (Outcome.VIOLATED, "patrol")
-    return FlownRow(
-        row,
-        outcome,
-        conjunct,
-        reason="the <reason>" if wind > 2 else "",
-        margins=Margins(clearance_m=round(3 - wind, 4)),
-        duration_s=40 + wind,
-        phase="flying the task",
-        place="Gate",
-        east_m=3.0,
-        north_m=4.0,
-        track=((0.0, 0.0), (3.0, 4.0)),
-    )
-
-
-def source(rows: list[FlownRow], is_search: bool = False) -> ReportSource:
-    header = short_kit().header(SEED, runs=len(rows))
-    return ReportSource(short_kit(), header, rows, "companion campaign M", {}, is_search)
-
-
-ROWS = [flown(index) for index in range(40)]
+from companion.campaigns.outcomes import FlownRow, Outcome
+from companion.campaigns.report import report_html
+from companion.campaigns.rows import Row
 
 
 def test_the_report_needs_nothing_from_outside_and_has_no_date() -> None:
