@@ -96,6 +96,13 @@ OPTIONS = {
         *("--engine", "--encoding", "--engine-timeout", "--engine-duration"),
         *("--log-dir", "--monitor", "--verbose"),
     ],
+    "campaign": [
+        *("--runs", "--seed", "--scenario", "--jobs", "--limit-s", "--out", "--resume", "--dask"),
+        "--against",
+    ],
+    "falsify": [
+        *("--budget", "--seed", "--scenario", "--jobs", "--limit-s", "--out", "--resume", "--dask"),
+    ],
     "audit": ["--json"],
     "export": ["--output", "--home"],
     "import": ["--output", "--home", "--up-m", "--payload", "--leave-out", "--name"],
