@@ -99,7 +99,8 @@ class DaskCluster:
     def _returned(self) -> Iterator[FlownRow]:
         from distributed import KilledWorker, wait
 
-        done, _ = wait(list(self._under_way), return_when="FIRST_COMPLETED")
+        with self._client.as_current():
+            done, _ = wait(list(self._under_way), return_when="FIRST_COMPLETED")
         for future in done:
             row = self._under_way.pop(future)
             error = future.exception()
