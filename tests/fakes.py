@@ -128,9 +128,11 @@ class FakeFence:
         objections: what is said when one is written.
         written: all that were written.
         is_mine: whether what it has was written by this companion, in another flight.
+        is_as_sent: whether it tells what was written, wherever the frame is by now.
     """
 
     def __init__(self) -> None:
+        self.is_as_sent = False
         self.nowhere: str | None = "the autopilot tells no position on the earth"
         self.stored: StoredFence | None = StoredFence((), 0)
         self.home: NorthEast | None = None
@@ -158,6 +160,9 @@ class FakeFence:
 
     def is_own(self) -> bool:
         return self.is_mine
+
+    def is_as_written(self) -> bool:
+        return self.is_as_sent
 
     def is_vouched_for(self) -> bool:
         return self._vouched is self.stored
@@ -204,6 +209,9 @@ class FakeRally:
 
     def is_own(self) -> bool:
         return self.is_mine
+
+    def is_as_written(self) -> bool:
+        return False
 
 
 class FakeCameras:

@@ -90,7 +90,7 @@ class FenceJudge:
             return Failed("it is not known where on the earth the autopilot's fence lies")
         if self._policy is UploadPolicy.KEEP or not self._wanted:
             return self._keep(stored)
-        is_ours = stored.flaw is None and are_alike(stored.areas, self._wanted, ALIKE_M)
+        is_ours = self._is_wanted(stored)
         if is_ours and self.store.is_vouched_for():
             return self._keep(stored)
         if stored.points and not is_ours:
@@ -105,11 +105,7 @@ class FenceJudge:
     def compare(self) -> Failed | None:
         """Why what was read back is another fence."""
         stored = self.store.stored
-        if (
-            stored is None
-            or stored.flaw is not None
-            or not are_alike(stored.areas, self._wanted, ALIKE_M)
-        ):
+        if not self.store.is_as_written() and not self._is_wanted(stored):
             return Failed(
                 f"the autopilot has taken the mission's fence, and tells another one ({stored})"
             )
@@ -136,6 +132,14 @@ class FenceJudge:
             self._flight.report(FenceWritten(words))
         self._tell_if_near(self._wanted)
         return UploadStep.UNOPPOSED
+
+    def _is_wanted(self, stored: StoredFence | None) -> bool:
+        """Whether a fence is the mission's, as PX4 takes it."""
+        return (
+            stored is not None
+            and stored.flaw is None
+            and are_alike(stored.areas, self._wanted, ALIKE_M)
+        )
 
     def _keep(self, stored: StoredFence) -> UploadStep | Failed:
         """The fence that is there stays, if the mission can be flown in it."""

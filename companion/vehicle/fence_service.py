@@ -94,6 +94,10 @@ class FenceService:
         points = "" if items is None else f" of {len(items)} points"
         self._store.write(items, f"the autopilot does not take a fence{points}")
 
+    def is_as_written(self) -> bool:
+        """Whether what was read last is what was written last, wherever the frame is by now."""
+        return self._store.is_as_written()
+
     def is_own(self) -> bool:
         """Whether what was read last was written by this companion, now or in another flight."""
         return any(self._is_like_read(items) for items in self._own.written)

@@ -9,7 +9,7 @@
 from __future__ import annotations
 
 from companion.mavlink.framing import Message
-from companion.mavlink.plan_transfer import PlanTransfer, TransferState
+from companion.mavlink.plan_transfer import PlanItem, PlanTransfer, TransferState
 from companion.vehicle.outcome import Failed, Outcome, Progress
 from companion.vehicle.own_uploads import OwnItems, UploadedItems
 from companion.vehicle.services import Moment
@@ -19,6 +19,8 @@ from companion.vehicle.wire import AUTOPILOT, COMPONENT, Wire
 GLOBAL_POSITION_S = 1.0
 """A vehicle that has told none for so long has none."""
 LOCATE_S = 10.0
+ROUNDED, ROUNDED_M = 2, 0.01
+"""What an autopilot's own numbers may make of a latitude, in 1e-7 degrees, and of a height."""
 
 
 class PlanStore:
@@ -99,6 +101,17 @@ class PlanStore:
         self.written = items
         self._begin(purpose, items)
 
+    def is_as_written(self) -> bool:
+        """Whether what was read last is what was written last.
+
+        They are compared as they lie on the earth. The mission's frame may have moved meanwhile: it
+        settles while the vehicle stands, and by what the vehicle sees of its walls.
+        """
+        ours, theirs = self.written, self.items
+        if ours is None or theirs is None or len(ours) != len(theirs):
+            return False
+        return all(map(_is_same, ours, theirs))
+
     def _begin(self, purpose: str, items: UploadedItems | None) -> None:
         target, own = (self._wire.system, AUTOPILOT), (self._wire.system, COMPONENT)
         self._purpose, self._is_reading = purpose, items is None
@@ -131,3 +144,13 @@ class PlanStore:
         if is_asked and origins.altitude_m is not None:
             leaving += origins.due(moment.now_s, (self._wire.system, AUTOPILOT), is_needed=True)
         return leaving
+
+
+def _is_same(one: PlanItem, other: PlanItem) -> bool:
+    kinds = (one.command, one.frame, one.first), (other.command, other.frame, other.first)
+    apart = max(abs(one.x - other.x), abs(one.y - other.y))
+    return (
+        kinds[0] == kinds[1]
+        and apart <= ROUNDED
+        and abs(one.altitude_m - other.altitude_m) <= ROUNDED_M
+    )

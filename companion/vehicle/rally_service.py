@@ -78,6 +78,10 @@ class RallyService:
         purpose = f"the autopilot does not take {StoredRally(tuple(points))}"
         self._store.write(known if len(known) == len(items) else None, purpose)
 
+    def is_as_written(self) -> bool:
+        """Whether what was read last is what was written last, wherever the frame is by now."""
+        return self._store.is_as_written()
+
     def is_own(self) -> bool:
         """Whether what was read last was written by this companion, now or in another flight."""
         theirs = self.stored

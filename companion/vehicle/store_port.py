@@ -31,6 +31,9 @@ class AutopilotStore(Protocol):
     def is_own(self) -> bool:
         """Whether what was read last was written by this companion, now or in another flight."""
 
+    def is_as_written(self) -> bool:
+        """Whether what was read last is what was written last, wherever the frame is by now."""
+
 
 class AutopilotFence(AutopilotStore, Protocol):
     """The fence of a vehicle's autopilot."""

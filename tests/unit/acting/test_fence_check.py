@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import pytest
@@ -156,6 +157,19 @@ def test_what_is_read_back_is_compared() -> None:
     run = rig()
     run.vehicle.fence.write = lambda areas: setattr(run.vehicle.fence, "stored", OTHER)  # type: ignore[method-assign]
     assert "and tells another one (12 points, 2 areas)" in refused(run)
+
+
+def test_a_frame_that_moves_meanwhile_makes_no_other_fence_of_it() -> None:
+    """It settles while the vehicle stands, by more than what corners may differ by."""
+    run = rig()
+
+    def write(areas: Sequence[FenceArea]) -> None:
+        run.vehicle.fence.stored = replace(OTHER, flaw=None)
+        run.vehicle.fence.is_as_sent = True
+
+    run.vehicle.fence.write = write  # type: ignore[method-assign]
+    armed(run)
+    assert run.one(FenceWritten)
 
 
 def test_a_fence_that_is_not_taken_is_told_with_the_way_out() -> None:
