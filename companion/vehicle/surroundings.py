@@ -3,7 +3,8 @@
 Walls that the map tells are the measure: a scan that does not lie on them is off by what position
 and heading are, and the mission's frame is moved by a part of that. So a vehicle that sees told
 walls keeps its distance from them, whatever its GPS says. Where the position is exact the walls may
-be off instead; then nothing is moved.
+be off instead; then nothing is moved. Scans that come at once, as after a pause of the process,
+were all placed before the first of them has moved the frame, and are moved along with it.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
+from companion.geometry import Ned
 from companion.motion.grid import OccupancyGrid
 from companion.motion.position_error import greatest_error_m
 from companion.motion.range_scan import RangeScan
@@ -46,7 +48,21 @@ class Surroundings:
         """Takes scans in, in order; true if a cell has become occupied or free."""
         state = self._telemetry.state
         up_m = -state.position[2] if state else 0.0
-        return any([self._map.integrate(self._aligned(replace(scan, up_m=up_m))) for scan in scans])
+        placed_by = self._telemetry.frame.origin
+        changes = [
+            self._map.integrate(self._aligned(replace(self._moved(scan, placed_by), up_m=up_m)))
+            for scan in scans
+        ]
+        return any(changes)
+
+    def _moved(self, scan: RangeScan, placed_by: Ned | None) -> RangeScan:
+        """A scan by the frame as it is, which it was placed in where that had this origin."""
+        origin = self._telemetry.frame.origin
+        if origin is None or placed_by is None or origin == placed_by:
+            return scan
+        north, east = scan.position
+        by_north, by_east = placed_by[0] - origin[0], placed_by[1] - origin[1]
+        return replace(scan, position=(north + by_north, east + by_east))
 
     def _aligned(self, scan: RangeScan) -> RangeScan:
         accuracy_m = self._telemetry.accuracy_m

@@ -41,14 +41,14 @@ class Standing:
         frame.take_position(0.0, (*HERE, 0.0), is_standing=True)
         frame.lay((*HERE, -2.0))
 
-    def scan(self, off_by: NorthEast, turned_rad: float = 0.0) -> NorthEast:
-        """One scan by a pose in error; returns what is left of the error of the position."""
+    def scan(self, off_by: NorthEast, turned_rad: float = 0.0, times: int = 1) -> NorthEast:
+        """Scans at once by a pose in error; returns what was left of its error before them."""
         origin = self.telemetry.frame.origin
         assert origin is not None
         taken = (HERE[0] + off_by[0] - origin[0], HERE[1] + off_by[1] - origin[1])
         distances_m = self._lidar.scan(HERE, 0.0)
         scan = RangeScan(0.0, taken, distances_m, turned_rad, STEP_RAD, 12.0)
-        self.surroundings.take([scan])
+        self.surroundings.take([scan] * times)
         return (taken[0] - HERE[0], taken[1] - HERE[1])
 
 
@@ -59,6 +59,13 @@ def test_a_position_that_is_not_exact_is_corrected_by_the_walls(turned_deg: floa
     assert math.hypot(*left[0]) == pytest.approx(0.5)
     assert math.hypot(*left[-1]) < 0.06
     assert np.array_equal(vehicle.surroundings.grid.occupied, told.occupied)
+
+
+def test_scans_that_come_at_once_correct_no_more_than_what_is_off() -> None:
+    """As after a pause of the process: each of them was placed before any of them had moved it."""
+    vehicle = Standing(0.25, room(), room())
+    vehicle.scan((0.2, -0.1), times=20)
+    assert math.hypot(*vehicle.scan((0.2, -0.1))) < 0.06
 
 
 def test_a_position_that_is_exact_is_never_corrected() -> None:
