@@ -51,7 +51,7 @@ class VehicleState:
     Attributes:
         stamp_s: when the position was received.
         position: in the mission's frame.
-        velocity: NED, metres per second.
+        velocity: NED, metres per second, by what the position does (`velocity_bias.py`).
         yaw_rad: heading, 0 is north, positive to the east.
         is_failsafe: the autopilot reports a critical system status.
         battery_percent: remaining charge, None while unknown.

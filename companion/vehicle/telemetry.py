@@ -22,7 +22,7 @@ from companion.vehicle.mission_frame import MissionFrame
 from companion.vehicle.origin_watch import OriginWatch
 from companion.vehicle.port import FrameLocation, Mode, VehicleState
 from companion.vehicle.position_watch import PositionWatch
-from companion.vehicle.velocity_bias import VelocityBias
+from companion.vehicle.velocity_bias import STILL, VelocityBias
 
 KNOWN_MODES = {mode.value: mode for mode in Mode}
 BATTERY_KNOWN_S = 5.0
@@ -107,10 +107,11 @@ class Telemetry:
         ):
             return None
         stamp_s, position, velocity = self._position
+        off = STILL if self._is_landed else self.velocity_bias.at(stamp_s)
         return VehicleState(
             stamp_s=stamp_s,
             position=self.frame.position(position),
-            velocity=velocity,
+            velocity=(velocity[0] - off[0], velocity[1] - off[1], velocity[2] - off[2]),
             yaw_rad=self._yaw_rad,
             mode=self.mode,
             is_armed=self.is_armed,

@@ -197,11 +197,36 @@ def test_a_marker_that_another_component_makes_up_is_not_believed() -> None:
     assert any("component 41 is no one" in each.reason for each in flight.of(SightingsRefused))
 
 
+def descending(up_m: float, **about: Any) -> Landing:
+    flight = Landing(**about)
+    over_p = lambda: horizontal_distance(flight.simulation.flight.position, AWAY) < 1.5  # noqa: E731
+    flight.until(lambda: over_p() and flight.up_m < up_m, 60.0)
+    return flight
+
+
+PX4: dict[str, Any] = {"airframe": "px4_sih", "wander": Wander(0.25, 0.3), "wind": (1.0, 1.0, 0.0)}
+"""The errors of a PX4's estimate: its velocity says that a vehicle moves which stands still."""
+
+
 @pytest.mark.long
 def test_what_wanders_is_followed() -> None:
-    """The estimate of a PX4: a quarter of a metre, 0.3 m/s; the marker is seen as it is."""
-    flight = Landing(airframe="px4_sih", wander=Wander(0.25, 0.3), wind=(1.0, 1.0, 0.0))
+    """The marker is seen as it is."""
+    assert Landing(**PX4).until_landed() < 0.5
+
+
+def test_a_velocity_that_is_off_keeps_nobody_waiting_above_the_marker() -> None:
+    """A PX4 sank onto a roof meanwhile: the height of its estimate drifts as well."""
+    flight = descending(ROOF_M + 0.6, seed=7, **PX4)
+    low_s = flight.now_s
+    flight.until(lambda: flight.simulation.mode == "AUTO.LAND", 20.0)
+    assert flight.now_s - low_s < 2.5
+
+
+def test_a_marker_that_is_too_near_to_be_seen_is_landed_on() -> None:
+    flight = descending(ROOF_M + 0.6, seed=5, **PX4)
+    flight.changes(is_present=False)
     assert flight.until_landed() < 0.5
+    assert not flight.of(MarkerLost)
 
 
 GUSTS = {
@@ -228,13 +253,6 @@ def test_with_gusts_and_a_noisy_gps_twenty_landings_end_near_the_middle() -> Non
 CONTINUE = dialect.MAV_CMD_DO_PAUSE_CONTINUE
 HIGH_M, LOW_M = ROOF_M + 1.6, ROOF_M + 0.3
 """Still flown by setpoints, and near the end; below, the autopilot's own landing has begun."""
-
-
-def descending(up_m: float) -> Landing:
-    flight = Landing()
-    over_p = lambda: horizontal_distance(flight.simulation.flight.position, AWAY) < 1.5  # noqa: E731
-    flight.until(lambda: over_p() and flight.up_m < up_m, 60.0)
-    return flight
 
 
 def lands_on_the_marker_once(flight: Landing) -> None:

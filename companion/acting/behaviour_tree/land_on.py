@@ -234,7 +234,11 @@ class LandOnMarker(ReachGoals):
         return MarkerCue.TIME_UP
 
     def _is_settled(self, state: VehicleState) -> bool:
-        """Low over the marker, near enough to the vertical through it, and still, for a while."""
+        """Low over the marker, near enough to the vertical through it, and still, for a while.
+
+        A vehicle that is so low that the marker is not seen any more does not wait until it is
+        still: what it holds is a height by an estimate, which drifts.
+        """
         marker, now_s = self._track.position, self._flight.now_s
         assert marker is not None
         if self._above_m(state) > LAND_FROM_M + 0.1:
@@ -242,7 +246,7 @@ class LandOnMarker(ReachGoals):
             return False
         self._low_s = now_s if self._low_s is None else self._low_s
         near_m = SETTLED_M + SETTLED_MORE_M * (now_s - self._low_s)
-        is_still = math.hypot(*state.velocity) <= SETTLED_MPS
+        is_still = math.hypot(*state.velocity) <= SETTLED_MPS or not self._is_seen_now()
         if horizontal_distance(state.position, marker) > near_m or not is_still:
             self._settled_s = None
             return False

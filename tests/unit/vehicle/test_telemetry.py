@@ -10,6 +10,7 @@ from autopilot import Autopilot, battery
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.vehicle.port import Mode
 from companion.vehicle.telemetry import Telemetry
+from companion.vehicle.velocity_bias import IGNORED_MPS
 
 EAR = MavlinkCodec(0, 0)
 
@@ -55,6 +56,20 @@ def test_a_state_holds_what_was_said() -> None:
     assert (state.yaw_rad, state.battery_percent) == (1.5, 77)
     assert (state.mode, state.is_armed, state.is_landed) == (Mode.OFFBOARD, True, False)
     assert not state.is_failsafe
+
+
+def test_a_velocity_is_what_the_position_tells_in_flight() -> None:
+    """The autopilot says 0.3 m/s east of a vehicle whose position does not change."""
+    autopilot = Autopilot()
+    autopilot.velocity, autopilot.is_landed = [0.0, 0.3, 0.0], False
+    telemetry, codec = heard(autopilot), MavlinkCodec(1, 1)
+    for number in range(1, 100):
+        said = dialect.MAVLink_local_position_ned_message(
+            33 * number, *autopilot.position, *autopilot.velocity
+        )
+        take(telemetry, [codec.pack(said)], number / 30)
+    assert telemetry.state is not None
+    assert telemetry.state.velocity == pytest.approx((0.0, IGNORED_MPS, 0.0), abs=0.01)
 
 
 def test_a_critical_charge_is_the_autopilots_own_word() -> None:
