@@ -49,13 +49,13 @@ def contingencies(
     asked = Contingencies(mission)
     questions = asked.questions
     total = sum(len(question.positions) for question in questions)
-    many = jobs if jobs is not None else _cores()
+    many = jobs if jobs is not None else usable_cores()
     is_alone = many <= 1 or total <= FEW_ANSWERS
     answers = map(asked.answer, questions) if is_alone else _in_processes(mission, questions, many)
     return asked.table(_counted(answers, questions, total, on_progress))
 
 
-def _cores() -> int:
+def usable_cores() -> int:
     """Those that this process may use, where the system says so."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))

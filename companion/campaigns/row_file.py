@@ -68,16 +68,25 @@ class RowFile:
         os.fsync(self._file.fileno())
 
 
-def header_in(folder: Path) -> dict[str, str]:
+def header_in(folder: Path, key: str) -> dict[str, str]:
     """The header of the campaign in a folder.
 
+    Args:
+        folder: of the campaign.
+        key: that the header of this kind of campaign has.
+
     Raises:
-        MissionError: there is none.
+        MissionError: there is none, or one of another kind.
     """
     path = folder / NAME
     header = _read(path)[0] if path.is_file() else None
     if header is None:
         raise MissionError(f"{folder} holds no campaign: {NAME} is missing or has no header")
+    if key not in header:
+        raise MissionError(
+            f"{folder} was made by another command: its header has no {key}",
+            hint="go on with the command that began it: campaign or falsify",
+        )
     return header
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 import time
 from collections.abc import Iterator
@@ -88,7 +87,7 @@ def campaign(
 
     folder = resume or out or Path(f"campaign-{mission.stem}")
     if resume is not None:
-        header = header_in(resume)
+        header = header_in(resume, "runs")
         runs, seed, limit_s = int(header["runs"]), int(header["seed"]), float(header["limit_s"])
     kit = kit_of(mission, scenario, limit_s)
     again = f"companion campaign {mission} --resume {folder}"
@@ -146,11 +145,12 @@ def begun(
 
 def engine_of(kit: Kit, jobs: int | None, dask: str | None) -> RowEngine:
     """Who flies the rows."""
+    from companion.api.contingency_answers import usable_cores
     from companion.campaigns.dask_cluster import DaskCluster
     from companion.campaigns.processes import LocalProcesses
 
     if dask is None:
-        return LocalProcesses(kit.packed, jobs or len(os.sched_getaffinity(0)))
+        return LocalProcesses(kit.packed, jobs or usable_cores())
     cluster = DaskCluster(kit.packed, dask)
     typer.echo(f"cluster    {cluster.threads} threads", err=True)
     if cluster.busiest > 1:

@@ -54,7 +54,7 @@ def falsify(
 
     folder = resume or out or Path(f"falsify-{mission.stem}")
     if resume is not None:
-        header = header_in(resume)
+        header = header_in(resume, "budget")
         budget, seed, limit_s = int(header["budget"]), int(header["seed"]), float(header["limit_s"])
     kit = kit_of(mission, scenario, limit_s)
     again = f"companion falsify {mission} --resume {folder}"

@@ -26,7 +26,7 @@ def test_rows_are_there_again(tmp_path: Path) -> None:
     again = RowFile(tmp_path, HEADER)
     assert again.rows == {2: flown(2), 0: flown(0)}
     again.close()
-    assert header_in(tmp_path) == HEADER
+    assert header_in(tmp_path, "seed") == HEADER
 
 
 def test_a_torn_line_is_dropped(tmp_path: Path) -> None:
@@ -60,4 +60,10 @@ def test_a_campaign_that_is_under_way_is_left_alone(tmp_path: Path) -> None:
 
 def test_a_folder_without_a_campaign_cannot_be_resumed(tmp_path: Path) -> None:
     with pytest.raises(MissionError, match="holds no campaign"):
-        header_in(tmp_path)
+        header_in(tmp_path, "runs")
+
+
+def test_a_search_is_not_resumed_as_a_campaign(tmp_path: Path) -> None:
+    RowFile(tmp_path, HEADER).close()
+    with pytest.raises(MissionError, match="has no runs"):
+        header_in(tmp_path, "runs")
