@@ -20,9 +20,9 @@ Source: JSBSim reference manual; order of models in FGFDMExec.cpp.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from importlib import resources
-from random import Random
 from typing import NamedTuple
 
 import jsbsim
@@ -30,6 +30,7 @@ import jsbsim
 from companion.geometry import GlobalOrigin, Ned, Quaternion, wrap_angle
 from sitl.flight.attitude import quaternion_from_euler
 from sitl.flight.battery import NEW, Battery, BatterySpec
+from sitl.flight.gusts import Gusts
 from sitl.flight.mixer import MASS_KG, Motors
 
 M_PER_FT = 0.3048
@@ -43,22 +44,6 @@ STANDING_M = LEG_M - MASS_KG * 9.81 / LEG_SPRING_N_PER_M
 # the rates, because JSBSim's friction stops a contact within one Euler step, and Adams-Bashforth
 # only reverses it: the vehicle would go on trembling by 0.2 m/s^2 after a landing.
 _EULER, _ADAMS_BASHFORTH_2, _ADAMS_BASHFORTH_3 = 1, 3, 4
-_DRYDEN = 3  # its Tustin twin (4) fits the spectra better, but bursts at low airspeed
-
-
-_JSBSIM_SEEDS = (1 << 31) - 2
-"""JSBSim tells 1 to 2^31 - 2 apart, the states of C++'s minstd_rand0, and takes others for 1."""
-
-
-def jsbsim_seed(seed: int) -> int:
-    """JSBSim's seed for one of ours: the next number, or chance's choice for what it cannot take.
-
-    >>> jsbsim_seed(0), jsbsim_seed(7)
-    (1, 8)
-    """
-    if 0 <= seed < _JSBSIM_SEEDS:
-        return seed + 1
-    return Random(f"gusts {seed}").randint(1, _JSBSIM_SEEDS)
 
 
 class FlightState(NamedTuple):
@@ -106,7 +91,7 @@ class Physics:
         linear_drag_n_per_mps: drag of the body in proportion to its speed through the air, beside
             that of the rotors and the square of the speed.
         turbulence_mps: standard deviation of the vertical gusts near the ground; horizontal ones
-            are about twice as strong there (MIL-F-8785C). Gusts need air that moves past the
+            are about twice as strong there (`gusts.py`). Gusts need air that moves past the
             vehicle: in still air a hovering vehicle has none.
         seed: of the turbulence, any integer.
 
@@ -138,7 +123,7 @@ class Physics:
         self._fdm["body/linear-drag-n_mps"] = linear_drag_n_per_mps
         if not self._fdm.run_ic():
             raise RuntimeError("JSBSim refuses the initial conditions")
-        self._set_turbulence(turbulence_mps, seed)
+        self._gusts = Gusts(turbulence_mps, seed) if turbulence_mps > 0 else None
         self.set_wind(wind)  # after run_ic, which replaces the wind by its own
         self._bind()
         self.battery.is_draining = False
@@ -149,6 +134,8 @@ class Physics:
         """Moves on by one step with these motor commands."""
         for set_command, command in zip(self._set_commands, motors, strict=True):
             set_command(command)
+        if self._gusts is not None:
+            self._gust(self._gusts)
         self._fdm.run()
         self._steps += 1
         before, self.state = self.state, self._read()
@@ -158,6 +145,7 @@ class Physics:
 
     def set_wind(self, wind: Ned) -> None:
         """The air's mean velocity over the ground from now on, NED, m/s."""
+        self._wind = wind
         for axis, speed in zip(("north", "east", "down"), wind, strict=True):
             self._fdm[f"atmosphere/wind-{axis}-fps"] = speed / M_PER_FT
 
@@ -179,14 +167,13 @@ class Physics:
         self._fdm["ic/h-agl-ft"] = (STANDING_M - start[2]) / M_PER_FT
         self._fdm["ic/psi-true-rad"] = yaw_rad
 
-    def _set_turbulence(self, turbulence_mps: float, seed: int) -> None:
-        self._fdm["simulation/randomseed"] = jsbsim_seed(seed)
-        if turbulence_mps > 0:
-            self._fdm["atmosphere/turb-type"] = _DRYDEN
-            self._fdm["atmosphere/turbulence/milspec/severity"] = 3  # any but 0 switches it on
-            # MIL-F-8785C: the vertical deviation is a tenth of the mean wind at 20 ft.
-            at_20ft_fps = 10 * turbulence_mps / M_PER_FT
-            self._fdm["atmosphere/turbulence/milspec/windspeed_at_20ft_AGL-fps"] = at_20ft_fps
+    def _gust(self, gusts: Gusts) -> None:
+        """The air has another velocity in the next step."""
+        wind = self._wind
+        airspeed_mps = math.dist(self.state.velocity, wind)
+        gust = gusts.step(self._height() * M_PER_FT, airspeed_mps, wind, self._dt_s)
+        for set_gust, speed in zip(self._set_gusts, gust, strict=True):
+            set_gust(speed / M_PER_FT)
 
     def _bind(self) -> None:
         """Looks the properties up once: a bound node is read in 40 ns, a name in 65 to 290."""
@@ -196,6 +183,10 @@ class Physics:
 
         self._set_commands = [
             self._node(f"rotor/command-{i}").set_double_value for i in range(1, 5)
+        ]
+        self._set_gusts = [
+            self._node(f"atmosphere/gust-{axis}-fps").set_double_value
+            for axis in ("north", "east", "down")
         ]
         self._set_ground = self._node("position/terrain-elevation-asl-ft").set_double_value
         self._set_rate_integrators = [

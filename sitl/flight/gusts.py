@@ -1,0 +1,94 @@
+"""Gusts near the ground: Dryden's spectra, by MIL-F-8785C for low altitude.
+
+In: height above the ground, speed through the air, time. Out: the velocity of the air beside the
+mean wind, local NED. Gusts stand in the air and are flown through: they need air that moves past
+the vehicle. Along the wind a gust correlates as e^-x with x = V t / L; across it and downwards as
+e^-x (1 - x/2).
+
+JSBSim's own are not used: they take the height above the sea for that above the ground
+(FGWinds::Run, 1.3.3), so that 488 m up in Zurich any gusts at all were those of a high altitude,
+1.4 m/s upwards and downwards for a minute.
+
+Left out: gusts that turn the vehicle, which is smaller than they are.
+
+Source: MIL-F-8785C, 3.7; Moorhouse and Woodcock, AFWAL-TR-81-3109, 1982.
+"""
+
+from __future__ import annotations
+
+import math
+from random import Random
+
+from companion.geometry import Ned
+
+M_PER_FT = 0.3048
+LOWEST_FT, HIGHEST_FT = 10.0, 1000.0
+"""The standard's range; below and above it is as at its ends."""
+_ROOT_3, _ROOT_2 = math.sqrt(3.0), math.sqrt(2.0)
+
+
+def scale(height_m: float) -> tuple[float, float, float]:
+    """How far gusts reach along and across the wind, and downwards, m; and how much stronger the
+    horizontal ones are.
+
+    >>> [round(each, 1) for each in scale(6.0)]
+    [43.0, 6.0, 1.9]
+    """
+    height_ft = min(HIGHEST_FT, max(LOWEST_FT, height_m / M_PER_FT))
+    shape = 0.177 + 0.000823 * height_ft
+    return M_PER_FT * height_ft / shape**1.2, M_PER_FT * height_ft, shape**-0.4
+
+
+class _Transverse:
+    """White noise through (1 + sqrt(3) s) / (1 + s)^2, which has Dryden's transverse spectrum."""
+
+    def __init__(self) -> None:
+        self._first = self._second = 0.0
+
+    def step(self, share: float, noise: float) -> float:
+        """The next value, of deviation 1.
+
+        Args:
+            share: of a length that is flown through in the step.
+            noise: of deviation 1.
+        """
+        self._second += share * (self._first - self._second)
+        self._first += _ROOT_2 * math.sqrt(share) * noise - share * self._first
+        return (_ROOT_3 * self._first + (1 - _ROOT_3) * self._second) / _ROOT_2
+
+
+class Gusts:
+    """The gusts of one flight.
+
+    Args:
+        deviation_mps: standard, of vertical ones; horizontal ones are about twice as strong.
+        seed: of chance, any integer.
+    """
+
+    def __init__(self, deviation_mps: float, seed: int) -> None:
+        self._deviation_mps = deviation_mps
+        self._noise = Random(f"gusts {seed}").gauss
+        self._along, self._across, self._down = 0.0, _Transverse(), _Transverse()
+
+    def step(self, height_m: float, airspeed_mps: float, wind: Ned, dt_s: float) -> Ned:
+        """The next gust.
+
+        Args:
+            height_m: above the ground.
+            airspeed_mps: of the vehicle, in the mean wind.
+            wind: the mean one, NED, m/s; it says what is along and across.
+            dt_s: length of the step.
+        """
+        noise = self._noise
+        level_m, upright_m, stronger = scale(height_m)
+        share = min(1.0, airspeed_mps * dt_s / level_m)
+        upright = min(1.0, airspeed_mps * dt_s / upright_m)
+        self._along += math.sqrt(2 * share) * noise() - share * self._along
+        across = self._across.step(share, noise())
+        down_mps = self._deviation_mps * self._down.step(upright, noise())
+        level_mps = self._deviation_mps * stronger
+        speed_mps = math.hypot(wind[0], wind[1])
+        ahead = (wind[0] / speed_mps, wind[1] / speed_mps) if speed_mps else (1.0, 0.0)
+        north = level_mps * (ahead[0] * self._along - ahead[1] * across)
+        east = level_mps * (ahead[1] * self._along + ahead[0] * across)
+        return north, east, down_mps
