@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 FORMAT_VERSION = 1
 """Of the JSON that `plan --json` and `check --json` print."""
+TOLD_PERCENT = 0.1
+"""A plan that may be over the best one by less is as good as that."""
 
 
 ObjectiveOption = Annotated[
@@ -145,7 +147,9 @@ def _print(planner: Planner, problem: Problem, solution: Solution) -> None:
         typer.echo(f"{what}, optimal; a shorter prefix is not ruled out ({solution.engine})")
     elif solution.bound_ms:
         over = 100 * (solution.cost_ms / solution.bound_ms - 1)
-        typer.echo(f"{what}, at most {over:.1f} % over the best ({solution.engine})")
+        is_best = over < TOLD_PERCENT
+        quality = "the best to 0.1 %" if is_best else f"at most {over:.1f} % over the best"
+        typer.echo(f"{what}, {quality} ({solution.engine})")
     else:
         typer.echo(f"{what}; how good that is, is not known ({solution.engine})")
     _print_dropped(planner, problem, solution)

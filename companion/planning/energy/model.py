@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import isotonic_regression
 
 from companion.battery_profile import interpolated
 from companion.geometry import Ned
@@ -118,13 +119,16 @@ class EnergyModel:
     def charging_ms(self, rate: Sequence[tuple[float, float]]) -> NDArray[np.int64]:
         """(full + 1,) time from empty to each level; convex.
 
+        Where a curve makes it bend the other way, as a percent of charge is more energy the fuller
+        the battery is, it is the highest convex function that is nowhere above.
+
         Args:
             rate: pairs of the charge and of its rise a second, both as shares; falling.
         """
         charges = np.array([self.charge(level) for level in range(self.full + 1)])
         middles = (charges[1:] + charges[:-1]) / 2
         rises = np.array([max(1e-9, interpolated(rate, float(c))) for c in middles])
-        steps_ms = np.maximum.accumulate(1000 * np.diff(charges) / rises)
+        steps_ms = isotonic_regression(1000 * np.diff(charges) / rises).x
         return np.ceil(np.concatenate(([0.0], np.cumsum(steps_ms)))).astype(np.int64)
 
     def charger(

@@ -130,5 +130,7 @@ def test_charging_is_the_slower_the_fuller() -> None:
     assert len(times_ms) == MODEL.full + 1 and times_ms[0] == 0
     steps = np.diff(times_ms)
     assert (steps >= 0).all() and np.diff(steps).min() >= -1  # whole milliseconds
-    half = MODEL.level(0.5)
-    assert 100_000 <= times_ms[half] + 100 < 110_000  # a curve that is not convex is made so
+    reserve = MODEL.level(0.2)
+    for percent in (40, 60, 80):  # a curve that is not convex is made so
+        charged_ms = times_ms[MODEL.level(percent / 100)] - times_ms[reserve]
+        assert charged_ms == pytest.approx(1000 * (percent - 20) / 0.5, rel=0.03)
