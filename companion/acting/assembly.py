@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from companion.acting.docks import PlannedDock
 from companion.acting.energy_gauge import Gauge
 from companion.acting.event_detector import EventDetector
 from companion.acting.executive import Executive
@@ -67,6 +68,7 @@ def flight_of(prepared: PreparedMission, vehicle: Vehicle) -> Flight:
     if (energy := prepared.planner.energy) is not None:
         energy.here = here
         Gauge(flight, energy)
+        flight.dock = PlannedDock(prepared.planner, flight.task)
     return flight
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
+from companion.acting.docks import AnyDock, Dock
 from companion.acting.function_port import FunctionPort, NoFunctions
 from companion.acting.journal import CommandIntended, CommandSettled, Journal, NoJournal
 from companion.acting.symbols import Symbols
@@ -66,6 +67,7 @@ class Flight:
         reports: what happened and has not been collected yet; the flight's own methods write it.
         journal: keeps what another process needs to go on with the flight; the run gives it.
         functions: calls functions of installed packages.
+        dock: the one on which the vehicle charges; assembly gives it where plans know of energy.
         is_task_flown: what is flown is the plan of the task; `FlownTask` writes it.
         heard: when each signal was heard last, and its value.
         believed_percent: of the charge, where the gauge tells more than can be; `energy_gauge.py`
@@ -87,6 +89,7 @@ class Flight:
     reports: list[Stamped] = field(default_factory=list)
     journal: Journal = field(default_factory=NoJournal)
     functions: FunctionPort = field(default_factory=NoFunctions)
+    dock: Dock = field(default_factory=AnyDock)
     is_task_flown: bool = False
     heard: dict[Signal, tuple[float, float]] = field(default_factory=dict)
     believed_percent: int = 100

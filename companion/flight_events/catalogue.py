@@ -86,6 +86,7 @@ from companion.flight_events.skills import (
 from companion.flight_events.sortie import (
     AutopilotSaid,
     BatteryCharged,
+    ChargeAwaited,
     ChargeSufficient,
     ControlRegained,
     ControlTakenBack,
@@ -184,6 +185,7 @@ EVENTS: tuple[type[FlightEvent], ...] = (
     VehicleLanded,
     VehicleAirborne,
     BatteryCharged,
+    ChargeAwaited,
     ChargeSufficient,
     ChargeMeasured,
     ChargePlanned,

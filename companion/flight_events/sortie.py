@@ -244,6 +244,20 @@ class BatteryCharged(FlightEvent):
 
 
 @dataclass(frozen=True, slots=True)
+class ChargeAwaited(FlightEvent):
+    """The dock gives nothing, and no other one can be flown to: the vehicle waits on it."""
+
+    kind = "phase"
+    template = (
+        "the battery does not charge, it is at {percent} %: the vehicle waits on the ground, "
+        "for {patience_s} s at most"
+    )
+
+    percent: InText[int]
+    patience_s: InText[int]
+
+
+@dataclass(frozen=True, slots=True)
 class ChargeSufficient(FlightEvent):
     """The battery has what its plan needs from here on, so the vehicle does not land to charge."""
 

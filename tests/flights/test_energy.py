@@ -18,6 +18,7 @@ from companion.flight_events.facts import BeliefWithdrawn
 from companion.flight_events.plans import LapCompleted, NoPlanFound, PlanAwaited, PlanReplaced
 from companion.flight_events.skills import PlaceReached, SkillCompleted
 from companion.flight_events.sortie import (
+    ChargeAwaited,
     ControlRegained,
     ControlTakenBack,
     Phase,
@@ -133,6 +134,41 @@ def test_where_no_dock_charges_it_stays_on_the_first_one_with_the_reserve() -> N
     assert flight.exit_code == 3 and not flight.simulation.is_armed
     assert percent(flight) >= RESERVE
     assert flight.places[-1] == "E" and flight.armings == 1, text(flight)
+
+
+@pytest.mark.usefixtures("soon_given_up")
+def test_on_a_dock_that_fails_under_it_with_the_floor_it_waits_and_goes_on() -> None:
+    mission = load_mission(two_docks(patience_s=600))
+    broken = [{**pad, "works": False} for pad in PADS]
+    works = {"at_s": 120, "pad": {"name": "E", "works": True}}
+    flight = fly(works, mission=mission, pads=broken)
+    flight.until_reported(ChargeAwaited)
+    flight.until_reported(SkillCompleted, limit_s=200.0, action="recharge(E)")
+    assert lowest(flight, 30.0) >= RESERVE and not flight.companion.has_ended
+    assert len(flight.of(ChargeAwaited)) == 1 and flight.of(ChargeAwaited)[0].patience_s == 600
+    assert not flight.of(BeliefWithdrawn) and not flight.of(NoPlanFound), text(flight)
+
+
+@pytest.mark.usefixtures("soon_given_up")
+def test_a_dock_that_charges_at_less_than_half_its_rate_is_left_for_another() -> None:
+    """As soon as the charge lasts for that."""
+    slow = [{**PADS[0]}, {**PADS[1], "current_a": 10}]
+    flight = fly(pads=slow)
+    flight.until_reported(BeliefWithdrawn, limit_s=300.0)
+    flight.until_reported(SkillCompleted, limit_s=200.0, action="recharge(W)")
+    assert [e.belief for e in flight.of(BeliefWithdrawn)] == ["canCharge(E)"]
+    assert "recharge(E) failed: the battery charges too slowly, it is at 2" in text(flight)
+    assert not flight.of(ChargeAwaited) and not flight.of(NoPlanFound), text(flight)
+    assert lowest(flight, 20.0) >= RESERVE
+
+
+@pytest.mark.long
+@pytest.mark.usefixtures("soon_given_up")
+def test_where_all_docks_are_slow_the_second_one_is_stayed_on() -> None:
+    flight = fly(pads=[{**pad, "current_a": 10} for pad in PADS])
+    flight.until_reported(SkillCompleted, limit_s=600.0, action="recharge(W)")
+    assert [e.belief for e in flight.of(BeliefWithdrawn)] == ["canCharge(E)"]
+    assert lowest(flight, 20.0) >= RESERVE and not flight.of(NoPlanFound), text(flight)
 
 
 @pytest.mark.usefixtures("soon_given_up")

@@ -16,6 +16,7 @@ from companion.acting.flight import Flight
 from companion.flight_events.event import FlightEvent
 from companion.flight_events.sortie import (
     BatteryCharged,
+    ChargeAwaited,
     ChargeSufficient,
     VehicleAirborne,
     VehicleLanded,
@@ -132,7 +133,11 @@ class BeginAgain(TakeOffVehicle):
 
 
 class ChargeBattery(Leaf):
-    """Waits until the battery has so much."""
+    """Waits until the battery has so much.
+
+    A dock is given up that gives no percent in two minutes, or in two minutes less than half of
+    what the mission says of it; where the vehicle cannot go to another one, it waits longer.
+    """
 
     does = LeafType.CHARGE
 
@@ -144,9 +149,11 @@ class ChargeBattery(Leaf):
         """Starts to watch."""
         self._most = -1
         self._since_s = self._flight.now_s
+        self._window: tuple[float, int] | None = None  # its beginning, and the percents then
+        self._is_slow = self._is_told = False
 
     def update(self) -> Status:
-        """SUCCESS at the percentage; FAILURE if it does not rise any longer."""
+        """SUCCESS at the percentage; FAILURE if it does not rise any longer, or too slowly."""
         flight, state = self._flight, self._flight.vehicle.state
         percent = state.battery_percent if state else None
         if percent is not None and percent >= self._percent:
@@ -155,9 +162,34 @@ class ChargeBattery(Leaf):
         if percent is not None and percent > self._most:
             self._most, self._since_s = percent, flight.now_s
         if flight.now_s - self._since_s > NO_CHARGE_S:
+            return self._await_power(percent)
+        if percent is not None:
+            self._measure(percent)
+        if self._is_slow and not flight.dock.patience_s:
+            return self.fail(f"the battery charges too slowly, it is at {percent} %")
+        return Status.RUNNING
+
+    def _await_power(self, percent: int | None) -> Status:
+        """A dock that gives nothing: FAILURE if another one is to be flown to, or in the end."""
+        flight, patience_s = self._flight, self._flight.dock.patience_s
+        if flight.now_s - self._since_s > NO_CHARGE_S + patience_s:
             known = "unknown" if percent is None else f"{percent} %"
             return self.fail(f"the battery does not charge, it is at {known}")
+        if percent is not None and not self._is_told:
+            self._is_told = True
+            flight.report(ChargeAwaited(percent, round(patience_s)))
+        self._window = None  # what it gives counts from when it gives something again
         return Status.RUNNING
+
+    def _measure(self, percent: int) -> None:
+        """Compares what two minutes have given with what the mission says; then two more."""
+        now_s = self._flight.now_s
+        begun_s, before = self._window or (now_s, percent)
+        if now_s - begun_s > NO_CHARGE_S:
+            expected_s = self._flight.dock.charging_s(before, percent + 1)
+            self._is_slow = expected_s < (now_s - begun_s) / 2
+            begun_s, before = now_s, percent
+        self._window = begun_s, before
 
 
 class EnoughCharge(Leaf):

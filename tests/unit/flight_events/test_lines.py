@@ -30,6 +30,7 @@ from companion.flight_events.skills import PlaceReached, SkillFailed
 from companion.flight_events.sortie import (
     AutopilotSaid,
     BatteryCharged,
+    ChargeAwaited,
     ChargeSufficient,
     GoalFailed,
     Phase,
@@ -90,6 +91,7 @@ def test_keys_stand_in_the_order_of_the_fields() -> None:
         SkillFailed("upload(r1)", "denied: it failed: why"),
         PhaseEntered(Phase.TAKE_OFF),
         BatteryCharged(90),
+        ChargeAwaited(22, patience_s=900),
         ChargeSufficient(88, enough=85),
         AutopilotSaid("Low battery"),
         GoalFailed("not armed: denied"),

@@ -92,6 +92,7 @@ from companion.flight_events.skills import (
 from companion.flight_events.sortie import (
     AutopilotSaid,
     BatteryCharged,
+    ChargeAwaited,
     ChargeSufficient,
     ControlRegained,
     ControlTakenBack,
@@ -285,6 +286,11 @@ TEXTS: list[tuple[FlightEvent, str]] = [
     (VehicleLanded(), "landed on the way"),
     (VehicleAirborne(), "in the air again"),
     (BatteryCharged(90), "charged to 90 %"),
+    (
+        ChargeAwaited(22, patience_s=900),
+        "the battery does not charge, it is at 22 %: the vehicle waits on the ground, "
+        "for 900 s at most",
+    ),
     (
         ChargeSufficient(88, enough=85),
         "not landed to charge: the battery has 88 %, 85 % are enough",
