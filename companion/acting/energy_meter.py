@@ -24,8 +24,8 @@ from companion.planning.energy.ratio_estimate import KnownRatios
 LOOKS_S = 1.0
 WINDOW_S = 60.0
 """A measurement is so long, or a third of it where a charge comes before."""
-OF_A_WINDOW = 0.05
-"""Standard deviation of what a flight of a window takes, by its gusts."""
+OF_A_WINDOW = 0.03
+"""Standard deviation of what a flight of a window takes, by its gusts and its directions."""
 OF_A_CURVE = 0.08
 """The same of a gauge between two charges: a pack has not quite the curve of the mission."""
 OF_THE_GAUGE = 0.0041
@@ -59,18 +59,17 @@ class _Window:
     """Some legs.
 
     Attributes:
-        expected: by the mission's figures, times what was known of them.
+        factor: what was known of the mission's figures when a stretch began.
     """
 
+    factor: float = 1.0
     predicted: float = 0.0
-    expected: float = 0.0
     used: float = 0.0
     counted: float = 0.0
     seconds: float = 0.0
 
-    def add(self, leg: _Leg, flown: float, counted: float, factor: float) -> None:
+    def add(self, leg: _Leg, flown: float, counted: float) -> None:
         self.predicted += flown
-        self.expected += flown * factor
         self.used += leg.used
         self.counted += counted
         self.seconds += leg.seconds
@@ -117,6 +116,8 @@ class EnergyMeter:
                 leg.looked_s, leg.ahead = flight.now_s, self._ahead(leg.action)
 
     def _begin(self, action: Action) -> None:
+        if not self._stretch.seconds:
+            self._stretch.factor = self.energy.known.flying.mean
         predicted = action.drain / self.energy.model.factor
         completed, gauge = self.flight.task.completed, self.energy.middle()
         self._leg = _Leg(action, completed, predicted, predicted, gauge)
@@ -139,7 +140,7 @@ class EnergyMeter:
         if not flown > 0:  # nan, too
             return
         for window in (self._window, self._stretch):
-            window.add(leg, flown, counted, self.energy.known.flying.mean)
+            window.add(leg, flown, counted)
         if self._window.seconds >= WINDOW_S:
             self._learn()
 
@@ -147,14 +148,15 @@ class EnergyMeter:
         """The vehicle lands to charge."""
         if self._window.seconds >= WINDOW_S / 3:
             self._learn()
-        stretch, self._stretch, self._window = self._stretch, _Window(), _Window()
+        stretch = self._stretch
         if stretch.seconds >= WINDOW_S / 3:
             self._learn_gauge(stretch)
         if stretch.seconds > 0:
             used = stretch.counted if math.isnan(stretch.used) else stretch.used
-            known = self.energy.known.mean
-            about = used / UNITS_PER_WH, stretch.expected / UNITS_PER_WH, known
+            expected, known = stretch.predicted * stretch.factor, self.energy.known.mean
+            about = used / UNITS_PER_WH, expected / UNITS_PER_WH, known
             self.flight.report(EnergyUsed(round(stretch.seconds, 2), *about))
+        self._window, self._stretch = _Window(), _Window()
 
     def _learn(self) -> None:
         """Takes a window for a measurement, by voltage and current."""

@@ -19,7 +19,7 @@ from companion.planning.energy_check import required_levels
 from companion.planning.lasso import Lasso
 
 LOOKS_S = 1.0
-MORE, LESS = 0.03, 0.1
+MORE, LESS = 0.03, 0.05
 """Plans are made anew where flights take more by such a share, or less by such a one."""
 
 

@@ -21,7 +21,9 @@ class EnergyUsed(FlightEvent):
 
     seconds: Annotated[float, Doc("of flights and other skills")]
     used_wh: Annotated[float, Doc("by voltage and current; without a current, by the gauge")]
-    expected_wh: Annotated[float, Doc("by the mission's figures, times what was known of them")]
+    expected_wh: Annotated[
+        float, Doc("by the mission's figures, times what was known of them at its beginning")
+    ]
     factor: Annotated[float, Doc("what is known now, by the gauge's percents too")]
 
 

@@ -1,8 +1,8 @@
 """How much more energy flights take than a mission says, learnt from what they took.
 
 A Kalman filter with one state, the ratio of used to predicted energy, which drifts a little. Plans
-are made with its mean and two deviations more. Where more was used than that allows for, the
-filter believes it nearly at once; that less was used, a little at a time.
+are made with its mean and two deviations more, 5 % at most. Where more was used than that allows
+for, the filter believes it nearly at once; all else is weighed against what was known.
 
 Two ratios are known. What flying takes, by voltage and current, of what the mission says; and what
 the gauge counts down of what was taken so, which is more for a pack that has aged. Without a
@@ -20,8 +20,10 @@ mission says, so that all takes three times as long; beyond that plans are of no
 DRIFT_PER_S = 0.01**2 / 60
 """Variance that comes by a second: winds turn, batteries cool."""
 LEAST_DEVIATION = 0.01
-EXPECTED_DEVIATION = 0.025
+EXPECTED_DEVIATION = 0.05
 """Of a mission's figures, before anything was flown."""
+MOST_MORE = 0.05
+"""Plans are made with so much more than the mean at most."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,6 +82,6 @@ class KnownRatios:
 
     @property
     def to_plan_with(self) -> float:
-        """The same, as much as it may be: two deviations more."""
+        """The same, as much as it may be: two deviations more, within limits."""
         deviation = math.hypot(self.flying.deviation, self.gauge.deviation)
-        return min(MOST, max(LEAST, self.mean + 2 * deviation))
+        return min(MOST, max(LEAST, self.mean + min(2 * deviation, MOST_MORE)))

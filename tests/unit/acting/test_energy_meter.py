@@ -82,6 +82,7 @@ def test_what_flights_take_is_learnt_by_current_or_gauge(is_told: bool, least: f
     (used,) = stretch.reports
     assert isinstance(used, EnergyUsed)
     assert used.used_wh == pytest.approx(POWER_W * 1.3 * 2 * LEG_S / 3600, rel=0.02)
+    assert used.expected_wh == pytest.approx(used.used_wh / 1.3, rel=0.02)  # as known before it
 
 
 def test_a_pack_that_has_aged_is_told_by_its_gauge() -> None:
