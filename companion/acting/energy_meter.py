@@ -19,7 +19,7 @@ from companion.mission.facts import HERE
 from companion.planning.charger import UNITS_PER_WH
 from companion.planning.domain import WAIT, Action
 from companion.planning.energy.mission_energy import MissionEnergy
-from companion.planning.energy.ratio_estimate import KnownRatios
+from companion.planning.energy.ratio_estimate import AGEING_PER_S, KnownRatios
 
 LOOKS_S = 1.0
 WINDOW_S = 60.0
@@ -177,7 +177,8 @@ class EnergyMeter:
         elif stretch.used > 0:
             deviation = math.hypot(OF_A_CURVE, of_gauge / stretch.used)
             ratio = stretch.counted / stretch.used
-            self._take(replace(known, gauge=known.gauge.after(ratio, deviation, seconds)))
+            gauge = known.gauge.after(ratio, deviation, seconds, AGEING_PER_S)
+            self._take(replace(known, gauge=gauge))
 
     def _take(self, known: KnownRatios) -> None:
         self.energy.known = known

@@ -17,8 +17,8 @@ from dataclasses import dataclass
 LEAST, MOST = 0.8, 3.0
 """Less than the least is not relied on. The most is a vehicle that cannot fly as fast as its
 mission says, so that all takes three times as long; beyond that plans are of no use."""
-DRIFT_PER_S = 0.01**2 / 60
-"""Variance that comes by a second: winds turn, batteries cool."""
+DRIFT_PER_S, AGEING_PER_S = 0.01**2 / 60, 0.01**2 / 3600
+"""Variance that comes by a second: winds turn; and batteries age."""
 LEAST_DEVIATION = 0.01
 EXPECTED_DEVIATION = 0.05
 """Of a mission's figures, before anything was flown."""
@@ -45,15 +45,18 @@ class RatioEstimate:
     mean: float
     deviation: float
 
-    def after(self, measured: float, deviation: float, seconds: float) -> RatioEstimate:
+    def after(
+        self, measured: float, deviation: float, seconds: float, drift_per_s: float = DRIFT_PER_S
+    ) -> RatioEstimate:
         """What is known after one measurement more.
 
         Args:
             measured: the ratio.
             deviation: standard, of the measurement.
             seconds: for how long it was measured.
+            drift_per_s: variance that has come by a second.
         """
-        variance = self.deviation**2 + DRIFT_PER_S * seconds
+        variance = self.deviation**2 + drift_per_s * seconds
         more = measured - self.mean
         if more > 2 * math.hypot(math.sqrt(variance), deviation):
             variance = max(variance, (more / 2) ** 2)  # it has changed, and for the worse
@@ -73,7 +76,7 @@ class KnownRatios:
     """
 
     flying: RatioEstimate = RatioEstimate(1.0, EXPECTED_DEVIATION)
-    gauge: RatioEstimate = RatioEstimate(1.0, 0.0)
+    gauge: RatioEstimate = RatioEstimate(1.0, EXPECTED_DEVIATION)
 
     @property
     def mean(self) -> float:
