@@ -9,10 +9,10 @@ import pytest
 
 from companion import load_mission
 from companion.errors import MissionError
-from companion.plans.starter import Space, starter
+from companion.plans.starter import StarterSpace, starter
 from companion.plans.starter_tasks import TaskName
 
-RIGHT = starter("first", Space.FIELD, TaskName.INSPECTION).mission
+RIGHT = starter("first", StarterSpace.FIELD, TaskName.INSPECTION).mission
 TASK = "  home: F G at(Home)"
 MISTAKES = {  # what is replaced, by what, the line that is named, words of the answer
     "or": (TASK, "  home: F at(A) or F at(B)", "home:", "write |"),

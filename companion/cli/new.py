@@ -14,7 +14,7 @@ from companion.cli.arguments import load
 from companion.cli.plan_files import HOME, home_position
 from companion.errors import CompanionError, MissionError
 from companion.geometry import GlobalOrigin
-from companion.plans.starter import PX4_HOME, SPACES, Space, starter
+from companion.plans.starter import PX4_HOME, SPACES, StarterSpace, starter
 from companion.plans.starter_tasks import TASKS, TaskName
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
@@ -23,7 +23,7 @@ _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 def new(
     name: Annotated[str, typer.Argument(help="Of the mission, and of its files.")],
     space: Annotated[
-        Space | None,
+        StarterSpace | None,
         typer.Option(help="Where it is flown. [default: asked for, or field]", show_default=False),
     ] = None,
     task: Annotated[
@@ -50,7 +50,7 @@ def new(
         raise MissionError(f"{name!r} is no name", hint="letters, digits and _, a letter first")
     spaces = {name.value: about for name, about in SPACES.items()}
     tasks = {name.value: each.question for name, each in TASKS.items()}
-    where = space or Space(_asked("space", spaces, Space.FIELD))
+    where = space or StarterSpace(_asked("space", spaces, StarterSpace.FIELD))
     what = task or TaskName(_asked("task", tasks, TaskName.PATROL))
     made = starter(name, where, what, _origin(home))
     mission, world = Path(f"{name}.yaml"), Path(f"{name}.sim.yaml")

@@ -17,7 +17,7 @@ PX4_HOME = GlobalOrigin(47.397742, 8.545594, 488.0)
 """Where PX4's simulators start."""
 
 
-class Space(StrEnum):
+class StarterSpace(StrEnum):
     """Where a mission is flown."""
 
     HALL = "hall"
@@ -26,9 +26,9 @@ class Space(StrEnum):
 
 
 SPACES = {
-    Space.HALL: "indoors, with walls",
-    Space.FIELD: "outdoors, in metres from home, without a map",
-    Space.EARTH: "outdoors, in latitude and longitude",
+    StarterSpace.HALL: "indoors, with walls",
+    StarterSpace.FIELD: "outdoors, in metres from home, without a map",
+    StarterSpace.EARTH: "outdoors, in latitude and longitude",
 }
 
 
@@ -88,10 +88,12 @@ _FIELD = _Layout(
 )
 
 
-def starter(name: str, space: Space, task: TaskName, home: GlobalOrigin = PX4_HOME) -> Starter:
+def starter(
+    name: str, space: StarterSpace, task: TaskName, home: GlobalOrigin = PX4_HOME
+) -> Starter:
     """A mission and its world.
 
-    >>> print(starter("first", Space.FIELD, TaskName.PATROL).mission.splitlines()[8])
+    >>> print(starter("first", StarterSpace.FIELD, TaskName.PATROL).mission.splitlines()[8])
     name: first
 
     Args:
@@ -100,8 +102,8 @@ def starter(name: str, space: Space, task: TaskName, home: GlobalOrigin = PX4_HO
         task: what it does.
         home: of a mission in latitude and longitude.
     """
-    layout = _HALL if space is Space.HALL else _FIELD
-    earth = home if space is Space.EARTH else None
+    layout = _HALL if space is StarterSpace.HALL else _FIELD
+    earth = home if space is StarterSpace.EARTH else None
     chosen = TASKS[task]
     return Starter(
         "\n".join(_mission(name, layout, chosen, earth)) + "\n",

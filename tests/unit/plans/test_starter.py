@@ -11,15 +11,15 @@ from commands import Companion
 from companion import load_mission, simulate
 from companion.flight_events.sortie import ReturnedAsAsked, TaskSatisfied
 from companion.geometry import GlobalOrigin
-from companion.plans.starter import Space, starter
+from companion.plans.starter import StarterSpace, starter
 from companion.plans.starter_tasks import TASKS, TaskName
 
-PAIRS = list(product(Space, TaskName))
-NOW = [(space, task) for space, task in PAIRS if list(Space).index(space) == len(task) % 3]
+PAIRS = list(product(StarterSpace, TaskName))
+NOW = [(space, task) for space, task in PAIRS if list(StarterSpace).index(space) == len(task) % 3]
 """One of each in every run; all of them with the long tests."""
 
 
-def written(folder: Path, space: Space, task: TaskName) -> Path:
+def written(folder: Path, space: StarterSpace, task: TaskName) -> Path:
     made = starter("first", space, task)
     (folder / "first.sim.yaml").write_text(made.world)
     (folder / "first.yaml").write_text(made.mission)
@@ -31,31 +31,31 @@ def written(folder: Path, space: Space, task: TaskName) -> Path:
     ("space", "task"),
     [pytest.param(*p, marks=[] if p in NOW else [pytest.mark.long]) for p in PAIRS],
 )
-def test_it_flies_as_it_stands(space: Space, task: TaskName, tmp_path: Path) -> None:
+def test_it_flies_as_it_stands(space: StarterSpace, task: TaskName, tmp_path: Path) -> None:
     run = simulate(load_mission(written(tmp_path, space, task)), seed=3)
     assert (run.exit_code, run.collisions) == (0, 0)
     assert isinstance(run.events[-1].event, TaskSatisfied | ReturnedAsAsked)
 
 
 @pytest.mark.parametrize(("space", "task"), PAIRS)
-def test_its_head_says_what_it_is_and_how_it_is_flown(space: Space, task: TaskName) -> None:
+def test_its_head_says_what_it_is_and_how_it_is_flown(space: StarterSpace, task: TaskName) -> None:
     made = starter("first", space, task)
     head = made.mission.split("version: 1")[0]
     assert TASKS[task].story[0] in head
     assert "companion sim first.yaml" in head
     assert max(map(len, made.mission.splitlines())) <= 130
-    assert ("wgs84" in made.mission) == (space is Space.EARTH)
+    assert ("wgs84" in made.mission) == (space is StarterSpace.EARTH)
 
 
 def test_each_of_all_spaces_and_tasks_is_flown_in_every_run() -> None:
     assert {task for _, task in NOW} == {*TaskName}
-    assert {space for space, _ in NOW} == {*Space}
+    assert {space for space, _ in NOW} == {*StarterSpace}
 
 
 def test_on_the_earth_the_places_lie_about_the_home_that_is_given(tmp_path: Path) -> None:
     home = GlobalOrigin(-33.9, 151.2, 40.0)
     path = tmp_path / "first.yaml"
-    path.write_text(starter("first", Space.EARTH, TaskName.PATROL, home).mission)
+    path.write_text(starter("first", StarterSpace.EARTH, TaskName.PATROL, home).mission)
     places = load_mission(path).places
     north, east, _ = places["B"].position
     assert (north, east) == pytest.approx((30, 40), abs=0.2)
