@@ -93,8 +93,9 @@ def starter(
 ) -> Starter:
     """A mission and its world.
 
-    >>> print(starter("first", StarterSpace.FIELD, TaskName.PATROL).mission.splitlines()[8])
-    name: first
+    >>> made = starter("first", StarterSpace.FIELD, TaskName.PATROL)
+    >>> made.mission.splitlines()[7]
+    'name: first'
 
     Args:
         name: of the mission.
