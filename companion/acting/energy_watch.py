@@ -19,8 +19,8 @@ from companion.planning.energy_check import required_levels
 from companion.planning.lasso import Lasso
 
 LOOKS_S = 1.0
-CHANGE = 0.03
-"""Plans are made anew where flights take more, or less, by such a share."""
+MORE, LESS = 0.03, 0.05
+"""Plans are made anew where flights take more by such a share, or less by such a one."""
 
 
 class EnergyWatch:
@@ -81,7 +81,7 @@ class EnergyWatch:
         more: in the middle of a lap another one would meet again what was just met.
         """
         ratio = self._energy.known.to_plan_with / self._energy.model.factor
-        return ratio > 1 + CHANGE or (ratio < 1 - CHANGE and self._has_charged)
+        return ratio > 1 + MORE or (ratio < 1 - LESS and self._has_charged)
 
     @property
     def _has_charged(self) -> bool:

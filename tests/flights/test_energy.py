@@ -121,8 +121,9 @@ def test_with_too_little_for_any_plan_it_lands_where_it_can(at_s: float) -> None
 
 @pytest.fixture
 def soon_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A dock that does not charge is left after half a minute, and not after two."""
+    """A dock that does not charge, or too slowly, is left after half a minute, not two or four."""
     monkeypatch.setattr(landing, "NO_CHARGE_S", 30.0)
+    monkeypatch.setattr(landing, "SLOW_WINDOWS", 1)
 
 
 @pytest.mark.usefixtures("soon_given_up")

@@ -49,8 +49,9 @@ def test_a_bound_is_kept_while_plans_learn_that_flights_take_more() -> None:
 
 @pytest.fixture
 def soon_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A dock that does not charge is left after half a minute, and not after two."""
+    """A dock that does not charge, or too slowly, is left after half a minute, not two or four."""
     monkeypatch.setattr(landing, "NO_CHARGE_S", 30.0)
+    monkeypatch.setattr(landing, "SLOW_WINDOWS", 1)
 
 
 @pytest.mark.long

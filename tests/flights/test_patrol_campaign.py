@@ -259,9 +259,8 @@ def flown(seed: int, hours: float = HOURS) -> Flown:
 def test_a_patrol_of_four_hours(seed: int) -> None:
     found = flown(seed)
     print(f"seed {seed}: {found}")
-    again = (
-        f"scripts/test -m long -rP '{__name__}.py::{test_a_patrol_of_four_hours.__name__}[{seed}]'"
-    )
+    name = f"{Path(__file__).name}::{test_a_patrol_of_four_hours.__name__}[{seed}]"
+    again = f"scripts/test -m long -rP 'tests/flights/{name}'"
     last = "\n".join(event.text for event in found.flight.events[-20:])
     about = f"{found}\n{last}\n{again}"
     assert not found.flight.companion.has_ended, about

@@ -27,6 +27,8 @@ from companion.vehicle.port import Failed, Goal, Progress
 
 NO_CHARGE_S = 120.0
 """Time without one more percent after which a charger is given up."""
+SLOW_WINDOWS = 2
+"""So often, one after the other, it gives too little in that time: a power cut is no slow dock."""
 
 
 class ReachGoals(Leaf):
@@ -135,8 +137,8 @@ class BeginAgain(TakeOffVehicle):
 class ChargeBattery(Leaf):
     """Waits until the battery has so much.
 
-    A dock is given up that gives no percent in two minutes, or in two minutes less than half of
-    what the mission says of it; where the vehicle cannot go to another one, it waits longer.
+    A dock is given up that gives no percent in two minutes, or twice in two minutes less than half
+    of what the mission says of it; where the vehicle cannot go to another one, it waits longer.
     """
 
     does = LeafType.CHARGE
@@ -150,7 +152,8 @@ class ChargeBattery(Leaf):
         self._most = -1
         self._since_s = self._flight.now_s
         self._window: tuple[float, int] | None = None  # its beginning, and the percents then
-        self._is_slow = self._is_told = False
+        self._slow_windows = 0
+        self._is_told = False
 
     def update(self) -> Status:
         """SUCCESS at the percentage; FAILURE if it does not rise any longer, or too slowly."""
@@ -165,7 +168,7 @@ class ChargeBattery(Leaf):
             return self._await_power(percent)
         if percent is not None:
             self._measure(percent)
-        if self._is_slow and not flight.dock.patience_s:
+        if self._slow_windows >= SLOW_WINDOWS and not flight.dock.patience_s:
             return self.fail(f"the battery charges too slowly, it is at {percent} %")
         return Status.RUNNING
 
@@ -178,7 +181,7 @@ class ChargeBattery(Leaf):
         if percent is not None and not self._is_told:
             self._is_told = True
             flight.report(ChargeAwaited(percent, round(patience_s)))
-        self._window = None  # what it gives counts from when it gives something again
+        self._window, self._slow_windows = None, 0  # what it gives counts from when it gives again
         return Status.RUNNING
 
     def _measure(self, percent: int) -> None:
@@ -187,7 +190,8 @@ class ChargeBattery(Leaf):
         begun_s, before = self._window or (now_s, percent)
         if now_s - begun_s > NO_CHARGE_S:
             expected_s = self._flight.dock.charging_s(before, percent + 1)
-            self._is_slow = expected_s < (now_s - begun_s) / 2
+            is_slow = expected_s < (now_s - begun_s) / 2
+            self._slow_windows = self._slow_windows + 1 if is_slow else 0
             begun_s, before = now_s, percent
         self._window = begun_s, before
 
